@@ -8,19 +8,19 @@
 //! are in degrees; visual angles are labeled as such. Lengths on the screen are physical pixels or cm. Times are
 //! seconds or [`std::time::Duration`]. Widths of a ramp are proportions of the stimulus window.
 //!
-//! **The map.** A module uses only modules with a lower floor number:
+//! **Architecture.** A module uses only modules with a lower floor number:
 //!
-//! | floor | module | what |
+//! | floor | module | contents |
 //! |---|---|---|
-//! | 0 | [`light`] | interpolation I_n, transfer functions, light to codes, images |
+//! | 0 | [`light`] | interpolation I_n, transfer functions, conversion of light to codes, images |
 //! | 1 | [`display`] | visual angle, cm and pixels; the properties of a screen |
-//! | 1 | [`shading`] | meshes, illumination, the shaders on CPU and graphics card, how much their slopes jump |
-//! | 1 | [`vision`] | image or profile → how visible its bands are |
-//! | 2 | [`stimulus`] | validated descriptions, their images, and predictions for them |
-//! | 3 | [`experiment`] | definition, order, session, record, observers |
-//! | 4 | [`analysis`] | ordinal models and tests from counts of ratings |
+//! | 1 | [`shading`] | meshes, illumination, shaders on the CPU and the GPU, and jumps in the slope of their light |
+//! | 1 | [`vision`] | predicts how visible the bands in an image or a profile are |
+//! | 2 | [`stimulus`] | validated descriptions of stimuli, their images, and predictions for them |
+//! | 3 | [`experiment`] | experiment definitions, trial order, sessions, records, observers |
+//! | 4 | [`analysis`] | ordinal models and tests, computed from counts of ratings |
 //! | 4 | [`store`] | every file format |
-//! | 5 | [`report`] | tables, figures and the report of a study |
+//! | 5 | [`report`] | tables, figures and study reports |
 //! | 6 | [`app`], [`cli`] | the window; the commands |
 //!
 //! Sources: Bangay, *Methods of Reducing the Visibility of Mach Bands during Gouraud Shading*; Shoaff,

@@ -1,4 +1,4 @@
-//! `machband`: arguments to window or command.
+//! The `machband` program: opens the window or runs a command.
 
 fn main() -> std::process::ExitCode {
     machband::cli::main()

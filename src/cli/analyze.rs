@@ -21,7 +21,7 @@ use crate::{
 /// Analyze ratings: descriptive statistics, ordinal model, tests, figures and a report.
 ///
 /// Reads result files, folders of result files, tables of counts, or any CSV file with column names. If part of the
-/// input has errors, each is reported, the rest is analyzed, and the exit status is 1.
+/// input has errors, every error is reported, the rest is analyzed, and the exit status is 1.
 #[derive(clap::Args)]
 #[command(after_help = "Examples: machband analyze results/bangay2003 --out analysis\n          \
     machband analyze ratings.csv --subject id --response score --terms width,num:inv_n --out analysis")]
@@ -33,7 +33,7 @@ pub(super) struct Arguments {
     out: PathBuf,
     #[command(flatten)]
     model: ModelOptions,
-    /// Random intercept per participant [default: subject if there are at least two participants].
+    /// Random intercept for each participant [default: subject if there are at least two participants].
     #[arg(long, value_parser = named::<Random>(Random::NAMES))]
     random: Option<Random>,
     /// Bootstrap seed.
@@ -62,7 +62,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         let shown: Vec<&str> = categories.iter().take(12).map(String::as_str).collect();
         let texts = shown.join(",");
         let message = format!(
-            "--response {}: {texts} are not numbers; expected their order, lowest first, in --categories {texts}",
+            "--response {}: {texts} are not numbers; expected their order, lowest first, such as --categories {texts}",
             study.source.shape.response
         );
         return Err(UsageError(message).into());
@@ -110,7 +110,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     super::ratings::faults(&study.source)
 }
 
-/// Whether the terms are wrong, not the data.
+/// True if the error is in the requested model and not in the data.
 fn is_usage(error: &ModelError) -> bool {
     matches!(
         error,
@@ -121,7 +121,7 @@ fn is_usage(error: &ModelError) -> bool {
     )
 }
 
-/// The vision model's prediction in one line.
+/// Summarizes the vision model's prediction in one line.
 fn prediction_line(predicted: &Result<StudyPrediction, PredictionError>, took: Duration) -> String {
     match predicted {
         Ok(StudyPrediction { comparison, .. }) => format!(

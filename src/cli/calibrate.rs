@@ -17,14 +17,14 @@ use crate::{
 
 /// Make a display profile from photometer readings.
 ///
-/// READINGS.csv has the columns channel,level,luminance_cd_m2: channel is r, g, b or gray; level is the code divided by the
-/// largest code, 0 to 1; readings in the order in which they were taken, including repeated ones.
+/// READINGS.csv has the columns channel,level,luminance_cd_m2. The channel is r, g, b or gray; the level is the code
+/// divided by the largest code, 0 to 1. List the readings in the order in which you took them, including repeats.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example: machband calibrate left.csv --out left.toml --with \"Konica Minolta LS-150\" --plot left.svg\n\n\
-    Models: srgb is the curve of sRGB; gamma is black + range·V^γ; gog has an offset too, (gain·V + offset)^γ; table\n\
-    interpolates the readings if no curve fits them. auto leaves out each level in turn and chooses the simplest of the\n\
-    models that predict it best."
+    Models: srgb is the sRGB curve; gamma is black + range·V^γ; gog adds an offset, (gain·V + offset)^γ; table\n\
+    interpolates the readings, for displays that no curve fits. auto leaves out each level in turn and chooses the\n\
+    simplest of the models that predict the omitted levels best."
 )]
 pub(super) struct Arguments {
     /// Photometer readings.
@@ -36,7 +36,7 @@ pub(super) struct Arguments {
     /// Name of the display [default: the profile's file name].
     #[arg(long)]
     name: Option<String>,
-    /// Name of the person who measured.
+    /// Name of the person who took the readings.
     #[arg(long, value_name = "WHO")]
     by: Option<String>,
     /// Name of the photometer.
@@ -92,12 +92,12 @@ fn check(arguments: &Arguments) -> Result<(), UsageError> {
     for (option, path) in outputs {
         if let Some(path) = path.filter(|path| real(path) == real(&arguments.readings)) {
             let path = path.display();
-            return Err(UsageError(format!("{option} {path}: would replace the readings; expected another file")));
+            return Err(UsageError(format!("{option} {path}: would replace the readings; expected a different file")));
         }
     }
     match &arguments.plot {
         Some(path) if !has_extension(path, "svg") && !has_extension(path, "png") => Err(UsageError(format!(
-            "--plot {}: is neither SVG nor PNG; expected a name ending in .svg or .png",
+            "--plot {}: is neither an SVG nor a PNG file; expected a name ending in .svg or .png",
             path.display()
         ))),
         _ => Ok(()),
@@ -114,7 +114,7 @@ fn plot(path: &Path, calibration: &Calibration) -> anyhow::Result<()> {
     Ok(store::write_file(path, &bytes)?)
 }
 
-/// The findings in readable lines.
+/// Prints the results as text.
 fn print(arguments: &Arguments, calibration: &Calibration, family: Family) -> anyhow::Result<()> {
     let channels: Vec<&str> = calibration.readings.channels().iter().map(|channel| channel.name()).collect();
     let (file, readings) = (arguments.readings.display(), calibration.readings.all().len());
@@ -150,7 +150,7 @@ fn print(arguments: &Arguments, calibration: &Calibration, family: Family) -> an
     }
     calibration.notes.iter().try_for_each(|note| say(&format!("note: {note}")))?;
     let better = calibration.chosen;
-    say(&format!("better by cross-validation: {better} (the simplest of the best-predicting models)"))?;
+    say(&format!("best by cross-validation: {better} (the simplest of the best-predicting models)"))?;
     say(&format!("chosen: {family}{}", if arguments.model == "auto" { "" } else { ", as requested" }))
 }
 
@@ -170,7 +170,7 @@ fn cells(family: Family, channel: &FittedChannel) -> Vec<String> {
     ]
 }
 
-/// The findings as JSON.
+/// Returns the results as JSON.
 fn report(calibration: &Calibration, family: Family) -> Value {
     let models = calibration.models.iter().map(|model| {
         json!({

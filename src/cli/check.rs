@@ -9,7 +9,7 @@ use crate::store::{self, ratings, verify};
 
 /// Check definitions, result files, display profiles, observers and images, and report every error.
 ///
-/// A display profile that is old or dated in the future causes a warning on stderr, not an error.
+/// For a display profile that is old or dated in the future, prints a warning to stderr; this is not an error.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband check my-study.toml results/quick/data/*.csv")]
 pub(super) struct CheckArguments {
@@ -37,11 +37,11 @@ pub(super) fn check(arguments: &CheckArguments) -> anyhow::Result<()> {
     if faults.is_empty() { Ok(()) } else { Err(anyhow::anyhow!(faults.join("\n"))) }
 }
 
-/// Verify recorded sessions: rows, pictures and unchanged files.
+/// Verify that the rows and pictures of recorded sessions are correct and that no file was changed.
 ///
-/// Compares every row with the definition and the seed in the sidecar, renders every picture that was shown again and
+/// Checks every row against the definition and the seed in the sidecar, re-renders every picture that was shown and
 /// compares its hash, and compares every file with the hash recorded at the end of the session. Prints one line per
-/// session on stdout and every error on stderr; if there are errors, the exit status is 1.
+/// session to stdout and every error to stderr; if there are errors, the exit status is 1.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband verify results/bangay2003")]
 pub(super) struct VerifyArguments {
@@ -81,7 +81,7 @@ fn sentence(found: &verify::Verified) -> String {
     let mut parts = vec![
         format!("{rows} rows, {rated} of {planned} trials rated, {pictures} pictures rendered again"),
         if !faults.is_empty() {
-            format!("{} FAULTS", faults.len())
+            format!("{} ERRORS", faults.len())
         } else if *sealed {
             "unchanged since it was recorded".to_owned()
         } else {

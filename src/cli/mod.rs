@@ -1,7 +1,7 @@
-//! Floor 6: the commands, which do what the window does without opening one.
+//! Floor 6: the commands, which do the same work as the window without opening one.
 //!
-//! Exit status 0: done; 1: failed; 2: wrong usage. Errors go to stderr as `error: WHERE: what is wrong; what is
-//! expected`, warnings as `warning: WHERE: …`, data to stdout or the named files.
+//! The exit status is 0 for success, 1 for a failure, and 2 for wrong usage. Errors go to stderr as `error: WHERE: what
+//! is wrong; what is expected`, warnings go to stderr as `warning: WHERE: …`, and data go to stdout or the named files.
 
 mod analyze;
 mod calibrate;
@@ -60,12 +60,12 @@ enum Command {
     Verify(check::VerifyArguments),
 }
 
-/// Invalid arguments that were found after parsing: exit status 2.
+/// Invalid arguments found after parsing; the exit status is 2.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 struct UsageError(String);
 
-/// Runs the program with the process' arguments.
+/// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let result = match arguments.command {
@@ -95,7 +95,7 @@ pub fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // One line per fault, so that a search for `error:` finds each. Each line includes its cause.
+            // One line per error, so that a search for `error:` finds all of them. Each line includes its cause.
             for line in error.to_string().lines() {
                 // If stderr is closed, the exit status still reports the failure.
                 let _ = writeln!(std::io::stderr(), "error: {line}");
@@ -105,11 +105,11 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Writes one line of data to stdout. It is not an error if the reader has closed it, as `head -1` does.
+/// Writes one line of data to stdout. It is not an error if the reader has already closed the pipe, as `head -1` does.
 fn say(line: &str) -> anyhow::Result<()> {
     match writeln!(std::io::stdout(), "{line}") {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(anyhow::anyhow!("standard output: cannot write: {error}; expected room for the data"))
+            Err(anyhow::anyhow!("standard output: cannot write: {error}; expected enough space for the data"))
         }
         _ => Ok(()),
     }
@@ -120,32 +120,33 @@ fn wrote(path: &Path) -> anyhow::Result<()> {
     say(&format!("wrote {}", path.display()))
 }
 
-/// Warns of a measured profile that should be measured again. `place` is where the profile is from.
+/// Prints a warning if a measured profile should be measured again. `place` says where the profile comes from.
 fn warn(place: &str, profile: &DisplayProfile) {
     if let Some(warning) = profile.warning(today()).filter(|_| profile.measured.is_some()) {
         let _ = writeln!(std::io::stderr(), "warning: {place}: {warning}");
     }
 }
 
-/// The system clock's date.
+/// Today's date in UTC.
 fn today() -> jiff::civil::Date {
     jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date()
 }
 
-/// A progress bar for the terminal; `what` names the items counted.
+/// The style of a progress bar; `what` names the items that are counted.
 fn progress_style(what: &str) -> indicatif::ProgressStyle {
     let template = format!("{{bar:40}} {{pos}}/{{len}} {what}, {{eta}} to go");
     indicatif::ProgressStyle::with_template(&template).unwrap_or_else(|_| indicatif::ProgressStyle::default_bar())
 }
 
-/// Shows activity on a terminal when progress cannot be counted.
+/// Shows activity in the terminal when progress cannot be measured.
 fn spinner(what: &'static str) -> indicatif::ProgressBar {
     let spinner = indicatif::ProgressBar::new_spinner().with_message(what);
     spinner.enable_steady_tick(std::time::Duration::from_millis(120));
     spinner
 }
 
-/// A table as lines of text. Columns fit their cells, numbers are right-aligned, and empty columns are omitted.
+/// Formats a table as lines of text. Each column is as wide as its widest cell, numbers are right-aligned, and empty
+/// columns are omitted.
 fn columns(header: &[&str], rows: &[Vec<String>]) -> Vec<String> {
     let is_number = |cell: &String| {
         let first = cell.split([' ', '–']).next().unwrap_or_default();

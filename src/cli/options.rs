@@ -1,4 +1,4 @@
-//! Options that several commands share: the stimulus, and how its light becomes codes.
+//! Options that several commands share: the stimulus, and how its light is converted to codes.
 
 use std::{path::PathBuf, str::FromStr};
 
@@ -15,7 +15,7 @@ use crate::{
     store,
 };
 
-/// One of `names`, parsed.
+/// A parser that accepts only one of `names`.
 pub(super) fn named<T>(names: &'static [&'static str]) -> impl TypedValueParser<Value = T>
 where
     T: FromStr<Err: std::error::Error + Send + Sync + 'static> + Clone + Send + Sync + 'static,
@@ -26,11 +26,11 @@ where
 /// The ordinal model that `analyze` fits and `plan` simulates.
 #[derive(clap::Args)]
 pub(super) struct ModelOptions {
-    /// Terms of the model: name factors, prefix numbers with num:, and join interactions with : or * [default: every
-    /// factor that varies].
+    /// Terms of the model: names of factors. Prefix a numeric term with num:, and join the factors of an interaction
+    /// with : or * [default: every factor that varies].
     #[arg(long, value_name = "T,…")]
     terms: Option<String>,
-    /// Link of the cumulative model.
+    /// Link function of the cumulative model.
     #[arg(long, default_value = "logit", value_parser = named::<Link>(Link::NAMES))]
     pub(super) link: Link,
     /// Number of nodes of the adaptive Gauss–Hermite quadrature; 1 is the Laplace approximation.
@@ -39,14 +39,14 @@ pub(super) struct ModelOptions {
 }
 
 impl ModelOptions {
-    /// The terms, if any were given.
+    /// Parses the terms, if any were given.
     pub(super) fn terms(&self) -> Result<Option<Terms>, UsageError> {
         let terms = self.terms.as_deref().map(Terms::parse).transpose();
         terms.map_err(|error| UsageError(error.to_string()))
     }
 }
 
-/// How the display turns codes into light.
+/// How the display converts codes to light.
 #[derive(clap::Args)]
 pub(super) struct TransferOptions {
     /// Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; separate three with / for
@@ -59,7 +59,7 @@ pub(super) struct TransferOptions {
 }
 
 impl TransferOptions {
-    /// The transfer functions (sRGB by default) and the hash of their profile.
+    /// Returns the transfer functions (sRGB by default) and the hash of their profile.
     pub(super) fn transfers(&self) -> anyhow::Result<(Transfers, Option<String>)> {
         Ok(match (&self.display, &self.transfer) {
             (Some(path), _) => {
@@ -73,14 +73,14 @@ impl TransferOptions {
         })
     }
 
-    /// The luminance of white in cd/m², if the profile has it.
+    /// Returns the luminance of white in cd/m², if the profile contains it.
     pub(super) fn white(&self) -> anyhow::Result<Option<f64>> {
         let profile = self.display.as_deref().map(store::profile::open).transpose()?;
         Ok(profile.and_then(|profile| profile.luminance).map(|range| range.white_cd_m2))
     }
 }
 
-/// How light becomes codes.
+/// How an image converts light to codes.
 #[derive(clap::Args)]
 pub(super) struct ImageOptions {
     /// Side of the image in pixels.
@@ -101,8 +101,8 @@ pub(super) struct ImageOptions {
 }
 
 impl ImageOptions {
-    /// The complete description of an image of this stimulus. Call it once: it reads the display profile and prints
-    /// its warning.
+    /// Returns the complete description of an image of this stimulus. Call it only once, because it reads the display
+    /// profile and prints its warning.
     pub(super) fn recipe(&self, stimulus: Stimulus) -> anyhow::Result<Recipe> {
         let (transfers, display_sha256) = self.transfer.transfers()?;
         Ok(Recipe {
@@ -117,17 +117,17 @@ impl ImageOptions {
     }
 }
 
-/// The stimulus: `--kind`, and an option for every parameter of any kind in the catalog.
+/// The stimulus options: `--kind`, and one option for each parameter that any kind in the catalog has.
 pub(super) struct StimulusOptions {
     kind: String,
     given: Vec<(&'static str, String)>,
 }
 
 impl StimulusOptions {
-    /// The stimulus.
+    /// Builds the stimulus.
     ///
     /// # Errors
-    /// Every parameter that the kind does not have, and every impossible value.
+    /// Reports every parameter that the kind does not have, and every invalid value.
     pub(super) fn stimulus(&self) -> anyhow::Result<Stimulus> {
         let fail = |faults: Vec<String>| UsageError(faults.join("\n"));
         let mut stimulus = Stimulus::default_of(&self.kind).ok_or_else(|| {
@@ -149,7 +149,7 @@ impl StimulusOptions {
     }
 }
 
-/// Every parameter in the catalog once, with the kinds that have it.
+/// Lists every parameter in the catalog once, with the kinds that have it.
 fn parameters() -> Vec<(&'static Parameter, Vec<&'static str>)> {
     let mut found: Vec<(&Parameter, Vec<&str>)> = Vec::new();
     for entry in catalog::all() {
@@ -179,7 +179,7 @@ impl Args for StimulusOptions {
             defaults.dedup();
             let default = match defaults.as_slice() {
                 [one] => format!(" [default: {one}]"),
-                [first, ..] => format!(" [default: {first} for {}, otherwise the kind's own]", kinds[0]),
+                [first, ..] => format!(" [default: {first} for {}, other kinds have their own]", kinds[0]),
                 [] => String::new(),
             };
             command.arg(

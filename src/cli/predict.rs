@@ -22,8 +22,9 @@ use crate::{
 
 /// Predict the visibility of Mach bands in one stimulus, in every condition of a definition, or in any image.
 ///
-/// Visibility is contrast times sensitivity, pooled over all channels: 0 means no band, 1 a band that is just visible. No
-/// observer is needed; --fit compares the prediction with ratings and estimates the thresholds between ratings.
+/// Visibility is contrast times sensitivity, pooled over all channels: 0 means no band, 1 means a band that is just
+/// visible. No observer is needed; --fit compares the prediction with ratings and estimates the thresholds between
+/// ratings.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples: machband predict --width 0.1 --depth 3\n          machband predict bangay2003 --out predicted.csv\n          machband predict --image render.png --window 20 --map bands.png\n          machband predict bangay2003 --fit results --criterion lab.toml"
@@ -34,7 +35,7 @@ pub(super) struct Arguments {
     /// Predict any opaque PNG image.
     #[arg(long, value_name = "FILE.png", conflicts_with = "experiment")]
     image: Option<PathBuf>,
-    /// Where to write a map of the image's bands: bright bands white, dark bands black.
+    /// Where to write a map of the image's bands: bright bands are white, dark bands are black.
     #[arg(long, value_name = "FILE.png", requires = "image")]
     map: Option<PathBuf>,
     #[command(flatten)]
@@ -44,8 +45,8 @@ pub(super) struct Arguments {
     /// Side of the stimulus in pixels [default: 512, or 1024 if it varies in one direction only].
     #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(16..=16384))]
     size: Option<u32>,
-    /// Width of the stimulus or image in degrees of visual angle [default: from the rated sessions, else from the
-    /// definition, else 10].
+    /// Width of the stimulus or image in degrees of visual angle [default: the width in the rated sessions, otherwise
+    /// in the definition, otherwise 10].
     #[arg(long, value_name = "DEG")]
     window: Option<f64>,
     /// Luminance of white in cd/m² [default: the display profile's, or 100].
@@ -54,7 +55,7 @@ pub(super) struct Arguments {
     /// Compare the prediction with ratings from these result files or folders.
     #[arg(long, value_name = "FILE|DIR", num_args = 1.., requires = "experiment")]
     fit: Vec<PathBuf>,
-    /// Thresholds between ratings: written with --fit, otherwise read.
+    /// File with the thresholds between ratings; written with --fit, otherwise read.
     #[arg(long, value_name = "FILE.toml")]
     criterion: Option<PathBuf>,
     /// Where to write the table [default: standard output].
@@ -163,7 +164,7 @@ fn tell(comparison: &Comparison) -> anyhow::Result<()> {
     say(&format!("mean for individual participants: {}; {ceiling}", number(comparison.with_subjects)))
 }
 
-/// The criterion that was given, or the default.
+/// Returns the criterion from the given file, or the default.
 fn criterion(arguments: &Arguments) -> anyhow::Result<Criterion> {
     match &arguments.criterion {
         Some(path) => Ok(observer::open_vision(path)?.criterion()),
@@ -171,7 +172,7 @@ fn criterion(arguments: &Arguments) -> anyhow::Result<Criterion> {
     }
 }
 
-/// Writes the table; a band less visible than `least` is treated as having that visibility.
+/// Writes the table. A band that is less visible than `least` is treated as having that visibility.
 fn write(
     arguments: &Arguments,
     header: &[&str],

@@ -1,4 +1,4 @@
-//! `machband counts`, and the options for files and columns that it shares with `analyze`.
+//! `machband counts`, and the file and column options that it shares with `analyze`.
 
 use std::path::PathBuf;
 
@@ -29,7 +29,7 @@ pub(super) struct RatingOptions {
     /// Column with the number of trials per row [default: count, if present].
     #[arg(long, value_name = "COL")]
     count: Option<String>,
-    /// Columns with the factors [default: those of the definition or of the terms].
+    /// Columns with the factors [default: the factors of the definition or of the terms].
     #[arg(long, value_name = "COL,…", value_delimiter = ',')]
     factors: Option<Vec<String>>,
     /// Exclude sessions with unrated trials.
@@ -38,7 +38,7 @@ pub(super) struct RatingOptions {
 }
 
 impl RatingOptions {
-    /// Reads the files; `also` are columns that a model needs.
+    /// Reads the files; `also` names additional columns that a model needs.
     pub(super) fn read(&self, also: &[String], details: bool) -> anyhow::Result<Study> {
         let how = ReadOptions {
             subject: self.subject.clone(),
@@ -54,7 +54,7 @@ impl RatingOptions {
     }
 }
 
-/// One line about what was read and what was left out.
+/// Summarizes in one line what was read and what was left out.
 pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
     let sum = |of: fn(&FileRead) -> u64| source.files.iter().map(of).sum::<u64>();
     let left_out: Vec<String> = [
@@ -84,7 +84,7 @@ pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
     line
 }
 
-/// All faults of the input, as the command's failure.
+/// Fails with all errors in the input, if there are any.
 pub(super) fn faults(source: &Source) -> anyhow::Result<()> {
     if source.faults.is_empty() {
         return Ok(());
@@ -95,7 +95,7 @@ pub(super) fn faults(source: &Source) -> anyhow::Result<()> {
 
 /// Reduce ratings to counts, the sufficient statistic: one row per participant, condition and rating.
 ///
-/// `analyze` accepts the table instead of the files, with the same --subject and --response, and gives the same
+/// `analyze` accepts this table in place of the files, with the same --subject and --response, and computes the same
 /// descriptive statistics, models and tests. The table does not contain repeated ratings or response times.
 #[derive(clap::Args)]
 #[command(after_help = "Examples: machband counts results/bangay2003 --out counts.csv\n          \

@@ -13,7 +13,7 @@ use crate::{
     },
 };
 
-/// Open the window and go straight to a session.
+/// Open the window and start a session.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband run bangay2003 --participant S001 --session 1 --seed 7")]
 pub(super) struct Arguments {
@@ -22,7 +22,7 @@ pub(super) struct Arguments {
     /// Participant ID [default: the next unused one of P001, P002, …].
     #[arg(long, value_name = "ID", value_parser = Identity::check_subject)]
     participant: Option<String>,
-    /// Session ID of the participant.
+    /// Session ID.
     #[arg(long, value_name = "ID", default_value = "1", value_parser = Identity::check_session)]
     session: String,
     /// Seed of the trial order [default: a new random seed].
@@ -34,7 +34,8 @@ pub(super) struct Arguments {
     /// Display profile [default: sRGB].
     #[arg(long, value_name = "PROFILE.toml")]
     display: Option<PathBuf>,
-    /// Show gray instead of color, for a participant with a color vision deficiency; the experiment's name then ends in -gray.
+    /// Show gray instead of color, for a participant with a color vision deficiency; the experiment's name then ends in
+    /// -gray.
     #[arg(long)]
     gray: bool,
     /// Use a window instead of the full screen.
@@ -51,7 +52,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         (false, _) => protocol,
         (true, Some(gray)) => gray,
         (true, None) => {
-            let message = format!("--gray: {} is already gray or varies the color; expected no --gray", protocol.name);
+            let message = format!("--gray: {} is already gray or varies color; omit --gray", protocol.name);
             return Err(super::UsageError(message).into());
         }
     };

@@ -28,8 +28,8 @@ use crate::{
 /// Shade a mesh: write its image, measure how smooth its edges are, and predict how visible its bands are.
 ///
 /// Bands are predicted as in `machband predict`, on the surface within its outlines, from light that is not rounded to
-/// codes: 0 means no band, 1 a band that is just visible. The prediction always uses an image of 512 × 512 pixels that is
-/// --window degrees wide, regardless of --size; the eye is adapted to its mean luminance.
+/// codes: 0 means no band, 1 means a band that is just visible. The prediction always uses an image of 512 × 512 pixels
+/// that is --window degrees wide, regardless of --size; the eye is assumed to be adapted to its mean luminance.
 #[derive(clap::Args)]
 #[command(
     allow_negative_numbers = true,
@@ -45,20 +45,21 @@ pub(super) struct Arguments {
     /// Angle in degrees above which the edge between two faces of an OBJ file is a crease.
     #[arg(long, value_name = "DEG", default_value_t = 180.0, value_parser = within(0.0, 180.0))]
     crease: f64,
-    /// Shader, which interpolates light over each triangle.
+    /// Shader: how the light inside each triangle is computed.
     #[arg(long, value_parser = named::<Shader>(Shader::NAMES))]
     shader: Shader,
-    /// Continuity depth n of the strips at the edges, 1 to 32 or inf; for fixed, gradient, exact, cut and corrections.
+    /// Continuity depth n of the strips at the edges, 1 to 32 or inf; used by fixed, gradient, exact, cut and the
+    /// corrections.
     #[arg(long, value_name = "N", default_value = "1")]
     depth: Depth,
     /// Width b of the strips, as a barycentric weight, 0 to 1; values above 1/3 affect only cut [default: 1/3 for
     /// cut, otherwise 0.2].
     #[arg(long, value_name = "B", value_parser = within(0.0, 1.0))]
     boundary: Option<f64>,
-    /// Vertex shading, Bangay eq. 7.
+    /// Vertex shading correction (Bangay, eq. 7).
     #[arg(long, default_value = "off", value_parser = named::<Correction>(Correction::NAMES))]
     vertex: Correction,
-    /// Intensity reweighting, Bangay eq. 9.
+    /// Intensity reweighting correction (Bangay, eq. 9).
     #[arg(long, default_value = "off", value_parser = named::<Correction>(Correction::NAMES))]
     reweight: Correction,
     /// How patch computes its slopes.
@@ -88,10 +89,10 @@ pub(super) struct Arguments {
     /// Exponent of the highlight.
     #[arg(long, value_name = "M", default_value_t = Scene::default().shininess, value_parser = within(1.0, 1000.0))]
     shininess: f64,
-    /// Light of the background, 0 to 1.
+    /// Background light, 0 to 1.
     #[arg(long, value_name = "L", default_value_t = Scene::default().background, value_parser = within(0.0, 1.0))]
     background: f64,
-    /// Distance of the eye in radii of the mesh, 1.05 to 1e6; inf for a parallel projection.
+    /// Distance of the eye in mesh radii, 1.05 to 1e6; inf for a parallel projection.
     #[arg(long, value_name = "R", default_value_t = f64::INFINITY, value_parser = distance)]
     distance: f64,
     /// Interpolate encoded values, like a renderer that ignores gamma.
@@ -123,7 +124,7 @@ pub(super) struct Arguments {
     white: Option<f64>,
 }
 
-/// What is measured and predicted of a renderer.
+/// The measurements and predictions for one renderer.
 #[derive(Clone)]
 struct Measured {
     creases: Creases,
@@ -131,7 +132,7 @@ struct Measured {
     density: f64,
 }
 
-/// A number from `least` to `most`.
+/// A parser that accepts only numbers from `least` to `most`.
 fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {
     move |text| match text.parse() {
         Ok(number) if (least..=most).contains(&number) => Ok(number),
@@ -140,11 +141,11 @@ fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone
     }
 }
 
-/// The distance of the eye, in radii of the mesh.
+/// Parses the distance of the eye, in mesh radii.
 fn distance(text: &str) -> Result<f64, String> {
     match text {
         "inf" => Ok(f64::INFINITY),
-        _ => within(1.05, 1e6)(text).map_err(|error| format!("{error}, or inf (the mesh has the radius 1)")),
+        _ => within(1.05, 1e6)(text).map_err(|error| format!("{error}, or inf (the mesh has a radius of 1)")),
     }
 }
 
@@ -196,13 +197,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Prints a note to stderr; it is not an error.
+/// Prints a note to stderr. A note is not an error.
 fn note(text: &str) {
-    // It does not matter if nobody reads it.
+    // It does not matter if stderr is closed.
     let _ = writeln!(std::io::stderr(), "note: {text}");
 }
 
-/// `value` relative to Gouraud's; `None` if Gouraud's is only rounding error.
+/// Returns `value` relative to Gouraud's; `None` if Gouraud's is only rounding error.
 fn over(value: f64, gouraud: f64) -> Option<f64> {
     (gouraud > crease::NOISE).then(|| value / gouraud)
 }
@@ -210,7 +211,7 @@ fn over(value: f64, gouraud: f64) -> Option<f64> {
 /// Prints the two measurements that matter most.
 fn summarize(shader: Shader, own: &Measured, gouraud: &Measured, viewing: &ViewingConditions) -> anyhow::Result<()> {
     let of_gouraud = |of: fn(&Measured) -> f64| match over(of(own), of(gouraud)) {
-        Some(over) => format!("{over:.4} of Gouraud's"),
+        Some(over) => format!("{over:.4} times Gouraud's"),
         None => "Gouraud has none".to_owned(),
     };
     let (rms, edges, over) = (own.creases.rms, own.creases.edges.len(), of_gouraud(|of| of.creases.rms));
@@ -218,7 +219,7 @@ fn summarize(shader: Shader, own: &Measured, gouraud: &Measured, viewing: &Viewi
     let (Visibility { bright, dark }, deg) = (own.visibility, viewing.window_deg);
     let (visibility, over) = (own.visibility.max(), of_gouraud(|of| of.visibility.max()));
     say(&format!(
-        "{shader}: visibility of bands {visibility:.2} (bright {bright:.2}, dark {dark:.2}) in a window of {deg}°, {over}"
+        "{shader}: visibility of bands {visibility:.2} (bright {bright:.2}, dark {dark:.2}) in a {deg}° window, {over}"
     ))
 }
 
@@ -229,7 +230,7 @@ fn append(object: &mut Value, fields: Value) {
     }
 }
 
-/// The number of edges and triangles, and what was measured and predicted, next to Gouraud's.
+/// Returns the numbers of edges and triangles, and the measurements and predictions along with Gouraud's.
 fn measurements(
     surface: &Surface,
     frame: &Frame,
@@ -277,7 +278,7 @@ impl Arguments {
             let Some(path) = path else { continue };
             if let Some((other, _)) = files.iter().find(|(_, other)| other == path) {
                 return Err(UsageError(format!(
-                    "{option} {} is also the file of {other}; expected a different file",
+                    "{option} {} is the same file as {other}; expected a different file",
                     path.display()
                 )));
             }
@@ -294,7 +295,7 @@ impl Arguments {
         let Self { shader, depth, vertex, reweight, gradients, naive, .. } = *self;
         let boundary = self.boundary.unwrap_or(Shade::new(shader).boundary);
         if [vertex, reweight] != [Correction::Off; 2] && !shader.interpolates_light() {
-            let message = format!("--vertex and --reweight correct interpolated light; expected off with {shader}");
+            let message = format!("--vertex and --reweight need interpolated light; expected off for {shader}");
             return Err(UsageError(message));
         }
         Ok(Renderer { shade: Shade { shader, depth, boundary, vertex, reweight, gradients }, naive })
@@ -303,7 +304,7 @@ impl Arguments {
     fn scene(&self) -> Result<Scene, UsageError> {
         let light = DVec3::from_array(self.light.0);
         if !(1e-6..=1e6).contains(&light.length()) {
-            let message = format!("--light {} has no direction; expected a length from 1e-6 to 1e6", self.light);
+            let message = format!("--light {} is too short or long; expected a length from 1e-6 to 1e6", self.light);
             return Err(UsageError(message));
         }
         Ok(Scene {
@@ -327,7 +328,7 @@ impl Arguments {
         Ok(ViewingConditions { window_deg: self.window, white_cd_m2 })
     }
 
-    /// A black picture has no bands.
+    /// Combines the measurements with the prediction. An all-black picture has no bands.
     fn measured(&self, creases: Creases, shot: &Shot<'_>, viewing: &ViewingConditions) -> anyhow::Result<Measured> {
         match viewing.predict_surface(&shot.frame, &shot.emitted()) {
             Ok(view) => Ok(Measured { creases, visibility: view.visibility, density: view.density }),
@@ -351,7 +352,7 @@ impl Arguments {
         Ok(store::mesh::read(path, self.crease)?)
     }
 
-    /// All parameters of the image.
+    /// Describes all parameters of the image.
     fn describe(&self, scene: &Scene, renderer: &Renderer) -> Value {
         let mut all = json!({ "mesh": self.mesh, "vertices": self.vertices, "crease_deg": self.crease });
         append(&mut all, renderer.describe());

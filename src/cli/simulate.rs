@@ -24,15 +24,16 @@ use crate::{
     },
 };
 
-/// Sessions that run at the same time. A session spends most of its time waiting for the disk (every row is synced), and
-/// a disk serves several waiting sessions at once, so this exceeds the number of cores.
+/// Number of sessions that run at the same time. A session spends most of its time waiting for the disk (every row is
+/// synced), and a disk serves several waiting sessions at once, so this exceeds the number of cores.
 const AT_A_TIME: usize = 32;
 
-/// Run sessions with a simulated observer: the same sessions and files as with the window, but without it.
+/// Run sessions with a simulated observer. The sessions and files are the same as those from the window, but no window
+/// opens.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband simulate bangay2003 --participants 8 --seed 1 --results results")]
 pub(super) struct Arguments {
-    /// Built-in definition or path of a .toml file.
+    /// Built-in definition or path to a .toml file.
     experiment: String,
     /// Number of participants, numbered from S001.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
@@ -43,9 +44,9 @@ pub(super) struct Arguments {
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "results")]
     results: PathBuf,
-    /// Observer.
-    #[arg(long, value_enum, default_value_t = Rule::Paper)]
-    observer: Rule,
+    /// Simulated observer.
+    #[arg(long, value_enum, default_value_t = ObserverKind::Paper)]
+    observer: ObserverKind,
     /// Parameters of the paper or vision observer; experiments/observers has the documented defaults.
     #[arg(long, value_name = "FILE.toml")]
     observer_file: Option<PathBuf>,
@@ -54,9 +55,9 @@ pub(super) struct Arguments {
     resume: bool,
 }
 
-/// The rule by which a simulated observer rates.
+/// How a simulated observer rates.
 #[derive(Clone, Copy, clap::ValueEnum)]
-enum Rule {
+enum ObserverKind {
     /// Follows the paper's findings
     Paper,
     /// Presses any key
@@ -70,10 +71,10 @@ struct Simulation<'a> {
     arguments: &'a Arguments,
     protocol: Protocol,
     observer: Box<dyn Observer>,
-    /// The observer, for the sidecars.
+    /// How the sidecars describe the observer.
     description: serde_json::Value,
     pictures: Pictures,
-    /// Hashes of the pictures. They are rendered when the first session ends: rows do not wait for them.
+    /// Hashes of the pictures, which are rendered when the first session ends, so that no row waits for them.
     hashes: OnceLock<Vec<String>>,
     bar: ProgressBar,
 }
@@ -105,23 +106,23 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     ))
 }
 
-/// The observer, and how the sidecars describe it.
+/// Returns the observer, and how the sidecars describe it.
 fn observer(arguments: &Arguments, protocol: &Protocol) -> anyhow::Result<(Box<dyn Observer>, serde_json::Value)> {
     let file = arguments.observer_file.as_deref();
     Ok(match arguments.observer {
-        Rule::Random if file.is_some() => {
-            let message = "--observer-file belongs to --observer paper or vision; expected one of them";
+        ObserverKind::Random if file.is_some() => {
+            let message = "--observer-file does not apply to --observer random; expected --observer paper or vision";
             return Err(UsageError(message.to_owned()).into());
         }
-        Rule::Random => (Box::new(UniformObserver), json!({ "observer": "random" })),
-        Rule::Vision => {
+        ObserverKind::Random => (Box::new(UniformObserver), json!({ "observer": "random" })),
+        ObserverKind::Vision => {
             let parameters = file.map(observer::open_vision).transpose()?.unwrap_or_default();
             let description = json!({ "observer": "vision", "vision": parameters });
             let observer = VisionObserver::new(parameters, protocol)
                 .map_err(|error| anyhow::anyhow!("{}: {error}", arguments.experiment))?;
             (Box::new(observer), description)
         }
-        Rule::Paper => {
+        ObserverKind::Paper => {
             let parameters = match file {
                 Some(path) => observer::open(path)?,
                 None => observer::parse("paper.toml", observer::PAPER)?,
@@ -162,7 +163,8 @@ impl Simulation<'_> {
             return Ok(());
         }
         let elapsed = Duration::from_secs_f64(elapsed_s);
-        // Simulated time runs on from what is recorded; the wall clock is where it would have begun.
+        // Simulated time continues from the recorded time. `origin` is the wall-clock time at which the session would
+        // have started.
         let origin = Timestamp::now() - elapsed;
         let options = SessionOptions { pages: 0, frames: FrameCount::Off };
         let mut session = Session::new(protocol.clone(), schedule.clone(), &resumed, options);
@@ -177,7 +179,8 @@ impl Simulation<'_> {
         Ok(())
     }
 
-    /// On a thread of its own: a session that waits for the hashes must not be what renders them.
+    /// Renders the pictures on a separate thread, outside the pool. A pool thread could pick up another session while
+    /// it renders, and that session would wait for the same hashes: a deadlock.
     fn hash(&self, conditions: &[Condition]) -> Vec<String> {
         std::thread::scope(|scope| scope.spawn(|| self.pictures.hashes(conditions)).join()).unwrap_or_default()
     }

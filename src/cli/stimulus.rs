@@ -31,7 +31,7 @@ pub(super) struct StimulusArguments {
     /// such as median-cut:16.
     #[arg(long, value_name = "METHOD:N", requires = "out")]
     palette: Option<String>,
-    /// Draw each pixel as a cell of dots, for a device with few codes such as a printer; given as matrix and bits per
+    /// Draw each pixel as a cell of dots, for devices with few codes such as printers; given as matrix and bits per
     /// channel, such as clustered3:1.
     #[arg(long, value_name = "MATRIX:BITS", requires = "out", conflicts_with = "palette")]
     halftone: Option<String>,
@@ -76,7 +76,7 @@ pub(super) fn stimulus(arguments: &StimulusArguments) -> anyhow::Result<()> {
     finish(arguments, &recipe, &quantizer)
 }
 
-/// Writes the requested profile, and reports the files that were written.
+/// Writes the profile if requested, and reports the files that were written.
 fn finish(arguments: &StimulusArguments, recipe: &Recipe, quantizer: &Quantizer) -> anyhow::Result<()> {
     if let Some(profile) = &arguments.profile {
         store::curve::write_profile(profile, recipe, quantizer)?;
@@ -90,19 +90,19 @@ fn finish(arguments: &StimulusArguments, recipe: &Recipe, quantizer: &Quantizer)
     after_help = "Examples: machband stimuli bangay2003 --out stimuli --size 512 --bits 16\n          machband stimuli bangay2003 --out stimuli --shard $SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT"
 )]
 pub(super) struct StimuliArguments {
-    /// Built-in definition or path of a .toml file.
+    /// Built-in definition or path to a .toml file.
     experiment: String,
     /// Folder for the images.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Make only part I of N, counted from 1, to divide the work among machines or the tasks of a job array.
+    /// Make only part I of N, counted from 1, to split the work among machines or the tasks of a job array.
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     shard: Shard,
     #[command(flatten)]
     image: ImageOptions,
 }
 
-/// Part `index` of `of` parts, from 1.
+/// Part `index` of `of` parts, counted from 1.
 #[derive(Clone, Copy, Debug)]
 struct Shard {
     index: usize,

@@ -11,9 +11,9 @@ use crate::{
 
 /// Measure frame intervals.
 ///
-/// Opens a window that changes with every frame, and reports the frame intervals and their percentiles, dropped frames
-/// (intervals above 1.5 refreshes) and missed refreshes, and whether the frames follow a steady refresh at all. The patch
-/// is a target for a photodiode: only its light shows when a frame reaches the eye.
+/// Opens a window that changes with every frame, and reports the frame intervals, their percentiles, dropped frames
+/// (intervals longer than 1.5 refreshes), missed refreshes, and whether the frames follow a steady refresh at all. The
+/// patch is a target for a photodiode, because only its light shows when a frame reaches the eye.
 ///
 /// With the scene `patch`, a small patch flickers at the screen's refresh rate. Do not look at it.
 #[derive(clap::Args)]
@@ -37,10 +37,10 @@ pub(super) struct Arguments {
     /// Position of the patch.
     #[arg(long, default_value = "corner")]
     place: Place,
-    /// CSV file for every interval.
+    /// Where to write every interval as CSV.
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
-    /// Chart of the intervals.
+    /// Where to write a chart of the intervals.
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
 }

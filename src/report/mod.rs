@@ -1,8 +1,8 @@
-//! Floor 5: from files to the report of a study.
+//! Floor 5: creates the report of a study from its files.
 //!
-//! [`Study`] holds what was read, and [`analyze`](crate::analysis::analyze) computes its results. [`study`] turns these
-//! into blocks of a [`document`](mod@document), with sentences and [`figures`], and [`skins`] display the document.
-//! [`tables`] contain the results as CSV and JSON. [`write_all`] writes everything into a folder.
+//! [`Study`] contains what was read, and [`analyze`](crate::analysis::analyze) computes its results. [`study`] turns
+//! the results into blocks of a [`document`](mod@document), with sentences and [`figures`], and [`skins`] display the
+//! document. [`tables`] contain the results as CSV and JSON. [`write_all`] writes everything into a folder.
 
 pub mod document;
 pub mod figures;

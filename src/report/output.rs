@@ -1,4 +1,4 @@
-//! The output of `machband analyze` and of the pane's export.
+//! The output of `machband analyze` and of the export in the window's analysis pane.
 
 use std::{
     collections::HashSet,
@@ -21,15 +21,15 @@ use crate::{
     store::{StoreError, write_file},
 };
 
-/// What was written.
+/// The files that were written, and the prediction.
 #[derive(Debug)]
 pub struct Written {
     pub files: Vec<PathBuf>,
-    /// The prediction by the model of vision, and the time it took; `None` if only tables were requested.
+    /// The vision model's prediction, and the time it took; `None` if only tables were requested.
     pub prediction: Option<(Result<StudyPrediction, PredictionError>, Duration)>,
 }
 
-/// Writes an analysis into a folder: the tables and the model and, unless only these were requested, the figures and the
+/// Writes an analysis into a folder: the tables and the model and, unless `tables_only` is set, the figures and the
 /// report. Replaces the files of an earlier analysis.
 ///
 /// # Errors
@@ -41,7 +41,7 @@ pub fn write_all(
     folder: &Path,
     tables_only: bool,
 ) -> Result<Written, StoreError> {
-    fs::create_dir_all(folder).map_err(|error| StoreError::io(folder, "make the folder", error))?;
+    fs::create_dir_all(folder).map_err(|error| StoreError::io(folder, "create the folder", error))?;
     let mut contents = tables(study, results);
     let mut prediction = None;
     if !tables_only {
@@ -94,7 +94,8 @@ fn tables(study: &Study, results: &Results) -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// A factor's name as part of a file name: anything but letters, digits, hyphens and dots becomes an underscore.
+/// Makes a factor's name safe for a file name: all characters except letters, digits, hyphens and dots become
+/// underscores.
 fn file_part(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() || c == '-' || c == '.' { c } else { '_' }).collect()
 }

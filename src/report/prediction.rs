@@ -1,4 +1,4 @@
-//! Predicted visibility compared with ratings: the fitted criterion, and the agreement in rank order.
+//! Compares predicted visibility with ratings: fits the criterion, and measures the agreement in rank order.
 
 use std::collections::HashMap;
 
@@ -17,14 +17,14 @@ use crate::{
     vision::{Criterion, Visibility, VisionError},
 };
 
-/// Lower visibilities are raised to this value before they are compared with ratings: below half of the visibility
-/// threshold there is nothing to distinguish, and some participants press a key other than 0 even if they see no band.
+/// Lower visibilities are raised to this value before they are compared with ratings. Below half of the visibility
+/// threshold, there is nothing to distinguish, and some participants press a key other than 0 even if they see no band.
 pub const LEAST: f64 = 0.5;
 
 /// Maximum number of conditions that a report predicts; each takes about a millisecond.
-const MOST_LINES: usize = 5000;
-/// The same if each condition needs a picture, which takes a few tenths of a second.
-const MOST_PICTURES: usize = 100;
+const MAX_CONDITIONS: usize = 5000;
+/// The same maximum if each condition needs a rendered picture, which takes a few tenths of a second.
+const MAX_PICTURES: usize = 100;
 
 /// A prediction compared with ratings.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,16 +35,17 @@ pub struct Comparison {
     pub conditions: usize,
     /// Number of ratings in these conditions.
     pub ratings: u64,
-    /// Spearman's correlation between visibility and mean rating over conditions.
+    /// Spearman's correlation between visibility and mean rating, over conditions.
     pub rank_correlation: Option<f64>,
-    /// The same for each participant separately, averaged over participants.
+    /// The same correlation computed for each participant separately and averaged over participants.
     pub with_subjects: Option<f64>,
-    /// The noise ceiling: the correlation of each participant with the mean of the others, and with the mean of all,
-    /// averaged over participants (Nili et al. 2014, PLoS Comput. Biol. 10:e1003553). `None` for a single participant.
+    /// The noise ceiling: the correlation of each participant's ratings with the mean of the other participants (lower
+    /// end) and with the mean of all (upper end), each averaged over participants (Nili et al. 2014, PLoS Comput. Biol.
+    /// 10:e1003553). `None` for a single participant.
     pub ceiling: Option<[f64; 2]>,
 }
 
-/// Why there is no prediction.
+/// The reasons why there is no prediction.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PredictionError {
     /// The stimuli are not known.
@@ -65,45 +66,45 @@ pub enum PredictionError {
     /// The model cannot process a stimulus.
     #[error("the model cannot process the stimuli: {0}")]
     Invisible(#[from] VisionError),
-    /// The definition sets a parameter to a value that it cannot have.
+    /// The definition sets a parameter to an invalid value.
     #[error("the definition’s conditions are invalid: {0}")]
     Conditions(String),
     /// The prediction and the ratings share no condition.
     #[error("the ratings contain none of the predicted conditions; expected ratings from this experiment")]
     NoCondition,
-    /// A factor has no column.
+    /// A factor of the definition has no column.
     #[error("the ratings do not record {0}, which the definition varies; expected a column for it")]
     Factor(String),
     /// The ratings use a different scale.
-    #[error("the scale has {0} {noun}; expected the four of the scale 0–3", noun = if *.0 == 1 { "category" } else { "categories" })]
+    #[error("the scale has {0} {noun}; expected the four categories of the scale 0–3", noun = if *.0 == 1 { "category" } else { "categories" })]
     Categories(usize),
-    /// No thresholds can be estimated.
+    /// The thresholds cannot be estimated.
     #[error("{0}; expected ratings that increase with visibility and use the whole scale")]
     NoFit(String),
 }
 
-/// Predictions of the model of vision for a study's conditions.
+/// Predictions of the vision model for a study's conditions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudyPrediction {
     pub viewing: ViewingConditions,
     /// How the prediction compares with the ratings.
     pub comparison: Comparison,
-    /// The expected rating in each condition of the counts, in numbers of the categories; `None` for a condition that
-    /// is not in the definition.
+    /// The expected rating in each condition of the counts, as a category value; `None` for a condition that is not in
+    /// the definition.
     pub ratings: Vec<Option<f64>>,
 }
 
 impl StudyPrediction {
-    /// Predicts every condition of the definition, at the window size of its sessions, and compares the predictions with the
-    /// ratings.
+    /// Predicts every condition of the definition, at the window size of its sessions, and compares the predictions
+    /// with the ratings.
     ///
     /// # Errors
-    /// The reason that there is no prediction.
+    /// The reason why there is no prediction.
     pub fn of(source: &Source, counts: &Counts) -> Result<Self, PredictionError> {
         let protocol = source.protocol.as_ref().ok_or(PredictionError::NoDefinition)?;
         check_categories(counts)?;
         let conditions = protocol.conditions().map_err(|error| PredictionError::Conditions(error.to_string()))?;
-        let most = if protocol.stimulus.is_line() { MOST_LINES } else { MOST_PICTURES };
+        let most = if protocol.stimulus.is_line() { MAX_CONDITIONS } else { MAX_PICTURES };
         if conditions.len() > most {
             let name = protocol.name.clone();
             return Err(PredictionError::TooMany { conditions: conditions.len(), most, name });
@@ -125,7 +126,8 @@ impl StudyPrediction {
 /// Compares predictions for the conditions of a definition with ratings.
 ///
 /// # Errors
-/// They share no condition, no criterion can be fitted, or the ratings do not record a factor of the definition.
+/// The predictions and the ratings share no condition, no criterion can be fitted, or the ratings do not record a
+/// factor of the definition.
 pub fn compare_conditions(
     counts: &Counts,
     protocol: &Protocol,
@@ -135,7 +137,8 @@ pub fn compare_conditions(
     compare(counts, &by_condition(counts, protocol, conditions, predicted)?)
 }
 
-/// The width of the window in degrees: the mean over the sessions' sidecars, otherwise the definition's planned value.
+/// Returns the width of the stimulus window in degrees: the mean over the sittings in the sidecars, or otherwise the
+/// value that the definition plans.
 #[must_use]
 pub fn window_deg(source: &Source, protocol: &Protocol) -> f64 {
     let sittings = source.sessions.iter().filter_map(|session| session.sidecar.as_ref()).flat_map(|s| &s.sittings);
@@ -143,8 +146,8 @@ pub fn window_deg(source: &Source, protocol: &Protocol) -> f64 {
     mean(widths.filter(|deg| deg.is_finite() && *deg > 0.0)).unwrap_or(protocol.viewing.window_deg)
 }
 
-/// The greatest visibility in each condition of the counts, in their order; `None` for a condition that is not in the
-/// definition. Columns that are not parameters of the stimulus are ignored.
+/// Returns the greatest visibility in each condition of the counts, in their order; `None` for a condition that is not
+/// in the definition. Columns that are not parameters of the stimulus are ignored.
 fn by_condition(
     counts: &Counts,
     protocol: &Protocol,
@@ -170,12 +173,12 @@ fn by_condition(
     Ok((0..counts.conditions.len() as u32).map(|condition| known.get(&rated(condition)).copied()).collect())
 }
 
-/// A value as normalized text, since the same number may be written in several ways.
+/// Normalizes the text of a value, because the same number may be written in several ways.
 fn canonical(text: &str) -> String {
     text.parse().map_or_else(|_| text.to_owned(), |number: f64| format!("{:.12e}", number + 0.0))
 }
 
-/// Compares predictions for each of the counts' conditions with ratings.
+/// Compares predictions with ratings. `predicted` has an entry for each condition of the counts.
 fn compare(counts: &Counts, predicted: &[Option<f64>]) -> Result<Comparison, PredictionError> {
     check_categories(counts)?;
     let places = (0..).zip(predicted);
@@ -190,7 +193,7 @@ fn compare(counts: &Counts, predicted: &[Option<f64>]) -> Result<Comparison, Pre
     let with = |other: &dyn Fn(usize) -> Vec<f64>| {
         mean(everyone.iter().enumerate().filter_map(|(i, own)| rank_correlation(own, &other(i))))
     };
-    // The mean over the others, and over all.
+    // The mean over the other participants, and the mean over all.
     let others = |i: usize| pooled(&[&everyone[..i], &everyone[i + 1..]].concat());
     let ceiling = with(&others).zip(with(&|_| pooled_means.clone())).filter(|_| everyone.len() > 1);
     Ok(Comparison {
@@ -235,7 +238,7 @@ fn criterion(counts: &Counts, predicted: &[Option<f64>]) -> Result<Criterion, Pr
     }
 }
 
-/// Mean rating of every participant in each of these conditions; NaN if there is none.
+/// Computes the mean rating of every participant in each of these conditions; NaN if there is none.
 fn means(counts: &Counts, places: &[u32]) -> Vec<Vec<f64>> {
     let mut sums = vec![vec![(0.0, 0.0); places.len()]; counts.subjects.len()];
     for row in &counts.rows {
@@ -248,7 +251,7 @@ fn means(counts: &Counts, places: &[u32]) -> Vec<Vec<f64>> {
     sums.into_iter().map(|cells| cells.into_iter().map(|(sum, n)| sum / n).collect()).collect()
 }
 
-/// Mean over the participants who rated a condition; NaN if nobody did.
+/// Computes the mean over the participants who rated a condition; NaN if nobody did.
 fn pooled(means: &[&[f64]]) -> Vec<f64> {
     let of = |condition: usize| mean(means.iter().map(|own| own[condition]).filter(|value: &f64| value.is_finite()));
     (0..means.first().map_or(0, |own| own.len())).map(|condition| of(condition).unwrap_or(f64::NAN)).collect()
@@ -259,7 +262,7 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     (n > 0).then(|| sum / f64::from(n))
 }
 
-/// Spearman's correlation over complete pairs, with mean ranks for ties; `None` if a variable does not vary.
+/// Computes Spearman's correlation over complete pairs, with mean ranks for ties; `None` if a variable does not vary.
 #[must_use]
 pub fn rank_correlation(a: &[f64], b: &[f64]) -> Option<f64> {
     let pairs = a.iter().copied().zip(b.iter().copied()).filter(|(a, b)| a.is_finite() && b.is_finite());

@@ -1,5 +1,5 @@
-//! Skins for the blocks of a document: a page, which is a single file that opens anywhere without a network, or text for
-//! a terminal. The window's skin is in `app/analysis`.
+//! Skins that display the blocks of a document: an HTML page, which is a single file that opens anywhere without a
+//! network, and text for a terminal. The window's skin is in `app/analysis`.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html as markup};
 
@@ -11,13 +11,13 @@ use crate::report::{
 
 const STYLE: &str = include_str!("style.css");
 /// Maximum number of rows of a table on a page; the CSV files contain all of them.
-const MOST_ROWS: usize = 2000;
+const MAX_ROWS: usize = 2000;
 /// A table with more rows is collapsed under its caption.
 const MANY_ROWS: usize = 24;
-/// Text to copy with more lines is also collapsed.
+/// Text to copy is collapsed if it has more lines than this.
 const MANY_LINES: usize = 12;
 
-/// A document as a page.
+/// Renders a document as an HTML page.
 pub fn html(document: &Document, provenance: &Provenance) -> String {
     let Document { title, subtitle, sections } = document;
     let page = markup! {
@@ -81,7 +81,7 @@ fn block_markup(block: &Block) -> Markup {
     }
 }
 
-/// Text in which an address at the end becomes a link.
+/// Renders text, with an address at its end as a link.
 fn linked(text: &str) -> Markup {
     let (before, address) = text.find("https://").map_or((text, ""), |at| text.split_at(at));
     markup! {
@@ -90,7 +90,7 @@ fn linked(text: &str) -> Markup {
     }
 }
 
-/// Long content, collapsed under a line.
+/// Collapses long content under a summary line.
 fn folded(is_long: bool, line: &str, content: Markup) -> Markup {
     if is_long {
         markup! { details { summary { (line) } (content) } }
@@ -99,7 +99,7 @@ fn folded(is_long: bool, line: &str, content: Markup) -> Markup {
     }
 }
 
-/// A table whose first column names the rows. It scrolls sideways on a narrow page.
+/// Renders a table. Its first column names the rows, and it scrolls sideways on a narrow page.
 fn table_markup(table: &Table) -> Markup {
     let Table { caption, header, texts, rows } = table;
     let class = |column: usize| (column >= *texts).then_some("number");
@@ -109,7 +109,7 @@ fn table_markup(table: &Table) -> Markup {
                 caption { (caption) }
                 thead { tr { @for (column, name) in header.iter().enumerate() { th scope="col" class=[class(column)] { (name) } } } }
                 tbody {
-                    @for row in rows.iter().take(MOST_ROWS) {
+                    @for row in rows.iter().take(MAX_ROWS) {
                         tr {
                             @for (column, cell) in row.iter().enumerate() {
                                 @if column == 0 { th scope="row" class=[class(column)] { (cell) } }
@@ -120,15 +120,15 @@ fn table_markup(table: &Table) -> Markup {
                 }
             }
         }
-        @if rows.len() > MOST_ROWS {
-            p.note { "The first " (whole(MOST_ROWS as u64)) " of " (whole(rows.len() as u64)) " rows." }
+        @if rows.len() > MAX_ROWS {
+            p.note { "Only the first " (whole(MAX_ROWS as u64)) " of " (whole(rows.len() as u64)) " rows are shown." }
         }
     };
     folded(rows.len() > MANY_ROWS, &format!("{caption} – {} rows", rows.len()), body)
 }
 
 fn figure_markup(figure: &Figure) -> Markup {
-    // From its root element on, without the XML prolog of a separate file.
+    // The drawing from its root element on, without any XML prolog.
     let svg = figure.svg.find("<svg").map_or("", |root| &figure.svg[root..]);
     markup! {
         figure.wide[figure.wide] {
@@ -138,7 +138,8 @@ fn figure_markup(figure: &Figure) -> Markup {
     }
 }
 
-/// A section as text: one line per paragraph, which the terminal wraps. Tables and charts are in files.
+/// Renders a section as text with one line per paragraph, which the terminal wraps. Tables and charts are omitted
+/// because they are in files.
 pub fn terminal(section: &Section) -> Vec<String> {
     let mut lines = Vec::new();
     for block in &section.blocks {

@@ -1,4 +1,4 @@
-//! Results as CSV and JSON. Missing values are empty; numbers are written so that they read back the same.
+//! The results as CSV and JSON. Missing values are empty, and numbers are written so that they read back exactly.
 
 use serde_json::{Value, json};
 
@@ -26,20 +26,21 @@ impl Table {
         Self { header: header.into_iter().map(Into::into).collect(), rows }
     }
 
-    /// As CSV in UTF-8. Texts that a spreadsheet would run as formulas are prefixed with an apostrophe.
+    /// Writes the table as CSV in UTF-8. Texts that a spreadsheet would evaluate as formulas are prefixed with an
+    /// apostrophe.
     pub fn csv(&self) -> Vec<u8> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         for row in std::iter::once(&self.header).chain(&self.rows) {
-            // Writing to memory does not fail, and all rows have the header's length.
+            // Writing to memory does not fail, and all rows have as many cells as the header.
             let _ = writer.write_record(row.iter().map(|cell| inert(cell).into_owned()));
         }
         writer.into_inner().unwrap_or_default()
     }
 }
 
-/// A number that reads back the same; tiny numbers have an exponent.
+/// Formats a number so that it reads back exactly; very small and very large numbers have an exponent.
 pub fn number(value: f64) -> String {
-    // A sum of nothing is −0.
+    // Adding 0 turns −0 into 0.
     let value = value + 0.0;
     match value.abs() {
         magnitude if magnitude > 0.0 && !(1e-4..1e15).contains(&magnitude) => format!("{value:e}"),
@@ -55,7 +56,7 @@ fn ends(interval: Option<Interval>) -> [String; 2] {
     [maybe(interval.map(|interval| interval.low)), maybe(interval.map(|interval| interval.high))]
 }
 
-/// `n, mean, median, p…, ci_low, ci_high, subjects`, between other columns.
+/// Returns the header `n, mean, median, p…, ci_low, ci_high, subjects`, between other columns.
 fn summary_header(first: impl IntoIterator<Item = String>, counts: &Counts, last: &[&str]) -> Vec<String> {
     let proportions = counts.categories.iter().map(|category| format!("p{category}"));
     let owned = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
@@ -72,21 +73,21 @@ fn group_row(Group { names, summary }: &Group) -> Vec<String> {
     cells
 }
 
-/// Every cell of the design.
+/// Lists every cell of the design.
 pub fn cells(results: &Results) -> Table {
     let counts = &results.measured.counts;
     let factors = counts.factors.iter().map(|factor| factor.name.clone());
     Table::new(summary_header(factors, counts, &[]), results.cells.iter().map(group_row).collect())
 }
 
-/// The levels of a factor.
+/// Lists the levels of a factor.
 pub fn by_factor(results: &Results, factor: &FactorResults) -> Table {
     let header = summary_header([factor.name.clone()], &results.measured.counts, &["response_time_median_s"]);
     let row = |(group, times): (&Group, &Option<Quartiles>)| [group_row(group), vec![median(*times)]].concat();
     Table::new(header, factor.levels.iter().zip(&factor.times).map(row).collect())
 }
 
-/// Every participant.
+/// Lists every participant.
 pub fn subjects(results: &Results) -> Table {
     let more = ["retests", "kappa", "response_time_median_s"];
     let header = summary_header(["subject_id".to_owned()], &results.measured.counts, &more);
@@ -101,8 +102,8 @@ fn median(times: Option<Quartiles>) -> String {
     maybe(times.map(|times| times.median))
 }
 
-/// Friedman's and Wilcoxon's tests and the likelihood-ratio tests; no rows for a single participant, since there is
-/// nothing to test.
+/// Lists Friedman's and Wilcoxon's tests and the likelihood-ratio tests. There are no rows for a single participant,
+/// because there is nothing to test.
 pub fn tests(results: &Results) -> Table {
     let header =
         ["test", "term", "level", "other", "n", "statistic", "df", "p", "p_holm", "effect", "effect_is", "note"];
@@ -126,7 +127,8 @@ pub fn tests(results: &Results) -> Table {
     Table::new(header, rows)
 }
 
-/// A row of tests: test, term, level, other; n; statistic, df, p, p by Holm, effect; what the effect is; a note.
+/// Formats a row of the tests: `names` are the test, the term and two levels; `numbers` are the statistic, df, p, the
+/// Holm-corrected p, and the effect; then what the effect is, and a note.
 fn test_row(names: [&str; 4], n: u64, numbers: [Option<f64>; 5], effect_is: &str, note: &str) -> Vec<String> {
     let names = names.into_iter().map(str::to_owned).chain([n.to_string()]);
     names.chain(numbers.map(maybe)).chain([effect_is, note].map(str::to_owned)).collect()
@@ -163,7 +165,7 @@ fn rank_rows(factor: &FactorResults) -> Vec<Vec<String>> {
     rows
 }
 
-/// Agreement between participants (Krippendorff's α) and within each participant (weighted κ).
+/// Lists the agreement between participants (Krippendorff's α) and within each participant (weighted κ).
 pub fn agreement(results: &Results) -> Table {
     let mut rows = Vec::new();
     let mut row = |measure: &str, subject: &str, n: u64, estimate: Option<f64>, interval: Option<Interval>| {
@@ -183,8 +185,8 @@ pub fn agreement(results: &Results) -> Table {
     Table::new(["measure", "subject_id", "n", "estimate", "ci_low", "ci_high"], rows)
 }
 
-/// The sufficient statistic: participant, factors, rating and count. `analyze` can read it in place of the files, since
-/// the columns of participant and response keep their names.
+/// Lists the sufficient statistic: participant, factors, rating and count. `analyze` can read this table in place of
+/// the files, because the columns of the participant and the response keep their names.
 pub fn counts(counts: &Counts, shape: &Shape) -> Table {
     let factors = counts.factors.iter().map(|factor| &factor.name);
     let header =
@@ -198,7 +200,7 @@ pub fn counts(counts: &Counts, shape: &Shape) -> Table {
     Table::new(header, counts.rows.iter().map(row).collect())
 }
 
-/// The model's expected ratings in each condition, for a typical participant.
+/// Lists the model's expected ratings in each condition, for a typical participant.
 pub fn predictions(results: &Results) -> Option<Table> {
     let report = results.model.as_ref().ok()?;
     let factors = results.measured.counts.factors.iter().map(|factor| factor.name.clone());
@@ -214,7 +216,7 @@ pub fn predictions(results: &Results) -> Option<Table> {
     Some(Table::new(header, rows))
 }
 
-/// The model, or why there is none.
+/// Describes the model, or the reason why there is none.
 pub fn model(results: &Results) -> Value {
     let spec = &results.spec;
     let asked = json!({

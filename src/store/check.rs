@@ -1,4 +1,4 @@
-//! Identifies a file and finds every fault in it, not only the first.
+//! Identifies the type of a file and finds every error in it, not only the first.
 
 use std::{collections::HashMap, path::Path};
 
@@ -11,12 +11,12 @@ use crate::{
     experiment::{Identity, Protocol, Schedule, columns_by_header},
 };
 
-/// A file without a fault.
+/// A file without errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checked {
-    /// What it is.
+    /// A description of the file.
     pub sentence: String,
-    /// The display profile, if it is one: whether it is reliable depends on today's date.
+    /// The display profile, if the file is one. Callers need it because its reliability depends on today's date.
     pub profile: Option<DisplayProfile>,
 }
 
@@ -26,11 +26,11 @@ impl From<String> for Checked {
     }
 }
 
-/// Checks a definition, a display profile, an observer (`.toml`), a result file, photometer readings or matches by eye
-/// (`.csv`), an image (`.png`), or a built-in definition by its name, and describes it in one sentence.
+/// Checks a definition, display profile or observer (`.toml`), a result file, photometer readings or visual matches
+/// (`.csv`), an image (`.png`), or a built-in definition given by name, and describes it in one sentence.
 ///
 /// # Errors
-/// Every fault.
+/// Returns every error in the file.
 pub fn check(name_or_path: &str) -> Result<Checked, FileFaults> {
     if definition::BUILT_IN.iter().any(|built_in| built_in.name == name_or_path) {
         return check_definition(definition::open(name_or_path)?).map(Checked::from);
@@ -50,13 +50,13 @@ pub fn check(name_or_path: &str) -> Result<Checked, FileFaults> {
             .unwrap_or_else(|| FileFaults::whole(name_or_path, "cannot be checked; expected a .toml or .csv file"))),
         _ => Err(FileFaults::whole(
             name_or_path,
-            "is not a known kind of file; expected a definition, display profile or observer (.toml), a result file or readings (.csv), or an image (.png)",
+            "is not a known type of file; expected a definition, display profile or observer (.toml), a result file or readings (.csv), or an image (.png)",
         )),
     };
     sentence.map(Checked::from)
 }
 
-/// Each kind of TOML file has a required key that the others lack.
+/// Identifies the kind of TOML file by a required key that the other kinds lack.
 fn check_toml(file: &str, text: &str) -> Result<Checked, FileFaults> {
     let document = Document::parse(file, text)?;
     if document.has("transfer") || document.has("channels") {
@@ -87,7 +87,7 @@ fn check_definition(protocol: Protocol) -> Result<String, FileFaults> {
     ))
 }
 
-/// A result file, checked against the definition and the seed in its sidecar where there is one.
+/// Checks a result file against the definition and the seed in its sidecar, if there is a sidecar.
 fn check_results(path: &Path) -> Result<String, FileFaults> {
     if dataset::identity(path).is_ok() && path.with_extension("json").exists() {
         return check_session(path);
@@ -105,7 +105,7 @@ fn check_results(path: &Path) -> Result<String, FileFaults> {
     });
     FileFaults::none(repeated.collect())?;
     Ok(format!(
-        "result file: {} rows; the order was not checked, which requires a session's file and its sidecar",
+        "result file: {} rows; the trial order was not checked because that requires a session's file and its sidecar",
         rows.len()
     ))
 }
@@ -122,7 +122,7 @@ fn check_session(path: &Path) -> Result<String, FileFaults> {
     Ok(format!("result file: {rows} rows; {rated} of {planned} planned trials of {name} rated"))
 }
 
-/// The name of a table's first column; `None` if it cannot be read.
+/// Returns the name of a table's first column; `None` if it cannot be read.
 fn first_column(path: &Path) -> Option<String> {
     let text = std::fs::read(path).ok()?;
     let name = text.split(|byte| b",;\r\n".contains(byte)).next()?;
@@ -136,10 +136,10 @@ fn check_readings(path: &Path) -> Result<String, FileFaults> {
 }
 
 fn check_matches(path: &Path) -> Result<String, FileFaults> {
-    Ok(format!("{} matches of a display by eye", matches::open(path)?.len()))
+    Ok(format!("{} visual matches of a display", matches::open(path)?.len()))
 }
 
-/// The frames of a session, next to its result file.
+/// Checks the frames file of a session, which is next to its result file.
 fn check_frames(path: &Path) -> Result<String, FileFaults> {
     let rows = frames::read(path)?;
     let intervals: usize = rows.iter().map(|row| row.intervals_us.len()).sum();

@@ -1,4 +1,4 @@
-//! A stimulus' luminance profile as CSV.
+//! The luminance profile of a stimulus as CSV.
 
 use std::path::Path;
 
@@ -17,12 +17,12 @@ pub struct Sample {
     pub linear: f64,
     /// Codes of red, green and blue.
     pub codes: [u16; 3],
-    /// Light of the strongest channel's code.
+    /// Light that the strongest channel's code emits.
     pub emitted: f64,
 }
 
-/// A profile at the pixel centers of the recipe's size, along the orientation through the center, dithered like a row of
-/// pixels.
+/// Samples the profile at the pixel centers for the recipe's size, along a line through the center in the direction of
+/// the orientation, dithered like a row of pixels.
 pub fn samples(recipe: &Recipe, quantizer: &Quantizer) -> Vec<Sample> {
     let (stimulus, size) = (&recipe.stimulus, recipe.size);
     let strongest = stimulus.strongest_channel();
@@ -48,7 +48,7 @@ pub fn samples(recipe: &Recipe, quantizer: &Quantizer) -> Vec<Sample> {
 /// Writes `x, linear, code_r, code_g, code_b, emitted`; see [`Sample`].
 ///
 /// # Errors
-/// The system's refusal.
+/// I/O errors.
 pub fn write_profile(path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<(), StoreError> {
     let mut text = "x,linear,code_r,code_g,code_b,emitted\n".to_owned();
     for Sample { x, linear, codes: [r, g, b], emitted } in samples(recipe, quantizer) {

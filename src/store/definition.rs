@@ -1,4 +1,4 @@
-//! Experiment definitions: TOML files, and those built into the program.
+//! Experiment definitions: TOML files and built-in definitions.
 
 use std::{collections::HashSet, path::Path};
 
@@ -18,17 +18,17 @@ use crate::{
     stimulus::{KINDS, MachBand, ParameterValue, Stimulus},
 };
 
-/// A definition that comes with the program: name and TOML text.
+/// A built-in definition.
 pub struct BuiltIn {
-    /// The name for `machband run NAME`.
+    /// The name, as in `machband run NAME`.
     pub name: &'static str,
-    /// The file in `experiments/`.
+    /// The TOML text of the file in `experiments/`.
     pub text: &'static str,
 }
 
 macro_rules! built_in {
     ($($name:literal),*) => {
-        /// The definitions that come with the program; the first is the default.
+        /// The built-in definitions; the first is the default.
         pub const BUILT_IN: &[BuiltIn] = &[$(BuiltIn {
             name: $name,
             text: include_str!(concat!("../../experiments/", $name, ".toml")),
@@ -37,10 +37,10 @@ macro_rules! built_in {
 }
 built_in!("quick", "bangay2003", "orientation", "shaders");
 
-/// A definition by the name of a built-in one, or by the path of a file.
+/// Opens a built-in definition by its name, or a file by its path.
 ///
 /// # Errors
-/// Every fault of the file, or neither such a name nor such a file exists.
+/// Returns every error in the file, or reports that neither such a definition nor such a file exists.
 pub fn open(name_or_path: &str) -> Result<Protocol, FileFaults> {
     if let Some(built_in) = BUILT_IN.iter().find(|built_in| built_in.name == name_or_path) {
         return parse(built_in.name, built_in.text);
@@ -52,7 +52,7 @@ pub fn open(name_or_path: &str) -> Result<Protocol, FileFaults> {
         return Err(FileFaults::whole(
             name_or_path,
             format!(
-                "is neither a built-in definition nor a file; {}, or the path of a .toml file",
+                "is neither a built-in definition nor a file; {}, or the path to a .toml file",
                 expected_one_of(name_or_path, &names)
             ),
         ));
@@ -60,10 +60,10 @@ pub fn open(name_or_path: &str) -> Result<Protocol, FileFaults> {
     parse(name_or_path, &read_text(path)?)
 }
 
-/// Reads a definition; `file` names it in messages.
+/// Parses the text of a definition; `file` identifies it in messages.
 ///
 /// # Errors
-/// Every fault with its line and column.
+/// Returns every error, with its line and column.
 pub fn parse(file: &str, text: &str) -> Result<Protocol, FileFaults> {
     let (form, mut document) = toml::read::<Form>(file, text)?;
     let (protocol, faults) = form.protocol();
@@ -74,37 +74,37 @@ pub fn parse(file: &str, text: &str) -> Result<Protocol, FileFaults> {
 /// Reads the definition in a sidecar.
 ///
 /// # Errors
-/// Every fault.
+/// Returns every error in the definition.
 pub fn from_json(file: &str, definition: &Value) -> Result<Protocol, FileFaults> {
     let fail = |message: String| FileFaults::whole(file, message);
     let mut definition = definition.clone();
     let schema = definition.as_object_mut().and_then(|keys| keys.shift_remove("schema"));
     let form = Form::deserialize(definition).map_err(|error| {
-        fail(format!("the definition cannot be read: {error}; expected a table as in a definition's file"))
+        fail(format!("the definition cannot be read: {error}; expected a table, as in a definition file"))
     })?;
     if schema != Some(1.into()) {
-        return Err(fail("the definition is not of schema 1; expected schema 1".to_owned()));
+        return Err(fail("the definition does not have schema 1; expected schema 1".to_owned()));
     }
     let (protocol, faults) = form.protocol();
     let faults: Vec<_> = faults.into_iter().flat_map(|fault| fail(fault.message).0).collect();
     FileFaults::none(faults).map(|()| protocol)
 }
 
-/// SHA-256 of the content of a definition, in lower-case hexadecimal; comments and layout do not change it.
+/// Returns the SHA-256 of a definition's content, in lowercase hexadecimal. Comments and layout do not affect it.
 pub fn hash(protocol: &Protocol) -> String {
     let canonical = serde_json::to_vec(protocol).unwrap_or_default();
     sha256(&canonical)
 }
 
-/// A definition in the form of its file.
+/// A definition in the structure of its file.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct Form {
     name: Option<String>,
     title: Option<String>,
-    /// `kind`, and parameters of that kind.
+    /// `kind`, and the parameters of that kind.
     stimulus: Map<String, Value>,
-    /// Lists of levels, in the order of factors and columns.
+    /// Lists of levels; their order determines the order of factors and columns.
     factors: Map<String, Value>,
     design: Design,
     recovery: Recovery,
@@ -130,7 +130,7 @@ impl Default for ResponseForm {
 }
 
 impl Form {
-    /// The definition and all its faults.
+    /// Returns the definition and all its errors.
     fn protocol(self) -> (Protocol, Vec<Fault>) {
         let mut faults = Faults::default();
         let name = self.name.unwrap_or_else(|| {
@@ -151,7 +151,7 @@ impl Form {
             viewing: self.viewing,
             instructions: self.instructions,
         };
-        // A value that could not be read would only cause follow-up faults.
+        // A value that could not be read would only cause follow-up errors.
         let unread: HashSet<String> = faults.0.iter().map(|fault| fault.path.clone()).collect();
         faults.0.extend(protocol.faults().into_iter().filter(|fault| !unread.contains(&fault.path)));
         (protocol, faults.0)
@@ -200,7 +200,7 @@ fn factors(given: Map<String, Value>, stimulus: &Stimulus, faults: &mut Faults) 
             _ if !is_known(stimulus, "factors", &name, faults) => {}
             Value::Array(levels) => {
                 let level = |(i, level)| {
-                    // Normalized by the stimulus, so that `1` and `1.0`, or `grey` and `gray`, are the same level.
+                    // The stimulus normalizes values, so that `1` and `1.0`, or `grey` and `gray`, are the same level.
                     let written = |level: ParameterValue| {
                         let mut probe = stimulus.clone();
                         probe.set(&name, &level).ok().and_then(|()| probe.get(&name)).unwrap_or(level)
@@ -247,7 +247,7 @@ fn scale(form: ResponseForm, faults: &mut Faults) -> ResponseScale {
         let message = format!("response.keys has {} keys; expected {count}, one for each label", keys.len());
         faults.add("response.keys", message);
     }
-    // A missing key is already reported; a digit replaces it.
+    // A missing key has already been reported; a digit stands in for it.
     let keys = digits().enumerate().map(|(i, digit)| keys.get(i).copied().unwrap_or(digit));
     let categories = form.labels.into_iter().zip(keys).map(|(label, key)| Category { label, key }).collect();
     ResponseScale { question: form.question, categories }

@@ -1,16 +1,16 @@
-//! Faults of files and their locations.
+//! Errors in files, with their locations.
 
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
 };
 
-/// One fault: its location, what is wrong, and what is expected.
+/// One error in a file: its location, what is wrong, and what is expected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileFault {
     /// The file, or the name of a built-in definition.
     pub file: String,
-    /// Line and column from 1, the column in characters.
+    /// Line and column, counted from 1; the column is in characters.
     pub position: Option<(usize, usize)>,
     /// What is wrong; what is expected.
     pub message: String,
@@ -27,36 +27,38 @@ impl std::fmt::Display for FileFault {
 }
 
 impl FileFault {
-    /// A fault at a line and column from 1.
+    /// An error at a line and column, counted from 1.
     pub fn at(file: impl AsRef<Path>, position: (usize, usize), message: impl Into<String>) -> Self {
         Self { position: Some(position), ..Self::whole(file, message) }
     }
 
-    /// A fault of a whole file.
+    /// An error about a whole file.
     pub fn whole(file: impl AsRef<Path>, message: impl Into<String>) -> Self {
         Self { file: file.as_ref().display().to_string(), position: None, message: message.into() }
     }
 }
 
-/// Line and column, both from 1, of a byte offset.
+/// Returns the line and column of a byte offset, both counted from 1.
 pub(super) fn position(text: &str, offset: usize) -> (usize, usize) {
     let before = text.get(..offset).unwrap_or(text);
     let line_start = before.rfind('\n').map_or(0, |i| i + 1);
     (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
 }
 
-/// Every fault of a file, in the order of the file; never empty.
+/// All errors in a file, in the order of the file; never empty.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct FileFaults(pub Vec<FileFault>);
 
 impl FileFaults {
-    /// A single fault of the whole file.
+    /// A single error about the whole file.
     pub fn whole(file: impl AsRef<Path>, message: impl Into<String>) -> Self {
         Self(vec![FileFault::whole(file, message)])
     }
 
+    /// Succeeds if the list is empty.
+    ///
     /// # Errors
-    /// The faults, if there are any.
+    /// Returns the errors in the list, if there are any.
     pub fn none(faults: Vec<FileFault>) -> Result<(), Self> {
         if faults.is_empty() { Ok(()) } else { Err(Self(faults)) }
     }
@@ -69,42 +71,43 @@ impl std::fmt::Display for FileFaults {
     }
 }
 
-/// How many faults in one column of a table are kept.
-const KEPT: usize = 5;
+/// Maximum number of errors kept for one column of a table.
+const MAX_KEPT: usize = 5;
 
-/// The faults of a table's rows: the first ones in each column are kept, and the others are counted.
+/// The errors in a table's rows: the first ones in each column are kept, and the others are counted.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RowFaults {
     kept: Vec<FileFault>,
-    /// The number of faults in each column, kept or not; `None` is the row as a whole.
+    /// The number of errors in each column, kept or not; `None` stands for the row as a whole.
     counts: BTreeMap<Option<usize>, usize>,
 }
 
 impl RowFaults {
-    /// Adds a fault; its line and column are computed only if it is kept.
+    /// Adds an error; its line and column are computed only if it is kept.
     pub fn add(&mut self, file: &str, cell: Option<usize>, message: String, place: impl FnOnce() -> (usize, usize)) {
         let count = self.counts.entry(cell).or_default();
         *count += 1;
-        if *count <= KEPT {
+        if *count <= MAX_KEPT {
             self.kept.push(FileFault::at(file, place(), message));
         }
     }
 
-    /// The faults that were kept, and how many more there are; `columns` are the names in the header.
+    /// Returns the errors that were kept, and for each column the number of further errors; `columns` are the names in
+    /// the header.
     pub fn finish(self, file: &str, columns: &[impl AsRef<str>]) -> Vec<FileFault> {
         let mut faults = self.kept;
         faults.sort_by_key(|fault| fault.position);
-        for (cell, count) in self.counts.into_iter().filter(|(_, count)| *count > KEPT) {
+        for (cell, count) in self.counts.into_iter().filter(|(_, count)| *count > MAX_KEPT) {
             let column = cell.and_then(|cell| columns.get(cell));
             let column = column.map_or(String::new(), |name| format!(" in {}", name.as_ref()));
-            let message = format!("{} more rows have errors{column}; expected none", count - KEPT);
+            let message = format!("{} more rows have errors{column}; expected none", count - MAX_KEPT);
             faults.push(FileFault::whole(file, message));
         }
         faults
     }
 }
 
-/// Why results could not be stored or found.
+/// The reasons why results could not be stored or found.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
     /// An I/O error.
@@ -118,7 +121,7 @@ pub enum StoreError {
         source: std::io::Error,
     },
     /// A new session would overwrite an old one.
-    #[error("{}: this session of this participant already exists; expected another session, or --resume to continue it", .0.display())]
+    #[error("{}: this session of this participant already exists; expected a different session, or --resume to continue it", .0.display())]
     Exists(PathBuf),
     /// Another program is writing the same session.
     #[error("{}: another machband process is writing this session; expected it to be closed first", .0.display())]
@@ -134,7 +137,7 @@ pub enum StoreError {
         /// How it differs.
         what: String,
     },
-    /// The interrupted session has different settings.
+    /// The recorded session has different settings.
     #[error("{}: {what}", path.display())]
     Mismatch {
         /// The sidecar or data file.
@@ -142,20 +145,20 @@ pub enum StoreError {
         /// What differs, and what is expected.
         what: String,
     },
-    /// A link is in place of results.
-    #[error("{}: is a link to {}; expected a regular file or folder (only the results folder itself may be a link)", path.display(), target.display())]
+    /// There is a link where results should be.
+    #[error("{}: is a link to {}; expected a regular file or folder (only the results folder itself can be a link)", path.display(), target.display())]
     Link {
         /// The link.
         path: PathBuf,
         target: PathBuf,
     },
-    /// A file does not parse.
+    /// A file cannot be parsed.
     #[error(transparent)]
     Faults(#[from] FileFaults),
 }
 
 impl StoreError {
-    /// The faults of a file that cannot be read.
+    /// Converts the error to a list of errors in the file at `path`.
     pub(super) fn faults(self, path: &Path) -> Vec<FileFault> {
         match self {
             Self::Faults(FileFaults(faults)) => faults,

@@ -1,4 +1,4 @@
-//! Files on disk: read as a whole, written atomically, or appended to row by row.
+//! Files on disk that are read as a whole, written atomically, or appended to row by row.
 
 use std::{
     fs::{self, File, OpenOptions, TryLockError},
@@ -15,15 +15,15 @@ use super::{
     table::shortened,
 };
 
-/// Maximum size of a text file in bytes. The largest sensible one has a few thousand.
-const LARGEST_TEXT: u64 = 1 << 20;
+/// Maximum size of a text file in bytes. The largest realistic file has a few thousand bytes.
+const MAX_TEXT: u64 = 1 << 20;
 
 /// Reads a whole UTF-8 file of at most 1 MiB: a definition, a profile, an observer.
 ///
 /// # Errors
-/// As for [`read_bytes`]; text that is not UTF-8, with the line and column.
+/// The same as for [`read_bytes`]; or the text is not UTF-8, with the line and column.
 pub(super) fn read_text(path: &Path) -> Result<String, FileFaults> {
-    String::from_utf8(read_bytes(path, LARGEST_TEXT, "a readable file")?).map_err(|error| {
+    String::from_utf8(read_bytes(path, MAX_TEXT, "a readable file")?).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let before = String::from_utf8_lossy(&error.as_bytes()[..valid]);
         let place = position(&before, before.len());
@@ -31,10 +31,10 @@ pub(super) fn read_text(path: &Path) -> Result<String, FileFaults> {
     })
 }
 
-/// Reads a whole file of at most `most` bytes; `expected` says what it should be.
+/// Reads a whole file of at most `most` bytes; `expected` says what the file should be.
 ///
 /// # Errors
-/// The file is missing, a folder, too large, or not readable.
+/// The file is missing, is a folder, is too large, or is not readable.
 pub(super) fn read_bytes(path: &Path, most: u64, expected: &str) -> Result<Vec<u8>, FileFaults> {
     let fail = |message: String| FileFaults::whole(path, message);
     let refused = |error: std::io::Error| fail(format!("cannot be opened: {error}; expected {expected}"));
@@ -43,7 +43,7 @@ pub(super) fn read_bytes(path: &Path, most: u64, expected: &str) -> Result<Vec<u
         return Err(fail(format!("is a folder; expected {expected}")));
     }
     let mut bytes = Vec::new();
-    // The limit applies while reading, since a pipe or a device has no length.
+    // The limit is applied while reading, because a pipe or a device has no length.
     File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes)).map_err(refused)?;
     if bytes.len() as u64 > most {
         let size = metadata.len().max(bytes.len() as u64);
@@ -52,7 +52,7 @@ pub(super) fn read_bytes(path: &Path, most: u64, expected: &str) -> Result<Vec<u
     Ok(bytes)
 }
 
-/// SHA-256 in lower-case hexadecimal.
+/// Returns the SHA-256 in lowercase hexadecimal.
 pub(super) fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
@@ -63,26 +63,26 @@ pub(super) const TEMPORARY: &str = ".tmp";
 /// Writes a JSON file atomically and syncs it to disk.
 ///
 /// # Errors
-/// The system's refusal.
+/// I/O errors.
 pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), StoreError> {
-    let mut text = serde_json::to_vec_pretty(value).map_err(|error| io(path, "describe")(Error::other(error)))?;
+    let mut text = serde_json::to_vec_pretty(value).map_err(|error| io(path, "encode")(Error::other(error)))?;
     text.push(b'\n');
     write_whole(path, &text, true)
 }
 
-/// Writes a reproducible file atomically.
+/// Writes a file atomically, without waiting for the disk. For files that can be reproduced.
 ///
 /// # Errors
-/// The system's refusal.
+/// I/O errors.
 pub fn write_file(path: &Path, content: &[u8]) -> Result<(), StoreError> {
     write_whole(path, content, false)
 }
 
-/// Writes a file so that a reader sees either the old one or the new one, never part of one. With `durable`, this also
-/// holds after a power failure; reproducible files need not wait for the disk.
+/// Writes a file atomically: a reader sees either the old content or the new content, never part of it. With `durable`,
+/// this also holds after a power failure; files that can be reproduced need not wait for the disk.
 ///
 /// # Errors
-/// The system's refusal.
+/// I/O errors.
 pub(super) fn write_whole(path: &Path, content: &[u8], durable: bool) -> Result<(), StoreError> {
     write_beside(path, content, durable).map_err(io(path, "write"))?;
     if durable { sync_folder(path) } else { Ok(()) }
@@ -94,7 +94,7 @@ fn write_beside(path: &Path, content: &[u8], durable: bool) -> std::io::Result<(
     prefix.push(".");
     let mut builder = tempfile::Builder::new();
     builder.prefix(&prefix).suffix(TEMPORARY);
-    // Permissions of a regular file; only the owner could read a temporary file.
+    // These are the permissions of a regular file; by default, only the owner could read a temporary file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut temporary = builder.tempfile_in(folder_of(path))?;
@@ -102,7 +102,7 @@ fn write_beside(path: &Path, content: &[u8], durable: bool) -> std::io::Result<(
     if durable {
         temporary.as_file().sync_all()?;
     }
-    // A disk may store less than it reports: half a file must not replace a whole one.
+    // A disk may store less than it reports, and an incomplete file must not replace a complete one.
     let kept = temporary.as_file().metadata()?.len();
     if kept != content.len() as u64 {
         return Err(Error::other(format!("only {kept} of {} bytes were stored", content.len())));
@@ -113,18 +113,18 @@ fn write_beside(path: &Path, content: &[u8], durable: bool) -> std::io::Result<(
 /// Creates a folder and its parents.
 ///
 /// # Errors
-/// The system's refusal.
+/// I/O errors.
 pub(super) fn make_folder(path: &Path) -> Result<(), StoreError> {
-    fs::create_dir_all(path).map_err(io(path, "make the folder"))
+    fs::create_dir_all(path).map_err(io(path, "create the folder"))
 }
 
-/// The folder that a file is in.
+/// Returns the folder that contains a file.
 pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Removes the temporary files with this `prefix` that killed programs left in a folder. Only files of at least this age
-/// are removed, since another program may still be using its own. A file that cannot be removed does no harm.
+/// Removes the temporary files with this `prefix` that killed programs left in a folder. Only files older than `age`
+/// are removed, because another program may still be using newer ones. A file that cannot be removed does no harm.
 pub(super) fn remove_temporary(folder: &Path, prefix: &str, age: Duration) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
@@ -137,18 +137,18 @@ pub(super) fn remove_temporary(folder: &Path, prefix: &str, age: Duration) {
     }
 }
 
-/// Makes a new or changed name in a folder survive a power failure, if the system supports it: Windows does not open
-/// folders as files.
+/// Makes a new or changed name in a folder survive a power failure, if the system supports this. Windows does not,
+/// because it cannot open folders as files.
 ///
 /// # Errors
-/// The system's refusal.
+/// I/O errors.
 pub(super) fn sync_folder(file: &Path) -> Result<(), StoreError> {
     if !cfg!(unix) {
         return Ok(());
     }
     let folder = folder_of(file);
     let opened = match File::open(folder) {
-        // A folder may accept files but not list them.
+        // Some folders accept new files but cannot be opened for reading.
         Err(error) if error.kind() == ErrorKind::PermissionDenied => return Ok(()),
         opened => opened.map_err(io(folder, "sync"))?,
     };
@@ -159,46 +159,47 @@ pub(super) fn sync_folder(file: &Path) -> Result<(), StoreError> {
     }
 }
 
-/// Whether something with this name exists. A disk that does not respond does not mean that nothing exists.
+/// Returns whether anything with this name exists. If the disk does not respond, this is an error and not `false`.
 ///
 /// # Errors
-/// The system does not answer.
+/// I/O errors other than a missing file or folder.
 pub(super) fn is_there(path: &Path) -> Result<bool, StoreError> {
     match fs::metadata(path) {
         Ok(_) => Ok(true),
         Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(false),
-        Err(error) => Err(io(path, "look for")(error)),
+        Err(error) => Err(io(path, "access")(error)),
     }
 }
 
-/// A file that only grows, locked against a second program while it is open.
+/// An append-only file. While it is open, it is locked against other programs.
 ///
-/// Its whole content is also kept in memory, so that nothing is lost if the disk fails or disappears: the next call
-/// retries, and [`AppendFile::move_to`] continues in another location.
+/// The whole content is also kept in memory, so that nothing is lost if the disk fails or disappears: the next call
+/// retries, and [`AppendFile::move_to`] continues in a different location.
 #[derive(Debug)]
 pub(super) struct AppendFile {
     path: PathBuf,
-    /// `None` until the first write.
+    /// The open file; `None` until the first write.
     file: Option<File>,
     content: Vec<u8>,
-    /// How many bytes of the content are known to be in the file.
+    /// Number of bytes of the content that are known to be in the file.
     written: usize,
-    /// The beginning of a line whose write was interrupted. The next write removes it.
+    /// The beginning of a line that was not written completely. The next write removes it.
     torn: Option<String>,
-    /// Whether rows are on disk when [`AppendFile::append`] returns; if not, a power failure may lose the last ones.
+    /// True if rows are on disk when [`AppendFile::append`] returns. If false, a power failure may lose the last rows.
     durable: bool,
 }
 
 impl AppendFile {
-    /// A file that does not exist yet; the first write creates it, and never touches an existing one.
+    /// Prepares a new file. The first write creates it, and never touches an existing file.
     pub fn new(path: &Path, durable: bool, content: Vec<u8>) -> Self {
         Self { path: path.to_owned(), file: None, content, written: 0, torn: None, durable }
     }
 
-    /// Opens, locks and reads a file. It is not changed until the next write, which starts an empty file with `header`.
+    /// Opens, locks and reads a file. The file is not changed until the next write; if it has no complete line yet,
+    /// that write begins with `header`.
     ///
     /// # Errors
-    /// [`StoreError::InUse`], the system's refusal, or a file without a whole line that begins otherwise.
+    /// [`StoreError::InUse`]; I/O errors; or the file has no complete line and does not begin with `header`.
     pub fn open(path: &Path, durable: bool, header: Vec<u8>) -> Result<Self, StoreError> {
         let mut file = OpenOptions::new().read(true).write(true).open(path).map_err(io(path, "open"))?;
         lock(&file, path)?;
@@ -210,17 +211,17 @@ impl AppendFile {
         Ok(Self { path: path.to_owned(), file: Some(file), written, content, torn, durable })
     }
 
-    /// Where the file is, or will be.
+    /// The path of the file, which may not exist yet.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Everything that belongs in the file, as complete lines.
+    /// Everything that belongs in the file, in complete lines.
     pub fn content(&self) -> &[u8] {
         &self.content
     }
 
-    /// The beginning of an interrupted line, if the file ended within one when it was opened.
+    /// The beginning of an incomplete line, if the file ended with one when it was opened.
     pub fn torn(&self) -> Option<&str> {
         self.torn.as_deref()
     }
@@ -230,20 +231,20 @@ impl AppendFile {
         sha256(&self.content)
     }
 
-    /// Adds rows. They are kept in memory from now on, and are in the file when this returns without an error.
+    /// Appends rows. They are kept in memory from now on, and they are in the file when this returns without an error.
     ///
     /// # Errors
-    /// As for [`AppendFile::flush`].
+    /// The same as for [`AppendFile::flush`].
     pub fn append(&mut self, rows: &[u8]) -> Result<(), StoreError> {
         self.content.extend_from_slice(rows);
         self.flush()
     }
 
-    /// Writes what is not in the file yet.
+    /// Writes everything that is not in the file yet.
     ///
     /// # Errors
-    /// [`StoreError::Exists`] if a new file would replace another; [`StoreError::Changed`] if it is no longer the file that
-    /// was written; I/O errors.
+    /// [`StoreError::Exists`] if a new file would replace an existing one; [`StoreError::Changed`] if the file is no
+    /// longer the one that was written; I/O errors.
     pub fn flush(&mut self) -> Result<(), StoreError> {
         if self.file.is_some() {
             return self.write();
@@ -258,7 +259,7 @@ impl AppendFile {
         let synced = |this: &Self| if this.durable { sync_folder(&this.path) } else { Ok(()) };
         let begun = locked.and_then(|()| self.write()).and_then(|()| synced(self));
         if begun.is_err() {
-            // This program has just created it: half a file must not block the next attempt.
+            // This program has just created the file. An incomplete file must not block the next attempt.
             let _ = fs::remove_file(&self.path);
             (self.file, self.written) = (None, 0);
         }
@@ -267,7 +268,7 @@ impl AppendFile {
 
     fn write(&mut self) -> Result<(), StoreError> {
         let Some(file) = &mut self.file else { return Ok(()) };
-        // After a failed write, the file may contain part of a row: return to the last known complete state.
+        // After a failed write, the file may contain part of a row, so return to the last known complete state.
         let from = self.written as u64;
         let mut write = || {
             file.set_len(from)?;
@@ -281,8 +282,9 @@ impl AppendFile {
         Ok(())
     }
 
-    /// On some systems, a file can still be written to after it or its folder was deleted, and the rows are lost when
-    /// the program ends. Therefore its name is looked up after each write.
+    /// Checks that the file still exists with the expected length. On some systems, a program can keep writing to a
+    /// file after it or its folder was deleted, and the rows are lost when the program ends. Therefore the name is
+    /// looked up after each write.
     fn verify(&self) -> Result<(), StoreError> {
         let changed = |what: String| StoreError::Changed { path: self.path.clone(), what };
         let expected = self.content.len() as u64;
@@ -296,7 +298,7 @@ impl AppendFile {
     /// Writes everything into a new file and continues there. The old file is not changed.
     ///
     /// # Errors
-    /// The new location cannot be written; the old one is then kept.
+    /// The new location cannot be written. In that case, the old one stays in use.
     pub fn move_to(&mut self, path: &Path) -> Result<(), StoreError> {
         let mut moved = Self::new(path, self.durable, self.content.clone());
         moved.flush()?;
@@ -305,10 +307,10 @@ impl AppendFile {
     }
 }
 
-/// Unlocks at once: a child process may still hold a copy of the open file, and with it the lock.
+/// Unlocks the file immediately, because a child process may still hold a copy of the open file and thus the lock.
 impl Drop for AppendFile {
     fn drop(&mut self) {
-        // Closing also unlocks, so an error changes nothing.
+        // Closing the file also unlocks it, so an error here does not matter.
         let _ = self.file.as_ref().map(File::unlock);
     }
 }
@@ -317,17 +319,17 @@ fn lock(file: &File, path: &Path) -> Result<(), StoreError> {
     match file.try_lock() {
         Ok(()) => Ok(()),
         Err(TryLockError::WouldBlock) => Err(StoreError::InUse(path.to_owned())),
-        // A file system without locks (some network shares) is no reason to refuse the session.
+        // Some network shares do not support locks; that is no reason to refuse the session.
         Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => Ok(()),
         Err(TryLockError::Error(error)) => Err(io(path, "lock")(error)),
     }
 }
 
-/// Splits the content of a file of rows into its complete lines and the beginning of an interrupted line.
+/// Splits the content of a row file into its complete lines and the beginning of an incomplete line.
 ///
-/// A power failure may also leave zero bytes, after or within the last line, if the system had enlarged the file but not
-/// yet filled it. Zeros before the last line are not from an interrupted write, since each line was on disk before the
-/// next; the parser reports them.
+/// A power failure may also leave zero bytes after or within the last line, if the system had already enlarged the file
+/// but not yet filled it. Zero bytes before the last line do not come from an interrupted write, because each line was
+/// on disk before the next one was written; the parser reports them.
 pub(super) fn split_torn(mut content: Vec<u8>) -> (Vec<u8>, Option<String>) {
     let end_of_line = |content: &[u8]| content.iter().rposition(|byte| *byte == b'\n').map_or(0, |newline| newline + 1);
     let whole = end_of_line(&content);
@@ -337,10 +339,10 @@ pub(super) fn split_torn(mut content: Vec<u8>) -> (Vec<u8>, Option<String>) {
     (content, (!torn.is_empty()).then_some(text))
 }
 
-/// The complete lines of a file of rows; if there are none yet, its header.
+/// Returns the complete lines of a row file; if there are none yet, its header.
 ///
 /// # Errors
-/// The file does not begin with this header, and so must not be truncated.
+/// The file does not begin with this header, so it must not be truncated.
 pub(super) fn begun(path: &Path, whole: Vec<u8>, torn: Option<&str>, header: Vec<u8>) -> Result<Vec<u8>, FileFaults> {
     let found = torn.unwrap_or_default();
     if !whole.is_empty() {

@@ -1,5 +1,5 @@
-//! The images of a definition's conditions, and their manifest. An interrupted run can be resumed: unchanged images are
-//! not made again.
+//! The images of a definition's conditions, and their manifest. An interrupted run can be resumed: images that are
+//! intact are not made again.
 
 use std::{
     collections::HashMap,
@@ -21,10 +21,11 @@ use crate::{
     stimulus::recipe::Recipe,
 };
 
-/// Maximum length of the levels in a file name.
+/// Maximum length of a file name without its extension.
 const NAME_MAX: usize = 120;
 
-/// A folder of images being made. Until all exist, each shard lists its own images in a file, one line per image.
+/// A folder of images in progress. Until all images exist, each shard lists its own images in a file, one line per
+/// image.
 #[derive(Debug)]
 pub struct Manifest<'a> {
     folder: PathBuf,
@@ -35,15 +36,15 @@ pub struct Manifest<'a> {
     shards: usize,
     list: PathBuf,
     file: Mutex<File>,
-    /// How many of this shard's images already exist.
+    /// Number of this shard's images that already exist.
     pub kept: usize,
     /// Indices of the images to make.
     pub missing: Vec<usize>,
 }
 
 impl<'a> Manifest<'a> {
-    /// Opens or creates a folder for the shard `index` of `shards`, counted from 1, and determines which of its images
-    /// already exist.
+    /// Opens or creates a folder for shard `index` of `shards`, counted from 1, and determines which of the shard's
+    /// images already exist.
     ///
     /// # Errors
     /// The folder cannot be created or written.
@@ -65,7 +66,7 @@ impl<'a> Manifest<'a> {
         let rows: Vec<_> = conditions.iter().enumerate().map(row).collect();
         let header = ["file", "sha256"].into_iter().chain(names.iter().copied()).chain(["bits", "transfer", "dither"]);
         let list = folder.join(list_name(index, shards));
-        // Hashes that an earlier run wrote.
+        // Hashes recorded by earlier runs.
         let mut known = HashMap::new();
         for path in [&folder.join("manifest.csv"), &list] {
             for line in fs::read_to_string(path).unwrap_or_default().lines() {
@@ -90,24 +91,26 @@ impl<'a> Manifest<'a> {
     /// Makes image `i`.
     ///
     /// # Errors
-    /// The system's refusal.
+    /// I/O errors.
     pub fn make(&self, i: usize, quantizer: &Quantizer) -> Result<(), StoreError> {
         let bytes = image::write_recipe(&self.folder.join(&self.rows[i].0), &self.recipes[i], quantizer)?;
         let line = line(&self.rows[i], &sha256(&bytes), &self.recipes[i]);
-        // A panic elsewhere leaves the file valid. With one write per line, only the last line of a killed run can be incomplete.
+        // A panic on another thread leaves the file valid. Because each line is a single write, only the last line of a
+        // killed run can be incomplete.
         let mut file = self.file.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         file.write_all(&line).map_err(io(&self.list, "write"))
     }
 
-    /// Joins the lists of all shards into `manifest.csv` if every image exists, and returns whether that is so.
+    /// If every image exists, joins the lists of all shards into `manifest.csv`. Returns whether it did.
     ///
     /// # Errors
-    /// The system's refusal.
+    /// I/O errors.
     pub fn finish(self) -> Result<bool, StoreError> {
         let lists: Vec<PathBuf> =
             (1..=self.shards).map(|index| self.folder.join(list_name(index, self.shards))).collect();
         let texts: Vec<String> = lists.iter().map(|path| fs::read_to_string(path).unwrap_or_default()).collect();
-        // Each line begins with the number of its image; a line that another shard is still writing has no end yet.
+        // Each line begins with its image's number, so sorting restores the order. A line that another shard is still
+        // writing has no line end yet and is skipped.
         let mut lines: Vec<&str> = texts.iter().flat_map(|text| text.split_inclusive('\n')).collect();
         lines.retain(|line| line.ends_with('\n'));
         lines.sort_unstable();
@@ -129,7 +132,8 @@ fn line((file, levels): &(String, Vec<String>), hash: &str, recipe: &Recipe) -> 
     table::line([file.as_str(), hash].into_iter().chain(levels.iter().chain(&image).map(String::as_str)))
 }
 
-/// `007_width-0.02_depth-1.png`: the number makes it unique, and the levels are for readers.
+/// Returns a file name such as `007_width-0.02_depth-1.png`. The number makes it unique; the levels are meant for
+/// people.
 fn file_name(number: usize, digits: usize, names: &[&str], levels: &[String]) -> String {
     let mut name = format!("{number:0digits$}");
     for (factor, level) in names.iter().zip(levels) {

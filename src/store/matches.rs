@@ -1,5 +1,5 @@
-//! Matches of a display by eye: one CSV file with one row per match, on disk before the next picture. A match that is
-//! undone stays in the file, followed by a row that cancels it.
+//! Visual matches of a display: a CSV file with one row per match. Each row is on disk before the next picture is
+//! shown. A match that is undone stays in the file, followed by a row that cancels it.
 
 use std::path::Path;
 
@@ -13,19 +13,20 @@ use crate::display::{
     matching::{Match, Rows},
 };
 
-/// The columns. `event` is `answer` or `taken-back`; `lit` of `period` rows, `row_px` pixels thick, have the code `hi` and
-/// the others `lo`; `patch` is the matched code; `time_s` is the time since the first picture; `seed` is the seed of the
-/// order. `level`, `catch` and `judgement` are left over from a former staircase method.
+/// The columns. `event` is `answer` or `taken-back`. Of every `period` rows, each `row_px` pixels thick, `lit` rows
+/// have the code `hi` and the others have `lo`. `patch` is the matched code, `time_s` is the time since the first
+/// picture in seconds, and `seed` is the seed of the order. `level`, `catch` and `judgement` remain from a former
+/// staircase method.
 const COLUMNS: &str = "event,trial,channel,level,catch,lit,period,row_px,lo,hi,patch,judgement,time_s,seed";
 
-/// The file of a run.
+/// The file of a matching run.
 #[derive(Debug)]
 pub struct MatchFile {
     file: AppendFile,
     seed: u64,
 }
 
-/// A parsed row; without a match if it is from a staircase.
+/// A parsed row; it has no match if it comes from the former staircase method.
 struct Row {
     is_taken_back: bool,
     found: Option<Match>,
@@ -36,7 +37,7 @@ impl MatchFile {
     /// Creates the file, and its folder if necessary. Never replaces an existing file.
     ///
     /// # Errors
-    /// The system's refusal.
+    /// I/O errors.
     pub fn create(path: &Path, seed: u64) -> Result<Self, StoreError> {
         make_folder(folder_of(path))?;
         let mut file = AppendFile::new(path, true, format!("{COLUMNS}\n").into_bytes());
@@ -44,7 +45,8 @@ impl MatchFile {
         Ok(Self { file, seed })
     }
 
-    /// Opens a file to continue it, and returns its matches. An incomplete last row, as after a power failure, is dropped.
+    /// Opens a file to continue it, and returns its matches. An incomplete last row, such as after a power failure, is
+    /// dropped.
     ///
     /// # Errors
     /// Another program is writing the file, or it is not a file of matches.
@@ -61,10 +63,10 @@ impl MatchFile {
         self.seed
     }
 
-    /// Adds the match `number`, from 1, made `time_s` seconds after the first picture.
+    /// Records match `number`, counted from 1, made `time_s` seconds after the first picture.
     ///
     /// # Errors
-    /// The write fails; the next call writes the match as well.
+    /// The write failed; the next call will also write this match.
     pub fn accept(&mut self, number: usize, found: &Match, time_s: f64) -> Result<(), StoreError> {
         self.event("answer", number, found, time_s)
     }
@@ -72,7 +74,7 @@ impl MatchFile {
     /// Records that a match no longer counts.
     ///
     /// # Errors
-    /// As for [`MatchFile::accept`].
+    /// The same as for [`MatchFile::accept`].
     pub fn take_back(&mut self, number: usize, found: &Match, time_s: f64) -> Result<(), StoreError> {
         self.event("taken-back", number, found, time_s)
     }
@@ -89,15 +91,15 @@ impl MatchFile {
 /// Reads the matches that count, in order.
 ///
 /// # Errors
-/// Every row that does not parse, with its line and column.
+/// Reports every row that cannot be parsed, with its line and column.
 pub fn open(path: &Path) -> Result<Vec<Match>, FileFaults> {
     parse(&path.display().to_string(), &read_text(path)?)
 }
 
-/// Reads the matches that count from a file's text; `file` names it in messages.
+/// Reads the matches that count from a file's text; `file` identifies it in messages.
 ///
 /// # Errors
-/// Every row that does not parse, with its line and column.
+/// Reports every row that cannot be parsed, with its line and column.
 pub fn parse(file: &str, text: &str) -> Result<Vec<Match>, FileFaults> {
     Ok(counted(rows(file, text.as_bytes())?))
 }
@@ -114,7 +116,10 @@ fn rows(file: &str, text: &[u8]) -> Result<Vec<Row>, FileFaults> {
     table::parse(file, text, |header| exactly(header, COLUMNS), row)
 }
 
-/// A row, or the index of a cell and what is wrong there.
+/// Parses a row.
+///
+/// # Errors
+/// The index of the cell that is wrong, and what is wrong there.
 fn row(cells: &[&str]) -> Result<Row, (usize, String)> {
     let [event, _, channel, _, _, lit, period, row_px, lo, hi, patch, judgement, _, seed] = *cells else {
         return Err((0, "the row has too few cells".to_owned()));
@@ -130,7 +135,7 @@ fn row(cells: &[&str]) -> Result<Row, (usize, String)> {
     if rows.lit == 0 || rows.lit >= rows.period || rows.row_px == 0 {
         return Err((
             5,
-            format!("{lit} of {period} rows of {row_px} pixels; expected at least one lit row and one dark row"),
+            format!("{lit} of {period} rows are lit, {row_px} px each; expected at least one lit row and one dark row"),
         ));
     }
     let found = Match { channel, rows, code: number(10, patch)? };

@@ -1,17 +1,17 @@
-//! Meshes (Wavefront OBJ).
+//! Reads meshes from Wavefront OBJ files.
 //!
-//! Supported are vertices (`v`), normals (`vn`) and faces (`f`) with any number of corners, by positive and relative
-//! indices; all objects and groups form one mesh. Everything else (texture coordinates, lines, materials, smoothing
-//! groups, curved surfaces) is ignored.
+//! The reader supports vertices (`v`), normals (`vn`) and faces (`f`) with any number of corners, with positive and
+//! relative indices. All objects and groups form one mesh. Everything else (texture coordinates, lines, materials,
+//! smoothing groups, curved surfaces) is ignored.
 //!
-//! **Vertices at exactly the same position are merged**: programs repeat a position for each of its normals, and without
-//! merging every such seam would be a border without smooth shading. Positions that are only nearly equal stay separate,
-//! and an edge between them becomes two borders. If a file contains both sides of a sheet, or bodies that touch along an
-//! edge, those edges have more than two sides, and are shaded as such.
+//! **Vertices at exactly the same position are merged.** Many programs repeat a position for each of its normals;
+//! without merging, every such seam would be a border without smooth shading. Positions that are only nearly equal stay
+//! separate, and an edge between them becomes two borders. If a file contains both sides of a sheet, or bodies that
+//! touch along an edge, the edges there belong to more than two triangles and are shaded accordingly.
 //!
-//! **Normals** come from the file if it has them. A corner without one, or with one that is zero or not a number, gets the
-//! average of the faces around it. Normals from the file make creases where they differ; averaged normals make creases
-//! where faces meet at more than the crease angle.
+//! **Normals** come from the file if it has them. A corner whose normal is missing, zero or not a number gets the
+//! average normal of the faces around it. Normals from the file create creases where they differ; averaged normals
+//! create creases where faces meet at more than the crease angle.
 
 use std::{borrow::Cow, collections::HashMap, path::Path};
 
@@ -20,65 +20,66 @@ use glam::DVec3;
 use super::{FileFault, FileFaults, file::read_bytes, table::shortened};
 use crate::shading::{Mesh, MeshError, Polygons, mesh::LARGEST_COORDINATE};
 
-/// Maximum file size in bytes: about two million triangles.
-const LARGEST_FILE: u64 = 1 << 28;
+/// Maximum file size in bytes, enough for about two million triangles.
+const MAX_FILE: u64 = 1 << 28;
 
-/// Reads an OBJ file. Without normals in the file, faces that meet at more than `crease_deg` degrees do not share a
-/// normal; 180 makes everything smooth.
+/// Reads an OBJ file. If the file has no normals, faces that meet at more than `crease_deg` degrees do not share a
+/// normal; 180 makes the whole mesh smooth.
 ///
 /// # Errors
-/// A file that cannot be read or is too large; otherwise as for [`parse`].
+/// The file cannot be read or is too large; otherwise the same as for [`parse`].
 pub fn read(path: &Path, crease_deg: f64) -> Result<Mesh, FileFaults> {
-    parse(&path.display().to_string(), &read_bytes(path, LARGEST_FILE, "an OBJ file")?, crease_deg)
+    parse(&path.display().to_string(), &read_bytes(path, MAX_FILE, "an OBJ file")?, crease_deg)
 }
 
-/// Reads the content of an OBJ file; `file` names it in messages.
+/// Reads the content of an OBJ file; `file` identifies it in messages.
 ///
 /// # Errors
-/// The first faults, each with its line and column: content that is not text, numbers or indices that cannot be read,
-/// coordinates that are not finite, vertices and normals that do not exist, faces with too few corners; also a file
-/// without faces, or whose faces have no area.
+/// Reports the first errors, each with its line and column: content that is not text, numbers or indices that cannot be
+/// read, coordinates that are not finite, vertices and normals that do not exist, and faces with too few corners. It is
+/// also an error if the file has no faces, or if none of its faces has an area.
 pub fn parse(file: &str, content: &[u8], crease_deg: f64) -> Result<Mesh, FileFaults> {
     let (positions, polygons) = polygons(file, content)?;
     Mesh::from_polygons(&positions, &polygons, crease_deg).map_err(|error| {
         let message = match error {
             MeshError::NoTriangles => "has no faces; expected at least one line \"f 1 2 3\"".to_owned(),
-            MeshError::NoArea(_) => "has no face with an area; expected at least one whose corners differ".to_owned(),
+            MeshError::NoArea(_) => "has no face with a nonzero area; expected at least one".to_owned(),
             error => error.to_string(),
         };
         FileFaults::whole(file, message)
     })
 }
 
-/// Maximum number of corners of a face: triangulation takes quadratic time.
-const MOST_CORNERS: usize = 4096;
+/// Maximum number of corners of a face, because triangulation takes quadratic time.
+const MAX_CORNERS: usize = 4096;
 
-/// Maximum number of faults reported per file.
-const MOST_FAULTS: usize = 20;
+/// Maximum number of errors reported per file.
+const MAX_FAULTS: usize = 20;
 
-/// The distinct positions, in order of use by faces, and the faces.
+/// Returns the distinct positions, in the order in which faces use them, and the faces.
 ///
 /// # Errors
-/// The first faults, each with its line and column.
+/// Reports the first errors, each with its line and column.
 fn polygons(file: &str, content: &[u8]) -> Result<(Vec<DVec3>, Polygons), FileFaults> {
     let lines = lines(content)
         .map_err(|number| FileFaults(vec![FileFault::at(file, (number, 1), "is not text; expected an OBJ file")]))?;
     let count = |wanted: &[u8]| lines.iter().filter(|(_, line)| keyword(line) == wanted).count();
     let mut reader = Reader { counts: [count(b"v"), count(b"vn")], ..Reader::default() };
     let faults = lines.iter().filter_map(|(number, line)| reader.line(file, *number, line).err());
-    FileFaults::none(faults.take(MOST_FAULTS).collect())?;
+    FileFaults::none(faults.take(MAX_FAULTS).collect())?;
     Ok(reader.polygons())
 }
 
 /// A line of a file and its number, from 1.
 type Line<'a> = (usize, Cow<'a, [u8]>);
 
-/// The lines with their numbers, from 1. A backslash at the end of a line continues it on the next.
+/// Splits the content into lines with their numbers, from 1. A line that ends with a backslash continues on the next
+/// line.
 ///
 /// # Errors
-/// The number of a line that is not text.
+/// Returns the number of a line that is not text.
 fn lines(content: &[u8]) -> Result<Vec<Line<'_>>, usize> {
-    // A byte order mark.
+    // A byte order mark is not part of the first line.
     let content = content.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(content);
     let end = if content.contains(&b'\n') { b'\n' } else { b'\r' };
     let mut split = content.split(|byte| *byte == end).zip(1..);
@@ -110,14 +111,15 @@ fn keyword(line: &[u8]) -> &[u8] {
 
 #[derive(Default)]
 struct Reader {
-    /// Number of vertices and normals in the whole file, since a face may come before them.
+    /// Number of vertices and normals in the whole file, because a face may come before the vertices and normals it
+    /// uses.
     counts: [usize; 2],
     vertices: Vec<DVec3>,
-    /// `None` for one that is zero or not finite.
+    /// The normals; `None` for a normal that is zero or not finite.
     normals: Vec<Option<DVec3>>,
     /// The corners of all faces, each with its vertex and its normal, from 0.
     corners: Vec<(usize, Option<usize>)>,
-    /// The end of each face in `corners`.
+    /// Where each face ends in `corners`.
     ends: Vec<usize>,
 }
 
@@ -132,13 +134,13 @@ impl Reader {
             FileFault::at(file, (number, column), "is not UTF-8 text; expected numbers")
         })?;
         let statement = Statement { file, number, text };
-        // A comment may follow.
+        // A comment may follow the numbers.
         let words = text.split_ascii_whitespace().skip(1).take_while(|word| !word.starts_with('#'));
-        let words: Vec<&str> = words.take(MOST_CORNERS + 1).collect();
+        let words: Vec<&str> = words.take(MAX_CORNERS + 1).collect();
         match keyword {
             b"v" => {
                 let vertex = statement.vertex(&words);
-                // Counted even if invalid, so that later indices stay correct.
+                // An invalid vertex is counted too, so that later indices stay correct.
                 self.vertices.push(*vertex.as_ref().unwrap_or(&DVec3::ZERO));
                 vertex.map(drop)
             }
@@ -152,9 +154,9 @@ impl Reader {
     }
 
     fn face(&mut self, statement: &Statement<'_>, words: &[&str]) -> Result<(), FileFault> {
-        if !(3..=MOST_CORNERS).contains(&words.len()) {
-            let more = if words.len() > MOST_CORNERS { "or more " } else { "" };
-            let message = format!("a face has {} {more}corners; expected 3…{MOST_CORNERS}", words.len());
+        if !(3..=MAX_CORNERS).contains(&words.len()) {
+            let more = if words.len() > MAX_CORNERS { "or more " } else { "" };
+            let message = format!("a face has {} {more}corners; expected 3…{MAX_CORNERS}", words.len());
             return Err(statement.fault(statement.text.trim_ascii_start(), message));
         }
         for word in words {
@@ -172,18 +174,18 @@ impl Reader {
         Ok(())
     }
 
-    /// The index, from 0, that `text`, a part of `word`, refers to.
+    /// Returns the index, counted from 0, that `text` refers to. `text` is a part of `word`.
     fn index(&self, statement: &Statement<'_>, word: &str, kind: usize, text: &str) -> Result<usize, FileFault> {
         let given: i64 = text.parse().map_err(|_| statement.not_a_corner(word))?;
         let (above, count) = ([self.vertices.len(), self.normals.len()][kind], self.counts[kind]);
-        // Indices count from 1, or back from -1.
+        // Indices count up from 1, or back from -1.
         let found = usize::try_from(given.unsigned_abs()).unwrap_or(usize::MAX);
         let problem = match given {
-            0 => "; expected an index from 1, or -1 for the last".to_owned(),
+            0 => "; expected an index from 1, or -1 for the last one".to_owned(),
             ..0 if found <= above => return Ok(above - found),
-            ..0 => format!(", since there are {above} above; expected -1 for the last, or 1…"),
+            ..0 => format!(" ({above} so far); expected -1 for the last one, or an index from 1"),
             _ if found <= count => return Ok(found - 1),
-            _ if kind == 1 && count == 0 => ", since the file has none; expected a corner without one".to_owned(),
+            _ if kind == 1 && count == 0 => ": the file has no normals; expected a corner without one".to_owned(),
             _ => format!("; expected 1…{count}"),
         };
         let name = ["vertex", "normal"][kind];
@@ -198,7 +200,7 @@ impl Reader {
         let mut start = 0;
         for end in self.ends {
             polygons.push(self.corners[start..end].iter().map(|(vertex, normal)| {
-                // −0 is 0.
+                // Adding 0 turns −0 into 0.
                 let position = self.vertices[*vertex] + DVec3::ZERO;
                 let site = *sites.entry(position.to_array().map(f64::to_bits)).or_insert_with(|| {
                     positions.push(position);
@@ -219,14 +221,14 @@ struct Statement<'a> {
 }
 
 impl Statement<'_> {
-    /// What is wrong with `word`, a part of the text.
+    /// Creates an error about `word`, which is a part of the text.
     fn fault(&self, word: &str, message: String) -> FileFault {
         let offset = (word.as_ptr() as usize).saturating_sub(self.text.as_ptr() as usize);
         let column = self.text.get(..offset).unwrap_or_default().chars().count() + 1;
         FileFault::at(self.file, (self.number, column), message)
     }
 
-    /// `x y z`, `x y z w` or `x y z red green blue`.
+    /// Parses `x y z`, `x y z w` or `x y z red green blue`.
     fn vertex(&self, words: &[&str]) -> Result<DVec3, FileFault> {
         let mut vertex = self.three_numbers(words)?;
         if let [_, _, _, weight] = words {

@@ -1,17 +1,17 @@
-//! Floor 4: every file format. Faults carry file, line and column.
+//! Floor 4: every file format. Errors include the file, line and column.
 //!
-//! | what | where |
+//! | contents | module |
 //! |---|---|
-//! | a session's data set, rows, frames and sidecar: writing, resuming, reading, verifying | [`session`] |
-//! | any table of ratings | [`ratings`] |
-//! | recorded sessions as BIDS or Psych-DS | [`mod@export`] |
-//! | images (PNG), and many of them | [`image`], [`manifest`] |
-//! | meshes (OBJ) | [`mesh`] |
-//! | definitions, display profiles, simulated observers (TOML) | [`definition`], [`profile`], [`observer`] |
-//! | photometer readings, matches by eye, profiles of a stimulus (CSV) | [`readings`], [`mod@matches`], [`curve`] |
-//! | identifying any file and finding all its faults | [`check`](mod@check) |
+//! | writes, resumes, reads and verifies a session: its data set, rows, frames and sidecar | [`session`] |
+//! | reads any table of ratings | [`ratings`] |
+//! | exports recorded sessions as BIDS or Psych-DS | [`mod@export`] |
+//! | PNG images, and folders of images | [`image`], [`manifest`] |
+//! | OBJ meshes | [`mesh`] |
+//! | definitions, display profiles and simulated observers (TOML) | [`definition`], [`profile`], [`observer`] |
+//! | photometer readings, visual matches and stimulus profiles (CSV) | [`readings`], [`mod@matches`], [`curve`] |
+//! | identifies any file and finds all errors in it | [`check`](mod@check) |
 //!
-//! Below these: atomic and append-only files, and tables and TOML with locations.
+//! Private modules provide atomic and append-only files, and readers of tables and TOML that keep track of locations.
 
 pub mod check;
 pub mod curve;

@@ -12,21 +12,21 @@ use crate::{
     vision::Criterion,
 };
 
-/// The default observer's file, built into the program.
+/// The file of the default observer, which is built into the program.
 pub const PAPER: &str = include_str!("../../experiments/observers/paper.toml");
 
-/// Reads an observer.
+/// Reads an ordered-logit observer from a file.
 ///
 /// # Errors
-/// Every fault with its line and column.
+/// Reports every error, with its line and column.
 pub fn open(path: &Path) -> Result<OrderedLogit, FileFaults> {
     parse(&path.display().to_string(), &read_text(path)?)
 }
 
-/// Reads an observer from its text; absent keys keep their defaults.
+/// Parses the text of an ordered-logit observer; missing keys keep their defaults.
 ///
 /// # Errors
-/// Every fault with its line and column.
+/// Reports every error, with its line and column.
 pub fn parse(file: &str, text: &str) -> Result<OrderedLogit, FileFaults> {
     let (observer, mut document) = toml::read::<OrderedLogit>(file, text)?;
     check_thresholds(&mut document, observer.thresholds, f64::NEG_INFINITY, "[0.0, 1.5, 3.5]");
@@ -46,18 +46,18 @@ pub fn parse(file: &str, text: &str) -> Result<OrderedLogit, FileFaults> {
     document.finish(observer)
 }
 
-/// Reads an observer based on the vision model.
+/// Reads a vision observer from a file.
 ///
 /// # Errors
-/// Every fault with its line and column.
+/// Reports every error, with its line and column.
 pub fn open_vision(path: &Path) -> Result<VisionRater, FileFaults> {
     parse_vision(&path.display().to_string(), &read_text(path)?)
 }
 
-/// Reads an observer based on the vision model from its text; absent keys keep their defaults.
+/// Parses the text of a vision observer; missing keys keep their defaults.
 ///
 /// # Errors
-/// Every fault with its line and column.
+/// Reports every error, with its line and column.
 pub fn parse_vision(file: &str, text: &str) -> Result<VisionRater, FileFaults> {
     let (rater, mut document) = toml::read::<VisionRater>(file, text)?;
     check_thresholds(&mut document, rater.thresholds, 0.0, "[3.0, 8.0, 28.0]");
@@ -67,10 +67,10 @@ pub fn parse_vision(file: &str, text: &str) -> Result<VisionRater, FileFaults> {
     document.finish(rater)
 }
 
-/// Writes a criterion as an observer based on the vision model.
+/// Writes a criterion as a file for a vision observer.
 ///
 /// # Errors
-/// The system's refusal.
+/// I/O errors.
 pub fn write_criterion(path: &Path, criterion: &Criterion) -> Result<(), StoreError> {
     let [a, b, c] = criterion.thresholds;
     let text = format!("schema = 1\nthresholds = [{a:.6}, {b:.6}, {c:.6}]\nspread = {:.6}\n", criterion.spread);
@@ -82,7 +82,7 @@ fn check_thresholds(document: &mut Document<'_>, [a, b, c]: [f64; 3], above: f64
         let sign = if above < 0.0 { "" } else { " above 0" };
         document.fault(
             "thresholds",
-            format!("thresholds must be three increasing numbers{sign}; expected for example {example}"),
+            format!("thresholds must be three increasing numbers{sign}; expected a list such as {example}"),
         );
     }
 }

@@ -23,14 +23,14 @@ use crate::{
 /// name = "Left monitor"
 /// transfer = "gog:2.2,1.05,-0.05"   # srgb | linear | gamma:G | gog:GAMMA,GAIN,OFFSET | table;
 /// # encoded = [0.0, 0.5, 1.0]       # or three joined by "/" for red, green and blue
-/// # linear = [0.0, 0.22, 1.0]       # with "table": encoded values and their light, both increasing from 0 to 1
+/// # linear = [0.0, 0.22, 1.0]       # only with "table": encoded values and their light, both increasing from 0 to 1
 /// black_cd_m2 = 0.12
 /// white_cd_m2 = 251.0
 /// bits = 8
 /// screen_width_cm = 53.1
 /// native_px = [2560, 1440]
 ///
-/// [measured]                        # or a text instead
+/// [measured]                        # or a single text
 /// on = "2026-01-31"
 /// by = "N. N."
 /// with = "a photometer"
@@ -41,22 +41,22 @@ use crate::{
 /// blue = [0.15, 0.06]
 /// white = [0.3127, 0.329]
 ///
-/// # [channels.red]                  # instead of the transfer above: a section for each channel
+/// # [channels.red]                  # a section for each channel, in place of the transfer above
 /// # transfer = "table"
 /// # encoded = [0.0, 0.5, 1.0]
 /// # linear = [0.0, 0.22, 1.0]
 /// ```
 ///
 /// # Errors
-/// Every fault with its line and column.
+/// Reports every error, with its line and column.
 pub fn open(path: &Path) -> Result<DisplayProfile, FileFaults> {
     parse(&path.display().to_string(), &read_text(path)?)
 }
 
-/// Reads a display profile from its text; `file` names it in messages.
+/// Parses the text of a display profile; `file` identifies it in messages.
 ///
 /// # Errors
-/// Every fault with its line and column.
+/// Reports every error, with its line and column.
 pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileFaults> {
     let (form, mut document) = toml_file::read::<ProfileForm>(file, text)?;
     let profile = DisplayProfile {
@@ -85,9 +85,7 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileFaults> {
             if !(x >= 0.0 && y > 0.0 && x + y <= 1.0) {
                 document.fault(
                     &format!("primaries.{key}"),
-                    format!(
-                        "primaries.{key} is [{x}, {y}]; expected CIE 1931 [x, y], both from 0 and together at most 1"
-                    ),
+                    format!("primaries.{key} is [{x}, {y}]; expected CIE 1931 [x, y] with x ≥ 0, y > 0 and x + y ≤ 1"),
                 );
             }
         }
@@ -95,7 +93,7 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileFaults> {
     document.finish(profile)
 }
 
-/// A profile in the form of its file.
+/// A profile in the structure of its file.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ProfileForm {
@@ -206,7 +204,7 @@ fn transfer(
             .map(|table| Transfer::Table(table).into())
             .map_err(|error| error.to_string())
     } else if encoded.is_some() || linear.is_some() {
-        Err("encoded and linear require transfer = \"table\"; expected that, or neither list".to_owned())
+        Err("encoded and linear require transfer = \"table\"; expected that, or no lists".to_owned())
     } else {
         text.parse::<Transfers>().map_err(|error| format!("{error} (or table)"))
     };
@@ -235,7 +233,7 @@ fn luminance(form: &ProfileForm, document: &mut Document<'_>) -> Option<Luminanc
     None
 }
 
-/// A table, or a text as in `"2026-01-31, photometer"`.
+/// Reads the measurement from a table, or from a text such as `"2026-01-31, photometer"`.
 fn measured<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Measurement>, D::Error> {
     struct Visitor;
     impl<'de> de::Visitor<'de> for Visitor {
@@ -259,18 +257,19 @@ fn measured<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Measure
     deserializer.deserialize_any(Visitor).map(Some)
 }
 
-/// The known values of the profile, in the form of its file.
+/// Returns the known values of the profile, in the structure of its file.
 fn table(profile: &DisplayProfile) -> Table {
     Table::try_from(ProfileForm::from(profile)).unwrap_or_default()
 }
 
-/// The profile in the form of its file, for a sidecar.
+/// Returns the profile in the structure of its file, for a sidecar.
 #[must_use]
 pub fn value(profile: &DisplayProfile) -> serde_json::Value {
     serde_json::to_value(table(profile)).unwrap_or_default()
 }
 
-/// SHA-256 of the profile's content, in lower-case hexadecimal: the same for every file with the same content.
+/// Returns the SHA-256 of the profile's content, in lowercase hexadecimal; it is the same for every file with the same
+/// content.
 #[must_use]
 pub fn hash(profile: &DisplayProfile) -> String {
     let canonical = value(profile).to_string();
@@ -280,9 +279,8 @@ pub fn hash(profile: &DisplayProfile) -> String {
 /// Writes a profile atomically; [`open`](fn@open) reads it back unchanged.
 ///
 /// # Errors
-/// The system's refusal.
+/// I/O errors.
 pub fn write(path: &Path, profile: &DisplayProfile) -> Result<(), StoreError> {
-    let text =
-        ::toml::to_string(&table(profile)).map_err(|error| io(path, "describe")(std::io::Error::other(error)))?;
+    let text = ::toml::to_string(&table(profile)).map_err(|error| io(path, "encode")(std::io::Error::other(error)))?;
     write_whole(path, text.as_bytes(), true)
 }

@@ -13,21 +13,22 @@ use crate::display::{
     photometer::{About, Reading, Readings},
 };
 
-/// The columns, in the order in which they are written. Further columns are ignored.
+/// The columns, in the order in which they are written. Additional columns are ignored when reading.
 pub const COLUMNS: [&str; 3] = ["channel", "level", "luminance_cd_m2"];
 
-/// Reads readings that are sufficient for a profile, in the order in which they were taken.
+/// Reads a complete set of readings, sufficient for a profile, in the order in which they were taken.
 ///
 /// # Errors
-/// Every fault, with line and column if it is in a cell; of many in one column, the first ones and their number.
+/// Reports every error, with its line and column if it is in a cell. If a column has many errors, only the first ones
+/// are listed, followed by the number of others.
 pub fn open(path: &Path) -> Result<Readings, FileFaults> {
     parse(&path.display().to_string(), &read_text(path)?)
 }
 
-/// Reads readings from their text; `file` names it in messages.
+/// Parses the text of a readings file; `file` identifies it in messages.
 ///
 /// # Errors
-/// As for [`open()`].
+/// The same as for [`open()`].
 pub fn parse(file: &str, text: &str) -> Result<Readings, FileFaults> {
     let rows = rows(file, text)?;
     Readings::new(rows.iter().map(|row| row.reading).collect()).map_err(|found| {
@@ -52,13 +53,14 @@ pub fn parse(file: &str, text: &str) -> Result<Readings, FileFaults> {
     })
 }
 
-/// The likely cause of levels outside 0…1 with luminances inside 0…1.
+/// The likely cause if levels are outside 0…1 but all luminances are inside 0…1.
 const EXCHANGED: &str = " (every luminance_cd_m2 is within 0…1: are the columns level and luminance_cd_m2 swapped?)";
 
-/// Reads the readings in a possibly incomplete file, to resume it.
+/// Reads the readings in a possibly incomplete file in order to resume it.
 ///
 /// # Errors
-/// Cells that are not readings, with line and column; of many in one column, the first ones and their number.
+/// Reports cells that are not readings, with their line and column. If a column has many errors, only the first ones
+/// are listed, followed by the number of others.
 pub fn open_begun(path: &Path) -> Result<Vec<Reading>, FileFaults> {
     let rows = rows(&path.display().to_string(), &read_text(path)?)?;
     Ok(rows.into_iter().map(|row| row.reading).collect())
@@ -67,7 +69,7 @@ pub fn open_begun(path: &Path) -> Result<Vec<Reading>, FileFaults> {
 /// Writes readings atomically and syncs them to disk.
 ///
 /// # Errors
-/// The system's refusal.
+/// I/O errors.
 pub fn write(path: &Path, readings: &[Reading]) -> Result<(), StoreError> {
     let mut text = COLUMNS.join(",") + "\n";
     for Reading { channel, level, luminance_cd_m2 } in readings {
@@ -77,19 +79,19 @@ pub fn write(path: &Path, readings: &[Reading]) -> Result<(), StoreError> {
     write_whole(path, text.as_bytes(), true)
 }
 
-/// A reading, and line and column of the cells of [`COLUMNS`].
+/// A reading, and the line and column of each of its cells in the order of [`COLUMNS`].
 struct Row {
     reading: Reading,
     places: [(usize, usize); 3],
 }
 
 fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileFaults> {
-    // In many countries, spreadsheets separate cells with semicolons, since the comma is the decimal separator.
+    // In many countries, spreadsheets separate cells with semicolons because the comma is the decimal separator.
     let first = text.lines().next().unwrap_or_default();
     let separator = if first.contains(';') && !first.contains(',') { b';' } else { b',' };
     let (mut rows, mut faults) = (Vec::new(), RowFaults::default());
     let (mut columns, mut width) = ([None; 3], None);
-    // Memory can be read.
+    // Reading from memory does not fail.
     let _ = each_row(Content::Memory(text.as_bytes()), separator, |row| {
         let cells: Vec<&str> =
             row.record.iter().map(|cell| std::str::from_utf8(cell).unwrap_or_default().trim()).collect();
@@ -99,7 +101,7 @@ fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileFaults> {
             return;
         };
         let [Some(channel_at), Some(level_at), Some(luminance_at)] = columns else { return };
-        // With more fields than the header has, the reading cannot be identified.
+        // If a row has more fields than the header, it is unclear which of them are the reading.
         if cells.len() > width {
             let why = if separator == b',' { " (a decimal comma?)" } else { "" };
             return faults.add(file, None, format!("{} fields; expected {width}{why}", cells.len()), || row.place(0));

@@ -1,4 +1,4 @@
-//! Tables as CSV: each row with its line, each cell with its column.
+//! CSV tables in which each row has a line number and each cell has a column.
 
 use std::{
     borrow::Cow,
@@ -11,13 +11,13 @@ use csv::{ByteRecord, Position};
 
 use super::{FileFault, FileFaults};
 
-/// A longer row, in bytes, must have an unclosed quote.
-const LONGEST_ROW: u64 = 1 << 20;
+/// A row with more bytes than this must have an unclosed quote.
+const MAX_ROW: u64 = 1 << 20;
 
 /// The byte order mark with which some programs begin a file.
 const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
 
-/// The fault of a row: the index of the cell, what is wrong, and what is expected.
+/// An error in a row: the index of the cell, and a message that says what is wrong and what is expected.
 pub(super) type CellFault = (usize, String);
 
 /// The source of a table's bytes.
@@ -38,7 +38,7 @@ impl<'a> Content<'a> {
         })
     }
 
-    /// All of it.
+    /// Reads all of the content.
     pub fn bytes(self) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
         self.open()?.read_to_end(&mut bytes)?;
@@ -52,47 +52,48 @@ impl<'a> Content<'a> {
         }
     }
 
-    /// At most [`LONGEST_ROW`] of these bytes; empty if they cannot be read.
+    /// Reads at most [`MAX_ROW`] bytes of this range; empty if they cannot be read.
     fn slice(self, from: u64, to: u64) -> Vec<u8> {
         let mut bytes = Vec::new();
         if let Ok(mut reader) = self.open()
             && reader.seek(SeekFrom::Start(from)).is_ok()
         {
-            let _ = reader.take((to - from).min(LONGEST_ROW)).read_to_end(&mut bytes);
+            let _ = reader.take((to - from).min(MAX_ROW)).read_to_end(&mut bytes);
         }
         bytes
     }
 }
 
-/// A raw row.
+/// A row, not yet validated.
 pub(super) struct Row<'a> {
-    /// Its cells, not yet validated as text.
+    /// The cells as bytes.
     pub record: &'a ByteRecord,
     content: Content<'a>,
     separator: u8,
-    /// The reader's position before the row; line ends may lie between it and the row.
+    /// The reader's position before the row. There may be line ends between this position and the row.
     start: &'a Position,
     end: u64,
-    /// Whether nothing follows it.
+    /// True if nothing follows this row.
     pub last: bool,
 }
 
 impl<'a> Row<'a> {
-    /// The cells as one text, to be sliced with [`ByteRecord::range`].
+    /// Returns all cells as one text, to be sliced with [`ByteRecord::range`].
     ///
     /// # Errors
-    /// The first cell that is not UTF-8.
+    /// The index of the first cell that is not UTF-8.
     pub fn text(&self) -> Result<&'a str, usize> {
         std::str::from_utf8(self.record.as_slice())
             .map_err(|_| self.record.iter().position(|cell| std::str::from_utf8(cell).is_err()).unwrap_or(0))
     }
 
-    /// The bytes of the row, including the line ends before and after it. They are read again, since faults are rare.
+    /// Returns the bytes of the row, including the line ends before and after it. They are read again from the source,
+    /// which is acceptable because errors are rare.
     pub fn raw(&self) -> Vec<u8> {
         self.content.slice(self.start.byte(), self.end)
     }
 
-    /// Line and column, from 1, where a cell begins; if it is not text, of its first invalid byte.
+    /// Returns the line and column, from 1, where a cell begins; if the cell is not text, of its first invalid byte.
     pub fn place(&self, cell: usize) -> (usize, usize) {
         let raw = self.raw();
         let raw = raw.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&raw);
@@ -112,14 +113,14 @@ impl<'a> Row<'a> {
         (self.start.line() as usize + line, String::from_utf8_lossy(&before[line_start..]).chars().count() + 1)
     }
 
-    /// Whether the last cell has an unclosed quote, so that it swallowed everything that follows.
+    /// True if the last cell has an unclosed quote, so that it includes everything up to the end of the file.
     pub fn is_open(&self) -> bool {
         self.last
             && self.record.iter().next_back().is_some_and(|cell| cell.contains(&b'\n'))
             && !self.content.slice(self.end.saturating_sub(4), self.end).trim_ascii_end().ends_with(b"\"")
     }
 
-    /// The beginning of the next line.
+    /// Returns the position of the next line.
     fn next_line(&self) -> Position {
         let raw = self.raw();
         let before = raw.iter().take_while(|byte| is_line_end(**byte)).count();
@@ -135,8 +136,8 @@ fn is_line_end(byte: u8) -> bool {
     matches!(byte, b'\r' | b'\n')
 }
 
-/// Byte where a cell of a row begins. A quote counts only at the beginning of a cell; within quotes, two stand for one;
-/// after the closing quote, everything up to the separator belongs to the cell.
+/// Returns the byte offset where a cell of a row begins. A quote is special only at the beginning of a cell. Within
+/// quotes, two quotes stand for one; after the closing quote, everything up to the separator belongs to the cell.
 fn cell_start(row: &[u8], separator: u8, cell: usize) -> usize {
     let mut at = 0;
     for _ in 0..cell {
@@ -158,7 +159,7 @@ fn cell_start(row: &[u8], separator: u8, cell: usize) -> usize {
     at
 }
 
-/// Passes on every row, the header first. An unclosed quote affects only its own line.
+/// Calls `take` with every row, beginning with the header. An unclosed quote affects only its own line.
 ///
 /// # Errors
 /// The content cannot be read.
@@ -181,11 +182,11 @@ pub(super) fn each_row(content: Content<'_>, separator: u8, mut take: impl FnMut
     Ok(())
 }
 
-/// Reads the rows of a small table. `header` checks the first row; a fault in the first cell means that the table is of
-/// another kind, and its rows are not read.
+/// Reads the rows of a small table. `header` checks the first row; if it reports an error in the first cell, the table
+/// is of a different kind, and its rows are not read.
 ///
 /// # Errors
-/// Every fault with its line and column.
+/// Reports every error, with its line and column.
 pub(super) fn parse<T>(
     file: &str,
     text: &[u8],
@@ -231,7 +232,7 @@ pub(super) fn parse<T>(
     if faults.is_empty() { Ok(rows) } else { Err(FileFaults(faults)) }
 }
 
-/// Checks that a header is exactly this one.
+/// Checks that a header is exactly as expected.
 ///
 /// # Errors
 /// It is different.
@@ -242,30 +243,31 @@ pub(super) fn exactly(header: &[&str], expected: &str) -> Result<(), CellFault> 
     Err((0, format!("the header is different; expected {expected}")))
 }
 
-/// One line of CSV. A line break within a cell becomes a space, so that a line is a row.
+/// Formats one line of CSV. A line break within a cell becomes a space, so that each line is a row.
 pub(super) fn line<S: AsRef<str>>(cells: impl IntoIterator<Item = S>) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let clean = cells.into_iter().map(|cell| cell.as_ref().replace(['\n', '\r'], " "));
-    // Writing to memory does not fail, and one record cannot differ in length from the others.
+    // Writing to memory does not fail, and a single record cannot differ in length from others.
     let _ = writer.write_record(clean.collect::<Vec<_>>());
     writer.into_inner().unwrap_or_default()
 }
 
-/// The beginning of an arbitrary text, for a message.
+/// Returns the beginning of an arbitrary text, short enough for a message.
 pub(super) fn shortened(text: &str) -> String {
     const SHOWN: usize = 40;
     let shown: String = text.chars().take(SHOWN).collect();
     if shown.len() < text.len() { shown + "…" } else { shown }
 }
 
-/// The text of a cell, safe for spreadsheets: a text that would be treated as a formula (it begins with `=`, `+`, `-`,
-/// `@`, a tab or a carriage return, and is not a number) is prefixed with an apostrophe, which makes it text.
+/// Makes a cell safe for spreadsheets: if a spreadsheet would treat the text as a formula (it begins with `=`, `+`,
+/// `-`, `@`, a tab or a carriage return, and is not a number), it is prefixed with an apostrophe, which marks it as
+/// text.
 #[must_use]
 pub fn inert(cell: &str) -> Cow<'_, str> {
     if is_formula(cell) { Cow::Owned(format!("'{cell}")) } else { Cow::Borrowed(cell) }
 }
 
-/// Whether a spreadsheet would compute a cell instead of showing it.
+/// True if a spreadsheet would evaluate a cell instead of showing it.
 #[must_use]
 pub fn is_formula(cell: &str) -> bool {
     cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && cell.parse::<f64>().is_err()

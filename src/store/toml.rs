@@ -1,5 +1,5 @@
-//! TOML files, read into types that derive `Deserialize`. Each fault has its line and column, and all faults of a file are
-//! found in one pass: a value that cannot be read is reported and skipped, as if its key were absent.
+//! Reads TOML files into types that derive `Deserialize`. Each error has its line and column, and all errors in a file
+//! are reported together: a value that cannot be read is reported and then skipped, as if its key were absent.
 
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
@@ -8,25 +8,26 @@ use toml::de::{DeTable, DeValue};
 use super::{FileFault, FileFaults, fault::position};
 use crate::light::names::expected_one_of;
 
-/// Maximum number of unreadable values: the file is read again for each of them.
-const MOST_UNREAD: usize = 100;
+/// Maximum number of unreadable values, because the document is deserialized again for each of them.
+const MAX_UNREAD: usize = 100;
 
-/// A TOML document, and the faults found in it so far.
+/// A TOML document, and the errors found in it so far.
 pub(super) struct Document<'t> {
     file: &'t str,
     text: &'t str,
     table: DeTable<'t>,
-    /// Locations in the text, and their faults.
+    /// Locations in the text, and the errors there.
     faults: Vec<(usize, String)>,
     /// Locations of the values that could not be read.
     unread: Vec<usize>,
 }
 
-/// Reads a document whose `schema` is 1. The caller checks the value, reports faults with [`Document::fault`], and ends
-/// with [`Document::finish`].
+/// Reads a document, which must have `schema = 1`. The caller checks the value, reports errors with
+/// [`Document::fault`], and ends with [`Document::finish`].
 ///
 /// # Errors
-/// Text that is not TOML; faults that leave no value, such as a missing key without a default.
+/// The text is not TOML; or there is an error after which no value can be built, such as a missing key without a
+/// default.
 pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Result<(T, Document<'t>), FileFaults> {
     let mut document = Document::parse(file, text)?;
     let mut value = json_table(&document.table);
@@ -41,7 +42,7 @@ pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Res
             Err(error) => error,
         };
         let path = error.path().to_string().replace('[', ".").replace(']', "");
-        // A single dot is the document.
+        // A single dot stands for the whole document.
         let path = path.trim_matches('.');
         let message = error.inner().to_string();
         if let Some(field) = message.strip_prefix("missing field `") {
@@ -54,13 +55,15 @@ pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Res
             document.faults.push((place, explained(path, &message)));
             document.unread.push(place);
         }
-        if document.unread.len() > MOST_UNREAD || !remove(&mut value, path) {
+        if document.unread.len() > MAX_UNREAD || !remove(&mut value, path) {
             return Err(document.located());
         }
     }
 }
 
 impl<'t> Document<'t> {
+    /// Parses the text of a document.
+    ///
     /// # Errors
     /// The first place where the text is not TOML.
     pub(super) fn parse(file: &'t str, text: &'t str) -> Result<Self, FileFaults> {
@@ -72,13 +75,13 @@ impl<'t> Document<'t> {
         Ok(Self { file, text, table: table.into_inner(), faults: Vec::new(), unread: Vec::new() })
     }
 
-    /// Whether there is such a key at the top level.
+    /// True if there is such a key at the top level.
     pub(super) fn has(&self, key: &str) -> bool {
         self.table.contains_key(key)
     }
 
-    /// Reports a fault at a dotted path such as `factors.width.2`, or at the nearest existing parent. If the value could not
-    /// be read at all, the fault about that is enough.
+    /// Reports an error at a dotted path such as `factors.width.2`, or at the nearest existing parent. If the value
+    /// could not be read at all, that has already been reported and is enough.
     pub(super) fn fault(&mut self, path: &str, message: impl Into<String>) {
         let place = self.locate(path);
         if !self.unread.contains(&place) {
@@ -86,24 +89,24 @@ impl<'t> Document<'t> {
         }
     }
 
-    /// Reports a number at the top level that is outside `least…most`.
+    /// Reports an error if a number at the top level is outside `least…most`.
     pub(super) fn check_range(&mut self, key: &str, value: f64, least: f64, most: f64) {
         if !(least..=most).contains(&value) {
             self.fault(key, format!("{key} {value} is outside {least}…{most}; expected a number in this range"));
         }
     }
 
-    /// The value, unless the document has faults.
+    /// Returns the value, unless the document has errors.
     ///
     /// # Errors
-    /// Every fault, in the order of the text.
+    /// Returns every error, in the order of the text.
     pub(super) fn finish<T>(self, value: T) -> Result<T, FileFaults> {
         if self.faults.is_empty() { Ok(value) } else { Err(self.located()) }
     }
 
     fn located(mut self) -> FileFaults {
         self.faults.sort();
-        // Counted from one fault to the next instead of from the start, since there may be a hundred thousand of them.
+        // Lines are counted from one error to the next and not from the start, because there may be 100,000 errors.
         let (mut from, mut line, mut column) = (0, 1, 1);
         let located = self.faults.into_iter().map(|(at, message)| {
             let (lines, columns) = position(&self.text[from..], at - from);
@@ -114,7 +117,7 @@ impl<'t> Document<'t> {
         FileFaults(located.collect())
     }
 
-    /// Where a key or a list item begins.
+    /// Returns the offset where a key or a list item begins.
     fn locate(&self, path: &str) -> usize {
         let (first, rest) = path.split_once('.').unwrap_or((path, ""));
         let Some((key, value)) = self.table.get_key_value(first) else { return 0 };
@@ -134,7 +137,8 @@ impl<'t> Document<'t> {
     }
 }
 
-/// Non-finite numbers become texts, since `inf` is a depth; so do times.
+/// Converts a TOML value to JSON. Non-finite numbers become texts, because `inf` is a valid depth; dates and times
+/// become texts too.
 fn json(value: &DeValue<'_>) -> Value {
     let number = |number: f64| if number.is_finite() { number.into() } else { number.to_string().into() };
     match value {
@@ -159,14 +163,14 @@ fn json_table(table: &DeTable<'_>) -> Value {
     Value::Object(table.iter().map(entry).collect::<Map<_, _>>())
 }
 
-/// Removes the key at a dotted path, or the key whose list has a fault there, and returns whether there was one.
+/// Removes the key at a dotted path, or the key of the list that contains the error, and returns whether there was one.
 fn remove(value: &mut Value, path: &str) -> bool {
     let Value::Object(keys) = value else { return false };
     let (first, rest) = path.split_once('.').unwrap_or((path, ""));
     keys.get_mut(first).is_some_and(|inner| remove(inner, rest)) || keys.shift_remove(first).is_some()
 }
 
-/// Rephrases serde's message about the value at `path` in this program's style.
+/// Rephrases a message from serde about the value at `path` in this program's style.
 fn explained(path: &str, error: &str) -> String {
     let (table, key) = path.rsplit_once('.').unwrap_or(("", path));
     if error.starts_with("unknown field") {
@@ -197,7 +201,7 @@ fn explained(path: &str, error: &str) -> String {
     format!("{path} is {found}; expected {expected}")
 }
 
-/// The message for an unknown key in a table, with the valid keys.
+/// Returns the message for an unknown key in a table, with the valid keys.
 pub(super) fn unknown_key(table: &str, key: &str, known: &[&str]) -> String {
     let place = if table.is_empty() { String::new() } else { format!(" in [{table}]") };
     format!("unknown key {key:?}{place}; {}", expected_one_of(key, known))

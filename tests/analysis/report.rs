@@ -185,7 +185,7 @@ fn sentences_follow_the_direction_of_the_data() {
     for summary in [&forwards, &backwards] {
         let same = finding(summary, "shader");
         assert!(same.contains("cannot distinguish the levels"));
-        let caution = "found no clear difference by shader. This does not show that there is none";
+        let caution = "found no clear effect of shader. This does not show that there is none";
         assert_parts(&summary.cautions.join(" "), &[caution]);
         // The largest of many chance differences is not an estimate.
         for part in ["The odds", "rises", "falls"] {
@@ -279,7 +279,7 @@ fn one_participant_gets_a_description_without_inference() {
     assert!(!page(1).contains(">p</th>") && !page(1).contains(">SE</th>"));
     let alone = "which do not generalize to other people";
     assert_parts(&one, &[alone, "machband plan"]);
-    assert_parts(&one, &["In these ratings the mean tends to fall with depth, from 1.83 at 1 to 0.00 at ∞"]);
+    assert_parts(&one, &["In these ratings, the mean tends to fall with depth, from 1.83 at 1 to 0.00 at ∞"]);
     // With a second person, these signs appear.
     assert_parts(&two, &["p <", " interval "]);
     assert!(!two.contains(alone));
@@ -385,7 +385,7 @@ fn participants_with_unusual_answers_are_named() {
     let cautions = study::summary(&source(&["width"]), &analyze(builder.finish(), &options())).cautions.join("\n");
     // At every width, the first rating is 1 and the second is 2, so the agreement is no better than chance.
     let alike = "\nann, cyd and dot showed little agreement between their first and second ratings: κ = .00.\n";
-    let (ben, slow) = ("\nben used one category only: all 30 ratings are 2.\n", "dot answered unusually slowly");
+    let (ben, slow) = ("\nben used only one category: all 30 ratings are 2.\n", "dot answered unusually slowly");
     assert_parts(&cautions, &[ben, alike, "answers of cyd came within 0.2", slow]);
     assert!(!cautions.contains("answered unusually quickly"), "a second sentence: {cautions:?}");
 }
@@ -471,7 +471,7 @@ fn the_report_shows_the_prediction_or_says_why_there_is_none() {
     source.sessions = [4.0, 5.0].map(|deg| session(&protocol, "S001", seated(deg))).to_vec();
     source.protocol = Some(protocol.clone());
     let text = text(&page(&source, &self::results(1, &DEPTHS, false)));
-    assert_parts(&text, &["window 4.5° wide", "requires the agreement of at least two participants"]);
+    assert_parts(&text, &["window 4.5° wide", "because this requires at least two participants"]);
     // Studies that cannot be predicted.
     let rated = |categories: &[&str]| {
         let mut builder = MeasuredBuilder::new(&["width", "depth"]).with_categories(categories);

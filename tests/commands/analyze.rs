@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, fs};
 
 use crate::common::{fails, json, machband, split, succeeds, table, text};
 
-/// A folder with the results of some simulated participants.
+/// Returns a folder with the results of some simulated participants.
 fn study(experiment: &str, participants: u32) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let line = format!("simulate {experiment} --participants {participants} --seed 5");
@@ -12,9 +12,9 @@ fn study(experiment: &str, participants: u32) -> tempfile::TempDir {
     folder
 }
 
-/// Every file of the contract is there, with the columns of the contract, and its numbers are those of the rows.
+/// Every documented file is written with its documented columns, and its numbers match the rows.
 #[test]
-fn a_study_is_analyzed() {
+fn analyze_writes_every_documented_file() {
     let folder = study("bangay2003", 4);
     let output = succeeds(folder.path(), &split("analyze results --out a"));
     assert!(output.contains("960 ratings of 120 conditions by 4 participants"), "{output}");
@@ -24,7 +24,7 @@ fn a_study_is_analyzed() {
     let contract = "width,depth,orientation_deg,n,mean,median,p0,p1,p2,p3,ci_low,ci_high";
     assert!(header.join(",").starts_with(contract) && cells.len() == 120, "{header:?}");
 
-    // Means by hand, from the rows.
+    // Means computed directly from the rows.
     let mut sums: BTreeMap<Vec<String>, (f64, f64)> = BTreeMap::new();
     for entry in fs::read_dir(folder.path().join("results/bangay2003/data")).unwrap() {
         let path = entry.unwrap().path();
@@ -64,7 +64,7 @@ fn a_study_is_analyzed() {
     for kind in ["friedman", "wilcoxon", "likelihood-ratio", "proportional-odds"] {
         assert!(tests.iter().any(|row| row[0] == kind), "{kind}");
     }
-    // 4 participants and 15 pairs of widths: the least possible corrected probability is 15 · 2/2⁴.
+    // With 4 participants and 15 pairs of widths, the smallest possible corrected p is 15 · 2/2⁴.
     assert!(tests.iter().any(|row| row[0] == "wilcoxon" && row[11].contains("p_holm cannot be below")));
     let (_, agreement) = table(&out.join("agreement.csv"));
     assert!(agreement.iter().any(|row| row[0] == "krippendorff_alpha_ordinal"));
@@ -76,9 +76,9 @@ fn a_study_is_analyzed() {
     assert!(fs::read_to_string(out.join("report.html")).unwrap().to_lowercase().contains("<!doctype html>"));
 }
 
-/// Equal input and seed give equal bytes; another seed changes the intervals alone.
+/// The same input and seed give the same bytes; a different seed changes only the intervals.
 #[test]
-fn an_analysis_can_be_repeated() {
+fn an_analysis_is_reproducible() {
     let folder = study("quick", 6);
     let analyze = |out: &str, seed: u32| {
         let line = format!("analyze results --out {out} --tables-only --replicates 100 --seed {seed}");
@@ -95,9 +95,9 @@ fn an_analysis_can_be_repeated() {
     }
 }
 
-/// An analysis of counts is that of the rows they were made of.
+/// Analyzing a table of counts gives the same results as analyzing the rows it was made from.
 #[test]
-fn counts_replace_the_rows() {
+fn counts_give_the_same_analysis_as_rows() {
     let folder = study("bangay2003", 3);
     for line in [
         "analyze results/bangay2003 --out rows --tables-only",
@@ -112,7 +112,7 @@ fn counts_replace_the_rows() {
         assert_eq!(bytes("rows", file), bytes("counts", file), "{file}");
     }
     assert_eq!(bytes("", "counts.csv"), bytes("rows", "counts.csv"));
-    // Under other names, in two parts, and with a factor's name as a term.
+    // With renamed columns, split into two files, and with factor names as terms.
     let renamed =
         text(&bytes("", "counts.csv")).replacen("subject_id", "who", 1).replacen("rating,count", "score,n", 1);
     let lines: Vec<&str> = renamed.lines().collect();
@@ -125,9 +125,10 @@ fn counts_replace_the_rows() {
     assert_eq!((&a["coefficients"], &a["loglik"]), (&b["coefficients"], &b["loglik"]));
 }
 
-/// Any scale and any names: the table of counts is analyzed as the file was, and an order that is not known is asked for.
+/// Other scales and column names work: counts give the same analysis as the file, and if the order of the categories is
+/// unknown, the error asks for it.
 #[test]
-fn other_scales_need_their_order() {
+fn non_numeric_scales_need_an_order() {
     let folder = tempfile::tempdir().unwrap();
     let mut rows = String::from("who,group,answer\n");
     for i in 0..240 {
@@ -148,16 +149,16 @@ fn other_scales_need_their_order() {
     assert_eq!(analyze("c.csv", "b", "group"), model);
     let model = text(&model);
     assert!(model.contains("low|medium") && model.contains("medium|high"), "{model}");
-    // A name that stands in several terms is one factor; a column has one role.
+    // A name that occurs in several terms is a single factor; a column cannot have two roles.
     analyze("d.csv", "c", "group,group:group");
     assert_eq!(table(&folder.path().join("c/cells.csv")).0[..2], ["group", "n"]);
     let error = fails(folder.path(), &arguments("analyze d.csv --out x --terms answer"), 1);
     assert!(error.contains("the column answer has two uses"), "{error}");
 }
 
-/// A newcomer's one session is described, and nothing is inferred from it.
+/// A single participant's session is described, but nothing is inferred from it.
 #[test]
-fn one_person_is_described() {
+fn a_single_participant_is_only_described() {
     let folder = study("quick", 1);
     let output = succeeds(folder.path(), &split("analyze results --out a"));
     assert!(output.contains("24 ratings of 24 conditions by 1 participant, from 1 file"), "{output}");
@@ -169,9 +170,9 @@ fn one_person_is_described() {
     assert!(model["sentences"][0].as_str().unwrap().contains("only one participant"), "{model}");
 }
 
-/// Terms as in the contract: factors by name, numbers with num:, 1/n as num:inv_n; both links, both approximations.
+/// Terms as documented: factors by name, numbers with num:, 1/n as num:inv_n; with both links and both approximations.
 #[test]
-fn models_are_requested_by_their_terms() {
+fn terms_select_the_model() {
     let folder = study("bangay2003", 3);
     let model = |options: &str| {
         succeeds(folder.path(), &split(&format!("analyze results --out a --tables-only {options}")));
@@ -180,7 +181,7 @@ fn models_are_requested_by_their_terms() {
     for (terms, expected) in [
         ("num:width,num:inv_n", &["width", "inv_n"][..]),
         ("num:inv_n,num:inv_n:num:width", &["inv_n", "inv_n:width"]),
-        // A column that is no factor of the definition can be one of the model.
+        // A column that is not a factor of the definition can still be a factor of the model.
         ("repetition", &["repetition2"]),
     ] {
         let model = model(&format!("--terms {terms}"));
@@ -201,9 +202,9 @@ fn models_are_requested_by_their_terms() {
     }
 }
 
-/// What is wrong is named with file, line and column; the rest is analyzed, and the exit status is 1.
+/// Errors are reported with file, line and column; the rest is analyzed, and the exit status is 1.
 #[test]
-fn faults_are_named_and_the_rest_is_analyzed() {
+fn errors_are_reported_and_the_rest_is_analyzed() {
     let folder = study("quick", 3);
     let path = folder.path().join("results/quick/data/subject-S002_session-1_task-quick_data.csv");
     let rows = fs::read_to_string(&path).unwrap();

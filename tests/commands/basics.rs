@@ -1,4 +1,4 @@
-//! The commands as a user's script sees them: the real program, its files, its exit status.
+//! The commands as a user's script sees them: the real program, its files, and its exit status.
 
 use std::{
     collections::HashSet,
@@ -21,7 +21,7 @@ fn csv(folder: &Path, protocol: &Protocol, number: usize) -> PathBuf {
     session_csv(folder, &protocol.name, &format!("S{number:03}"))
 }
 
-/// What must be the same however often a simulation was interrupted.
+/// Returns what must be the same no matter how often a simulation was interrupted.
 fn ratings(folder: &Path, protocol: &Protocol, participants: usize) -> Vec<(String, u8, String)> {
     let all = (1..=participants).flat_map(|number| rows(&csv(folder, protocol, number), protocol));
     all.map(|row| (row.row_id, row.rating.0, format!("{:?} {:?} {:?}", row.width, row.depth, row.response_time_s)))
@@ -29,7 +29,7 @@ fn ratings(folder: &Path, protocol: &Protocol, participants: usize) -> Vec<(Stri
 }
 
 #[test]
-fn eight_participants_are_the_same_each_time() {
+fn simulations_are_reproducible() {
     let folder = tempfile::tempdir().unwrap();
     let protocol = definition::open("bangay2003").unwrap();
     let simulate = |results: &str| -> Vec<PathBuf> {
@@ -53,11 +53,11 @@ fn eight_participants_are_the_same_each_time() {
         let output = succeeds(folder.path(), &["check", csv(Path::new("a"), &protocol, number).to_str().unwrap()]);
         assert!(output.contains("252 rows; 252 of 252 planned trials"), "{output}");
     }
-    assert_eq!(orders.len(), 8, "each participant has an order of their own");
+    assert_eq!(orders.len(), 8, "each participant has a different order");
 }
 
 #[test]
-fn two_runs_into_one_folder_do_not_meet() {
+fn two_runs_can_share_a_results_folder() {
     let folder = tempfile::tempdir().unwrap();
     let protocol = definition::open("quick").unwrap();
     let simulate = split("simulate quick --participants 40 --results r");
@@ -87,13 +87,13 @@ fn two_runs_into_one_folder_do_not_meet() {
     for (path, _) in everything(folder.path()) {
         let described = path.file_name().unwrap().to_str().unwrap().starts_with(".psychds");
         let known = matches!(path.extension().and_then(|e| e.to_str()), Some("csv" | "json" | "md"));
-        assert!(known || described, "{path:?} was left");
+        assert!(known || described, "{path:?} was left behind");
     }
 }
 
-/// The heart of it: a program that is killed at any moment has lost nothing that was rated.
+/// The central guarantee: a program that is killed at any moment loses no ratings.
 #[test]
-fn killed_at_fifty_moments_and_resumed_it_is_as_if_it_had_not_been() {
+fn killing_and_resuming_fifty_times_changes_nothing() {
     const PARTICIPANTS: usize = 20;
     let folder = tempfile::tempdir().unwrap();
     let protocol = definition::open("bangay2003").unwrap();
@@ -118,7 +118,7 @@ fn killed_at_fifty_moments_and_resumed_it_is_as_if_it_had_not_been() {
             csv.map(|path| lines(path).saturating_sub(1)).sum()
         };
         loop {
-            // From the first instructions of the program to most of a whole run.
+            // Anywhere from the program's first instructions to most of a complete run.
             let share = session_seed(kills * 1000 + rounds) as f64 / 2_f64.powi(32);
             let at_once = kills % 5 == 0;
             let delay = if at_once { Duration::from_secs_f64(share * 0.02) } else { whole.mul_f64(0.8 * share) };
@@ -140,13 +140,13 @@ fn killed_at_fifty_moments_and_resumed_it_is_as_if_it_had_not_been() {
         }
         let found = ratings(&folder.path().join(&results), &protocol, PARTICIPANTS);
         assert!(found == expected, "{results}: {} rows, not {}", found.len(), expected.len());
-        assert_eq!(everything(&data).len(), 2 * PARTICIPANTS, "{results}: rows and sidecars, nothing half written");
+        assert_eq!(everything(&data).len(), 2 * PARTICIPANTS, "{results}: only rows and sidecars, no partial files");
     }
-    assert!(mid_run >= 10, "only {mid_run} of {kills} kills came while rows were written");
+    assert!(mid_run >= 10, "only {mid_run} of {kills} kills happened while rows were being written");
 }
 
 #[test]
-fn wrong_usage_is_an_error_and_nothing_else_happens() {
+fn wrong_usage_is_an_error_and_writes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     for (line, part) in [
         ("--nonsense", "--nonsense"),
@@ -184,13 +184,13 @@ fn wrong_usage_is_an_error_and_nothing_else_happens() {
 }
 
 #[test]
-fn what_cannot_be_done_is_an_error_with_its_place() {
+fn failures_are_errors_that_name_their_place() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("file"), "").unwrap();
     let bad = "schema = 1\nname = \"a\"\nstimulus.kind = \"mach-band\"\nfactors.width = [1.5]\n";
     fs::write(folder.path().join("bad.toml"), bad).unwrap();
     for (line, part) in [
-        ("simulate quick --results file", "error: file/quick/data: cannot make the folder"),
+        ("simulate quick --results file", "error: file/quick/data: cannot create the folder"),
         ("simulate quik", "error: quik: is neither a built-in definition nor a file"),
         ("simulate none.toml", "error: none.toml: cannot be opened"),
         ("simulate bad.toml", "error: bad.toml:4:18: width 1.5"),
@@ -203,13 +203,13 @@ fn what_cannot_be_done_is_an_error_with_its_place() {
     ] {
         let error = fails(folder.path(), &split(line), 1);
         assert!(error.contains(part), "{line}: {error}");
-        assert!(error.matches("os error").count() <= 1, "{line} repeats its cause: {error}");
+        assert!(error.matches("os error").count() <= 1, "{line} states its cause more than once: {error}");
     }
-    assert_eq!(everything(folder.path()).len(), 2, "nothing was made");
+    assert_eq!(everything(folder.path()).len(), 2, "no file was created");
 }
 
 #[test]
-fn check_names_every_fault_of_every_file() {
+fn check_reports_every_error_in_every_file() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, content: &str| fs::write(folder.path().join(name), content).unwrap();
     write(
@@ -238,12 +238,12 @@ fn check_names_every_fault_of_every_file() {
         let found = errors.lines().filter(|line| line["error: ".len()..].starts_with(start)).count();
         assert_eq!(found, 1, "{start}: {errors}");
     }
-    // Without the unreadable cell, the repeated row is found; its trial is missing then.
+    // Once the unreadable cell is fixed, the repeated row is found; the trial whose row it replaced is missing.
     lines[5] = lines[5].replacen(",yellow,9", ",yellow,", 1);
     write("twice.csv", &(lines.join("\n") + "\n"));
     let error = fails(folder.path(), &["check", "twice.csv"], 1);
     assert!(error.contains("twice.csv:4:1: row_id S001_1_practice_0002_1 already appears in line 3"), "{error}");
-    // A large file of nothing is not repeated in its message.
+    // The message does not quote the content of a large file of zero bytes.
     fs::File::create(folder.path().join("large.csv")).unwrap().set_len(100 << 20).unwrap();
     let error = fails(folder.path(), &["check", "large.csv"], 1);
     assert!(error.len() < 1000, "{} bytes", error.len());
@@ -261,9 +261,9 @@ fn every_command_has_help_with_an_example() {
     assert!(succeeds(folder.path(), &["--version"]).starts_with("machband "));
 }
 
-/// Nobody listens any more, as after `| head -1`: all is well. No room for the data is a failure in words.
+/// A closed pipe, as after `| head -1`, is not an error. A full disk is reported as an error.
 #[test]
-fn a_closed_pipe_or_a_full_disk_is_no_panic() {
+fn a_closed_pipe_or_a_full_disk_does_not_panic() {
     let folder = tempfile::tempdir().unwrap();
     for line in ["check quick orientation", "simulate quick --resume"] {
         let (reader, writer) = std::io::pipe().unwrap();
@@ -271,7 +271,7 @@ fn a_closed_pipe_or_a_full_disk_is_no_panic() {
         let output = command(folder.path(), &split(line)).stdout(writer).output().unwrap();
         assert_eq!((output.status.code(), text(&output.stderr).as_str()), (Some(0), ""));
         let Ok(full) = fs::OpenOptions::new().write(true).open("/dev/full") else {
-            eprintln!("SKIPPED: a full disk behind standard output; there is no /dev/full here");
+            eprintln!("SKIPPED: standard output on a full disk; this system has no /dev/full");
             continue;
         };
         let output = command(folder.path(), &split(line)).stdout(full).output().unwrap();
@@ -281,9 +281,10 @@ fn a_closed_pipe_or_a_full_disk_is_no_panic() {
     }
 }
 
-/// sRGB codes of the plateaus, from IEC 61966-2-1 by hand: ¼ → 0.537099 · 255 = 136.96, ¾ → 0.880825 · 255 = 224.61.
+/// The sRGB codes of the plateaus, computed by hand from IEC 61966-2-1: ¼ → 0.537099 · 255 = 136.96, ¾ → 0.880825 · 255
+/// = 224.61.
 #[test]
-fn the_image_has_the_plateaus_and_the_profile_agrees() {
+fn the_image_has_the_expected_plateaus_and_matches_the_profile() {
     let folder = tempfile::tempdir().unwrap();
     for (bits, dark, bright) in [("8", 137_u16, 225_u16), ("16", 35199, 57725)] {
         let line = format!("stimulus --size 100 --bits {bits} --out a.png --profile a.csv");
@@ -306,7 +307,7 @@ fn the_image_has_the_plateaus_and_the_profile_agrees() {
                 assert_eq!(codes, row[2..5], "column {x}");
             }
             assert!((row[0] - (x as f64 + 0.5 - 50.0) / 100.0).abs() < 1e-12);
-            // IEC 61966-2-1, decoding.
+            // Decoding according to IEC 61966-2-1.
             let v = row[2] / scale;
             let light = if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) };
             assert!((row[5] - light).abs() < 1e-6, "column {x}: {} is not {light}", row[5]);
@@ -317,7 +318,7 @@ fn the_image_has_the_plateaus_and_the_profile_agrees() {
         let ends = [(sample(0, 0, 0), sample(0, 0, 2)), (sample(99, 99, 1), sample(99, 99, 2))];
         assert_eq!(ends, [(dark, 0), (bright, 0)]);
     }
-    // Upwards, and light that goes to all channels; a display whose codes are light itself.
+    // An upward ramp that drives all channels, on a display with codes proportional to light.
     let drawn = |options: &str| {
         succeeds(folder.path(), &split(&format!("stimulus --size 9 {options} --out b.png")));
         (pixels(&folder.path().join("b.png")).1, fs::read(folder.path().join("b.png")).unwrap())
@@ -326,13 +327,13 @@ fn the_image_has_the_plateaus_and_the_profile_agrees() {
     assert_eq!((&up.0[..3], &up.0[up.0.len() - 3..]), (&[191; 3][..], &[64; 3][..]), "bright at the top");
     assert_eq!(Quantizer::new(&Transfer::Linear, Bits::Eight).channel(0).code(0.75), 191);
     assert_eq!(drawn("--orientation 450 --color 1,1,1 --transfer gamma:1").0, up.0);
-    assert!(drawn("--orientation 90 --color gray --transfer linear") == up, "equal inputs, equal bytes");
+    assert!(drawn("--orientation 90 --color gray --transfer linear") == up, "the same input gives the same bytes");
 }
 
-/// A measured profile that is old, or dated in the future, is reported once by each command that takes it, and used; one of
-/// today and one that was not measured are not.
+/// Each command that uses a measured profile prints one warning if it is old or dated in the future, and uses it
+/// anyway. A profile measured today and one that was never measured cause no warning.
 #[test]
-fn a_doubtful_profile_is_reported_once_and_used() {
+fn an_unreliable_profile_causes_one_warning_and_is_used() {
     let today = jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date().to_string();
     for (day, expected) in [
         ("2020-02-29", Some("days ago; after 30 days")),

@@ -8,10 +8,10 @@ use machband::{
 
 use crate::common::{fails, json, machband, split, succeeds, text};
 
-/// cd/m² of red, green, blue and gray.
+/// Luminance ranges of red, green, blue and gray, in cd/m².
 const RANGES: [f64; 4] = [25.0, 80.0, 10.0, 115.0];
 
-/// Readings without noise of a display with γ 2.2 and a black of 0.3 cd/m².
+/// Noise-free readings of a display with γ = 2.2 and a black of 0.3 cd/m².
 fn good(levels: usize) -> Vec<Reading> {
     let one = |channel: usize, step: usize| {
         let level = step as f64 / (levels - 1) as f64;
@@ -25,19 +25,19 @@ fn faults(text: &str) -> Vec<String> {
 }
 
 #[test]
-fn a_profile_a_plot_and_a_report_are_made_of_readings() {
+fn calibrate_writes_a_profile_a_plot_and_a_report() {
     let folder = tempfile::tempdir().unwrap();
     readings::write(&folder.path().join("r.csv"), &good(9)).unwrap();
     let measured = "--name Left --by AB --with LS-150 --on 2026-02-03";
     let line = format!("calibrate r.csv --out left.toml {measured} --plot left.svg --report left.json");
     let output = machband(folder.path(), &split(&line));
-    // The day is long ago.
+    // The measurement is long past, so there is a warning.
     let (warned, output) = (text(&output.stderr), text(&output.stdout));
     assert!(warned.starts_with("warning: left.toml: ") && warned.lines().count() == 1, "{warned}");
     for part in [
         "gamma  green    2.2000",
         "chosen: gamma",
-        "better by cross-validation: gamma",
+        "best by cross-validation: gamma",
         "additivity",
         "white 115.30",
         "wrote left.svg\n",
@@ -46,7 +46,7 @@ fn a_profile_a_plot_and_a_report_are_made_of_readings() {
     ] {
         assert!(output.contains(part), "{part}: {output}");
     }
-    // Both files are what `check` takes them for.
+    // `check` recognizes both files.
     let checked = machband(folder.path(), &["check", "r.csv", "left.toml"]);
     let found = text(&checked.stdout);
     assert!(found.contains("36 photometer readings, red, green, blue, gray"), "{found}");
@@ -63,16 +63,16 @@ fn a_profile_a_plot_and_a_report_are_made_of_readings() {
     assert!(svg.contains("Luminance (cd/m²)") && svg.contains("Encoded value"));
     let report = json(&folder.path().join("left.json"));
     assert_eq!((report["chosen"].as_str(), report["models"].as_array().map(Vec::len)), (Some("gamma"), Some(4)));
-    // The chart as an image, and a table asked for.
+    // With the chart as a PNG, and the table model requested.
     let output = succeeds(folder.path(), &split("calibrate r.csv --out left.toml --model table --plot t.png"));
     assert!(output.contains("replaced left.toml: left"), "{output}");
     assert!(profile::open(&folder.path().join("left.toml")).unwrap().transfers.has_table());
     assert!(std::fs::read(folder.path().join("t.png")).unwrap().starts_with(b"\x89PNG"));
 }
 
-/// The faults themselves are in `tests/stimulus/calibrate.rs`.
+/// The individual errors are tested in `tests/stimulus/calibrate.rs`.
 #[test]
-fn bad_readings_are_errors_and_make_no_profile() {
+fn bad_readings_are_errors_and_produce_no_profile() {
     let folder = tempfile::tempdir().unwrap();
     let mut bad = good(9);
     bad.iter_mut().filter(|one| one.level == 0.5).for_each(|one| one.luminance_cd_m2 *= 0.2);
@@ -96,7 +96,7 @@ fn readings_are_never_overwritten() {
 }
 
 #[test]
-fn every_fault_of_a_file_is_told_with_its_place() {
+fn every_error_in_a_file_has_its_line_and_column() {
     let found = faults("channel,level,luminance_cd_m2\nr,0,0.3\nviolet,half,1\nr,0.5,\n\ng,1,x\n");
     assert_eq!(
         found,
@@ -123,17 +123,17 @@ fn every_fault_of_a_file_is_told_with_its_place() {
 }
 
 #[test]
-fn a_decimal_comma_is_no_reading() {
+fn decimal_commas_are_rejected() {
     let found = faults("channel,level,luminance_cd_m2\ng,0,0.3\ng,0.3750,8,4263\ng,1,2\n");
     assert_eq!(found, ["r.csv:3:1: 4 fields; expected 3 (a decimal comma?)"]);
-    // A further column has a field of its own, and an empty one counts.
+    // An additional column has its own field, and empty fields count.
     assert_eq!(
         faults("channel,level,luminance_cd_m2,note\n\ng,0.3750,8,4263,\n"),
         ["r.csv:3:1: 5 fields; expected 4 (a decimal comma?)"]
     );
     let semicolons = faults("channel;level;luminance_cd_m2\ng;0,3750;8;4263\n");
     assert_eq!(semicolons, ["r.csv:2:1: 4 fields; expected 3"]);
-    // Begun files too, and of a whole table the first rows are named.
+    // The same applies to incomplete files. If every row is wrong, only the first ones are reported.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("r.csv");
     let rows: String = (0..9).map(|step| format!("g,0.{step}00,{step},5\n")).collect();
@@ -144,7 +144,7 @@ fn a_decimal_comma_is_no_reading() {
 }
 
 #[test]
-fn of_many_faults_in_a_column_the_first_are_named() {
+fn only_the_first_errors_of_a_column_are_listed() {
     let swapped: String =
         good(8).iter().map(|one| format!("{},{},{}\n", one.channel.key(), one.luminance_cd_m2, one.level)).collect();
     let found = faults(&format!("channel,level,luminance_cd_m2\n{swapped}"));
@@ -156,7 +156,7 @@ fn of_many_faults_in_a_column_the_first_are_named() {
     );
     assert!(found[0].contains("are the columns level and luminance_cd_m2 swapped?"), "{found:?}");
     assert_eq!(found[5], format!("r.csv: {} more rows have errors in level; expected none", outside - 5));
-    // Codes for levels are no exchange, and other columns keep lines of their own.
+    // Codes in place of levels do not mean that columns were swapped, and other columns keep their own errors.
     let codes: String = (0..9).map(|step| format!("g,{},{}\n", 31 * step, 0.3 + f64::from(step * step))).collect();
     let found = faults(&format!("channel,level,luminance_cd_m2\n{codes}g,248,-1\nr,0,-2\n"));
     assert_eq!(found.len(), 8, "{found:?}");
@@ -166,7 +166,7 @@ fn of_many_faults_in_a_column_the_first_are_named() {
 }
 
 #[test]
-fn other_programs_tables_are_read() {
+fn tables_from_other_programs_are_read() {
     let mut text = "note;Luminance_cd_m2;level;channel\r\n".to_owned();
     for one in good(6) {
         let channel = one.channel.name().to_uppercase();

@@ -1,5 +1,5 @@
-//! Power planning: held against R, against Whitehead's formula and against what must be so; and `machband plan` as a
-//! user's script sees it.
+//! Power planning, compared with R, with Whitehead's formula and with results that must hold exactly; and `machband
+//! plan` as a user's script sees it.
 
 use std::path::Path;
 
@@ -29,7 +29,7 @@ fn plan(protocol: &Protocol, observer: &OrderedLogit, shifts: &[Shift], terms: O
     Plan::new(protocol, observer, shifts, &ModelChoice { terms, quadrature: 1, ..ModelChoice::default() }).unwrap()
 }
 
-/// The powers of both tests of the orientation, each by number of participants.
+/// Returns the powers of both tests of the orientation, each by number of participants.
 fn powers(plan: &Plan, participants: &[u32], sampling: &Sampling) -> [Vec<Power>; 2] {
     let powers = plan.run(participants, sampling, &|_| ());
     [Test::LikelihoodRatio, Test::Friedman].map(|test| {
@@ -41,9 +41,9 @@ fn powers(plan: &Plan, participants: &[u32], sampling: &Sampling) -> [Vec<Power>
     })
 }
 
-/// `tests/golden/power.csv`: another program, other random numbers, the same power.
+/// Compares with `tests/golden/power.csv`: a different program with different random numbers finds the same power.
 #[test]
-fn power_is_that_of_r() {
+fn power_matches_r() {
     let plan = plan(&design(), &oblique(0.6), &[], None);
     let [likelihood_ratio, friedman] = powers(&plan, &[3, 6], &Sampling { studies: 1000, ..Sampling::default() });
     let lines: Vec<&str> = include_str!("../golden/power.csv").lines().skip(2).collect();
@@ -51,7 +51,7 @@ fn power_is_that_of_r() {
     for line in lines {
         let cells: Vec<&str> = line.split(',').collect();
         let number = |place: usize| cells[place].parse::<f64>().unwrap();
-        // Three people may well have tied means, and then there is no test by Friedman.
+        // Three people often have tied means, and then Friedman's test does not exist.
         let (ours, most) = if cells[1] == "friedman" { (&friedman, 5) } else { (&likelihood_ratio, 0) };
         let ours = ours.iter().find(|power| f64::from(power.participants) == number(0)).unwrap();
         let (share, theirs) = (ours.share(), number(3) / number(2));
@@ -59,17 +59,17 @@ fn power_is_that_of_r() {
         let error = (both * (1.0 - both) * (1.0 / 1000.0 + 1.0 / number(2))).sqrt();
         assert!((share - theirs).abs() <= 3.5 * error, "{line}: {share}");
         if let (Some(estimate), false) = (ours.estimate, cells[4].is_empty()) {
-            // The median of a thousand estimates, whose standard errors are some 0.4 and 0.3.
+            // The median of a thousand estimates, which have standard errors of about 0.4 and 0.3.
             assert!((estimate - number(4)).abs() < 0.08, "{line}: {estimate}");
         }
         assert!(ours.studies == 1000 && ours.untested <= most, "{ours:?}");
     }
 }
 
-/// Whitehead (1993), Statistics in Medicine 12, 2257: two groups of n/2 ordered ratings with the log odds ratio θ are
-/// told apart with probability Φ(|θ| √(n(1 − Σp̄³)/12) − 1.96), p̄ the mean proportions of the categories.
+/// Whitehead (1993), Statistics in Medicine 12, 2257: the power to distinguish two groups of n/2 ordered ratings with a
+/// log odds ratio of θ is Φ(|θ| √(n(1 − Σp̄³)/12) − 1.96), where p̄ are the mean proportions of the categories.
 #[test]
-fn power_is_that_of_whiteheads_formula() {
+fn power_matches_whiteheads_formula() {
     let repetitions = 150;
     let text = format!(
         "schema = 1\nname = \"two\"\n[stimulus]\nkind = \"mach-band\"\nwidth = 0.1\ndepth = 2\n[factors]\n\
@@ -81,7 +81,7 @@ fn power_is_that_of_whiteheads_formula() {
     let plan = plan(&protocol, &observer, &[], None);
     let found = powers(&plan, &[1], &sampling)[0][0].share();
 
-    // 6/2 − 0.7 log₂(0.1/0.05) = 2.3 against the thresholds 0, 1.5, 3.5.
+    // The predictor is 6/2 − 0.7 log₂(0.1/0.05) = 2.3; the thresholds are 0, 1.5, 3.5.
     let below = |threshold: f64, predictor: f64| 1.0 / (1.0 + (predictor - threshold).exp());
     let bounds = |predictor: f64| [0.0, below(0.0, predictor), below(1.5, predictor), below(3.5, predictor), 1.0];
     let (one, other) = (bounds(2.3), bounds(2.8));
@@ -100,9 +100,9 @@ fn power_is_that_of_whiteheads_formula() {
     assert!((found - expected).abs() < 0.04, "{found}, expected {expected}");
 }
 
-/// `binom.test(found, all)$conf.int`, R 4.2.2.
+/// The expected values come from `binom.test(found, all)$conf.int` in R 4.2.2.
 #[test]
-fn the_interval_of_a_proportion_is_that_of_r() {
+fn intervals_of_proportions_match_r() {
     for (found, all, low, high) in [
         (0, 200, 0.0, 0.0182753403551),
         (10, 200, 0.0242341654721, 0.0900275377014),
@@ -120,7 +120,7 @@ fn the_interval_of_a_proportion_is_that_of_r() {
 }
 
 #[test]
-fn without_an_effect_the_rate_is_alpha() {
+fn without_an_effect_the_false_alarm_rate_is_alpha() {
     let plan = plan(&design(), &OrderedLogit::default(), &[], None);
     assert!(plan.hypotheses().iter().all(|h| h.effect.is_some() == (h.term != "orientation_deg")));
     for alpha in [0.05, 0.3] {
@@ -147,9 +147,9 @@ fn power_grows_with_people_and_with_the_effect() {
     assert!(few[1..].iter().zip(&many[1..]).all(|(few, many)| few + 10 < *many), "{few:?} {many:?}");
 }
 
-/// A shift of one level is the effect that a parameter of the observer makes, to the last rating.
+/// Shifting one level has exactly the same effect, on every single rating, as the equivalent observer parameter.
 #[test]
-fn a_shift_is_an_effect_of_its_level() {
+fn shifting_a_level_equals_an_observer_effect() {
     let sampling = Sampling { studies: 20, ..Sampling::default() };
     let shift = |level: &str| Shift { factor: "orientation_deg".to_owned(), level: level.to_owned(), logits: 0.75 };
     let with = |observer: &OrderedLogit, shifts: &[Shift]| {
@@ -160,14 +160,14 @@ fn a_shift_is_an_effect_of_its_level() {
     assert_eq!(with(&oblique(0.0), &[shift("45")]), (by_parameter, truth.clone()));
     let truth = truth.unwrap();
     assert_eq!((truth.logits, truth.above.as_str(), truth.below.as_str()), (Some(0.75), "45", "0"));
-    // Another spelling of the level, and the other direction.
+    // A different spelling of the level, and the opposite direction.
     let (_, other) = with(&oblique(0.0), &[shift("0.0")]);
     assert_eq!(other.map(|effect| (effect.above, effect.below)), Some(("0".to_owned(), "45".to_owned())));
 }
 
-/// The truth by hand, from the doc comment of the observer.
+/// True effects computed by hand from the observer's doc comment.
 #[test]
-fn the_truth_is_what_the_term_adds_to_the_predictor() {
+fn the_true_effect_is_what_the_term_adds_to_the_predictor() {
     let bangay = definition::open("bangay2003").unwrap();
     let truths = |protocol: &Protocol, terms: Option<&str>| -> Vec<_> {
         let plan = plan(protocol, &OrderedLogit::default(), &[], terms);
@@ -181,7 +181,7 @@ fn the_truth_is_what_the_term_adds_to_the_predictor() {
     let expected =
         [term("width", Some((2.8, "0.05>0.8"))), term("depth", Some((4.8, "1>inf"))), term("orientation_deg", None)];
     assert_eq!(truths(&bangay, None), expected);
-    // The straight line through 6/n, and 6/5 at n = ∞ where 1/n is 0.
+    // The straight line through 6/n, with 6/5 at n = ∞, where 1/n is 0.
     let (x, y) = ([1.0, 0.5, 1.0 / 3.0, 0.25, 0.0], [6.0, 3.0, 2.0, 1.5, 1.2]);
     let mean = |values: &[f64; 5]| values.iter().sum::<f64>() / 5.0;
     let (mx, my) = (mean(&x), mean(&y));
@@ -190,14 +190,14 @@ fn the_truth_is_what_the_term_adds_to_the_predictor() {
     let line = truths(&bangay, Some("num:inv_n,width"));
     assert_eq!(line[0].1.as_ref().unwrap().1, "1>inf");
     assert!((line[0].1.as_ref().unwrap().0.unwrap() - slope).abs() < 1e-8, "{line:?}, expected {slope}");
-    // Parameters add up: no interaction. A step has no band whatever its depth: one without a size.
+    // Parameters are additive, so there is no interaction. A step has no band at any depth: an effect without a size.
     assert_eq!(truths(&bangay, Some("width*depth")), [term("width:depth", None)]);
     let steps = definition::parse("steps.toml", &DESIGN.replace("[0.1, 0.4]", "[0, 0.4]")).unwrap();
     let step = &truths(&steps, Some("width*depth"))[0];
     assert!(step.1.as_ref().is_some_and(|(logits, _)| logits.is_none()), "{step:?}");
 }
 
-/// What `machband plan` prints with this many threads.
+/// Returns what `machband plan` prints when it runs with this many threads.
 fn succeeds(folder: &Path, line: &str, threads: &str) -> String {
     let arguments = split(&format!("plan {line}"));
     let output = command(folder, &arguments).env("RAYON_NUM_THREADS", threads).output().unwrap();
@@ -207,7 +207,7 @@ fn succeeds(folder: &Path, line: &str, threads: &str) -> String {
 }
 
 #[test]
-fn a_plan_is_the_same_on_any_number_of_threads() {
+fn the_number_of_threads_does_not_change_a_plan() {
     let folder = tempfile::tempdir().unwrap();
     let csv = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
     let plan = |participants: &str, options: &str, threads| {
@@ -218,7 +218,7 @@ fn a_plan_is_the_same_on_any_number_of_threads() {
     assert_eq!(one, plan("4,2,4", "three.csv", "3"));
     assert_eq!(csv("one.csv"), csv("three.csv"));
     assert_ne!(one, plan("4,2,4", "other.csv --seed 2", "1"));
-    // What four participants find does not depend on what else is planned.
+    // The result for four participants does not depend on which other numbers are planned.
     plan("4", "4.csv", "2");
     let rows = |name: &str| {
         csv(name).lines().filter(|line| line.starts_with("quick,4,")).map(str::to_owned).collect::<Vec<_>>()
@@ -227,14 +227,14 @@ fn a_plan_is_the_same_on_any_number_of_threads() {
 }
 
 #[test]
-fn the_table_the_sentences_and_the_csv_say_the_same() {
+fn the_table_the_sentences_and_the_csv_agree() {
     let folder = tempfile::tempdir().unwrap();
     let line = "shaders --participants 3 --studies 40 --effect shader:gouraud=3 --out p.csv";
     let said = succeeds(folder.path(), line, "2");
     let (header, rows) = table(&folder.path().join("p.csv"));
     let cell = |row: usize, name: &str| rows[row][header.iter().position(|column| column == name).unwrap()].clone();
     assert_eq!(rows.len(), 6);
-    // Mixed model and Friedman's test of shader, then of mesh.
+    // The mixed model and Friedman's test for shader, then for mesh.
     let first = ["term", "test", "truth", "effect_logits", "above"].map(|name| cell(0, name));
     assert_eq!(first, ["shader", "likelihood-ratio", "effect", "3", "gouraud"]);
     assert_eq!(["term", "truth", "power"].map(|name| cell(2, name)), ["mesh", "none", ""]);
@@ -243,7 +243,7 @@ fn the_table_the_sentences_and_the_csv_say_the_same() {
     assert!(power > 80.0 && alarms < 30.0, "{power} {alarms}");
     assert!(said.contains("true effect, logits") && said.contains("false alarms"), "{said}");
     let sentence = format!(
-        "shader (3 logits between gouraud and cut): 3 participants are enough for a power of 80 % by the mixed model, {power} % ("
+        "shader (3 logits between gouraud and cut): 3 participants are enough for a power of 80 % with the mixed model, {power} % ("
     );
     assert!(said.contains(&sentence), "{sentence}\n{said}");
     assert!(said.contains("mesh has no effect on this observer. The false-alarm rate, expected to be 5 %"), "{said}");
@@ -253,23 +253,23 @@ fn the_table_the_sentences_and_the_csv_say_the_same() {
     let said = succeeds(folder.path(), blind, "2");
     assert!(
         said.contains(
-            "no number tried is enough for a power of 80 % by the mixed model; the highest power is 0 % (0–33.6 %) with"
+            "no number tried is enough for a power of 80 % with the mixed model; the highest power is 0 % (0–33.6 %)"
         ),
         "{said}"
     );
-    assert!(said.contains("With 2 participants, 9 of 9 studies had no test of width by the mixed model"), "{said}");
-    // Nothing is asked of it and nothing of it is a factor: no power at all.
+    assert!(said.contains("With 2 participants, 9 of 9 studies could not test width with the mixed model"), "{said}");
+    // No effect was requested, and the observer has no effect of any factor: there is no power to report.
     let said = succeeds(folder.path(), "shaders --participants 2 --studies 5", "2");
     assert!(said.contains("No factor has an effect on this observer. Add an effect with --effect, such as"), "{said}");
     assert!(!said.contains("power  "), "{said}");
 }
 
 #[test]
-fn wrong_usage_is_named() {
+fn wrong_usage_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     for (options, expected) in [
         ("--participants 2 --effect oblik=1", "did you mean oblique?"),
-        ("--participants 2 --effect oblique", "--effect oblique: has no =; expected NAME=VALUE"),
+        ("--participants 2 --effect oblique", "--effect oblique: contains no =; expected NAME=VALUE"),
         ("--participants 2 --effect oblique=much", "the value is not a finite number"),
         ("--participants 2 --effect lapse=2", "lapse 2 is outside 0…1"),
         ("--participants 2 --effect width=2", "width is a factor; expected width:LEVEL=LOGITS"),

@@ -1,4 +1,4 @@
-//! `machband predict`, and the observer who sees, from the outside.
+//! `machband predict` and the vision observer, run as a user runs them.
 
 use std::fs;
 
@@ -28,7 +28,7 @@ fn a_stimulus_a_definition_and_an_image_agree() {
     for (pair, depths) in numbers(&all, "visibility").windows(2).zip(column(&all, "depth").windows(2)) {
         assert!(depths[0] >= depths[1] || depths[0] == depths[1] || pair[0] >= pair[1] - 0.5, "{pair:?} {depths:?}");
     }
-    // 16 bits: 8 make steps of their own, which the eye sees.
+    // 16 bits, because 8 bits add visible steps.
     run("stimulus --width 0.1 --size 512 --bits 16 --orientation 30 --out ramp.png");
     let image = run("predict --image ramp.png --map bands.png");
     let ratio = numbers(&image, "visibility")[0] / numbers(&one, "visibility")[0];
@@ -36,7 +36,7 @@ fn a_stimulus_a_definition_and_an_image_agree() {
     assert!(fs::metadata(folder.path().join("bands.png")).unwrap().len() > 1000);
 }
 
-/// The thresholds of a simulated observer come back.
+/// Fitting simulated ratings recovers the thresholds of the simulated observer.
 #[test]
 fn a_criterion_is_recovered_from_ratings() {
     let folder = tempfile::tempdir().unwrap();
@@ -44,7 +44,7 @@ fn a_criterion_is_recovered_from_ratings() {
     fs::write(folder.path().join("known.toml"), known).unwrap();
     let run = |line: &str| succeeds(folder.path(), &split(line));
     run("simulate bangay2003 --participants 20 --observer vision --observer-file known.toml");
-    // The observer saw 512 pixels.
+    // The simulated observer saw a stimulus of 512 pixels.
     let output =
         run("predict bangay2003 --size 512 --fit results/bangay2003 --criterion found.toml --out predicted.csv");
     let found: toml::Table = fs::read_to_string(folder.path().join("found.toml")).unwrap().parse().unwrap();
@@ -59,10 +59,10 @@ fn a_criterion_is_recovered_from_ratings() {
     assert_eq!(fs::read_to_string(folder.path().join("predicted.csv")).unwrap().lines().count(), 121);
 }
 
-/// The report of ratings says of them what `predict --fit` says, condition by condition; without the
-/// definition it says why not.
+/// The report on the ratings agrees with `predict --fit` in every condition; without the definition, it says why there
+/// is no prediction.
 #[test]
-fn a_report_says_what_predict_says() {
+fn the_report_agrees_with_predict() {
     let folder = tempfile::tempdir().unwrap();
     let run = |line: &str| succeeds(folder.path(), &split(line));
     run("simulate bangay2003 --participants 4 --observer vision");
@@ -76,7 +76,7 @@ fn a_report_says_what_predict_says() {
     let text = page.split("<section id=\"vision\">").nth(1).unwrap().split("</section>").next().unwrap();
     let two = format!("{:.2}", rho.parse::<f64>().unwrap()).replacen("0.", ".", 1);
     assert!(text.contains(&format!("(Spearman) is {two}.")), "{text}");
-    // Each named condition has the rating of predict's table.
+    // Each condition named in the report has the rating from the table of `predict`.
     let table = fs::read_to_string(folder.path().join("predicted.csv")).unwrap();
     let levels: Vec<Vec<String>> = ["width", "depth", "orientation_deg"].map(|name| column(&table, name)).to_vec();
     let named: Vec<String> = (0..120)
@@ -98,7 +98,7 @@ fn a_report_says_what_predict_says() {
 }
 
 #[test]
-fn what_cannot_be_predicted_is_said() {
+fn impossible_predictions_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let png = |name: &str, side: u32, color: png::ColorType, codes: &[u8]| {
         let file = fs::File::create(folder.path().join(name)).unwrap();

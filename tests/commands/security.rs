@@ -1,4 +1,5 @@
-//! Links and texts from files: none leads out of the results folder, none runs in a spreadsheet or a browser.
+//! Links and texts from files are harmless: no link leads out of the results folder, and no text runs in a spreadsheet
+//! or a browser.
 
 use std::{
     fs,
@@ -43,7 +44,7 @@ fn links_below_the_results_folder_are_refused() {
             }
         }
     }
-    // The results folder itself may be one: that is how results lie on another disk.
+    // The results folder itself may be a link, so that results can be kept on another disk.
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("disk")).unwrap();
     symlink(folder.path().join("disk"), folder.path().join("results")).unwrap();
@@ -51,7 +52,7 @@ fn links_below_the_results_folder_are_refused() {
     assert!(folder.path().join("disk/quick/data").is_dir());
 }
 
-/// Ratings with texts that are formulas to a spreadsheet and markup to a browser.
+/// Writes ratings with texts that a spreadsheet would treat as formulas and a browser as markup.
 fn hostile(folder: &Path) -> PathBuf {
     let path = folder.join("<img src=x onerror=alert(1)>.csv");
     let mut text = String::from("id,\"<b>shape</b>\",score\n");
@@ -90,7 +91,7 @@ fn no_table_has_a_formula_and_no_page_has_markup_from_data() {
             }
             "html" | "svg" => {
                 let text = String::from_utf8(content).unwrap();
-                // The last ones load something; a link that a reader may follow does not.
+                // The last ones load something; a link that a reader may choose to follow does not.
                 let loads = ["src=\"http", "url(", "@import", "<link"];
                 for markup in ["<script", "<img src=x", "<svg onload", "<b>shape", "javascript:"].iter().chain(&loads) {
                     assert!(!text.contains(markup), "{shown}: {markup}");
@@ -100,5 +101,5 @@ fn no_table_has_a_formula_and_no_page_has_markup_from_data() {
             _ => {}
         }
     }
-    assert!(cells > 10 && pages > 2, "{cells} cells were quoted, {pages} pages looked at");
+    assert!(cells > 10 && pages > 2, "{cells} cells were quoted, {pages} pages were checked");
 }

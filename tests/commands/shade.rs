@@ -14,7 +14,7 @@ fn metrics(folder: &Path, options: &str) -> serde_json::Value {
     json(&folder.join("m.json"))
 }
 
-/// The picture is the library's, within a code of the reference's, and says how it was made.
+/// The picture matches the library's, is within one code of the reference's, and records how it was made.
 #[test]
 fn the_picture_matches_the_reference() {
     let folder = tempfile::tempdir().unwrap();
@@ -36,9 +36,10 @@ fn the_picture_matches_the_reference() {
     assert_eq!(parameters["mesh"], "torus");
 }
 
-/// The contract's fields; 622 and 1538 triangles; exact, cut and patch without creases, whatever n and b.
+/// All documented fields are present. The meshes have 622 and 1538 triangles. `exact`, `cut` and `patch` have no
+/// creases, whatever n and b are.
 #[test]
-fn metrics_have_the_contracts_fields_and_ours_have_no_creases() {
+fn metrics_have_every_documented_field_and_smooth_shaders_have_no_creases() {
     let folder = tempfile::tempdir().unwrap();
     for (vertices, triangles) in [(313, 622), (771, 1538)] {
         for (shader, options) in [
@@ -58,13 +59,13 @@ fn metrics_have_the_contracts_fields_and_ours_have_no_creases() {
     assert!((gouraud["crease_rms_over_gouraud"].as_f64().unwrap() - 1.0).abs() < 1e-6, "{gouraud}");
 }
 
-/// How visible the bands are: as `predict` says of the same surface, whatever the size of the picture; Gouraud's are its
-/// own measure, and patch has less.
+/// The visibility of bands matches the prediction for the same surface, regardless of the size of the picture. Gouraud
+/// shading is its own reference, and the bands of `patch` are less visible.
 #[test]
 fn metrics_have_the_visibility_of_bands() {
     let folder = tempfile::tempdir().unwrap();
     let number = |found: &serde_json::Value, field: &str| found[field].as_f64().unwrap_or_else(|| panic!("{field}"));
-    // A surface without lines of its own: no terminator, no highlight, no part that hides another.
+    // A surface without real edges: no terminator, no highlight, and no part that hides another.
     let of = |options: &str| {
         metrics(folder.path(), &format!("--light 0,0,1 --specular 0 --rotate 0,-30,0 --shader {options}"))
     };
@@ -80,7 +81,7 @@ fn metrics_have_the_visibility_of_bands() {
         assert!(over < 0.3, "{field}: {over}");
     }
 
-    // The stimulus' lamp, highlight and surroundings, should the command's defaults ever be others.
+    // The lamp, highlight and surroundings of the stimulus, in case the command's defaults ever change.
     let scene = "--ambient 0.1 --diffuse 0.6 --specular 0.2 --background 0.05 --size 64";
     let shown = "--shader patch --window 5 --white 250";
     let shaded = metrics(folder.path(), &format!("{scene} {shown}"));
@@ -91,7 +92,7 @@ fn metrics_have_the_visibility_of_bands() {
     let predicted: f64 = table.records().next().unwrap().unwrap()[at].parse().unwrap();
     assert!((number(&shaded, "visibility") - predicted).abs() < 1e-3 * predicted, "{shaded} and {predicted}");
 
-    // What a renderer emits that interpolates codes is another picture; a black one has no bands.
+    // A renderer that interpolates codes emits a different picture; a black picture has no bands.
     let naive = of("gouraud --size 64 --naive");
     assert_eq!(number(&naive, "visibility_gouraud"), number(&gouraud, "visibility"));
     assert_ne!(number(&naive, "visibility"), number(&gouraud, "visibility"));
@@ -101,9 +102,9 @@ fn metrics_have_the_visibility_of_bands() {
     assert!(black["visibility_over_gouraud"].is_null());
 }
 
-/// Everything that can be wrong has its own message, and wrong usage its own status.
+/// Every possible error has its own message, and wrong usage has its own exit status.
 #[test]
-fn each_fault_has_its_own_message() {
+fn every_error_has_its_own_message() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("range.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n").unwrap();
     for (options, status, words) in [
@@ -112,11 +113,11 @@ fn each_fault_has_its_own_message() {
         ("exact --boundary 1.5", 2, "'1.5' for '--boundary <B>': outside 0…1"),
         ("flat --mesh teapot", 2, "teapot"),
         ("flat --mesh blob --vertices 3", 2, "--vertices"),
-        ("flat --light 0,0,0", 2, "no direction"),
+        ("flat --light 0,0,0", 2, "too short or long"),
         ("flat --rotate 1,2", 2, "three numbers"),
         ("flat --distance 0.5", 2, "outside 1.05…1000000"),
-        ("phong --reweight repaired", 2, "expected off with phong"),
-        ("flat --metrics x.png", 2, "file of --out"),
+        ("phong --reweight repaired", 2, "expected off for phong"),
+        ("flat --metrics x.png", 2, "same file as --out"),
         ("flat --ambient NaN", 2, "'--ambient <L>': outside 0…1"),
         ("flat --window 0", 2, "'0' for '--window <DEG>': outside 0.5…170"),
         ("flat --white -1", 2, "'-1' for '--white <CD_M2>'"),
@@ -130,9 +131,9 @@ fn each_fault_has_its_own_message() {
     assert!(fails(folder.path(), &split("shade --shader flat"), 2).contains("nothing to write"));
 }
 
-/// A quad, a polygon, relative indices and given normals make a picture.
+/// An OBJ file with a quad, a polygon, relative indices and normals can be rendered.
 #[test]
-fn an_obj_file_makes_a_picture() {
+fn an_obj_file_is_rendered() {
     let folder = tempfile::tempdir().unwrap();
     let text =
         "o roof\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 1\nf -5 -4 -1\nf 2 3 5\nf 3 4 5\nf 4 1 5\nf 4 3 2 1\n";

@@ -1,4 +1,4 @@
-//! Definitions, display profiles and observers: what loads, and the message for every kind of mistake.
+//! Definitions, display profiles and observers: what can be loaded, and the message for every kind of mistake.
 
 use std::{
     collections::HashSet,
@@ -15,7 +15,7 @@ use machband::{
     store::{FileFaults, check::check, definition, observer, profile},
 };
 
-/// A definition with every table, one key a line.
+/// A definition with every table, one key per line.
 const BASE: &str = r#"schema = 1
 name = "mine"
 title = "My study"
@@ -54,7 +54,7 @@ window_deg = 10.0
 welcome = "Hello"
 "#;
 
-/// One fault begins with this, its place, and contains that, a part of its message.
+/// Asserts that one error starts with `start`, which is its place, and contains `part` of its message.
 fn assert_fault(error: &FileFaults, start: &str, part: &str) {
     let fits = |m: &String| m.starts_with(start) && m.contains(part) && m.contains("expected");
     assert!(messages(error).iter().any(fits), "{start} {part}: {error}");
@@ -64,14 +64,14 @@ fn messages(error: &FileFaults) -> Vec<String> {
     error.to_string().lines().map(str::to_owned).collect()
 }
 
-/// `BASE` with a line replaced; the text must stand in it once.
+/// Replaces a line of `BASE`, which must occur exactly once.
 fn edited(line: &str, replacement: &str) -> String {
     assert_eq!(BASE.matches(line).count(), 1, "{line:?}");
     BASE.replace(line, replacement)
 }
 
 #[test]
-fn every_file_in_experiments_loads_and_is_the_built_in_of_its_name() {
+fn every_file_in_experiments_is_the_built_in_definition_of_that_name() {
     let mut found = HashSet::new();
     for entry in fs::read_dir("experiments").unwrap() {
         let path = entry.unwrap().path();
@@ -81,7 +81,7 @@ fn every_file_in_experiments_loads_and_is_the_built_in_of_its_name() {
         let (file, stem) = (path.to_str().unwrap(), path.file_stem().unwrap().to_str().unwrap());
         let protocol = definition::open(file).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(protocol.name, stem);
-        assert_eq!(protocol, definition::open(stem).unwrap(), "the built-in {stem} is another");
+        assert_eq!(protocol, definition::open(stem).unwrap(), "the built-in {stem} is different");
         Schedule::new(&protocol, &Identity::new("S001", "1").unwrap(), 1).unwrap();
         check(file).unwrap();
         found.insert(stem.to_owned());
@@ -102,9 +102,9 @@ fn every_file_in_experiments_loads_and_is_the_built_in_of_its_name() {
     }
 }
 
-/// A line of `BASE`, what it is replaced by, where the fault is, and parts of its message.
+/// A line of `BASE`, its replacement, where the error is, and parts of its message.
 const MISTAKES: &str = r##"
-# Unknown keys, with the nearest known one.
+# Unknown keys, with the most similar known key.
 title = "My study" => titel = "My study" => 3:1 => unknown key "titel" | did you mean title?
 low = 0.25 => lwo = 0.25 => 7:1 => "lwo" | [stimulus] | did you mean low?
 [recovery] => [presentation]\nduration_s = 1\nwait = 1\n[recovery] => 24:1 => unknown key "wait"
@@ -152,7 +152,7 @@ duration_s = 2.0 => duration_s = [2.0] => 23:1 => recovery.duration_s is a list 
 [recovery] => [presentation]\n[recovery] => 22:2 => presentation.duration_s is missing
 labels = ["a", "b", "c", "d"] => labels = ["a", "b", "c", 4] => 28:26 => response.labels.3 is 4
 low = 0.25 => low = 2026-01-31 => 7:1 => low "2026-01-31" is not a number
-# The head.
+# Top-level keys.
 schema = 1\n => schema = 2\n => 1:1 => schema is 2 | expected 1
 schema = 1\n => \n => 1:1 => schema is missing | expected schema = 1
 name = "mine" =>  => 1:1 => name is missing
@@ -173,18 +173,18 @@ keys = ["0", "1", "2", "3"] => keys = ["a", "s", "d", "f"] => 29:14 => key 's' c
 keys = ["0", "1", "2", "3"] => keys = ["a", "ß", "d", "f"] => 29:14 => key 'ß' cannot be an answer
 keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2", "33"] => 29:24 => response.keys.3 is the text "33" | a character
 labels = ["a", "b", "c", "d"] => labels = ["a", " ", "c", "d"] => 28:16 => label is empty
-# Too much.
+# Too many trials.
 practice = 4 => practice = 4000000000 => 11:2 => 4000000012 trials | at most
 repetitions = 2 => repetitions = 4000000000 => 11:2 => 24000000004 trials | at most
-# No TOML.
+# Invalid TOML.
 practice = 4 => repetitions = 3 => 17:1 => not valid TOML | duplicate key
 low = 0.25 => low =  => 7:7 => not valid TOML
 [viewing] => [viewing => 31:9 => not valid TOML
 "##;
 
-/// Each is one fault, at its place, with a message that no other mistake has.
+/// Each mistake causes exactly one error, at the right place, with a message that no other mistake has.
 #[test]
-fn every_mistake_has_a_message_of_its_own() {
+fn every_mistake_has_its_own_message() {
     let mut seen = HashSet::new();
     for mistake in MISTAKES.lines().filter(|line| line.contains(" => ")) {
         let fields: Vec<String> = mistake.split(" => ").map(|field| field.replace("\\n", "\n")).collect();
@@ -206,9 +206,9 @@ fn every_mistake_has_a_message_of_its_own() {
             found[0]
         );
         let message = found[0].split_once(": ").unwrap().1.to_owned();
-        assert!(seen.insert(message), "{replacement}: {} is the message of another mistake too", found[0]);
+        assert!(seen.insert(message), "{replacement}: {} is also the message of another mistake", found[0]);
     }
-    // A name that would lead out of the results folder, or mean something else to a shell or a spreadsheet.
+    // Names that would lead out of the results folder, or that a shell or a spreadsheet would interpret.
     for name in ["../up", "/etc", "a/b", "a\\b", "..", ".", "nul", "com1", "-x", "=x", "a b", "Ä"] {
         let text = edited("\"mine\"", &format!("{name:?}"));
         let error = definition::parse("mine.toml", &text).expect_err(name).to_string();
@@ -218,7 +218,7 @@ fn every_mistake_has_a_message_of_its_own() {
 }
 
 #[test]
-fn all_faults_are_reported_in_the_order_of_the_file() {
+fn all_errors_are_reported_in_file_order() {
     let text = edited("name = \"mine\"", "name = \"My Study\"")
         .replace("width = [0.1, 0.4]", "width = [2, true, -1]")
         .replace("repetitions = 2", "repetitions = 0")
@@ -236,9 +236,9 @@ fn soon<T>(what: &str, work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Refused, or accepted, at once and without memory for what is refused.
+/// Large files are accepted or rejected quickly, and rejected files use no memory.
 #[test]
-fn a_large_file_does_not_stop_the_program() {
+fn large_files_do_not_stall_the_program() {
     let list =
         |count: u32, scale: f64| (0..count).map(|i| (f64::from(i) * scale).to_string()).collect::<Vec<_>>().join(",");
     let head = "schema = 1\nname = \"huge\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\n";
@@ -259,7 +259,7 @@ fn a_large_file_does_not_stop_the_program() {
 }
 
 #[test]
-fn deep_nesting_is_refused() {
+fn deep_nesting_is_rejected() {
     let texts = [
         "a = ".to_owned() + &"[".repeat(100_000),
         "a = ".to_owned() + &"{a=".repeat(100_000),
@@ -273,7 +273,7 @@ fn deep_nesting_is_refused() {
 }
 
 #[test]
-fn files_that_are_not_definitions_are_named() {
+fn files_that_are_not_definitions_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let write = |name: &str, content: &[u8]| {
@@ -310,7 +310,7 @@ fn files_that_are_not_definitions_are_named() {
         assert!(profile::open(Path::new(&file)).is_err() && observer::open(Path::new(&file)).is_err(), "{file}");
         assert!(soon(&file, || check(&file)).is_err(), "{file}");
     }
-    // Line ends and a byte order mark of other systems.
+    // Line ends and a byte order mark from other systems.
     let plain = definition::parse("mine.toml", BASE).unwrap();
     let windows = format!("\u{feff}{}", BASE.replace('\n', "\r\n"));
     assert_eq!(definition::open(&write("windows.toml", windows.as_bytes())).unwrap(), plain);
@@ -319,7 +319,7 @@ fn files_that_are_not_definitions_are_named() {
 }
 
 #[test]
-fn what_a_sidecar_keeps_is_the_definition_and_its_hash_is_its_meaning() {
+fn a_sidecar_preserves_the_definition_and_its_hash() {
     let other = "\u{22}\u{5c}\t\u{7f}é\u{1F600} '''\"\"\" \u{0}";
     let mut odd = definition::parse("mine.toml", BASE).unwrap();
     odd.title = other.to_owned();
@@ -331,12 +331,12 @@ fn what_a_sidecar_keeps_is_the_definition_and_its_hash_is_its_meaning() {
     let timed = edited("[recovery]", "[presentation]\nduration_s = 0.5\n[recovery]");
     let others = [BASE, &timed].map(|text| definition::parse("mine.toml", text).unwrap());
     for protocol in built_in.chain(others).chain([odd]) {
-        // Through text, as the sidecar is.
+        // Via text, as in a sidecar.
         let json: serde_json::Value =
             serde_json::from_str(&serde_json::to_string(&serde_json::to_value(&protocol).unwrap()).unwrap()).unwrap();
         let back: Protocol = definition::from_json("sidecar.json", &json).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(back, protocol);
-        // What definitions without it are hashed as does not change.
+        // The hash of definitions without `presentation` does not change.
         assert_eq!(json.get("presentation").is_some(), protocol.presentation.is_some());
         assert_eq!(definition::hash(&back), definition::hash(&protocol));
     }
@@ -367,7 +367,7 @@ fn what_a_sidecar_keeps_is_the_definition_and_its_hash_is_its_meaning() {
 }
 
 #[test]
-fn a_session_can_run_in_the_participants_language() {
+fn texts_can_be_in_the_participants_language() {
     let text = edited("question = \"How?\"", "question = \"Wie deutlich?\"")
         .replace("\"b\"", "\"Breiter Streifen\"")
         .replace("welcome = \"Hello\"", "task = \"\"\"\n  Sie sehen eine helle Fläche.\"\"\"");
@@ -381,7 +381,7 @@ fn a_session_can_run_in_the_participants_language() {
     assert_eq!(rating.levels["1"], "Breiter Streifen");
 }
 
-/// Every parameter of every kind can be a factor, has a column, and keeps its levels.
+/// Every parameter of every kind of stimulus can be a factor, has a column, and keeps its levels.
 #[test]
 fn any_parameter_of_any_kind_can_be_a_factor() {
     for kind in KINDS {
@@ -403,7 +403,7 @@ fn any_parameter_of_any_kind_can_be_a_factor() {
 }
 
 #[test]
-fn display_profiles_and_observers_are_checked_alike() {
+fn display_profiles_and_observers_are_validated_too() {
     let good =
         "schema = 1\nname = \"Left\"\ntransfer = \"gamma:2.2\"\nmeasured = \"2026-01-31\"\nscreen_width_cm = 53.1\n";
     let profile = profile::parse("p.toml", good).unwrap();
@@ -416,11 +416,11 @@ fn display_profiles_and_observers_are_checked_alike() {
                 primaries = { red = [0.64, 0.33], green = [0.3, 0.6], blue = [0.15, 0.06], white = [0.3127, 0.329] }\n";
     let each = "schema = 1\nname = \"Each\"\n[channels.red]\ntransfer = \"table\"\nencoded = [0, 0.5, 1]\n\
                 linear = [0, 0.2, 1]\n[channels.green]\ntransfer = \"gamma:2.1\"\n[channels.blue]\ntransfer = \"srgb\"\n";
-    // Sidecars hold this hash: it must not change.
+    // Sidecars contain the hash of this text, so it must not change.
     let canonical = "{\"schema\":1,\"name\":\"Left\",\"transfer\":\"gamma:2.2\",\"screen_width_cm\":53.1,\
                      \"measured\":{\"on\":\"2026-01-31\"}}";
     assert_eq!(profile::value(&profile::parse("p.toml", good).unwrap()).to_string(), canonical);
-    // What is written reads back the same, and the same profile has the same hash.
+    // A written profile reads back unchanged, and equal profiles have equal hashes.
     let folder = tempfile::tempdir().unwrap();
     for text in [good, table, full, each] {
         let read = profile::parse("p.toml", text).unwrap();

@@ -1,12 +1,12 @@
-//! `results/README.md` ends in the column dictionary, made from the record itself.
-//! `UPDATE_DOCS=1 cargo test --test store dictionary` writes it anew.
+//! `results/README.md` ends with the column dictionary, which is generated from the program's column definitions.
+//! `UPDATE_DOCS=1 cargo test --test store dictionary` updates it.
 
 use machband::{experiment::columns, store::definition};
 
 const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/results/README.md");
 
 #[test]
-fn the_column_dictionary_is_that_of_the_program() {
+fn the_column_dictionary_is_up_to_date() {
     const RULE: &str = "|---|---|---|\n";
     let found = std::fs::read_to_string(PATH).unwrap();
     let (head, _) = found.split_once(RULE).unwrap();

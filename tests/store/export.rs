@@ -1,4 +1,5 @@
-//! Exports: every row and cell is found again, pictures are those that were shown, nothing half or doubtful is written.
+//! Exports contain every row and cell and the pictures that were shown. Incomplete or inconsistent data are never
+//! written.
 
 use std::{
     collections::{BTreeMap, HashMap},
@@ -23,7 +24,7 @@ use crate::common::{everything, json as read_json, session_csv, succeeds};
 
 const FORMATS: [Format; 2] = [Format::Bids, Format::PsychDs];
 
-/// A folder in which `study` is simulated, and its results.
+/// Simulates `study` in a new folder, and returns that folder and its results folder.
 fn simulated(study: &[&str]) -> (TempDir, PathBuf) {
     let scratch = tempfile::tempdir().unwrap();
     succeeds(scratch.path(), &[&["simulate", "--results", "results"], study].concat());
@@ -41,12 +42,12 @@ fn edit_json(path: &Path, edit: impl FnOnce(&mut Value)) {
     fs::write(path, value.to_string()).unwrap();
 }
 
-/// Rewrites a session as if it had been interrupted: `rows` whole ones, then a corrected response, then half a row.
+/// Rewrites a session as if it had been interrupted: `rows` complete rows, then a corrected response, then half a row.
 fn interrupt(results: &Path, subject: &str, rows: usize) {
     let csv = session_csv(results, "quick", subject);
     let text = fs::read_to_string(&csv).unwrap();
     let lines: Vec<&str> = text.split_inclusive('\n').collect();
-    // The attempt stands in the row's name and in a cell of its own.
+    // The attempt is part of the row_id and also has its own cell.
     let mut cells: Vec<String> = lines[rows].trim_end().split(',').map(str::to_owned).collect();
     cells[0] = cells[0].strip_suffix("_1").unwrap().to_owned() + "_2";
     cells[7] = "2".to_owned();
@@ -57,8 +58,9 @@ fn interrupt(results: &Path, subject: &str, rows: usize) {
     });
 }
 
-/// Two participants of `quick`, the first interrupted, corrected and resumed, the second interrupted and not resumed; and
-/// a task with shaded meshes whose file is of an earlier version, without the last column.
+/// Simulates two participants of `quick`: the first is interrupted, corrected and resumed; the second is interrupted
+/// and not resumed. Also simulates a task with shaded meshes, and turns its file into one from an earlier version,
+/// without the last column.
 fn study() -> (TempDir, PathBuf) {
     let (scratch, results) = simulated(&["quick", "--participants", "2"]);
     succeeds(scratch.path(), &["simulate", "shaders"]);
@@ -80,7 +82,7 @@ fn sessions(results: &Path) -> Vec<Recorded> {
     data_files(results).unwrap().iter().map(|csv| Recorded::open(csv).unwrap()).collect()
 }
 
-/// Every row by its experiment and its name, as cells by column.
+/// Returns every row by its experiment and its row_id, as cells by column.
 fn rows(results: &Path) -> BTreeMap<(String, String), BTreeMap<String, String>> {
     let mut all = BTreeMap::new();
     for session in sessions(results) {
@@ -93,7 +95,7 @@ fn rows(results: &Path) -> BTreeMap<(String, String), BTreeMap<String, String>> 
     all
 }
 
-/// Rows of all tables of a BIDS data set, by experiment and name.
+/// Returns the rows of all tables of a BIDS data set, by experiment and row_id.
 fn tables(bids: &Path) -> BTreeMap<(String, String), HashMap<String, String>> {
     let mut all = BTreeMap::new();
     for (path, content) in everything(bids) {
@@ -101,7 +103,7 @@ fn tables(bids: &Path) -> BTreeMap<(String, String), HashMap<String, String>> {
             let mut reader = csv::ReaderBuilder::new().delimiter(b'\t').from_reader(&content[..]);
             for row in reader.deserialize::<HashMap<String, String>>().map(Result::unwrap) {
                 let key = (row["experiment"].clone(), row["row_id"].clone());
-                assert!(all.insert(key.clone(), row).is_none(), "{key:?} stands twice");
+                assert!(all.insert(key.clone(), row).is_none(), "{key:?} occurs twice");
             }
         }
     }
@@ -113,10 +115,10 @@ fn written(results: &Path, to: &Path, format: Format) -> Exported {
 }
 
 #[test]
-fn every_cell_and_every_picture_is_found_again() {
+fn every_cell_and_every_picture_is_exported() {
     let (scratch, results) = study();
     let expected = rows(&results);
-    // 28 and a correction; 7 and a correction; 128.
+    // 28 rows and a correction; 7 rows and a correction; 128 rows.
     assert_eq!(expected.len(), 29 + 8 + 128);
 
     let bids = scratch.path().join("bids");
@@ -152,7 +154,7 @@ fn every_cell_and_every_picture_is_found_again() {
         assert!(Recorded::open(&csv).unwrap().torn.is_none());
     }
 
-    // Every picture is the one that was shown.
+    // Every picture is identical to the one that was shown.
     let mut hashes = HashMap::new();
     for session in sessions(&results) {
         for row in &session.rows {
@@ -165,11 +167,11 @@ fn every_cell_and_every_picture_is_found_again() {
             assert_eq!(hash, shown);
         }
     }
-    // Each once, and none that nobody saw.
+    // Each picture is exported once, and only if it was shown.
     assert_eq!(hashes.len(), exported.pictures);
     assert_eq!(fs::read_dir(bids.join("stimuli")).unwrap().count(), exported.pictures);
 
-    // Another hash in a sidecar: what would be written differs from what was shown.
+    // With a different hash in a sidecar, the exported picture would differ from the one that was shown.
     let shown = sessions(&results)[0].sidecar.sittings[0].pictures.clone().unwrap().sha256[&1].clone();
     let path = sidecar(&results, "quick", "S001");
     fs::write(&path, fs::read_to_string(&path).unwrap().replace(&shown, &"0".repeat(64))).unwrap();
@@ -180,7 +182,7 @@ fn every_cell_and_every_picture_is_found_again() {
 }
 
 #[test]
-fn equal_sessions_give_equal_bytes_from_any_of_their_folders() {
+fn exports_are_reproducible_from_any_folder_of_the_data() {
     let (scratch, results) = simulated(&["quick", "--participants", "2"]);
     for format in FORMATS {
         let exported = |name: &str, from: &Path| {
@@ -197,7 +199,7 @@ fn equal_sessions_give_equal_bytes_from_any_of_their_folders() {
 }
 
 #[test]
-fn what_cannot_be_exported_is_named_and_nothing_is_written() {
+fn errors_are_reported_and_nothing_is_written() {
     let (scratch, results) = simulated(&["quick", "--participants", "2"]);
     let at = |name: &str| scratch.path().join(name);
     let refused = |to: &Path, expected: &str| {
@@ -214,7 +216,7 @@ fn what_cannot_be_exported_is_named_and_nothing_is_written() {
     refused(&results.join("quick/data/../out"), "is inside");
     assert_eq!(fs::read_dir(at("full")).unwrap().count(), 1);
 
-    // Every fault of every session.
+    // Every error in every session is reported.
     let files: Vec<_> = ["S001", "S002"].map(|subject| session_csv(&results, "quick", subject)).into();
     let before: Vec<_> = files.iter().map(|path| fs::read_to_string(path).unwrap()).collect();
     for (path, text) in files.iter().zip(&before) {
@@ -228,18 +230,18 @@ fn what_cannot_be_exported_is_named_and_nothing_is_written() {
         fs::write(path, text).unwrap();
     }
 
-    // The same session twice.
+    // The same session exists twice.
     fs::create_dir_all(results.join("copy/data")).unwrap();
     for file in [session_csv(&results, "quick", "S001"), sidecar(&results, "quick", "S001")] {
         fs::copy(&file, results.join("copy/data").join(file.file_name().unwrap())).unwrap();
     }
     refused(&at("out"), "is the same session");
-    // Nothing is left of any attempt.
+    // No attempt has left any files.
     let left: Vec<_> = fs::read_dir(scratch.path()).unwrap().flatten().map(|entry| entry.file_name()).collect();
     assert_eq!(left.len(), 2, "{left:?}");
     fs::remove_dir_all(results.join("copy")).unwrap();
 
-    // Unfinished sessions can be left out.
+    // Unfinished sessions can be excluded.
     interrupt(&results, "S002", 7);
     let out = scratch.path().join("out");
     let exported = export(&results, &out, Format::Bids, true).unwrap();
@@ -251,9 +253,9 @@ fn what_cannot_be_exported_is_named_and_nothing_is_written() {
 }
 
 #[test]
-fn what_is_known_of_screen_and_people_stands_in_the_words_and_units_of_bids() {
+fn screens_and_participants_are_described_in_bids_terms_and_units() {
     let (scratch, results) = simulated(&["quick"]);
-    // As the window writes it, for a person.
+    // As the window writes the sidecar for a person.
     edit_json(&sidecar(&results, "quick", "S001"), |sidecar| {
         let sitting = &mut sidecar["sittings"][0];
         sitting.as_object_mut().unwrap().remove("observer");
@@ -272,7 +274,7 @@ fn what_is_known_of_screen_and_people_stands_in_the_words_and_units_of_bids() {
     let session = bids.join("sub-S001/ses-1/beh/sub-S001_ses-1_task-quick_beh.json");
     let screen = &read_json(&session)["StimulusPresentation"];
     assert_eq!(screen["ScreenDistance"], 0.57);
-    // 53.1 cm × 1440 / 2560.
+    // The height is 53.1 cm × 1440 / 2560.
     assert_eq!(screen["ScreenSize"], json!([0.531, 0.29869]));
     assert_eq!(screen["ScreenResolution"], json!([2560, 1440]));
     assert_eq!(screen["ScreenRefreshRate"], 59.94);
@@ -290,7 +292,7 @@ fn what_is_known_of_screen_and_people_stands_in_the_words_and_units_of_bids() {
 }
 
 #[test]
-fn sessions_of_one_name_may_differ_in_their_definition() {
+fn sessions_with_the_same_name_may_have_different_definitions() {
     let scratch = tempfile::tempdir().unwrap();
     let results = scratch.path().join("results");
     for (folder, participants, factor) in [("a", "1", "tanh_k = [5, 7.5]"), ("b", "2", "color = [\"red\", \"gray\"]")] {

@@ -1,4 +1,4 @@
-//! The results on disk: nothing overwritten, nothing lost, nothing told twice.
+//! Results on disk: nothing is overwritten, nothing is lost, and nothing is recorded twice.
 
 use std::{collections::BTreeSet, fs, path::Path};
 
@@ -28,7 +28,7 @@ fn rate(store: &mut SessionStore, found: Option<&Interrupted>, limit: usize) -> 
     recording::rate(store, (&small(), &someone()), found, limit, false)
 }
 
-/// A session of so many rows, closed.
+/// Records a session with this many rows, and closes it.
 fn session_of(rows: usize) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     rate(&mut create(folder.path()).unwrap(), None, rows).unwrap();
@@ -49,7 +49,7 @@ mod layout {
     use super::*;
 
     #[test]
-    fn the_data_set_is_as_the_contract_has_it() {
+    fn the_data_set_is_as_documented() {
         let folder = session_of(usize::MAX);
         let files: Vec<String> = everything(folder.path())
             .into_iter()
@@ -94,7 +94,7 @@ mod layout {
     }
 
     #[test]
-    fn the_next_free_participant_has_no_file() {
+    fn the_next_free_participant_has_no_files() {
         let folder = tempfile::tempdir().unwrap();
         let free = || free_participant(folder.path(), &small());
         assert_eq!(free(), "P001");
@@ -103,7 +103,7 @@ mod layout {
         for (file, next) in [
             ("subject-P001_session-1_task-smallone_data.csv", "P002"),
             ("subject-P003_session-1_task-smallone_data.csv", "P002"),
-            // Another session, only a sidecar, and lower case, which some file systems do not tell apart.
+            // A different session, only a sidecar, and lowercase, which some file systems do not distinguish.
             ("subject-P002_session-9_task-smallone_data.json", "P004"),
             ("subject-p004_session-1_task-smallone_data.csv", "P005"),
             ("subject-P1000_session-1_task-smallone_data.csv", "P005"),
@@ -123,7 +123,7 @@ mod rows_on_disk {
     }
 
     fn seconds() -> impl Strategy<Value = Seconds> {
-        // To the written tenth of a millisecond, up to thirty years.
+        // With the recorded precision of 0.1 ms, up to thirty years.
         (0..10_000_000_000_000_u64).prop_map(|ticks| Seconds(ticks as f64 / 1e4))
     }
 
@@ -153,7 +153,7 @@ mod rows_on_disk {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(100))]
         #[test]
-        fn what_is_appended_is_what_is_read(records in prop::collection::vec(any_row(), 1..4)) {
+        fn appended_rows_read_back_unchanged(records in prop::collection::vec(any_row(), 1..4)) {
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("rows.csv");
             let mut file = ResultFile::create(&path, &columns(&small())).unwrap();
@@ -165,14 +165,14 @@ mod rows_on_disk {
     }
 
     #[test]
-    fn an_existing_file_stays_as_it_is() {
+    fn existing_files_are_never_overwritten() {
         let folder = session_of(3);
         let before = everything(folder.path());
         let error = create(folder.path()).unwrap_err();
         assert!(matches!(&error, StoreError::Exists(path) if *path == paths(folder.path()).csv), "{error}");
         assert!(ResultFile::create(&paths(folder.path()).csv, &columns(&small())).is_err());
         assert_eq!(everything(folder.path()), before);
-        // A sidecar whose rows were taken elsewhere is data as well.
+        // A sidecar is data too, even if its rows were moved elsewhere.
         fs::remove_file(paths(folder.path()).csv).unwrap();
         let before = everything(folder.path());
         let error = create(folder.path()).unwrap_err();
@@ -180,9 +180,10 @@ mod rows_on_disk {
         assert_eq!(everything(folder.path()), before);
     }
 
-    /// A killed program of the same number may have left its temporary file; in a container every program has number 1.
+    /// A killed program with the same process ID may have left its temporary file; in a container, every program has
+    /// process ID 1.
     #[test]
-    fn leftovers_of_a_killed_program_are_not_in_the_way() {
+    fn leftovers_of_a_killed_program_do_no_harm() {
         let folder = session_of(2);
         let sidecar = paths(folder.path()).sidecar;
         for count in 0..100 {
@@ -192,16 +193,17 @@ mod rows_on_disk {
         let (mut store, found) = resume(folder.path()).unwrap();
         rate(&mut store, Some(&found), usize::MAX).unwrap();
         assert_whole(folder.path());
-        assert_eq!(everything(folder.path()).len(), 7, "rows, sidecar, five files that describe the data set");
+        assert_eq!(everything(folder.path()).len(), 7, "rows, a sidecar, and five files that describe the data set");
     }
 }
 
 mod interrupted {
     use super::*;
 
-    /// Whatever is left of the last row, or zero bytes where the system had made room and not yet written.
+    /// The file may end anywhere in the last row, or with zero bytes where the system had allocated space but not yet
+    /// written to it.
     #[test]
-    fn a_cut_at_any_byte_loses_the_torn_row_alone() {
+    fn truncation_at_any_byte_loses_only_the_last_row() {
         let folder = session_of(4);
         let paths = paths(folder.path());
         let (whole, saved) = (fs::read(&paths.csv).unwrap(), fs::read(&paths.sidecar).unwrap());
@@ -213,7 +215,7 @@ mod interrupted {
             .chain(zeros.concat())
             .map(|(length, zeros)| (length, [&whole[..length], &vec![0; zeros]].concat()))
             .collect();
-        // The first half of the last row not written, the second written.
+        // The first half of the last row was not written, but the second half was.
         let last = ends[ends.len() - 2];
         let holed = [&whole[..last], &vec![0; whole.len() - 30 - last], &whole[whole.len() - 30..]].concat();
         cases.push((last, holed));
@@ -228,7 +230,7 @@ mod interrupted {
             rate(&mut store, Some(&found), usize::MAX).unwrap();
             drop(store);
             assert_whole(folder.path());
-            // What was whole stays, byte for byte.
+            // Complete rows stay unchanged, byte for byte.
             let kept = kept.checked_sub(1).map_or(0, |last| ends[last]);
             assert!(fs::read(&paths.csv).unwrap().starts_with(&whole[..kept]), "{length}");
             let sidecar = Sidecar::read(&paths.sidecar).unwrap().unwrap();
@@ -238,7 +240,7 @@ mod interrupted {
     }
 
     #[test]
-    fn a_fault_before_the_last_row_is_named_and_nothing_touched() {
+    fn errors_before_the_last_row_are_reported_and_nothing_is_changed() {
         let folder = session_of(4);
         let csv = paths(folder.path()).csv;
         let whole = fs::read_to_string(&csv).unwrap();
@@ -277,9 +279,9 @@ mod interrupted {
             (with(2, &lines[2].replacen("S001", "\"S001", 1)).into(), "3:1".into(), "cells"),
             (zeros, "3:".into(), ""),
             (latin, "3:4".into(), "not UTF-8"),
-            // No line of ours at all: not half a header, and not to be cut away.
+            // A foreign text, which is not an incomplete header and must not be truncated.
             (b"My notes on this participant".to_vec(), "1:1".into(), "begins with \"My notes"),
-            // Line ends of an old system: one line, to which no row could be added.
+            // Line ends of an old system make the file a single line, so no row could be appended.
             (whole.replace('\n', "\r").into(), "1:1".into(), "expected the header"),
         ];
         for (content, position, part) in cases {
@@ -291,30 +293,30 @@ mod interrupted {
                 error.starts_with(&start) && error.contains(part) && error.contains("expected"),
                 "{start} {part}: {error}"
             );
-            assert!(everything(folder.path()) == before, "touched: {error}");
+            assert!(everything(folder.path()) == before, "files were changed: {error}");
         }
     }
 
     #[test]
-    fn another_definition_seed_or_participant_is_refused_and_nothing_touched() {
+    fn a_different_definition_seed_or_participant_is_rejected_and_nothing_is_changed() {
         let folder = session_of(4);
         let csv = paths(folder.path()).csv;
         let refused = |protocol: &Protocol, seed: Option<u64>, part: &str| {
-            // A torn row at the end must survive a refusal too.
+            // A rejection must not remove an incomplete last row either.
             let whole = fs::read(&csv).unwrap();
             fs::write(&csv, [&whole[..], b"S001_1_ma"].concat()).unwrap();
             let before = everything(folder.path());
             let error = SessionStore::resume(folder.path(), protocol, &someone(), seed, sitting()).unwrap_err();
             assert!(matches!(error, StoreError::Mismatch { .. }), "{error}");
             assert!(error.to_string().contains(part) && error.to_string().contains("expected"), "{error}");
-            assert!(everything(folder.path()) == before, "touched: {error}");
+            assert!(everything(folder.path()) == before, "files were changed: {error}");
             fs::write(&csv, whole).unwrap();
         };
         let other = |from: &str, to: &str| definition::parse("small.toml", &TEXT.replace(from, to)).unwrap();
         refused(&other("0.4", "0.5"), Some(7), "another definition");
         refused(&other("tanh_k = [5, 7.5]", "depth = [1, 2]"), Some(7), "another definition");
-        refused(&small(), Some(8), "has seed 7; expected that or none, not 8");
-        // The same without a sidecar to say so.
+        refused(&small(), Some(8), "has seed 7; expected that seed or no seed, not 8");
+        // The same cases without a sidecar.
         let saved = fs::read(paths(folder.path()).sidecar).unwrap();
         fs::remove_file(paths(folder.path()).sidecar).unwrap();
         refused(&other("0.4", "0.5"), Some(7), "not planned");
@@ -324,7 +326,7 @@ mod interrupted {
         fs::write(&csv, rows.replace("S001", "S002")).unwrap();
         refused(&small(), Some(7), "row S002_1_practice_0001_1 is not planned");
         fs::write(&csv, rows).unwrap();
-        // No seed given: the session's own.
+        // Without a given seed, the session's own seed is used.
         let (mut store, found) = SessionStore::resume(folder.path(), &small(), &someone(), None, sitting()).unwrap();
         assert_eq!((found.schedule.seed, found.sitting), (7, 2));
         rate(&mut store, Some(&found), usize::MAX).unwrap();
@@ -335,12 +337,12 @@ mod interrupted {
     }
 
     #[test]
-    fn a_lost_sidecar_is_made_anew_and_a_broken_one_named() {
+    fn a_missing_sidecar_is_recreated_and_a_broken_one_is_reported() {
         for lost_after in [0, 3] {
             let folder = session_of(lost_after);
             fs::remove_file(paths(folder.path()).sidecar).unwrap();
             let (mut store, found) = resume(folder.path()).unwrap();
-            assert_eq!(found.sitting, 2, "each sitting has its place in the sidecar");
+            assert_eq!(found.sitting, 2, "each sitting has its own entry in the sidecar");
             rate(&mut store, Some(&found), usize::MAX).unwrap();
             drop(store);
             assert_whole(folder.path());
@@ -364,14 +366,14 @@ mod interrupted {
     }
 
     #[test]
-    fn a_session_that_ended_stays_as_it_is() {
+    fn a_complete_session_is_not_changed() {
         let folder = session_of(usize::MAX);
         let before = everything(folder.path());
         let (store, found) = resume(folder.path()).unwrap();
         assert!(store.is_complete() && found.resumed.done.len() == TRIALS);
         drop(store);
         assert!(everything(folder.path()) == before);
-        // Called complete, but it is not: goes on.
+        // A session that claims to be complete but is not can be continued.
         let csv = paths(folder.path()).csv;
         let text = fs::read_to_string(&csv).unwrap();
         let cut = text.trim_end().rfind('\n').unwrap() + 1;
@@ -383,14 +385,15 @@ mod interrupted {
     }
 
     #[test]
-    fn absurd_numbers_do_no_harm() {
+    fn absurd_numbers_are_reported() {
         let folder = session_of(3);
         let csv = paths(folder.path()).csv;
         let text = fs::read_to_string(&csv).unwrap();
         for absurd in ["1e300", "1e19", "-1", "inf", "NaN"] {
             let (head, last) = text.trim_end().rsplit_once('\n').unwrap();
             let mut cells: Vec<&str> = last.rsplitn(13, ',').collect();
-            // From the end: three columns that came later, tanh_k, seed, sitting, started_at, dropped_frames, frames, recovery_s, onset_s.
+            // Counted from the end: three columns added in later versions, tanh_k, seed, sitting, started_at,
+            // dropped_frames, frames, recovery_s, onset_s.
             cells[10] = absurd;
             cells.reverse();
             fs::write(&csv, format!("{head}\n{}\n", cells.join(","))).unwrap();
@@ -408,17 +411,17 @@ mod trouble {
     use super::*;
 
     #[test]
-    fn a_session_moves_to_a_folder_that_has_none() {
+    fn a_session_can_move_to_a_folder_without_it() {
         let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let mut store = create(first.path()).unwrap();
         rate(&mut store, None, 3).unwrap();
-        // A folder that has this session is refused, and stays as it is.
+        // A folder that already has this session is rejected and not changed.
         let taken = session_of(5);
         let before = everything(taken.path());
         let error = store.move_to(taken.path()).unwrap_err();
         assert!(matches!(error, StoreError::Exists(_)), "{error}");
         assert_eq!(everything(taken.path()), before);
-        // The same folder once more is no other session.
+        // Moving to the same folder again is not a conflict.
         for _ in 0..2 {
             store.move_to(second.path()).unwrap();
         }
@@ -429,16 +432,16 @@ mod trouble {
     }
 
     #[test]
-    fn a_file_changed_by_another_hand_is_not_written_over() {
+    fn a_file_changed_by_someone_else_is_not_overwritten() {
         let folder = session_of(0);
         let (mut store, found) = resume(folder.path()).unwrap();
         let csv = paths(folder.path()).csv;
         fs::remove_file(&csv).unwrap();
-        fs::write(&csv, "somebody else's").unwrap();
+        fs::write(&csv, "someone else's").unwrap();
         let error = rate(&mut store, Some(&found), 1).unwrap_err();
         assert!(matches!(error, StoreError::Changed { .. }), "{error}");
         assert!(store.retry().is_err());
-        assert_eq!(fs::read_to_string(&csv).unwrap(), "somebody else's");
+        assert_eq!(fs::read_to_string(&csv).unwrap(), "someone else's");
         let elsewhere = tempfile::tempdir().unwrap();
         store.move_to(elsewhere.path()).unwrap();
         assert_eq!(rows(store.csv()).len(), 1);

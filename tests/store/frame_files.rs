@@ -1,4 +1,4 @@
-//! The file of frames beside a session's rows, and rows that are older than some of their columns.
+//! The frames file next to a session's rows, and rows from versions that lacked some columns.
 
 use std::{fs, path::Path, time::Duration};
 
@@ -33,14 +33,14 @@ fn row(intervals_us: &[u32]) -> FrameRow {
     }
 }
 
-/// Rates trials at 60 Hz, as the window does, until `trials` are rated.
+/// Rates trials at 60 Hz, as the window does, until `trials` trials are rated.
 fn rate(store: &mut SessionStore, schedule: &Schedule, resumed: &Resumed, sitting: u32, trials: usize) {
     let (protocol, identity) = (small(), someone());
     let options = SessionOptions { pages: 0, frames: FrameCount::Against(1.0 / 60.0) };
     let mut session = Session::new(protocol.clone(), schedule.clone(), resumed, options);
     let context = RowContext { protocol: &protocol, schedule, identity: &identity, sitting };
     let mut rated = 0;
-    // A sitting begins after the one before.
+    // Each sitting begins after the previous one.
     let start = 1000.0 * f64::from(sitting - 1);
     for frame in 0.. {
         let now = Duration::from_secs_f64(start + f64::from(frame) / 60.0);
@@ -68,7 +68,7 @@ fn schedule() -> Schedule {
     Schedule::new(&small(), &someone(), SEED).unwrap()
 }
 
-/// A session of which `trials` are rated.
+/// Records a session with `trials` rated trials.
 fn session(results: &Path, trials: usize) -> SessionStore {
     let mut store = create(results).unwrap();
     rate(&mut store, &schedule(), &Resumed::default(), 1, trials);
@@ -76,7 +76,7 @@ fn session(results: &Path, trials: usize) -> SessionStore {
 }
 
 #[test]
-fn what_is_written_is_what_is_read() {
+fn frames_read_back_unchanged() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a_frames.csv");
     let mut file = FrameFile::new(&path);
@@ -104,13 +104,13 @@ fn what_is_written_is_what_is_read() {
     }
     assert_eq!(found.len(), rows.len());
     assert!(check(path.to_str().unwrap()).unwrap().sentence.contains("7 intervals in 4 stretches"));
-    // Cut in the middle, as by a power cut: it goes on after the last whole row.
+    // If a power failure truncates the file, it continues after the last complete row.
     drop(file);
     let text = fs::read_to_string(&path).unwrap();
     fs::write(&path, &text[..text.len() - 3]).unwrap();
     FrameFile::resume(&path).unwrap().append(&rows[3..]).unwrap();
     assert_eq!(fs::read_to_string(&path).unwrap(), text);
-    // What is somebody else's is left alone.
+    // A foreign file is not changed.
     fs::write(&path, "name,age\n").unwrap();
     assert!(FrameFile::resume(&path).is_err());
     assert!(FrameFile::new(&path).append(&rows).is_err());
@@ -118,7 +118,7 @@ fn what_is_written_is_what_is_read() {
 }
 
 #[test]
-fn every_fault_of_a_file_of_frames_has_its_place() {
+fn every_error_in_a_frames_file_has_its_place() {
     let good = "1,main,2,1,stimulus,16683.350,16683 16684";
     let text = |line: &str| format!("{HEADER}\n{good}\n{line}\n");
     for (line, expected) in [
@@ -129,7 +129,7 @@ fn every_fault_of_a_file_of_frames_has_its_place() {
             "1,main,2,1,blank,16683.350,1",
             "f.csv:3:12: state is \"blank\"; expected one of recovery, stimulus, response, closing",
         ),
-        ("1,main,2,1,stimulus,-1,1", "f.csv:3:21: refresh_us is \"-1\"; expected microseconds"),
+        ("1,main,2,1,stimulus,-1,1", "f.csv:3:21: refresh_us is \"-1\"; expected a positive number"),
         ("1,main,2,1,stimulus,16683.350,1  2", "f.csv:3:31: intervals_us is"),
         ("1,main,2,1,stimulus,16683.350,", "f.csv:3:31: intervals_us is"),
     ] {
@@ -141,7 +141,7 @@ fn every_fault_of_a_file_of_frames_has_its_place() {
 }
 
 #[test]
-fn frames_stand_beside_the_rows_and_are_not_taken_for_data() {
+fn frames_are_next_to_the_rows_and_are_not_read_as_data() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = session(folder.path(), 6);
     let paths = paths(folder.path());
@@ -155,27 +155,27 @@ fn frames_stand_beside_the_rows_and_are_not_taken_for_data() {
     let rows = rows(&paths.csv);
     assert_eq!(rows.iter().map(|row| (row.late_onset, row.frames)).collect::<Vec<_>>(), [(Some(false), Some(1)); 6]);
     assert!(rows.iter().all(|row| (row.stimulus_s.unwrap().0 - 1.0 / 60.0).abs() < 1e-4));
-    // By the folder and by a pattern of names, only the rows are read.
+    // Only the rows are read, whether the folder or a file pattern is given.
     for named in [vec![folder.path().to_owned()], vec![paths.csv.clone(), paths.frames.clone()]] {
         let source = Study::read(&named, &ReadOptions::default()).unwrap().source;
         assert_eq!((source.files.len(), source.faults.len()), (1, 0), "{named:?}");
     }
-    // None is written over, also where the rows are gone.
+    // A frames file is never overwritten, even if its rows are gone.
     fs::remove_file(&paths.csv).unwrap();
     fs::remove_file(&paths.sidecar).unwrap();
     assert!(matches!(create(folder.path()), Err(StoreError::Exists(path)) if path == paths.frames));
 }
 
 #[test]
-fn frames_that_cannot_be_written_are_noted_once_and_take_nothing_with_them() {
+fn a_failure_to_write_frames_is_noted_once_and_harms_nothing_else() {
     let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let mut store = create(first.path()).unwrap();
-    // A folder stands in its place.
+    // A folder has the name of the frames file.
     let place = paths(first.path()).frames;
     fs::create_dir(&place).unwrap();
     rate(&mut store, &schedule(), &Resumed::default(), 1, 2);
     assert_eq!(rows(&paths(first.path()).csv).len(), 2);
-    // Moved, everything is there.
+    // After the move, all frames are saved.
     store.move_to(second.path()).unwrap();
     store.finish(false, "then".to_owned(), None).unwrap();
     assert_eq!(frames::read(&paths(second.path()).frames).unwrap().len(), 4);
@@ -185,14 +185,15 @@ fn frames_that_cannot_be_written_are_noted_once_and_take_nothing_with_them() {
     assert_eq!(noted, 1, "{incidents:?}");
 }
 
-/// The columns after the factors came later: a session that lacks them is read, checked and gone on with as it is.
+/// The columns after the factors were added in later versions. A session that lacks them can be read, checked and
+/// continued without them.
 #[test]
-fn a_session_that_is_older_than_some_columns_goes_on_without_them() {
+fn a_session_from_an_older_version_continues_without_newer_columns() {
     let folder = tempfile::tempdir().unwrap();
     drop(session(folder.path(), 2));
     let paths = paths(folder.path());
     let text = fs::read_to_string(&paths.csv).unwrap();
-    // Without the last `missing` columns.
+    // The file without its last `missing` columns.
     let cut = |missing: usize| -> String {
         text.lines().map(|line| line.rsplitn(missing + 1, ',').last().unwrap().to_owned() + "\n").collect()
     };
@@ -213,10 +214,10 @@ fn a_session_that_is_older_than_some_columns_goes_on_without_them() {
     assert!(text.starts_with(&old));
     assert_eq!(rows(&paths.csv).len(), 6);
     assert!(check(paths.csv.to_str().unwrap()).unwrap().sentence.contains("6 of 6 planned trials"));
-    // Without its sidecar it is known by its header.
+    // Without its sidecar, the file is recognized by its header.
     fs::remove_file(&paths.sidecar).unwrap();
     assert!(check(paths.csv.to_str().unwrap()).unwrap().sentence.contains("6 rows"));
-    // What lacks another column is none of them.
+    // A file that lacks any other column is an error.
     fs::write(&paths.csv, text.replacen(",seed,", ",sead,", 1)).unwrap();
     assert!(check(paths.csv.to_str().unwrap()).unwrap_err().to_string().contains("expected \"seed\""));
 }

@@ -1,4 +1,4 @@
-//! What the fuzzers found, and what they began with, through every reader of files: see `fuzz/README.md`.
+//! Runs every file reader on the fuzzers' initial files and on the files they found: see `fuzz/README.md`.
 
 use std::{collections::BTreeMap, fs::File, io::Read as _};
 
@@ -8,7 +8,7 @@ use flate2::read::GzDecoder;
 mod targets;
 
 #[test]
-fn every_file_of_the_corpus_is_read_or_refused() {
+fn every_corpus_file_is_accepted_or_rejected() {
     let archive = File::open(concat!(env!("CARGO_MANIFEST_DIR"), "/fuzz/corpus.tar.gz")).unwrap();
     let mut counts: BTreeMap<String, u32> = BTreeMap::new();
     for entry in tar::Archive::new(GzDecoder::new(archive)).entries().unwrap() {
@@ -21,7 +21,7 @@ fn every_file_of_the_corpus_is_read_or_refused() {
         let (_, target) = targets::ALL.iter().find(|(name, _)| *name == folder).unwrap();
         let mut content = Vec::new();
         entry.read_to_end(&mut content).unwrap();
-        // A panic names the target; this names the file.
+        // A panic names only the target, so this names the file.
         println!("{path}");
         target(&content);
         *counts.entry(folder.to_owned()).or_default() += 1;

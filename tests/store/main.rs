@@ -1,4 +1,4 @@
-//! Definitions, sessions and every file that they leave.
+//! Tests of definitions, sessions and all files that they write.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,4 +1,4 @@
-//! Ratings from files: what counts, what does not, and that every fault has its own message.
+//! Reading ratings from files: which rows count, which do not, and that every error has its own message.
 
 use std::{
     collections::BTreeMap,
@@ -24,12 +24,13 @@ use crate::{
     recording::{self, SEED, sitting},
 };
 
-/// Three practice and twelve main trials; the color needs quotes, `tanh_k` a column of its own.
+/// A definition with three practice and twelve main trials. Its color must be quoted, and `tanh_k` needs its own
+/// column.
 const TEXT: &str = "schema = 1\nname = \"small-one\"\n[stimulus]\nkind = \"mach-band\"\ncolor = \"1,0.5,0\"\n[factors]\nwidth = [0.1, 0.4, 0.8]\ntanh_k = [5, 7.5]\n[design]\npractice = 3\nrepetitions = 2\n";
 const PRACTICE: u64 = 3;
 const MAIN: u64 = 12;
 
-/// Every row that counts, as a text.
+/// Reads every row that counts, as text.
 fn try_read(paths: &[&Path], how: &ReadOptions) -> Result<(Source, Vec<String>), FileFaults> {
     let paths: Vec<PathBuf> = paths.iter().map(|path| path.to_path_buf()).collect();
     let add = |rows: &mut Vec<String>, row: &RatingRow<'_>| {
@@ -50,7 +51,7 @@ fn sorted(mut rows: Vec<String>) -> Vec<String> {
     rows
 }
 
-/// Every fault without its folder, or the error's.
+/// Returns every error without its folder, whether or not anything can be read.
 fn faults(paths: &[&Path], how: &ReadOptions) -> Vec<String> {
     let faults = match try_read(paths, how) {
         Ok((source, _)) => source.faults,
@@ -69,7 +70,7 @@ fn small() -> Protocol {
     definition::parse("small.toml", TEXT).unwrap()
 }
 
-/// A finished session, or one that ends after so many trials; gives its file. Every fourth rating is taken back.
+/// Records a session that ends after at most `limit` trials, and returns its file. Every fourth rating is undone.
 fn session(results: &Path, protocol: &Protocol, subject: &str, limit: usize) -> PathBuf {
     let identity = Identity::new(subject, "1").unwrap();
     let mut store = SessionStore::create(results, protocol, &identity, SEED, sitting()).unwrap();
@@ -77,14 +78,14 @@ fn session(results: &Path, protocol: &Protocol, subject: &str, limit: usize) -> 
     SessionPaths::new(results, protocol, &identity).csv
 }
 
-/// A folder with finished sessions of these participants, and their files.
+/// Returns a folder with finished sessions of these participants, and their files.
 fn study(subjects: &[&str]) -> (tempfile::TempDir, Vec<PathBuf>) {
     let folder = tempfile::tempdir().unwrap();
     let files = subjects.iter().map(|subject| session(folder.path(), &small(), subject, usize::MAX)).collect();
     (folder, files)
 }
 
-/// The rows that count, by the reader of running sessions: the last attempt of every main trial.
+/// Returns the rows that count according to the reader for running sessions: the last attempt at every main trial.
 fn expected(files: &[PathBuf]) -> Vec<String> {
     let protocol = small();
     let mut last = BTreeMap::new();
@@ -108,7 +109,7 @@ fn edit(file: &Path, change: impl Fn(String) -> String) {
     fs::write(file, change(fs::read_to_string(file).unwrap())).unwrap();
 }
 
-/// Replaces the cell of a line, from 1, under a header.
+/// Replaces the cell in a line, counted from 1, under a column name.
 fn set(file: &Path, line: usize, column: &str, cell: &str) {
     edit(file, |text| {
         let mut rows: Vec<Vec<String>> = csv_rows(&text);
@@ -157,7 +158,7 @@ mod what_counts {
     use super::*;
 
     #[test]
-    fn the_last_attempt_of_every_main_trial_does() {
+    fn the_last_attempt_at_every_main_trial_counts() {
         let (folder, files) = study(&["S2", "S10", "S1"]);
         let (source, rows) = read(&[folder.path()], &ReadOptions::default());
         assert_eq!(sorted(rows), expected(&files));
@@ -168,7 +169,7 @@ mod what_counts {
         let sessions: Vec<_> = source.sessions.iter().map(|s| (s.subject.as_str(), s.planned, s.rated)).collect();
         assert_eq!(sessions, ["S1", "S2", "S10"].map(|subject| (subject, Some(MAIN), MAIN)));
         for read in &source.files {
-            // Trials 3, 7 and 11 of 0…14: two of them in the main phase.
+            // Trials 3, 7 and 11 of 0…14 were corrected.
             assert_eq!((read.rows, read.practice, read.superseded), (MAIN + PRACTICE + 3, PRACTICE, 3), "{read:?}");
             assert_eq!((read.counted, read.ratings, read.faulty, read.layout), (MAIN, MAIN, 0, Layout::Results));
         }
@@ -186,7 +187,7 @@ mod what_counts {
             edit(&files[0], |text| {
                 let mut rows = csv_rows(&text);
                 let body = rows.len() - 1;
-                // A full-period step through the rows, and columns turned round.
+                // The rows are permuted with a full-period step, and the columns are rotated.
                 let step = [5, 7, 11, 13, 17][seed % 5];
                 let shuffled = (0..body).map(|i| rows[1 + (i * step + seed) % body].clone()).collect::<Vec<_>>();
                 rows.splice(1.., shuffled);
@@ -201,7 +202,7 @@ mod what_counts {
     }
 
     #[test]
-    fn an_unfinished_session_does_unless_only_complete_ones_are_wanted() {
+    fn unfinished_sessions_count_unless_only_complete_ones_are_requested() {
         let (folder, mut files) = study(&["S1"]);
         files.push(session(folder.path(), &small(), "S2", 9));
         files.push(session(folder.path(), &small(), "S3", 0));
@@ -216,7 +217,7 @@ mod what_counts {
     }
 
     #[test]
-    fn dropped_frames_are_those_of_the_last_attempt() {
+    fn dropped_frames_are_counted_in_the_last_attempt() {
         let (_folder, files) = study(&["S1"]);
         edit(&files[0], |text| {
             let mut rows = csv_rows(&text);
@@ -228,7 +229,7 @@ mod what_counts {
             csv_text(&rows)
         });
         let (source, _) = read(&[&files[0]], &ReadOptions::default());
-        // Three were rated again, without dropped frames.
+        // Three trials were rated again, without dropped frames.
         assert_eq!(source.sessions[0].dropped, Some(MAIN - 3));
     }
 }
@@ -237,7 +238,7 @@ mod layouts {
     use super::*;
 
     #[test]
-    fn any_csv_is_read_by_its_columns_however_it_is_written() {
+    fn any_csv_dialect_is_read_by_its_column_names() {
         let folder = tempfile::tempdir().unwrap();
         let quoted = csv_rows(LONG).iter().map(|row| format!("\"{}\"\n", row.join("\",\""))).collect::<String>();
         let spaced = LONG.replace(',', " , ");
@@ -278,7 +279,7 @@ mod layouts {
     }
 
     #[test]
-    fn the_term_inv_n_is_of_the_column_depth() {
+    fn the_term_inv_n_reads_the_column_depth() {
         let folder = tempfile::tempdir().unwrap();
         let path = file(&folder, "long.csv", LONG);
         let how = ReadOptions { factors: None, also: vec!["width".to_owned(), "inv_n".to_owned()], ..long() };
@@ -287,9 +288,9 @@ mod layouts {
         assert_eq!(rows, LONG_ROWS);
     }
 
-    /// The columns of the stimulus stand in for a definition; the order of trials is not lost with it.
+    /// Without a definition, the columns of the stimulus serve as factors, and the order of trials is kept.
     #[test]
-    fn result_files_without_sidecar_are_read_too() {
+    fn result_files_without_a_sidecar_are_read_too() {
         let (folder, files) = study(&["S1", "S2"]);
         for file in &files {
             fs::remove_file(file.with_extension("json")).unwrap();
@@ -304,7 +305,7 @@ mod layouts {
         assert_eq!(rows.len() as u64, 2 * MAIN);
         let (_, rows) = read(&[folder.path()], &with_factors(&["width", "tanh_k"]));
         assert_eq!(sorted(rows), expected(&files));
-        // One sidecar is enough to know the definition of all.
+        // One sidecar is enough to determine the definition of all sessions.
         session(&folder.path().join("more"), &small(), "S3", usize::MAX);
         let (source, _) = read(&[folder.path()], &ReadOptions::default());
         assert_eq!((source.files.len(), source.protocol, source.faults), (3, Some(small()), vec![]));
@@ -313,7 +314,7 @@ mod layouts {
     }
 
     #[test]
-    fn counts_are_read_back_as_they_were_written() {
+    fn counts_read_back_unchanged() {
         let (folder, _) = study(&["S1", "S2", "S10"]);
         let study = Study::read(&[folder.path().to_owned()], &ReadOptions::default()).unwrap();
         let counts = study.measured.counts;
@@ -325,7 +326,7 @@ mod layouts {
     }
 
     #[test]
-    fn equal_rows_of_counts_add_up_and_row_numbers_are_no_factor() {
+    fn duplicate_rows_of_counts_add_up_and_row_numbers_are_not_a_factor() {
         let folder = tempfile::tempdir().unwrap();
         let a = file(&folder, "a.csv", ",subject_id,width,rating,count\n0,A,0.1,1,2.0\n1,A,0.1,1,3\n2,A,0.2,0,0\n");
         let b = file(&folder, "b.csv", "count,width,rating,subject_id\n4,0.1,1,A\n");
@@ -340,7 +341,7 @@ mod discovery {
     use super::*;
 
     #[test]
-    fn a_folder_is_its_data_files_and_otherwise_its_csv_files() {
+    fn a_folder_stands_for_its_data_files_or_else_for_its_csv_files() {
         let folder = tempfile::tempdir().unwrap();
         let row = |subject: &str| format!("subject_id,width,rating,count\n{subject},0.1,1,1\n");
         for (name, subject) in
@@ -367,14 +368,14 @@ mod discovery {
     }
 
     #[test]
-    fn what_is_missing_is_reported() {
+    fn missing_files_and_folders_are_reported() {
         let folder = tempfile::tempdir().unwrap();
         let good = file(&folder, "good.csv", "subject_id,width,rating,count\nA,0.1,1,1\n");
         fs::create_dir(folder.path().join("void")).unwrap();
         let said =
             faults(&[&folder.path().join("void"), &folder.path().join("lost.csv"), &good], &ReadOptions::default());
         assert_eq!(said.len(), 2, "{said:?}");
-        assert!(said[0].starts_with("void: has no CSV file; expected "), "{said:?}");
+        assert!(said[0].starts_with("void: contains no CSV files; expected "), "{said:?}");
         assert!(said[1].starts_with("lost.csv: cannot be opened: "), "{said:?}");
         assert!(try_read(&[], &ReadOptions::default()).is_err());
     }
@@ -383,7 +384,8 @@ mod discovery {
 mod faults {
     use super::*;
 
-    /// A study of two, the first of which is damaged; gives the faults and the rows that count.
+    /// Damages the first file of a study with two participants, and returns the errors and the number of rows that
+    /// count.
     fn damaged(change: impl Fn(&Path)) -> (Vec<String>, u64) {
         let (folder, files) = study(&["S1", "S2"]);
         change(&files[0]);
@@ -399,12 +401,12 @@ mod faults {
         (said.map(short).collect(), counted)
     }
 
-    /// Each kind of bad cell, row or file: its message, its place, and how many of 24 ratings are left.
+    /// For each kind of bad cell, row or file: its message, its place, and how many of 24 ratings still count.
     #[test]
-    fn each_kind_has_its_message_and_the_rest_counts() {
+    fn each_kind_has_its_own_message_and_the_rest_counts() {
         let interrupted = "as after an interrupted write; expected a complete row (this one is left out)";
         let names = "expected one of row_id, experiment, subject_id, session_id, phase, block,";
-        // Line 18 is trial 11 of the main phase, rated once.
+        // Line 18 is trial 11 of the main phase, which was rated once.
         for (column, cell, expected) in [
             ("rating", "4", "85: rating is \"4\"; expected a rating from 0 to 3"),
             ("rating", "", "85: rating is empty; expected a rating from 0 to 3"),
@@ -429,19 +431,19 @@ mod faults {
             ),
             (
                 |text| text.replacen("\nS1_1_main_0011_1,", "\nS1_1_main_0011_1,more,", 1).into(),
-                "18:1: the row has 30 cells; expected 29, as the header has".into(),
+                "18:1: the row has 30 cells; expected 29, as in the header".into(),
                 23,
             ),
             (
                 |text| text[..text.len() - 30].into(),
-                format!("19:1: the last row is cut in the middle, {interrupted}"),
+                format!("19:1: the last row is cut off, {interrupted}"),
                 23,
             ),
-            (|text| (text + "S1_1_ma").into(), format!("20:1: the last row is cut in the middle, {interrupted}"), 24),
-            (|text| (text + &"\0".repeat(5000)).into(), format!("20:1: the last row has zero bytes, {interrupted}"), 24),
+            (|text| (text + "S1_1_ma").into(), format!("20:1: the last row is cut off, {interrupted}"), 24),
+            (|text| (text + &"\0".repeat(5000)).into(), format!("20:1: the last row contains zero bytes, {interrupted}"), 24),
             (
                 |text| format!("{text}{}\n", text.lines().nth(17).unwrap()).into(),
-                "20:1: row_id \"S1_1_main_0011_1\" already appears above; expected every row once (this one is left out)".into(),
+                "20:1: row_id \"S1_1_main_0011_1\" already appears above; expected each row only once (this one is left out)".into(),
                 24,
             ),
             (
@@ -454,11 +456,11 @@ mod faults {
             (|_| b"row_id,\xe9,".to_vec(), "1:8: the header is not UTF-8 text; expected CSV in UTF-8".into(), 12),
             (
                 |_| b"PK\x03\x04\0\0".to_vec(),
-                "1:1: is not a CSV file: there are zero bytes in its first line".into(),
+                "1:1: is not a CSV file: its first line contains zero bytes".into(),
                 12,
             ),
             (|_| b"\xff\xfer\0o\0".to_vec(), "1:1: is UTF-16 text; expected CSV in UTF-8".into(), 12),
-            (|_| vec![b'x'; 2_000_000], "1:1: the first row has more than 65,000 bytes; expected a".into(), 12),
+            (|_| vec![b'x'; 2_000_000], "1:1: the first row is longer than 65,000 bytes; expected a".into(), 12),
         ];
         for (change, expected, left) in cases {
             let (said, counted) = damaged(|file| fs::write(file, change(fs::read_to_string(file).unwrap())).unwrap());
@@ -471,13 +473,13 @@ mod faults {
     }
 
     #[test]
-    fn a_session_that_stands_twice_counts_once() {
+    fn a_duplicated_session_counts_once() {
         let (folder, files) = study(&["S1", "S2"]);
         file(&folder, "z_data.csv", fs::read(&files[0]).unwrap());
         assert_eq!(
             super::faults(&[folder.path()], &ReadOptions::default()),
             [
-                "z_data.csv: all its 18 rows already appear in small-one/data/subject-S1_session-1_task-smallone_data.csv; expected every session once (this file is left out)"
+                "z_data.csv: all its 18 rows already appear in small-one/data/subject-S1_session-1_task-smallone_data.csv; expected each session only once (this file is left out)"
             ]
         );
         let (source, rows) = read(&[folder.path()], &ReadOptions::default());
@@ -485,7 +487,7 @@ mod faults {
     }
 
     #[test]
-    fn of_many_alike_the_first_are_named() {
+    fn only_the_first_of_many_similar_errors_are_listed() {
         let (said, counted) = damaged(|file| {
             for line in 2..=19 {
                 set(file, line, "experiment", "x");
@@ -527,9 +529,9 @@ mod faults {
         );
     }
 
-    /// Tables of any origin: how each is read, its faults, and the rows that count nevertheless.
+    /// For tables from various sources: how each is read, its errors, and the rows that still count.
     #[test]
-    fn each_fault_of_a_table_has_its_message_and_place() {
+    fn each_error_in_a_table_has_its_message_and_place() {
         let folder = tempfile::tempdir().unwrap();
         let counts = ReadOptions::default();
         let cases: [(&str, ReadOptions, &[&str], &[&str]); 7] = [
@@ -543,7 +545,7 @@ mod faults {
                     "5:9: count is \"1e30\"; expected a count of at most 10^12",
                     "6:1: subject_id is empty; expected a participant",
                     "7:7: rating is empty; expected a rating from 0 to 3",
-                    "8:1: the row has 3 cells; expected 4, as the header has",
+                    "8:1: the row has 3 cells; expected 4, as in the header",
                 ],
                 &["A 0.1 1 7"],
             ),
@@ -607,13 +609,13 @@ mod faults {
     }
 
     #[test]
-    fn where_nothing_counts_there_is_no_study() {
+    fn without_rows_that_count_there_is_no_study() {
         let folder = tempfile::tempdir().unwrap();
         session(folder.path(), &small(), "S1", 2);
         let said = super::faults(&[folder.path()], &ReadOptions::default());
         assert!(try_read(&[folder.path()], &ReadOptions::default()).is_err());
         assert!(
-            said[0].ends_with("none of the 2 rows counts: 2 from practice; expected ratings of main trials"),
+            said[0].ends_with("none of the 2 rows count: 2 from practice; expected ratings of main trials"),
             "{said:?}"
         );
     }

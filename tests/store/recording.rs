@@ -1,4 +1,4 @@
-//! A small session on disk, and the simulated observer who rates it.
+//! A small session on disk, and a simulated observer that rates it.
 
 use std::{path::Path, time::Duration};
 
@@ -19,10 +19,11 @@ use machband::{
 
 use crate::common;
 
-/// Seed of every session.
+/// The seed of every session.
 pub const SEED: u64 = 7;
 
-/// Two practice and four main trials; the color with commas needs quotes, `tanh_k` a column of its own.
+/// A definition with two practice and four main trials. Its color contains commas and must be quoted, and `tanh_k`
+/// needs its own column.
 pub const TEXT: &str = "schema = 1\nname = \"small-one\"\ntitle = \"Small\"\n[stimulus]\nkind = \"mach-band\"\ncolor = \"1,0.5,0\"\n[factors]\nwidth = [0.1, 0.4]\ntanh_k = [5, 7.5]\n[design]\npractice = 2\n[recovery]\nduration_s = 0.1\n";
 
 pub fn small() -> Protocol {
@@ -53,8 +54,8 @@ pub fn sitting() -> Sitting {
     Sitting { started_at: Timestamp::UNIX_EPOCH.to_string(), ..Sitting::default() }
 }
 
-/// Rates up to `limit` of the trials that are left, and ends the session if none is. With `again` every fourth rating is
-/// taken back and given anew.
+/// Rates up to `limit` of the remaining trials, and ends the session if none remain. With `again`, every fourth rating
+/// is undone and given again.
 pub fn rate(
     store: &mut SessionStore,
     (protocol, identity): (&Protocol, &Identity),

@@ -1,4 +1,4 @@
-//! A session without files, clock or window: the order of the trials, the state machine, the simulated observer.
+//! Sessions without files, a clock or a window: the order of the trials, the state machine and the simulated observer.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -20,7 +20,7 @@ fn identity(number: usize) -> Identity {
     Identity::new(&format!("S{number:03}"), "1").unwrap()
 }
 
-/// A definition with these `[factors]` and this `[design]`; the field between stimuli lasts half a second.
+/// A definition with these `[factors]` and this `[design]`. The uniform field between stimuli lasts half a second.
 fn protocol(factors: &str, design: &str) -> Protocol {
     let text = format!(
         "schema = 1\nname = \"test\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\n{factors}\n[design]\n{design}\n[recovery]\nduration_s = 0.5\n"
@@ -32,12 +32,13 @@ fn conditions(schedule: &Schedule, phase: Phase) -> Vec<usize> {
     schedule.phase(phase).map(|trial| trial.condition).collect()
 }
 
-/// Level of a factor in each main trial.
+/// Returns the level of a factor in each main trial.
 fn levels(schedule: &Schedule, factor: usize) -> Vec<usize> {
     schedule.phase(Phase::Main).map(|trial| schedule.conditions[trial.condition].levels[factor]).collect()
 }
 
-/// Levels with repetitions in a row left out: the order of the blocks, if blocks keep together.
+/// Returns the levels of a factor without consecutive repetitions, which is the order of the blocks if trials are
+/// blocked.
 fn blocks(schedule: &Schedule, factor: usize) -> Vec<usize> {
     let mut blocks = levels(schedule, factor);
     blocks.dedup();
@@ -47,14 +48,15 @@ fn blocks(schedule: &Schedule, factor: usize) -> Vec<usize> {
 mod order {
     use super::*;
 
-    /// Computed from the words of `GENERATOR` by an implementation of ChaCha8 of its own, in Python.
+    /// The expected order was computed from the description in `GENERATOR` by an independent ChaCha8 implementation in
+    /// Python.
     #[test]
-    fn a_seed_gives_this_order_for_ever() {
+    fn the_order_for_a_seed_never_changes() {
         let quick = definition::open("quick").unwrap();
         let schedule = Schedule::new(&quick, &identity(1), 42).unwrap();
         assert_eq!(conditions(&schedule, Phase::Practice), PINNED_PRACTICE);
         assert_eq!(conditions(&schedule, Phase::Main)[..6], PINNED_MAIN);
-        // Participant and session must not run into each other.
+        // Participant and session must not be concatenated without a separator.
         for (subject, session, seed) in [("S002", "1", 42), ("S001", "2", 42), ("S00", "11", 42), ("S001", "1", 43)] {
             let other = Schedule::new(&quick, &Identity::new(subject, session).unwrap(), seed).unwrap();
             let order = conditions(&other, Phase::Main);
@@ -65,7 +67,7 @@ mod order {
     const PINNED_MAIN: [usize; 6] = [18, 11, 7, 21, 19, 22];
 
     #[test]
-    fn every_condition_comes_once_a_repetition_and_blocks_keep_together() {
+    fn every_condition_occurs_once_per_repetition_and_blocks_are_contiguous() {
         for order in ["random", "blocked:depth", "latin:depth"] {
             let protocol = protocol(
                 "width = [0.1, 0.2]\ndepth = [1, 2, \"inf\"]\norientation_deg = [0, 90]",
@@ -100,7 +102,7 @@ mod order {
                 &format!("depth = [1, 2]\nwidth = [{}]", widths[..count].join(", ")),
                 "order = \"latin:width\"",
             );
-            // An odd number of levels needs two squares.
+            // An odd number of levels needs two Latin squares.
             let participants = if count % 2 == 0 { count } else { 2 * count };
             let mut place = vec![vec![0; count]; count];
             let mut follows = vec![vec![0; count]; count];
@@ -119,15 +121,15 @@ mod order {
         }
     }
 
-    /// Longest stretch of equal values.
+    /// Returns the length of the longest run of equal values.
     fn longest_run(levels: &[usize]) -> usize {
         levels.chunk_by(|a, b| a == b).map(<[usize]>::len).max().unwrap_or(0)
     }
 
     proptest! {
-        /// Blocks follow each other without a rest, so the limit holds across them too.
+        /// Blocks follow each other without a break, so the limit also applies across block boundaries.
         #[test]
-        fn no_factor_keeps_a_level_longer_than_max_run(
+        fn no_level_is_repeated_more_than_max_run_times(
             widths in 1..5_usize, depths in 1..4_usize, repetitions in 1..4_u32, max_run in 1..5_u32,
             order in prop::sample::select(vec!["random", "blocked:width", "latin:depth"]), seed: u64,
         ) {
@@ -149,17 +151,17 @@ mod order {
                         }
                     }
                 }
-                // Two levels and more, each at most twice in a row: there is always such an order.
+                // With two or more levels, each at most twice in a row, there is always a valid order.
                 Err(error) => prop_assert!(max_run < 2, "{}", error),
             }
         }
     }
 
     #[test]
-    fn an_impossible_max_run_is_refused_in_words_and_soon() {
+    fn an_impossible_max_run_is_rejected_quickly_with_a_message() {
         let started = Instant::now();
         for repetitions in [1, 10_000] {
-            // Both factors would have to change with every trial: half of the cells cannot be reached.
+            // Both factors would have to change with every trial, so half of the cells could not be reached.
             let protocol =
                 protocol("width = [0.1, 0.2]\ndepth = [1, 2]", &format!("repetitions = {repetitions}\nmax_run = 1"));
             let error = Schedule::new(&protocol, &identity(1), 1).unwrap_err();
@@ -170,7 +172,7 @@ mod order {
     }
 }
 
-/// A session with a clock of its own.
+/// A session with a simulated clock.
 struct Driver {
     session: Session,
     now: Duration,
@@ -200,7 +202,7 @@ impl Driver {
         self.step(Event::Frame);
     }
 
-    /// Goes on until the state is one that `wanted` knows; a stimulus on the way is rated 1.
+    /// Continues until `wanted` accepts the state. Any stimulus in between is rated 1.
     fn until(&mut self, wanted: impl Fn(&State) -> bool) {
         for _ in 0..10_000 {
             if wanted(self.session.state()) {
@@ -217,7 +219,7 @@ impl Driver {
         panic!("ended in {:?}", self.session.state());
     }
 
-    /// Rates the stimulus on the screen; the row is stored at once.
+    /// Rates the stimulus on the screen; the row is stored immediately.
     fn rate(&mut self, rating: u8) {
         self.rate_after(0.7, rating);
     }
@@ -235,7 +237,7 @@ impl Driver {
 
 const PRACTICE_AND_MAIN: &str = "practice = 2\nrepetitions = 2\nbreak_every = 3";
 
-/// Two practice and eight main trials, breaks after the third and the sixth.
+/// A definition with two practice and eight main trials, and breaks after the third and the sixth main trial.
 fn ten() -> Protocol {
     protocol("width = [0.1, 0.2]\ndepth = [1, 2]", PRACTICE_AND_MAIN)
 }
@@ -252,7 +254,7 @@ mod machine {
     use super::*;
 
     #[test]
-    fn a_session_goes_by_its_plan() {
+    fn a_session_follows_its_plan() {
         let mut driver = Driver::new(&ten(), FrameCount::Off, &[]);
         let mut seen = Vec::new();
         let mut remaining = Vec::new();
@@ -276,14 +278,14 @@ mod machine {
         let expected = "page 0,page 1,practice,trial,main,trial,break 5,trial,break 8,trial,closing";
         assert_eq!(seen.join(","), expected);
         assert_eq!(driver.rated(), (0..10).map(|trial| (trial, 1)).collect::<Vec<_>>());
-        // Every trial took 0.5 + 0.7 s.
+        // Every trial took 0.5 s + 0.7 s.
         assert_eq!(remaining.first(), Some(&Duration::from_millis(1200 * 9)));
         assert_eq!(remaining.last(), Some(&Duration::ZERO));
         for record in &driver.records {
             assert_eq!((record.recovery.as_millis(), record.response_time.as_millis()), (500, 700));
             assert_eq!((record.frames, record.dropped_frames), (None, None));
         }
-        // A break that would come after the last trial does not.
+        // There is no break after the last trial.
         let mut driver =
             Driver::new(&protocol("width = [0.1, 0.2]", "repetitions = 2\nbreak_every = 2"), FrameCount::Off, &[]);
         driver.until(|state| *state == State::Break);
@@ -292,7 +294,7 @@ mod machine {
     }
 
     #[test]
-    fn the_field_lasts_to_the_nanosecond() {
+    fn the_recovery_field_is_timed_to_the_nanosecond() {
         let mut driver = Driver::new(&ten(), FrameCount::Off, &[]);
         driver.until(is_recovery);
         driver.wait(0.499_999_999);
@@ -302,12 +304,13 @@ mod machine {
     }
 
     #[test]
-    fn the_last_rating_can_be_taken_back_once_wherever_it_can_be_seen() {
+    fn the_last_rating_can_be_undone_once_from_any_screen_after_it() {
         type There = fn(&State) -> bool;
         let is_break: There = |state| *state == State::Break;
         let is_page: There = |state| *state == State::PhaseStart(Phase::Main);
         let is_closing: There = |state| matches!(state, State::Closing { .. });
-        // What is reached first, and where the rating is taken back. After a break, the break does not come back.
+        // The state that is reached first, and the state in which the rating is undone. After a break, undoing does not
+        // repeat the break.
         let places: [(&str, There, There); 5] = [
             ("recovery", is_recovery, is_recovery),
             ("the next phase's page", is_page, is_page),
@@ -328,7 +331,7 @@ mod machine {
             assert!(driver.session.can_take_back(), "{place}");
             driver.step(Event::TakeBack);
             assert_eq!((driver.session.current(), driver.session.can_take_back()), (Some(last.0), false), "{place}");
-            // Not a second time, and not the one before.
+            // It cannot be undone a second time, nor can the rating before it.
             driver.step(Event::TakeBack);
             driver.until(is_stimulus);
             driver.step(Event::TakeBack);
@@ -349,7 +352,7 @@ mod machine {
     }
 
     #[test]
-    fn a_pause_anywhere_loses_nothing_and_shows_the_same_trial_again() {
+    fn a_pause_at_any_time_loses_nothing_and_repeats_the_same_trial() {
         let mut plain = Driver::new(&ten(), FrameCount::Off, &[]);
         plain.until(|state| *state == State::Done);
         let mut driver = Driver::new(&ten(), FrameCount::Off, &[]);
@@ -365,12 +368,12 @@ mod machine {
             driver.step(Event::Resume);
             assert_eq!(driver.session.current(), trial);
             match (&state, driver.session.state()) {
-                // What was half over starts anew.
+                // A timed state that was interrupted starts over.
                 (State::Recovery { .. } | State::Stimulus { .. }, State::Recovery { since })
                 | (State::Closing { .. }, State::Closing { since }) => assert_eq!(*since, driver.now),
                 (before, after) => assert_eq!(before, after),
             }
-            // The stimulus that was interrupted once more, this time to the end.
+            // The interrupted stimulus is shown again, this time without interruption.
             let after = driver.session.state().clone();
             driver.until(|now| *now != after);
             if is_stimulus(&state) {
@@ -388,7 +391,8 @@ mod machine {
         driver.until(is_recovery);
         let mut expected = Vec::new();
         for trial in 0..40_u32 {
-            // Stalls of two to five intervals, in the field and during the stimulus; jitter below half is none.
+            // Stalls of two to five intervals, during the field and during the stimulus. Jitter of less than half an
+            // interval is not a stall.
             let (mut stalls, mut shown) = (0, 0);
             for frame in 0..91_u32 {
                 let stalled = (frame * 7 + trial * 3) % 11 == 0;
@@ -396,7 +400,7 @@ mod machine {
                 // The first frame after a rating starts the count.
                 stalls += u32::from(stalled && frame > 0);
                 if frame == 90 {
-                    // The frame that the rating ends counts like every other.
+                    // The frame that ends with the rating counts like any other.
                     driver.rate_after(intervals / 60.0, 1);
                     break;
                 }
@@ -408,7 +412,7 @@ mod machine {
         }
         let counted: Vec<_> = driver.records.iter().map(|r| (r.frames, r.dropped_frames)).collect();
         assert_eq!(counted, expected);
-        // Without a known interval only frames are counted.
+        // Without a known refresh interval, only frames are counted.
         let mut driver = Driver::new(&protocol, FrameCount::Frames, &[]);
         driver.until(is_stimulus);
         driver.wait(1.0);
@@ -417,7 +421,7 @@ mod machine {
     }
 
     fn any_event() -> impl Strategy<Value = Event> {
-        // What happens most, most often, so that a sequence gets somewhere.
+        // Common events are generated more often, so that a sequence makes progress.
         prop_oneof![
             8 => Just(Event::Frame),
             3 => Just(Event::Stored),
@@ -433,10 +437,10 @@ mod machine {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(400))]
 
-        /// Whatever happens in whatever order: rows are valid and unique, no stimulus comes early or while a row is
-        /// not stored, and in the end every trial is rated, in the planned order.
+        /// For any sequence of events, rows are valid and unique, no stimulus appears too early or while a row is not
+        /// stored yet, and in the end every trial is rated in the planned order.
         #[test]
-        fn nothing_is_lost_whatever_happens(events in prop::collection::vec((any_event(), 0..1500_u64), 0..400)) {
+        fn no_sequence_of_events_loses_data(events in prop::collection::vec((any_event(), 0..1500_u64), 0..400)) {
             let mut driver = Driver::new(&ten(), FrameCount::Against(1.0 / 60.0), &[]);
             let mut stored = true;
             let mut done = 0;
@@ -454,16 +458,17 @@ mod machine {
                 }
                 prop_assert_eq!(driver.session.is_storing(), !stored);
                 prop_assert!(stored || !driver.session.can_take_back() && *state != State::Done);
-                // Leaving is possible from the pause, only from there, and for good.
+                // A session can be left only from the pause, and leaving is final.
                 let left = before == State::Left || event == Event::Leave && matches!(before, State::Paused(_));
                 prop_assert_eq!(*state == State::Left, left);
                 if event == Event::TakeBack {
-                    // A field that began at this very moment begins again at it: only the session knows.
+                    // A field that began at this very moment starts over at the same time, so the state looks
+                    // unchanged; only the session knows the difference.
                     let taken = could && !driver.session.can_take_back();
                     prop_assert!(taken || !could && *state == before);
                 }
                 if let (State::Stimulus { onset, recovery }, false) = (state, is_stimulus(&before)) {
-                    // Held to whole refreshes: at most half of one early.
+                    // Durations are rounded to whole refreshes, so an onset is at most half a refresh early.
                     prop_assert!(stored && *onset == driver.now && recovery.as_micros() >= 500_000 - 8_334);
                 }
                 let progress = driver.session.progress();
@@ -512,11 +517,11 @@ mod observer {
         count.map(|n| f64::from(n) / f64::from(draws))
     }
 
-    /// The probabilities of the doc comment, written out by hand for each stimulus.
+    /// Compares with the probabilities from the doc comment, computed by hand for each stimulus.
     #[test]
     fn ratings_have_the_documented_probabilities() {
         let observer = OrderedLogit { oblique: 0.8, contrast: 0.5, lapse: 0.1, ..OrderedLogit::default() };
-        // Parameters, the participant's deviate, η.
+        // Parameters of the stimulus, the participant's standard normal deviate, and η.
         type Case<'a> = (&'a [(&'a str, f64)], f64, f64);
         let cases: [Case; 7] = [
             (&[("width", 0.05), ("depth", 1.0)], 0.0, 6.0),
@@ -525,7 +530,7 @@ mod observer {
             (&[("width", 0.1), ("depth", f64::INFINITY)], 1.5, 6.0 / 5.0 - 0.7 + 0.6 * 1.5),
             (&[("width", 0.05), ("depth", 4.0), ("orientation_deg", 135.0)], -1.0, 1.5 + 0.8 - 0.6),
             (&[("width", 0.4), ("depth", 1.0), ("orientation_deg", 15.0)], 0.0, 6.0 - 2.1 + 0.4),
-            // Michelson contrast (0.6 − 0.2)/0.8 = ½, and 1 for a black plateau.
+            // The Michelson contrast is (0.6 − 0.2)/0.8 = ½, and it is 1 for a black plateau.
             (&[("width", 0.05), ("depth", 4.0), ("low", 0.0), ("high", 0.6)], 0.0, 1.5 + 0.5),
         ];
         let draws = 60_000;
@@ -545,9 +550,9 @@ mod observer {
         }
     }
 
-    /// Without an edge there is no band, whatever the parameters are.
+    /// Without an edge, there is no band, regardless of the parameters.
     #[test]
-    fn no_band_is_rated_0() {
+    fn stimuli_without_bands_are_rated_0() {
         for narrow in [0.9, 0.0, -1.0] {
             let observer = OrderedLogit { lapse: 0.0, narrow, ..OrderedLogit::default() };
             for nothing in
@@ -559,9 +564,9 @@ mod observer {
         }
     }
 
-    /// Also for durations that are no whole number of nanoseconds, or none at all.
+    /// This also holds for durations that are not a whole number of nanoseconds, or that are zero.
     #[test]
-    fn an_interrupted_simulation_goes_on_as_if_it_had_not_been() {
+    fn an_interrupted_simulation_continues_identically() {
         for duration_s in [0.5, 1.0 / 3.0, 2.0 / 3.0, 1e-10, 0.0] {
             let mut protocol = ten();
             protocol.recovery.duration_s = duration_s;

@@ -1,4 +1,4 @@
-//! `machband verify`: what a session left is proved, and whatever is done to it afterwards is named.
+//! `machband verify` confirms the files of a session, and reports every later change to them.
 
 use std::{
     fs,
@@ -9,7 +9,7 @@ use machband::store::{sidecar::Sidecar, verify};
 
 use crate::common::{machband, session_csv, succeeds, text};
 
-/// One session of `quick` by the simulated observer.
+/// Records one session of `quick` with the simulated observer.
 fn recorded() -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     succeeds(folder.path(), &["simulate", "quick", "--seed", "5"]);
@@ -25,17 +25,17 @@ fn faults(csv: &Path) -> Vec<String> {
 fn edit(path: &Path, change: impl FnOnce(String) -> String) {
     let text = fs::read_to_string(path).unwrap();
     let changed = change(text.clone());
-    assert_ne!(changed, text, "the test changes nothing");
+    assert_ne!(changed, text, "the test did not change the file");
     fs::write(path, changed).unwrap();
 }
 
 #[test]
-fn an_untouched_session_is_proved() {
+fn an_unchanged_session_is_confirmed() {
     let (folder, csv) = recorded();
     let found = verify::session(&csv, &mut verify::Renderer::default());
     assert_eq!(found.faults, []);
     assert_eq!((found.rows, found.rated, found.sealed), (28, (28, 28), true));
-    // All of 4 widths × 3 depths × 2 orientations.
+    // All combinations of 4 widths, 3 depths and 2 orientations.
     assert_eq!(found.pictures, 24);
     let said = succeeds(folder.path(), &["verify", "results"]);
     assert!(
@@ -52,7 +52,7 @@ fn edit_lines(csv: &Path, change: fn(&mut Vec<String>)) {
     });
 }
 
-/// That every part is in a fault, and in an error line of the command.
+/// Asserts that every part of `expected` occurs in an error, and that the command prints an error line for each error.
 fn assert_named(folder: &Path, csv: &Path, what: &str, expected: &[&str]) {
     let faults = faults(csv);
     for part in expected {
@@ -65,14 +65,14 @@ fn assert_named(folder: &Path, csv: &Path, what: &str, expected: &[&str]) {
     assert!(lines.lines().count() >= faults.len() && all_errors, "{what}: {lines}");
 }
 
-/// The first place of a text in a file, what replaces it, and parts of the faults.
+/// Each case replaces the first occurrence of a text in a file, and lists parts of the expected errors.
 #[test]
-fn every_text_that_is_replaced_is_named() {
+fn every_changed_text_is_reported() {
     let (folder, csv) = recorded();
     let sidecar = csv.with_extension("json");
     const PLAN: &str = "is not planned by the definition and seed";
     const SEAL: &str = "_data.json: was changed since";
-    const DEFINITION: &str = "that of the definition used";
+    const DEFINITION: &str = "the hash of the one used";
     const PICTURE: &str = "condition 24 of sitting 1 renders to sha256";
     for (path, from, to, expected) in [
         (&csv, "mach-band,0.4,1,", "mach-band,0.1,1,", [PLAN, "_data.csv: was changed since"]),
@@ -90,7 +90,7 @@ fn every_text_that_is_replaced_is_named() {
 }
 
 #[test]
-fn every_row_that_is_touched_is_named() {
+fn every_changed_row_is_reported() {
     type Touch = fn(&Path);
     let ways: [(&str, Touch); 5] = [
         ("27 of 28 trials are rated", |csv| edit_lines(csv, |lines| drop(lines.remove(12)))),
@@ -117,7 +117,7 @@ fn every_row_that_is_touched_is_named() {
     let sidecar = csv.with_extension("json");
     let mut read = Sidecar::read(&sidecar).unwrap().unwrap();
     read.sittings[0].pictures.as_mut().unwrap().sha256.insert(3, "0".repeat(64));
-    // Even with a new seal, rendering reveals the change.
+    // Even with a new seal, re-rendering reveals the change.
     let own = read.own_sha256();
     read.seal.as_mut().unwrap().sidecar_sha256 = own;
     read.write(&sidecar).unwrap();
@@ -127,7 +127,7 @@ fn every_row_that_is_touched_is_named() {
 }
 
 #[test]
-fn an_interrupted_session_is_a_note_and_what_belongs_to_none_is_named() {
+fn interrupted_sessions_cause_notes_and_stray_files_cause_errors() {
     let (_folder, csv) = recorded();
     let data = csv.parent().unwrap();
     fs::write(data.join("subject-S009_session-1_task-quick_data.json"), "{}").unwrap();

@@ -7,21 +7,21 @@ use crate::{
     report::tables::{Table, number},
 };
 
-/// The powers of a plan, and what they depend on.
+/// The simulated powers of a plan, and the settings they depend on.
 pub(super) struct Findings<'a> {
     pub protocol: &'a Protocol,
-    /// The observer and its given effects: `paper oblique=0.3`.
+    /// The observer and the effects given for it, such as `paper oblique=0.3`.
     pub observer: String,
     pub plan: &'a Plan,
     pub sampling: Sampling,
     /// Target power.
     pub target: f64,
-    /// In the order of the plan.
+    /// Powers, in the order of the plan.
     pub powers: &'a [Power],
 }
 
 impl Findings<'_> {
-    /// The lines to print.
+    /// Returns the lines to print.
     pub fn lines(&self) -> Vec<String> {
         let (spec, Sampling { studies, alpha, seed }) = (self.plan.spec(), self.sampling);
         let heading = format!(
@@ -40,7 +40,7 @@ impl Findings<'_> {
         &self.plan.hypotheses()[power.hypothesis]
     }
 
-    /// One line for each number of participants and each test.
+    /// Formats one line for each number of participants and each test.
     fn table(&self) -> Vec<String> {
         const HEADER: [&str; 8] = [
             "participants",
@@ -84,7 +84,7 @@ impl Findings<'_> {
         }
     }
 
-    /// A sentence for each term and factor, then remarks.
+    /// Returns a sentence for each term and factor, followed by remarks.
     fn sentences(&self) -> Vec<String> {
         let indices: Vec<usize> = (0..self.plan.hypotheses().len()).collect();
         let term = |index: usize| &self.plan.hypotheses()[index].term;
@@ -103,7 +103,7 @@ impl Findings<'_> {
             let untested = powers.iter().rev().filter(|power| power.untested > 0);
             if let Some(power) = untested.max_by_key(|power| power.untested) {
                 sentences.push(format!(
-                    "With {}, {} of {} studies had no test of {} by {}; they count as not found.",
+                    "With {}, {} of {} studies could not test {} with {}; they count as not found.",
                     people(power.participants),
                     power.untested,
                     power.studies,
@@ -116,7 +116,7 @@ impl Findings<'_> {
         sentences
     }
 
-    /// All tests of one effect in one sentence.
+    /// Summarizes all tests of one effect in one sentence.
     fn sentence(&self, tests: &[usize]) -> Option<String> {
         let powers = |test: &usize| self.powers.iter().filter(|power| power.hypothesis == *test).collect::<Vec<_>>();
         let powers: Vec<Vec<&Power>> = tests.iter().map(powers).filter(|powers| !powers.is_empty()).collect();
@@ -137,10 +137,10 @@ impl Findings<'_> {
         })
     }
 
-    /// The number of participants that is sufficient for one test.
+    /// Says how many participants are enough for one test.
     fn fewest(&self, powers: &[&Power]) -> String {
         let enough =
-            format!("enough for a power of {} by {}", percent(self.target), self.test(powers[powers.len() - 1]));
+            format!("enough for a power of {} with {}", percent(self.target), self.test(powers[powers.len() - 1]));
         // More people can only help: a number is enough if all larger ones are enough too.
         let short = powers.iter().rposition(|power| power.share() < self.target);
         match (
@@ -162,15 +162,15 @@ impl Findings<'_> {
     fn false_alarms(&self, powers: &[&Power]) -> String {
         let by = self.test(powers[powers.len() - 1]);
         if let [power] = powers {
-            return format!("{} by {by}", with_interval(power));
+            return format!("{} with {by}", with_interval(power));
         }
         let shares = || powers.iter().map(|power| power.share());
         let (least, most) = (shares().fold(1.0, f64::min), shares().fold(0.0, f64::max));
         let to = if least < most { format!(" to {}", percent(most)) } else { String::new() };
-        format!("{}{to} by {by}", percent(least))
+        format!("{}{to} with {by}", percent(least))
     }
 
-    /// Limitations of the findings.
+    /// States the limitations of the findings.
     fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
         if self.plan.hypotheses().iter().all(|hypothesis| hypothesis.effect.is_none()) {
@@ -181,7 +181,7 @@ impl Findings<'_> {
         }
         if self.powers.iter().any(|power| power.participants == 1) {
             let text =
-                "With one participant, the model has no random intercept, so its findings apply to that person only.";
+                "With one participant, the model has no random intercept, so its findings apply only to that person.";
             remarks.push(text.to_owned());
         }
         let sd = self.plan.observer().subject_sd;
@@ -196,7 +196,7 @@ impl Findings<'_> {
         remarks
     }
 
-    /// One row for each number of participants and each test.
+    /// Writes one row for each number of participants and each test.
     pub fn csv(&self) -> Vec<u8> {
         let rows: Vec<_> = self.powers.iter().map(|power| self.csv_row(power)).collect();
         let header = rows.first().map(|row| row.iter().map(|(name, _)| (*name).to_owned()).collect());
@@ -255,7 +255,7 @@ fn percent(share: f64) -> String {
     format!("{} %", rounded(100.0 * share, 1))
 }
 
-/// Rounded to at most this many decimals, without trailing zeros.
+/// Formats a number rounded to at most this many decimals, without trailing zeros.
 fn rounded(value: f64, decimals: usize) -> String {
     format!("{value:.decimals$}").trim_end_matches('0').trim_end_matches('.').to_owned()
 }

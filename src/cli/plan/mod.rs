@@ -17,10 +17,11 @@ use findings::Findings;
 
 /// Find how many participants a study needs, by simulating its power.
 ///
-/// Simulates studies with the ordered-logit observer of `simulate` and analyzes each as `analyze` would. For each number
-/// of participants and each effect, reports the proportion of studies that find it, with exact 95 % intervals (Clopper
-/// and Pearson): by the likelihood-ratio test of the term in the ordinal mixed model, and by Friedman's test of the
-/// participants' means. If an effect is absent, this proportion is reported as the false-alarm rate.
+/// Simulates studies with the ordered-logit observer of `simulate` and analyzes each as `analyze` would. For each
+/// number of participants and each effect, reports the proportion of studies that find it, with its exact 95 % interval
+/// (Clopper and Pearson). Two tests are used: the likelihood-ratio test of the term in the ordinal mixed model, and
+/// Friedman's test of the participants' means. If an effect is absent, this proportion is reported as the false-alarm
+/// rate.
 #[derive(clap::Args)]
 #[command(
     after_help = "Effects: NAME=VALUE sets a parameter of the observer: depth, fall, narrow, oblique, contrast, \
@@ -31,15 +32,15 @@ use findings::Findings;
     machband plan shaders --participants 8 --effect shader:gouraud=1 --effect shader:flat=2"
 )]
 pub(super) struct Arguments {
-    /// Built-in definition or path of a .toml file.
+    /// Built-in definition or path to a .toml file.
     experiment: String,
-    /// Number of participants per study; give several to compare.
+    /// Number of participants per study; give several numbers to compare them.
     #[arg(long, value_name = "N,…", required = true, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000))]
     participants: Vec<u32>,
     /// An effect to find: NAME=VALUE or FACTOR:LEVEL=LOGITS; can be repeated.
     #[arg(long = "effect", value_name = "NAME=VALUE")]
     effects: Vec<String>,
-    /// Studies simulated for each number of participants.
+    /// Number of studies to simulate for each number of participants.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     studies: u32,
     /// Significance level: an effect is found if p is below it.
@@ -56,7 +57,7 @@ pub(super) struct Arguments {
     observer_file: Option<PathBuf>,
     #[command(flatten)]
     model: ModelOptions,
-    /// CSV file to write the table to.
+    /// Where to write the table as CSV.
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
 }
@@ -85,14 +86,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         powers: &powers,
     };
     findings.lines().iter().try_for_each(|line| say(line))?;
-    // Last, so that no result is lost if the path cannot be written.
+    // Written last, so that no result is lost if the path cannot be written.
     if let Some(path) = &arguments.out {
         write_file(path, &findings.csv())?;
     }
     Ok(())
 }
 
-/// Runs the studies. Progress is counted in participants, since the time per study is proportional to them.
+/// Runs the studies. Progress is counted in participants, because the time per study is proportional to their number.
 fn simulate(plan: &Plan, participants: &[u32], sampling: &Sampling) -> Vec<Power> {
     let people: u64 = participants.iter().map(|people| u64::from(*people)).sum();
     let total = people * u64::from(sampling.studies);
@@ -108,10 +109,10 @@ fn proportion(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected a number between 0 and 1, such as 0.05".to_owned())
 }
 
-/// Most logits that a level can add, far beyond the whole scale.
-const MOST_LOGITS: f64 = 1000.0;
+/// Largest number of logits that a level can add; far beyond the whole scale.
+const MAX_LOGITS: f64 = 1000.0;
 
-/// An observer with the requested effects, and the effects for which it has no parameter.
+/// Returns the observer with the requested effects, and the effects that none of its parameters can express.
 fn apply(
     observer: OrderedLogit,
     effects: &[String],
@@ -124,7 +125,7 @@ fn apply(
         let fault = |message: &str| UsageError(format!("--effect {effect}: {message}"));
         let (name, value) = effect
             .rsplit_once('=')
-            .ok_or_else(|| fault("has no =; expected NAME=VALUE or FACTOR:LEVEL=LOGITS, such as oblique=0.5"))?;
+            .ok_or_else(|| fault("contains no =; expected NAME=VALUE or FACTOR:LEVEL=LOGITS, such as oblique=0.5"))?;
         let (name, number) = (name.trim(), value.trim().parse::<f64>().ok().filter(|value| value.is_finite()));
         let value = number.ok_or_else(|| fault("the value is not a finite number; expected one such as 0.5"))?;
         if names.contains(&name) {
@@ -132,8 +133,8 @@ fn apply(
         }
         names.push(name);
         match name.split_once(':') {
-            Some(_) if value.abs() > MOST_LOGITS => {
-                return Err(fault(&format!("expected {}…{MOST_LOGITS} logits", -MOST_LOGITS)));
+            Some(_) if value.abs() > MAX_LOGITS => {
+                return Err(fault(&format!("is out of range; expected {}…{MAX_LOGITS} logits", -MAX_LOGITS)));
             }
             Some((factor, level)) => {
                 shifts.push(Shift { factor: factor.trim().to_owned(), level: level.trim().to_owned(), logits: value })
@@ -144,7 +145,7 @@ fn apply(
     Ok((observer, shifts))
 }
 
-/// The observer with a different value of one parameter, checked like its file.
+/// Returns the observer with a new value for one parameter, validated like an observer file.
 fn with(observer: &OrderedLogit, name: &str, value: f64, protocol: &Protocol) -> Result<OrderedLogit, String> {
     let mut table = toml::Table::try_from(observer).map_err(|error| error.to_string())?;
     match table.get_mut(name) {
@@ -167,7 +168,7 @@ fn unknown(name: &str, table: &toml::Table, protocol: &Protocol) -> String {
     let known: Vec<&str> = table.iter().filter(|(_, value)| value.is_float()).map(|(name, _)| name.as_str()).collect();
     let factors: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
     format!(
-        "no such parameter of the observer; {}; or FACTOR:LEVEL with one of the factors {}",
+        "the observer has no such parameter; {}; or FACTOR:LEVEL with one of the factors {}",
         expected_one_of(name, &known),
         factors.join(", ")
     )

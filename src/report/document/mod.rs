@@ -1,4 +1,5 @@
-//! Documents: sections of blocks, built once and shown by every skin. [`numbers`] formats their numbers as in a paper.
+//! Documents consist of sections of blocks. A document is built once and can be shown by every skin; [`numbers`]
+//! formats its numbers as in a paper.
 
 pub mod numbers;
 
@@ -6,21 +7,18 @@ use crate::report::figures::Figure;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Document {
-    /// Its name.
     pub title: String,
-    /// The line below it.
+    /// The line below the title.
     pub subtitle: String,
-    /// Its sections in reading order.
+    /// Sections, in reading order.
     pub sections: Vec<Section>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
-    /// Its anchor within the document.
+    /// Anchor within the document.
     pub id: &'static str,
-    /// Its heading.
     pub heading: &'static str,
-    /// What it consists of.
     pub blocks: Vec<Block>,
 }
 
@@ -51,7 +49,7 @@ pub struct Table {
     pub caption: String,
     /// Names of the columns.
     pub header: Vec<String>,
-    /// How many columns, from the left, contain text; the others contain numbers.
+    /// Number of columns, from the left, that contain text; the others contain numbers.
     pub texts: usize,
     /// Cells, one per column.
     pub rows: Vec<Vec<String>>,
@@ -83,26 +81,26 @@ impl Section {
         self.blocks.push(Block::Code(text.into()));
     }
 
-    /// A list, unless it is empty.
+    /// Adds a list, unless it is empty.
     pub fn list(&mut self, items: Vec<String>) {
         if !items.is_empty() {
             self.blocks.push(Block::List(items));
         }
     }
 
-    /// A table whose first columns contain text and whose other columns contain numbers.
+    /// Adds a table. The columns in `texts` contain text, and the columns in `numbers` after them contain numbers.
     pub fn table(&mut self, caption: impl Into<String>, texts: &[&str], numbers: &[&str], rows: Vec<Vec<String>>) {
         let header = texts.iter().chain(numbers).map(|&name| name.to_owned()).collect();
         self.blocks.push(Block::Table(Table { caption: caption.into(), header, texts: texts.len(), rows }));
     }
 
-    /// A table of names and their values.
+    /// Adds a table of names and their values.
     pub fn facts<S: Into<String>>(&mut self, caption: &str, rows: impl IntoIterator<Item = (S, String)>) {
         let rows = rows.into_iter().map(|(name, value)| vec![name.into(), value]).collect();
         self.table(caption, &["What", "Value"], &[], rows);
     }
 
-    /// The charts that have one of these names.
+    /// Adds the charts with these names, in this order.
     pub fn figures(&mut self, figures: &[Figure], names: &[&str]) {
         let named = names.iter().filter_map(|name| figures.iter().find(|figure| figure.name == *name));
         self.blocks.extend(named.cloned().map(Block::Figure));

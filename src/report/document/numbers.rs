@@ -1,18 +1,18 @@
-//! Numbers as a reader expects them: sensible precision, separated thousands, and no leading zero in a probability. A
-//! dash stands for a missing number.
+//! Formats numbers as readers expect them: with reasonable precision, thousands separators, and no leading zero in a
+//! probability. A dash stands for a missing number.
 
 use crate::analysis::bootstrap::Interval;
 
 /// A no-break space.
 pub const NBSP: &str = "\u{a0}";
 
-/// A whole number with separated thousands: `1,920`.
+/// Formats a whole number with thousands separators: `1,920`.
 pub fn whole(number: u64) -> String {
     let digits: Vec<char> = number.to_string().chars().collect();
     digits.rchunks(3).rev().map(String::from_iter).collect::<Vec<_>>().join(",")
 }
 
-/// A number with the given number of decimals and a true minus sign.
+/// Formats a number with the given number of decimals and a true minus sign.
 pub fn fixed(number: impl Into<Option<f64>>, decimals: usize) -> String {
     let number = number.into().unwrap_or(f64::NAN);
     if number.is_nan() {
@@ -23,17 +23,17 @@ pub fn fixed(number: impl Into<Option<f64>>, decimals: usize) -> String {
     if number < 0.0 && text.contains(|c| c == '∞' || ('1'..='9').contains(&c)) { format!("−{text}") } else { text }
 }
 
-/// A mean rating.
+/// Formats a mean rating.
 pub fn mean(number: f64) -> String {
     fixed(number, 2)
 }
 
-/// A proportion or a coefficient that never exceeds 1: `.62`, `−.08`, `1.00`.
+/// Formats a proportion or a coefficient that cannot exceed 1: `.62`, `−.08`, `1.00`.
 pub fn unit(number: impl Into<Option<f64>>) -> String {
     fixed(number, 2).replacen("0.", ".", 1)
 }
 
-/// A probability: three decimals below .1 and two above, and never rounded across .05.
+/// Formats a probability with three decimals below .1 and two above, and never rounds it across .05.
 pub fn probability(p: impl Into<Option<f64>>) -> String {
     let p = p.into().unwrap_or(f64::NAN);
     if p.is_nan() {
@@ -51,14 +51,14 @@ pub fn probability(p: impl Into<Option<f64>>) -> String {
     text.trim_start_matches('0').to_owned()
 }
 
-/// For a sentence: `p = .043`, `p < .001`, never broken over two lines.
+/// Formats a probability for a sentence, as `p = .043` or `p < .001`, so that it is never broken across lines.
 pub fn p_is(p: f64) -> String {
     let text = probability(p);
     let text = if text.starts_with(['<', '>']) { format!("p {text}") } else { format!("p = {text}") };
     text.replace(' ', NBSP)
 }
 
-/// A ratio: about three significant digits.
+/// Formats a ratio with about three significant digits.
 pub fn ratio(number: f64) -> String {
     match number {
         n if !n.is_finite() => fixed(n, 0),
@@ -73,12 +73,13 @@ pub fn ratio(number: f64) -> String {
     }
 }
 
-/// An interval as `0.81 to 1.20`.
+/// Formats an interval as `0.81 to 1.20`.
 pub fn range(interval: Option<Interval>, format: impl Fn(f64) -> String) -> String {
     interval.map_or_else(|| "–".to_owned(), |i| format!("{} to {}", format(i.low), format(i.high)))
 }
 
-/// A bootstrap interval to follow its estimate, ` (95 % bootstrap interval .81 to .92)`; empty without an interval.
+/// Formats a bootstrap interval that follows its estimate, as ` (95 % bootstrap interval .81 to .92)`; empty if there
+/// is no interval.
 pub fn with_level(level: f64, interval: Option<Interval>) -> String {
     match interval {
         Some(_) => format!(" ({} bootstrap interval {})", percent(level), range(interval, unit)),
@@ -86,7 +87,7 @@ pub fn with_level(level: f64, interval: Option<Interval>) -> String {
     }
 }
 
-/// A proportion as a percentage: `95 %`.
+/// Formats a proportion as a percentage: `95 %`.
 pub fn percent(proportion: f64) -> String {
     let percent = 100.0 * proportion;
     let decimals = usize::from((percent - percent.round()).abs() > 1e-9);
@@ -107,7 +108,7 @@ pub fn list<S: AsRef<str>>(items: &[S]) -> String {
     }
 }
 
-/// A list that ends after `most` items and says how many more there are.
+/// Formats a list that ends after `most` items and says how many more there are.
 pub fn short_list<S: AsRef<str>>(items: &[S], most: usize) -> String {
     if items.len() <= most {
         return list(items);

@@ -1,5 +1,5 @@
-//! Panels with a value on the vertical axis and numbers or the levels of a factor on the horizontal; round numbers for
-//! ticks.
+//! Panels with values on the vertical axis and either numbers or the levels of a factor on the horizontal axis. Ticks
+//! are at round numbers.
 
 use super::{
     labels,
@@ -21,12 +21,12 @@ pub(super) const PANEL: f64 = 380.0;
 pub(super) const EDGE: f64 = 16.0;
 /// Length of a tick.
 const TICK: f64 = 8.0;
-/// Maximum width of a category's name at its tick.
-const LONGEST_VALUE: f64 = 170.0;
-/// Maximum length of a level's name that is rotated below its tick.
-const LONGEST_UPRIGHT: f64 = 250.0;
+/// Maximum width of a category's name at a tick.
+const MAX_NAME: f64 = 170.0;
+/// Maximum length of a level's name that is rotated below a tick.
+const MAX_UPRIGHT: f64 = 250.0;
 /// Maximum number of ticks without a name.
-const MOST_TICKS: usize = 40;
+const MAX_TICKS: usize = 40;
 
 /// A rectangle in which values are drawn.
 #[derive(Clone, Copy)]
@@ -65,7 +65,7 @@ pub(super) struct Values {
 }
 
 impl Values {
-    /// The whole rating scale, whether or not all of it was used.
+    /// An axis for the whole rating scale, even if not all of it was used.
     pub fn ratings(counts: &Counts) -> Self {
         let values = category_values(counts);
         let (low, high) = ends(values.iter().copied()).unwrap_or((0.0, 1.0));
@@ -76,7 +76,7 @@ impl Values {
         Self { low: low - pad, high: high + pad, ticks }
     }
 
-    /// From 0 to slightly above the largest value.
+    /// An axis from 0 to slightly above the largest value.
     pub fn from_zero(largest: f64) -> Self {
         Self::between(0.0, if largest > 0.0 { 1.06 * largest } else { 1.0 })
     }
@@ -85,7 +85,7 @@ impl Values {
         Self { low, high, ticks: ticks(low, high, 6).into_iter().map(|value| (value, plain(value))).collect() }
     }
 
-    /// The panel between these sides that has this axis.
+    /// Creates a panel with this axis.
     pub fn panel(&self, left: f64, right: f64, top: f64, height: f64) -> Panel {
         Panel { left, right, top, bottom: top + height, low: self.low, high: self.high }
     }
@@ -96,18 +96,19 @@ impl Values {
     }
 
     fn widest(&self) -> f64 {
-        let widths = self.ticks.iter().map(|(_, name)| labels::width(name, TEXT).min(LONGEST_VALUE));
+        let widths = self.ticks.iter().map(|(_, name)| labels::width(name, TEXT).min(MAX_NAME));
         widths.fold(0.0, f64::max)
     }
 
-    /// Grid lines, ticks and a title. Without a title there are no values, since the panel to the left shows them.
+    /// Draws grid lines, ticks and a title. Without a title, the values are omitted too, because the panel to the left
+    /// shows them.
     pub fn draw(&self, svg: &mut Svg, panel: &Panel, title: Option<&str>) {
         for (value, name) in &self.ticks {
             let y = panel.y(*value);
             svg.line(&[(panel.left, y), (panel.right, y)], GRID);
             svg.line(&[(panel.left - TICK, y), (panel.left, y)], AXIS);
             if title.is_some() {
-                let name = labels::fit(name, LONGEST_VALUE, TEXT);
+                let name = labels::fit(name, MAX_NAME, TEXT);
                 svg.text(&name, (panel.left - TICK - 8.0, y), Font::new(TEXT, Anchor::End));
             }
         }
@@ -124,14 +125,14 @@ impl Values {
 pub(super) struct Levels {
     /// The position of each level, as a proportion of the panel's width.
     pub at: Vec<f64>,
-    /// Whether a line from one level to the next is meaningful.
+    /// True if a line from one level to the next is meaningful.
     pub ordered: bool,
     names: Vec<String>,
 }
 
 impl Levels {
-    /// Numbers at their values, on a logarithmic axis if they span more than a factor of ten; angles are always linear.
-    /// Depths and everything else are evenly spaced in order.
+    /// Places numbers at their values, on a logarithmic axis if they span more than a factor of ten; angles are always
+    /// on a linear axis. Depths and all other levels are evenly spaced, in order.
     pub fn of(factor: &Factor) -> Self {
         let numbers = factor.numbers.as_ref();
         let places = numbers.filter(|n| factor.name != "depth" && n.len() > 1);
@@ -140,7 +141,7 @@ impl Levels {
         Self { at: places.unwrap_or(even.at), ..even }
     }
 
-    /// Names in their order.
+    /// Spaces names evenly, in order.
     pub fn evenly(names: &[String], ordered: bool) -> Self {
         let at = (0..names.len()).map(|index| (index as f64 + 0.5) / names.len() as f64).collect();
         Self { at, ordered, names: names.iter().map(|name| labels::level(name)).collect() }
@@ -151,13 +152,13 @@ impl Levels {
         self.at.windows(2).map(|pair| pair[1] - pair[0]).fold(1.0, f64::min)
     }
 
-    /// Space below a panel of this width for the names and a title.
+    /// Space that the names and a title need below a panel of this width.
     pub fn below(&self, width: f64) -> f64 {
         below(self.labels(width).2)
     }
 
-    /// Whether the names below a panel of this width are rotated, the names that fit, and their height. If not all fit,
-    /// texts are rotated, and only every nth number is kept.
+    /// Returns whether the names below a panel of this width are rotated, the names that fit, and their height. If not
+    /// all names fit, unordered names are rotated; if there is still not enough room, only every nth name is kept.
     fn labels(&self, width: f64) -> (bool, Vec<Option<String>>, f64) {
         let widths: Vec<f64> = self.names.iter().map(|name| labels::width(name, TEXT)).collect();
         let fits = |each: usize, widths: &[f64]| {
@@ -170,7 +171,7 @@ impl Levels {
         let upright = !self.ordered && !fits(1, &widths);
         let widths = if upright { vec![0.75 * TEXT; widths.len()] } else { widths };
         let each = (1..=widths.len()).find(|each| fits(*each, &widths)).unwrap_or(1);
-        let room = if upright { LONGEST_UPRIGHT } else { width };
+        let room = if upright { MAX_UPRIGHT } else { width };
         let texts: Vec<Option<String>> = (self.names.iter().enumerate())
             .map(|(index, name)| (index % each == 0).then(|| labels::fit(name, room, TEXT)))
             .collect();
@@ -178,13 +179,13 @@ impl Levels {
         (upright, texts, if upright { longest } else { TEXT })
     }
 
-    /// Axis, ticks, names and title below a panel.
+    /// Draws the axis, ticks, names and title below a panel.
     pub fn draw(&self, svg: &mut Svg, panel: &Panel, title: &str) {
         let (upright, names, height) = self.labels(panel.width());
         let font =
             if upright { Font::new(TEXT, Anchor::End).upright() } else { Font::new(TEXT, Anchor::Middle).below() };
         for (at, name) in self.at.iter().zip(names) {
-            if name.is_some() || self.at.len() <= MOST_TICKS {
+            if name.is_some() || self.at.len() <= MAX_TICKS {
                 tick(svg, panel, *at, name.as_deref().unwrap_or_default(), font);
             }
         }
@@ -192,12 +193,12 @@ impl Levels {
     }
 }
 
-/// Space below a panel for names of this height and a title.
+/// Space that names of this height and a title need below a panel.
 pub(super) fn below(height: f64) -> f64 {
     TICK + 6.0 + height + 10.0 + TEXT + EDGE
 }
 
-/// The line below a panel, and its title below names of the given height.
+/// Draws the line below a panel, and its title below names of the given height.
 fn base(svg: &mut Svg, panel: &Panel, height: f64, title: &str) {
     svg.line(&[(panel.left, panel.bottom), (panel.right, panel.bottom)], AXIS);
     let center = panel.x(0.5);
@@ -213,7 +214,7 @@ fn tick(svg: &mut Svg, panel: &Panel, share: f64, name: &str, font: Font) {
     }
 }
 
-/// A numeric axis along the bottom of a panel, with vertical grid lines.
+/// Draws a numeric axis along the bottom of a panel, with vertical grid lines.
 pub(super) fn number_axis(svg: &mut Svg, panel: &Panel, (low, high): (f64, f64), title: &str) {
     for value in ticks(low, high, (panel.width() / 80.0) as usize) {
         let share = (value - low) / (high - low);
@@ -223,7 +224,7 @@ pub(super) fn number_axis(svg: &mut Svg, panel: &Panel, (low, high): (f64, f64),
     base(svg, panel, TEXT, title);
 }
 
-/// Positions of numbers, as proportions of the width; `None` if some would coincide.
+/// Returns the positions of numbers, as proportions of the width; `None` if any of them would be too close together.
 fn spread(numbers: &[f64], always_linear: bool) -> Option<Vec<f64>> {
     const MARGIN: f64 = 0.07;
     let (low, high) = ends(numbers.iter().copied()).filter(|(low, high)| low.is_finite() && high.is_finite())?;
@@ -235,12 +236,12 @@ fn spread(numbers: &[f64], always_linear: bool) -> Option<Vec<f64>> {
     at.windows(2).all(|pair| pair[1] - pair[0] >= least).then_some(at)
 }
 
-/// Least and greatest, if there are any values.
+/// Returns the smallest and the largest value, if there are any values.
 pub(super) fn ends(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     values.map(|value| (value, value)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
-/// At most `most` round numbers in a range, in steps of 1, 2 or 5 times a power of ten.
+/// Returns at most `most` round numbers in a range, in steps of 1, 2 or 5 times a power of ten.
 fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
     let span = high - low;
     if !(span.is_finite() && span > 0.0) {
@@ -253,7 +254,7 @@ fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
     (0..=(last - first).max(0.0) as usize).map(|index| (first + index as f64) * step).collect()
 }
 
-/// A number without binary rounding noise.
+/// Formats a number without binary rounding noise.
 pub(super) fn plain(value: f64) -> String {
     labels::level(&((value * 1e6).round() / 1e6 + 0.0).to_string())
 }

@@ -1,4 +1,4 @@
-//! A display: its calibration readings with the chosen curve, and its frame intervals.
+//! Charts of a display: its calibration readings with the chosen curves, and its frame intervals.
 
 use super::{
     axes::{EDGE, MARKER, PANEL, Panel, TEXT, Values, below, number_axis},
@@ -12,14 +12,14 @@ use crate::display::{
     photometer::{Calibration, FittedChannel},
 };
 
-/// Steps of a curve.
+/// Number of line segments in a curve.
 const STEPS: usize = 128;
-/// Height of the upper panel and of the lower one.
+/// Heights of the upper and the lower panel.
 const HEIGHTS: (f64, f64) = (400.0, 230.0);
 /// Minimum range of the lower panel, in 8-bit codes.
-const LEAST_CODES: f64 = 1.0;
+const MIN_CODES: f64 = 1.0;
 
-/// `calibration`: readings, curves and residuals.
+/// Draws `calibration`: readings, curves and residuals.
 #[must_use]
 pub fn calibration(calibration: &Calibration) -> Figure {
     let model = calibration.model(calibration.chosen);
@@ -30,7 +30,7 @@ pub fn calibration(calibration: &Calibration) -> Figure {
         calibration.chosen,
     );
     let light = Values::from_zero(calibration.readings.largest_cd_m2());
-    let reach = residuals(calibration).map(|(_, _, codes)| codes.abs()).fold(LEAST_CODES, f64::max) * 1.1;
+    let reach = residuals(calibration).map(|(_, _, codes)| codes.abs()).fold(MIN_CODES, f64::max) * 1.1;
     let codes = Values::between(-reach, reach);
     let (left, right) = (light.margin().max(codes.margin()), WIDTH - EDGE - TEXT);
     let legend = EDGE + 0.6 * TEXT;
@@ -61,7 +61,7 @@ pub fn calibration(calibration: &Calibration) -> Figure {
     })
 }
 
-/// Channel, level and distance from the curve in 8-bit codes of every reading.
+/// Returns the channel and the level of every reading, and its distance from the curve in 8-bit codes.
 fn residuals(calibration: &Calibration) -> impl Iterator<Item = (Channel, f64, f64)> + '_ {
     let model = calibration.model(calibration.chosen);
     calibration.readings.all().iter().filter_map(move |one| {
@@ -70,7 +70,7 @@ fn residuals(calibration: &Calibration) -> impl Iterator<Item = (Channel, f64, f
     })
 }
 
-/// The palette's closest color for each channel, with its marker and dash pattern.
+/// Returns the palette color that is closest to a channel's, with a marker and a dash pattern.
 fn series(channel: Channel) -> Series {
     let (color, marker, dash) = match channel {
         Channel::Red => (VERMILION, Marker::Square, Some((18.0, 8.0))),
@@ -81,7 +81,7 @@ fn series(channel: Channel) -> Series {
     Series { color, marker, dash }
 }
 
-/// `intervals`: every frame interval, and a line at the screen's refresh interval.
+/// Draws `intervals`: every frame interval, and a line at the screen's refresh interval.
 #[must_use]
 pub fn intervals(intervals_us: &[u32], refresh: Option<Refresh>) -> Figure {
     let longest = intervals_us.iter().copied().max().unwrap_or(0);
@@ -90,7 +90,7 @@ pub fn intervals(intervals_us: &[u32], refresh: Option<Refresh>) -> Figure {
     let panel = values.panel(values.margin(), WIDTH - EDGE - TEXT, EDGE, PANEL);
     let last = intervals_us.len().max(2) as f64;
     let line = refresh
-        .map_or_else(String::new, |refresh| format!("; the line marks the refresh rate, {:.3} Hz", refresh.hz()));
+        .map_or_else(String::new, |refresh| format!("; the line marks the refresh interval at {:.3} Hz", refresh.hz()));
     let caption = format!("Frames 1 to {}{line}.", intervals_us.len());
     let height = panel.bottom + below(TEXT);
     Figure::draw("intervals", "Frame intervals".to_owned(), caption, height, |svg| {

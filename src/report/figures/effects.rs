@@ -1,4 +1,4 @@
-//! The model's coefficients with their intervals, grouped by term.
+//! A chart of the model's coefficients with their intervals, grouped by term.
 
 use super::{
     axes::{EDGE, MARKER, Panel, TEXT, below, ends, number_axis},
@@ -14,15 +14,15 @@ use crate::analysis::{
 };
 
 /// Maximum number of coefficients in a chart.
-const MOST: usize = 60;
-/// Distance of two rows.
+const MAX_SHOWN: usize = 60;
+/// Distance between rows.
 const PITCH: f64 = 1.4 * TEXT;
 /// Maximum width of a row's name.
-const LONGEST: f64 = 290.0;
+const MAX_NAME: f64 = 290.0;
 /// Indentation of the names of levels.
 const INDENT: f64 = 18.0;
 
-/// `effects`, if there is a model with coefficients from several participants.
+/// Draws `effects`, if there are several participants and a model with coefficients.
 pub(super) fn figure(results: &Results) -> Option<Figure> {
     let model = &results.model.as_ref().ok()?.model;
     if !results.is_inferential() || model.coefficients.is_empty() {
@@ -30,9 +30,9 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     }
     let rows = rows(results, model);
     let (low, high) = range(model);
-    // Headings may extend into the panel, since their line is empty there.
+    // Headings may extend into the panel because their row is empty there.
     let names = rows.iter().filter(|(_, one)| one.is_some()).map(|(name, _)| INDENT + labels::width(name, TEXT));
-    let left = EDGE + names.fold(120.0, f64::max).min(LONGEST) + 14.0;
+    let left = EDGE + names.fold(120.0, f64::max).min(MAX_NAME) + 14.0;
     let bottom = EDGE + PITCH * rows.len() as f64 + 8.0;
     let panel = Panel { left, right: WIDTH - EDGE - 8.0, top: EDGE, bottom, low: 0.0, high: 1.0 };
     let share = |value: f64| (value - low) / (high - low);
@@ -54,7 +54,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
                 svg.text(&name, (EDGE, y), Font::new(TEXT, Anchor::Start).bold());
                 continue;
             };
-            let name = labels::fit(name, LONGEST - INDENT, TEXT);
+            let name = labels::fit(name, MAX_NAME - INDENT, TEXT);
             svg.text(&name, (left - 14.0, y), Font::new(TEXT, Anchor::End));
             effect(svg, &panel, coefficient, share, y);
         }
@@ -70,20 +70,21 @@ fn caption(results: &Results, model: &Model) -> String {
         labels::sample(results)
     );
     if model.coefficients.iter().any(|coefficient| !coefficient.estimate.is_finite()) {
-        text += " An arrow alone means no finite estimate.";
+        text += " An arrow without a marker means that there is no finite estimate.";
     }
     let all = model.coefficients.len();
-    if all > MOST {
-        text += &format!(" The first {MOST} of {all} coefficients.");
+    if all > MAX_SHOWN {
+        text += &format!(" Only the first {MAX_SHOWN} of {all} coefficients are shown.");
     }
     text
 }
 
-/// The lines of the chart: coefficients by name, and headings for their terms, which have no coefficient.
+/// Returns the rows of the chart: the names of coefficients with the coefficients, and headings for their terms, which
+/// have no coefficient.
 fn rows<'a>(results: &Results, model: &'a Model) -> Vec<(String, Option<&'a Coefficient>)> {
     let mut rows = Vec::new();
     let mut last = None;
-    for coefficient in model.coefficients.iter().take(MOST) {
+    for coefficient in model.coefficients.iter().take(MAX_SHOWN) {
         let term = results.spec.terms.iter().find(|term| term.to_string() == coefficient.term);
         let is_number = term.is_none_or(|term| matches!(term.variables[..], [Variable::Number(_)]));
         if !is_number && last != Some(&coefficient.term) {
@@ -96,7 +97,7 @@ fn rows<'a>(results: &Results, model: &'a Model) -> Vec<(String, Option<&'a Coef
     rows
 }
 
-/// The levels of a coefficient: its name without those of the factors, which are in the heading.
+/// Returns the levels of a coefficient, which are its name without the names of the factors; those are in the heading.
 fn levels(results: &Results, term: &Term, name: &str) -> Option<String> {
     let mut rest = name;
     let mut parts = Vec::new();
@@ -107,7 +108,7 @@ fn levels(results: &Results, term: &Term, name: &str) -> Option<String> {
             continue;
         };
         let (_, factor) = results.measured.counts.factor(factor)?;
-        // A level may also contain a colon, so the longest match counts.
+        // A level may also contain a colon, so the longest match is used.
         let after = |level: &&String| {
             rest.strip_prefix(level.as_str()).filter(|after| after.is_empty() || after.starts_with(':'))
         };
@@ -118,7 +119,7 @@ fn levels(results: &Results, term: &Term, name: &str) -> Option<String> {
     rest.is_empty().then(|| parts.join(" × "))
 }
 
-/// A term, with the baseline level of its factor.
+/// Returns the heading of a term, with the baseline level of its factor.
 fn heading(results: &Results, model: &Model, term: &Term) -> String {
     let [Variable::Factor(name)] = &term.variables[..] else {
         return term.variables.iter().map(|variable| labels::heading(variable.name())).collect::<Vec<_>>().join(" × ");
@@ -132,14 +133,14 @@ fn heading(results: &Results, model: &Model, term: &Term) -> String {
     format!("{}{against}", labels::heading(name))
 }
 
-/// The interval of a coefficient; without a standard error, the estimate alone.
+/// Returns the interval of a coefficient; without a standard error, only the estimate.
 fn interval(&Coefficient { estimate, se, .. }: &Coefficient) -> Interval {
     Interval::wald(estimate, se).unwrap_or(Interval { low: estimate, high: estimate })
 }
 
-/// The range of the axis: all intervals, except a few extreme ones that would leave no room for the others.
+/// Returns the range of the axis: all intervals, except a few extreme ones that would leave no room for the others.
 fn range(model: &Model) -> (f64, f64) {
-    let finite = || model.coefficients.iter().take(MOST).filter(|c| c.estimate.is_finite());
+    let finite = || model.coefficients.iter().take(MAX_SHOWN).filter(|c| c.estimate.is_finite());
     let largest = finite().map(|c| c.estimate.abs()).fold(0.0, f64::max);
     let mut halves: Vec<f64> = finite().map(|c| (interval(c).high - c.estimate).abs()).collect();
     halves.sort_by(f64::total_cmp);
@@ -150,7 +151,7 @@ fn range(model: &Model) -> (f64, f64) {
     (low - pad, high + pad)
 }
 
-/// An estimate with its interval, and an arrow where they extend beyond the panel.
+/// Draws an estimate with its interval, and an arrow where they extend beyond the panel.
 fn effect(svg: &mut Svg, panel: &Panel, coefficient: &Coefficient, share: impl Fn(f64) -> f64, y: f64) {
     let (series, estimate) = (Series::only(), coefficient.estimate);
     if estimate.is_infinite() {
@@ -176,7 +177,7 @@ fn effect(svg: &mut Svg, panel: &Panel, coefficient: &Coefficient, share: impl F
     svg.marker((panel.x(share(estimate)), y), MARKER + 1.0, series);
 }
 
-/// An arrowhead that points right (1) or left (−1).
+/// Draws an arrowhead that points right (1) or left (−1).
 fn arrow(svg: &mut Svg, (x, y): Point, direction: f64, series: Series) {
     let back = x - direction * 18.0;
     svg.polygon(&[(x, y), (back, y - 9.0), (back, y + 9.0)], series.color);

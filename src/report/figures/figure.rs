@@ -1,4 +1,4 @@
-//! A chart with its title and caption, as SVG and as pixels of the same drawing.
+//! A chart with its title and caption, as an SVG drawing and as pixels of the same drawing.
 
 use std::sync::{Arc, OnceLock};
 
@@ -17,17 +17,17 @@ use super::svg::Svg;
 /// A chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Stem of its file's name, such as `figure4a`.
+    /// Stem of its file name, such as `figure4a`.
     pub name: &'static str,
-    /// What it shows, as a heading.
+    /// A heading that says what the chart shows.
     pub title: String,
-    /// How the data are drawn, and the number of ratings, in one or two sentences.
+    /// One or two sentences that explain how the data are drawn and state the number of ratings.
     pub caption: String,
-    /// Whether it is made for the full width of a page instead of a column.
+    /// True if the chart is designed for the full width of a page instead of one column.
     pub wide: bool,
-    /// Its height at a width of 800.
+    /// Height at a width of 800.
     pub height: f64,
-    /// The chart, 800 units wide. Its text remains text, and it needs no other file.
+    /// The drawing, 800 units wide. Its text is kept as text, and it does not depend on other files.
     pub svg: String,
 }
 
@@ -43,7 +43,7 @@ impl Figure {
         Self { name, title, caption, wide: false, height, svg }
     }
 
-    /// The chart as an image 1600 pixels wide; its bytes are the same on every machine.
+    /// Returns the chart as a PNG image that is 1600 pixels wide. Its bytes are the same on every machine.
     ///
     /// # Errors
     /// The drawing cannot be rendered or encoded.
@@ -53,7 +53,8 @@ impl Figure {
         let mut encoder = Encoder::new(&mut bytes, pixels.width, pixels.height);
         encoder.set_color(ColorType::Rgb);
         encoder.set_compression(Compression::Fast);
-        // Vertically adjacent pixels are mostly equal, and fast compression handles the resulting zeros well.
+        // Vertically adjacent pixels are mostly equal, so their differences are mostly zero and fast compression is
+        // enough.
         encoder.set_filter(Filter::Up);
         let mut writer = encoder.write_header()?;
         writer.write_image_data(&pixels.rgb)?;
@@ -61,7 +62,7 @@ impl Figure {
         Ok(bytes)
     }
 
-    /// The chart as pixels, at the given width.
+    /// Renders the chart as pixels, at the given width.
     ///
     /// # Errors
     /// The drawing cannot be rendered.
@@ -78,13 +79,13 @@ impl Figure {
     }
 }
 
-/// Why a chart cannot be drawn as pixels.
+/// The reasons why a chart cannot be rendered as pixels.
 #[derive(Debug, Error)]
 pub enum FigureError {
-    /// The SVG is not one.
-    #[error("the chart cannot be read: {0}; expected SVG")]
+    /// The SVG is not valid.
+    #[error("the chart cannot be read: {0}; expected valid SVG")]
     Svg(#[from] resvg::usvg::Error),
-    /// It is too large, or empty.
+    /// The chart is too large or empty.
     #[error("the chart is {0} × {1}; expected a size that fits in memory")]
     Size(u32, u32),
     /// The encoder failed.
@@ -103,7 +104,7 @@ pub struct Pixels {
     pub rgb: Vec<u8>,
 }
 
-/// The fonts that are part of the program, and no others.
+/// Returns only the fonts that are built into the program.
 fn fonts() -> Arc<Database> {
     static FONTS: OnceLock<Arc<Database>> = OnceLock::new();
     let load = || {

@@ -1,30 +1,30 @@
-//! Names in charts.
+//! Names and other texts in charts.
 
 use crate::{
     analysis::{Results, number_of},
     report::document::numbers::{count, percent, whole},
 };
 
-/// The text without line breaks and characters that XML does not allow.
+/// Removes line breaks and characters that XML does not allow from a text.
 pub(super) fn clean(text: &str) -> String {
     text.chars().map(|c| if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') { ' ' } else { c }).collect()
 }
 
-/// Width of a text in a typical sans-serif font. Fonts differ, so this is an estimate that is rather too large.
+/// Estimates the width of a text in a typical sans-serif font. Fonts differ, so the estimate errs on the large side.
 pub(super) fn width(text: &str, size: f64) -> f64 {
     let em = |c: char| match c {
         'i' | 'j' | 'l' | 'I' | '\'' | '|' => 0.29,
         ' ' | '.' | ',' | ':' | ';' | '!' | '(' | ')' | '[' | ']' | 'f' | 't' | 'r' | '-' | '/' => 0.39,
         'm' | 'w' | 'M' | 'W' | '@' | '%' | '…' | '∞' => 0.95,
         'A'..='Z' => 0.71,
-        // Scripts with square characters.
+        // Scripts with square characters, such as Chinese.
         '\u{1100}'..='\u{11ff}' | '\u{2e80}'..='\u{d7ff}' | '\u{f900}'..='\u{faff}' | '\u{1f000}'.. => 1.0,
         _ => 0.59,
     };
     size * text.chars().map(em).sum::<f64>()
 }
 
-/// The text, or as much of its beginning and end as fits: levels often differ at the end.
+/// Returns the text, or as much of its beginning and end as fits. The end is kept because levels often differ there.
 pub(super) fn fit(text: &str, room: f64, size: f64) -> String {
     let text = clean(text);
     if width(&text, size) <= room {
@@ -39,7 +39,7 @@ pub(super) fn fit(text: &str, room: f64, size: f64) -> String {
     (1..chars.len()).rev().map(ends).find(|short| width(short, size) <= room).unwrap_or_else(|| "…".to_owned())
 }
 
-/// A level for readers: the depth `inf` is ∞.
+/// Formats a level for readers; the depth `inf` becomes ∞.
 pub(super) fn level(name: &str) -> String {
     if name.eq_ignore_ascii_case("inf") {
         "∞".to_owned()
@@ -48,7 +48,7 @@ pub(super) fn level(name: &str) -> String {
     }
 }
 
-/// The names of a factor as an axis title with its unit, as a legend heading, and within a sentence.
+/// Returns a factor's name as an axis title with its unit, as a legend heading, and as used within a sentence.
 fn names(factor: &str) -> [&str; 3] {
     match factor {
         "width" => ["Ramp width (proportion of the window)", "Width", "ramp width"],
@@ -58,22 +58,22 @@ fn names(factor: &str) -> [&str; 3] {
     }
 }
 
-/// A factor as an axis title, with its unit.
+/// Returns a factor's name as an axis title, with its unit.
 pub(super) fn axis(factor: &str) -> &str {
     names(factor)[0]
 }
 
-/// A factor as a legend heading.
+/// Returns a factor's name as a legend heading.
 pub(super) fn heading(factor: &str) -> &str {
     names(factor)[1]
 }
 
-/// A factor within a sentence.
+/// Returns a factor's name as used within a sentence.
 pub(super) fn in_sentence(factor: &str) -> String {
     clean(names(factor)[2])
 }
 
-/// What the ratings measure: visibility, if the factors are those of our stimuli.
+/// Names what the ratings measure, which is visibility if there are factors of our stimuli.
 pub(super) fn rating(results: &Results) -> &'static str {
     let is_ours = |name: &str| ["width", "depth", "orientation_deg"].contains(&name);
     if results.measured.counts.factors.iter().any(|factor| is_ours(&factor.name)) {
@@ -83,13 +83,13 @@ pub(super) fn rating(results: &Results) -> &'static str {
     }
 }
 
-/// The size of the sample: `8 participants, 1,920 ratings`.
+/// States the size of the sample: `8 participants, 1,920 ratings`.
 pub(super) fn sample(results: &Results) -> String {
     let total = results.measured.counts.total();
     format!("{}, {}", count(results.people() as u64, "participant"), count(total, "rating"))
 }
 
-/// What the error bars are, and the size of the sample.
+/// Explains the error bars, and states the size of the sample.
 pub(super) fn bars(results: &Results) -> String {
     let sample = sample(results);
     if results.is_inferential() {
@@ -104,7 +104,7 @@ pub(super) fn bars(results: &Results) -> String {
     }
 }
 
-/// If only some levels are shown: ` (12 of 30 are shown)`.
+/// Says how many levels are shown if not all are: ` (12 of 30 are shown)`.
 pub(super) fn some_of(shown: usize, all: usize) -> String {
     if shown < all { format!(" ({shown} of {all} are shown)") } else { String::new() }
 }

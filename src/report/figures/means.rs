@@ -1,5 +1,6 @@
-//! Mean ratings: as in Figure 4 of Bangay's paper, by one factor with one line per level of the other, and the reverse,
-//! measured and as predicted by the model of vision; by orientation; and by participant.
+//! Charts of mean ratings. As in Figure 4 of Bangay's paper, one chart shows the means by one factor, with one line for
+//! each level of the other factor, and a second chart shows the reverse. Both exist for the measured means and for
+//! those that the vision model predicts. Other charts show the means by orientation and by participant.
 
 use std::collections::HashMap;
 
@@ -19,31 +20,31 @@ use crate::analysis::{
 };
 
 /// Maximum width of a name in the legend.
-const LONGEST_NAME: f64 = 180.0;
+const MAX_NAME: f64 = 180.0;
 
 /// A mean and its interval.
 type Mean = (f64, Option<Interval>);
 
-/// Means by the levels of the factors shown.
+/// Means, by the levels of the factors shown.
 type Means = HashMap<Vec<String>, Mean>;
 
-/// The means along a line, by level of the factor on the horizontal axis.
+/// One line of a chart, with a mean for each level of the factor on the horizontal axis.
 struct Line {
     name: String,
     series: Series,
     means: Vec<Option<Mean>>,
 }
 
-/// `figure4a` and, if there are two factors, `figure4b`: width and depth if both exist.
+/// Draws `figure4a` and, if there are two factors, `figure4b`. The factors are width and depth if both exist.
 pub(super) fn figures(results: &Results) -> Vec<Figure> {
     let counts = project(&results.measured.counts, &chosen(results));
     let names = ["figure4a", "figure4b"];
     charts(&counts, &means(results, &counts), names, labels::rating(results), &labels::bars(results))
 }
 
-/// Figure 4 as predicted by the model of vision: `figure4a_predicted`, `figure4b_predicted`. `expected` is the rating in
-/// each condition of the counts, in numbers of the categories; `None` where nothing is predicted. Conditions are
-/// weighted by their number of ratings.
+/// Draws Figure 4 as predicted by the vision model: `figure4a_predicted` and `figure4b_predicted`. `expected` contains
+/// the predicted rating, as a category value, for each condition of the counts; `None` if there is no prediction.
+/// Conditions are weighted by their number of ratings.
 pub fn predicted(results: &Results, expected: &[Option<f64>]) -> Vec<Figure> {
     let (counts, factors) = (&results.measured.counts, chosen(results));
     let mut sums: HashMap<Vec<String>, (f64, f64)> = HashMap::new();
@@ -60,18 +61,18 @@ pub fn predicted(results: &Results, expected: &[Option<f64>]) -> Vec<Figure> {
     charts(&project(counts, &factors), &means, names, "Predicted mean rating", source)
 }
 
-/// The two factors of most interest.
+/// Chooses the two most interesting factors.
 fn chosen(results: &Results) -> Vec<usize> {
     by_interest(&results.measured.counts).into_iter().take(2).collect()
 }
 
-/// The mean in every cell of these counts.
+/// Computes the mean in every cell of these counts.
 fn means(results: &Results, counts: &Counts) -> Means {
     let groups = by_cell(counts, &results.options.bootstrap).into_iter();
     groups.map(|group| (group.names, (group.summary.mean, group.summary.interval))).collect()
 }
 
-/// The chart by each factor, with one line per level of the other.
+/// Draws one chart by each factor, with one line for each level of the other.
 fn charts(counts: &Counts, means: &Means, names: [&'static str; 2], what: &str, source: &str) -> Vec<Figure> {
     let chart = |(x, name)| chart(counts, means, x, name, what, source);
     (0..counts.factors.len()).zip(names).map(chart).collect()
@@ -108,9 +109,9 @@ fn chart(counts: &Counts, means: &Means, x: usize, name: &'static str, what: &st
     caption += &format!("; {source}.");
     // A single line needs no legend.
     let by = by.filter(|_| lines.len() > 1);
-    let heading = by.map(|by| labels::fit(labels::heading(&by.name), 56.0 + LONGEST_NAME, TEXT));
+    let heading = by.map(|by| labels::fit(labels::heading(&by.name), 56.0 + MAX_NAME, TEXT));
     let legend_width = heading.as_ref().map_or(0.0, |heading| {
-        let names = lines.iter().map(|line| labels::width(&line.name, TEXT).min(LONGEST_NAME));
+        let names = lines.iter().map(|line| labels::width(&line.name, TEXT).min(MAX_NAME));
         24.0 + names.fold(0.0, f64::max).max(1.2 * labels::width(heading, TEXT) - 56.0) + 56.0
     });
     let values = Values::ratings(counts);
@@ -127,7 +128,7 @@ fn chart(counts: &Counts, means: &Means, x: usize, name: &'static str, what: &st
 
 fn draw(svg: &mut Svg, panel: &Panel, levels: &Levels, lines: &[Line]) {
     let count = lines.len() as f64;
-    // Offset so that no interval hides another; lines allow a smaller offset than points alone.
+    // Series are offset so that no interval hides another; with lines, a smaller offset is enough.
     let most = if levels.ordered { 10.0 } else { 26.0 };
     let step = (0.75 * levels.gap() * panel.width() / count).min(most);
     for (index, line) in lines.iter().enumerate() {
@@ -154,13 +155,13 @@ fn legend(svg: &mut Svg, panel: &Panel, heading: &str, lines: &[Line], lined: bo
     let pitch = (PANEL / (lines.len() as f64 + 1.0)).min(1.35 * TEXT);
     svg.text(heading, (x, top), Font::new(TEXT, Anchor::Start).bold());
     for (index, line) in lines.iter().enumerate() {
-        let name = labels::fit(&line.name, LONGEST_NAME, TEXT);
+        let name = labels::fit(&line.name, MAX_NAME, TEXT);
         svg.legend_entry((x, top + (index as f64 + 1.0) * pitch), line.series, lined, &name, TEXT);
     }
 }
 
-/// `orientation`, if `orientation_deg` is a factor with several levels: by orientation, and by the angle to the nearest
-/// horizontal or vertical.
+/// Draws `orientation`, if `orientation_deg` is a factor with several levels: the means by orientation, and by the
+/// angle to the nearest horizontal or vertical.
 pub(super) fn orientation(results: &Results) -> Option<Figure> {
     let (index, factor) = results.measured.counts.factor("orientation_deg")?;
     let angles = factor.numbers.as_ref().filter(|angles| angles.len() > 1 && angles.iter().all(|a| a.is_finite()))?;
@@ -174,7 +175,8 @@ pub(super) fn orientation(results: &Results) -> Option<Figure> {
         let distance = distance_to_axis(angles[levels[0]? as usize]);
         Some(vec![distances.iter().position(|d| *d == distance)? as u32])
     });
-    // Few orientations have fewer distances.
+    // The second panel is drawn only if several orientations have the same distance, and there is more than one
+    // distance.
     let is_folded = (2..angles.len()).contains(&distances.len());
     let (what, bars) = (labels::rating(results), labels::bars(results));
     let more = if is_folded { ", on the right by the angle to the nearest horizontal or vertical" } else { "" };
@@ -200,13 +202,13 @@ pub(super) fn orientation(results: &Results) -> Option<Figure> {
     }))
 }
 
-/// Degrees to the nearest multiple of 90°, without binary rounding noise.
+/// Returns the distance to the nearest multiple of 90° in degrees, without binary rounding noise.
 fn distance_to_axis(angle: f64) -> f64 {
     let rest = angle.rem_euclid(90.0);
     (rest.min(90.0 - rest) * 1e6).round() / 1e6
 }
 
-/// `subjects`: every participant's mean rating by the first factor, and the mean of all.
+/// Draws `subjects`: every participant's mean rating by the most interesting factor, and the mean of all ratings.
 pub(super) fn participants(results: &Results) -> Option<Figure> {
     let counts = &results.measured.counts;
     let factor = *by_interest(counts).first()?;
@@ -255,7 +257,7 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
     }))
 }
 
-/// Mean rating of each participant at each level.
+/// Computes the mean rating of each participant at each level.
 fn participant_means(counts: &Counts, factor: usize) -> Vec<Vec<Option<f64>>> {
     let values = category_values(counts);
     let mut sums = vec![vec![(0.0, 0.0); counts.factors[factor].levels.len()]; counts.subjects.len()];

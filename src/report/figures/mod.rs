@@ -1,8 +1,8 @@
-//! Charts of a study's results, for print and for the window: SVG, and pixels of the same drawing.
+//! Charts of a study's results, for print and for the window: SVG drawings, and pixels of the same drawings.
 //!
-//! Colors are from Okabe & Ito (2008), whose palette color-blind readers can also distinguish; markers, dashes and
-//! lightness carry the same information without color. Text is 8 pt in a chart that is 8 cm wide, or 12 cm for
-//! `proportions` of two factors.
+//! The colors are the palette of Okabe & Ito (2008), which color-blind readers can also distinguish. Markers, dashes
+//! and lightness carry the same information without color. Text is 8 pt if the chart is printed 8 cm wide, or 12 cm
+//! wide for `proportions` of two factors.
 
 mod axes;
 mod display;
@@ -24,7 +24,7 @@ pub use display::{calibration, intervals};
 pub use figure::{Figure, FigureError, Pixels};
 pub use means::predicted;
 
-/// Every chart that has data, in report order.
+/// Draws every chart for which there are data, in report order.
 pub fn all(results: &Results) -> Vec<Figure> {
     let kinds: [fn(&Results) -> Vec<Figure>; 6] = [
         means::figures,

@@ -1,4 +1,4 @@
-//! The colors of every chart, on paper and in the window, and the markers and dashes that distinguish series without
+//! The colors of all charts, on paper and in the window, and the markers and dashes that distinguish series without
 //! color.
 
 use std::fmt;
@@ -28,7 +28,7 @@ pub const PURPLE: Rgb = Rgb(204, 121, 167);
 
 /// Colors of series on white, darkest first. Yellow is omitted because it is barely visible on white.
 pub const ON_WHITE: [Rgb; 7] = [BLACK, BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY];
-/// Colors of series on a dark page.
+/// Colors of series on a dark background.
 pub const ON_DARK: [Rgb; 7] = [ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE];
 
 /// Maximum number of series that can be distinguished in one chart.
@@ -73,7 +73,7 @@ pub const AXIS: Stroke = Stroke::new(Rgb(60, 60, 60), 2.0);
 /// Grid lines.
 pub const GRID: Stroke = Stroke::new(Rgb(222, 222, 222), 1.4);
 
-/// What distinguishes a series from the others.
+/// The color, marker and dashes that distinguish a series from the others.
 #[derive(Clone, Copy, Debug)]
 pub struct Series {
     pub color: Rgb,
@@ -82,7 +82,7 @@ pub struct Series {
 }
 
 impl Series {
-    /// The series with this index; no two of the first [`MOST_SERIES`] have the same line, even in gray.
+    /// The style of the series with this index. No two of the first [`MOST_SERIES`] look the same, even in gray.
     pub fn of(index: usize) -> Self {
         Self {
             color: ON_WHITE[index % ON_WHITE.len()],
@@ -91,7 +91,7 @@ impl Series {
         }
     }
 
-    /// The only series of a chart.
+    /// The style of a chart's only series.
     pub fn only() -> Self {
         Self { color: BLUE, ..Self::of(0) }
     }
@@ -100,13 +100,13 @@ impl Series {
         Stroke { dash: self.dash, ..Stroke::new(self.color, 3.2) }
     }
 
-    /// Its intervals.
+    /// The stroke of the series' intervals.
     pub fn bar(self) -> Stroke {
         Stroke::new(self.color, 2.2)
     }
 }
 
-/// The color of an ordered category, from light to dark in equal steps of lightness.
+/// Returns the color of an ordered category, from light to dark in equal steps of lightness.
 pub fn category(index: usize, of: usize) -> Rgb {
     // A single hue: light means low, in color and in gray.
     const STOPS: [[f64; 3]; 4] =

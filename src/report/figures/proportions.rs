@@ -1,4 +1,5 @@
-//! How often each category was used, with one bar per level of the first factor and one panel per level of the second.
+//! A chart of how often each category was used, with one bar for each level of the first factor and one panel for each
+//! level of the second.
 
 use super::{
     axes::{EDGE, TEXT},
@@ -13,16 +14,16 @@ use crate::analysis::{
     counts::{Counts, Factor},
 };
 
-/// Text size in a chart of page width.
+/// Text size in a chart that is as wide as the page.
 const SMALL: f64 = 20.0;
 /// Maximum number of panels in a chart.
-const MOST_PANELS: usize = 10;
+const MAX_PANELS: usize = 10;
 /// Maximum number of panels in a row.
-const ABREAST: usize = 5;
-/// Maximum number of categories in the legend; readers can interpolate the colors between them.
-const MOST_NAMED: usize = 10;
+const PER_ROW: usize = 5;
+/// Maximum number of categories in the legend; readers can interpolate the colors in between.
+const MAX_NAMED: usize = 10;
 /// Maximum number of bars in a panel.
-const MOST_BARS: usize = 40;
+const MAX_BARS: usize = 40;
 
 /// The layout of the chart.
 struct Chart<'a> {
@@ -31,7 +32,6 @@ struct Chart<'a> {
     bars: Vec<(usize, String)>,
     /// Level and name of each panel.
     panels: Vec<(usize, String)>,
-    /// Text size.
     size: f64,
     /// Distance between bars.
     pitch: f64,
@@ -39,15 +39,15 @@ struct Chart<'a> {
     label: f64,
 }
 
-/// `proportions`.
+/// Draws `proportions`.
 pub(super) fn figure(results: &Results) -> Option<Figure> {
     let chosen: Vec<usize> = by_interest(&results.measured.counts).into_iter().take(2).collect();
     let counts = project(&results.measured.counts, &chosen);
     if counts.total() == 0 {
         return None;
     }
-    let bars = shown(counts.factors.first(), MOST_BARS);
-    let panels = shown(counts.factors.get(1), MOST_PANELS);
+    let bars = shown(counts.factors.first(), MAX_BARS);
+    let panels = shown(counts.factors.get(1), MAX_PANELS);
     let mut title = "How often each rating was given".to_owned();
     let mut caption = "Proportions of the ratings".to_owned();
     let drawn = [("bar", ", by ", bars.len()), ("panel", " and ", panels.len())];
@@ -64,13 +64,13 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     Some(Figure { wide, ..chart.figure(title, caption) })
 }
 
-/// The levels shown, or a single one without a name.
+/// Returns the levels to show, or a single level without a name if there is no factor.
 fn shown(factor: Option<&Factor>, most: usize) -> Vec<(usize, String)> {
     let Some(factor) = factor else { return vec![(0, String::new())] };
     evenly(factor.levels.len(), most).into_iter().map(|level| (level, labels::level(&factor.levels[level]))).collect()
 }
 
-/// Ratings in each category, by level of the second factor, then of the first.
+/// Counts the ratings in each category, by level of the second factor and then of the first.
 fn tallies(counts: &Counts) -> Vec<Vec<Vec<u64>>> {
     let levels = |index: usize| counts.factors.get(index).map_or(1, |factor| factor.levels.len());
     let mut tallies = vec![vec![vec![0; counts.categories.len()]; levels(0)]; levels(1)];
@@ -86,7 +86,7 @@ impl Chart<'_> {
     fn figure(&self, title: String, caption: String) -> Figure {
         let size = self.size;
         let abreast =
-            if self.panels.len() <= ABREAST { self.panels.len() } else { self.panels.len().div_ceil(2).min(ABREAST) };
+            if self.panels.len() <= PER_ROW { self.panels.len() } else { self.panels.len().div_ceil(2).min(PER_ROW) };
         let left = EDGE + if !self.counts.factors.is_empty() { 1.5 * size + self.label + 10.0 } else { 0.0 };
         let (right, gap) = (WIDTH - 1.5 * size, 1.2 * size);
         let width = (right - left + gap) / abreast as f64 - gap;
@@ -117,11 +117,11 @@ impl Chart<'_> {
         })
     }
 
-    /// A panel's heading and bars, with the axis below.
+    /// Draws a panel's heading and bars, with the axis below.
     fn panel(&self, svg: &mut Svg, name: &str, tallies: &[Vec<u64>], (left, top): Point, width: f64) {
         let (size, pitch) = (self.size, self.pitch);
         if let Some(factor) = self.counts.factors.get(1) {
-            // A text explains itself; a number does not.
+            // A text is self-explanatory, but a number needs the factor's name.
             let heading = match factor.name.as_str() {
                 "depth" => format!("n = {name}"),
                 "orientation_deg" => format!("{name}°"),
@@ -136,7 +136,7 @@ impl Chart<'_> {
         }
         let bottom = top + pitch * self.bars.len() as f64;
         svg.line(&[(left, bottom), (left + width, bottom)], AXIS);
-        // The outer labels are shifted inward, away from those of the next panel.
+        // The outer labels are shifted inward, away from the labels of the next panel.
         let ticks = [(0, Anchor::Start, true), (50, Anchor::Middle, width > 7.0 * size), (100, Anchor::End, true)];
         for (percent, anchor, named) in ticks {
             let x = left + f64::from(percent) / 100.0 * width;
@@ -166,7 +166,7 @@ impl Chart<'_> {
         }
     }
 
-    /// Names of the bars, and of their factor.
+    /// Draws the names of the bars and of their factor.
     fn names(&self, svg: &mut Svg, (left, top): Point) {
         let Some(factor) = self.counts.factors.first() else { return };
         let (size, pitch) = (self.size, self.pitch);
@@ -180,7 +180,7 @@ impl Chart<'_> {
         svg.text(&title, at, Font::new(size, Anchor::Middle).upright());
     }
 
-    /// Entries of the legend: color, name, left end and line.
+    /// Returns the entries of the legend: color, name, left end, and line of the legend from 0.
     fn legend(&self) -> Vec<(Rgb, String, f64, f64)> {
         let (size, categories) = (self.size, &self.counts.categories);
         let first = EDGE + labels::width("Rating", 1.2 * size) + size;
@@ -194,6 +194,6 @@ impl Chart<'_> {
             x += width;
             (category(index, categories.len()), name, x - width, line)
         };
-        evenly(categories.len(), MOST_NAMED).into_iter().map(entry).collect()
+        evenly(categories.len(), MAX_NAMED).into_iter().map(entry).collect()
     }
 }

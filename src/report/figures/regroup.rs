@@ -2,7 +2,8 @@
 
 use crate::analysis::counts::{CountRow, Counts, Factor};
 
-/// The same ratings under new factors. `levels` returns a condition's levels of these; `None` excludes its ratings.
+/// Counts the same ratings by new factors. `levels` returns a condition's levels of the new factors, or `None` to
+/// exclude its ratings.
 pub(super) fn regroup(
     counts: &Counts,
     factors: Vec<Factor>,
@@ -34,13 +35,14 @@ pub(super) fn regroup(
     }
 }
 
-/// Only some of the factors; ratings that lack a level of one of them are excluded.
+/// Counts the ratings by only some of the factors. Ratings that lack a level of one of these factors are excluded.
 pub(super) fn project(counts: &Counts, factors: &[usize]) -> Counts {
     let kept = factors.iter().map(|&factor| counts.factors[factor].clone()).collect();
     regroup(counts, kept, |condition| factors.iter().map(|&factor| condition[factor]).collect())
 }
 
-/// Indices of the factors that have several levels, width and depth first.
+/// Returns the indices of the factors that have levels: those with several levels first, and among these width and
+/// depth first.
 pub(super) fn by_interest(counts: &Counts) -> Vec<usize> {
     let rank = |factor: &Factor| {
         let known = ["width", "depth"].iter().position(|name| *name == factor.name).unwrap_or(2);
@@ -51,7 +53,7 @@ pub(super) fn by_interest(counts: &Counts) -> Vec<usize> {
     order
 }
 
-/// At most `most` evenly spaced indices below `all`, including the first and the last.
+/// Returns at most `most` evenly spaced indices below `count`, including the first and the last.
 pub(super) fn evenly(count: usize, most: usize) -> Vec<usize> {
     if count <= most {
         return (0..count).collect();

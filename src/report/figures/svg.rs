@@ -9,12 +9,12 @@ use super::{
 
 /// Width of every chart.
 pub(super) const WIDTH: f64 = 800.0;
-/// The PNG uses Noto Sans; the others are fallbacks that every machine has.
+/// The PNG uses Noto Sans; the others are fallbacks for the SVG, at least one of which every machine has.
 const FAMILY: &str = "Noto Sans, Open Sans, Helvetica, Arial, sans-serif";
 
 pub(super) type Point = (f64, f64);
 
-/// Which part of a text is at its position.
+/// The part of a text that is at its position.
 #[derive(Clone, Copy)]
 pub(super) enum Anchor {
     Start,
@@ -41,23 +41,23 @@ impl Font {
         Self { bold: true, ..self }
     }
 
-    /// Read from bottom to top.
+    /// The text runs from bottom to top.
     pub const fn upright(self) -> Self {
         Self { upright: true, ..self }
     }
 
-    /// With its top at the position; other texts have their middle there.
+    /// The top of the text is at its position; other texts are vertically centered there.
     pub const fn below(self) -> Self {
         Self { below: true, ..self }
     }
 }
 
-/// What has been drawn.
+/// A drawing in progress.
 pub(super) struct Svg(String);
 
-/// A length rounded to a hundredth, as short as possible.
+/// Rounds a length to a hundredth, so that its text is short.
 fn n(length: f64) -> f64 {
-    // A sum of nothing is −0.
+    // Adding 0 turns −0 into 0.
     (length * 100.0).round() / 100.0 + 0.0
 }
 
@@ -82,7 +82,7 @@ fn attributes(stroke: Stroke) -> String {
 }
 
 impl Svg {
-    /// A complete drawing, with a title and description for readers who cannot see it.
+    /// Creates a complete drawing, with a title and a description for readers who cannot see it.
     pub fn draw(height: f64, title: &str, description: &str, paint: impl FnOnce(&mut Self)) -> String {
         // Whole pixels, so that the last row is fully white.
         let height = height.ceil();
@@ -102,12 +102,12 @@ impl Svg {
         let _ = writeln!(self.0, "{element}");
     }
 
-    /// A line through points.
+    /// Draws a line through points.
     pub fn line(&mut self, points: &[Point], stroke: Stroke) {
         self.element(format_args!("<polyline points=\"{}\" fill=\"none\" {}/>", listed(points), attributes(stroke)));
     }
 
-    /// A line through points, with gaps where points are missing. An isolated point becomes a dash.
+    /// Draws a line through points, with gaps where points are missing. An isolated point becomes a short dash.
     pub fn path(&mut self, points: &[Option<Point>], stroke: Stroke) {
         for run in points.split(Option::is_none) {
             match *run {
@@ -118,7 +118,7 @@ impl Svg {
         }
     }
 
-    /// A filled rectangle between two corners.
+    /// Draws a filled rectangle between two corners.
     pub fn rectangle(&mut self, (left, top): Point, (right, bottom): Point, color: Rgb) {
         let (width, height) = (n(right - left), n(bottom - top));
         self.element(format_args!(
@@ -128,17 +128,17 @@ impl Svg {
         ));
     }
 
-    /// A filled polygon.
+    /// Draws a filled polygon.
     pub fn polygon(&mut self, corners: &[Point], color: Rgb) {
         self.element(format_args!("<polygon points=\"{}\" fill=\"{color}\"/>", listed(corners)));
     }
 
-    /// A filled circle.
+    /// Draws a filled circle.
     pub fn circle(&mut self, (x, y): Point, radius: f64, color: Rgb) {
         self.element(format_args!("<circle cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"{color}\"/>", n(x), n(y), n(radius)));
     }
 
-    /// A line of text.
+    /// Draws a line of text.
     pub fn text(&mut self, content: &str, (x, y): Point, font: Font) {
         let Font { size, anchor, bold, upright, below } = font;
         let anchor = match anchor {
@@ -149,7 +149,7 @@ impl Svg {
         let weight = if bold { " font-weight=\"bold\"" } else { "" };
         let (x, y) = (n(x), n(y));
         let turn = if upright { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
-        // From the baseline to half the height of a capital, or to its top.
+        // The distance from the baseline to half the height of a capital letter, or to its top.
         let baseline = n(y + size * if below { 0.76 } else { 0.35 });
         self.element(format_args!(
             "<text x=\"{x}\" y=\"{baseline}\" font-size=\"{size}\" text-anchor=\"{anchor}\"{weight}{turn} \
@@ -158,7 +158,7 @@ impl Svg {
         ));
     }
 
-    /// A vertical interval with caps.
+    /// Draws a vertical interval with caps.
     pub fn interval(&mut self, x: f64, from: f64, to: f64, cap: f64, stroke: Stroke) {
         self.line(&[(x, from), (x, to)], stroke);
         for y in [from, to] {
@@ -166,7 +166,7 @@ impl Svg {
         }
     }
 
-    /// The marker of a series.
+    /// Draws the marker of a series.
     pub fn marker(&mut self, (x, y): Point, radius: f64, Series { color, marker, .. }: Series) {
         let corners: &[Point] = match marker {
             Marker::Circle => return self.circle((x, y), radius, color),
@@ -184,7 +184,8 @@ impl Svg {
         self.polygon(&corners, color);
     }
 
-    /// A legend entry: a sample of a series, 46 wide from its left end `at`, and the series' name.
+    /// Draws a legend entry: a sample of the series, which is 46 units wide and begins at `(x, y)`, and the series'
+    /// name.
     pub fn legend_entry(&mut self, (x, y): Point, series: Series, lined: bool, name: &str, size: f64) {
         if lined {
             self.line(&[(x, y), (x + 46.0, y)], series.line());

@@ -1,4 +1,4 @@
-//! Response times: median and quartiles by rating, and by participant.
+//! A chart of response times: the median and quartiles by rating and by participant.
 
 use super::{
     axes::{EDGE, Levels, MARKER, PANEL, Values},
@@ -14,7 +14,7 @@ use crate::{
 /// Space between two panels.
 const GAP: f64 = 36.0;
 
-/// `times`, if response times are known.
+/// Draws `times`, if response times are known.
 pub(super) fn figure(results: &Results) -> Option<Figure> {
     let n: u64 = results.times.iter().flatten().map(|quartiles| quartiles.n).sum();
     if n == 0 {
@@ -44,7 +44,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
         for (title, levels, times, panel) in &parts {
             values.draw(svg, panel, (panel.left == left).then_some("Response time (s)"));
             levels.draw(svg, panel, title);
-            // A bar between the quartiles, with the median.
+            // A bar between the quartiles, and a marker at the median.
             let (series, room) = (Series::only(), levels.gap() * panel.width());
             let (bar, radius) = ((0.3 * room).clamp(1.0, 12.0), (0.4 * room).clamp(1.5, MARKER));
             for (&at, times) in levels.at.iter().zip(*times).filter_map(|(at, times)| Some((at, times.as_ref()?))) {

@@ -1,4 +1,4 @@
-//! Cautions for the reader about the data, the model, and how participants answered.
+//! Cautions for readers about the data, the model, and how participants answered.
 
 use std::collections::BTreeSet;
 
@@ -18,18 +18,18 @@ use crate::{
 
 /// Cohen's κ up to which agreement is at most "slight" (Landis & Koch, 1977).
 pub(super) const LOW_KAPPA: f64 = 0.2;
-/// If at least this proportion of ratings is in one category, the participant hardly used the others.
+/// A participant with at least this proportion of ratings in one category hardly used the others.
 const NEARLY_ALL: f64 = 0.9;
-/// Minimum number of ratings that shows how a participant uses the scale.
+/// Minimum number of ratings needed to judge how a participant uses the scale.
 const FEW_RATINGS: u64 = 10;
-/// A median response time, in seconds, that is too short to look and decide.
+/// A median response time below this, in seconds, is too short to look and decide.
 const HASTY_S: f64 = 0.3;
-/// A participant's median time is unusual if it is this many times longer or shorter than the typical one.
+/// A participant's median time is unusual if it is this many times longer or shorter than the typical median.
 const ODD_TIMES: f64 = 3.0;
 /// Maximum number of names in one sentence.
-const MOST_NAMES: usize = 6;
+const MAX_NAMES: usize = 6;
 
-/// All cautions, most serious first.
+/// Returns all cautions, most serious first.
 pub(super) fn cautions(source: &Source, results: &Results) -> Vec<String> {
     let mut cautions = Vec::new();
     cautions.extend(simulated(source, results));
@@ -56,7 +56,7 @@ fn simulated(source: &Source, results: &Results) -> Option<String> {
              with ratings from people.",
             simulated.len(),
             count(results.people() as u64, "participant"),
-            short_list(&simulated, MOST_NAMES)
+            short_list(&simulated, MAX_NAMES)
         )
     })
 }
@@ -87,12 +87,12 @@ fn nothing_found(results: &Results) -> Option<String> {
     let (people, unclear_list) = (count(results.people() as u64, "participant"), list(&unclear));
     (!unclear.is_empty()).then(|| {
         format!(
-            "This study, with {people}, found no clear difference by {unclear_list}. This does not show that there is none."
+            "This study, with {people}, found no clear effect of {unclear_list}. This does not show that there is none."
         )
     })
 }
 
-/// What the reader must know about the model before reading its numbers.
+/// Says what readers must know about the model before they read its numbers.
 fn about_model(results: &Results) -> Vec<String> {
     let report = match &results.model {
         Ok(report) => report,
@@ -114,14 +114,14 @@ fn about_model(results: &Results) -> Vec<String> {
         let p = p_is(test.p.filter(|p| *p < ALPHA)?);
         let term = names::factor(&test.term);
         Some(format!(
-            "The effect of {term} is not the same along the scale (proportional odds, {p}). Its single coefficient is an average: \
-             trust its direction more than its size."
+            "The effect of {term} is not the same along the scale (test of proportional odds, {p}). Its coefficient \
+             is an average: trust its direction more than its size."
         ))
     }));
     cautions
 }
 
-/// Whether a note is a caution. A single participant has a separate caution.
+/// True if a note is a caution. There is a separate caution for a single participant.
 pub(super) fn is_serious(note: &Note) -> bool {
     matches!(
         note,
@@ -135,7 +135,7 @@ pub(super) fn is_serious(note: &Note) -> bool {
     )
 }
 
-/// The factors for which no ratings could ever distinguish a pair of levels.
+/// Warns if no ratings could ever distinguish any pair of a factor's levels.
 fn pairs_without_power(results: &Results, factor: &FactorResults) -> Option<String> {
     let pairs = factor.pairs.as_ref().filter(|pairs| results.is_inferential() && pairs.cannot_reach(ALPHA))?;
     let people = count((results.people() - factor.incomplete.len()) as u64, "participant");
@@ -153,12 +153,12 @@ fn pairs_without_power(results: &Results, factor: &FactorResults) -> Option<Stri
     })
 }
 
-/// Behavior of participants that a reader should check: use of one category only, hasty answers, and low test–retest
-/// agreement.
+/// Describes behavior of participants that readers should check: use of only one category, low test–retest agreement,
+/// and unusual response times.
 pub(super) fn oddities(results: &Results) -> Vec<String> {
     let subjects = &results.subjects;
     let mut sentences: Vec<String> = subjects.iter().filter_map(|subject| one_category(results, subject)).collect();
-    // Participants with the same peculiarity share a sentence.
+    // Participants with the same peculiarity are named in one sentence.
     if let Some((who, least, most)) = odd(subjects, |s| s.kappa, |kappa| kappa <= LOW_KAPPA) {
         let (least, most) = (unit(least), unit(most));
         let kappa = if least == most { format!("= {least}") } else { format!("from {least} to {most}") };
@@ -181,14 +181,14 @@ fn one_category(results: &Results, subject: &SubjectResults) -> Option<String> {
     let category = &results.measured.counts.categories[category];
     let ratings = count(summary.n, "rating");
     Some(if share >= 1.0 {
-        format!("{who} used one category only: all {ratings} are {category}.")
+        format!("{who} used only one category: all {ratings} are {category}.")
     } else {
         let share = percent((share * 100.0).floor() / 100.0);
         format!("{who} hardly used more than one category: {share} of {ratings} are {category}.")
     })
 }
 
-/// The participants with an unusual value, by name, and the smallest and largest such value.
+/// Returns the names of the participants with an unusual value, and the smallest and the largest such value.
 fn odd(
     subjects: &[SubjectResults],
     value: impl Fn(&SubjectResults) -> Option<f64>,
@@ -197,7 +197,7 @@ fn odd(
     let (who, values): (Vec<&str>, Vec<f64>) =
         subjects.iter().filter_map(|s| Some((participant(s), value(s).filter(|value| is_odd(*value))?))).unzip();
     let least = values.iter().copied().min_by(f64::total_cmp)?;
-    Some((short_list(&who, MOST_NAMES), least, values.into_iter().max_by(f64::total_cmp)?))
+    Some((short_list(&who, MAX_NAMES), least, values.into_iter().max_by(f64::total_cmp)?))
 }
 
 fn odd_times(subjects: &[SubjectResults]) -> Vec<String> {
@@ -207,12 +207,12 @@ fn odd_times(subjects: &[SubjectResults]) -> Vec<String> {
     // With two participants, neither is the unusual one.
     let Some(&middle) = sorted.get(sorted.len() / 2).filter(|_| sorted.len() > 2) else { return Vec::new() };
     (medians.into_iter())
-        // Hasty answers already have a sentence.
+        // Hasty answers have already been mentioned.
         .filter(|(_, median)| *median > ODD_TIMES * middle || (*median * ODD_TIMES < middle && *median >= HASTY_S))
         .map(|(who, median)| {
             let slow = if median > middle { "slowly" } else { "quickly" };
             let (own, usual) = (fixed(median, 2), fixed(middle, 2));
-            format!("{who} answered unusually {slow}: the median time is {own} s; {usual} s is usual here.")
+            format!("{who} answered unusually {slow}: the median time is {own} s, and {usual} s is typical here.")
         })
         .collect()
 }

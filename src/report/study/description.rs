@@ -1,4 +1,4 @@
-//! The design; the ratings by factor, condition and participant; and the response times.
+//! Descriptive sections: the design, the ratings by factor, condition and participant, and the response times.
 
 use super::{
     names::{self, participant},
@@ -21,11 +21,11 @@ use crate::{
     store::ratings::Source,
 };
 
-/// The design: what was varied, how often, how it was shown, and how much of it was completed.
+/// Describes the design: what was varied, how often, how it was shown, and how much was completed.
 pub(super) fn design(source: &Source, results: &Results) -> Section {
     let mut section = Section::new("design", "Design");
     match &source.protocol {
-        Some(protocol) => section.facts("The design according to its definition", definition(source, protocol)),
+        Some(protocol) => section.facts("The design according to the definition", definition(source, protocol)),
         None => section.text(
             "The files contain no definition of an experiment, so this section describes the ratings themselves.",
         ),
@@ -62,7 +62,7 @@ fn definition(source: &Source, protocol: &Protocol) -> Vec<(&'static str, String
     rows
 }
 
-/// The stimulus and its constant parameters.
+/// Describes the stimulus and its constant parameters.
 fn stimulus(protocol: &Protocol) -> String {
     let stimulus = &protocol.stimulus;
     let fixed: Vec<String> = (stimulus.parameters().iter())
@@ -99,13 +99,13 @@ fn factors(section: &mut Section, source: &Source, results: &Results) {
         })
         .collect();
     if rows.is_empty() {
-        section.text("No factor was varied, so all ratings are of one condition.");
+        section.text("No factor was varied, so all ratings belong to one condition.");
     } else {
         section.table("Factors and their levels", &["Factor", "Levels rated"], &["Number", "Planned"], rows);
     }
 }
 
-/// Planned and completed trials.
+/// Describes the planned and the completed trials.
 fn done(section: &mut Section, source: &Source, results: &Results) {
     let counts = &results.measured.counts;
     let planned: u64 = source.sessions.iter().filter_map(|session| session.planned).sum();
@@ -141,7 +141,7 @@ fn done(section: &mut Section, source: &Source, results: &Results) {
         let few = short_list(&few.collect::<Vec<_>>(), 12);
         let (least, most) = (whole(least), whole(most));
         section.text(format!(
-            "Participants gave {least} to {most} ratings each. These gave fewer than the maximum: {few}."
+            "Participants gave {least} to {most} ratings each. The following gave fewer than the maximum: {few}."
         ));
     }
     if source.protocol.is_none() && !counts.subjects.is_empty() {
@@ -149,13 +149,13 @@ fn done(section: &mut Section, source: &Source, results: &Results) {
     }
 }
 
-/// The smallest and the largest number of ratings.
+/// Returns the smallest and the largest number of ratings.
 fn least_and_most<'a>(groups: impl Iterator<Item = &'a Group> + Clone) -> Option<(u64, u64)> {
     let ns = groups.map(|group| group.summary.n);
     Some((ns.clone().min()?, ns.max()?))
 }
 
-/// Descriptive statistics by factor, condition and participant.
+/// Lists descriptive statistics by factor, condition and participant.
 pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     let mut section = Section::new("description", "Description");
     let intervals = if results.is_inferential() {
@@ -190,7 +190,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     section
 }
 
-/// A table of groups of ratings; `heads` are the columns of their names.
+/// Adds a table of groups of ratings; `heads` are the headings of the columns with their names.
 fn ratings(section: &mut Section, results: &Results, caption: &str, heads: &[&str], rows: Vec<(Vec<String>, &Group)>) {
     let categories: Vec<String> = results.measured.counts.categories.iter().map(|c| format!("Rated {c}")).collect();
     let intervals = rows.iter().any(|(_, group)| group.summary.interval.is_some());
@@ -207,7 +207,7 @@ fn ratings(section: &mut Section, results: &Results, caption: &str, heads: &[&st
     section.table(caption, heads, &numbers, rows.into_iter().map(row).collect());
 }
 
-/// Response times.
+/// Describes the response times.
 pub(super) fn times(results: &Results, figures: &[Figure]) -> Section {
     let mut section = Section::new("times", "Response times");
     if results.times.iter().all(Option::is_none) {
@@ -216,7 +216,7 @@ pub(super) fn times(results: &Results, figures: &[Figure]) -> Section {
     }
     section.text(
         "Times are measured from the onset of the stimulus to the rating, in seconds. They are binned in steps of 5\u{a0}%, so \
-         quartiles are accurate to 2.5\u{a0}%. They are described but not tested.",
+         quartiles are accurate to 2.5\u{a0}%. They are described, but not tested.",
     );
     section.figures(figures, &["times"]);
     let counts = &results.measured.counts;

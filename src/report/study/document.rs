@@ -1,4 +1,4 @@
-//! From files to a document: reading a study, and the sections of its document in order.
+//! Reads a study from files, and arranges the sections of its document.
 
 use std::path::PathBuf;
 
@@ -24,19 +24,19 @@ use crate::{
     },
 };
 
-/// The content of the files, and the faults found in them.
+/// The ratings in the files, and the errors found in them.
 #[derive(Clone, Debug)]
 pub struct Study {
-    /// The source of the ratings.
+    /// Where the ratings come from.
     pub source: Source,
     pub measured: Measured,
 }
 
 impl Study {
-    /// Reads files, and folders of them.
+    /// Reads files and folders of files.
     ///
     /// # Errors
-    /// There is nothing to analyze. Faults in part of the input are in [`Source::faults`].
+    /// There is nothing to analyze. If only part of the input has errors, they are in [`Source::faults`].
     pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Self, FileFaults> {
         let new = |shape: &Shape| {
             let mut builder = MeasuredBuilder::new(&shape.factors);
@@ -62,14 +62,14 @@ impl Study {
 pub struct Parts<'a> {
     /// The charts.
     pub figures: &'a [Figure],
-    /// Predictions of the model of vision for the analyzed ratings, which `figures` include. Without them there is no
-    /// section about that model.
+    /// Predictions of the vision model for the analyzed ratings; `figures` must include their charts. Without
+    /// predictions, there is no section about that model.
     pub prediction: Option<&'a Result<StudyPrediction, PredictionError>>,
     /// How to repeat the analysis, for readers who do not have it open.
     pub provenance: Option<&'a Provenance>,
 }
 
-/// A study as a document.
+/// Describes a study in a document.
 pub fn document(source: &Source, results: &Results, parts: Parts<'_>) -> Document {
     let Parts { figures, prediction, provenance } = parts;
     let (methods, references) = methods::sections(source, results, prediction.and_then(|p| p.as_ref().ok()));

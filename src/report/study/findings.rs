@@ -1,4 +1,4 @@
-//! The effect of a factor, in sentences: the trend of its means, its probability under chance, and its size.
+//! Describes the effect of a factor in sentences: the trend of the means, how likely it is by chance, and its size.
 
 use super::names;
 use crate::{
@@ -11,12 +11,12 @@ use crate::{
     report::document::numbers::{fixed, list, mean, p_is, range, ratio, short_list},
 };
 
-/// Significance level: below this probability, a difference counts as more than chance.
+/// Significance level: if p is below this, a difference counts as more than chance.
 pub(super) const ALPHA: f64 = 0.05;
-/// Minimum |τ| (Kendall) between means and levels that is called a tendency.
+/// Minimum |τ| (Kendall) between means and levels for a trend to be called a tendency.
 const TENDENCY: f64 = 0.7;
 
-/// The test on whose probability a sentence relies.
+/// The test that a sentence relies on.
 pub(super) struct Evidence {
     name: &'static str,
     chi_squared: f64,
@@ -24,21 +24,21 @@ pub(super) struct Evidence {
     pub p: f64,
 }
 
-/// A difference on the scale of the link, between two levels or per unit of a number.
+/// A difference on the scale of the link function, between two levels or per unit of a numeric factor.
 struct Contrast {
-    /// The level with the higher ratings, or the number's name.
+    /// The level with the higher ratings, or the name of the numeric factor.
     higher: String,
-    /// The other level; `None` for a number.
+    /// The other level; `None` for a numeric factor.
     lower: Option<String>,
-    /// Positive for levels; infinite without a finite estimate.
+    /// The difference; positive for levels, and infinite if there is no finite estimate.
     estimate: f64,
-    /// Its 95 % interval.
+    /// The 95 % interval of the estimate.
     interval: Option<Interval>,
-    /// Whether the levels were chosen because they are the extremes.
+    /// True if the levels were chosen because they are the extremes.
     chosen: bool,
 }
 
-/// The effect of a factor.
+/// Describes the effect of a factor.
 pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
     let Some(evidence) = evidence(results, factor) else {
         let none = if results.is_inferential() { " It could not be tested." } else { "" };
@@ -47,7 +47,7 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
     let found = evidence.p < ALPHA;
     let name = names::factor(&factor.name);
     let mut text = if found {
-        // A small probability in words.
+        // Express a small probability in words.
         let how = match evidence.p {
             p if p < 0.001 => "hardly ever",
             p if p < 0.01 => "rarely",
@@ -71,20 +71,22 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
         let p = p_is(evidence.p);
         format!("By {name}, {span}, and this study cannot distinguish the levels ({}, {p}).", evidence.name)
     };
-    // Among many levels that no test distinguishes, the two extremes differ by chance alone.
+    // If no test distinguishes the levels, the two extremes may differ only by chance, so their contrast is not
+    // reported.
     let contrast = contrast(results, factor).filter(|contrast| found || !contrast.chosen);
     text.extend(contrast.map(|contrast| size(results, &contrast, found)));
     text.extend(second_opinion(results, factor, &evidence));
     text
 }
 
-/// The means in a sentence without its period. For one participant, they describe only these ratings.
+/// Describes the means in a sentence without its period. For a single participant, the sentence describes only these
+/// ratings.
 fn means(results: &Results, factor: &FactorResults) -> String {
     let name = names::factor(&factor.name);
     let (the_mean, of_these) = if results.is_inferential() {
         ("The mean rating", "the mean rating")
     } else {
-        ("In these ratings the mean", "the mean of these ratings")
+        ("In these ratings, the mean", "the mean of these ratings")
     };
     let last = factor.levels.len() - 1;
     let at = |index: usize| {
@@ -101,7 +103,7 @@ fn means(results: &Results, factor: &FactorResults) -> String {
         }
         Some(tau) => {
             let verb = if tau > 0.0 { "rise" } else { "fall" };
-            // The highest and the lowest mean, if they are not at the first or last level.
+            // Mention the highest and the lowest mean if they are not at the first or last level.
             let (highest, lowest) = extremes(factor);
             let inside = |index: usize| (1..last).contains(&index);
             let mut turns: Vec<String> = Vec::new();
@@ -113,11 +115,12 @@ fn means(results: &Results, factor: &FactorResults) -> String {
         None if (&least, &low) == (&most, &high) => {
             format!("{the_mean} is {least}: the same at all levels of {name}")
         }
-        None => format!("By {name}, {of_these} is highest, {most} at {high}, and lowest, {least} at {low}"),
+        None => format!("By {name}, {of_these} is highest ({most}) at {high} and lowest ({least}) at {low}"),
     }
 }
 
-/// Kendall's τ-a between a factor's means and their positions, if it is at least a tendency; 1 if every step is upward.
+/// Returns Kendall's τ-a between a factor's means and their positions, if there is at least a tendency; 1 if the mean
+/// rises at every step.
 fn course(results: &Results, factor: &FactorResults) -> Option<f64> {
     let means: Vec<f64> = factor.levels.iter().map(|level| level.summary.mean).collect();
     let mut sum = 0.0;
@@ -130,14 +133,16 @@ fn course(results: &Results, factor: &FactorResults) -> Option<f64> {
     (names::is_ordered(&results.measured.counts, &factor.name) && tau.abs() >= TENDENCY).then_some(tau)
 }
 
-/// Indices of the levels with the highest and the lowest mean; of equal means, the first level is chosen.
+/// Returns the indices of the levels with the highest and the lowest mean; among equal means, the first level is
+/// chosen.
 fn extremes(factor: &FactorResults) -> (usize, usize) {
     let by_mean = |l: &usize, r: &usize| factor.levels[*l].summary.mean.total_cmp(&factor.levels[*r].summary.mean);
     let indices = || 0..factor.levels.len();
     (indices().rev().max_by(by_mean).unwrap_or(0), indices().min_by(by_mean).unwrap_or(0))
 }
 
-/// The lowest and the highest mean with their levels, `0.61` and `45°`; levels with equal means are joined.
+/// Returns the lowest and the highest mean with their levels, such as `0.61` and `45°`; levels with equal means are
+/// joined.
 fn least_and_most(factor: &FactorResults) -> [(String, String); 2] {
     let (most, least) = extremes(factor);
     [least, most].map(|index| {
@@ -149,13 +154,13 @@ fn least_and_most(factor: &FactorResults) -> [(String, String); 2] {
     })
 }
 
-/// Whether the model accounts for repeated measures, so that its probabilities generalize to other people.
+/// True if the model accounts for repeated measures, so that its p values generalize to other people.
 pub(super) fn is_clustered(results: &Results) -> bool {
     results.model.as_ref().is_ok_and(|report| report.model.random.is_some())
 }
 
-/// The likelihood-ratio test of the factor's main effect if the model accounts for repeated measures; otherwise
-/// Friedman's test. `None` for a single participant.
+/// Returns the likelihood-ratio test of the factor's main effect if the model accounts for repeated measures, and
+/// Friedman's test otherwise. `None` for a single participant.
 pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evidence> {
     if !results.is_inferential() {
         return None;
@@ -174,7 +179,7 @@ fn likelihood_ratio<'a>(results: &'a Results, term: &Term) -> Option<&'a TermTes
     results.model.as_ref().ok()?.terms.iter().find(|test| test.part == Part::Location && test.term == name)
 }
 
-/// The term of this factor only, as levels or as a number.
+/// Returns the term that contains only this factor, as levels or as a number.
 fn main_effect<'a>(results: &'a Results, factor: &str) -> Option<&'a Term> {
     results.spec.terms.iter().find(|term| match term.variables.as_slice() {
         [Variable::Factor(name)] => name == factor,
@@ -183,8 +188,8 @@ fn main_effect<'a>(results: &'a Results, factor: &str) -> Option<&'a Term> {
     })
 }
 
-/// The size of a factor's effect between the ends of a trend, otherwise between the extremes; `None` if it depends on an
-/// interaction.
+/// Returns the size of a factor's effect, between the ends of a trend or otherwise between the extremes; `None` if the
+/// effect depends on an interaction.
 fn contrast(results: &Results, factor: &FactorResults) -> Option<Contrast> {
     let report = results.model.as_ref().ok()?;
     let term = main_effect(results, &factor.name)?;
@@ -207,11 +212,12 @@ fn slope(model: &Model, term: &Term, name: &str) -> Option<Contrast> {
     Some(Contrast { higher: name.to_owned(), lower: None, estimate, interval, chosen: false })
 }
 
-/// The difference between two levels, from their coefficients and the covariance of these.
+/// Computes the difference between two levels from their coefficients and the covariance of the coefficients.
 fn difference(report: &ModelReport, factor: &FactorResults, first: usize, second: usize) -> Option<Contrast> {
     let model = &report.model;
     let own = model.coefficients.iter().filter(|c| c.term == factor.name).count();
-    // One level is the baseline; if a column was dropped, a level without a coefficient is not necessarily the baseline.
+    // One level is the baseline. If a column was dropped, a level without a coefficient is not necessarily the
+    // baseline, so the difference is unknown.
     if own + 1 != factor.levels.len() || first == second {
         return None;
     }
@@ -237,7 +243,7 @@ fn difference(report: &ModelReport, factor: &FactorResults, first: usize, second
     Some(Contrast { higher, lower, estimate, interval: Interval::wald(estimate, Some(se)), chosen: false })
 }
 
-/// The size of an effect, as an odds ratio or on the latent scale.
+/// States the size of an effect, as an odds ratio or on the latent scale.
 fn size(results: &Results, contrast: &Contrast, found: bool) -> String {
     let higher = &contrast.higher;
     if !contrast.estimate.is_finite() {
@@ -275,20 +281,20 @@ fn size(results: &Results, contrast: &Contrast, found: bool) -> String {
     format!(" {size}{interval}.{chosen}")
 }
 
-/// A caution if the test that treats each participant as one observation disagrees.
+/// Adds a caution if the test that treats each participant as one observation disagrees.
 fn second_opinion(results: &Results, factor: &FactorResults, evidence: &Evidence) -> Option<String> {
     let friedman = factor.friedman.filter(|_| is_clustered(results))?;
     if (friedman.p < ALPHA) == (evidence.p < ALPHA) {
         return None;
     }
-    let other = if friedman.p < ALPHA { "does distinguish them" } else { "cannot distinguish the levels" };
+    let other = if friedman.p < ALPHA { "does distinguish the levels" } else { "cannot distinguish the levels" };
     Some(format!(
         " Friedman’s test, which treats each participant as one observation, {other} ({}). Interpret this with caution.",
         p_is(friedman.p)
     ))
 }
 
-/// Effects that depend on each other.
+/// Says which effects depend on each other.
 pub(super) fn interactions(results: &Results) -> Vec<String> {
     let sentence = |term: &Term| {
         let p = likelihood_ratio(results, term)?.p?;

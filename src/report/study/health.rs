@@ -28,7 +28,7 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
             ("Ratings in analyzed rows", sum(|file| file.ratings)),
         ],
     );
-    section.heading("Faults");
+    section.heading("Errors");
     if source.faults.is_empty() {
         section.text("No errors were found in the files.");
     } else {
@@ -48,13 +48,13 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
     if oddities(results).is_empty() {
         section.heading("How participants answered");
         section.text(
-            "As far as the data show, every participant used several categories, and no response times or repeated ratings are unusual.",
+            "In these data, every participant used several categories, and no response times or repeated ratings are unusual.",
         );
     }
     section
 }
 
-/// How many sessions are finished, as far as is known; `None` if there are no sessions.
+/// Says how many sessions are known to be finished; `None` if there are no sessions.
 pub(super) fn finished_sentence(source: &Source) -> Option<String> {
     let all = source.sessions.len();
     let unknown = source.sessions.iter().filter(|session| session.planned.is_none()).count();
@@ -104,7 +104,7 @@ fn screens(section: &mut Section, source: &Source) {
             count(measured().map(|(_, rated)| rated).sum(), "trial")
         ));
     }
-    // Each problem with its number of sittings.
+    // The number of sittings with each problem.
     let mut problems: BTreeMap<&str, u64> = BTreeMap::new();
     let checks = || sittings::all(source).flat_map(|(_, sitting)| &sitting.preflight);
     for note in checks().filter(|note| !note.ok) {
@@ -133,7 +133,7 @@ fn screens(section: &mut Section, source: &Source) {
     let different: Vec<&str> =
         properties.iter().filter(|(_, values)| values.len() > 1).map(|(name, _)| *name).collect();
     if different.is_empty() {
-        section.text("According to the records, all sittings were run in the same way.");
+        section.text("According to their sidecars, all sittings were run in the same way.");
     } else {
         let different = list(&different);
         section.warning(format!("Sittings differ in {different}, which may explain differences between participants."));

@@ -1,4 +1,4 @@
-//! Methods and results for a paper, with numbers and references.
+//! The methods and results sections for a paper, with numbers and references.
 
 use std::collections::BTreeSet;
 
@@ -16,7 +16,7 @@ use crate::{
     store::ratings::Source,
 };
 
-/// One publication per line, sorted by name: its citation, a tab, and its entry in the list.
+/// One publication per line, sorted by name: its citation, a tab, and its entry in the list of references.
 const PUBLICATIONS: &str = include_str!("references.txt");
 
 /// The publications cited so far.
@@ -24,14 +24,14 @@ const PUBLICATIONS: &str = include_str!("references.txt");
 struct Cited(BTreeSet<&'static str>);
 
 impl Cited {
-    /// Records publications, given as a citation separated by semicolons, and returns the same text.
+    /// Records publications, given as citations separated by semicolons, and returns the same text.
     fn cite(&mut self, publications: &'static str) -> &'static str {
         self.0.extend(publications.split("; "));
         publications
     }
 }
 
-/// The methods and their references.
+/// Writes the methods and their references.
 pub(super) fn sections(source: &Source, results: &Results, predicted: Option<&StudyPrediction>) -> (Section, Section) {
     let mut section = Section::new("methods", "Methods, ready to paste");
     let mut cited = Cited::default();
@@ -45,7 +45,7 @@ pub(super) fn sections(source: &Source, results: &Results, predicted: Option<&St
         Some(format!("The analysis was performed with machband {}.", env!("CARGO_PKG_VERSION"))),
     ];
     paragraphs.into_iter().flatten().for_each(|paragraph| section.text(paragraph));
-    // The section on agreement compares κ with this limit.
+    // The section on agreement compares κ with the limit from this publication.
     if results.kappa.is_some() {
         cited.cite("Landis & Koch, 1977");
     }

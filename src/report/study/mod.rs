@@ -1,8 +1,8 @@
-//! A study as a document: its sections and sentences, from a plain-language summary to the details needed to repeat the
-//! analysis.
+//! Describes a study in a document with sections and sentences, from a plain-language summary to the details needed to
+//! repeat the analysis.
 //!
-//! Any sentence that could be false for some results is computed. A single participant allows no inference: no test, no
-//! interval, no probability.
+//! Every sentence that could be false for some results is computed from the results. A single participant allows no
+//! inference, so there are no tests, no intervals and no p values.
 
 mod cautions;
 mod description;

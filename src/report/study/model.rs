@@ -1,4 +1,4 @@
-//! The model: its specification, its results, and whether its assumptions hold.
+//! The section about the model: its specification, its results, and whether its assumptions hold.
 
 use super::{cautions::is_serious, findings::ALPHA};
 use crate::{
@@ -50,7 +50,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         tests(
             &mut section,
             "Does each term matter?",
-            "Each row compares the model with the one without the term. A small p means that ratings like these would \
+            "Each row compares the model with a model without the term. A small p means that ratings like these would \
              be rare if the term had no effect. The p values are not corrected for the number of terms.",
             "Likelihood-ratio tests against the model without each term",
             &report.terms,
@@ -66,7 +66,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         let tested = !report.proportional_odds.is_empty();
         if tested && !report.proportional_odds.iter().any(|test| test.p.is_some_and(|p| p < ALPHA)) {
             let level = percent(ALPHA);
-            section.text(format!("No term shows a violation at {level}. With few ratings the test has little power."));
+            section.text(format!("No term shows a violation at {level}. With few ratings, tests have little power."));
         }
         tests(
             &mut section,
@@ -80,7 +80,8 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     section
 }
 
-/// The fitted model in one line: `cumulative-link mixed model (Laplace), logit link, terms width, depth: …`.
+/// Describes the fitted model in one line: `Fitted: cumulative-link mixed model (Laplace), logit link, terms width,
+/// depth. …`.
 fn sentence(results: &Results, model: &Model) -> String {
     let method = match model.method.as_str() {
         "clm" => "cumulative-link model".to_owned(),
@@ -108,7 +109,7 @@ fn sentence(results: &Results, model: &Model) -> String {
     )
 }
 
-/// The call that fits the same model with R's `ordinal` package.
+/// Returns the call that fits the same model with R's `ordinal` package.
 fn call(results: &Results, model: &Model) -> String {
     let mut parts: Vec<String> = results.spec.terms.iter().map(|term| term.to_string().replace("num:", "")).collect();
     if parts.is_empty() {
@@ -160,7 +161,7 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
 fn coefficients(section: &mut Section, results: &Results, model: &Model) {
     section.heading("Coefficients");
     if model.coefficients.is_empty() {
-        section.text("The model has no terms, so it describes all ratings alike.");
+        section.text("The model has no terms, so it describes all ratings in the same way.");
     } else {
         section.text(meaning(results, model));
         let odds = model.link == Link::Logit;
@@ -172,7 +173,7 @@ fn coefficients(section: &mut Section, results: &Results, model: &Model) {
     }
 }
 
-/// A table of coefficients, with odds ratios if requested.
+/// Adds a table of coefficients, with odds ratios if requested.
 fn coefficient_table(section: &mut Section, results: &Results, caption: &str, all: &[Coefficient], odds: bool) {
     let inferential = results.is_inferential();
     let mut numbers = vec!["Estimate"];
@@ -209,7 +210,7 @@ fn meaning(results: &Results, model: &Model) -> String {
     text
 }
 
-/// Likelihood-ratio tests as a table, if there are any.
+/// Adds a table of likelihood-ratio tests, if there are any.
 fn tests(section: &mut Section, heading: &str, about: &str, caption: &str, tests: &[TermTest]) {
     if tests.is_empty() {
         return;

@@ -1,4 +1,4 @@
-//! Names of participants, factors, levels and categories in sentences and tables.
+//! Names of participants, factors, levels and categories, as used in sentences and tables.
 
 use crate::{
     analysis::{
@@ -12,15 +12,15 @@ use crate::{
     report::document::numbers::{count, list},
 };
 
-/// The suffix of a column in degrees.
+/// The suffix of a column with values in degrees.
 const DEGREES: &str = "_deg";
 
-/// The factor's name; `orientation` for `orientation_deg`, whose levels carry the unit.
+/// Returns the factor's name; `orientation` for `orientation_deg`, because its levels are shown with their unit.
 pub(super) fn factor(name: &str) -> &str {
     name.strip_suffix(DEGREES).filter(|name| !name.is_empty()).unwrap_or(name)
 }
 
-/// A level: `45°`, `∞`, `0.4`; `(none)` where the value is missing.
+/// Formats a level, such as `45°`, `∞` or `0.4`; `(none)` if the value is missing.
 pub(super) fn level(factor: &str, level: &str) -> String {
     match level {
         "" => "(none)".to_owned(),
@@ -30,12 +30,12 @@ pub(super) fn level(factor: &str, level: &str) -> String {
     }
 }
 
-/// The level of a group of ratings.
+/// Returns the level of a group of ratings.
 pub(super) fn level_of(factor: &FactorResults, group: &Group) -> String {
     level(&factor.name, group.names.first().map_or("", String::as_str))
 }
 
-/// The levels of a condition for the factors that vary: `width 0.4, depth ∞`.
+/// Lists the levels of a condition, for the factors that vary: `width 0.4, depth ∞`.
 pub(super) fn condition(counts: &Counts, condition: u32) -> String {
     let levels = counts.factors.iter().zip(counts.level_names(condition));
     let parts: Vec<String> = (levels.filter(|(one, _)| one.levels.len() > 1))
@@ -44,25 +44,25 @@ pub(super) fn condition(counts: &Counts, condition: u32) -> String {
     if parts.is_empty() { "the only condition".to_owned() } else { parts.join(", ") }
 }
 
-/// The participant's name.
+/// Returns the participant's ID.
 pub(super) fn participant(subject: &SubjectResults) -> &str {
     subject.group.names.first().map_or("", String::as_str)
 }
 
-/// Whether "more of it" is meaningful, as for numbers other than directions, which are circular.
+/// True if a factor can meaningfully increase, as numbers do; directions do not, because they are circular.
 pub(super) fn is_ordered(counts: &Counts, name: &str) -> bool {
     let is_direction =
         ["orientation", "angle", "hue", "direction"].iter().any(|word| name.to_lowercase().contains(word));
     !is_direction && counts.factor(name).is_some_and(|(_, factor)| factor.numbers.is_some())
 }
 
-/// The answers of a definition: `0 (No band)`.
+/// Returns the answers of a definition, such as `0 (No band)`.
 pub(super) fn categories_of(protocol: &Protocol) -> Vec<String> {
     let categories = protocol.response.categories.iter().enumerate();
     categories.map(|(rating, category)| format!("{rating} ({})", category.label)).collect()
 }
 
-/// The lowest and the highest category, with their labels if a definition has them.
+/// Returns the lowest and the highest category, with their labels if there is a definition.
 pub(super) fn ends(counts: &Counts, protocol: Option<&Protocol>) -> Option<(String, String)> {
     let names = match protocol {
         Some(protocol) if protocol.response.categories.len() == counts.categories.len() => categories_of(protocol),
@@ -71,13 +71,13 @@ pub(super) fn ends(counts: &Counts, protocol: Option<&Protocol>) -> Option<(Stri
     Some((names.first()?.clone(), names.last()?.clone()))
 }
 
-/// Whether the categories are texts, so that means are of their positions, counted from 0.
+/// True if the categories are texts, so that means are computed from their positions, counted from 0.
 pub(super) fn categories_are_texts(counts: &Counts) -> bool {
     counts.categories.iter().any(|category| !number_of(category).is_some_and(f64::is_finite))
 }
 
-/// The sample in a sentence: `8 participants gave 1,920 ratings of 45 conditions, which differ in …`, with the name of
-/// each factor that varies and the result of `levels`.
+/// Describes the sample in a sentence: `8 participants gave 1,920 ratings of 45 conditions, which differ in …`. The
+/// sentence ends with the name of each factor that varies and the result of `levels` for it.
 pub(super) fn rated(who: &str, results: &Results, differ: &str, levels: impl Fn(&FactorResults) -> String) -> String {
     let counts = &results.measured.counts;
     let varied: Vec<String> = varied(results).map(|one| format!("{} ({})", factor(&one.name), levels(one))).collect();
@@ -86,7 +86,7 @@ pub(super) fn rated(who: &str, results: &Results, differ: &str, levels: impl Fn(
     format!("{who} gave {ratings} of {conditions}{by}.")
 }
 
-/// The factors that vary.
+/// Returns the factors that vary.
 pub(super) fn varied(results: &Results) -> impl Iterator<Item = &FactorResults> {
     results.factors.iter().filter(|factor| factor.levels.len() > 1)
 }

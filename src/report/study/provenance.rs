@@ -1,4 +1,4 @@
-//! Everything that is needed to reproduce the report.
+//! Everything needed to reproduce the report.
 
 use jiff::Timestamp;
 
@@ -17,12 +17,12 @@ pub struct Provenance {
     pub commit: String,
     /// The command line, quoted for a shell.
     pub command: String,
-    /// When.
+    /// When the report was made.
     pub made_at: Timestamp,
 }
 
 impl Provenance {
-    /// An analysis by this program with this command at this time.
+    /// Describes an analysis by this program with this command at this time.
     pub fn new(command: impl Into<String>, made_at: Timestamp) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -32,24 +32,25 @@ impl Provenance {
         }
     }
 
-    /// An analysis by the current process, now: its arguments, after the program's bare name.
+    /// Describes an analysis by the current process, now. The command is the program's bare name with the process's
+    /// arguments.
     pub fn of_process() -> Self {
         let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
         Self::new(shell_command(arguments), Timestamp::now())
     }
 }
 
-/// This program with arguments, quoted for a POSIX shell.
+/// Returns this program's name and the arguments, quoted for a POSIX shell.
 pub fn shell_command(arguments: impl IntoIterator<Item = String>) -> String {
     let command: Vec<String> = std::iter::once(env!("CARGO_PKG_NAME").to_owned()).chain(arguments).collect();
-    // Quoting fails only for a zero byte, which no shell can pass.
+    // Quoting fails only for a zero byte, which no shell can pass to a program.
     shlex::try_join(command.iter().map(String::as_str)).unwrap_or_default()
 }
 
 pub(super) fn section(source: &Source, results: &Results, provenance: &Provenance) -> Section {
     let mut section = Section::new("repeat", "Repeat this analysis");
     let bootstrap = &results.options.bootstrap;
-    section.text("The same program, command and files give the same numbers on every machine.");
+    section.text("The same program, command and files produce the same numbers on every machine.");
     section.code(provenance.command.clone());
     section.facts(
         "How this page was created",
@@ -76,7 +77,7 @@ pub(super) fn section(source: &Source, results: &Results, provenance: &Provenanc
     if let Some(protocol) = &source.protocol {
         section.heading("The definition");
         if let Some(hash) = &source.definition_sha256 {
-            section.text(format!("The SHA-256 of its canonical form is {hash}."));
+            section.text(format!("The SHA-256 of the definition in its canonical form is {hash}."));
         }
         section.code(toml::to_string(protocol).unwrap_or_else(|error| format!("# cannot be written: {error}")));
     }

@@ -1,5 +1,5 @@
-//! Model-free results: rank tests, which treat each participant as one observation, and agreement between and within
-//! participants.
+//! Sections about model-free results: rank tests, which treat each participant as one observation, and agreement
+//! between and within participants.
 
 use super::{cautions::LOW_KAPPA, names};
 use crate::{
@@ -14,15 +14,15 @@ use crate::{
     },
 };
 
-/// With fewer participants, the χ² distribution is only a rough guide to Friedman's statistic.
+/// With fewer participants than this, the χ² distribution is only a rough approximation for Friedman's statistic.
 const FEW_PARTICIPANTS: usize = 6;
 
-/// Rank tests.
+/// Describes the rank tests.
 pub(super) fn section(results: &Results) -> Section {
     let mut section = Section::new("tests", "Rank tests");
     let tested: Vec<&FactorResults> = names::varied(results).collect();
     if !results.is_inferential() {
-        section.text("These tests need several participants. With one participant, there is nothing to test.");
+        section.text("These tests need several participants; with only one, there is nothing to test.");
     } else if tested.is_empty() {
         section.text("No factor has two levels, so there is nothing to compare.");
     } else {
@@ -116,7 +116,7 @@ pub(super) fn agreement(results: &Results) -> Section {
         None if results.is_inferential() => section.text(
             "No condition was rated by two participants, or all ratings are the same: agreement cannot be computed.",
         ),
-        None => section.text("One participant cannot agree or disagree with another."),
+        None => section.text("Agreement between participants requires at least two participants."),
     }
     section.heading("Within participants");
     let Some((kappa, interval)) = results.kappa else {

@@ -1,4 +1,4 @@
-//! The combined information from a study's sidecars: who rated, on which screen, and what differs between sittings.
+//! Combines the information from a study's sidecars: who rated, on which screen, and what differs between sittings.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,7 +10,7 @@ use crate::{
     },
 };
 
-/// Every sitting with its session.
+/// Returns every sitting with its session.
 pub(super) fn all(source: &Source) -> impl Iterator<Item = (&SessionRead, &Sitting)> {
     source.sessions.iter().flat_map(|session| sittings(session).map(move |sitting| (session, sitting)))
 }
@@ -19,24 +19,24 @@ fn sittings(session: &SessionRead) -> impl Iterator<Item = &Sitting> {
     session.sidecar.iter().flat_map(|sidecar| &sidecar.sittings)
 }
 
-/// Whether any ratings of a session come from a program instead of a person.
+/// True if any ratings of a session come from a program instead of a person.
 pub(super) fn is_simulated(session: &SessionRead) -> bool {
     sittings(session).any(|sitting| sitting.observer.is_some())
 }
 
-/// Participants with any ratings that come from a program.
+/// Returns the participants who have any ratings from a program.
 pub(super) fn simulated(source: &Source) -> BTreeSet<&str> {
     source.sessions.iter().filter(|session| is_simulated(session)).map(|session| session.subject.as_str()).collect()
 }
 
-/// The first and the last day on which a sitting began, `2026-11-21`.
+/// Returns the first and the last day on which a sitting began, such as `2026-11-21`.
 pub(super) fn days(source: &Source) -> Option<(&str, &str)> {
     let days: BTreeSet<&str> = all(source).filter_map(|(_, sitting)| sitting.started_at.get(..10)).collect();
     Some((days.first()?, days.last()?))
 }
 
-/// Settings that may differ between sittings, and the number of sittings for each of their values; a setting that no
-/// sitting records is omitted.
+/// Returns the settings that may differ between sittings, with the number of sittings for each value. A setting that no
+/// sitting recorded is omitted.
 pub(super) fn properties(source: &Source) -> Vec<(&'static str, Vec<(String, usize)>)> {
     type Value = fn(&Sitting) -> Option<String>;
     let values_of: [(&'static str, Value); 7] = [
@@ -98,7 +98,7 @@ fn stimulus(sitting: &Sitting) -> Option<String> {
     Some(format!("{deg}° in {px} pixels{windowed}"))
 }
 
-/// A number with at most this many decimals.
+/// Rounds a number to at most this many decimals.
 fn trimmed(number: f64, decimals: i32) -> f64 {
     let scale = 10_f64.powi(decimals);
     (number * scale).round() / scale

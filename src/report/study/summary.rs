@@ -1,4 +1,4 @@
-//! The summary in plain language. Every sentence is computed from the results.
+//! The plain-language summary. Every sentence is computed from the results.
 
 use super::{cautions::cautions, findings, health, names};
 use crate::{
@@ -14,9 +14,9 @@ use crate::{
     store::ratings::Source,
 };
 
-/// Krippendorff's α from which data are considered reliable.
+/// Krippendorff's α at or above which data are considered reliable.
 const RELIABLE: f64 = 0.8;
-/// Krippendorff's α from which tentative conclusions are allowed.
+/// Krippendorff's α at or above which tentative conclusions are allowed.
 const TENTATIVE: f64 = 0.667;
 
 /// A study's conclusions, in sentences.
@@ -33,7 +33,7 @@ pub struct Summary {
 pub(super) fn section(source: &Source, results: &Results) -> Section {
     let Summary { lead, findings, mut cautions } = summary(source, results);
     let mut section = Section::new("summary", "Summary");
-    // First, and prominently.
+    // A caution about simulated data comes first, and prominently.
     if cautions.first().is_some_and(|first| first.contains("simulated")) {
         section.warning(cautions.remove(0));
     }
@@ -46,7 +46,7 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
     section
 }
 
-/// The summary of a study.
+/// Summarizes a study.
 pub fn summary(source: &Source, results: &Results) -> Summary {
     let mut findings: Vec<String> = names::varied(results).map(|factor| findings::finding(results, factor)).collect();
     findings.extend(findings::interactions(results));
@@ -63,7 +63,7 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
     let mut lead = vec![names::rated(&who, results, "which differ in", levels)];
     if let Some((low, high)) = names::ends(counts, source.protocol.as_ref()) {
         let positions =
-            if names::categories_are_texts(counts) { "; means are of their positions, counted from 0" } else { "" };
+            if names::categories_are_texts(counts) { "; means use their positions, counted from 0" } else { "" };
         lead.push(format!("Ratings range from {low} to {high}{positions}."));
     }
     if counts.total() > 0 {
@@ -83,14 +83,14 @@ fn between_participants(results: &Results) -> Option<String> {
     let (least, most) = (results.subjects.iter().min_by(by_mean)?, results.subjects.iter().max_by(by_mean)?);
     let own =
         |subject: &SubjectResults| format!("{} ({})", mean(subject.group.summary.mean), names::participant(subject));
-    Some(format!("The means of individual participants range from {} to {}.", own(least), own(most)))
+    Some(format!("The mean ratings of individual participants range from {} to {}.", own(least), own(most)))
 }
 
-/// Krippendorff's α, compared with his limits.
+/// States Krippendorff's α and compares it with his limits.
 fn agreement(results: &Results) -> Option<String> {
     let alpha = results.alpha?;
     let verdict = match alpha.alpha {
-        a if a >= RELIABLE => "at or above .800, the limit from which Krippendorff considers data reliable",
+        a if a >= RELIABLE => "at or above .800, where Krippendorff considers data reliable",
         a if a >= TENTATIVE => "between .667 and .800, where Krippendorff allows only tentative conclusions",
         _ => "below .667, Krippendorff’s limit for even tentative conclusions",
     };

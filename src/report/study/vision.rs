@@ -1,5 +1,5 @@
-//! Predictions of the model of vision: the paper's Figure 4 next to that of the ratings, the agreement in rank order, and
-//! the largest deviations.
+//! The section about the vision model's predictions: predicted and measured versions of the paper's Figure 4, the
+//! agreement in rank order, and the largest deviations.
 
 use super::{names, sittings};
 use crate::{
@@ -15,10 +15,10 @@ use crate::{
     store::ratings::Source,
 };
 
-/// Number of conditions reported because they deviate most from the ratings.
+/// Number of conditions to report, out of those whose predictions deviate most from the ratings.
 const FURTHEST: usize = 3;
 
-/// The section; `figures` are the measured and the predicted ones.
+/// Writes the section; `figures` contains the measured and the predicted charts.
 pub(super) fn section(
     source: &Source,
     results: &Results,
@@ -35,9 +35,9 @@ pub(super) fn section(
     };
     let (counts, comparison) = (&results.measured.counts, &prediction.comparison);
     section.text(format!(
-        "A model of early vision receives the stimulus of every condition, in a window {} wide on a screen whose white has \
-         {} cd/m². It predicts how visible the bands are: 0 for none, 1 for bands that are just visible. It does not use \
-         the ratings; only the criterion is fitted to them: {}.",
+        "A model of early vision receives the stimulus of every condition, in a window {} wide on a screen with a \
+         white of {} cd/m². It predicts how visible the bands are: 0 for no bands, 1 for bands that are just visible. \
+         It does not use the ratings; only the criterion is fitted to them: {}.",
         degrees(prediction),
         fixed(prediction.viewing.white_cd_m2, 0),
         criterion(comparison, counts)
@@ -56,7 +56,7 @@ pub(super) fn section(
     section
 }
 
-/// The width of the window, with its unit.
+/// Formats the width of the window with its unit.
 pub(super) fn degrees(prediction: &StudyPrediction) -> String {
     let text = fixed(prediction.viewing.window_deg, 2);
     format!("{}°", text.trim_end_matches('0').trim_end_matches('.'))
@@ -73,7 +73,8 @@ fn criterion(comparison: &Comparison, counts: &Counts) -> String {
     )
 }
 
-/// A visibility to three digits, without separated thousands: a threshold far from all stimuli can have any size.
+/// Formats a visibility with about three digits and no thousands separators. A threshold far from all stimuli can be
+/// arbitrarily large or small.
 fn visibility(value: f64) -> String {
     if (0.01..10_000.0).contains(&value) {
         fixed(value, if value < 10.0 { 2 } else { 1 })
@@ -98,10 +99,10 @@ fn order(comparison: &Comparison, counts: &Counts) -> String {
     )
 }
 
-/// The prediction compared with the noise ceiling.
+/// Compares the prediction with the noise ceiling.
 fn ceiling(comparison: &Comparison) -> String {
     let (Some(each), Some([low, high])) = (comparison.with_subjects, comparison.ceiling) else {
-        return "How much of the order any model could predict is not known: this requires the agreement of at least two \
+        return "It is not known how much of the order any model could predict, because this requires at least two \
                 participants."
             .to_owned();
     };
@@ -112,7 +113,7 @@ fn ceiling(comparison: &Comparison) -> String {
         "The model reaches it: it predicts a participant as well as the other participants do, and these ratings cannot \
          distinguish it from a perfect model."
     } else {
-        "The model is above it, which is more than agreement allows: many ratings are equal, so the measure is coarse."
+        "The model is above it, which exceeds what agreement allows: many ratings are equal, so the measure is coarse."
     };
     format!(
         "The mean correlation for individual participants is {}. The noise ceiling, which is how well each participant \
@@ -123,12 +124,12 @@ fn ceiling(comparison: &Comparison) -> String {
     )
 }
 
-/// The conditions whose mean ratings are farthest from the prediction.
+/// Names the conditions with mean ratings farthest from the prediction.
 fn furthest(results: &Results, prediction: &StudyPrediction) -> Option<String> {
     let mut far: Vec<(u32, f64, f64)> = ((0..).zip(&results.cells).zip(&prediction.ratings))
         .filter_map(|((condition, cell), expected)| Some((condition, cell.summary.mean, (*expected)?)))
         .collect();
-    // Among equal distances the first conditions win, so that the same ratings always give the same page.
+    // Among equal distances, the first conditions are chosen, so that the same ratings always give the same page.
     far.sort_by(|a, b| (b.1 - b.2).abs().total_cmp(&(a.1 - a.2).abs()));
     let named: Vec<String> = (far.iter().take(FURTHEST))
         .map(|(condition, rated, expected)| {
@@ -137,5 +138,5 @@ fn furthest(results: &Results, prediction: &StudyPrediction) -> Option<String> {
         })
         .collect();
     (!named.is_empty())
-        .then(|| format!("The predictions farthest from the mean ratings are those for {}.", named.join("; for ")))
+        .then(|| format!("The predictions are farthest from the mean ratings for {}.", named.join("; for ")))
 }

@@ -1,5 +1,5 @@
-//! BIDS 1.11, behavioral data: a table and a sidecar for each session, the metadata of each task at the top level, the
-//! pictures below `stimuli`, and the data as recorded below `sourcedata`.
+//! Export of behavioral data in BIDS 1.11: a table and a sidecar for each session, the metadata of each task at the top
+//! level, the pictures in `stimuli`, and the data as recorded in `sourcedata`.
 
 use std::{collections::BTreeMap, path::Path};
 
@@ -21,24 +21,25 @@ use crate::{
     },
 };
 
-/// The version of the standard.
+/// Version of the BIDS standard.
 const VERSION: &str = "1.11.1";
-/// A missing value.
+/// How BIDS writes a missing value.
 const MISSING: &str = "n/a";
-/// Our columns that BIDS calls by another name. The first two come first in the table, followed by the picture's file.
-/// Onset and duration keep our names: with the BIDS names, a behavioral table would be mistaken for a table of events.
+/// Our columns that have a different name in BIDS. The first two come first in the table, followed by the picture's
+/// file. Onset and duration keep our names: with the BIDS names, a behavioral table would be mistaken for a table of
+/// events.
 const RENAMED: [(&str, &str); 4] = [
     ("phase", "trial_type"),
     ("response_time_s", "response_time"),
     ("subject_id", "participant_id"),
     ("session_id", "session_id"),
 ];
-/// How many of them come first in the table.
+/// How many of these columns come first in the table.
 const LEADING: usize = 2;
 /// The column that names the picture.
 const STIM_FILE: &str = "stim_file";
 
-/// Writes the data set into `to`. Returns the number of its pictures.
+/// Writes the data set into `to`, and returns its number of pictures.
 pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<String>) -> Result<usize, StoreError> {
     let (stimuli, pictures) = stimuli::write(experiments, &to.join("stimuli"), notes)?;
     write_json(&to.join(DESCRIPTION), &description(experiments, notes))?;
@@ -67,13 +68,13 @@ fn write_session(session: &Recorded, stimuli: &Stimuli, common: bool, to: &Path)
     write_file(&folder.join(format!("{stem}.tsv")), table(session, stimuli).as_bytes())?;
     let mut sidecar = of_session(session);
     if !common {
-        // Sessions with the same name but different definitions each have their own.
+        // If sessions of the same experiment have different definitions, each session's sidecar has its own metadata.
         sidecar.append(&mut of_task(&session.protocol));
     }
     write_json(&folder.join(format!("{stem}.json")), &sidecar.into())
 }
 
-/// The columns in the order of the table, each with its place in a row; `None` for the picture's file.
+/// Returns the columns in table order, each with its index in a row; `None` for the picture's file.
 fn ordered(columns: &[Column]) -> Vec<(Option<usize>, &str)> {
     let leads = |column: &Column| RENAMED[..LEADING].iter().any(|(ours, _)| *ours == column.name);
     let (leading, rest): (Vec<_>, Vec<_>) = columns.iter().enumerate().partition(|(_, column)| leads(column));
@@ -81,7 +82,7 @@ fn ordered(columns: &[Column]) -> Vec<(Option<usize>, &str)> {
     places.map(|place| place.map_or((None, STIM_FILE), |(i, column)| (Some(*i), name(column)))).collect()
 }
 
-/// The BIDS name of a column.
+/// Returns the BIDS name of a column.
 fn name(column: &Column) -> &str {
     RENAMED.iter().find(|(ours, _)| *ours == column.name).map_or(&column.name, |(_, theirs)| theirs)
 }
@@ -99,7 +100,7 @@ fn table(session: &Recorded, stimuli: &Stimuli) -> String {
     text
 }
 
-/// A cell of the table: never empty, and without separators.
+/// Makes a cell valid for the table: never empty, and without separators.
 fn clean(name: &str, cell: &str) -> String {
     match name {
         _ if cell.is_empty() => MISSING.to_owned(),
@@ -109,7 +110,7 @@ fn clean(name: &str, cell: &str) -> String {
     }
 }
 
-/// Metadata that all sessions of a task share: the instructions and the meaning of the columns.
+/// Returns the metadata that all sessions of a task share: the instructions and the meaning of the columns.
 fn of_task(protocol: &Protocol) -> Map<String, Value> {
     let columns = columns(protocol);
     let mut entries = keys([
@@ -119,7 +120,7 @@ fn of_task(protocol: &Protocol) -> Map<String, Value> {
     ]);
     for (place, name) in ordered(&columns) {
         let described = place.map_or_else(
-            || json!({ "Description": "File of the picture that was shown, below stimuli/." }),
+            || json!({ "Description": "File of the picture that was shown, in stimuli/." }),
             |place| described(&columns[place]),
         );
         entries.insert(name.to_owned(), described);
@@ -127,12 +128,12 @@ fn of_task(protocol: &Protocol) -> Map<String, Value> {
     entries
 }
 
-/// The keys that have a value.
+/// Keeps only the keys that have a value.
 fn keys<const N: usize>(entries: [(&str, Option<Value>); N]) -> Map<String, Value> {
     entries.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))).collect()
 }
 
-/// The page that a participant reads first, and the scale.
+/// Returns the page that a participant reads first, followed by the response scale.
 fn instructions(protocol: &Protocol) -> String {
     let texts = &protocol.instructions;
     let scale: Vec<String> =
@@ -152,11 +153,11 @@ fn described(column: &Column) -> Value {
     .into()
 }
 
-/// One session. BIDS allows additional keys.
+/// Returns the metadata of one session. BIDS allows additional keys.
 fn of_session(session: &Recorded) -> Map<String, Value> {
     let sittings = &session.sidecar.sittings;
     let presented: Vec<Map<String, Value>> = sittings.iter().map(presentation).collect();
-    // If sittings differ, the session as a whole has no single value.
+    // Where sittings differ, the session as a whole has no single value.
     let mut common = presented.first().cloned().unwrap_or_default();
     common.retain(|key, value| presented.iter().all(|other| other.get(key) == Some(value)));
     let each = sittings.iter().zip(presented).map(|(sitting, presented)| {
@@ -180,7 +181,8 @@ fn of_session(session: &Recorded) -> Map<String, Value> {
     ])
 }
 
-/// Screen and program with the names and units of BIDS; unknown values are omitted. `n/a` means that there was no screen.
+/// Describes the screen and the program with BIDS names and units; unknown values are omitted. `n/a` means that there
+/// was no screen.
 fn presentation(sitting: &Sitting) -> Map<String, Value> {
     let number = |part: &Option<Value>, key: &str| part.as_ref()?.get(key)?.as_f64();
     let (wide, high) = (number(&sitting.monitor, "width_px"), number(&sitting.monitor, "height_px"));
@@ -191,7 +193,7 @@ fn presentation(sitting: &Sitting) -> Map<String, Value> {
     let size = width.zip(pixels).map(|(width, (wide, high))| json!([meters(width), meters(width * high / wide)]));
     let refresh_hz = number(&sitting.frames, "refresh_s").filter(|seconds| *seconds > 0.0).map(f64::recip);
     let refresh_hz = refresh_hz.or(number(&sitting.monitor, "refresh_hz"));
-    // `n/a`: there was no screen.
+    // `n/a` means that there was no screen.
     let no_screen = (sitting.observer.is_some() && sitting.viewing.is_none()).then(|| Value::from(MISSING));
     let program = &sitting.program;
     keys([
@@ -206,7 +208,7 @@ fn presentation(sitting: &Sitting) -> Map<String, Value> {
     ])
 }
 
-/// Centimeters to meters, rounded to a hundredth of a millimeter.
+/// Converts centimeters to meters, rounded to a hundredth of a millimeter.
 fn meters(centimeters: f64) -> Value {
     rounded(centimeters / 100.0, 1e5)
 }
@@ -215,7 +217,8 @@ fn rounded(value: f64, steps: f64) -> Value {
     ((value * steps).round() / steps).into()
 }
 
-/// The description of the whole data set, with the entries that people added to those of the experiments.
+/// Returns the description of the whole data set, including the entries that people added to the descriptions of the
+/// experiments.
 fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Value {
     let written = written(experiments);
     let titles: Vec<&str> = experiments.iter().map(|one| one.sessions[0].protocol.title.as_str()).collect();
@@ -264,7 +267,7 @@ fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Value {
     entries.into()
 }
 
-/// A DOI in BIDS form; values of other keys are unchanged.
+/// Converts a DOI to its BIDS form; values of other keys are unchanged.
 fn doi(key: &str, value: &str) -> Option<String> {
     if key != "DatasetDOI" {
         return Some(value.to_owned());
@@ -273,7 +276,7 @@ fn doi(key: &str, value: &str) -> Option<String> {
     bare.or(value.starts_with("10.").then_some(value)).map(|bare| format!("doi:{bare}"))
 }
 
-/// The descriptions next to the data, if they exist and are JSON.
+/// Reads the descriptions next to the data, if they exist and are valid JSON.
 fn written(experiments: &[Experiment]) -> Vec<Value> {
     let mut files: Vec<_> = experiments
         .iter()
@@ -284,7 +287,7 @@ fn written(experiments: &[Experiment]) -> Vec<Value> {
     files.iter().filter_map(|path| serde_json::from_slice(&std::fs::read(path).ok()?).ok()).collect()
 }
 
-/// Texts of a schema.org value: a text, an object with a name, or a list of these.
+/// Returns the texts in a schema.org value, which is a text, an object with a name, or a list of these.
 fn texts(value: &Value) -> Vec<String> {
     match value {
         Value::String(text) => vec![text.clone()],
@@ -312,18 +315,18 @@ fn readme(experiments: &[Experiment]) -> String {
         );
     }
     text + "
-Each row of a `_beh.tsv` file is one trial; `n/a` is a missing value. Rows whose `trial_type` is practice are not data. A corrected
-response is a separate row with `attempt` + 1; the last attempt of a trial counts. `TrialsRated` below `TrialsPlanned`
-marks an unfinished session. `Sittings` describes the program and the screen. A sitting with a `SimulatedObserver` had
-neither a participant nor a screen.
+Each row of a `_beh.tsv` file is one trial; `n/a` is a missing value. Rows with the `trial_type` practice are not data.
+A corrected response is a separate row with `attempt` + 1; the last attempt of a trial counts. If `TrialsRated` is less
+than `TrialsPlanned`, the session is unfinished. `Sittings` describes the program and the screen. A sitting with a
+`SimulatedObserver` had neither a participant nor a screen.
 
-`stim_file` names the picture below `stimuli/`, which was rendered again from its recipe; its hash matches what was shown.
+`stim_file` names the picture in `stimuli/`, which was re-rendered from its recipe; its hash matches what was shown.
 `sourcedata/` contains the data as recorded: a Psych-DS data set for each experiment. The JSON file next to each CSV file
 contains the definition, the display profile and a record of the session.
 "
 }
 
-/// In the form that the standard requires: a version, the date of the last sitting, and the content.
+/// Writes the change log in the form that BIDS requires: a version, the date of the last sitting, and the content.
 fn changes(experiments: &[Experiment]) -> String {
     let sittings = experiments.iter().flat_map(|one| &one.sessions).flat_map(|session| &session.sidecar.sittings);
     let last = sittings.filter_map(|sitting| sitting.started_at.parse::<jiff::Timestamp>().ok()).max();
@@ -332,7 +335,8 @@ fn changes(experiments: &[Experiment]) -> String {
     format!("1.0.0 {day}\n  - Sessions up to this date, exported by machband {version}.\n")
 }
 
-/// One row per participant, with only what is known: the sessions, and whether a person or a simulation rated.
+/// Writes one row per participant. It contains only what is known: the number of sessions, and whether a person or a
+/// simulated observer rated.
 fn write_participants(experiments: &[Experiment], to: &Path) -> Result<(), StoreError> {
     let mut participants: BTreeMap<&str, Vec<&Recorded>> = BTreeMap::new();
     for session in experiments.iter().flat_map(|experiment| &experiment.sessions) {
@@ -354,7 +358,7 @@ fn write_participants(experiments: &[Experiment], to: &Path) -> Result<(), Store
         "participant_id": { "Description": "Participant." },
         "observer": {
             "Description": "Type of observer.",
-            "Levels": { "person": "A person", "simulated": "A simulated observer", "both": "Some sessions each" },
+            "Levels": { "person": "A person", "simulated": "A simulated observer", "both": "Sessions of both types" },
         },
         "sessions": { "Description": "Sessions of all tasks in this data set." },
         "complete_sessions": { "Description": "Sessions in which every planned trial was rated." },

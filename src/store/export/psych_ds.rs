@@ -1,4 +1,5 @@
-//! Psych-DS. The results folder already is such a data set; the copy has only complete rows, and describes every column.
+//! Export as Psych-DS. A results folder already is such a data set; the copy has only complete rows, and describes
+//! every column.
 
 use std::{fs, path::Path};
 
@@ -16,7 +17,7 @@ use crate::{
     },
 };
 
-/// Files that describe a data set as a whole. Nothing else is copied: other files next to the data stay private.
+/// Files that describe a data set as a whole. Nothing else is copied, so other files next to the data stay private.
 const OWN: [&str; 8] = [
     DESCRIPTION,
     "README.md",
@@ -28,7 +29,7 @@ const OWN: [&str; 8] = [
     "CITATION.cff",
 ];
 
-/// Writes a data set for each experiment below `to`.
+/// Writes a data set for each experiment into a subfolder of `to`.
 pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<String>) -> Result<(), StoreError> {
     for experiment in experiments {
         let folder = to.join(&experiment.name);
@@ -43,7 +44,7 @@ pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<Strin
     Ok(())
 }
 
-/// Copies an experiment's sessions as they are, with the files that describe their data set.
+/// Copies an experiment's sessions unchanged, together with the files that describe their data set.
 pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreError> {
     let data = folder.join("data");
     make_folder(&data)?;

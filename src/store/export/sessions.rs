@@ -14,26 +14,26 @@ use crate::{
 
 /// An experiment with all its sessions.
 pub(super) struct Experiment {
-    /// Name of its definition.
+    /// Name of the experiment's definition.
     pub name: String,
-    /// In natural order of their paths.
+    /// The sessions, in natural order of their paths.
     pub sessions: Vec<Recorded>,
 }
 
 impl Experiment {
-    /// Whether its sessions share one definition, and thus the same columns with the same meaning.
+    /// True if all sessions share one definition, and thus have the same columns with the same meaning.
     pub fn has_one_definition(&self) -> bool {
         self.sessions.iter().all(|session| session.protocol == self.sessions[0].protocol)
     }
 }
 
-/// The data set of a data file: the folder that contains its `data` folder.
+/// Returns the data set of a data file: the folder that contains its `data` folder.
 pub(super) fn dataset(csv: &Path) -> Option<&Path> {
     let data = csv.parent()?;
     (data.file_name()? == "data").then(|| data.parent())?
 }
 
-/// Reads all sessions, or reports all their faults.
+/// Reads all sessions, or reports all their errors.
 pub(super) fn read(files: &[PathBuf]) -> Result<Vec<Recorded>, FileFaults> {
     let (sessions, faults): (Vec<_>, Vec<_>) = files.par_iter().partition_map(|csv| match Recorded::open(csv) {
         Ok(session) => match faults(&session) {
@@ -46,9 +46,9 @@ pub(super) fn read(files: &[PathBuf]) -> Result<Vec<Recorded>, FileFaults> {
     Ok(sessions)
 }
 
-/// Why a readable session must not be exported.
+/// Returns the reasons why a readable session must not be exported.
 fn faults(session: &Recorded) -> Vec<FileFault> {
-    // The name becomes a folder name, and a sidecar may contain anything.
+    // The experiment's name becomes a folder name, and a sidecar may contain any text.
     let name = name_fault(&session.protocol.name).map(|message| FileFault::whole(&session.sidecar_path, message));
     let mut faults: Vec<FileFault> = name.into_iter().chain(session.row_faults()).collect();
     let columns = columns(&session.protocol);
@@ -64,7 +64,7 @@ fn faults(session: &Recorded) -> Vec<FileFault> {
     faults
 }
 
-/// Excludes incomplete sessions if requested; otherwise notes them.
+/// Notes every incomplete session, and excludes it if requested.
 pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &mut Vec<String>) -> Vec<Recorded> {
     sessions.retain(|session| {
         let (rated, planned) = session.rated();
@@ -79,9 +79,11 @@ pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &m
     sessions
 }
 
+/// Groups sessions by experiment.
+///
 /// # Errors
-/// Two sessions with the same path: because of their names, because the file system ignores case, or because task names
-/// lose their hyphens.
+/// Two sessions would have the same path: because their names are the same, because the file system ignores case, or
+/// because task names lose their hyphens.
 pub(super) fn by_experiment(sessions: Vec<Recorded>) -> Result<Vec<Experiment>, FileFaults> {
     let mut places: BTreeMap<String, &Recorded> = BTreeMap::new();
     let mut subjects: BTreeMap<String, &str> = BTreeMap::new();
@@ -91,7 +93,7 @@ pub(super) fn by_experiment(sessions: Vec<Recorded>) -> Result<Vec<Experiment>, 
         let known = subjects.entry(subject.to_ascii_lowercase()).or_insert(subject);
         if *known != subject {
             let message = format!(
-                "participant IDs {subject} and {known} differ only in case; expected IDs that differ in other ways"
+                "participant IDs {subject} and {known} differ only in case; expected IDs that differ in more than case"
             );
             faults.push(FileFault::whole(&session.csv, message));
         }

@@ -1,4 +1,5 @@
-//! The distinct pictures that were shown, rendered again from the sidecars' recipes and compared with the hashes there.
+//! The distinct pictures that were shown, re-rendered from the recipes in the sidecars and compared with the hashes
+//! there.
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap, HashSet},
@@ -21,27 +22,27 @@ use crate::{
     },
 };
 
-/// Digits of a hash in a file's name.
+/// Number of digits of a hash in a file name.
 const HASH_SHOWN: usize = 8;
-/// Maximum length of the levels in a file name.
-const LONGEST_LABEL: usize = 150;
+/// Maximum length of the part of a file name that lists the levels.
+const MAX_LABEL: usize = 150;
 
-/// The file name for each data file, sitting (from 1) and condition (from 0).
+/// The picture's file name for each data file, sitting (from 1) and condition (from 0).
 #[derive(Default)]
 pub(super) struct Stimuli(HashMap<(PathBuf, u32, usize), String>);
 
 impl Stimuli {
-    /// Name of the file that a row showed, relative to the stimuli folder.
+    /// Returns the file of the picture shown in a row's trial, relative to the stimuli folder.
     pub(super) fn of(&self, session: &Recorded, row: &TrialRecord) -> Option<&str> {
         let condition = session.condition(row)?;
         self.0.get(&(session.csv.clone(), row.sitting, condition)).map(String::as_str)
     }
 }
 
-/// Writes every picture into `folder`, and also returns their number.
+/// Writes every picture into `folder`, and returns their file names and their number.
 ///
 /// # Errors
-/// Every picture that differs from the one that was shown; I/O errors.
+/// Reports every picture that differs from the one that was shown; I/O errors.
 pub(super) fn write(
     experiments: &[Experiment],
     folder: &Path,
@@ -50,7 +51,7 @@ pub(super) fn write(
     let sessions = || experiments.iter().flat_map(|experiment| &experiment.sessions);
     let mut renderer = Renderer::default();
     FileFaults::none(sessions().flat_map(|session| picture_faults(session, &mut renderer)).collect())?;
-    // Equal pictures share one file.
+    // Identical pictures share one file.
     let (mut names, mut files) = (HashMap::<String, String>::new(), BTreeMap::new());
     let (mut shown, mut proved) = (HashMap::new(), HashSet::new());
     for session in sessions() {
@@ -62,7 +63,7 @@ pub(super) fn write(
             let known = session.sidecar.sittings.get((sitting as usize).saturating_sub(1));
             let Some(pictures) = known.and_then(|sitting| sitting.pictures.as_ref()) else {
                 notes.push(format!(
-                    "{}: does not describe how the pictures of sitting {sitting} were made; their stim_file is n/a",
+                    "{}: does not describe how the pictures of sitting {sitting} were rendered; their stim_file is n/a",
                     session.sidecar_path.display()
                 ));
                 continue;
@@ -102,7 +103,8 @@ pub(super) fn write(
     Ok((Stimuli(shown), files.len()))
 }
 
-/// `mach-band_width-0.4_depth-1`: for readers; the hash after it makes the name unique.
+/// Returns a label such as `mach-band_width-0.4_depth-1`. It is meant for people; the hash after it makes the name
+/// unique.
 fn label(protocol: &Protocol, condition: &Condition) -> String {
     let mut label = condition.stimulus.kind().to_owned();
     for (factor, level) in protocol.factors.iter().zip(&condition.levels) {
@@ -110,6 +112,6 @@ fn label(protocol: &Protocol, condition: &Condition) -> String {
         let clean = level.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '-' });
         label += &format!("_{}-{}", factor.name, clean.collect::<String>());
     }
-    label.truncate(LONGEST_LABEL);
+    label.truncate(MAX_LABEL);
     label
 }

@@ -19,25 +19,26 @@ pub enum Format {
     PsychDs,
 }
 
-/// What was written.
+/// A summary of what was exported.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Exported {
-    /// Names of the experiments, in their order.
+    /// Names of the experiments, sorted.
     pub experiments: Vec<String>,
     pub sessions: usize,
     pub rows: usize,
     /// Number of pictures, if the format includes them.
     pub pictures: usize,
-    /// Notes for readers of the data, each once, as `WHERE: what`.
+    /// Notes for readers of the data, in the form `WHERE: what`, without duplicates.
     pub notes: Vec<String>,
 }
 
-/// Exports the sessions in `from` (a results folder, the folder of one experiment, or its `data` folder) into the new or
-/// empty folder `to`. `complete_only` excludes sessions with unrated trials.
+/// Exports the sessions in `from` (a results folder, the folder of one experiment, or its `data` folder) into the new
+/// or empty folder `to`. `complete_only` excludes sessions with unrated trials.
 ///
 /// # Errors
-/// `to` is not empty or is inside the data; no session; every fault of every session that cannot be read, was changed,
-/// or exists twice; pictures that differ from those that were shown; I/O errors. Nothing is written then.
+/// `to` is not empty or is inside the data; there is no session; a session cannot be read, was changed, or exists twice
+/// (every error in every such session is reported); a picture differs from the one that was shown; I/O errors. If there
+/// is an error, nothing is written.
 pub fn export(from: &Path, to: &Path, format: Format, complete_only: bool) -> Result<Exported, StoreError> {
     let files = ratings::data_files(from)?;
     let to = target(from, to, &files)?;
@@ -45,7 +46,7 @@ pub fn export(from: &Path, to: &Path, format: Format, complete_only: bool) -> Re
     let sessions = sessions::read(&files)?;
     let sessions = sessions::chosen(sessions, complete_only, &mut exported.notes);
     if sessions.is_empty() {
-        return Err(FileFaults::whole(from, "has no complete session; expected one, or no --complete-only").into());
+        return Err(FileFaults::whole(from, "has no complete session; expected one, or omit --complete-only").into());
     }
     (exported.sessions, exported.rows) = (sessions.len(), sessions.iter().map(|session| session.rows.len()).sum());
     let experiments = sessions::by_experiment(sessions)?;
@@ -62,7 +63,7 @@ pub fn export(from: &Path, to: &Path, format: Format, complete_only: bool) -> Re
     Ok(exported)
 }
 
-/// The folder to write, by its full path; refused if it is not empty or is inside the data.
+/// Returns the full path of the folder to write; an error if it is not empty or is inside the data.
 fn target(from: &Path, to: &Path, files: &[PathBuf]) -> Result<PathBuf, StoreError> {
     let fault = |message: &str| FileFaults::whole(to, message);
     let refused = |error| io(to, "read")(error);
@@ -82,7 +83,7 @@ fn target(from: &Path, to: &Path, files: &[PathBuf]) -> Result<PathBuf, StoreErr
     Ok(full)
 }
 
-/// The full path, without links, of a file or folder that may not exist yet.
+/// Returns the full path, with all links resolved, of a file or folder that may not exist yet.
 fn full_path(path: &Path) -> std::io::Result<PathBuf> {
     let path = std::path::absolute(path)?;
     match (path.canonicalize(), path.parent(), path.file_name()) {
@@ -93,21 +94,21 @@ fn full_path(path: &Path) -> std::io::Result<PathBuf> {
     }
 }
 
-/// Fills a temporary folder next to `to`, and renames it when it is complete.
+/// Fills a temporary folder next to `to`, and renames it to `to` when it is complete.
 fn into_folder(to: &Path, fill: impl FnOnce(&Path) -> Result<(), StoreError>) -> Result<(), StoreError> {
     let (Some(parent), Some(name)) = (to.parent(), to.file_name()) else {
-        return Err(FileFaults::whole(to, "cannot be created as a folder; expected another path").into());
+        return Err(FileFaults::whole(to, "cannot be created as a folder; expected a different path").into());
     };
     make_folder(parent)?;
     let prefix = format!(".{}.", name.to_string_lossy());
     let mut builder = tempfile::Builder::new();
     let temporary = builder.prefix(&prefix).suffix(".tmp").tempdir_in(parent).map_err(io(parent, "write"))?;
-    // Inside the temporary folder, which only its owner can access.
+    // The folder is inside the temporary folder because only its owner can access that one.
     let folder = temporary.path().join(name);
     make_folder(&folder)?;
     fill(&folder)?;
     if to.exists() {
-        // Fails if something was put there in the meantime.
+        // This fails if something was put into the folder in the meantime.
         fs::remove_dir(to).map_err(io(to, "replace"))?;
     }
     fs::rename(&folder, to).map_err(io(to, "write"))

@@ -1,4 +1,5 @@
-//! Images (PNG): stimuli, written with their recipe and verified against it, and any other image as light.
+//! PNG images. Stimuli are written with their recipe and can be verified against it; any other image can be read as
+//! light.
 
 mod read;
 mod write;

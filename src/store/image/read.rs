@@ -1,4 +1,4 @@
-//! Reading PNG files: any image as light, and images from this program compared with their recipes.
+//! Reads PNG files: any image as light, and this program's own images to compare them with their recipes.
 
 use std::{
     fs::File,
@@ -20,14 +20,14 @@ use crate::{
     store::{FileFaults, file::read_bytes},
 };
 
-/// Maximum side of an image that is read as light, in pixels.
+/// Maximum side length of an image that is read as light, in pixels.
 const SIDE_MAX: u32 = 8192;
-/// Maximum file size in bytes: more than our largest image needs without compression.
+/// Maximum file size in bytes; more than the largest stimulus needs without compression.
 const FILE_MAX: u64 = 2 << 30;
-/// Maximum expansion of a byte of PNG data; DEFLATE reaches 1032.
+/// Maximum number of bytes that one byte of PNG data can expand to; DEFLATE reaches 1032.
 const EXPANSION_MAX: usize = 1040;
 
-/// Reads any PNG (gray, color or palette) as the light that a screen produces from its codes.
+/// Reads any PNG (gray, color or palette) as the light that a screen with these transfer functions emits.
 ///
 /// # Errors
 /// The file is not readable, not a complete PNG, too large, or has an alpha channel, whose background is unknown.
@@ -35,10 +35,10 @@ pub fn read_light(path: &Path, transfers: &Transfers) -> Result<LinearImage, Fil
     parse_light(&path.display().to_string(), &content(path)?, transfers)
 }
 
-/// Reads the content of a PNG as light; `name` names it in messages.
+/// Reads the content of a PNG as light; `name` identifies it in messages.
 ///
 /// # Errors
-/// As for [`read_light`].
+/// The same as for [`read_light`].
 pub fn parse_light(name: &str, content: &[u8], transfers: &Transfers) -> Result<LinearImage, FileFaults> {
     let (image, _) = decode(name, content, |_| SIDE_MAX)?;
     let encoded: Vec<f64> = match &image.samples {
@@ -50,12 +50,12 @@ pub fn parse_light(name: &str, content: &[u8], transfers: &Transfers) -> Result<
     Ok(LinearImage { width: image.width, height: image.height, data })
 }
 
-/// The content of an image file.
+/// Reads the content of an image file.
 fn content(path: &Path) -> Result<Vec<u8>, FileFaults> {
     read_bytes(path, FILE_MAX, "an image")
 }
 
-/// The codes of an opaque PNG, and the chunks around them. `side_max`: the largest side it may have.
+/// Decodes an opaque PNG into its codes and its other chunks. `side_max` returns the largest allowed side length.
 fn decode(
     name: &str,
     content: &[u8],
@@ -81,7 +81,7 @@ fn decode(
             ));
         }
     };
-    // Otherwise a small file that claims to contain a huge image would exhaust the memory before the error is found.
+    // Without this check, a small file that claims to contain a huge image would exhaust the memory.
     let size = reader.output_buffer_size().filter(|size| *size <= content.len().saturating_mul(EXPANSION_MAX));
     let Some(size) = size else {
         return Err(fail(format!("is too short for {width} × {height} pixels; expected a complete PNG")));
@@ -99,14 +99,14 @@ fn decode(
     Ok((CodeImage { width, height, samples }, info))
 }
 
-/// An image file from this program.
+/// An image that this program wrote.
 #[derive(Clone, Debug)]
 pub struct ReadBack {
     /// How it was made.
     pub recipe: Recipe,
     /// The palette it was reduced to, if any.
     pub reduction: Option<Reduction>,
-    /// Its halftone, if any.
+    /// The halftone screen it was drawn with, if any.
     pub halftone: Option<Screen>,
     /// Its pixels.
     pub image: CodeImage,
@@ -117,7 +117,7 @@ fn text(info: &Info<'_>, keyword: &str) -> Option<String> {
     chunks.iter().find(|chunk| chunk.keyword == keyword).map(|chunk| chunk.text.clone())
 }
 
-/// The recipe's text in an image file, without reading the pixels; `None` if there is none.
+/// Returns the recipe's text in an image file without reading the pixels; `None` if there is no recipe.
 pub(crate) fn recipe_text(path: &Path) -> Option<String> {
     let reader = Decoder::new(BufReader::new(File::open(path).ok()?)).read_info().ok()?;
     text(reader.info(), KEYWORD)
@@ -126,7 +126,7 @@ pub(crate) fn recipe_text(path: &Path) -> Option<String> {
 /// Reads an image with its recipe.
 ///
 /// # Errors
-/// The file is not readable, not a PNG from this program, or too large.
+/// The file is not readable, is not a PNG from this program, or is too large.
 pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
     parse(&path.display().to_string(), &content(path)?)
 }
@@ -158,18 +158,18 @@ fn parsed<T: FromStr<Err: std::fmt::Display>>(info: &Info<'_>, keyword: &str) ->
     parsed.transpose().map_err(|error| format!("its text chunk `{keyword}`: {error}"))
 }
 
-/// Verifies an image: renders its recipe again and compares every code. Returns a sentence that describes it.
+/// Verifies an image by re-rendering its recipe and comparing every code. Returns a sentence that describes the image.
 ///
 /// # Errors
-/// As for [`read`]; or the number of codes that differ, and the first of them.
+/// The same as for [`read`]; or the image differs, with the number of differing pixels and the first of them.
 pub fn prove(path: &Path) -> Result<String, FileFaults> {
     prove_content(&path.display().to_string(), &content(path)?)
 }
 
-/// As [`prove`], for the content of an image; `name` names it in messages.
+/// The same as [`prove`], for the content of an image; `name` identifies it in messages.
 ///
 /// # Errors
-/// As for [`prove`].
+/// The same as for [`prove`].
 pub fn prove_content(name: &str, content: &[u8]) -> Result<String, FileFaults> {
     let read = parse(name, content)?;
     let (image, recipe) = (&read.image, &read.recipe);
@@ -202,7 +202,7 @@ pub fn prove_content(name: &str, content: &[u8]) -> Result<String, FileFaults> {
 }
 
 impl ReadBack {
-    /// What the image should be.
+    /// Renders what the image should be.
     fn expected(&self) -> Result<CodeImage, String> {
         let recipe = &self.recipe;
         if let Some(screen) = self.halftone {

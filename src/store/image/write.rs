@@ -1,4 +1,4 @@
-//! Writing images as PNG, in gray if the color allows, with the meaning of the codes and the recipe.
+//! Writes images as PNG, in grayscale if possible, with the meaning of the codes and the recipe.
 
 use std::{borrow::Cow, path::Path};
 
@@ -24,23 +24,24 @@ pub(super) const PALETTE_KEYWORD: &str = "machband-palette";
 pub(super) const HALFTONE_KEYWORD: &str = "machband-halftone";
 /// Keyword of the text chunk that holds the parameters of a shaded mesh as JSON.
 pub(super) const SHADED_KEYWORD: &str = "machband-shading";
-/// Chromaticities of D65 and of the sRGB primaries, in the hundred-thousandths of PNG. IEC 61966-2-1.
+/// Chromaticities of D65 and of the sRGB primaries (IEC 61966-2-1), in hundred-thousandths as PNG requires.
 const SRGB_CHROMATICITIES: [[u32; 2]; 4] = [[31_270, 32_900], [64_000, 33_000], [30_000, 60_000], [15_000, 6_000]];
-/// Entries of the tone curves in an embedded profile.
+/// Number of entries in each tone curve of an embedded profile.
 const CURVE_POINTS: u16 = 4096;
 
-/// Renders a recipe and writes it atomically as PNG. Returns the file's bytes.
+/// Renders a recipe and writes it atomically as a PNG. Returns the file's bytes.
 ///
 /// # Errors
-/// The system's refusal.
+/// I/O errors.
 pub fn write_recipe(path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<Vec<u8>, StoreError> {
     save(path, encode(&recipe.codes(quantizer), &recipe.transfers, &[(KEYWORD, describe(recipe))]))
 }
 
-/// Renders a recipe, reduces it to a palette and writes an indexed PNG. Returns the image with its error in linear light.
+/// Renders a recipe, reduces it to a palette and writes an indexed PNG. Returns the image with its error in linear
+/// light.
 ///
 /// # Errors
-/// 16 bits, for which there is no palette, or I/O errors.
+/// The recipe has 16 bits, which a palette cannot have; I/O errors.
 pub fn write_reduced(
     path: &Path,
     recipe: &Recipe,
@@ -56,27 +57,27 @@ pub fn write_reduced(
     Ok(image)
 }
 
-/// Renders a recipe as dots for a device with few codes, one cell per pixel, and writes it.
+/// Renders a recipe as a halftone for a device with few codes, one cell of dots per pixel, and writes it.
 ///
 /// # Errors
-/// The system's refusal.
+/// I/O errors.
 pub fn write_halftone(path: &Path, recipe: &Recipe, screen: Screen) -> Result<(), StoreError> {
     let image = Halftone::new(screen, &recipe.transfers).enlarged(&recipe.linear());
     let texts = [(KEYWORD, describe(recipe)), (HALFTONE_KEYWORD, screen.to_string())];
     save(path, encode(&image, &recipe.transfers, &texts)).map(drop)
 }
 
-/// Writes the image of a shaded mesh, with the `parameters` that made it.
+/// Writes the image of a shaded mesh, together with the `parameters` it was made with.
 ///
 /// # Errors
-/// The system's refusal.
+/// I/O errors.
 pub fn write_shaded(
     path: &Path,
     image: &CodeImage,
     transfers: &Transfers,
     parameters: &serde_json::Value,
 ) -> Result<(), StoreError> {
-    // Text chunks are Latin-1, and the path of a mesh may be anything; JSON can escape it in ASCII.
+    // Text chunks are Latin-1, but the path of a mesh may contain any character; JSON can escape it in ASCII.
     let escape = |c: char| {
         let units = |c: char| c.encode_utf16(&mut [0; 2]).iter().map(|u| format!("\\u{u:04x}")).collect::<String>();
         if c.is_ascii() { c.to_string() } else { units(c) }
@@ -88,13 +89,13 @@ pub fn write_shaded(
 /// Writes codes for a screen with the sRGB transfer function, without a recipe.
 ///
 /// # Errors
-/// The system's refusal.
+/// I/O errors.
 pub fn write_codes(path: &Path, image: &CodeImage) -> Result<(), StoreError> {
     save(path, encode(image, &Transfer::Srgb.into(), &[])).map(drop)
 }
 
-/// SHA-256 of the codes of an image, row by row from the top left, red green blue, in lower-case hexadecimal; 16-bit
-/// codes with their high byte first.
+/// Returns the SHA-256 of an image's codes, in lowercase hexadecimal. The order is row by row from the top left, with
+/// red, green and blue for each pixel; 16-bit codes have their high byte first.
 #[must_use]
 pub fn hash(image: &CodeImage) -> String {
     match &image.samples {
@@ -113,14 +114,14 @@ fn save(path: &Path, bytes: Result<Vec<u8>, png::EncodingError>) -> Result<Vec<u
     Ok(bytes)
 }
 
-/// The recipe in the form that an image contains.
+/// Returns the recipe as the text that an image contains.
 pub fn describe(recipe: &Recipe) -> String {
     serde_json::to_string(recipe).unwrap_or_default()
 }
 
-/// An image file as bytes. The same input always gives the same bytes.
+/// Encodes an image as the bytes of a PNG file. The same input always gives the same bytes.
 fn encode(image: &CodeImage, transfers: &Transfers, texts: &[(&str, String)]) -> Result<Vec<u8>, png::EncodingError> {
-    // Equal codes are gray only if the channels have the same transfer function.
+    // Equal codes mean gray only if the channels have the same transfer function.
     let gray = transfers.uniform().is_some() && is_gray(&image.samples);
     let mut info = png::Info::with_size(image.width, image.height);
     info.color_type = if gray { png::ColorType::Grayscale } else { png::ColorType::Rgb };
@@ -158,7 +159,8 @@ fn with_meaning(
     if transfers.uniform() == Some(&Transfer::Srgb) {
         encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
     }
-    // Neighboring rows of a stimulus are almost equal, so their differences are mostly zero, and fast compression suffices.
+    // Neighboring rows of a stimulus are almost equal, so their differences are mostly zero and fast compression is
+    // enough.
     encoder.set_compression(png::Compression::Fast);
     encoder.set_filter(png::Filter::Up);
     for (keyword, text) in texts {
@@ -180,7 +182,8 @@ fn is_gray(samples: &Samples) -> bool {
     }
 }
 
-/// The samples as PNG stores them: one per pixel for gray, 16 bits with the most significant byte first.
+/// Returns the samples as PNG stores them: one per pixel for gray, and 16-bit samples with the most significant byte
+/// first.
 fn raw_samples(samples: &Samples, gray: bool) -> Cow<'_, [u8]> {
     let step = if gray { 3 } else { 1 };
     match samples {
@@ -190,7 +193,7 @@ fn raw_samples(samples: &Samples, gray: bool) -> Cow<'_, [u8]> {
     }
 }
 
-/// Measured transfer functions as an ICC profile, with sRGB's primaries.
+/// Returns the measured transfer functions as an ICC profile with the sRGB primaries.
 fn profile(transfers: &Transfers, gray: bool) -> Option<Vec<u8>> {
     let curve = |transfer: &Transfer| {
         let points = (0..CURVE_POINTS).map(|i| {

@@ -1,4 +1,5 @@
-//! Expands the given files and folders to the files to read, and reads the head of each: its separator and column names.
+//! Expands the given files and folders into a list of files, and reads the head of each file: its separator and its
+//! column names.
 
 use std::{
     collections::HashSet,
@@ -14,7 +15,8 @@ use crate::store::{
     table::{Content, each_row},
 };
 
-/// The files to read, each once, in the given order; those of a folder are in natural order of their paths.
+/// Returns the files to read, without duplicates and in the given order. The files of a folder are in natural order of
+/// their paths.
 pub(super) fn files(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileFault>) {
     let (mut found, mut faults) = (Vec::new(), Vec::new());
     let mut seen = HashSet::new();
@@ -22,12 +24,12 @@ pub(super) fn files(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileFault>) {
         match std::fs::metadata(path) {
             Ok(metadata) if metadata.is_dir() => match folder(path) {
                 Ok(files) if files.is_empty() => {
-                    faults.push(FileFault::whole(path, "has no CSV file; expected a folder of result files"));
+                    faults.push(FileFault::whole(path, "contains no CSV files; expected a folder of result files"));
                 }
                 Ok(files) => found.extend(files),
                 Err(message) => faults.push(FileFault::whole(path, message)),
             },
-            // Matched along with the data files by a pattern such as `data/*.csv`.
+            // A pattern such as `data/*.csv` matches the frames files along with the data files.
             Ok(_) if has_suffix(path, frames::SUFFIX) => {}
             Ok(_) => found.push(path.clone()),
             Err(error) => {
@@ -42,26 +44,26 @@ pub(super) fn files(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileFault>) {
     (found, faults)
 }
 
-/// The data files of all sessions in a folder and its subfolders, in natural order of their paths.
+/// Returns the data files of all sessions in a folder and its subfolders, in natural order of their paths.
 ///
 /// # Errors
-/// The folder cannot be read, or has no data file.
+/// The folder cannot be read, or it contains no data files.
 pub fn data_files(root: &Path) -> Result<Vec<PathBuf>, FileFaults> {
     let mut files = folder(root).map_err(|message| FileFaults::whole(root, message))?;
     files.retain(|path| has_suffix(path, DATA_FILE));
     if files.is_empty() {
-        return Err(FileFaults::whole(root, "has no data file of a session; expected a results folder"));
+        return Err(FileFaults::whole(root, "contains no session data files; expected a results folder"));
     }
     Ok(files)
 }
 
-/// The data files in a folder and its subfolders; if there are none, all its CSV files.
+/// Returns the data files in a folder and its subfolders; if there are none, all its CSV files.
 fn folder(root: &Path) -> Result<Vec<PathBuf>, String> {
     let mut files = Vec::new();
     let mut entered = HashSet::new();
     let mut open = vec![root.to_owned()];
     while let Some(folder) = open.pop() {
-        // A link to a parent folder would never end.
+        // Without this check, a link to a parent folder would be followed forever.
         if !entered.insert(folder.canonicalize().unwrap_or_else(|_| folder.clone())) {
             continue;
         }
@@ -71,7 +73,8 @@ fn folder(root: &Path) -> Result<Vec<PathBuf>, String> {
         for entry in entries {
             let entry = entry
                 .map_err(|error| format!("the folder {shown} cannot be read: {error}; expected a readable folder"))?;
-            // Hidden files belong to other programs, such as `._name.csv` next to every file that a Mac writes to a foreign disk.
+            // Hidden files belong to other programs; for example, a Mac adds a file `._name.csv` for each file that it
+            // writes to a disk with a foreign file system.
             if entry.file_name().to_string_lossy().starts_with('.') {
                 continue;
             }
@@ -94,13 +97,13 @@ fn has_suffix(path: &Path, suffix: &str) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().to_ascii_lowercase().ends_with(suffix))
 }
 
-/// Natural order of texts: digits within them as whole numbers, so that S2 is before S10.
+/// Compares texts in natural order: runs of digits are compared as whole numbers, so that S2 comes before S10.
 pub(super) fn natural(a: &str, b: &str) -> std::cmp::Ordering {
-    // `S01` and `S1` differ too.
+    // `S01` and `S1` must not compare as equal.
     natural_parts(a).cmp(natural_parts(b)).then_with(|| a.cmp(b))
 }
 
-/// The numbers in a text without leading zeros, each with its length, and the text between them.
+/// Splits a text into its numbers, each without leading zeros and with its length, and the text between them.
 fn natural_parts(text: &str) -> impl Iterator<Item = (usize, &[u8])> {
     text.as_bytes().chunk_by(|a, b| a.is_ascii_digit() == b.is_ascii_digit()).map(|part| {
         let zeros = part.iter().take_while(|digit| **digit == b'0').count();
@@ -108,8 +111,8 @@ fn natural_parts(text: &str) -> impl Iterator<Item = (usize, &[u8])> {
     })
 }
 
-/// The header row and the row below it must end within this many bytes.
-const LONGEST: u64 = 1 << 16;
+/// The header row must end within this many bytes, and the first row below it is read only up to here.
+const MAX_HEAD: u64 = 1 << 16;
 
 /// The head of a file.
 #[derive(Clone, Debug, Default)]
@@ -118,11 +121,11 @@ pub(super) struct Header {
     pub names: Vec<String>,
     /// The separator: a comma, a semicolon or a tab.
     pub separator: u8,
-    /// The cells of the first row, if there is one.
+    /// The cells of the first row below the header, if there is one.
     pub first: Option<Vec<String>>,
     /// Size of the file in bytes.
     pub size: u64,
-    /// The content of the file, if it cannot be read twice or needs conversion.
+    /// The content of the file, if the file cannot be read twice or its line ends had to be converted.
     memory: Option<Vec<u8>>,
 }
 
@@ -130,7 +133,7 @@ impl Header {
     /// Reads the head of a file.
     ///
     /// # Errors
-    /// The file is not readable, empty, or not UTF-8 text.
+    /// The file is not readable, is empty, or is not UTF-8 text.
     pub fn read(path: &Path) -> Result<Self, FileFault> {
         let unreadable = |error: std::io::Error| {
             FileFault::whole(path, format!("cannot be read: {error}; expected a readable CSV file"))
@@ -138,10 +141,10 @@ impl Header {
         let metadata = std::fs::metadata(path).map_err(unreadable)?;
         let mut file = File::open(path).map_err(unreadable)?;
         let (mut head, mut rest) = (Vec::new(), Vec::new());
-        file.by_ref().take(LONGEST).read_to_end(&mut head).map_err(unreadable)?;
+        file.by_ref().take(MAX_HEAD).read_to_end(&mut head).map_err(unreadable)?;
         let mut header = Self { size: metadata.len().max(head.len() as u64), ..Self::default() };
-        // A pipe can be read only once. Old spreadsheets end lines with a carriage return only, but lines are counted by
-        // line feeds.
+        // A pipe can be read only once. Old spreadsheets end lines with only a carriage return, but lines are counted
+        // by their line feeds.
         let is_old = head.contains(&b'\r') && !head.contains(&b'\n');
         if is_old || !metadata.is_file() {
             file.read_to_end(&mut rest).map_err(unreadable)?;
@@ -167,14 +170,14 @@ impl Header {
         }
         let line = text.split(|byte| matches!(byte, b'\r' | b'\n')).find(|line| !line.is_empty()).unwrap_or_default();
         if line.contains(&0) {
-            return fault("is not a CSV file: there are zero bytes in its first line; expected a header row");
+            return fault("is not a CSV file: its first line contains zero bytes; expected a header row");
         }
         if let Err(error) = std::str::from_utf8(line) {
             let column = String::from_utf8_lossy(&line[..error.valid_up_to()]).chars().count() + 1;
             return Err((column, "the header is not UTF-8 text; expected CSV in UTF-8".to_owned()));
         }
-        if line.len() as u64 + 3 >= LONGEST {
-            return fault("the first row has more than 65,000 bytes; expected a header row");
+        if line.len() as u64 + 3 >= MAX_HEAD {
+            return fault("the first row is longer than 65,000 bytes; expected a header row");
         }
         self.separator = separator(line);
         let mut rows = Vec::new();
@@ -191,23 +194,24 @@ impl Header {
         Ok(())
     }
 
-    /// The bytes of the file at `path`.
+    /// Returns the content of the file at `path`, from memory if it is kept there.
     pub fn content<'a>(&'a self, path: &'a Path) -> Content<'a> {
         self.memory.as_deref().map_or(Content::File(path), Content::Memory)
     }
 
-    /// Index of a column.
+    /// Returns the index of a column.
     pub fn position(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|known| known == name)
     }
 
-    /// Column in characters, from 1, where the name at an index begins.
+    /// Returns the column, in characters from 1, where the name at an index begins.
     pub fn column(&self, index: usize) -> usize {
         self.names.iter().take(index).map(|name| name.chars().count() + 1).sum::<usize>() + 1
     }
 }
 
-/// A comma; if the header has none, the semicolon or tab that spreadsheets in some countries write.
+/// Returns the separator: a comma or, if the header has none, a semicolon or tab, as in spreadsheets from some
+/// countries.
 fn separator(line: &[u8]) -> u8 {
     let count = |wanted: u8| line.iter().filter(|byte| **byte == wanted).count();
     if count(b',') > 0 || count(b';') + count(b'\t') == 0 {

@@ -1,8 +1,9 @@
-//! Ratings from files: our result files and counts, folders of them, or any long-format CSV with given columns.
+//! Reads ratings from files: machband's own result files and tables of counts, folders of these, or any CSV file in
+//! long format if its columns are specified.
 //!
-//! Rows are streamed. Only eight bytes are kept for each row of a result file, to find the last attempt of each trial.
-//! Practice rows of a result file are excluded, only the last attempt of each trial counts, and the ratings of an
-//! unfinished session count by default; [`Source`] reports all of this.
+//! Rows are streamed. Only eight bytes are kept for each row of a result file, in order to find the last attempt at
+//! each trial. Practice rows of a result file are excluded, only the last attempt at each trial counts, and the ratings
+//! of an unfinished session count by default. [`Source`] reports all of this.
 
 mod files;
 mod reader;

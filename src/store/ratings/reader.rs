@@ -1,5 +1,5 @@
-//! The steps of reading: find the files, read their heads, select those that belong together, determine which rows count,
-//! and pass these on.
+//! Reads ratings in steps: find the files, read their heads, select the files that belong together, determine which
+//! rows count, and pass those rows to the caller.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -25,15 +25,16 @@ use crate::{
     },
 };
 
-/// Maximum size in bytes of a file whose hash is reported.
-const HASHED: u64 = 64 << 20;
+/// Maximum size, in bytes, of a file for which a hash is reported.
+const MAX_HASHED: u64 = 64 << 20;
 
-/// Reads files, and folders of files. The rows that count go to a separate `T` for each file, made by `new`, returned in
-/// the order of the files. An error from `add` is a fault at the rating's line and column, and the row is excluded.
+/// Reads files and folders of files. For each file, `new` creates a `T`, and `add` adds to it every row that counts;
+/// the results are in the order of the files. If `add` fails, an error is reported at the line and column of the
+/// rating, and the row is excluded.
 ///
 /// # Errors
-/// The reason that there is nothing to analyze. Faults in part of the input are in [`Source::faults`], and the rest is
-/// read.
+/// The reason why there is nothing to analyze. If only part of the input has errors, they are in [`Source::faults`],
+/// and the rest is read.
 pub fn read<T: Send>(
     paths: &[PathBuf],
     options: &ReadOptions,
@@ -101,7 +102,8 @@ pub fn read<T: Send>(
     Ok((Source { shape, protocol, definition_sha256, files: reports, sessions, faults }, found))
 }
 
-/// Reads the rows of all result files to determine which of them count. Faults are reported when they are read again.
+/// Reads the rows of all result files to determine which of them count. Errors are reported later, when the rows are
+/// read again.
 fn trials(selection: &Selection) -> Trials {
     let noted: Vec<Trials> = (selection.inputs.par_iter().enumerate())
         .map(|(file, input)| {
@@ -124,7 +126,7 @@ fn trials(selection: &Selection) -> Trials {
     all
 }
 
-/// Passes on every row below the header, with its cells or their fault.
+/// Calls `take` with every row below the header, along with its cells or the error in them.
 fn each_row(input: &Input, mut take: impl FnMut(&Row<'_>, Result<Cells<'_>, RowFault>)) -> std::io::Result<()> {
     let (header, mut is_header) = (&input.header, true);
     table::each_row(header.content(&input.path), header.separator, |row| {
@@ -134,7 +136,7 @@ fn each_row(input: &Input, mut take: impl FnMut(&Row<'_>, Result<Cells<'_>, RowF
     })
 }
 
-/// The sessions of all result files, including those without rows.
+/// Returns the sessions of all result files, including sessions without rows.
 fn sessions(selection: &Selection, trials: &Trials) -> Vec<SessionRead> {
     let of = |subject: &str, session: &str, input: &Input| SessionRead {
         subject: subject.to_owned(),
@@ -164,7 +166,7 @@ fn sessions(selection: &Selection, trials: &Trials) -> Vec<SessionRead> {
     sessions
 }
 
-/// A file whose rows are passed on.
+/// The state while one file is read.
 struct FileReader<'a> {
     selection: &'a Selection,
     trials: &'a Trials,
@@ -174,11 +176,11 @@ struct FileReader<'a> {
     input: &'a Input,
     read: FileRead,
     faults: RowFaults,
-    /// By session, trials that are in the file twice and have been read once.
+    /// Trials that occur twice in the file, with their session, once their first row has been read.
     repeated: HashSet<(usize, Trial)>,
-    /// Session of the last row.
+    /// The session of the previous row.
     recent: usize,
-    /// Rows that are already in another file, and the last such file.
+    /// The number of rows that also occur in another file, and the last such file.
     elsewhere: (u64, usize),
 }
 
@@ -209,10 +211,10 @@ impl FileReader<'_> {
         self.faults.add(&self.input.name, fault.cell, fault.message, || row.place(cell));
     }
 
-    /// Passes on a row that counts, and returns how many trials it represents.
+    /// Calls `add` for a row that counts, and returns how many trials the row represents.
     ///
     /// # Errors
-    /// The fault of the row; `None` if it is excluded for another reason and counted there.
+    /// The error in the row; `None` if the row is excluded for another reason and has already been counted as such.
     fn rating(
         &mut self,
         row: &Row<'_>,
@@ -229,7 +231,7 @@ impl FileReader<'_> {
         let subject = cells.present(columns.subject, "a participant")?;
         let rating = row::rating(cells, columns, own_scale)?;
         let count = row::count(cells, columns)?;
-        // An unreadable position or time is a fault, but the rating counts.
+        // An unreadable position or time is an error, but the rating still counts.
         let place = row::place(cells, columns).unwrap_or_else(|fault| self.unread(row, fault));
         let response_time_s = row::response_time(cells, columns).unwrap_or_else(|fault| self.unread(row, fault));
         let values: Vec<&str> = columns.factors.iter().map(|&column| cells.optional(column)).collect();
@@ -243,7 +245,10 @@ impl FileReader<'_> {
         None
     }
 
-    /// Whether a row of a result file counts.
+    /// Checks whether a row of a result file counts.
+    ///
+    /// # Errors
+    /// The same as for [`FileReader::rating`].
     fn check(&mut self, row: &Identity<'_>, cells: &Cells<'_>, own: &RecordColumns) -> Result<(), Option<RowFault>> {
         let Some(session) = self.trials.find(row.subject, row.session, self.recent) else { return Ok(()) };
         self.recent = session;
@@ -257,7 +262,7 @@ impl FileReader<'_> {
             };
             let place =
                 if file == self.file { "above".to_owned() } else { format!("in {}", self.selection.inputs[file].name) };
-            let message = format!("{name} already appears {place}; expected every row once (this one is left out)");
+            let message = format!("{name} already appears {place}; expected each row only once (this one is left out)");
             return Err(RowFault { cell: None, message }.into());
         }
         let left_out = if !row.trial.is_main() {
@@ -284,7 +289,7 @@ impl FileReader<'_> {
         if rows > 0 && self.elsewhere.0 == rows {
             let other = &self.selection.inputs[self.elsewhere.1].name;
             let message = format!(
-                "all its {rows} rows already appear in {other}; expected every session once (this file is left out)"
+                "all its {rows} rows already appear in {other}; expected each session only once (this file is left out)"
             );
             faults.push(FileFault::whole(name, message));
         } else {
@@ -294,8 +299,9 @@ impl FileReader<'_> {
     }
 }
 
-/// The remains of an interrupted write: a last row without a line end whose last cell or number of cells is wrong, or
-/// which has zero bytes because the file was enlarged but not filled.
+/// Replaces the error of a row that an interrupted write left behind. This is the last row, and it either has no line
+/// end and an error in its last cell or its number of cells, or contains zero bytes because the file was enlarged but
+/// not filled.
 fn torn(row: &Row<'_>, fault: &RowFault) -> Option<RowFault> {
     if !row.last {
         return None;
@@ -304,9 +310,9 @@ fn torn(row: &Row<'_>, fault: &RowFault) -> Option<RowFault> {
     let is_ended = raw.ends_with(b"\n") || raw.ends_with(b"\r");
     let ends_badly = fault.cell.is_none_or(|cell| cell + 1 == row.record.len());
     let what = if raw.contains(&0) {
-        "has zero bytes"
+        "contains zero bytes"
     } else if !is_ended && ends_badly {
-        "is cut in the middle"
+        "is cut off"
     } else {
         return None;
     };
@@ -316,13 +322,13 @@ fn torn(row: &Row<'_>, fault: &RowFault) -> Option<RowFault> {
 }
 
 fn sha256(input: &Input) -> Option<String> {
-    if input.header.size > HASHED {
+    if input.header.size > MAX_HASHED {
         return None;
     }
     input.header.content(&input.path).bytes().ok().map(|bytes| file::sha256(&bytes))
 }
 
-/// The fault that no row counts, with the reason.
+/// Returns the error that no row counts, with the reasons.
 fn nothing(reports: &[FileRead]) -> FileFault {
     let sum = |of: fn(&FileRead) -> u64| reports.iter().map(of).sum::<u64>();
     let parts = [
@@ -334,16 +340,16 @@ fn nothing(reports: &[FileRead]) -> FileFault {
     let parts: Vec<String> = parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
     let found = match sum(|report| report.rows) {
         0 => "there are no rows".to_owned(),
-        rows => format!("none of the {rows} rows counts: {}", parts.join(", ")),
+        rows => format!("none of the {rows} rows count: {}", parts.join(", ")),
     };
     let among = if reports.len() > 1 { format!(" in {} files", reports.len()) } else { String::new() };
     let path = reports.first().map_or(".".to_owned(), |report| report.path.display().to_string());
     FileFault::whole(path, format!("{found}{among}; expected ratings of main trials"))
 }
 
-/// Faults in the order of the files, those of folders first.
+/// Sorts errors in the order of the files; errors about folders come first.
 fn in_order(mut faults: Vec<FileFault>, files: &[PathBuf]) -> FileFaults {
-    // A sidecar sorts with its data file.
+    // Errors in a sidecar are sorted along with those in its data file.
     let index: HashMap<PathBuf, usize> =
         files.iter().enumerate().map(|(i, path)| (path.with_extension(""), i)).collect();
     faults.sort_by_key(|fault| index.get(&Path::new(&fault.file).with_extension("")).map_or(0, |i| i + 1));

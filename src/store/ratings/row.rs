@@ -1,4 +1,4 @@
-//! One row of a file: its cells, its trial, and its faults.
+//! One row of a file: its cells, its trial, and its errors.
 
 use super::{
     selection::{Columns, RecordColumns},
@@ -9,10 +9,10 @@ use crate::{
     store::table::{Row, shortened},
 };
 
-/// Maximum count of a row; the sum of many such counts still fits in 64 bits.
+/// Maximum count in a row. The sum of many such counts still fits in 64 bits.
 const COUNT_MAX: f64 = 1e12;
 
-/// The cells of a row, all of them text.
+/// The cells of a row, which are all valid text.
 pub(super) struct Cells<'a> {
     text: &'a str,
     row: &'a Row<'a>,
@@ -20,10 +20,10 @@ pub(super) struct Cells<'a> {
 }
 
 impl<'a> Cells<'a> {
-    /// The cells of a row, whose columns have these names.
+    /// Checks the cells of a row in a table with these column names.
     ///
     /// # Errors
-    /// The row is not UTF-8, or its number of cells differs from the header's.
+    /// The row is not UTF-8, a quote is not closed, or the number of cells differs from the header's.
     pub fn new(row: &'a Row<'a>, names: &'a [String]) -> Result<Self, RowFault> {
         let fault = |cell, message: String| RowFault { cell, message };
         let text = row.text().map_err(|_| fault(None, "the row is not UTF-8 text; expected UTF-8".to_owned()))?;
@@ -34,17 +34,17 @@ impl<'a> Cells<'a> {
         let (found, width) = (row.record.len(), names.len());
         if found != width {
             let cells = if found == 1 { "cell" } else { "cells" };
-            return Err(fault(None, format!("the row has {found} {cells}; expected {width}, as the header has")));
+            return Err(fault(None, format!("the row has {found} {cells}; expected {width}, as in the header")));
         }
         Ok(Self { text, row, names })
     }
 
-    /// A cell, without white space around it.
+    /// Returns a cell without surrounding white space.
     pub fn get(&self, index: usize) -> &'a str {
         self.row.record.range(index).and_then(|range| self.text.get(range)).unwrap_or_default().trim()
     }
 
-    /// A level or a time as written; `NA`, as written by R, is a missing value.
+    /// Returns a level or a time as written; empty for a missing value, which R writes as `NA`.
     pub fn optional(&self, index: usize) -> &'a str {
         match self.get(index) {
             "NA" => "",
@@ -52,7 +52,7 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// A cell that must not be empty.
+    /// Returns a cell that must not be empty.
     ///
     /// # Errors
     /// The cell is empty.
@@ -60,7 +60,7 @@ impl<'a> Cells<'a> {
         Some(self.get(index)).filter(|text| !text.is_empty()).ok_or_else(|| self.fault(index, expected))
     }
 
-    /// The fault of an unexpected cell.
+    /// Creates the error for a cell with an unexpected value.
     fn fault(&self, index: usize, expected: &str) -> RowFault {
         let name = &self.names[index];
         let message = match self.get(index) {
@@ -71,7 +71,7 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// Which trial a row of a result file records.
+/// Returns the trial that a row of a result file records.
 ///
 /// # Errors
 /// The first cell that is wrong.
@@ -87,7 +87,7 @@ pub(super) fn identity<'a>(
         return Err(cells.fault(column, &format!("{expected}, as in the first row")));
     }
     let phase = cells.get(columns.phase).parse().map_err(|_| cells.fault(columns.phase, "practice or main"))?;
-    // Digits only, from 1 to a million: a session has at most 100,000 trials.
+    // Only digits, and a number from 1 to a million; a session has at most 100,000 trials.
     let number = |column: usize, expected: &str| {
         let text = cells.get(column);
         let digits = text.len() < 10 && text.bytes().all(|byte| byte.is_ascii_digit());
@@ -103,7 +103,7 @@ pub(super) fn identity<'a>(
     })
 }
 
-/// Whether a text is a rating: on our own scale, or otherwise anything but a missing value.
+/// True if a text is a rating: a number on our own scale, or on other scales anything but a missing value.
 pub(super) fn is_rating(text: &str, own_scale: bool) -> bool {
     if own_scale {
         // A spreadsheet or pandas may have written 2 as 2.0.
@@ -113,10 +113,10 @@ pub(super) fn is_rating(text: &str, own_scale: bool) -> bool {
     }
 }
 
-/// The rating as written.
+/// Returns the rating as written.
 ///
 /// # Errors
-/// There is no rating, or it is not on the scale.
+/// The rating is missing or not on the scale.
 pub(super) fn rating<'a>(cells: &Cells<'a>, columns: &Columns, own_scale: bool) -> Result<&'a str, RowFault> {
     match cells.get(columns.response) {
         text if is_rating(text, own_scale) => Ok(text),
@@ -125,7 +125,7 @@ pub(super) fn rating<'a>(cells: &Cells<'a>, columns: &Columns, own_scale: bool) 
     }
 }
 
-/// How many trials a row represents; pandas may have written 3 as `3.0`.
+/// Returns how many trials a row represents. A count of 3 may be written as `3.0`, because pandas does so.
 ///
 /// # Errors
 /// The cell is not a count.
@@ -141,7 +141,7 @@ pub(super) fn count(cells: &Cells<'_>, columns: &Columns) -> Result<u64, RowFaul
     Err(cells.fault(column, expected))
 }
 
-/// Session and repetition; none where the file has none.
+/// Returns the session and the repetition; `None` if the file does not have them or the cell is empty.
 ///
 /// # Errors
 /// The repetition is not a number.
@@ -154,7 +154,7 @@ pub(super) fn place<'a>(cells: &Cells<'a>, columns: &Columns) -> Result<Option<(
     }
 }
 
-/// The response time in seconds; none where the file has none.
+/// Returns the response time in seconds; `None` if the file does not have it or the cell is empty.
 ///
 /// # Errors
 /// The cell is not a time.
@@ -167,10 +167,10 @@ pub(super) fn response_time(cells: &Cells<'_>, columns: &Columns) -> Result<Opti
     }
 }
 
-/// The fault of a row.
+/// An error in a row.
 #[derive(Clone, Debug)]
 pub(super) struct RowFault {
-    /// Index of the cell; `None` for the row as a whole.
+    /// Index of the cell; `None` if the error is about the row as a whole.
     pub cell: Option<usize>,
     /// What is wrong; what is expected.
     pub message: String,

@@ -15,23 +15,23 @@ use crate::{
     store::{FileFault, StoreError, definition, sidecar::Sidecar},
 };
 
-/// Columns that a result file must have, in addition to the participant's.
+/// Columns that a result file must have in addition to the participant's column.
 const KEYS: [&str; 4] = ["session_id", "phase", "trial", "attempt"];
-/// Columns of a record that describe the stimulus.
+/// Columns of a result file that describe the stimulus.
 const STIMULUS: [&str; 7] = ["stimulus", "width", "depth", "orientation_deg", "low", "high", "color"];
 
 /// A file to read.
 #[derive(Debug)]
 pub(super) struct Input {
     pub path: PathBuf,
-    /// The path in messages.
+    /// The path as shown in messages.
     pub name: String,
     pub header: Header,
     pub layout: Layout,
     pub columns: Columns,
     pub sidecar: Option<Sidecar>,
     pub protocol: Option<Protocol>,
-    /// Description of the file; files with the same description are read together.
+    /// A description of the file. Files with the same description are read together.
     kind: String,
 }
 
@@ -45,7 +45,7 @@ pub(super) struct Columns {
     pub session: Option<usize>,
     pub repetition: Option<usize>,
     pub time: Option<usize>,
-    /// Of a result file.
+    /// The columns that only a result file has.
     pub record: Option<RecordColumns>,
 }
 
@@ -61,24 +61,24 @@ pub(super) struct RecordColumns {
     pub dropped: Option<usize>,
 }
 
-/// The files that are read.
+/// The files that are selected for reading.
 #[derive(Debug)]
 pub(super) struct Selection {
     pub inputs: Vec<Input>,
     pub shape: Shape,
     pub protocol: Option<Protocol>,
     pub definition_sha256: Option<String>,
-    /// The experiment of all rows, if known.
+    /// The experiment that all rows belong to, if known.
     pub experiment: Option<String>,
-    /// Whether ratings are on our own scale, 0…3.
+    /// True if ratings are on our own scale, 0…3.
     pub own_scale: bool,
 }
 
-/// Description of a session's file without rows and sidecar, which may belong to any experiment.
+/// Description of a session's file that has neither rows nor a sidecar, and may thus belong to any experiment.
 const UNKNOWN: &str = "a session's file without rows";
 
 impl Selection {
-    /// Selects files, and reports faults of those that are excluded.
+    /// Selects files, and reports an error for each file that is excluded.
     pub fn new(files: Vec<Input>, options: &ReadOptions) -> (Option<Self>, Vec<FileFault>) {
         let (mut known, mut faults) = (Vec::new(), Vec::new());
         for mut file in files {
@@ -119,10 +119,10 @@ impl Selection {
 }
 
 impl Input {
-    /// Inspects a file; a fault of its sidecar does not prevent its rows from being read.
+    /// Inspects a file. An error in its sidecar does not prevent its rows from being read.
     ///
     /// # Errors
-    /// The fault of its head.
+    /// The head of the file has an error.
     pub fn new(path: &Path, options: &ReadOptions) -> Result<(Self, Vec<FileFault>), FileFault> {
         let header = Header::read(path)?;
         let beside = path.with_extension("json");
@@ -145,7 +145,7 @@ impl Input {
         Ok((Self { path: path.to_owned(), name, header, layout, columns, sidecar, protocol, kind }, faults))
     }
 
-    /// Number of main trials in its definition.
+    /// Returns the number of main trials in the file's definition.
     pub fn planned(&self) -> Option<u64> {
         self.protocol.as_ref().map(|protocol| protocol.main_trials() as u64)
     }
@@ -154,12 +154,12 @@ impl Input {
         self.layout == Layout::Results
     }
 
-    /// A fault of the header.
+    /// Creates an error in the header.
     fn fault(&self, column: usize, message: String) -> FileFault {
         FileFault::at(&self.name, (1, column), message)
     }
 
-    /// The experiment of the first row.
+    /// Returns the name of the experiment, from the definition or otherwise from the first row.
     fn experiment(&self) -> Option<&str> {
         if let Some(protocol) = &self.protocol {
             return Some(&protocol.name);
@@ -168,7 +168,7 @@ impl Input {
         self.header.first.as_ref()?.get(index).map(String::as_str)
     }
 
-    /// The columns that are neither a record's own nor the response.
+    /// Returns the columns that are neither standard columns of a result file nor the response.
     fn further(&self, response: &str) -> Vec<String> {
         let fixed = columns_by_header(std::iter::empty());
         (self.header.names.iter())
@@ -177,14 +177,15 @@ impl Input {
             .collect()
     }
 
-    /// All columns except participant, response and count. A column without a name contains row numbers from R or pandas.
+    /// Returns all columns except participant, response and count. Columns without a name are excluded too, because
+    /// they contain row numbers from R or pandas.
     fn factors(&self, options: &ReadOptions) -> Vec<String> {
         let known = [options.subject(), options.response(), options.count()];
         let names = self.header.names.iter();
         names.filter(|name| !name.is_empty() && !known.contains(&name.as_str())).cloned().collect()
     }
 
-    /// The fault of a file that does not match those that are read.
+    /// Creates the error for a file that does not match the files that are read.
     fn left_out(&self, read: &[Self]) -> FileFault {
         let others =
             if read.len() == 1 { "the other file".to_owned() } else { format!("the other {} files", read.len()) };
@@ -198,8 +199,8 @@ impl Input {
     }
 }
 
-/// The kind of a file with this header. A file that lacks a single column of a result file is treated as one if it has a
-/// sidecar or a `row_id` column, or if the options give no other way to read it.
+/// Determines the layout of a file with this header. A file that lacks only one column of a result file is still
+/// treated as a result file if it has a sidecar or a `row_id` column, or if the options give no other way to read it.
 fn layout(header: &Header, options: &ReadOptions, sidecar: bool) -> Layout {
     let has = |name: &str| header.position(name).is_some();
     if options.count.as_deref().is_some_and(has) {
@@ -215,7 +216,7 @@ fn layout(header: &Header, options: &ReadOptions, sidecar: bool) -> Layout {
     }
 }
 
-/// Describes a file.
+/// Describes what a file contains.
 fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileFault> {
     match file.layout {
         Layout::Results => {
@@ -242,9 +243,9 @@ fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileFault> {
     }
 }
 
-/// The fault of a table whose factors were not given.
+/// Creates the error for a table for which no factors were given.
 fn without_factors(file: &Input, options: &ReadOptions) -> FileFault {
-    // A file of another kind lacks columns that every table of ratings has.
+    // If the file lacks columns that every table of ratings has, report that first.
     if let Err(missing) = columns(file, &[], options)
         && let Some(first) = missing.into_iter().next()
     {
@@ -252,14 +253,15 @@ fn without_factors(file: &Input, options: &ReadOptions) -> FileFault {
     }
     let others = file.factors(options);
     let message = if others.is_empty() {
-        "no factors were given, and there are no other columns; expected a column for each factor".to_owned()
+        "no factors were given, and the file has no other columns; expected a column for each factor".to_owned()
     } else {
         format!("no factors were given; expected --factors or --terms with some of the columns {}", others.join(", "))
     };
     file.fault(1, message)
 }
 
-/// A session whose sidecar is lost belongs to the definition with its experiment's name, if there is only one.
+/// Assigns each session that has lost its sidecar to the definition with its experiment's name, if there is exactly
+/// one.
 fn join_lost_sidecars(files: &mut [Input]) {
     let mut definitions: Vec<(Protocol, String)> = Vec::new();
     for file in files.iter() {
@@ -281,8 +283,8 @@ fn join_lost_sidecars(files: &mut [Input]) {
     }
 }
 
-/// The kinds that are read: the one with the most files (the first of equals); if factors were given, the largest of
-/// the result files and everything else.
+/// Chooses the kinds that are read: the kind with the most files, or the first of several such kinds. If factors were
+/// given, the largest kind of result files and the largest kind of other files are both read.
 fn chosen(files: &[Input], options: &ReadOptions) -> Vec<String> {
     let mut kinds: Vec<(&Input, usize)> = Vec::new();
     for file in files {
@@ -293,7 +295,7 @@ fn chosen(files: &[Input], options: &ReadOptions) -> Vec<String> {
     }
     let largest = |wanted: &dyn Fn(&Input) -> bool| {
         let fitting = kinds.iter().filter(|(file, _)| wanted(file));
-        // The experiment of a session's file without rows is unknown.
+        // A session's file without rows is chosen last, because its experiment is unknown.
         fitting.rev().max_by_key(|(file, n)| (file.kind != UNKNOWN, *n)).map(|(file, _)| file.kind.clone())
     };
     if options.factors.is_some() {
@@ -315,15 +317,15 @@ fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &
             stimulus.map(str::to_owned).chain(first.further(options.response())).collect()
         }
         (None, None, Layout::Counts) => first.factors(options),
-        // A missing column is a fault of the file.
+        // A missing column is reported later as an error in the file.
         (None, None, Layout::Long) => {
             options.also.iter().filter(|name| has(name) || *name != "inv_n").cloned().collect()
         }
     };
-    // 1/n of the depth n: a term, not a column.
+    // `inv_n` is 1/n for the depth n; it is a term and not a column.
     let also = options.also.iter().map(|name| if !has(name) && name == "inv_n" { "depth" } else { name });
     factors.extend(also.filter(|name| has(name)).map(str::to_owned));
-    // A name may appear twice in the request: `--terms a,b,a:b`.
+    // A name may occur several times in a request such as `--terms a,b,a:b`.
     let mut known = HashSet::new();
     factors.retain(|name| known.insert(name.clone()));
     let scale = (0..=RATING_MAX).map(|rating| rating.to_string()).collect();
@@ -336,10 +338,10 @@ fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &
     }
 }
 
-/// The positions of the columns in a file.
+/// Returns the indices of the columns in a file.
 ///
 /// # Errors
-/// Columns that are missing or have two uses.
+/// A column is missing, appears twice, or has two uses.
 fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Columns, Vec<FileFault>> {
     let header = &file.header;
     let mut faults = Vec::new();

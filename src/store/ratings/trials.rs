@@ -1,12 +1,13 @@
-//! Which rows of result files count: the last attempt of every trial, and the first of duplicate rows.
+//! Determines which rows of result files count: the last attempt at each trial, and the first of duplicate rows.
 //!
-//! A row takes eight bytes here. The rows of each session are sorted once all files have been read.
+//! Each row takes eight bytes here. The rows of each session are sorted after all files have been read.
 
 use std::collections::HashMap;
 
 use crate::experiment::Phase;
 
-/// An attempt at a trial. From the highest bit: its phase, number and attempt, then flags from its row.
+/// An attempt at a trial. From the highest bit down, it holds the phase, the number, the attempt, and flags from its
+/// row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Trial(u64);
 
@@ -17,29 +18,29 @@ const RATED: u64 = 2;
 const DROPPED: u64 = 1;
 
 impl Trial {
-    /// The trial with this number and attempt, both from 1 to a million.
+    /// An attempt at the trial with this number; number and attempt are both from 1 to a million.
     pub fn new(phase: Phase, number: u32, attempt: u32) -> Self {
         let main = if phase == Phase::Main { MAIN } else { 0 };
         Self(main | u64::from(number) << NUMBER | u64::from(attempt) << ATTEMPT)
     }
 
-    /// Whether it is a main trial.
+    /// True for a main trial.
     pub fn is_main(self) -> bool {
         self.0 & MAIN != 0
     }
 
-    /// Only phase, number and attempt.
+    /// Phase, number and attempt, without the flags.
     fn key(self) -> u64 {
         self.0 >> ATTEMPT
     }
 
-    /// Whether both are attempts at the same trial.
+    /// True if both are attempts at the same trial.
     fn is_attempt_of(self, other: Self) -> bool {
         self.0 >> NUMBER == other.0 >> NUMBER
     }
 }
 
-/// Which trial a row of a result file records.
+/// The trial that a row of a result file records.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Identity<'a> {
     pub subject: &'a str,
@@ -53,7 +54,7 @@ pub(super) enum Status {
     Counts,
     /// A later attempt counts.
     Superseded,
-    /// It is already in this file.
+    /// The row also occurs in the file with this index, and that one counts.
     Repeated(usize),
 }
 
@@ -62,7 +63,7 @@ pub(super) enum Status {
 pub(super) struct Trials {
     pub sessions: Vec<Session>,
     index: HashMap<(String, String), usize>,
-    /// The session of the last row, since the next row usually has the same one.
+    /// The session of the previous row, because the next row usually belongs to the same session.
     recent: usize,
 }
 
@@ -71,14 +72,14 @@ pub(super) struct Trials {
 pub(super) struct Session {
     pub subject: String,
     pub session: String,
-    /// Whether dropped frames were measured.
+    /// True if dropped frames were measured.
     measured: bool,
-    /// The trials of each file, by its index; sorted when all files have been read.
+    /// The trials in each file, with the file's index. They are sorted after all files have been read.
     files: Vec<(usize, Vec<Trial>)>,
 }
 
 impl Trials {
-    /// Index of a session; `recent` is that of the previous row, which is usually the same.
+    /// Returns the index of a session. `recent` is the index for the previous row, which is usually the same.
     pub fn find(&self, subject: &str, session: &str, recent: usize) -> Option<usize> {
         if self.sessions.get(recent).is_some_and(|known| known.subject == subject && known.session == session) {
             return Some(recent);
@@ -86,7 +87,7 @@ impl Trials {
         self.index.get(&(subject.to_owned(), session.to_owned())).copied()
     }
 
-    /// A session and its trials in a file, created if necessary.
+    /// Returns a session with `file` as its last file. Creates the session and the file's entry if necessary.
     fn enter(&mut self, subject: &str, session: &str, file: usize) -> &mut Session {
         self.recent = self.find(subject, session, self.recent).unwrap_or_else(|| {
             let (subject, session) = (subject.to_owned(), session.to_owned());
@@ -101,7 +102,7 @@ impl Trials {
         session
     }
 
-    /// Adds a row: whether it is rated, and whether frames were dropped, if measured.
+    /// Adds a row, with whether it is rated, and whether frames were dropped (`None` if this was not measured).
     pub fn add(&mut self, row: &Identity<'_>, rated: bool, dropped: Option<bool>, file: usize) {
         let flags = if rated { RATED } else { 0 } | if dropped == Some(true) { DROPPED } else { 0 };
         let session = self.enter(row.subject, row.session, file);
@@ -120,22 +121,22 @@ impl Trials {
         }
     }
 
-    /// Called once all rows have been added.
+    /// Sorts the rows. Must be called after all rows have been added.
     pub fn finish(&mut self) {
         for (_, trials) in self.sessions.iter_mut().flat_map(|session| &mut session.files) {
-            // Stable: among equals, the first in the file stays first.
+            // The sort is stable, so that the first of several equal rows in a file stays first.
             trials.sort_by_key(|trial| trial.key());
         }
     }
 }
 
 impl Session {
-    /// Index of the first file with one of its rows.
+    /// Index of the first file that has rows of this session.
     pub fn file(&self) -> usize {
         self.files[0].0
     }
 
-    /// Main trials whose last attempt has a flag.
+    /// Counts the main trials whose last attempt has a flag.
     fn count(&self, flag: u64) -> u64 {
         let mut trials: Vec<Trial> = self.files.iter().flat_map(|(_, trials)| trials).copied().collect();
         trials.sort_by_key(|trial| trial.key());
@@ -144,18 +145,18 @@ impl Session {
         last.filter(|trial| trial.is_main() && trial.0 & flag != 0).count() as u64
     }
 
-    /// Main trials whose last attempt is rated.
+    /// Counts the main trials whose last attempt is rated.
     pub fn rated(&self) -> u64 {
         self.count(RATED)
     }
 
-    /// Main trials with a dropped frame in their last attempt; `None` if nothing was measured.
+    /// Counts the main trials with a dropped frame in their last attempt; `None` if nothing was measured.
     pub fn dropped(&self) -> Option<u64> {
         self.measured.then(|| self.count(DROPPED))
     }
 
-    /// How a row is used. `is_new` is called with a trial that is in the file twice, and returns whether this is its first
-    /// row.
+    /// Determines how a row is used. `is_new` is called with a trial that occurs twice in the file, and returns whether
+    /// this is its first row.
     pub fn status(&self, trial: Trial, file: usize, mut is_new: impl FnMut(Trial) -> bool) -> Status {
         let mut status = Status::Counts;
         for (other, trials) in &self.files {

@@ -1,5 +1,5 @@
-//! The results folder of an experiment: a Psych-DS 1.5 data set, and the files that describe it to people and programs:
-//! `dataset_description.json`, `README.md`, `CHANGES.md` and the list of files that are not data.
+//! The results folder of an experiment, which is a Psych-DS 1.5 data set, and the files that describe it to people and
+//! programs: `dataset_description.json`, `README.md`, `CHANGES.md` and the list of files that are not data.
 
 use std::{
     fs,
@@ -19,7 +19,7 @@ use crate::{
     },
 };
 
-/// Suffix of a data file in a Psych-DS data set, such as our results.
+/// Suffix of a data file in a Psych-DS data set; our result files have it too.
 pub const DATA_FILE: &str = "_data.csv";
 /// Suffix of a sidecar.
 pub(crate) const SIDECAR_SUFFIX: &str = "_data.json";
@@ -27,18 +27,18 @@ pub(crate) const SIDECAR_SUFFIX: &str = "_data.json";
 /// The paths of the files of one session.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SessionPaths {
-    /// `RESULTS/NAME`, the data set.
+    /// The data set, `RESULTS/NAME`.
     pub dataset: PathBuf,
-    /// The rows.
+    /// The result file with the rows.
     pub csv: PathBuf,
-    /// Everything else about the session.
+    /// The sidecar with everything else about the session.
     pub sidecar: PathBuf,
-    /// Every frame interval.
+    /// The frames file with every frame interval.
     pub frames: PathBuf,
 }
 
 impl SessionPaths {
-    /// The contract's names below a results folder.
+    /// Returns the paths of a session's files in a results folder. These names are documented and stable.
     pub fn new(results: &Path, protocol: &Protocol, identity: &Identity) -> Self {
         let dataset = results.join(&protocol.name);
         let stem = format!("subject-{}_session-{}_task-{}", identity.subject(), identity.session(), protocol.task());
@@ -51,11 +51,11 @@ impl SessionPaths {
         }
     }
 
-    /// Creates the folders and the description of the data set, if they do not exist. Returns a sentence if the description
-    /// cannot be read.
+    /// Creates the folders and the description of the data set, if they do not exist. If the existing description
+    /// cannot be extended, returns a sentence that says so.
     ///
     /// # Errors
-    /// The folder cannot be created or written; a link.
+    /// The folder cannot be created or written, or there is a link.
     pub fn prepare(&self, protocol: &Protocol) -> Result<Option<String>, StoreError> {
         self.refuse_links()?;
         let data = self.dataset.join("data");
@@ -65,11 +65,11 @@ impl SessionPaths {
         describe(&self.dataset, protocol)
     }
 
-    /// Nothing below the results folder may lead out of it: anyone who put a link there could redirect where a session is
-    /// written, or expose other files. The results folder itself may be a link.
+    /// Refuses links inside the results folder. Nothing in it may lead out of it, because anyone who puts a link there
+    /// could redirect where a session is written, or expose other files. The results folder itself may be a link.
     ///
     /// # Errors
-    /// The first link.
+    /// Reports the first link.
     pub(crate) fn refuse_links(&self) -> Result<(), StoreError> {
         let data = self.dataset.join("data");
         for path in [&self.dataset, &data, &self.csv, &self.sidecar, &self.frames] {
@@ -81,7 +81,7 @@ impl SessionPaths {
     }
 }
 
-/// The first of `P001`, `P002`, … that has no file in this experiment's results.
+/// Returns the first of `P001`, `P002`, … that has no file in this experiment's results.
 pub fn free_participant(results: &Path, protocol: &Protocol) -> String {
     let taken: Vec<String> = fs::read_dir(results.join(&protocol.name).join("data"))
         .into_iter()
@@ -95,15 +95,14 @@ pub fn free_participant(results: &Path, protocol: &Protocol) -> String {
     (1..).map(|number| format!("P{number:03}")).find(|id| !taken.contains(id)).unwrap_or_default()
 }
 
-/// The part of a data file's name before `_data.csv`, and the participant and session in it.
+/// Returns the part of a data file's name before `_data.csv`, and the participant and session that it names.
 pub(crate) fn identity(csv: &Path) -> Result<(String, Identity), String> {
     let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let expected = "expected a data file such as subject-S001_session-1_task-quick_data.csv";
-    let stem =
-        name.strip_suffix(DATA_FILE).ok_or_else(|| format!("does not have the name of a data file; {expected}"))?;
+    let stem = name.strip_suffix(DATA_FILE).ok_or_else(|| format!("is not named like a data file; {expected}"))?;
     let part = |key: &str| stem.split('_').find_map(|part| part.strip_prefix(key)?.strip_prefix('-'));
     let (Some(subject), Some(session)) = (part("subject"), part("session")) else {
-        return Err(format!("its name has no subject or session; {expected}"));
+        return Err(format!("its name lacks the subject or the session; {expected}"));
     };
     let identity = Identity::new(subject, session).map_err(|error| error.to_string())?;
     Ok((stem.to_owned(), identity))
@@ -112,14 +111,14 @@ pub(crate) fn identity(csv: &Path) -> Result<(String, Identity), String> {
 /// Name of the file that describes a data set.
 pub const DESCRIPTION: &str = "dataset_description.json";
 
-/// Both names of the list of files that are not data: the one in the standard and the one in its validator.
+/// Both names for the list of files that are not data: the one in the standard and the one in its validator.
 const IGNORE: [&str; 2] = [".psychds-ignore", ".psychdsignore"];
 
-/// Writes missing files, and adds missing columns to the description. Manual entries are kept. Returns a sentence if the
-/// description cannot be read.
+/// Writes missing files, and adds missing columns to the description. Manual entries are kept. If the existing
+/// description cannot be extended, returns a sentence that says so.
 ///
 /// # Errors
-/// The system's refusal.
+/// I/O errors.
 pub(crate) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<String>, StoreError> {
     let [by_text, by_validator] = IGNORE;
     for (name, text) in [
@@ -130,7 +129,7 @@ pub(crate) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<Str
     ] {
         let path = dataset.join(name);
         if !is_there(&path)? {
-            // The session waits for the disk only if data depend on it.
+            // Not synced, because a session should wait for the disk only to save data.
             write_whole(&path, text.as_bytes(), false)?;
         }
     }
@@ -143,11 +142,11 @@ pub(crate) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<Str
     match add_columns(&mut described, &columns(protocol)) {
         Some(true) => write_json(&path, &described).map(|()| None),
         Some(false) => Ok(None),
-        None => Ok(Some(format!("{DESCRIPTION} has no list variableMeasured; it was not changed"))),
+        None => Ok(Some(format!("{DESCRIPTION} has no variableMeasured list; it was not changed"))),
     }
 }
 
-/// A data set's description: its name, what it is, and every column.
+/// Returns a data set's description: its name, its title, and every column.
 fn description(protocol: &Protocol) -> Value {
     json!({
         "@context": "https://schema.org/",
@@ -158,7 +157,7 @@ fn description(protocol: &Protocol) -> Value {
     })
 }
 
-/// Adds the columns that a description lacks, and returns whether there were any. `None` if it has no list of columns.
+/// Adds the columns that a description lacks, and returns whether there were any; `None` if it has no list of columns.
 fn add_columns(described: &mut Value, columns: &[Column]) -> Option<bool> {
     let variables = described.get_mut("variableMeasured")?.as_array_mut()?;
     let missing: Vec<Value> =
@@ -167,7 +166,7 @@ fn add_columns(described: &mut Value, columns: &[Column]) -> Option<bool> {
     Some(!missing.is_empty())
 }
 
-/// A column may be described by an object or only by its name.
+/// True if an entry describes this column. The entry may be an object or only the column's name.
 fn names(variable: &Value, column: &Column) -> bool {
     variable.as_str().or_else(|| variable.get("name")?.as_str()) == Some(&column.name)
 }
@@ -198,13 +197,14 @@ fn readme(protocol: &Protocol) -> String {
 
 Ratings recorded with machband {version}, using the definition `{name}`.
 
-- `data/subject-…_session-…_task-…_data.csv`: one row per trial. `row_id` names each row of the data set.
-- `data/…_data.json`: next to each, everything else that is known about the session: the definition and the seed that
-  determine the order of its trials, the program, the screen, the geometry, and what each column means.
+- `data/subject-…_session-…_task-…_data.csv`: one row per trial. `row_id` is unique within the data set.
+- `data/…_data.json`, next to each data file: everything else that is known about the session, such as the
+  definition and the seed that determine the order of its trials, the program, the screen, the geometry, and the meaning
+  of each column.
 - `data/…{frames}`: every frame interval, if a screen was used.
 
 Missing values are empty. A corrected response is a separate row with `attempt` + 1; the last attempt of a trial
-counts. Rows with `phase` practice are not data.
+counts. Rows with the `phase` practice are not data.
 
 `machband verify` checks the rows and the pictures against the sidecars; `machband analyze` analyzes the ratings.
 Add the author, license and similar information to `{DESCRIPTION}`; machband keeps your entries.
@@ -215,7 +215,7 @@ Add the author, license and similar information to `{DESCRIPTION}`; machband kee
 
 const CHANGES: &str = "# Changes
 
-Sessions are added while they are recorded and never changed afterward. Record any manual change here, with a date.
+Sessions are added while they are recorded and are never changed afterward. Record any manual change here with its date.
 ";
 
 fn ignored() -> String {

@@ -1,7 +1,7 @@
-//! Every frame interval of a session: a CSV file next to the data, with one row for each run of frames with the same
-//! content.
+//! The frames file of a session: a CSV file next to the data that contains every frame interval, with one row for each
+//! run of consecutive frames with the same content.
 //!
-//! The frames describe a session and are not its data: if this file cannot be written, the session continues.
+//! Frames describe a session but are not its data, so the session continues if this file cannot be written.
 
 use std::path::Path;
 
@@ -17,30 +17,30 @@ use crate::{
 
 /// The header row.
 pub const HEADER: &str = "sitting,phase,trial,attempt,state,refresh_us,intervals_us";
-/// Suffix of such a file.
+/// Suffix of a frames file.
 pub const SUFFIX: &str = "_frames.csv";
 
-/// One row: consecutive frames.
+/// One row: consecutive frames with the same content.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameRow {
-    /// 1, plus 1 each time an interrupted session was resumed.
+    /// Number of the sitting: 1, plus 1 for each time the session was resumed.
     pub sitting: u32,
-    /// As in the data.
+    /// Phase, as in the data.
     pub phase: Phase,
-    /// As in the data: planned place within the phase, from 1.
+    /// Trial, as in the data: its planned position within the phase, from 1.
     pub trial: u32,
-    /// As in the data.
+    /// Attempt, as in the data.
     pub attempt: u32,
     /// Content of the frames.
     pub shown: Shown,
-    /// The refresh interval with which they were compared; `None` if it was not known.
+    /// The refresh interval that the frames were compared with; `None` if it was not known.
     pub refresh: Option<Refresh>,
     /// How long each frame was shown, in microseconds.
     pub intervals_us: Vec<u32>,
 }
 
 impl FrameRow {
-    /// The row of a stretch. `None` if the schedule has no such trial.
+    /// Creates the row for a run of frames; `None` if the schedule has no such trial.
     #[must_use]
     pub fn new(stretch: Stretch, schedule: &Schedule, sitting: u32) -> Option<Self> {
         let trial = schedule.trials.get(stretch.trial)?;
@@ -56,20 +56,20 @@ impl FrameRow {
     }
 }
 
-/// The file of a running session. It is created with the first row, so a session without a screen has none.
+/// The frames file of a running session. It is created with the first row, so a session without a screen has none.
 #[derive(Debug)]
 pub struct FrameFile(pub(in crate::store) AppendFile);
 
 impl FrameFile {
-    /// For a new session.
+    /// Prepares the file of a new session.
     pub fn new(path: &Path) -> Self {
         Self(AppendFile::new(path, false, header()))
     }
 
-    /// For a resumed session: keeps the content, except for an incomplete last line.
+    /// Opens the file of a resumed session, and keeps its content except for an incomplete last line.
     ///
     /// # Errors
-    /// The file exists but cannot be read, or is of another kind; it must not be written to then.
+    /// The file exists but cannot be read or is not a frames file, so it must not be written to.
     pub fn resume(path: &Path) -> Result<Self, StoreError> {
         if !is_there(path)? {
             return Ok(Self::new(path));
@@ -82,17 +82,17 @@ impl FrameFile {
         Ok(Self(file))
     }
 
-    /// Whether it has no rows.
+    /// True if the file has no rows.
     pub fn is_empty(&self) -> bool {
         self.0.content() == header()
     }
 
-    /// Adds rows. They are kept in memory from here on, and in the file when this returns without an error; after an
-    /// error the next call tries again, in a new file where the old one is gone. A power cut may take the last of them,
-    /// since nobody waits for the disk.
+    /// Appends rows. They are kept in memory from now on, and they are in the file when this returns without an error.
+    /// After an error, the next call tries again, with a new file if the old one no longer exists. A power failure may
+    /// lose the last rows, because the session does not wait for the disk.
     ///
     /// # Errors
-    /// The system's refusal.
+    /// I/O errors.
     pub fn append(&mut self, rows: &[FrameRow]) -> Result<(), StoreError> {
         if self.is_empty() && rows.is_empty() {
             return Ok(());
@@ -108,10 +108,10 @@ impl FrameFile {
         })
     }
 
-    /// Writes everything into a new file and continues there. The old one is not changed.
+    /// Writes everything into a new file and continues there. The old file is not changed.
     ///
     /// # Errors
-    /// The new location cannot be written or already has such a file; the old one is then kept.
+    /// The new location cannot be written or already has such a file. In that case, the old one stays in use.
     pub fn move_to(&mut self, path: &Path) -> Result<(), StoreError> {
         if self.is_empty() {
             *self = Self::new(path);
@@ -125,18 +125,18 @@ fn header() -> Vec<u8> {
     format!("{HEADER}\n").into_bytes()
 }
 
-/// Reads a file of frames.
+/// Reads a frames file.
 ///
 /// # Errors
-/// Every fault with its line and column.
+/// Reports every error, with its line and column.
 pub fn read(path: &Path) -> Result<Vec<FrameRow>, FileFaults> {
     parse(&path.display().to_string(), &read_text(path)?)
 }
 
-/// Reads the text of a file of frames; `file` names it in messages.
+/// Parses the text of a frames file; `file` identifies it in messages.
 ///
 /// # Errors
-/// Every fault with its line and column.
+/// Reports every error, with its line and column.
 pub fn parse(file: &str, text: &str) -> Result<Vec<FrameRow>, FileFaults> {
     table::parse(file, text.as_bytes(), |header| table::exactly(header, HEADER), row)
 }
@@ -158,7 +158,7 @@ fn row(cells: &[&str]) -> Result<FrameRow, CellFault> {
         text => Some(
             (text.parse::<f64>().ok())
                 .and_then(|us| Refresh::new(us * 1e-6))
-                .ok_or_else(|| wrong(5, "microseconds from one refresh to the next, above 0, or an empty cell"))?,
+                .ok_or_else(|| wrong(5, "a positive number of microseconds between refreshes, or an empty cell"))?,
         ),
     };
     let intervals = intervals.split(' ').map(|text| text.parse().ok()).collect::<Option<_>>();

@@ -1,4 +1,4 @@
-//! A session on disk: its data set, its rows, and the sidecar and frames next to them; written, read back and verified.
+//! Writes, reads and verifies a session on disk: its data set, its rows, and the sidecar and frames file next to them.
 
 pub mod dataset;
 pub mod frames;

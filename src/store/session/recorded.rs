@@ -1,4 +1,4 @@
-//! Read-only access to recorded sessions, for code that reads whole data sets: nothing is changed or locked.
+//! Read-only access to recorded sessions, for code that reads whole data sets. Nothing is changed or locked.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -18,35 +18,36 @@ use crate::{
 /// A session with all its data and metadata.
 #[derive(Clone, Debug)]
 pub struct Recorded {
-    /// Its rows on disk.
+    /// Path of the data file.
     pub csv: PathBuf,
-    /// The sidecar on disk.
+    /// Path of the sidecar.
     pub sidecar_path: PathBuf,
-    /// The frames file, if there is one.
+    /// Path of the frames file, if there is one.
     pub frames: Option<PathBuf>,
     /// Participant and session, from the file names.
     pub identity: Identity,
     /// The definition, from the sidecar.
     pub protocol: Protocol,
-    /// The order of the trials, from definition and seed.
+    /// The order of the trials, from the definition and the seed.
     pub schedule: Schedule,
     pub sidecar: Sidecar,
-    /// Its rows, in the order of the file.
+    /// The rows, in the order of the file.
     pub rows: Vec<TrialRecord>,
-    /// An incomplete last line: the session was interrupted and not resumed.
+    /// An incomplete last line, if the session was interrupted and not resumed.
     pub torn: Option<String>,
 }
 
 impl Recorded {
-    /// Reads a session by the path of its data file.
+    /// Reads a session, given the path of its data file.
     ///
     /// # Errors
-    /// The name is not a session's; there is no sidecar; anything that does not parse, with its location.
+    /// The file is not named like a data file; there is no sidecar; or a file cannot be parsed, with the location of
+    /// every error.
     pub fn open(csv: &Path) -> Result<Self, StoreError> {
         let (stem, identity) = identity(csv).map_err(|message| FileFaults::whole(csv, message))?;
         let sidecar_path = csv.with_file_name(format!("{stem}{SIDECAR_SUFFIX}"));
         let sidecar = Sidecar::read(&sidecar_path)?.ok_or_else(|| {
-            FileFaults::whole(&sidecar_path, "does not exist; expected the sidecar of the data file next to it")
+            FileFaults::whole(&sidecar_path, "does not exist; expected the sidecar that belongs to the data file")
         })?;
         let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
         let schedule = Schedule::new(&protocol, &identity, sidecar.seed)
@@ -66,31 +67,31 @@ impl Recorded {
         })
     }
 
-    /// The common part of its file names.
+    /// The part that all file names of the session share.
     pub fn stem(&self) -> String {
         let name = self.csv.file_name().unwrap_or_default().to_string_lossy();
         name.strip_suffix(DATA_FILE).unwrap_or(&name).to_owned()
     }
 
-    /// The origin of the rows; a row itself has its `sitting`.
+    /// The context of the rows. Its `sitting` is a placeholder, because each row has its own.
     pub fn context(&self) -> RowContext<'_> {
         RowContext { protocol: &self.protocol, schedule: &self.schedule, identity: &self.identity, sitting: 1 }
     }
 
-    /// Index into [`Schedule::conditions`] of the condition of a row; `None` if the row is not planned.
+    /// Returns the index in [`Schedule::conditions`] of a row's condition; `None` if the row is not planned.
     pub fn condition(&self, row: &TrialRecord) -> Option<usize> {
         Some(self.schedule.trials[row.planned_trial(&self.context()).ok()?].condition)
     }
 
-    /// Planned trials that are rated, and all that are planned.
+    /// Returns the number of rated trials and the number of planned trials.
     pub fn rated(&self) -> (usize, usize) {
         let context = self.context();
         let rated: HashSet<_> = self.rows.iter().filter_map(|row| row.planned_trial(&context).ok()).collect();
         (rated.len(), self.schedule.trials.len())
     }
 
-    /// The faults of its rows: each must be planned by definition and seed, attempts must be consecutive, and times must not
-    /// decrease.
+    /// Returns all errors in the rows. The definition and the seed must plan every row, attempts must be consecutive,
+    /// and times must not decrease.
     pub fn row_faults(&self) -> Vec<FileFault> {
         let context = self.context();
         let (mut attempts, mut faults) = (HashMap::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! A session's rows: one CSV file with one row per trial, on disk before the next trial is shown.
+//! The result file of a session: a CSV file with one row per trial. Each row is on disk before the next trial is shown.
 
 use std::{fs, path::Path};
 
@@ -16,35 +16,35 @@ use crate::{
 #[derive(Debug)]
 pub struct ResultFile {
     pub(in crate::store) file: AppendFile,
-    /// Columns of the file: one that an earlier version created lacks some at the end.
+    /// Number of columns in the file. A file created by an earlier version lacks some of the last columns.
     width: usize,
 }
 
 /// The content of a result file.
 #[derive(Debug, PartialEq)]
 pub struct Recovered {
-    /// Its rows in the order of the file.
+    /// The rows, in the order of the file.
     pub rows: Vec<TrialRecord>,
-    /// An incomplete last line.
+    /// An incomplete last line, if there is one.
     pub torn: Option<String>,
 }
 
 impl ResultFile {
-    /// Creates the file with its header; an existing one is never touched.
+    /// Creates the file with its header. An existing file is never touched.
     ///
     /// # Errors
-    /// [`StoreError::Exists`], or the system's refusal.
+    /// [`StoreError::Exists`], or an I/O error.
     pub fn create(path: &Path, columns: &[Column]) -> Result<Self, StoreError> {
         let mut file = AppendFile::new(path, true, header(columns));
         file.flush()?;
         Ok(Self { file, width: columns.len() })
     }
 
-    /// Opens and locks an interrupted session's file. The next write removes an incomplete last line; until then, the
-    /// file is not changed.
+    /// Opens and locks the file of an interrupted session. The file is not changed until the next write, which removes
+    /// an incomplete last line.
     ///
     /// # Errors
-    /// [`StoreError::InUse`], the system's refusal, or a file that begins otherwise.
+    /// [`StoreError::InUse`]; I/O errors; or the file has no complete line and does not begin with the header.
     pub fn open(path: &Path, columns: &[Column]) -> Result<Self, StoreError> {
         let file = AppendFile::open(path, true, header(columns))?;
         let width = columns_of(file.content(), columns).len();
@@ -54,16 +54,16 @@ impl ResultFile {
     /// Reads the rows of a file that was opened.
     ///
     /// # Errors
-    /// Rows that do not parse, each with line and column.
+    /// Reports every row that cannot be parsed, with its line and column.
     pub fn recover(&self, columns: &[Column]) -> Result<Recovered, FileFaults> {
         let rows = parse(&self.file.path().display().to_string(), self.file.content(), columns)?;
         Ok(Recovered { rows, torn: self.file.torn().map(str::to_owned) })
     }
 
-    /// Adds a row. It is kept in memory from now on, and is on disk when this returns without an error.
+    /// Appends a row. It is kept in memory from now on, and it is on disk when this returns without an error.
     ///
     /// # Errors
-    /// The write fails, or the file is no longer the one that was written.
+    /// The write failed, or the file is no longer the one that was written.
     pub fn append(&mut self, record: &TrialRecord) -> Result<(), StoreError> {
         self.file.append(&table::line(record.cells().iter().take(self.width)))
     }
@@ -72,16 +72,16 @@ impl ResultFile {
 /// Reads a result file without changing it. An incomplete last line is ignored.
 ///
 /// # Errors
-/// The system's refusal; rows that do not parse, each with line and column.
+/// I/O errors; every row that cannot be parsed, with its line and column.
 pub fn read(path: &Path, columns: &[Column]) -> Result<Recovered, StoreError> {
     let (content, torn) = whole(path, columns)?;
     Ok(Recovered { rows: parse(&path.display().to_string(), &content, columns)?, torn })
 }
 
-/// The header and complete rows of a result file, and an incomplete last line.
+/// Returns the header and the complete rows of a result file, and an incomplete last line.
 ///
 /// # Errors
-/// The system's refusal; a file that begins otherwise.
+/// I/O errors; or the file has no complete line and does not begin with the header.
 pub(crate) fn whole(path: &Path, columns: &[Column]) -> Result<(Vec<u8>, Option<String>), StoreError> {
     let (whole, torn) = split_torn(fs::read(path).map_err(io(path, "read"))?);
     Ok((begun(path, whole, torn.as_deref(), header(columns))?, torn))
@@ -91,19 +91,20 @@ fn header(columns: &[Column]) -> Vec<u8> {
     table::line(columns.iter().map(|column| &column.name))
 }
 
-/// The columns that the file has: a file from an earlier version lacks some of the last ones.
+/// Returns the columns that the file has. A file from an earlier version lacks some of the last columns.
 fn columns_of<'a>(content: &[u8], columns: &'a [Column]) -> &'a [Column] {
     let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
-    // A column's name has no comma, and a header that differs otherwise is a fault of its own.
+    // Column names contain no commas. A header that differs in any other way is reported as an error elsewhere.
     let found = header.split(|byte| *byte == b',').count();
     let least = columns.len().saturating_sub(TRAILING);
     &columns[..if (least..columns.len()).contains(&found) { found } else { columns.len() }]
 }
 
-/// Reads all rows of a result file with known columns. The last columns may be missing in a file from an earlier version.
+/// Parses all rows of a result file with known columns. The last columns may be missing in a file from an earlier
+/// version.
 ///
 /// # Errors
-/// Every row that does not parse, with line and column; a header that is not the expected one.
+/// Reports every row that cannot be parsed, with its line and column, and a header that is not the expected one.
 pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<TrialRecord>, FileFaults> {
     let all = columns.len();
     let header = |header: &[&str]| check_header(header, columns_of(content, columns));
@@ -114,7 +115,7 @@ pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<Trial
     })
 }
 
-/// Names the first column that is not the expected one.
+/// Checks the header, and names the first column that is not the expected one.
 fn check_header(header: &[&str], columns: &[Column]) -> Result<(), CellFault> {
     for i in 0..columns.len().max(header.len()) {
         let (found, expected) = (header.get(i).copied(), columns.get(i).map(|column| column.name.as_str()));

@@ -18,16 +18,16 @@ use crate::{
     },
 };
 
-/// Side of the pictures of a session without a screen, in pixels.
+/// Side length of the pictures in a session without a screen, in pixels.
 const SIZE_WITHOUT_SCREEN: u32 = 256;
 
-/// How an onset is defined, for the reader of the data.
-const ONSET: &str = "Start of the frame that presents the stimulus, by the program's monotonic clock. The graphics system does not report presentation times: the light follows after the latency of the compositor and the screen. `input` of each sitting describes how ratings are timestamped and the maximum delay.";
+/// The definition of an onset, for readers of the data.
+const ONSET: &str = "Start of the frame that presents the stimulus, according to the program's monotonic clock. The graphics system does not report presentation times: the light appears later, after the latency of the compositor and the screen. The `input` entry of each sitting describes how ratings are timestamped and the maximum delay.";
 
 /// The sidecar's content.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sidecar {
-    /// For readers of linked data, such as Psych-DS tools: which of these keys are specific to machband.
+    /// Tells readers of linked data, such as Psych-DS tools, which of these keys are specific to machband.
     #[serde(rename = "@context", default = "context")]
     pub context: Value,
     /// The definition, with the keys of its file.
@@ -36,23 +36,23 @@ pub struct Sidecar {
     pub definition_sha256: String,
     /// Seed of the order of the trials.
     pub seed: u64,
-    /// The generator that makes the order from the seed.
+    /// The random number generator that produces the order from the seed.
     pub generator: String,
     /// How an onset is defined.
     pub onset: String,
-    /// Whether every planned trial is rated.
+    /// True if every planned trial is rated.
     pub complete: bool,
-    /// Each time the session was run or resumed.
+    /// One entry for each time the session was started or resumed.
     pub sittings: Vec<Sitting>,
     /// Description, unit and levels of every column.
     pub columns: Map<String, Value>,
-    /// Reveals whether files were changed after the session ended; absent until then.
+    /// Reveals whether files were changed after the session ended; absent until the session ends.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seal: Option<Seal>,
 }
 
-/// Hashes of a session's files at its end. They reveal accidents and honest manual changes; anyone who wants to deceive
-/// can create new ones.
+/// Hashes of a session's files when the session ended. They reveal accidents and honest manual changes, but do not
+/// protect against fraud: anyone can create new hashes.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Seal {
     /// SHA-256 of the data file.
@@ -63,7 +63,8 @@ pub struct Seal {
     pub sidecar_sha256: String,
 }
 
-/// The keys of a sidecar are not defined by schema.org; without this, a reader of linked data would look for them there.
+/// Returns the linked-data context. schema.org does not define the keys of a sidecar; without this context, readers of
+/// linked data would look for them there.
 fn context() -> Value {
     let own =
         ["definition", "definition_sha256", "seed", "generator", "onset", "complete", "sittings", "columns", "seal"];
@@ -72,7 +73,7 @@ fn context() -> Value {
     context.into()
 }
 
-/// One stretch of a session, from its start or resumption to its end.
+/// One sitting of a session: from a start or resumption to the next end or interruption.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sitting {
     /// RFC 3339, UTC.
@@ -94,7 +95,7 @@ pub struct Sitting {
     /// Distance, screen size, size of the stimulus.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub viewing: Option<Value>,
-    /// Findings of the preflight, each with a plain sentence.
+    /// The findings of the preflight, each in a plain sentence.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub preflight: Vec<PreflightNote>,
     /// Frame intervals over the sitting.
@@ -103,10 +104,10 @@ pub struct Sitting {
     /// How ratings are timestamped, and the maximum time that a key press may have waited for its timestamp.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub input: Option<Value>,
-    /// What was shown, so that anyone can render it again.
+    /// What was shown, so that anyone can re-render it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pictures: Option<Pictures>,
-    /// Repairs and moves.
+    /// Repairs, moves and other incidents.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub incidents: Vec<String>,
 }
@@ -136,19 +137,19 @@ impl Default for Program {
     }
 }
 
-/// One finding before a session.
+/// One finding of the preflight before a session.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PreflightNote {
     /// What was checked.
     pub check: String,
-    /// Whether the check passed.
+    /// True if the check passed.
     pub ok: bool,
     /// The finding as a sentence.
     pub sentence: String,
 }
 
 impl Sidecar {
-    /// The sidecar of a new session.
+    /// Creates the sidecar of a new session.
     pub fn new(protocol: &Protocol, seed: u64, sitting: Sitting) -> Self {
         let columns = columns(protocol)
             .into_iter()
@@ -168,18 +169,18 @@ impl Sidecar {
         }
     }
 
-    /// SHA-256 of the sidecar without its seal.
+    /// Computes the SHA-256 of the sidecar without its seal.
     #[must_use]
     pub fn own_sha256(&self) -> String {
         let open = Self { seal: None, ..self.clone() };
-        // Its parts are plain data, so serialization cannot fail.
+        // A sidecar is plain data, so serialization cannot fail.
         sha256(&serde_json::to_vec(&open).unwrap_or_default())
     }
 
-    /// Reads a sidecar; `None` where there is none.
+    /// Reads a sidecar; `None` if the file does not exist.
     ///
     /// # Errors
-    /// Not readable, or not a sidecar, with line and column.
+    /// The file is not readable, or it is not a sidecar, with the line and column.
     pub fn read(path: &Path) -> Result<Option<Self>, StoreError> {
         let text = match std::fs::read(path) {
             Ok(text) => text,
@@ -193,12 +194,12 @@ impl Sidecar {
         })
     }
 
-    /// Writes it atomically.
+    /// Writes the sidecar atomically.
     ///
     /// # Errors
-    /// The system's refusal.
+    /// I/O errors.
     pub fn write(&self, path: &Path) -> Result<(), StoreError> {
-        let value = serde_json::to_value(self).map_err(|error| io(path, "describe")(std::io::Error::other(error)))?;
+        let value = serde_json::to_value(self).map_err(|error| io(path, "encode")(std::io::Error::other(error)))?;
         write_json(path, &value)
     }
 }
@@ -206,15 +207,15 @@ impl Sidecar {
 /// The pictures of a sitting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pictures {
-    /// How light was converted to codes. Its stimulus is the definition's, before the factors are set.
+    /// How light was converted to codes. The stimulus in it is the definition's, before any factor is set.
     pub recipe: Recipe,
-    /// [`image::hash`] of the picture of each condition, by condition number: counted from 1 as the factors are crossed,
-    /// with the last one varying fastest.
+    /// [`image::hash`] of each condition's picture, by condition number. Conditions are numbered from 1 by crossing the
+    /// factors, with the last factor varying fastest.
     pub sha256: BTreeMap<usize, String>,
 }
 
 impl Pictures {
-    /// Pictures for a screen: `size` pixels per side, 8 bits, no dither. None is hashed yet.
+    /// The pictures for a screen: `size` pixels per side, 8 bits, no dither. None of them is hashed yet.
     #[must_use]
     pub fn new(protocol: &Protocol, size: u32, transfers: &Transfers, display_sha256: Option<String>) -> Self {
         let recipe = Recipe {
@@ -229,20 +230,20 @@ impl Pictures {
         Self { recipe, sha256: BTreeMap::new() }
     }
 
-    /// Pictures of a session without a screen: 256 pixels a side, sRGB. None is hashed yet.
+    /// The pictures of a session without a screen: 256 pixels per side, sRGB. None of them is hashed yet.
     #[must_use]
     pub fn without_screen(protocol: &Protocol) -> Self {
         Self::new(protocol, SIZE_WITHOUT_SCREEN, &Transfer::Srgb.into(), None)
     }
 
-    /// The hash of every condition's picture, in order.
+    /// Renders every condition's picture and returns the hashes, in order.
     #[must_use]
     pub fn hashes(&self, conditions: &[Condition]) -> Vec<String> {
         let quantizer = self.recipe.quantizer();
         conditions.par_iter().map(|condition| image::hash(&self.recipe_of(condition).codes(&quantizer))).collect()
     }
 
-    /// The recipe of a condition's picture.
+    /// Returns the recipe of a condition's picture.
     #[must_use]
     pub fn recipe_of(&self, condition: &Condition) -> Recipe {
         Recipe { stimulus: condition.stimulus.clone(), ..self.recipe.clone() }

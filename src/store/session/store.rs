@@ -1,4 +1,4 @@
-//! A running session on disk: rows, sidecar and data set together.
+//! A running session on disk: its rows, its sidecar, its frames and its data set.
 
 use std::{path::Path, time::Duration};
 
@@ -24,30 +24,30 @@ pub struct SessionStore {
     paths: SessionPaths,
     rows: ResultFile,
     sidecar: Sidecar,
-    /// `None` if another file has that name.
+    /// The frames file; `None` if a different file has its name.
     frames: Option<FrameFile>,
-    /// Whether a failure to write frames has been noted.
+    /// True if a failure to write frames has already been noted.
     frames_refused: bool,
 }
 
 /// The state of an interrupted session.
 #[derive(Debug)]
 pub struct Interrupted {
-    /// Its order.
+    /// The order of its trials.
     pub schedule: Schedule,
     /// The trials that are already rated.
     pub resumed: Resumed,
-    /// When the last rating was given, in seconds since the session's start; 0 before the first.
+    /// When the last rating was given, in seconds since the session's start; 0 if there is no rating yet.
     pub elapsed_s: f64,
     pub rows: Vec<TrialRecord>,
-    /// Which sitting begins now.
+    /// The number of the sitting that begins now.
     pub sitting: u32,
-    /// An incomplete last line that was removed.
+    /// The incomplete last line that was removed, if there was one.
     pub torn: Option<String>,
 }
 
 impl Interrupted {
-    /// A session without a trial yet.
+    /// A session that has not shown a trial yet.
     pub fn before_the_first_trial(schedule: Schedule) -> Self {
         let (resumed, rows) = (Resumed::default(), Vec::new());
         Self { schedule, resumed, elapsed_s: 0.0, rows, sitting: 1, torn: None }
@@ -58,7 +58,7 @@ impl SessionStore {
     /// Creates the files of a new session.
     ///
     /// # Errors
-    /// [`StoreError::Exists`], or the system's refusal.
+    /// [`StoreError::Exists`], or an I/O error.
     pub fn create(
         results: &Path,
         protocol: &Protocol,
@@ -67,7 +67,7 @@ impl SessionStore {
         sitting: Sitting,
     ) -> Result<Self, StoreError> {
         let paths = SessionPaths::new(results, protocol, identity);
-        // A sidecar or frames without rows also belong to a session.
+        // A sidecar or frames file without rows also belongs to an existing session.
         for taken in [&paths.csv, &paths.sidecar, &paths.frames] {
             if is_there(taken)? {
                 return Err(StoreError::Exists(taken.clone()));
@@ -78,7 +78,8 @@ impl SessionStore {
         let mut sidecar = Sidecar::new(protocol, seed, sitting);
         sidecar.sittings[0].incidents.extend(undescribed);
         if let Err(error) = sidecar.write(&paths.sidecar) {
-            // Nothing is recorded yet, so the next attempt must not find a session, least of all a sidecar without rows.
+            // Nothing is recorded yet, so the next attempt must not find an existing session, least of all a sidecar
+            // without rows.
             let _ = std::fs::remove_file(&paths.sidecar);
             drop(rows);
             let _ = std::fs::remove_file(&paths.csv);
@@ -92,8 +93,8 @@ impl SessionStore {
     /// Resumes an interrupted session.
     ///
     /// # Errors
-    /// [`StoreError::NothingToResume`]; [`StoreError::Mismatch`] if definition, seed or a row are not this session's;
-    /// [`StoreError::InUse`]; rows that do not parse. Nothing is changed then.
+    /// [`StoreError::NothingToResume`]; [`StoreError::Mismatch`] if the definition, the seed or a row does not belong
+    /// to this session; [`StoreError::InUse`]; rows that cannot be parsed. If there is an error, nothing is changed.
     pub fn resume(
         results: &Path,
         protocol: &Protocol,
@@ -106,7 +107,7 @@ impl SessionStore {
             return Err(StoreError::NothingToResume(paths.csv));
         }
         paths.refuse_links()?;
-        // Locked before anything is read: another program may be ending this very session.
+        // The file is locked before anything is read, because another program may be ending this very session.
         let columns = columns(protocol);
         let rows = ResultFile::open(&paths.csv, &columns)?;
         let found = Sidecar::read(&paths.sidecar)?;
@@ -136,9 +137,9 @@ impl SessionStore {
         let unread = frames.as_ref().err().map(ToString::to_string);
         let (protocol, identity, frames) = (protocol.clone(), identity.clone(), frames.ok());
         let mut store = Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false };
-        // From here on the files change, unless the session is complete.
+        // From here on, the files are changed, unless the session is complete.
         if !finished {
-            // The session is locked: no other program is about to write its sidecar.
+            // The session is locked, so no other program is about to write its sidecar.
             let sidecar = store.paths.sidecar.file_name().unwrap_or_default().to_string_lossy();
             remove_temporary(&store.paths.dataset.join("data"), &sidecar, Duration::ZERO);
             store.sidecar.complete = false;
@@ -150,7 +151,7 @@ impl SessionStore {
             if let Some(error) = unread {
                 store.note(format!("the frames of this sitting are not saved: {error}"));
             }
-            // An earlier version may have described fewer columns.
+            // An earlier version of the program may have described fewer columns.
             store.prepare()?;
             store.sidecar.write(&store.paths.sidecar)?;
             store.rows.file.flush()?;
@@ -167,20 +168,21 @@ impl SessionStore {
         Ok((store, interrupted))
     }
 
-    /// Where the rows are.
+    /// Path of the data file.
     pub fn csv(&self) -> &Path {
         self.rows.file.path()
     }
 
-    /// Adds a row, which is on disk when this returns without an error, and is kept in memory in any case.
+    /// Appends a row. It is on disk when this returns without an error, and it is kept in memory in any case.
     ///
     /// # Errors
-    /// The write fails; see [`SessionStore::retry`] and [`SessionStore::move_to`].
+    /// The write failed; see [`SessionStore::retry`] and [`SessionStore::move_to`].
     pub fn append(&mut self, record: &TrialRecord) -> Result<(), StoreError> {
         self.rows.append(record)
     }
 
-    /// Adds frames. A failure is noted once, the next frames trigger another attempt, and the session continues.
+    /// Appends frames. A failure is noted only once; the next frames trigger another attempt, and the session
+    /// continues.
     pub fn append_frames(&mut self, rows: &[FrameRow]) {
         let written = self.frames.as_mut().map_or(Ok(()), |frames| frames.append(rows));
         if let Err(error) = written
@@ -190,19 +192,20 @@ impl SessionStore {
         }
     }
 
-    /// Name of the frames file, if it has frames.
+    /// Name of the frames file, if it contains frames.
     pub fn frames_file(&self) -> Option<String> {
         let frames = self.frames.as_ref().filter(|frames| !frames.is_empty())?;
         Some(frames.0.path().file_name()?.to_string_lossy().into_owned())
     }
 
-    /// Tries again to write what is not on disk yet.
+    /// Tries again to write everything that is not on disk yet.
     ///
     /// # Errors
-    /// As for [`SessionStore::append`].
+    /// The same as for [`SessionStore::append`].
     pub fn retry(&mut self) -> Result<(), StoreError> {
         self.rows.file.flush().or_else(|error| {
-            // The file was deleted, and its location is usable again: everything goes into a new file with the same name.
+            // If the file was deleted and its location is usable again, write everything into a new file with the same
+            // name.
             if is_there(&self.paths.csv)? {
                 return Err(error);
             }
@@ -218,14 +221,14 @@ impl SessionStore {
         Ok(())
     }
 
-    /// Moves everything recorded so far to another results folder and continues there.
+    /// Copies everything recorded so far to another results folder and continues there. The old files are not changed.
     ///
     /// # Errors
-    /// The new folder cannot be written or already has this session; the session then stays in the old one.
+    /// The new folder cannot be written or already has this session. In that case, the session stays in the old folder.
     pub fn move_to(&mut self, results: &Path) -> Result<(), StoreError> {
         let paths = SessionPaths::new(results, &self.protocol, &self.identity);
         if paths == self.paths {
-            // The same folder again, perhaps with free space now.
+            // The same folder was chosen again; it may have free space now.
             self.retry()?;
             return self.sidecar.write(&self.paths.sidecar);
         }
@@ -241,12 +244,12 @@ impl SessionStore {
         self.sidecar.write(&self.paths.sidecar)
     }
 
-    /// Whether the session has ended with every planned trial rated.
+    /// True if the session has ended with every planned trial rated.
     pub fn is_complete(&self) -> bool {
         self.sidecar.complete
     }
 
-    /// Whether a session is complete; `None` if there is none.
+    /// Returns whether a session is complete; `None` if there is no such session.
     pub fn exists(results: &Path, protocol: &Protocol, identity: &Identity) -> Option<bool> {
         let paths = SessionPaths::new(results, protocol, identity);
         paths.csv.exists().then(|| matches!(Sidecar::read(&paths.sidecar), Ok(Some(sidecar)) if sidecar.complete))
@@ -263,7 +266,7 @@ impl SessionStore {
         }
     }
 
-    /// Notes the hash of a displayed picture, to be saved with the sidecar; `condition` from 0.
+    /// Notes the hash of a displayed picture, to be saved with the sidecar; `condition` is counted from 0.
     pub fn note_picture(&mut self, condition: usize, sha256: String) {
         if let Some(pictures) = self.sitting().and_then(|sitting| sitting.pictures.as_mut()) {
             pictures.sha256.insert(condition + 1, sha256);
@@ -277,10 +280,10 @@ impl SessionStore {
         }
     }
 
-    /// Ends the sitting, and writes the sidecar with its current content.
+    /// Ends the sitting, seals the session and writes the sidecar.
     ///
     /// # Errors
-    /// I/O errors; the rows are safe nevertheless.
+    /// I/O errors. Even then, the rows are safe.
     pub fn finish(
         &mut self,
         complete: bool,
@@ -309,7 +312,7 @@ fn check_same(sidecar: &Sidecar, protocol: &Protocol, seed: Option<u64>, path: &
             sidecar.definition_sha256, protocol.name
         )
     } else if let Some(seed) = seed.filter(|seed| *seed != sidecar.seed) {
-        format!("the session has seed {}; expected that or none, not {seed}", sidecar.seed)
+        format!("the session has seed {}; expected that seed or no seed, not {seed}", sidecar.seed)
     } else {
         return Ok(());
     };

@@ -1,5 +1,5 @@
-//! Verifies that the rows of recorded sessions follow from definition and seed, that their pictures, rendered again, have
-//! the recorded hashes, and that nothing was changed after the session ended.
+//! Verifies recorded sessions: their rows follow from the definition and the seed, their re-rendered pictures have the
+//! recorded hashes, and nothing was changed after the session ended.
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
@@ -26,15 +26,15 @@ use crate::{
 /// The findings about one session.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verified {
-    /// Rows in the file.
+    /// Number of rows in the file.
     pub rows: usize,
-    /// Planned trials that are rated, and all that are planned.
+    /// Number of rated trials, and number of planned trials.
     pub rated: (usize, usize),
-    /// Number of pictures rendered again, all identical unless `faults` says otherwise.
+    /// Number of re-rendered pictures. All are identical to those shown unless `faults` says otherwise.
     pub pictures: usize,
-    /// Whether the session was ended, so that later changes to its files can be detected.
+    /// True if the session was sealed when it ended, so that later changes to its files can be detected.
     pub sealed: bool,
-    /// What is wrong.
+    /// Everything that is wrong with the session.
     pub faults: Vec<FileFault>,
     /// Other information.
     pub notes: Vec<String>,
@@ -43,12 +43,12 @@ pub struct Verified {
 /// Renders each picture once, regardless of how many sessions showed it.
 #[derive(Debug, Default)]
 pub struct Renderer {
-    /// Hash by recipe.
+    /// Hash of the picture for each recipe, as JSON.
     known: HashMap<String, String>,
 }
 
 impl Renderer {
-    /// The picture hashes for several recipes of one sitting, which differ only in their stimulus.
+    /// Returns the picture hashes for several recipes of one sitting. The recipes must differ only in their stimulus.
     pub(crate) fn hashes(&mut self, recipes: &[Recipe]) -> Vec<String> {
         let keys: Vec<String> =
             recipes.iter().map(|recipe| serde_json::to_string(recipe).unwrap_or_default()).collect();
@@ -59,7 +59,7 @@ impl Renderer {
             }
         }
         if let Some(first) = wanted.values().next() {
-            // All of them share one table from light to codes.
+            // All of these recipes share one table that converts light to codes.
             let quantizer = first.quantizer();
             let made: Vec<_> =
                 wanted.into_par_iter().map(|(key, recipe)| (key, image::hash(&recipe.codes(&quantizer)))).collect();
@@ -96,17 +96,17 @@ pub fn session(csv: &Path, renderer: &mut Renderer) -> Verified {
 fn check_definition(recorded: &Recorded, found: &mut Verified) {
     let (hash, expected) = (definition::hash(&recorded.protocol), &recorded.sidecar.definition_sha256);
     if hash != *expected {
-        let message = format!("the definition has the sha256 {hash}; expected {expected}, that of the definition used");
+        let message = format!("the definition has sha256 {hash}; expected {expected}, the hash of the one used");
         found.faults.push(FileFault::whole(&recorded.sidecar_path, message));
     }
 }
 
-/// Checks that all rows exist.
+/// Checks that no rows are missing at the end of the file.
 fn check_end(recorded: &Recorded, found: &mut Verified) {
     let ((rated, planned), is_complete) = (found.rated, recorded.sidecar.complete);
     if is_complete && rated < planned {
         let message = format!(
-            "{rated} of {planned} trials are rated; expected all of them, since the sidecar says that the session is complete"
+            "{rated} of {planned} trials are rated; expected all, because the sidecar says that the session is complete"
         );
         found.faults.push(FileFault::whole(&recorded.csv, message));
     }
@@ -126,11 +126,11 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
     }
     let turned_back = recorded.rows.windows(2).filter(|rows| rows[1].started_at < rows[0].started_at).count();
     if turned_back > 0 {
-        found.notes.push(format!("the wall clock was set back {turned_back} times; onset_s gives the order"));
+        found.notes.push(format!("the wall clock was set back {turned_back} times; onset_s gives the true order"));
     }
 }
 
-/// Checks that the files are unchanged since the session ended.
+/// Checks that the files have not changed since the session ended.
 fn check_seal(recorded: &Recorded, found: &mut Verified) {
     let Some(seal) = &recorded.sidecar.seal else {
         let ended = recorded.sidecar.complete;
@@ -144,7 +144,7 @@ fn check_seal(recorded: &Recorded, found: &mut Verified) {
         let message = match is {
             Some(is) if is == was => return,
             Some(is) => format!("was changed since the session ended: sha256 {is}; expected {was}"),
-            None => "no longer exists; expected the file that the session left".to_owned(),
+            None => "no longer exists; expected the file that the session wrote".to_owned(),
         };
         found.faults.push(FileFault::whole(path, message));
     };
@@ -172,7 +172,7 @@ fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Veri
     }
 }
 
-/// Renders the pictures of each sitting again, and reports those that differ from what was shown.
+/// Re-renders the pictures of each sitting, and reports those that differ from what was shown.
 pub(crate) fn picture_faults(recorded: &Recorded, renderer: &mut Renderer) -> Vec<FileFault> {
     let (path, conditions) = (&recorded.sidecar_path, &recorded.schedule.conditions);
     let mut faults = Vec::new();
@@ -190,7 +190,7 @@ pub(crate) fn picture_faults(recorded: &Recorded, renderer: &mut Renderer) -> Ve
         }
         if known.len() < pictures.sha256.len() {
             let message = format!(
-                "sitting {sitting} has hashes of conditions that the definition does not have; expected 1…{}",
+                "sitting {sitting} has hashes for conditions that the definition lacks; expected conditions 1…{}",
                 conditions.len()
             );
             faults.push(FileFault::whole(path, message));
@@ -199,8 +199,8 @@ pub(crate) fn picture_faults(recorded: &Recorded, renderer: &mut Renderer) -> Ve
     faults
 }
 
-/// Files in an experiment's folder that do not belong to a session: sidecars without rows, and incomplete files from a
-/// killed program.
+/// Reports files in an experiment's folder that do not belong to a session: sidecars without rows, and incomplete files
+/// that a killed program left.
 #[must_use]
 pub fn leftovers(dataset: &Path) -> Vec<FileFault> {
     let mut faults = Vec::new();
