@@ -77,7 +77,9 @@ fn two_runs_can_share_a_results_folder() {
     // A complete run stays as it is: nothing is overwritten, and another seed is refused.
     let before = everything(folder.path());
     succeeds(folder.path(), &resume);
-    for (options, expected) in [("", "--resume"), ("--resume --seed 2", "has seed 1; expected that or none, not 2")] {
+    for (options, expected) in
+        [("", "--resume"), ("--resume --seed 2", "has seed 1; expected that seed or no seed, not 2")]
+    {
         let error = fails(folder.path(), &split(&format!("simulate quick --participants 40 --results r {options}")), 1);
         assert!(error.contains(expected), "{error}");
     }

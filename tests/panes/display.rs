@@ -246,7 +246,7 @@ fn the_check_and_the_steps_can_be_seen() {
     type_into(&mut window, "Number of steps n", "4");
     window.get_by_label_contains("A wedge of 5 uniform bars");
     type_into(&mut window, "Lowest intensity I₀, black relative to white", "2");
-    window.get_by_label_contains("expected one between 0 and 1");
+    window.get_by_label_contains("expected an intensity between 0 and 1");
     type_into(&mut window, "Lowest intensity I₀, black relative to white", "0.01");
     click(&mut window, "Copy as CSV");
     window.get_by_label_contains("Copied.");

@@ -272,8 +272,10 @@ impl OpenStudy {
             if ui.button("Other data…").clicked() {
                 self.request = Some(Request::OtherData);
             }
-            let named = source.files.iter().any(|file| file.layout == Layout::Long);
-            if named && ui.button("Columns…").clicked() {
+            let has_named = self.read_options.subject.is_some();
+            if (has_named || source.files.iter().any(|file| file.layout == Layout::Long))
+                && ui.button("Columns…").clicked()
+            {
                 self.request = Some(Request::Columns);
             }
         });
