@@ -1,5 +1,5 @@
-//! Agreement between subjects (Krippendorff's ordinal α) and within a subject (weighted κ between first and second
-//! ratings).
+//! Agreement between participants (Krippendorff's ordinal α) and within a participant (weighted κ between first and
+//! second ratings).
 
 use rayon::prelude::*;
 use serde::Serialize;

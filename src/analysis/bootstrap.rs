@@ -1,4 +1,4 @@
-//! The bootstrap over subjects: how results would vary between samples of people. Ratings by the same person are
+//! The bootstrap over participants: how results would vary between samples of people. Ratings by the same person are
 //! related, so people are resampled instead of ratings.
 
 use rand::{RngExt, SeedableRng};

@@ -1,5 +1,5 @@
-//! Tests on the ranks of subjects' mean ratings: Friedman's test with Kendall's W, and Wilcoxon's signed-rank test with
-//! Holm's correction.
+//! Tests on the ranks of participants' mean ratings: Friedman's test with Kendall's W, and Wilcoxon's signed-rank test
+//! with Holm's correction.
 
 use serde::Serialize;
 

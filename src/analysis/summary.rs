@@ -1,5 +1,5 @@
 //! Descriptive statistics: the number, mean, median and proportions of the ratings in each cell, at each factor level
-//! and by each subject.
+//! and by each participant.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -17,8 +17,8 @@ pub struct Summary {
     pub n: u64,
     /// Number of subjects who gave these ratings.
     pub subjects: usize,
-    /// Mean rating. It is computed from the numbers of the categories or, if they are texts, from their positions,
-    /// starting at 0.
+    /// Mean rating. It is computed from the numbers of the categories or, if they are not numbers, from their
+    /// positions, starting at 0.
     pub mean: f64,
     /// Median rating. For an even number of ratings, it is halfway between the two in the middle.
     pub median: f64,

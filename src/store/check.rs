@@ -143,5 +143,5 @@ fn check_matches(path: &Path) -> Result<String, FileFaults> {
 fn check_frames(path: &Path) -> Result<String, FileFaults> {
     let rows = frames::read(path)?;
     let intervals: usize = rows.iter().map(|row| row.intervals_us.len()).sum();
-    Ok(format!("frames of a session: {intervals} intervals in {} stretches", rows.len()))
+    Ok(format!("frames of a session: {intervals} intervals in {} rows", rows.len()))
 }

@@ -1,5 +1,5 @@
-//! Reduces trials to counts. Memory use grows with the number of distinct combinations of subject and condition, not
-//! with the number of rows.
+//! Reduces trials to counts. Memory use grows with the number of distinct combinations of participant and condition,
+//! not with the number of rows.
 
 use std::{
     cmp::Ordering,

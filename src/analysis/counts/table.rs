@@ -13,7 +13,7 @@ use crate::analysis::levels;
 pub struct Factor {
     /// Name of the column.
     pub name: String,
-    /// Names of the levels in natural order: numbers ascending with `inf` last, or else texts by their bytes.
+    /// Names of the levels in natural order: numbers in ascending order with `inf` last, or else strings in byte order.
     pub levels: Vec<String>,
     /// The levels as numbers, if all of them are numbers; `inf` is infinite.
     pub numbers: Option<Vec<f64>>,
@@ -60,7 +60,7 @@ pub enum CountError {
         found: usize,
     },
     /// The subject's name is empty.
-    #[error("no subject; expected a name")]
+    #[error("no participant; expected a name")]
     NoSubject,
     /// The rating is empty.
     #[error("no rating; expected one of the ordered categories")]

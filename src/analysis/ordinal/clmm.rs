@@ -1,6 +1,7 @@
-//! The cumulative-link mixed model P(Y ≤ j | u) = F(θ_j − xβ − σu) with u ~ N(0, 1) for each subject, fitted to counts.
+//! The cumulative-link mixed model P(Y ≤ j | u) = F(θ_j − xβ − σu) with u ~ N(0, 1) for each participant, fitted to
+//! counts.
 //!
-//! A subject's likelihood is the integral over u. It is approximated by Laplace's method (one node) or by adaptive
+//! A participant's likelihood is the integral over u. It is approximated by Laplace's method (one node) or by adaptive
 //! Gauss–Hermite quadrature around the mode (Liu & Pierce 1994). The gradient is analytic and accounts for how the mode
 //! and the curvature at the mode change with the parameters: it is the gradient of the approximation that is maximized,
 //! not of the exact integral.

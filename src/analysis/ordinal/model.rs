@@ -203,12 +203,12 @@ pub enum Note {
     /// Each subject uses a single category, so the variance between subjects, or an effect within subjects, has no
     /// finite estimate.
     #[error(
-        "the mixed model has no finite estimates: hardly any participant uses more than one category under the same conditions; the results ignore that ratings of the same participant are related, and the standard errors are too small"
+        "the mixed model has no finite estimates: hardly any participant uses more than one category under the same conditions; the results ignore that ratings by the same participant are related, and the standard errors are too small"
     )]
     RunawayVariance,
     /// The ratings are separated in such a way that no mixed model can be fitted.
     #[error(
-        "no mixed model could be fitted: the results ignore that ratings of the same participant are related, and the standard errors are too small"
+        "no mixed model could be fitted: the results ignore that ratings by the same participant are related, and the standard errors are too small"
     )]
     NoMixedModel,
     /// The iteration ended before the gradient became small.

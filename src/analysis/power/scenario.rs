@@ -1,4 +1,4 @@
-//! The conditions of a definition and how visible the bands of each are to the observer.
+//! The conditions of a definition, and how visible the bands in each are to the observer.
 
 use std::collections::HashMap;
 
