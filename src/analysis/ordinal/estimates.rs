@@ -224,7 +224,7 @@ pub(crate) fn two_sided(z: f64) -> f64 {
     statrs::function::erf::erfc(z.abs() * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// The ratings that a model predicts for one condition. A mixed model predicts those of an average subject (u = 0).
+/// The ratings that a model predicts for one condition. A mixed model predicts those of an average participant (u = 0).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Prediction {
     /// Names of the levels, in the order of the factors; a missing value has an empty name.
