@@ -1,4 +1,4 @@
-//! Parameters by name: files, commands and the editor use them to read and change a stimulus. `kind!` declares a kind
+//! Parameters by name: files, commands and the gallery use them to read and change a stimulus. `kind!` declares a kind
 //! of stimulus with its parameters.
 
 use std::convert::Infallible;
