@@ -1,5 +1,5 @@
-//! Agreement between subjects (Krippendorff's ordinal α) and within a subject (weighted κ between first and second
-//! ratings).
+//! Agreement between participants (Krippendorff's ordinal α) and within a participant (weighted κ between first and
+//! second ratings).
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -14,25 +14,25 @@ use super::{
 pub struct Alpha {
     /// 1 is perfect agreement, 0 is chance agreement, and values below 0 are systematic disagreement.
     pub alpha: f64,
-    /// Number of conditions that two or more subjects rated.
+    /// Number of conditions that two or more participants rated.
     pub units: usize,
     /// Number of ratings of these conditions.
     pub ratings: u64,
-    /// Bootstrap interval over subjects. A subject drawn twice is not compared with itself.
+    /// Bootstrap interval over participants. A participant drawn twice is not compared with itself.
     pub interval: Option<Interval>,
 }
 
-/// One subject's ratings of one condition: the categories used, and how often each was used.
+/// One participant's ratings of one condition: the categories used, and how often each was used.
 struct Share {
     subject: usize,
     tally: Vec<(usize, f64)>,
 }
 
-/// Returns Krippendorff's ordinal α (Hayes & Krippendorff 2007) with conditions as units and subjects as coders.
-/// Returns `None` if no condition was rated by two subjects or all ratings are the same.
+/// Returns Krippendorff's ordinal α (Hayes & Krippendorff 2007) with conditions as units and participants as coders.
+/// Returns `None` if no condition was rated by two participants or all ratings are the same.
 ///
-/// With one rating per subject and condition, this is the published coefficient. Repeated ratings by a subject are all
-/// used, but they are compared only with ratings by other subjects.
+/// With one rating per participant and condition, this is the published coefficient. Repeated ratings by a participant
+/// are all used, but they are compared only with ratings by other participants.
 pub fn ordinal_alpha(counts: &Counts, bootstrap: &Bootstrap) -> Option<Alpha> {
     let mut units: Vec<Vec<Share>> = counts.conditions.iter().map(|_| Vec::new()).collect();
     for row in &counts.rows {
@@ -57,7 +57,7 @@ pub fn ordinal_alpha(counts: &Counts, bootstrap: &Bootstrap) -> Option<Alpha> {
     Some(Alpha { alpha, units: units.len(), ratings: ratings as u64, interval })
 }
 
-/// Returns α when each subject counts as often as its weight says.
+/// Returns α when each participant counts as often as its weight says.
 fn alpha(units: &[Vec<Share>], weights: &[u8], categories: usize) -> Option<f64> {
     units.first()?;
     let mut coincidences = vec![0.0; categories * categories];
@@ -80,7 +80,7 @@ fn alpha(units: &[Vec<Share>], weights: &[u8], categories: usize) -> Option<f64>
     (expected > 0.0).then(|| 1.0 - (n - 1.0) * observed / expected)
 }
 
-/// Adds a unit's pairs of ratings by different subjects. Their total weight is the number of ratings in the unit.
+/// Adds a unit's pairs of ratings by different participants. Their total weight is the number of ratings in the unit.
 /// `total` and `own` are scratch space.
 fn add_coincidences(shares: &[Share], weights: &[u8], coincidences: &mut [f64], total: &mut [f64], own: &mut [f64]) {
     let categories = total.len();
@@ -110,7 +110,7 @@ fn add_coincidences(shares: &[Share], weights: &[u8], coincidences: &mut [f64], 
     }
 }
 
-/// Returns the mean of a statistic over subjects and its bootstrap interval, or `None` if there are no values.
+/// Returns the mean of a statistic over participants and its bootstrap interval, or `None` if there are no values.
 pub fn mean_over_subjects(values: &[f64], bootstrap: &Bootstrap) -> Option<(f64, Option<Interval>)> {
     if values.is_empty() {
         return None;
@@ -169,7 +169,7 @@ impl Retest {
     }
 }
 
-/// Returns each subject's table of first against second ratings.
+/// Returns each participant's table of first against second ratings.
 pub fn retests(measured: &Measured) -> Vec<Retest> {
     let mut retests = vec![Retest::new(measured.counts.categories.len()); measured.counts.subjects.len()];
     for pair in &measured.retests {

@@ -1,4 +1,4 @@
-//! The bootstrap over subjects: how results would vary between samples of people. Ratings by the same person are
+//! The bootstrap over participants: how results would vary between samples of people. Ratings by the same person are
 //! related, so people are resampled instead of ratings.
 
 use rand::{RngExt, SeedableRng};
@@ -42,8 +42,8 @@ impl Interval {
 }
 
 impl Bootstrap {
-    /// Returns, for each replicate, how often each subject was drawn; there are no replicates without subjects. Bytes
-    /// save memory if there are many subjects, and nobody is drawn 256 times.
+    /// Returns, for each replicate, how often each participant was drawn; there are no replicates without participants.
+    /// Bytes save memory if there are many participants, and nobody is drawn 256 times.
     pub(super) fn weights(&self, subjects: usize) -> Vec<Vec<u8>> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let replicates = if subjects == 0 { 0 } else { self.replicates };
@@ -59,7 +59,7 @@ impl Bootstrap {
     }
 
     /// Returns the percentile interval of a statistic from its values in the replicates. Returns `None` if there is
-    /// only one subject or if fewer than half of the replicates have a value.
+    /// only one participant or if fewer than half of the replicates have a value.
     pub(super) fn interval(&self, subjects: usize, mut values: Vec<f64>) -> Option<Interval> {
         values.retain(|value| value.is_finite());
         if subjects < 2 || values.is_empty() || 2 * values.len() < self.replicates {

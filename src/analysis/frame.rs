@@ -16,7 +16,7 @@ pub(super) struct Frame<'a> {
     pub counts: &'a Counts,
     /// The rows, with `subject` and `rating` renumbered to the values that occur.
     pub rows: Vec<CountRow>,
-    /// Names of the subjects that occur.
+    /// Names of the participants that occur.
     pub subjects: Vec<String>,
     /// Names of the categories that occur, the lowest first.
     pub categories: Vec<String>,

@@ -1,20 +1,20 @@
-//! The order of levels: numbers ascending with `inf` last, and texts by their bytes.
+//! The order of levels: numbers in ascending order with `inf` last, and other strings in byte order.
 
 use std::cmp::Ordering;
 
 /// Returns the number that the text of a level means: a decimal number, or `inf` or `-inf` in any case. `nan` and
-/// hexadecimal numbers count as texts.
+/// hexadecimal numbers count as other strings.
 pub fn number_of(text: &str) -> Option<f64> {
     text.trim().parse::<f64>().ok().filter(|number| !number.is_nan())
 }
 
-/// Returns the numbers of all levels, or `None` if any level is a text.
+/// Returns the numbers of all levels, or `None` if any level is not a number.
 pub fn numbers_of<S: AsRef<str>>(levels: &[S]) -> Option<Vec<f64>> {
     levels.iter().map(|level| number_of(level.as_ref())).collect()
 }
 
-/// Returns the natural order of two texts from a set. If the whole set is numbers (`all_numbers`), they ascend with
-/// `inf` last; otherwise, texts are ordered by their bytes, as in R's C locale and in Python.
+/// Returns the natural order of two strings from a set. If all of them are numbers (`all_numbers`), they are in
+/// ascending order with `inf` last; otherwise, they are in byte order, as in R's C locale and in Python.
 pub(super) fn compare(left: &str, right: &str, all_numbers: bool) -> Ordering {
     match (number_of(left), number_of(right)) {
         (Some(l), Some(r)) if all_numbers => l.total_cmp(&r).then_with(|| left.cmp(right)),
@@ -22,7 +22,7 @@ pub(super) fn compare(left: &str, right: &str, all_numbers: bool) -> Ordering {
     }
 }
 
-/// Returns the natural order of any two texts, with numbers before texts.
+/// Returns the natural order of any two strings, with numbers before other strings.
 pub(super) fn compare_mixed(left: &str, right: &str) -> Ordering {
     match (number_of(left), number_of(right)) {
         (Some(l), Some(r)) => l.total_cmp(&r).then_with(|| left.cmp(right)),
@@ -32,9 +32,9 @@ pub(super) fn compare_mixed(left: &str, right: &str) -> Ordering {
     }
 }
 
-/// Returns the distinct levels of some texts, in natural order, and the index of each text's level. If all texts are
-/// numbers, texts that mean the same number (`0.1` and `0.10`) are one level, as in R, and its name is the shortest of
-/// them. A missing value stays `None`.
+/// Returns the distinct levels of some strings, in natural order, and the index of each string's level. If all strings
+/// are numbers, strings that mean the same number (`0.1` and `0.10`) are one level, as in R, and its name is the
+/// shortest of them. A missing value stays `None`.
 pub(super) fn rank(texts: &[Option<&str>]) -> (Vec<String>, Vec<Option<u32>>) {
     let mut present: Vec<&str> = texts.iter().flatten().copied().collect();
     present.sort_unstable();

@@ -1,13 +1,14 @@
 //! Analysis: descriptive statistics, ordinal models, tests and agreement, all computed from counts of ratings.
 //!
-//! Everything works on [`counts::Counts`], the sufficient statistic subject × condition × rating, so the cost does not
-//! grow with the number of rows. The conventions follow R's `ordinal` wherever it has them:
+//! Everything works on [`counts::Counts`], the sufficient statistic participant × condition × rating, so the cost does
+//! not grow with the number of rows. The conventions follow R's `ordinal` wherever it has them:
 //!
-//! - P(Y ≤ j) = F(θ_j − xβ − σu): a positive coefficient or a positive subject intercept means higher ratings.
+//! - P(Y ≤ j) = F(θ_j − xβ − σu): a positive coefficient or a positive intercept of a participant means higher ratings.
 //!   `statsmodels` uses the same signs; its threshold parameters are the first threshold and the logarithms of the
 //!   differences.
-//! - Levels and categories are in natural order: numbers ascending with `inf` last, texts by their bytes. The first
-//!   level is the baseline of treatment contrasts. Coefficients are named as in R (`width0.05`, `width0.05:depth2`).
+//! - Levels and categories are in natural order: numbers in ascending order with `inf` last, other strings in byte
+//!   order. The first level is the baseline of treatment contrasts. Coefficients are named as in R (`width0.05`,
+//!   `width0.05:depth2`).
 //! - Standard errors come from the observed information of the likelihood that was maximized; for a mixed model, this
 //!   is its Laplace or Gauss–Hermite approximation. The log-likelihood omits the constant for the order of the ratings.
 //! - A model's [`Note`]s say what the data cannot answer. A [`ModelError`] says why there is no model.

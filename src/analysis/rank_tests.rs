@@ -1,5 +1,5 @@
-//! Tests on the ranks of subjects' mean ratings: Friedman's test with Kendall's W, and Wilcoxon's signed-rank test with
-//! Holm's correction.
+//! Tests on the ranks of participants' mean ratings: Friedman's test with Kendall's W, and Wilcoxon's signed-rank test
+//! with Holm's correction.
 
 use serde::Serialize;
 
@@ -9,14 +9,14 @@ use super::{
     summary::category_values,
 };
 
-/// Subjects' mean ratings at each level of a factor, pooled over all other factors. If all numbers of ratings are
+/// Participants' mean ratings at each level of a factor, pooled over all other factors. If all numbers of ratings are
 /// equal, the means have the same ranks as the sums.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SubjectMeans {
     pub levels: Vec<String>,
-    /// Subjects with ratings at every level, each with their means in the order of the levels.
+    /// Participants with ratings at every level, each with their means in the order of the levels.
     pub rows: Vec<(String, Vec<f64>)>,
-    /// Subjects excluded because they did not rate every level.
+    /// Participants excluded because they did not rate every level.
     pub incomplete: Vec<String>,
 }
 
@@ -51,7 +51,7 @@ impl SubjectMeans {
     }
 }
 
-/// Friedman's test of whether all levels are rated alike, and how well subjects agree in ranking them.
+/// Friedman's test of whether all levels are rated alike, and how well participants agree in ranking them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Friedman {
     pub subjects: usize,
@@ -62,13 +62,13 @@ pub struct Friedman {
     pub df: usize,
     /// Probability from the χ² distribution.
     pub p: f64,
-    /// Kendall's coefficient of concordance W, corrected for ties: 0 is no agreement, and 1 means that all subjects
+    /// Kendall's coefficient of concordance W, corrected for ties: 0 is no agreement, and 1 means that all participants
     /// rank the levels alike.
     pub w: f64,
 }
 
-/// Performs Friedman's test. Returns `None` if there are fewer than two subjects or levels, or if every subject rates
-/// all levels alike.
+/// Performs Friedman's test. Returns `None` if there are fewer than two participants or levels, or if every participant
+/// rates all levels alike.
 pub fn friedman(means: &SubjectMeans) -> Option<Friedman> {
     let (n, k) = (means.rows.len(), means.levels.len());
     if n < 2 || k < 2 {
@@ -215,7 +215,7 @@ pub fn holm(probabilities: &[f64]) -> Vec<f64> {
 pub struct Pair {
     pub level: String,
     pub other: String,
-    /// Mean over subjects of the difference in mean rating, first level minus other level.
+    /// Mean over participants of the difference in mean rating, first level minus other level.
     pub difference: f64,
     pub test: Wilcoxon,
     /// The probability, corrected for all pairs.
@@ -226,7 +226,7 @@ pub struct Pair {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Pairs {
     pub pairs: Vec<Pair>,
-    /// The smallest corrected probability that is possible with this number of subjects and pairs.
+    /// The smallest corrected probability that is possible with this number of participants and pairs.
     pub least_p: f64,
 }
 

@@ -21,7 +21,7 @@ pub struct Options {
     /// Terms of the model. If `None`, the main effects of all factors with two or more levels.
     pub terms: Option<Terms>,
     pub link: Link,
-    /// The random part. If `None`, an intercept for each subject, provided that there are two or more subjects.
+    /// The random part. If `None`, an intercept for each participant, provided that there are two or more participants.
     pub random: Option<Random>,
     /// Number of quadrature nodes of a mixed model; 1 is the Laplace approximation.
     pub quadrature: usize,
@@ -59,9 +59,9 @@ pub struct Results {
     pub model: Result<ModelReport, ModelError>,
     /// Tests of effects on the spread of the ratings; empty unless requested.
     pub scale: Vec<TermTest>,
-    /// Agreement between subjects; `None` if there is only one subject.
+    /// Agreement between participants; `None` if there is only one participant.
     pub alpha: Option<Alpha>,
-    /// Agreement within subjects: the mean of weighted κ over subjects and its bootstrap interval.
+    /// Agreement within participants: the mean of weighted κ over participants and its bootstrap interval.
     pub kappa: Option<(f64, Option<Interval>)>,
     /// Response times for each category.
     pub times: Vec<Option<Quartiles>>,
@@ -74,11 +74,11 @@ pub struct FactorResults {
     pub name: String,
     /// The ratings at each level, pooled over all other factors.
     pub levels: Vec<Group>,
-    /// Subjects who did not rate every level and are therefore excluded from the tests.
+    /// Participants who did not rate every level and are therefore excluded from the tests.
     pub incomplete: Vec<String>,
-    /// Test of whether any level differs; `None` if there is only one subject or level.
+    /// Test of whether any level differs; `None` if there is only one participant or level.
     pub friedman: Option<Friedman>,
-    /// Tests of which levels differ; `None` if there is only one subject or level.
+    /// Tests of which levels differ; `None` if there is only one participant or level.
     pub pairs: Option<Pairs>,
     /// Response times for each level.
     pub times: Vec<Option<Quartiles>>,
@@ -86,19 +86,19 @@ pub struct FactorResults {
 
 #[derive(Clone, Debug, Serialize)]
 pub struct SubjectResults {
-    /// The subject's ratings.
+    /// The participant's ratings.
     pub group: Group,
-    /// Number of conditions that the subject rated at least twice.
+    /// Number of conditions that the participant rated at least twice.
     pub retests: u64,
     /// Quadratically weighted κ of first and second ratings; `None` if there are no repetitions or all ratings are the
     /// same.
     pub kappa: Option<f64>,
-    /// The subject's response times.
+    /// The participant's response times.
     pub times: Option<Quartiles>,
 }
 
 impl Results {
-    /// Returns the number of subjects.
+    /// Returns the number of participants.
     pub fn people(&self) -> usize {
         self.measured.counts.subjects.len()
     }

@@ -1,5 +1,5 @@
 //! Descriptive statistics: the number, mean, median and proportions of the ratings in each cell, at each factor level
-//! and by each subject.
+//! and by each participant.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -15,24 +15,24 @@ use super::{
 pub struct Summary {
     /// Number of ratings.
     pub n: u64,
-    /// Number of subjects who gave these ratings.
+    /// Number of participants who gave these ratings.
     pub subjects: usize,
-    /// Mean rating. It is computed from the numbers of the categories or, if they are texts, from their positions,
-    /// starting at 0.
+    /// Mean rating. It is computed from the numbers of the categories or, if they are not numbers, from their
+    /// positions, starting at 0.
     pub mean: f64,
     /// Median rating. For an even number of ratings, it is halfway between the two in the middle.
     pub median: f64,
     /// Proportion of ratings in each category.
     pub proportions: Vec<f64>,
-    /// Bootstrap interval of the mean over subjects; `None` if there is only one subject.
+    /// Bootstrap interval of the mean over participants; `None` if there is only one participant.
     pub interval: Option<Interval>,
 }
 
-/// The ratings at one combination of levels or by one subject.
+/// The ratings at one combination of levels or by one participant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Group {
-    /// Names of the levels, in the order of the factors; a missing value has an empty name. For a subject, the
-    /// subject's name.
+    /// Names of the levels, in the order of the factors; a missing value has an empty name. For a participant, the
+    /// participant's name.
     pub names: Vec<String>,
     /// The summary of their ratings.
     pub summary: Summary,
@@ -61,7 +61,7 @@ pub fn by_factor(counts: &Counts, factor: usize, bootstrap: &Bootstrap) -> Vec<G
     groups(counts, levels.len(), |row| level(row.condition), |group| vec![levels[group].clone()], Some(bootstrap))
 }
 
-/// Summarizes every subject. There are no intervals, because the bootstrap resamples subjects.
+/// Summarizes every participant. There are no intervals, because the bootstrap resamples participants.
 pub fn by_subject(counts: &Counts) -> Vec<Group> {
     let name = |group: usize| vec![counts.subjects[group].clone()];
     groups(counts, counts.subjects.len(), |row| Some(row.subject as usize), name, None)
@@ -71,7 +71,7 @@ fn level_name(levels: &[String], level: Option<u32>) -> String {
     level.map(|level| levels[level as usize].clone()).unwrap_or_default()
 }
 
-/// One subject's ratings in one group.
+/// One participant's ratings in one group.
 #[derive(Clone, Copy)]
 struct Share {
     subject: usize,
@@ -89,7 +89,8 @@ fn groups(
     let values = category_values(counts);
     let mut tallies = vec![vec![0_u64; values.len()]; number];
     let mut shares: Vec<Vec<Share>> = vec![Vec::new(); number];
-    // Rows are sorted by subject, so a group's last share either belongs to this subject or a new share is needed.
+    // Rows are sorted by participant, so a group's last share either belongs to this participant or a new share is
+    // needed.
     for row in &counts.rows {
         let Some(group) = group_of(row) else { continue };
         tallies[group][row.rating as usize] += row.count;

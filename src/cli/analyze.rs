@@ -36,10 +36,10 @@ pub(super) struct Arguments {
     /// Random intercept for each participant [default: subject if there are at least two participants].
     #[arg(long, value_parser = named::<Random>(Random::NAMES))]
     random: Option<Random>,
-    /// Bootstrap seed.
+    /// Seed of the bootstrap.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Bootstrap samples.
+    /// Number of bootstrap samples.
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
     replicates: u32,
     /// Also test each term for an effect on the spread of the ratings.

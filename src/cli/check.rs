@@ -7,7 +7,7 @@ use indicatif::ProgressBar;
 use super::{UsageError, progress_style, say, warn};
 use crate::store::{self, ratings, verify};
 
-/// Check definitions, result files, display profiles, observers and images, and report every error.
+/// Check definitions, result files, display profiles, readings, observers and images, and report every error.
 ///
 /// For a display profile that is old or dated in the future, prints a warning to stderr; this is not an error.
 #[derive(clap::Args)]

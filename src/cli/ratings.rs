@@ -61,7 +61,7 @@ pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
         (sum(|file| file.practice), "practice rows"),
         (sum(|file| file.superseded), "corrected ratings"),
         (sum(|file| file.unfinished), "ratings of unfinished sessions"),
-        (sum(|file| file.faulty), "faulty rows"),
+        (sum(|file| file.faulty), "rows with errors"),
     ]
     .into_iter()
     .filter(|(rows, _)| *rows > 0)

@@ -11,9 +11,9 @@ use crate::{
 
 /// Measure frame intervals.
 ///
-/// Opens a window that changes with every frame, and reports the frame intervals, their percentiles, dropped frames
-/// (intervals longer than 1.5 refreshes), missed refreshes, and whether the frames follow a steady refresh at all. The
-/// patch is a target for a photodiode, because only its light shows when a frame reaches the eye.
+/// Opens a window whose content changes in every frame, and reports the frame intervals, their percentiles, dropped
+/// frames (intervals longer than 1.5 refreshes), missed refreshes, and whether the frames follow a steady refresh at
+/// all. The patch is a target for a photodiode, because only its light shows when a frame reaches the eye.
 ///
 /// With the scene `patch`, a small patch flickers at the screen's refresh rate. Do not look at it.
 #[derive(clap::Args)]
@@ -55,7 +55,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     app::time(TimingRequest { plan, fullscreen: arguments.fullscreen, report })?;
     let found = measured.try_recv().map_err(|_| {
         anyhow::anyhow!(
-            "timing: the window was closed before {} frames were measured; expected it to close itself",
+            "timing: the window was closed before {} frames were measured; expected it to close by itself",
             plan.frames
         )
     })?;

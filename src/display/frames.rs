@@ -1,4 +1,4 @@
-//! The refresh of the screen, and the frames judged against it. This module has no clock: times are arguments.
+//! The refresh of the screen, and whether each frame kept up with it. This module has no clock: times are arguments.
 //!
 //! A frame is judged by the interval to the next one. Durations are rounded to whole refreshes, because an image can
 //! change only at a refresh.

@@ -1,4 +1,4 @@
-//! Simulated observers. They rate by a known rule, so that an analysis can be tested before anyone is measured.
+//! Simulated observers. They rate by a known rule, so that an analysis can be tested before any data are collected.
 
 use std::time::Duration;
 

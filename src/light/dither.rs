@@ -41,7 +41,7 @@ pub enum Dither {
     },
 }
 
-/// Why a text is not a valid [`Dither`].
+/// Why a string is not a valid [`Dither`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DitherError {
     /// A text that names no dither.

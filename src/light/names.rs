@@ -22,7 +22,7 @@ macro_rules! named {
             $($(#[$doc])* $variant,)*
         }
 
-        #[doc = concat!("A text that names no [`", stringify!($enum), "`].")]
+        #[doc = concat!("A string that names no [`", stringify!($enum), "`].")]
         #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
         #[error("{0:?} is not known; expected one of {expected}", expected = $enum::NAMES.join(", "))]
         pub struct $error(String);

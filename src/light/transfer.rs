@@ -34,7 +34,7 @@ pub enum Transfer {
     Table(TransferTable),
 }
 
-/// Why a text or a set of values is not a valid [`Transfer`].
+/// Why a string or a set of values is not a valid [`Transfer`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TransferError {
     /// A text that names no transfer function.

@@ -1,4 +1,4 @@
-//! The output of `machband analyze` and of the export in the window's analysis pane.
+//! The output of `machband analyze` and of the export on the window's analysis page.
 
 use std::{
     collections::HashSet,

@@ -43,12 +43,12 @@ const NAMED: [(&str, [f64; 3]); 9] = [
 /// The description of the parameter `color`, the same for every kind.
 pub(super) const MEANING: &str = "Weights of red, green and blue in linear light";
 
-/// The texts that are valid colors, for error messages.
+/// The strings that are valid colors, for error messages.
 pub(super) const EXPECTED: &str = "yellow, gray, red, green, blue, cyan, magenta, three numbers R,G,B from 0 to 1, not \
                                    all 0, linear in light, or hsv:H,S,V, hls:H,L,S, cmy:C,M,Y, cmyk:C,M,Y,K, \
                                    xyY:x,y,Y, lab:L,a,b or luv:L,u,v";
 
-/// The error for a text that is not a color.
+/// The error for a string that is not a color.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("color {color:?} {problem}; expected {EXPECTED}")]
 pub struct ColorError {
@@ -172,7 +172,8 @@ impl StimulusColor {
         models.map(|(model, numbers)| written(model, numbers, 1e3)).into()
     }
 
-    /// Returns texts from which this color may have been read: `hsv:` and `xyY:` with an increasing number of decimals.
+    /// Returns strings from which this color may have been read: `hsv:` and `xyY:` with an increasing number of
+    /// decimals.
     fn candidates(self) -> impl Iterator<Item = String> {
         let [_, s, v] = hsv_from_rgb(self.rgb);
         let xyy = xyy_from_xyz(xyz_from_rgb(self.rgb));

@@ -1,4 +1,4 @@
-//! Parameters by name: files, commands and the editor use them to read and change a stimulus. `kind!` declares a kind
+//! Parameters by name: files, commands and the gallery use them to read and change a stimulus. `kind!` declares a kind
 //! of stimulus with its parameters.
 
 use std::convert::Infallible;
@@ -25,7 +25,7 @@ pub struct Parameter {
     pub levels_hint: &'static [&'static str],
 }
 
-/// The value of a parameter: a finite number or a text such as `inf` or `yellow`.
+/// The value of a parameter: a finite number or a string such as `inf` or `yellow`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum ParameterValue {
@@ -49,7 +49,7 @@ impl fmt::Display for ParameterValue {
 impl FromStr for ParameterValue {
     type Err = Infallible;
 
-    /// Reads a finite number as a number, and anything else as a text. `inf` is a text: it names a depth.
+    /// Reads a finite number as a number, and anything else as a string. `inf` is a string: it names a depth.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let text = text.trim();
         Ok(match text.parse::<f64>() {

@@ -88,7 +88,7 @@ impl Recipe {
     }
 }
 
-/// Transfer functions as a file stores them: a text, the points of a table, or, if the channels differ, one of these
+/// Transfer functions as a file stores them: a string, the points of a table, or, if the channels differ, one of these
 /// for each channel.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]

@@ -29,7 +29,7 @@ impl fmt::Display for Triple {
     }
 }
 
-/// The error for a text that is not three finite numbers.
+/// The error for a string that is not three finite numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("expected three numbers separated by commas, such as 25,-35,0")]
 pub struct TripleError;
@@ -58,7 +58,7 @@ kind! {
     ShadedMesh = "shaded-mesh" where contradictions {
         shader: Shader = Shader::Gouraud, Range::Any, "", "Shader", Shader::EXPECTED, ["flat", "gouraud", "phong", "exact", "cut", "patch"];
         depth: Depth = Depth::Finite(3), Range::Any, "", "Continuity depth n of the strips at the edges", "a whole number from 1 to 32, or inf", ["1", "3", "5"];
-        boundary: f64 = 0.2, Range::Within(0.0, 1.0), "1", "Width b of the strips at the edges, as a barycentric weight", "a width from 0 to 1; above 1/3 only cut differs", ["0.05", "0.2", "0.33"];
+        boundary: f64 = 0.2, Range::Within(0.0, 1.0), "1", "Width b of the strips at the edges, as a barycentric weight", "a width from 0 to 1; values above 1/3 affect only cut", ["0.05", "0.2", "0.33"];
         vertex: Correction = Correction::Off, Range::Any, "", "Vertex shading, Bangay eq. 7: off, printed or repaired", "off, printed or repaired", ["off", "repaired"];
         reweight: Correction = Correction::Off, Range::Any, "", "Intensity reweighting, Bangay eq. 9: off, printed or repaired", "off, printed or repaired", ["off", "repaired"];
         gradients: Gradients = Gradients::Curvature, Range::Any, "", "How patch computes its slopes: curvature, ring or quadric", "curvature, ring or quadric", ["curvature", "ring"];

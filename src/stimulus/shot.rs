@@ -22,7 +22,7 @@ pub struct Renderer {
 
 /// The output of a renderer for a frame on a display.
 pub struct Shot<'f> {
-    /// The frame. If the renderer ignores gamma, its lights are encoded.
+    /// The frame. If the renderer ignores gamma, its light values are encoded.
     pub frame: Cow<'f, Frame>,
     /// The shader with its options.
     pub shade: Shade,

@@ -45,9 +45,9 @@ pub fn check(name_or_path: &str) -> Result<Checked, FileFaults> {
         },
         Some("png") => image::prove(path),
         Some("toml") => return check_toml(name_or_path, &read_text(path)?),
-        _ if path.is_dir() || !path.exists() => Err(definition::open(name_or_path)
-            .err()
-            .unwrap_or_else(|| FileFaults::whole(name_or_path, "cannot be checked; expected a .toml or .csv file"))),
+        _ if path.is_dir() || !path.exists() => Err(definition::open(name_or_path).err().unwrap_or_else(|| {
+            FileFaults::whole(name_or_path, "cannot be checked; expected a .toml, .csv or .png file")
+        })),
         _ => Err(FileFaults::whole(
             name_or_path,
             "is not a known type of file; expected a definition, display profile or observer (.toml), a result file or readings (.csv), or an image (.png)",
@@ -143,5 +143,5 @@ fn check_matches(path: &Path) -> Result<String, FileFaults> {
 fn check_frames(path: &Path) -> Result<String, FileFaults> {
     let rows = frames::read(path)?;
     let intervals: usize = rows.iter().map(|row| row.intervals_us.len()).sum();
-    Ok(format!("frames of a session: {intervals} intervals in {} stretches", rows.len()))
+    Ok(format!("frames of a session: {intervals} intervals in {} rows", rows.len()))
 }

@@ -83,7 +83,7 @@ pub fn from_json(file: &str, definition: &Value) -> Result<Protocol, FileFaults>
         fail(format!("the definition cannot be read: {error}; expected a table, as in a definition file"))
     })?;
     if schema != Some(1.into()) {
-        return Err(fail("the definition does not have schema 1; expected schema 1".to_owned()));
+        return Err(fail("the schema of the definition is missing or not 1; expected schema 1".to_owned()));
     }
     let (protocol, faults) = form.protocol();
     let faults: Vec<_> = faults.into_iter().flat_map(|fault| fail(fault.message).0).collect();
@@ -186,7 +186,7 @@ fn stimulus(given: &Map<String, Value>, faults: &mut Faults) -> Stimulus {
                     faults.add(path, error.to_string());
                 }
             }
-            None => add_unexpected(faults, &path, &path, value, "a number or a text"),
+            None => add_unexpected(faults, &path, &path, value, "a number or text"),
         }
     }
     stimulus
@@ -206,14 +206,14 @@ fn factors(given: Map<String, Value>, stimulus: &Stimulus, faults: &mut Faults) 
                         probe.set(&name, &level).ok().and_then(|()| probe.get(&name)).unwrap_or(level)
                     };
                     parameter(level).map(written).unwrap_or_else(|| {
-                        add_unexpected(faults, &format!("{path}.{i}"), &path, level, "a number or a text");
+                        add_unexpected(faults, &format!("{path}.{i}"), &path, level, "a number or text");
                         "".into()
                     })
                 };
                 let levels = levels.iter().enumerate().map(level).collect();
                 factors.push(Factor { name, levels });
             }
-            other => add_unexpected(faults, &path, &path, &other, "a list of numbers or texts in brackets"),
+            other => add_unexpected(faults, &path, &path, &other, "a list of numbers or text in brackets"),
         }
     }
     factors

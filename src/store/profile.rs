@@ -233,14 +233,14 @@ fn luminance(form: &ProfileForm, document: &mut Document<'_>) -> Option<Luminanc
     None
 }
 
-/// Reads the measurement from a table, or from a text such as `"2026-01-31, photometer"`.
+/// Reads the measurement from a table, or from a string such as `"2026-01-31, photometer"`.
 fn measured<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Measurement>, D::Error> {
     struct Visitor;
     impl<'de> de::Visitor<'de> for Visitor {
         type Value = Measurement;
 
         fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-            f.write_str("a table or a text in quotes")
+            f.write_str("a table or text in quotes")
         }
 
         fn visit_str<E>(self, text: &str) -> Result<Measurement, E> {

@@ -137,8 +137,8 @@ impl<'t> Document<'t> {
     }
 }
 
-/// Converts a TOML value to JSON. Non-finite numbers become texts, because `inf` is a valid depth; dates and times
-/// become texts too.
+/// Converts a TOML value to JSON. Non-finite numbers become strings, because `inf` is a valid depth; dates and times
+/// become strings too.
 fn json(value: &DeValue<'_>) -> Value {
     let number = |number: f64| if number.is_finite() { number.into() } else { number.to_string().into() };
     match value {
@@ -183,7 +183,7 @@ fn explained(path: &str, error: &str) -> String {
         "f64" => "a number",
         "u8" => "a whole number from 0 to 255",
         "u32" => "a whole number from 0 to 4294967295",
-        "a string" => "a text in quotes",
+        "a string" => "text in quotes",
         "a sequence" => "a list in brackets",
         other if other.starts_with("struct ") => "a table",
         other => &other.replace("an array", "a list"),

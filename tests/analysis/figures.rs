@@ -180,7 +180,7 @@ fn a_study_has_every_chart_that_its_data_allow() {
             let sample = if people == 1 { "; 1 participant, 72 ratings." } else { "; 6 participants, 432 ratings." };
             assert!(figure.caption.ends_with(sample), "{}", figure.caption);
             assert_eq!(
-                figure.caption.contains("there are no intervals, since there is only one participant"),
+                figure.caption.contains("there are no intervals because there is only one participant"),
                 people == 1
             );
         }

@@ -235,7 +235,7 @@ fn invalid_meshes_are_reported() {
     for bad in [f64::NAN, f64::INFINITY, 1e31] {
         assert_eq!(
             message(&[DVec3::ZERO, DVec3::X, DVec3::Y * bad], &[[0, 1, 2]]),
-            "position 2 is not finite or is beyond ±1e30; expected three finite numbers within it"
+            "position 2 is not finite or is beyond ±1e30; expected three finite numbers within ±1e30"
         );
     }
 }

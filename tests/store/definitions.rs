@@ -143,7 +143,7 @@ window_deg = 10.0 => window_deg = 180 => 33:1 => window_deg 180 | degrees
 color = "yellow" => color = "purpel" => 9:1 => color "purpel" | yellow, gray
 color = "yellow" => color = "0,0,0" => 9:1 => color "0,0,0" | not all 0
 # Types.
-name = "mine" => name = 7 => 2:1 => name is 7 | a text in quotes
+name = "mine" => name = 7 => 2:1 => name is 7 | text in quotes
 width = [0.1, 0.4] => width = 0.1 => 12:1 => factors.width is 0.1 | a list of
 width = [0.1, 0.4] => width = [0.1, true] => 12:15 => factors.width is true
 practice = 4 => practice = "4" => 17:1 => design.practice is the text "4"

@@ -103,7 +103,7 @@ fn frames_read_back_unchanged() {
         assert_eq!(FrameRow { refresh: None, ..found.clone() }, FrameRow { refresh: None, ..row.clone() });
     }
     assert_eq!(found.len(), rows.len());
-    assert!(check(path.to_str().unwrap()).unwrap().sentence.contains("7 intervals in 4 stretches"));
+    assert!(check(path.to_str().unwrap()).unwrap().sentence.contains("7 intervals in 4 rows"));
     // If a power failure truncates the file, it continues after the last complete row.
     drop(file);
     let text = fs::read_to_string(&path).unwrap();

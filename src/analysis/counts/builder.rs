@@ -1,5 +1,5 @@
-//! Reduces trials to counts. Memory use grows with the number of distinct combinations of subject and condition, not
-//! with the number of rows.
+//! Reduces trials to counts. Memory use grows with the number of distinct combinations of participant and condition,
+//! not with the number of rows.
 
 use std::{
     cmp::Ordering,
@@ -24,10 +24,10 @@ pub struct MeasuredBuilder {
     key: Vec<u8>,
 }
 
-/// A subject and a condition, as written in the file.
+/// A participant and a condition, as written in the file.
 #[derive(Clone, Debug)]
 struct Cell {
-    /// Subject and values, each followed by [`END`].
+    /// Participant and values, each followed by [`END`].
     key: Box<[u8]>,
     /// Number of ratings, by index into [`MeasuredBuilder::ratings`].
     counts: Vec<u64>,
@@ -84,8 +84,8 @@ impl MeasuredBuilder {
     /// Adds a row: one rating, or several equal ratings. A count of 0 adds nothing.
     ///
     /// # Errors
-    /// Returns a [`CountError`] if the number of values is wrong, if the subject or the rating is empty, if the rating
-    /// is not a declared category, or if there are too many different ratings.
+    /// Returns a [`CountError`] if the number of values is wrong, if the participant or the rating is empty, if the
+    /// rating is not a declared category, or if there are too many different ratings.
     pub fn add(&mut self, observation: &RatingRow<'_>) -> Result<(), CountError> {
         let RatingRow { subject, values, rating, count, place, response_time_s } = *observation;
         if values.len() != self.factors.len() {
@@ -166,7 +166,7 @@ impl MeasuredBuilder {
         Ok(self.ratings.len() as u8 - 1)
     }
 
-    /// Returns the number of distinct combinations of subject and condition so far.
+    /// Returns the number of distinct combinations of participant and condition so far.
     pub fn cells(&self) -> usize {
         self.cells.len()
     }
@@ -280,7 +280,7 @@ impl Cell {
         }
     }
 
-    /// Returns the subject and the values of the factors.
+    /// Returns the participant and the values of the factors.
     fn parts(&self) -> (&str, Vec<&str>) {
         let mut texts = self.key.split(|&byte| byte == END).map(|text| std::str::from_utf8(text).unwrap_or_default());
         // The text after the last END is empty and is not used.

@@ -1,5 +1,5 @@
-//! The sufficient statistic for every model here: how often each subject gave each rating in each condition. Fitting
-//! these counts costs the same for a thousand rows as for a billion.
+//! The sufficient statistic for every model here: how often each participant gave each rating in each condition.
+//! Fitting these counts costs the same for a thousand rows as for a billion.
 
 mod builder;
 mod table;

@@ -13,7 +13,7 @@ use crate::analysis::levels;
 pub struct Factor {
     /// Name of the column.
     pub name: String,
-    /// Names of the levels in natural order: numbers ascending with `inf` last, or else texts by their bytes.
+    /// Names of the levels in natural order: numbers in ascending order with `inf` last, or else strings in byte order.
     pub levels: Vec<String>,
     /// The levels as numbers, if all of them are numbers; `inf` is infinite.
     pub numbers: Option<Vec<f64>>,
@@ -32,11 +32,11 @@ pub struct CountRow {
     pub count: u64,
 }
 
-/// Counts by subject × condition × rating. The rows are sorted and unique, regardless of the order in which they were
-/// added.
+/// Counts by participant × condition × rating. The rows are sorted and unique, regardless of the order in which they
+/// were added.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Counts {
-    /// Names of the subjects in natural order.
+    /// Names of the participants in natural order.
     pub subjects: Vec<String>,
     /// The factors, in the order in which they were named.
     pub factors: Vec<Factor>,
@@ -44,7 +44,7 @@ pub struct Counts {
     pub conditions: Vec<Vec<Option<u32>>>,
     /// Names of the ordered categories, starting with the lowest. A category may have no ratings.
     pub categories: Vec<String>,
-    /// The rows, sorted by subject, condition and rating.
+    /// The rows, sorted by participant, condition and rating.
     pub rows: Vec<CountRow>,
 }
 
@@ -59,8 +59,8 @@ pub enum CountError {
         /// Number of values given.
         found: usize,
     },
-    /// The subject's name is empty.
-    #[error("no subject; expected a name")]
+    /// The participant's name is empty.
+    #[error("no participant; expected a name")]
     NoSubject,
     /// The rating is empty.
     #[error("no rating; expected one of the ordered categories")]
@@ -109,14 +109,14 @@ impl Counts {
 /// The ratings of a study.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// How often each subject gave each rating in each condition.
+    /// How often each participant gave each rating in each condition.
     pub counts: Counts,
-    /// The first and the second rating of each condition that a subject rated more than once.
+    /// The first and the second rating of each condition that a participant rated more than once.
     pub retests: Vec<RetestPair>,
     pub times: Vec<TimeCount>,
 }
 
-/// A subject's first and second rating of a condition.
+/// A participant's first and second rating of a condition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RetestPair {
     /// Index into [`Counts::subjects`].
@@ -154,8 +154,8 @@ impl Measured {
         times
     }
 
-    /// Returns the ratings by some subjects in some conditions. Levels and subjects without ratings are dropped; all
-    /// categories stay.
+    /// Returns the ratings by some participants in some conditions. Levels and participants without ratings are
+    /// dropped; all categories stay.
     #[must_use]
     pub fn filtered(&self, subject: impl Fn(u32) -> bool, condition: impl Fn(&[Option<u32>]) -> bool) -> Self {
         let counts = &self.counts;

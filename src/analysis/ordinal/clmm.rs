@@ -1,6 +1,7 @@
-//! The cumulative-link mixed model P(Y ≤ j | u) = F(θ_j − xβ − σu) with u ~ N(0, 1) for each subject, fitted to counts.
+//! The cumulative-link mixed model P(Y ≤ j | u) = F(θ_j − xβ − σu) with u ~ N(0, 1) for each participant, fitted to
+//! counts.
 //!
-//! A subject's likelihood is the integral over u. It is approximated by Laplace's method (one node) or by adaptive
+//! A participant's likelihood is the integral over u. It is approximated by Laplace's method (one node) or by adaptive
 //! Gauss–Hermite quadrature around the mode (Liu & Pierce 1994). The gradient is analytic and accounts for how the mode
 //! and the curvature at the mode change with the parameters: it is the gradient of the approximation that is maximized,
 //! not of the exact integral.
@@ -17,7 +18,7 @@ use super::{
 /// Maximum number of quadrature nodes, far more than any likelihood here needs.
 pub const MOST_NODES: usize = 100;
 
-/// Equal ratings by a subject in one design row.
+/// Equal ratings by a participant in one design row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Observation {
     /// Row of the design matrix.
@@ -33,15 +34,15 @@ pub(super) struct ClmmData {
     pub categories: usize,
     /// Location; one row per distinct condition.
     pub x: DMatrix<f64>,
-    /// All subjects' observations, one subject after the other.
+    /// All participants' observations, one participant after the other.
     pub observations: Vec<Observation>,
-    /// The range of each subject's observations.
+    /// The range of each participant's observations.
     pub subjects: Vec<Range<usize>>,
     /// The quadrature rule.
     pub nodes: Vec<Node>,
 }
 
-/// The mode of each subject's integrand, kept from one evaluation to the next as starting values.
+/// The mode of each participant's integrand, kept from one evaluation to the next as starting values.
 #[derive(Clone, Debug)]
 pub(super) struct Modes {
     pub u: Vec<f64>,
@@ -56,7 +57,7 @@ pub(super) struct Evaluation {
     pub gradient: DVector<f64>,
 }
 
-/// One subject's observations at the current parameters.
+/// One participant's observations at the current parameters.
 struct Subject<'a> {
     link: Link,
     sigma: f64,
@@ -65,7 +66,7 @@ struct Subject<'a> {
     categories: Vec<Category>,
 }
 
-/// Sums, over a subject's observations, of the log-probability and its derivatives with respect to a shift, each
+/// Sums, over a participant's observations, of the log-probability and its derivatives with respect to a shift, each
 /// weighted by the count.
 #[derive(Clone, Copy, Default)]
 struct Sums {
@@ -187,7 +188,7 @@ impl ClmmData {
         self.observations.iter().map(|observation| observation.count).sum()
     }
 
-    /// Returns starting values for the modes: 0 for every subject.
+    /// Returns starting values for the modes: 0 for every participant.
     pub fn modes(&self) -> Modes {
         Modes { u: vec![0.0; self.subjects.len()], curvature: vec![1.0; self.subjects.len()] }
     }
@@ -225,8 +226,8 @@ impl ClmmData {
         (value.loglik.is_finite() && value.gradient.iter().all(|g| g.is_finite())).then_some(value)
     }
 
-    /// Adds a subject's log-likelihood and its gradient; the gradient of the location is added to `by_row`, per design
-    /// row. Returns the curvature at the mode `u`.
+    /// Adds a participant's log-likelihood and its gradient; the gradient of the location is added to `by_row`, per
+    /// design row. Returns the curvature at the mode `u`.
     fn add(&self, subject: &Subject, u: f64, sum: &mut Evaluation, by_row: &mut DVector<f64>) -> Option<f64> {
         let sigma = subject.sigma;
         let (shifts, at) = subject.at(u);

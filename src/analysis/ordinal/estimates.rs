@@ -1,4 +1,4 @@
-//! What the maxima mean on the scale of the data: estimates, standard errors, notes, and predictions with intervals.
+//! Converts the maxima to the scale of the data: estimates, standard errors, notes, and predictions with intervals.
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -224,15 +224,15 @@ pub(crate) fn two_sided(z: f64) -> f64 {
     statrs::function::erf::erfc(z.abs() * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// The ratings that a model predicts for one condition. A mixed model predicts those of an average subject (u = 0).
+/// The ratings that a model predicts for one condition. A mixed model predicts those of an average participant (u = 0).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Prediction {
     /// Names of the levels, in the order of the factors; a missing value has an empty name.
     pub names: Vec<String>,
     /// Probability of each category that has ratings, in the order of [`Model::categories`].
     pub probabilities: Vec<f64>,
-    /// Mean rating. It is computed from the numbers of the categories or, if they are texts, from their positions,
-    /// starting at 0.
+    /// Mean rating. It is computed from the numbers of the categories or, if they are not numbers, from their
+    /// positions, starting at 0.
     pub mean: f64,
     /// The 95 % interval of the mean by the delta method; `None` if a coefficient has no finite estimate.
     pub interval: Option<Interval>,

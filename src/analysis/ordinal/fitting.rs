@@ -125,14 +125,14 @@ fn distinct_rows(frame: &Frame, designs: &[&Design]) -> (Vec<u32>, HashMap<u32, 
 }
 
 /// Fits the mixed model, starting from the estimates of the model without a random intercept. Coefficients without a
-/// finite estimate stay fixed, because their ratings are predicted perfectly for any subject.
+/// finite estimate stay fixed, because their ratings are predicted perfectly for any participant.
 fn fit_mixed(fitted: &Fitted, errors: bool) -> Option<MixedFit> {
     let frame = &fitted.frame;
     let (conditions, row_of) = distinct_rows(frame, &[&fitted.x]);
     let (x, _) = Standard::of(fitted.x.matrix(&conditions), true);
     let mut observations = Vec::new();
     let mut subjects = Vec::new();
-    // Rows are sorted by subject. Conditions that share a design row are combined.
+    // Rows are sorted by participant. Conditions that share a design row are combined.
     for rows in frame.rows.chunk_by(|l, r| l.subject == r.subject) {
         let mut cells: HashMap<(usize, usize), f64> = HashMap::new();
         for row in rows {

@@ -8,13 +8,13 @@ use super::{link::Link, terms::Terms};
 use crate::light::names::{expected_one_of, named};
 
 named! {
-    /// Whether subjects have random intercepts.
+    /// Whether participants have random intercepts.
     #[derive(Default)]
     Random, RandomError {
         /// All ratings are independent: a cumulative-link model.
         #[default]
         None = "none",
-        /// One normal intercept per subject: a cumulative-link mixed model.
+        /// One normal intercept per participant: a cumulative-link mixed model.
         Subject = "subject",
     }
 }
@@ -73,15 +73,15 @@ pub struct Coefficient {
 /// The random intercept.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RandomEffect {
-    /// Standard deviation between subjects, on the scale of the link.
+    /// Standard deviation between participants, on the scale of the link.
     pub sd: f64,
     /// Standard error of `sd`; `None` if `sd` is 0.
     pub se: Option<f64>,
-    /// Each subject's intercept.
+    /// Each participant's intercept.
     pub subjects: Vec<SubjectMode>,
 }
 
-/// A subject's intercept given their ratings.
+/// A participant's intercept given their ratings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SubjectMode {
     pub subject: String,
@@ -193,22 +193,22 @@ pub enum Note {
         separated: String,
         category: String,
     },
-    /// There is only one subject, so nothing can be said about other people.
+    /// There is only one participant, so nothing can be said about other people.
     #[error("only one participant: no random intercept, and no inference about other people")]
     OneSubject,
-    /// The variance between subjects is 0, because ratings were not repeated within subjects or because subjects do not
-    /// differ.
+    /// The variance between participants is 0, because ratings were not repeated within participants or because
+    /// participants do not differ.
     #[error("the estimated variance between participants is 0: the mixed model is the same as the model without it")]
     NoSubjectVariance,
-    /// Each subject uses a single category, so the variance between subjects, or an effect within subjects, has no
-    /// finite estimate.
+    /// Each participant uses a single category, so the variance between participants, or an effect within participants,
+    /// has no finite estimate.
     #[error(
-        "the mixed model has no finite estimates: hardly any participant uses more than one category under the same conditions; the results ignore that ratings of the same participant are related, and the standard errors are too small"
+        "the mixed model has no finite estimates: hardly any participant uses more than one category under the same conditions; the results ignore that ratings by the same participant are related, and the standard errors are too small"
     )]
     RunawayVariance,
     /// The ratings are separated in such a way that no mixed model can be fitted.
     #[error(
-        "no mixed model could be fitted: the results ignore that ratings of the same participant are related, and the standard errors are too small"
+        "no mixed model could be fitted: the results ignore that ratings by the same participant are related, and the standard errors are too small"
     )]
     NoMixedModel,
     /// The iteration ended before the gradient became small.

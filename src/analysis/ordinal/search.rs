@@ -19,7 +19,7 @@ pub(super) enum MixedEnd {
     Converged,
     /// The standard deviation is 0.
     Boundary,
-    /// The standard deviation, or an effect within subjects, grows without bound.
+    /// The standard deviation, or an effect within participants, grows without bound.
     Runaway,
     /// The search could not continue.
     Stalled,
@@ -182,8 +182,8 @@ impl<'a> Search<'a> {
     /// Returns the observed information: the negative differences of the gradient.
     ///
     /// The differences are taken along directions in which the likelihood changes equally fast. With many ratings, a
-    /// single threshold is known a thousand times more precisely than all thresholds together with the subjects' mean,
-    /// so no single step size would suit both.
+    /// single threshold is known a thousand times more precisely than all thresholds together with the participants'
+    /// mean, so no single step size would suit both.
     fn information(&self) -> Option<DMatrix<f64>> {
         let rough = self.data.rough_information(&self.at, &self.modes).select_rows(self.free).select_columns(self.free);
         let factor = positive_definite(&rough)?.unpack();

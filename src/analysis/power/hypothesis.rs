@@ -17,9 +17,9 @@ use crate::analysis::{
 #[serde(rename_all = "kebab-case")]
 pub enum Test {
     /// Likelihood-ratio test of a term of the ordinal model. The model is mixed, or has no random intercept if there is
-    /// only one subject.
+    /// only one participant.
     LikelihoodRatio,
-    /// Friedman's test of a factor, applied to each subject's mean rating at each level.
+    /// Friedman's test of a factor, applied to each participant's mean rating at each level.
     Friedman,
 }
 

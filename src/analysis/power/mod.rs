@@ -3,12 +3,12 @@
 //!
 //! Each study is simulated as counts and fitted once. Every term is tested against the model without it, and Friedman's
 //! test is applied to each factor. The proportion of studies that find an existing effect is the power; the proportion
-//! that find a nonexistent effect is the false-alarm rate, which should be α. Simulated subjects differ only by a
+//! that find a nonexistent effect is the false-alarm rate, which should be α. Simulated participants differ only by a
 //! normal intercept: if real people also differ in the size of an effect, power is lower.
 //!
-//! Random numbers come from ChaCha8, initialized with the seed, with a separate stream for each subject of each study.
-//! Results depend neither on the number of threads nor on what else is planned. A study of 12 people is the study of 8
-//! with four more people, so that different numbers of participants are compared on the same people.
+//! Random numbers come from ChaCha8, initialized with the seed, with a separate stream for each participant in each
+//! study. Results depend neither on the number of threads nor on what else is planned. A study of 12 people is the
+//! study of 8 with four more people, so that different numbers of participants are compared on the same people.
 
 mod hypothesis;
 mod plan;

@@ -1,4 +1,4 @@
-//! The conditions of a definition and how visible the bands of each are to the observer.
+//! The conditions of a definition, and how visible the bands in each are to the observer.
 
 use std::collections::HashMap;
 
@@ -64,9 +64,9 @@ pub struct Shift {
 /// A definition and its observer.
 #[derive(Clone, Debug)]
 pub(super) struct Scenario {
-    /// Every condition of the definition, without subjects and ratings.
+    /// Every condition of the definition, without participants and ratings.
     pub empty: Counts,
-    /// The observer's linear predictor for each condition, for a subject with an intercept of 0; −∞ if there is no
+    /// The observer's linear predictor for each condition, for a participant with an intercept of 0; −∞ if there is no
     /// band.
     pub predictors: Vec<f64>,
     observer: OrderedLogit,
@@ -109,7 +109,7 @@ impl Scenario {
         (0..self.empty.conditions.len() as u32).collect()
     }
 
-    /// Returns the number of ratings that each subject gives.
+    /// Returns the number of ratings that each participant gives.
     pub fn ratings(&self) -> u64 {
         self.predictors.len() as u64 * u64::from(self.repetitions)
     }
@@ -119,8 +119,8 @@ impl Scenario {
         &self.observer
     }
 
-    /// Returns counts in which one subject rates every condition both lowest and highest, so that a design can be laid
-    /// out.
+    /// Returns counts in which one participant rates every condition both lowest and highest, so that a design can be
+    /// laid out.
     pub fn outline(&self) -> Counts {
         let ratings = [0, RATING_MAX];
         let rows = self
@@ -130,8 +130,8 @@ impl Scenario {
         Counts { subjects: vec!["S".to_owned()], rows: rows.collect(), ..self.empty.clone() }
     }
 
-    /// Simulates one study. What a subject does depends only on the seed, the study and the subject's number, so a
-    /// larger study is a smaller one with more people.
+    /// Simulates one study. What a participant does depends only on the seed, the study and the participant's number,
+    /// so a larger study is a smaller one with more people.
     pub fn study(&self, people: u32, study: u32, seed: u64) -> Counts {
         let mut rows = Vec::new();
         for subject in 0..people {

@@ -331,7 +331,7 @@ impl ProfileForm {
         let exists = Path::new(self.path.trim()).exists();
         let text = if exists { "Replace the profile" } else { "Save the profile" };
         let mut saved = None;
-        if primary(ui, text, usable, "and use it") {
+        if primary(ui, text, usable, "The program then uses this profile.") {
             match self.write(&self.filled(found)) {
                 Ok(written) => saved = Some(written),
                 Err(message) => self.fault = Some(message),

@@ -1,4 +1,4 @@
-//! The display lab: the current profile, and the tools that measure the screen.
+//! The Display pages: the current profile, and the tools that measure the screen.
 //!
 //! | file | contents |
 //! |---|---|

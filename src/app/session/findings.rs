@@ -146,7 +146,7 @@ fn frame_interval(frames: &FrameTimes) -> PreflightNote {
 fn path_to_the_screen(platform: &Platform) -> Vec<PreflightNote> {
     let system = platform.window_system;
     let (ok, composited) = match platform.composited {
-        Some(true) => (false, "uses a compositor: images appear one or more frames late, which delays onsets equally."),
+        Some(true) => (false, "uses a compositor: images appear one or more frames late, delaying all onsets equally."),
         Some(false) => (true, "uses no compositor."),
         None => (false, "does not report whether it uses a compositor."),
     };

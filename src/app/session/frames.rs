@@ -1,4 +1,4 @@
-//! The refresh of the screen, and how the frames of a sitting compare with it.
+//! The refresh of the screen, and whether the frames of a sitting kept up with it.
 
 use serde_json::{Value, json};
 

@@ -272,7 +272,7 @@ impl Home {
         let hint = match (&checked.request, checked.resume) {
             (None, _) => "Something above needs attention.",
             (Some(_), true) => "This session was interrupted. It resumes with the remaining trials.",
-            (Some(_), false) => "Or press Enter. Esc pauses at any time; every answer is saved at once.",
+            (Some(_), false) => "Or press Enter. Esc pauses at any time; every answer is saved immediately.",
         };
         let clicked = Field::new("").column(LABELS).show(ui, |ui, _| {
             for dialog in [&self.experiment, &self.profile, &self.results] {

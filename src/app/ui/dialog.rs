@@ -1,4 +1,4 @@
-//! The file dialogs of the desktop. They run on a separate thread, so that the window is still drawn.
+//! The file dialogs of the desktop. They run on a separate thread, so the window stays responsive.
 
 use std::{
     path::PathBuf,

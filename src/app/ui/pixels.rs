@@ -1,4 +1,4 @@
-//! Brings codes to the screen. No other module creates textures.
+//! Sends codes to the screen. No other module creates textures.
 //!
 //! A texture that is drawn at physical pixels without filtering or tint reaches the screen byte for byte.
 

@@ -1,4 +1,4 @@
-//! Long computations on separate threads, so that the window is still drawn.
+//! Long computations on separate threads, so that the window stays responsive.
 
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 

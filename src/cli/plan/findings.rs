@@ -103,7 +103,7 @@ impl Findings<'_> {
             let untested = powers.iter().rev().filter(|power| power.untested > 0);
             if let Some(power) = untested.max_by_key(|power| power.untested) {
                 sentences.push(format!(
-                    "With {}, {} of {} studies could not test {} with {}; they count as not found.",
+                    "With {}, {} of {} studies could not test {} with {}; they count as not finding an effect.",
                     people(power.participants),
                     power.untested,
                     power.studies,

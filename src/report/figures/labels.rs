@@ -1,4 +1,4 @@
-//! Names and other texts in charts.
+//! Names and other text in charts.
 
 use crate::{
     analysis::{Results, number_of},
@@ -100,7 +100,7 @@ pub(super) fn bars(results: &Results) -> String {
             whole(bootstrap.replicates as u64)
         )
     } else {
-        format!("there are no intervals, since there is only one participant; {sample}")
+        format!("there are no intervals because there is only one participant; {sample}")
     }
 }
 

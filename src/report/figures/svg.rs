@@ -46,7 +46,7 @@ impl Font {
         Self { upright: true, ..self }
     }
 
-    /// The top of the text is at its position; other texts are vertically centered there.
+    /// The top of the text is at its position; other text is vertically centered there.
     pub const fn below(self) -> Self {
         Self { below: true, ..self }
     }

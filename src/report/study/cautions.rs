@@ -103,7 +103,7 @@ fn about_model(results: &Results) -> Vec<String> {
     let is_mentioned = notes.iter().any(|note| matches!(note, Note::RunawayVariance | Note::NoMixedModel));
     if results.is_inferential() && report.model.random.is_none() && !is_mentioned {
         cautions.push(
-            "The model treats all ratings as independent, although ratings of the same participant are related. Its \
+            "The model treats all ratings as independent, although ratings by the same participant are related. Its \
              intervals are probably too narrow."
                 .to_owned(),
         );

@@ -111,11 +111,11 @@ fn screens(section: &mut Section, source: &Source) {
         *problems.entry(&note.sentence).or_default() += 1;
     }
     section.text(if checks().next().is_none() {
-        "No checks before sessions were recorded."
+        "The sessions contain no record of preflight checks."
     } else if problems.is_empty() {
-        "No check before a session found a problem."
+        "No preflight check found a problem."
     } else {
-        "Checks before sessions found problems:"
+        "Preflight checks found these problems:"
     });
     section.list(problems.iter().map(|(text, n)| format!("{text} ({})", count(*n, "sitting"))).collect());
     let incidents: Vec<String> = sittings::all(source)

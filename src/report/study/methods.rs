@@ -158,7 +158,7 @@ fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
     if pairs().next().is_some() {
         let exact = pairs().any(|pair| pair.test.method == PMethod::Exact);
         let how =
-            if exact { format!(", exact by {}", cited.cite("Streitberg & Röhmel, 1986")) } else { String::new() };
+            if exact { format!("; exact p as in {}", cited.cite("Streitberg & Röhmel, 1986")) } else { String::new() };
         text += &format!(
             " Pairs of levels were compared with Wilcoxon’s signed-rank test ({}{how}), corrected within each factor with \
              Holm’s method ({}).",
@@ -173,8 +173,8 @@ fn agreement(cited: &mut Cited, results: &Results) -> Option<String> {
     let level = results.options.bootstrap.level;
     let alpha = results.alpha.map(|alpha| {
         format!(
-            "Agreement between participants was measured with Krippendorff’s ordinal α ({}); repeated ratings \
-             of the same participant were not compared: α = {}{}.",
+            "Agreement between participants was measured with Krippendorff’s ordinal α ({}), \
+             without comparing repeated ratings by the same participant: α = {}{}.",
             cited.cite("Hayes & Krippendorff, 2007; Krippendorff, 2019"),
             unit(alpha.alpha),
             with_level(level, alpha.interval)

@@ -71,7 +71,7 @@ pub(super) fn ends(counts: &Counts, protocol: Option<&Protocol>) -> Option<(Stri
     Some((names.first()?.clone(), names.last()?.clone()))
 }
 
-/// True if the categories are texts, so that means are computed from their positions, counted from 0.
+/// True if the categories are not numbers, so that means are computed from their positions, counted from 0.
 pub(super) fn categories_are_texts(counts: &Counts) -> bool {
     counts.categories.iter().any(|category| !number_of(category).is_some_and(f64::is_finite))
 }

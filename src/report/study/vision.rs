@@ -91,7 +91,7 @@ fn order(comparison: &Comparison, counts: &Counts) -> String {
     let all = counts.conditions.len();
     let of = if comparison.conditions < all { format!(" of {}", whole(all as u64)) } else { String::new() };
     format!(
-        "Over {}{of} {} and {}, the rank correlation between visibility and mean rating (Spearman) is {}.",
+        "Across {}{of} {} and {}, the rank correlation between visibility and mean rating (Spearman) is {}.",
         whole(comparison.conditions as u64),
         if all == 1 { "condition" } else { "conditions" },
         count(comparison.ratings, "rating"),
@@ -113,7 +113,7 @@ fn ceiling(comparison: &Comparison) -> String {
         "The model reaches it: it predicts a participant as well as the other participants do, and these ratings cannot \
          distinguish it from a perfect model."
     } else {
-        "The model is above it, which exceeds what agreement allows: many ratings are equal, so the measure is coarse."
+        "The model is above it, although no model should be: many ratings are equal, so the measure is coarse."
     };
     format!(
         "The mean correlation for individual participants is {}. The noise ceiling, which is how well each participant \

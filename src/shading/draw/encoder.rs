@@ -1,5 +1,5 @@
-//! Encodes many lights at once as 8-bit codes, with the same result as [`ChannelQuantizer::code`] for every f32, and
-//! writes out the light of a band.
+//! Encodes many light values at once as 8-bit codes, with the same result as [`ChannelQuantizer::code`] for every f32,
+//! and writes out the light of a band.
 
 use crate::{
     light::{Bits, ChannelQuantizer, Transfer},
@@ -89,7 +89,7 @@ impl Encoder {
         }
     }
 
-    /// Encodes up to a block of lights.
+    /// Encodes up to a block of light values.
     #[inline(always)]
     fn codes(&self, light: &[f32], codes: &mut [u32; BLOCK]) {
         let Some(table) = &self.table else {

@@ -150,8 +150,8 @@ fn corners(frame: &Frame, triangle: usize, channels: Channels) -> Corners {
     Corners::new(corners.map(|v| v.screen), values)
 }
 
-/// Determines which channels must be shaded: only one if the lights of the vertices and everything that a shader may
-/// add to them are gray.
+/// Determines which channels must be shaded: only one if the light values of the vertices and everything that a shader
+/// may add to them are gray.
 fn channels(frame: &Frame) -> Channels {
     if frame.encoding.as_ref().is_some_and(|transfers| transfers.uniform().is_none()) {
         return Channels::Color;

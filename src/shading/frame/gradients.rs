@@ -1,5 +1,5 @@
-//! Slopes of the light at the vertices: from the lights of the surrounding vertices, or from the curvature of the mesh,
-//! dI/dp = (∂I/∂N)·(dN/dp) + the light's own change with position, projected onto the screen.
+//! Slopes of the light at the vertices: from the light values of the surrounding vertices, or from the curvature of the
+//! mesh, dI/dp = (∂I/∂N)·(dN/dp) + the light's own change with position, projected onto the screen.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -12,9 +12,9 @@ named! {
     Gradients, GradientsError {
         /// The chain rule through the curvature of the mesh.
         Curvature = "curvature",
-        /// A plane fitted to the lights of the surrounding vertices.
+        /// A plane fitted to the light values of the surrounding vertices.
         Ring = "ring",
-        /// A quadric fitted to the lights of the surrounding vertices.
+        /// A quadric fitted to the light values of the surrounding vertices.
         Quadric = "quadric",
     }
 }

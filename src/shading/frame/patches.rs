@@ -5,7 +5,7 @@
 //! the neighbor's centroid changes linearly. Both triangles at an edge then have the same light and slope along the
 //! entire edge, and all triangles at a vertex have the same light and slope there.
 //!
-//! Like every smooth curve through given points, the result can slightly exceed the lights of the vertices, as a
+//! Like every smooth curve through given points, the result can slightly exceed the light values of the vertices, as a
 //! highlight between them does. This overshoot is not limited: limits on the gradients flattened highlights (doubling
 //! the error) and did not help elsewhere.
 //!
@@ -35,8 +35,8 @@ pub struct Patches {
 impl Patches {
     /// Computes the cubics of `frame`, with gradients computed as `gradients` specifies.
     ///
-    /// [`Gradients::Curvature`] requires that the vertices' lights come from the frame's lighting. A vertex whose light
-    /// was replaced uses [`Gradients::Ring`] instead.
+    /// [`Gradients::Curvature`] requires that the vertices' light values come from the frame's lighting. A vertex whose
+    /// light was replaced uses [`Gradients::Ring`] instead.
     #[must_use]
     pub fn new(frame: &Frame, gradients: Gradients) -> Patches {
         Patches::with_gradients(frame, gradients::of(frame, gradients))
@@ -93,7 +93,7 @@ fn centroid(screen: [DVec2; 3]) -> DVec2 {
     (screen[0] + screen[1] + screen[2]) / 3.0
 }
 
-/// Returns the ordinates of the triangle at `screen` from the lights and gradients at its corners and from the
+/// Returns the ordinates of the triangle at `screen` from the light values and gradients at its corners and from the
 /// centroids of the triangles across its edges.
 fn control_points(
     screen: [DVec2; 3],

@@ -75,7 +75,7 @@ impl View {
     }
 }
 
-/// A frame to be shaded. Vertices are on the screen; lights are linear red, green and blue.
+/// A frame to be shaded. Vertices are on the screen; light values are linear red, green and blue.
 #[derive(Clone, Debug)]
 pub struct Frame {
     /// Pixels per row.
@@ -92,7 +92,7 @@ pub struct Frame {
     pub lighting: Lighting,
     /// The window and the position of the eye.
     pub view: View,
-    /// The display's transfer functions, if the lights are already encoded; see [`Frame::encoded`].
+    /// The display's transfer functions, if the light values are already encoded; see [`Frame::encoded`].
     pub encoding: Option<Transfers>,
 }
 
@@ -221,8 +221,8 @@ impl Frame {
         [wa, wb, 1.0 - wa - wb]
     }
 
-    /// Returns this frame with the vertices' lights encoded for a display, which is what a renderer that ignores gamma
-    /// interpolates. Its picture contains encoded values and is quantized without a transfer function.
+    /// Returns this frame with the vertices' light values encoded for a display, which is what a renderer that ignores
+    /// gamma interpolates. Its picture contains encoded values and is quantized without a transfer function.
     #[must_use]
     pub fn encoded(mut self, transfers: &Transfers) -> Frame {
         let encode = |light| encode(transfers, light);
@@ -236,7 +236,7 @@ impl Frame {
     }
 
     /// Returns the light that a point of the surface at `eye` with the unit normal `normal` sends to the eye; encoded
-    /// if the frame's lights are encoded.
+    /// if the frame's light values are encoded.
     #[must_use]
     pub fn lit(&self, eye: DVec3, normal: DVec3) -> DVec3 {
         let light = self.lighting.light(eye, normal, self.view.to_viewer(eye));

@@ -3,7 +3,7 @@
 //! I = k_a·I_a·O_d + Σ f_att·I_p·[k_d·O_d·(N·L)⁺ + k_s·O_s·s], separately for red, green and blue,
 //!
 //! where s is the highlight of a [`Specular`] model. Everything is evaluated in eye space, before the projection,
-//! because the projection does not preserve angles. Lights are linear. Lamps cast no shadows.
+//! because the projection does not preserve angles. Light values are linear. Lamps cast no shadows.
 
 mod microfacets;
 mod model;

@@ -91,7 +91,7 @@ pub struct Lighting {
     pub material: Material,
     /// I_a of red, green and blue, 0 or more.
     pub ambient: DVec3,
-    /// The lamps; their lights add up.
+    /// The lamps; their light adds up.
     pub lamps: Vec<Lamp>,
 }
 

@@ -71,8 +71,8 @@ impl Creases {
         Creases::of(frame, &Shade::new(Shader::Gouraud))
     }
 
-    /// Measures the creases in the light that a display emits for a `frame` of encoded lights; `decode` turns encoded
-    /// values into light.
+    /// Measures the creases in the light that a display emits for a `frame` of encoded light values; `decode` turns
+    /// encoded values into light.
     #[must_use]
     pub fn of_encoded(frame: &Frame, shade: &Shade, decode: impl Fn(DVec3) -> DVec3 + Sync) -> Creases {
         let reference = Reference::new(frame, shade);

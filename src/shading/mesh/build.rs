@@ -19,7 +19,7 @@ pub enum MeshError {
     #[error("none of the {0} triangles has an area; expected at least one with an area")]
     NoArea(usize),
     /// A position that is not finite or is too large.
-    #[error("position {0} is not finite or is beyond ±1e30; expected three finite numbers within it")]
+    #[error("position {0} is not finite or is beyond ±1e30; expected three finite numbers within ±1e30")]
     NotFinite(usize),
     /// A face has a corner that does not exist.
     #[error("face {face} refers to position {index}; expected a number below {positions}")]

@@ -1,7 +1,7 @@
 //! Meshes that can be requested by name.
 //!
 //! All meshes are closed and counterclockwise as seen from outside. The round meshes have the normals of the surface
-//! that they approximate; the normals of the others are averaged over the faces around each vertex, as in the papers.
+//! that they approximate; the normals of the others are averaged over the faces around each vertex, as is usual.
 
 use std::{collections::HashMap, f64::consts::TAU};
 

@@ -27,7 +27,7 @@ pub struct Mesh {
 impl Mesh {
     /// Returns this mesh with other normals: at each position, the normal that `normal` gives for it, of any length
     /// above 0. Use the normals of the true surface if it is known: averages over the faces of an irregular mesh are
-    /// off by degrees, and no shader can correct the resulting lights.
+    /// off by degrees, and no shader can correct the resulting light values.
     #[must_use]
     pub fn with_normals(mut self, normal: impl Fn(DVec3) -> DVec3) -> Mesh {
         for vertex in &mut self.vertices {

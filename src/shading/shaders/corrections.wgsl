@@ -3,7 +3,7 @@
 const PRINTED = 1u;
 const REPAIRED = 2u;
 
-// A corner and the other two: their weights, the steps on the screen to the other two, and their lights.
+// A corner and the other two: their weights, the steps on the screen to the other two, and their light values.
 struct Around {
     w: vec3f,
     to_i: vec2f,

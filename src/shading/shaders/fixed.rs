@@ -19,7 +19,7 @@ use crate::{
 /// jump.
 #[derive(Clone, Debug)]
 pub struct Fixed<T, const C: usize> {
-    /// The lights of the corners of each triangle.
+    /// The light values at the corners of each triangle.
     pub(super) lights: Vec<[[T; C]; 3]>,
     strip: T,
     /// I_n as printed.

@@ -1,4 +1,4 @@
-//! One light per triangle. Shoaff §3.4.
+//! One light value per triangle. Shoaff §3.4.
 
 use glam::DVec3;
 

@@ -1,5 +1,5 @@
-//! New in machband: light with a continuous slope, determined by the lights and slopes at the vertices. It uses the
-//! reduced Clough–Tocher cubics of [`Patches`].
+//! New in machband: light with a continuous slope, determined by the light values and slopes at the vertices. It uses
+//! the reduced Clough–Tocher cubics of [`Patches`].
 
 use glam::DVec3;
 

@@ -1,5 +1,5 @@
-//! Quadratic light through the lights at the vertices and at the midpoints of the edges, after Mohamed et al., whose
-//! shader uses three additional samples of the light per triangle.
+//! Quadratic light through the light values at the vertices and at the midpoints of the edges, after Mohamed et al.,
+//! whose shader uses three additional samples of the light per triangle.
 
 use glam::DVec3;
 
@@ -9,8 +9,8 @@ use crate::shading::{
     number::{Channels, Constant, Number, plus},
 };
 
-/// The quadratic through the lights of the corners and the lights M_k of the midpoints, where M_k is opposite corner k:
-/// Gouraud's light plus Σ_k w_i·w_j·4(M_k − (I_i + I_j)/2).
+/// The quadratic through the light values of the corners and the light values M_k of the midpoints, where M_k is
+/// opposite corner k: Gouraud's light plus Σ_k w_i·w_j·4(M_k − (I_i + I_j)/2).
 #[derive(Clone, Debug)]
 pub struct Quadratic<T, const C: usize>(Vec<[[T; C]; 3]>);
 

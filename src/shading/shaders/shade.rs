@@ -14,7 +14,8 @@ named! {
         Gouraud = "gouraud",
         /// Normals interpolated between the vertices, with lighting at every pixel.
         Phong = "phong",
-        /// Quadratic light through the lights at the vertices and at the midpoints of the edges, after Mohamed et al.
+        /// Quadratic light through the light values at the vertices and at the midpoints of the edges, after Mohamed et
+        /// al.
         Quadratic = "quadratic",
         /// Bangay eq. 4, as printed.
         Fixed = "fixed",
@@ -26,7 +27,7 @@ named! {
         Exact = "exact",
         /// New in machband: the corner at every edge is cut off.
         Cut = "cut",
-        /// New in machband: light with a continuous slope, determined by the lights and slopes at the vertices.
+        /// New in machband: light with a continuous slope, determined by the light values and slopes at the vertices.
         Patch = "patch",
     }
 }

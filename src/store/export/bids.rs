@@ -287,7 +287,7 @@ fn written(experiments: &[Experiment]) -> Vec<Value> {
     files.iter().filter_map(|path| serde_json::from_slice(&std::fs::read(path).ok()?).ok()).collect()
 }
 
-/// Returns the texts in a schema.org value, which is a text, an object with a name, or a list of these.
+/// Returns the strings in a schema.org value, which is a string, an object with a name, or a list of these.
 fn texts(value: &Value) -> Vec<String> {
     match value {
         Value::String(text) => vec![text.clone()],

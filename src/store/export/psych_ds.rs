@@ -1,4 +1,4 @@
-//! Export as Psych-DS. A results folder already is such a data set; the copy has only complete rows, and describes
+//! Export as Psych-DS. A results folder is already such a data set; the copy contains only complete rows and describes
 //! every column.
 
 use std::{fs, path::Path};

@@ -137,7 +137,7 @@ fn parse(name: &str, content: &[u8]) -> Result<ReadBack, FileFaults> {
     let (image, info) = decode(name, content, side_max)?;
     if let Some(parameters) = text(&info, SHADED_KEYWORD) {
         return Err(fail(format!(
-            "is a shaded mesh, which cannot be verified; expected an image of `stimulus` or `stimuli`. It was made with {parameters}"
+            "is a shaded mesh, which cannot be verified; expected an image written by `stimulus` or `stimuli`. It was made with {parameters}"
         )));
     }
     let recipe = text(&info, KEYWORD)

@@ -97,13 +97,13 @@ fn has_suffix(path: &Path, suffix: &str) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().to_ascii_lowercase().ends_with(suffix))
 }
 
-/// Compares texts in natural order: runs of digits are compared as whole numbers, so that S2 comes before S10.
+/// Compares strings in natural order: runs of digits are compared as whole numbers, so that S2 comes before S10.
 pub(super) fn natural(a: &str, b: &str) -> std::cmp::Ordering {
     // `S01` and `S1` must not compare as equal.
     natural_parts(a).cmp(natural_parts(b)).then_with(|| a.cmp(b))
 }
 
-/// Splits a text into its numbers, each without leading zeros and with its length, and the text between them.
+/// Splits a string into its numbers, each without leading zeros and with its length, and the text between them.
 fn natural_parts(text: &str) -> impl Iterator<Item = (usize, &[u8])> {
     text.as_bytes().chunk_by(|a, b| a.is_ascii_digit() == b.is_ascii_digit()).map(|part| {
         let zeros = part.iter().take_while(|digit| **digit == b'0').count();

@@ -103,7 +103,7 @@ pub(super) fn identity<'a>(
     })
 }
 
-/// True if a text is a rating: a number on our own scale, or on other scales anything but a missing value.
+/// True if a string is a rating: a number on our own scale, or on other scales anything but a missing value.
 pub(super) fn is_rating(text: &str, own_scale: bool) -> bool {
     if own_scale {
         // A spreadsheet or pandas may have written 2 as 2.0.

@@ -75,7 +75,7 @@ pub(super) struct Selection {
 }
 
 /// Description of a session's file that has neither rows nor a sidecar, and may thus belong to any experiment.
-const UNKNOWN: &str = "a session's file without rows";
+const UNKNOWN: &str = "a session file without rows";
 
 impl Selection {
     /// Selects files, and reports an error for each file that is excluded.

@@ -240,7 +240,7 @@ impl SessionStore {
         }
         self.paths = paths;
         undescribed.into_iter().for_each(|what| self.note(what));
-        self.note(format!("the results folder failed; the session was moved from {from}"));
+        self.note(format!("a row could not be saved; the session was moved from {from}"));
         self.sidecar.write(&self.paths.sidecar)
     }
 

@@ -52,7 +52,7 @@ impl TimingTool {
             return Step::Stay;
         }
         let (back, ()) = tool_page(ui, "Timing", |ui| {
-            ui.label("Every refresh of the screen should show a new frame. This measures whether it does.");
+            ui.label("Every refresh of the screen should show a new frame. This tool measures whether it does.");
             ui.add_space(8.0);
             self.settings(ui);
             if primary(ui, "Measure", true, "Full screen. Press Esc to stop.") {

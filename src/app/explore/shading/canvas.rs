@@ -1,4 +1,4 @@
-//! The image on the page: dragging on it, and overlays over it.
+//! The image on the page, with dragging and overlays.
 
 use eframe::egui::{
     self, Color32, CursorIcon, EventFilter, Id, Key, Pos2, Rect, Response, Sense, Shape, Stroke, TextureId, Vec2,

@@ -53,8 +53,8 @@ struct Row {
     c: vec4f,
 }
 
-// Row 0 holds the corners' lights. For *phong*, row 0 holds their normals and row 1 their positions. The other rows
-// hold the triangle's constants.
+// Row 0 holds the corners' light values. For *phong*, row 0 holds their normals and row 1 their positions. The other
+// rows hold the triangle's constants.
 fn row(triangle: u32, corners: vec3u, which: u32) -> Row {
     let a = corners.x;
     let b = corners.y;

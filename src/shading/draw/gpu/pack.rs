@@ -204,7 +204,7 @@ fn cut(edges: &[Bend; 3]) -> [[f32; 4]; 6] {
     [a, b, c, d, e, f]
 }
 
-/// Returns the ordinates that, together with the corners' lights, determine all others: the ones toward the next
+/// Returns the ordinates that, together with the corners' light values, determine all others: the ones toward the next
 /// corner, the ones toward the corner after that, and the middle ones.
 fn ordinates(points: &ControlPoints) -> [[f32; 4]; 9] {
     [3, 5, 7, 4, 6, 8, 12, 13, 14].map(|at| four(points[at], 0.0))
