@@ -9,7 +9,7 @@ use clap::{
 
 use super::UsageError;
 use crate::{
-    analysis::{Link, MOST_NODES, terms::Terms},
+    analysis::{Link, MAX_NODES, terms::Terms},
     light::{Bits, Dither, Transfer, Transfers},
     stimulus::{KINDS, Parameter, ParameterValue, Stimulus, catalog, recipe::Recipe},
     store,
@@ -34,7 +34,7 @@ pub(super) struct ModelOptions {
     #[arg(long, default_value = "logit", value_parser = named::<Link>(Link::NAMES))]
     pub(super) link: Link,
     /// Number of nodes of the adaptive Gauss–Hermite quadrature; 1 is the Laplace approximation.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=MOST_NODES as i64))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=MAX_NODES as i64))]
     pub(super) quadrature: u16,
 }
 

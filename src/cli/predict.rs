@@ -142,7 +142,7 @@ fn all(
         observer::write_criterion(path, &comparison.criterion)?;
     }
     if arguments.out.is_some() {
-        write(arguments, &header, rows, &seen, &comparison.criterion, prediction::LEAST)?;
+        write(arguments, &header, rows, &seen, &comparison.criterion, prediction::MIN_VISIBILITY)?;
     }
     tell(&comparison)?;
     super::ratings::faults(&study.source)

@@ -1,7 +1,7 @@
 //! The identifiers of a participant and a session.
 
 /// Maximum length of an identifier: a file name with two of them must fit every file system.
-const LONGEST: usize = 40;
+const MAX_LENGTH: usize = 40;
 
 /// The participant and the session of a data file. Both identifiers match `[A-Za-z0-9]+` and have at most 40
 /// characters, so they can be part of a file name on any system and of a Psych-DS or BIDS keyword.
@@ -69,11 +69,11 @@ fn check(what: &'static str, id: &str, example: &'static str) -> Result<String, 
         "is empty".to_owned()
     } else if let Some(c) = id.chars().find(|c| !c.is_ascii_alphanumeric()) {
         format!("contains the character {c:?}")
-    } else if id.len() > LONGEST {
+    } else if id.len() > MAX_LENGTH {
         format!("has {} characters", id.len())
     } else {
         return Ok(id.to_owned());
     };
-    let shown: String = id.chars().take(LONGEST + 8).collect();
+    let shown: String = id.chars().take(MAX_LENGTH + 8).collect();
     Err(IdentityError { what, given: shown, fault, example })
 }

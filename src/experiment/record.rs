@@ -100,7 +100,7 @@ impl Cell for Rating {
 }
 
 /// Maximum time in a row, about thirty years. Anything longer is not a measurement and would overflow clocks.
-const LONGEST_S: f64 = 1e9;
+const MAX_TIME_S: f64 = 1e9;
 
 /// A time in seconds, written to a tenth of a millisecond.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
@@ -112,7 +112,7 @@ impl Cell for Seconds {
     }
     fn from_cell(text: &str) -> Result<Self, String> {
         match f64::from_cell(text) {
-            Ok(seconds) if (0.0..=LONGEST_S).contains(&seconds) => Ok(Self(seconds)),
+            Ok(seconds) if (0.0..=MAX_TIME_S).contains(&seconds) => Ok(Self(seconds)),
             _ => Err("expected seconds, 0 or more".to_owned()),
         }
     }

@@ -113,11 +113,11 @@ const ERROR_PX: f64 = 1e-6;
 /// Bound on the rounding error of light.
 const ERROR_LIGHT: f64 = 1e-12;
 /// The search for runs stops at this fraction of a pixel.
-const SHORTEST_PX: f64 = 1.0 / 128.0;
+const MIN_RUN_PX: f64 = 1.0 / 128.0;
 /// Places between two pixels at which the center line may cross a row, each with a template.
 const PHASES: usize = 64;
 /// The steepest slope of the center line against the columns, in columns per row, for which templates are made.
-const STEEPEST: f64 = 4.0;
+const MAX_SLOPE: f64 = 4.0;
 
 /// A range of positions along a row that all have the same code.
 struct Run {
@@ -140,7 +140,7 @@ impl Runs {
         let grid = &pixels.grid;
         let side = f64::from(grid.size);
         let mut search =
-            Search { profile: pixels.profile, quantizer, shortest: SHORTEST_PX / side, level: false, runs: Vec::new() };
+            Search { profile: pixels.profile, quantizer, shortest: MIN_RUN_PX / side, level: false, runs: Vec::new() };
         // Pixels at an oblique jump mix the light of both sides.
         let mixed = |turn: f64| pixels.jumps.iter().any(|(at, _)| *at == turn);
         let near = |turn: f64| if mixed(turn) { ERROR_X + half_extent(grid) / side } else { ERROR_X };
@@ -175,7 +175,7 @@ impl Runs {
         for (iy, row) in rows {
             let row = row.as_chunks_mut().0;
             let shift = self.middle - (self.middle - f64::from(iy)) * self.tan;
-            if self.tan.abs() > STEEPEST {
+            if self.tan.abs() > MAX_SLOPE {
                 // Shifted too far for a template to be shorter than all rows; but then there are few runs in a row.
                 for ix in self.fill(shift, 0.0, row) {
                     row[ix] = pixel(ix as u32, iy);

@@ -10,7 +10,7 @@ use crate::{
 };
 
 /// Minimum adapting luminance, cd/m²: some light reaches the eye even from a black window.
-const LEAST_CD_M2: f64 = 0.01;
+const MIN_CD_M2: f64 = 0.01;
 
 /// The prediction for a stimulus.
 #[derive(Clone, Debug)]
@@ -109,7 +109,7 @@ impl ViewingConditions {
 
     fn eye(&self, light: &[f64]) -> Eye {
         let mean = light.iter().sum::<f64>() / light.len().max(1) as f64;
-        Eye { luminance: (self.white_cd_m2 * mean).max(LEAST_CD_M2), field_deg: self.window_deg }
+        Eye { luminance: (self.white_cd_m2 * mean).max(MIN_CD_M2), field_deg: self.window_deg }
     }
 
     fn px_per_deg(&self, px: u32) -> f64 {

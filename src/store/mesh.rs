@@ -18,7 +18,7 @@ use std::{borrow::Cow, collections::HashMap, path::Path};
 use glam::DVec3;
 
 use super::{FileFault, FileFaults, file::read_bytes, table::shortened};
-use crate::shading::{Mesh, MeshError, Polygons, mesh::LARGEST_COORDINATE};
+use crate::shading::{Mesh, MeshError, Polygons, mesh::MAX_COORDINATE};
 
 /// Maximum file size in bytes, enough for about two million triangles.
 const MAX_FILE: u64 = 1 << 28;
@@ -240,7 +240,7 @@ impl Statement<'_> {
             }
             vertex /= w;
         }
-        match vertex.to_array().iter().position(|x| x.is_nan() || x.abs() > LARGEST_COORDINATE) {
+        match vertex.to_array().iter().position(|x| x.is_nan() || x.abs() > MAX_COORDINATE) {
             Some(k) => {
                 let message =
                     format!("{:?} is not a finite coordinate; expected one within ±1e30", shortened(words[k]));

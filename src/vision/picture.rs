@@ -15,7 +15,7 @@ use super::{
 /// Number of places per degree at which the energy for masking is sampled.
 const MASK_PER_DEG: f64 = 16.0;
 /// Minimum number of pixels per side.
-const LEAST: usize = 16;
+const MIN_SIDE_PX: usize = 16;
 
 /// The prediction for an image.
 #[derive(Clone, Debug, Default)]
@@ -56,9 +56,9 @@ impl Picture<'_> {
         let margins = |channel: &Channel| 2.0 * Border::Cut.margin_deg(channel.frequency);
         let channels: Vec<Channel> =
             sampled().filter(|channel| margins(channel) < side as f64 / self.px_per_deg).collect();
-        if side < LEAST || channels.is_empty() {
+        if side < MIN_SIDE_PX || channels.is_empty() {
             let finest = sampled().next_back().map_or(0.0, |channel| margins(&channel) * self.px_per_deg);
-            let least = (finest.floor() as usize + 1).max(LEAST);
+            let least = (finest.floor() as usize + 1).max(MIN_SIDE_PX);
             return Err(VisionError::TooSmall { width: self.width, height: self.height, least });
         }
         let (spectrum, distances) = rayon::join(|| Spectrum::new(self, eye), || Distances::new(self));

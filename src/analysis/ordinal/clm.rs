@@ -269,13 +269,13 @@ impl ClmData {
 
     /// Finds the maximum of the likelihood by Newton's method with step halving.
     pub fn fit(&self, start: DVector<f64>) -> ClmFit {
-        const MOST_ITERATIONS: usize = 200;
+        const MAX_ITERATIONS: usize = 200;
         let tolerance = self.tolerance();
         let mut parameters = start;
         let mut current = self.derivatives(&parameters);
         let mut end = End::Stalled;
         let mut iterations = 0;
-        while iterations < MOST_ITERATIONS && current.loglik.is_finite() {
+        while iterations < MAX_ITERATIONS && current.loglik.is_finite() {
             let step = newton_step(&current);
             let (gradient, reach) = (current.gradient.amax(), self.reach(&parameters, &step));
             if gradient <= tolerance && reach < 1e-6 {

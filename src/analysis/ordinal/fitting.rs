@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 
 use super::{
     clm::{ClmData, ClmFit, End},
-    clmm::{ClmmData, MOST_NODES, Observation, gauss_hermite},
+    clmm::{ClmmData, MAX_NODES, Observation, gauss_hermite},
     design::{Design, Standard},
     link::Link,
     model::{ModelError, ModelSpec, Note, Random},
@@ -31,8 +31,8 @@ pub(crate) struct Fitted<'a> {
 /// Fits a model. If the first baseline allows no finite estimates, another is used. The standard errors of a mixed
 /// model take as long as its estimates and are computed only if `errors` is true.
 pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool) -> Result<Fitted<'a>, ModelError> {
-    if spec.random == Random::Subject && !(1..=MOST_NODES).contains(&spec.quadrature) {
-        return Err(ModelError::Quadrature { nodes: spec.quadrature, most: MOST_NODES });
+    if spec.random == Random::Subject && !(1..=MAX_NODES).contains(&spec.quadrature) {
+        return Err(ModelError::Quadrature { nodes: spec.quadrature, most: MAX_NODES });
     }
     let mut spec = spec.clone();
     let (frame, mut notes) = Frame::new(counts, &[&spec.terms, &spec.scale])?;

@@ -20,7 +20,7 @@ mod model;
 mod search;
 pub mod terms;
 
-pub use clmm::MOST_NODES;
+pub use clmm::MAX_NODES;
 pub use estimates::{Prediction, fit};
 pub use likelihood_ratios::{ModelReport, Part, TermTest, fit_with_tests, scale_tests};
 pub use link::Link;

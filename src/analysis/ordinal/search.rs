@@ -132,11 +132,11 @@ impl<'a> Search<'a> {
 
     /// Takes quasi-Newton steps (Broyden, Fletcher, Goldfarb, Shanno), starting from the approximate information.
     fn climb(&mut self, tolerance: f64) -> (usize, MixedEnd) {
-        const MOST_ITERATIONS: usize = 300;
+        const MAX_ITERATIONS: usize = 300;
         let rough = self.data.rough_information(&self.at, &self.modes).select_rows(self.free).select_columns(self.free);
         let Some(factor) = positive_definite(&rough) else { return (0, MixedEnd::Stalled) };
         let mut inverse = factor.inverse();
-        for iteration in 0..MOST_ITERATIONS {
+        for iteration in 0..MAX_ITERATIONS {
             // Newton's method takes over near the maximum.
             if self.gradient() <= 1e3 * tolerance {
                 return (iteration, MixedEnd::Converged);
@@ -153,7 +153,7 @@ impl<'a> Search<'a> {
             let change = before - self.free_gradient();
             update_inverse(&mut inverse, &step, &change);
         }
-        (MOST_ITERATIONS, MixedEnd::Stalled)
+        (MAX_ITERATIONS, MixedEnd::Stalled)
     }
 
     /// Takes Newton steps with the observed information and returns that information.

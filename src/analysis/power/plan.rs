@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     analysis::{
-        Link, MOST_NODES, ModelError, ModelSpec, Random,
+        Link, MAX_NODES, ModelError, ModelSpec, Random,
         bootstrap::Interval,
         counts::Counts,
         frame::Frame,
@@ -95,8 +95,8 @@ impl Plan {
         shifts: &[Shift],
         model: &ModelChoice,
     ) -> Result<Self, PlanError> {
-        if !(1..=MOST_NODES).contains(&model.quadrature) {
-            return Err(ModelError::Quadrature { nodes: model.quadrature, most: MOST_NODES }.into());
+        if !(1..=MAX_NODES).contains(&model.quadrature) {
+            return Err(ModelError::Quadrature { nodes: model.quadrature, most: MAX_NODES }.into());
         }
         let scenario = Scenario::new(protocol, observer, shifts)?;
         let varied = scenario.empty.factors.iter().filter(|factor| factor.levels.len() > 1);

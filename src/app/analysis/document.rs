@@ -19,7 +19,7 @@ use crate::{
 };
 
 /// Maximum width in points of an ordinary figure, and of a figure made for the full width of a page.
-const WIDEST: [f32; 2] = [720.0, 1080.0];
+const MAX_WIDTHS: [f32; 2] = [720.0, 1080.0];
 
 /// A document and the state of its tables and figures.
 pub struct DocumentView {
@@ -142,7 +142,7 @@ impl FigureView {
     /// Draws the figure with its title and caption.
     fn show(&mut self, ui: &mut egui::Ui) {
         ui.add_space(6.0);
-        let width = ui.available_width().min(WIDEST[usize::from(self.figure.wide)]);
+        let width = ui.available_width().min(MAX_WIDTHS[usize::from(self.figure.wide)]);
         let size = Vec2::new(width, (width * self.figure.height as f32 / 800.0).ceil());
         let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
         describe(&response, &format!("{}. {}", self.figure.title, self.figure.caption));

@@ -29,7 +29,7 @@ use crate::{
 };
 
 /// Maximum number of listed errors.
-const MOST_FAULTS: usize = 200;
+const MAX_ERRORS: usize = 200;
 /// In a window narrower than this, the data and filters have a separate view. Points.
 const NARROW: f32 = 700.0;
 /// Address and heading of the view of data and filters.
@@ -330,10 +330,10 @@ fn about(ui: &mut egui::Ui, source: &Source) {
     let title = RichText::new(format!("Errors: {}", source.faults.len())).color(theme::FAULT);
     CollapsingHeader::new(title).id_salt("faults").default_open(true).show(ui, |ui| {
         ScrollArea::vertical().id_salt("faults").max_height(170.0).show(ui, |ui| {
-            for one in source.faults.iter().take(MOST_FAULTS) {
+            for one in source.faults.iter().take(MAX_ERRORS) {
                 fault(ui, one.to_string());
             }
-            if let more @ 1.. = source.faults.len().saturating_sub(MOST_FAULTS) {
+            if let more @ 1.. = source.faults.len().saturating_sub(MAX_ERRORS) {
                 fault(ui, format!("… and {} more", whole(more as u64)));
             }
         });

@@ -4,7 +4,7 @@ use eframe::egui::{self, CollapsingHeader, DragValue, Key, ScrollArea, TextEdit}
 
 use crate::{
     analysis::{
-        Link, MOST_NODES, ModelError, Options, Random,
+        Link, MAX_NODES, ModelError, Options, Random,
         counts::{Counts, Factor, Measured},
         terms::{TermError, Terms},
     },
@@ -158,7 +158,7 @@ impl Settings {
         }
         ui.add_enabled_ui(random, |ui| {
             Field::new("Quadrature nodes").show(ui, |ui, label| {
-                ui.add(DragValue::new(&mut options.quadrature).range(1..=MOST_NODES).speed(0.1)).labelled_by(label);
+                ui.add(DragValue::new(&mut options.quadrature).range(1..=MAX_NODES).speed(0.1)).labelled_by(label);
                 ui.label(quiet(if options.quadrature == 1 { "Laplace" } else { "Gauss–Hermite" }));
             });
         });

@@ -17,7 +17,7 @@ const AROUND: f32 = 8.0;
 /// Width reserved for the slider's number, points.
 const NUMBER: f32 = 80.0;
 /// Minimum width of the outline, physical pixels.
-const LEAST_PX: f32 = 100.0;
+const MIN_PX: f32 = 100.0;
 
 /// A dialog with an outline that the user adjusts to the size of a card.
 pub struct CardHelper {
@@ -79,8 +79,8 @@ impl CardHelper {
     /// Draws the slider. Its range extends to the width of the whole screen, so that a small window does not limit it.
     fn slider(&mut self, ui: &mut egui::Ui, screen_width_px: u32) {
         let label = ui.label("Width of the outline, pixels");
-        ui.spacing_mut().slider_width = (ui.available_width() - NUMBER).clamp(LEAST_PX, 360.0);
-        let range = LEAST_PX..=(screen_width_px as f32).max(2.0 * LEAST_PX);
+        ui.spacing_mut().slider_width = (ui.available_width() - NUMBER).clamp(MIN_PX, 360.0);
+        let range = MIN_PX..=(screen_width_px as f32).max(2.0 * MIN_PX);
         let slider = Slider::new(&mut self.card_px, range).step_by(1.0).max_decimals(0).clamping(SliderClamping::Edits);
         let slider = ui.add(slider).labelled_by(label.id);
         if self.slider.is_none() {

@@ -14,7 +14,7 @@ use crate::{
 /// Height reserved for the line of text below the field, points.
 const TEXT_ROOM: f32 = 34.0;
 /// Minimum side of the field, physical pixels.
-const LEAST_PX: u32 = 64;
+const MIN_PX: u32 = 64;
 /// Ratio of the side of the field to the side of the patch.
 const FIELD_PER_PATCH: u32 = 3;
 
@@ -76,7 +76,7 @@ impl MatchRun {
     fn draw(&mut self, ui: &mut egui::Ui, shown: Match) {
         let (width, height) = window_px(ui.ctx());
         let below = (TEXT_ROOM * ui.ctx().pixels_per_point()).ceil() as u32;
-        let side = width.min(height.saturating_sub(2 * below)).max(LEAST_PX);
+        let side = width.min(height.saturating_sub(2 * below)).max(MIN_PX);
         if self.shown.as_ref().is_none_or(|(made, at, _)| *made != shown || *at != side) {
             let image = shown.picture(side, side / FIELD_PER_PATCH);
             self.shown = Some((shown, side, pixels::texture_of(ui.ctx(), "matching", &image)));

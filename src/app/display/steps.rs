@@ -17,7 +17,7 @@ const ASSUMED_I0: f64 = 0.005;
 /// Height of the wedge, physical pixels.
 const HEIGHT_PX: u32 = 140;
 /// Maximum number of steps. With 255 steps, there are as many levels as 8-bit codes.
-const MOST: usize = 255;
+const MAX_STEPS: usize = 255;
 
 pub struct StepsPage {
     profile: DisplayProfile,
@@ -64,8 +64,8 @@ impl StepsPage {
     }
 
     fn steps(&self) -> Result<Vec<Step>, String> {
-        let n = self.number.trim().parse::<usize>().ok().filter(|n| (1..=MOST).contains(n));
-        let n = n.ok_or_else(|| format!("{:?} is not a number of steps; expected 1 to {MOST}.", self.number))?;
+        let n = self.number.trim().parse::<usize>().ok().filter(|n| (1..=MAX_STEPS).contains(n));
+        let n = n.ok_or_else(|| format!("{:?} is not a number of steps; expected 1 to {MAX_STEPS}.", self.number))?;
         let i0 =
             number(&self.i0).ok_or_else(|| format!("{:?} is not a number; expected one such as 0.005.", self.i0))?;
         steps(&self.profile, i0, n).map_err(|error| format!("{error}."))

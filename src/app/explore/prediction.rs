@@ -167,7 +167,7 @@ const ONE_BAND_PERIODS: f64 = 0.5;
 const JUST_VISIBLE: f64 = 1.0;
 
 /// Peaks weaker than this are noise, not bands that a peak of a coarser channel could join.
-const LEAST: f64 = 0.25;
+const MIN_STRENGTH: f64 = 0.25;
 /// A band is located by the finest channel whose peak reaches this share of the strongest peak.
 const DISTINCT: f64 = 0.5;
 
@@ -185,7 +185,7 @@ pub struct Mark {
 /// The visible bands of a line, each listed once. Fine channels locate a band precisely and coarse channels less so;
 /// each peak therefore joins the nearest band that finer channels have found.
 fn marks(view: &LinePrediction, window_deg: f64) -> Vec<Mark> {
-    let mut finest_first: Vec<&Band> = view.bands.iter().filter(|band| band.strength >= LEAST).collect();
+    let mut finest_first: Vec<&Band> = view.bands.iter().filter(|band| band.strength >= MIN_STRENGTH).collect();
     finest_first.sort_by(|a, b| b.frequency.total_cmp(&a.frequency));
     let mut clusters: Vec<Vec<&Band>> = Vec::new();
     for band in finest_first {

@@ -18,7 +18,7 @@ use super::{
 use crate::{
     app::{
         ui::{Monitor, Step, pixels, theme, window_px},
-        window::{Input, LEAST_SIZE, PressTime},
+        window::{Input, MIN_SIZE, PressTime},
     },
     experiment::{Effect, Event, Phase, ResponseScale, Session, State},
     light::{Bits, Quantizer},
@@ -31,12 +31,12 @@ const TEXTURES_KEPT: usize = 2;
 const CURSOR_S: f64 = 2.0;
 
 /// Maximum width of a button of the scale, points.
-const WIDEST: f32 = 250.0;
+const MAX_WIDTH: f32 = 250.0;
 /// Gap between two buttons, points.
 const GAP: f32 = 6.0;
 /// Minimum width of a button with a label, points. A narrower button shows only its key, because the label would be cut
 /// off.
-const NARROWEST: f32 = 100.0;
+const MIN_LABELED_WIDTH: f32 = 100.0;
 
 /// A running session.
 pub struct Trials {
@@ -353,7 +353,7 @@ impl Trials {
     fn finish(&mut self, ctx: &egui::Context) -> Step<Box<Finish>> {
         let fault = self.close();
         ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
-        ctx.send_viewport_cmd(ViewportCommand::MinInnerSize(LEAST_SIZE));
+        ctx.send_viewport_cmd(ViewportCommand::MinInnerSize(MIN_SIZE));
         Step::Next(Box::new(Finish::new(
             self.session.protocol().clone(),
             &self.recording.take_rows(),
@@ -380,20 +380,20 @@ impl Trials {
 fn draw_scale(ctx: &egui::Context, scale: &ResponseScale, enabled: bool) -> Option<u8> {
     let mut rated = None;
     let count = scale.categories.len().max(1) as f32;
-    let width = ((ctx.content_rect().width() - 40.0) / count - GAP).min(WIDEST);
+    let width = ((ctx.content_rect().width() - 40.0) / count - GAP).min(MAX_WIDTH);
     Area::new(Id::unique("scale")).anchor(Align2::CENTER_BOTTOM, [0.0, -8.0]).show(ctx, |ui| {
         Frame::NONE.fill(Color32::from_black_alpha(150)).corner_radius(6.0).inner_margin(6.0).show(ui, |ui| {
             ui.spacing_mut().item_spacing.x = GAP;
             ui.spacing_mut().button_padding = Vec2::new(6.0, 4.0);
             ui.horizontal(|ui| {
                 for (rating, category) in (0..).zip(&scale.categories) {
-                    let text = match width < NARROWEST {
+                    let text = match width < MIN_LABELED_WIDTH {
                         true => category.key.to_string(),
                         false => format!("{}  {}", category.key, category.label),
                     };
                     let button = Button::new(RichText::new(text).small()).frame(enabled).wrap();
                     // All labels get two lines if any label needs them.
-                    let height = if (NARROWEST..WIDEST).contains(&width) { 46.0 } else { ui.spacing().interact_size.y };
+                    let height = if (MIN_LABELED_WIDTH..MAX_WIDTH).contains(&width) { 46.0 } else { ui.spacing().interact_size.y };
                     let size = Vec2::new(width.max(height), height);
                     let response = ui.add_enabled_ui(enabled, |ui| ui.add_sized(size, button)).inner;
                     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, &category.label));

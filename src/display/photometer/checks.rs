@@ -4,7 +4,7 @@ use super::readings::{LevelMean, Reading, Readings, is_same_level};
 use crate::display::channel::Channel;
 
 /// Minimum number of levels per channel, including 0 and 1.
-pub const LEAST_LEVELS: usize = 5;
+pub const MIN_LEVELS: usize = 5;
 /// The decrease that noise could explain: a share of the reading, steps of the photometer, and a share of the maximum
 /// light.
 const FALL: (f64, f64, f64) = (0.05, 3.0, 5e-5);
@@ -84,7 +84,7 @@ fn reading_faults(readings: &[Reading]) -> Vec<Fault> {
     }
     if readings.is_empty() {
         let message =
-            format!("there are no readings; expected red, green and blue, or gray, at {LEAST_LEVELS} levels or more");
+            format!("there are no readings; expected red, green and blue, or gray, at {MIN_LEVELS} levels or more");
         faults.push(Fault::new(About::All, message));
     } else if readings.iter().all(|one| one.luminance_cd_m2 == 0.0) {
         let message = "every reading is 0 cd/m²; expected light: is the photometer on the screen, and is its cap off?";
@@ -113,9 +113,9 @@ fn set_faults(readings: &Readings) -> Vec<Fault> {
     }
     for channel in read {
         let means = readings.means(*channel);
-        if means.len() < LEAST_LEVELS {
+        if means.len() < MIN_LEVELS {
             messages.push(format!(
-                "{channel}: too few levels: {}; expected {LEAST_LEVELS} or more (9 are good, 17 better), including 0 and 1",
+                "{channel}: too few levels: {}; expected {MIN_LEVELS} or more (9 are good, 17 better), including 0 and 1",
                 means.len()
             ));
         }

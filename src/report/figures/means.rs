@@ -8,7 +8,7 @@ use super::{
     axes::{EDGE, Levels, MARKER, PANEL, Panel, TEXT, Values, plain},
     figure::Figure,
     labels,
-    palette::{GRAY, MOST_SERIES, Series, Stroke},
+    palette::{GRAY, MAX_SERIES, Series, Stroke},
     regroup::{by_interest, evenly, project, regroup},
     svg::{Anchor, Font, Point, Svg, WIDTH},
 };
@@ -80,7 +80,7 @@ fn charts(counts: &Counts, means: &Means, names: [&'static str; 2], what: &str, 
 
 fn chart(counts: &Counts, means: &Means, x: usize, name: &'static str, what: &str, source: &str) -> Figure {
     let (across, by) = (&counts.factors[x], counts.factors.get(1 - x));
-    let shown = evenly(by.map_or(1, |by| by.levels.len()), MOST_SERIES);
+    let shown = evenly(by.map_or(1, |by| by.levels.len()), MAX_SERIES);
     let line = |(index, &level): (usize, &usize)| {
         let level = by.map(|by| &by.levels[level]);
         let mean = |own: &String| {

@@ -16,7 +16,7 @@ use crate::{
 };
 
 /// Number of conditions to report, out of those whose predictions deviate most from the ratings.
-const FURTHEST: usize = 3;
+const MAX_NAMED: usize = 3;
 
 /// Writes the section; `figures` contains the measured and the predicted charts.
 pub(super) fn section(
@@ -131,7 +131,7 @@ fn furthest(results: &Results, prediction: &StudyPrediction) -> Option<String> {
         .collect();
     // Among equal distances, the first conditions are chosen, so that the same ratings always give the same page.
     far.sort_by(|a, b| (b.1 - b.2).abs().total_cmp(&(a.1 - a.2).abs()));
-    let named: Vec<String> = (far.iter().take(FURTHEST))
+    let named: Vec<String> = (far.iter().take(MAX_NAMED))
         .map(|(condition, rated, expected)| {
             let name = names::condition(&results.measured.counts, *condition);
             format!("{name} (rated {}, predicted {})", mean(*rated), mean(*expected))

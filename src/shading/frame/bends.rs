@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use super::projected::{Across, Frame};
 
 /// The minimum m of [`Bend`]: the minimum distance of an apex's foot from a corner, in edge lengths.
-const LEAST_REACH: f64 = 1.0 / 16.0;
+const MIN_REACH: f64 = 1.0 / 16.0;
 
 /// A triangle's data about one of its edges. [`bends`] computes it once per frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,8 +55,8 @@ fn between(a: Corner, b: Corner, c: Corner, d: Corner) -> Option<(Bend, Bend)> {
     let (sa, sd) = (foot(a.0, b.0, c.0), foot(d.0, b.0, c.0));
     let (aa, ad) = (excess(a.1, sa, b.1, c.1), excess(d.1, sd, b.1, c.1));
     let bend = (aa * hd + ad * ha) * (-1.0 / (ha + hd));
-    let start = sa.max(sd).max(LEAST_REACH);
-    let end = (1.0 - sa).max(1.0 - sd).max(LEAST_REACH);
+    let start = sa.max(sd).max(MIN_REACH);
+    let end = (1.0 - sa).max(1.0 - sd).max(MIN_REACH);
     Some((Bend { c: bend, foot: sa, start, end }, Bend { c: bend, foot: 1.0 - sd, start: end, end: start }))
 }
 
@@ -64,7 +64,7 @@ fn between(a: Corner, b: Corner, c: Corner, d: Corner) -> Option<(Bend, Bend)> {
 /// I_BC(s_A) − I_A`. Used for edges that three or more triangles share.
 fn level(a: Corner, b: Corner, c: Corner) -> Bend {
     let s = foot(a.0, b.0, c.0);
-    let (start, end) = (s.max(LEAST_REACH), (1.0 - s).max(LEAST_REACH));
+    let (start, end) = (s.max(MIN_REACH), (1.0 - s).max(MIN_REACH));
     Bend { c: excess(a.1, s, b.1, c.1) * -1.0, foot: s, start, end }
 }
 

@@ -125,7 +125,7 @@ impl Lighting {
 
 /// The largest exponent of a highlight that is computed as a power of an f32; f32 is too imprecise for sharper
 /// highlights.
-const LARGEST_EXPONENT: f64 = 128.0;
+const MAX_POWER_EXPONENT: f64 = 128.0;
 
 /// A lamp and how the surface reflects its light: I_p·k_d·O_d and I_p·k_s·O_s.
 #[derive(Clone, Debug)]
@@ -175,7 +175,7 @@ impl<T: Constant, const C: usize> Reflection<T, C> {
             specular: channels.pick(lamp.intensity * material.specular_color * material.specular),
             highlight: match material.specular_model {
                 _ if material.specular == 0.0 => Highlight::Absent,
-                Specular::Phong | Specular::Blinn if m.fract() == 0.0 && (1.0..=LARGEST_EXPONENT).contains(&m) => {
+                Specular::Phong | Specular::Blinn if m.fract() == 0.0 && (1.0..=MAX_POWER_EXPONENT).contains(&m) => {
                     Highlight::Power { blinn: material.specular_model == Specular::Blinn, exponent: m as u32 }
                 }
                 model => Highlight::Any { model, shininess: m, channels },

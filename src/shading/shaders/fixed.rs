@@ -4,7 +4,7 @@
 
 use super::{
     gouraud::Spread,
-    strips::{Curve, NARROWEST, OTHERS, by_smallest, least, narrowed},
+    strips::{Curve, MIN_WIDTH, OTHERS, by_smallest, least, narrowed},
 };
 use crate::{
     light::Depth,
@@ -59,7 +59,7 @@ impl<T: Constant, const C: usize> Fixed<T, C> {
     pub(super) fn in_strip<N: Number<Constant = T>>(&self, triangle: usize, k: usize, w: [N; 3]) -> InStrip<N, C> {
         let (i, j) = OTHERS[k];
         let (lights, one) = (&self.lights[triangle], w[k].of(1.0));
-        let across = w[k] / narrowed(w, self.strip).max(w[k].of(NARROWEST));
+        let across = w[k] / narrowed(w, self.strip).max(w[k].of(MIN_WIDTH));
         let per_rest = one / (one - w[k]);
         let rise = w[k] * self.step.value(across);
         let (mut on_edge, mut light) = ([w[k]; C], [w[k]; C]);

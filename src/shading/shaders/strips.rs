@@ -12,7 +12,7 @@ use crate::{
 pub const OTHERS: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
 
 /// The width used for strips of zero width, to avoid dividing by zero.
-pub const NARROWEST: f64 = 1e-30;
+pub const MIN_WIDTH: f64 = 1e-30;
 
 /// φ(x) = x − x²/4 below x = 2, where it reaches 1 with slope 0; 1 beyond, and 0 for negative x. For x ≥ 0, φ(x) ≤ x.
 #[inline(always)]

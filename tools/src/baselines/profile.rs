@@ -34,11 +34,11 @@ pub trait Baseline {
 }
 
 /// Maximum samples per degree: far beyond the resolution of any eye, but a continued profile still fits into memory.
-const MOST_PX_PER_DEG: f64 = 1e5;
+const MAX_PX_PER_DEG: f64 = 1e5;
 
 /// Whether a model can process this profile at all.
 pub fn is_profile(light: &[f64], px_per_deg: f64) -> bool {
-    light.len() >= 3 && px_per_deg > 0.0 && px_per_deg <= MOST_PX_PER_DEG && light.iter().all(|value| value.is_finite())
+    light.len() >= 3 && px_per_deg > 0.0 && px_per_deg <= MAX_PX_PER_DEG && light.iter().all(|value| value.is_finite())
 }
 
 /// An extremum below this fraction of the response's range is a rounding error, not a band.

@@ -89,7 +89,7 @@ impl Gpu {
         let most = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
         for (what, size, most) in [
             ("a side", frame.width.max(frame.height).into(), limits.max_texture_dimension_2d.into()),
-            ("a number of lamps", frame.lighting.lamps.len() as u64, pack::MOST_LAMPS as u64),
+            ("a number of lamps", frame.lighting.lamps.len() as u64, pack::MAX_LAMPS as u64),
             ("a buffer", longest, most),
         ] {
             if size > most {
