@@ -107,7 +107,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let report = files.iter().find(|file| file.extension().is_some_and(|extension| extension == "html"));
     let place = report.unwrap_or(&arguments.out);
     super::say(&format!("{} files written; see {}", files.len(), place.display()))?;
-    super::ratings::faults(&study.source)
+    super::ratings::errors(&study.source)
 }
 
 /// True if the error is in the requested model and not in the data.

@@ -145,7 +145,7 @@ fn all(
         write(arguments, &header, rows, &seen, &comparison.criterion, prediction::MIN_VISIBILITY)?;
     }
     tell(&comparison)?;
-    super::ratings::faults(&study.source)
+    super::ratings::errors(&study.source)
 }
 
 fn tell(comparison: &Comparison) -> anyhow::Result<()> {

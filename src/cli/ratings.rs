@@ -61,7 +61,7 @@ pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
         (sum(|file| file.practice), "practice rows"),
         (sum(|file| file.superseded), "corrected ratings"),
         (sum(|file| file.unfinished), "ratings of unfinished sessions"),
-        (sum(|file| file.faulty), "faulty rows"),
+        (sum(|file| file.erroneous), "faulty rows"),
     ]
     .into_iter()
     .filter(|(rows, _)| *rows > 0)
@@ -85,11 +85,11 @@ pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
 }
 
 /// Fails with all errors in the input, if there are any.
-pub(super) fn faults(source: &Source) -> anyhow::Result<()> {
-    if source.faults.is_empty() {
+pub(super) fn errors(source: &Source) -> anyhow::Result<()> {
+    if source.errors.is_empty() {
         return Ok(());
     }
-    let lines: Vec<String> = source.faults.iter().map(ToString::to_string).collect();
+    let lines: Vec<String> = source.errors.iter().map(ToString::to_string).collect();
     Err(anyhow::anyhow!(lines.join("\n")))
 }
 
@@ -116,5 +116,5 @@ pub(super) fn counts(arguments: &CountsArguments) -> anyhow::Result<()> {
     progress.finish_and_clear();
     super::say(&sentence(&study.source, counts))?;
     super::say(&format!("{} rows in {}", counts.rows.len(), arguments.out.display()))?;
-    faults(&study.source)
+    errors(&study.source)
 }

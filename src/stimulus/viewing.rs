@@ -5,7 +5,8 @@ use crate::{
     light::LinearImage,
     shading::{Frame, coverage},
     vision::{
-        Border, Eye, Line, LinePrediction, Picture, PicturePrediction, Visibility, VisionError, luminance, luminances,
+        Border, Eye, Line, LinePrediction, LuminanceImage, PicturePrediction, Visibility, VisionError, luminance,
+        luminances,
     },
 };
 
@@ -97,13 +98,13 @@ impl ViewingConditions {
     /// # Errors
     /// Returns a [`VisionError`] if the picture does not have the size of the frame, is too small or is all black.
     pub fn predict_surface(&self, frame: &Frame, image: &LinearImage) -> Result<PicturePrediction, VisionError> {
-        self.predict_within(image, Some(&coverage::inside_outlines(frame)))
+        self.predict_within(image, Some(&coverage::interior_mask(frame)))
     }
 
     fn predict_within(&self, image: &LinearImage, mask: Option<&[bool]>) -> Result<PicturePrediction, VisionError> {
         let light = luminances(image);
         let (width, height) = (image.width as usize, image.height as usize);
-        Picture { light: &light, width, height, px_per_deg: self.px_per_deg(image.width), mask }
+        LuminanceImage { light: &light, width, height, px_per_deg: self.px_per_deg(image.width), mask }
             .predict(&self.eye(&light))
     }
 

@@ -10,8 +10,8 @@ use std::{
 use sha2::{Digest as _, Sha256};
 
 use super::{
-    FileFault, FileFaults, StoreError,
-    fault::{io, position},
+    FileError, FileErrors, StoreError,
+    error::{io, position},
     table::shortened,
 };
 
@@ -22,12 +22,12 @@ const MAX_TEXT: u64 = 1 << 20;
 ///
 /// # Errors
 /// The same as for [`read_bytes`]; or the text is not UTF-8, with the line and column.
-pub(super) fn read_text(path: &Path) -> Result<String, FileFaults> {
+pub(super) fn read_text(path: &Path) -> Result<String, FileErrors> {
     String::from_utf8(read_bytes(path, MAX_TEXT, "a readable file")?).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let before = String::from_utf8_lossy(&error.as_bytes()[..valid]);
         let place = position(&before, before.len());
-        FileFaults(vec![FileFault::at(path, place, "is not UTF-8 text; expected UTF-8")])
+        FileErrors(vec![FileError::at(path, place, "is not UTF-8 text; expected UTF-8")])
     })
 }
 
@@ -35,8 +35,8 @@ pub(super) fn read_text(path: &Path) -> Result<String, FileFaults> {
 ///
 /// # Errors
 /// The file is missing, is a folder, is too large, or is not readable.
-pub(super) fn read_bytes(path: &Path, most: u64, expected: &str) -> Result<Vec<u8>, FileFaults> {
-    let fail = |message: String| FileFaults::whole(path, message);
+pub(super) fn read_bytes(path: &Path, most: u64, expected: &str) -> Result<Vec<u8>, FileErrors> {
+    let fail = |message: String| FileErrors::whole(path, message);
     let refused = |error: std::io::Error| fail(format!("cannot be opened: {error}; expected {expected}"));
     let metadata = std::fs::metadata(path).map_err(refused)?;
     if metadata.is_dir() {
@@ -343,7 +343,7 @@ pub(super) fn split_torn(mut content: Vec<u8>) -> (Vec<u8>, Option<String>) {
 ///
 /// # Errors
 /// The file does not begin with this header, so it must not be truncated.
-pub(super) fn begun(path: &Path, whole: Vec<u8>, torn: Option<&str>, header: Vec<u8>) -> Result<Vec<u8>, FileFaults> {
+pub(super) fn begun(path: &Path, whole: Vec<u8>, torn: Option<&str>, header: Vec<u8>) -> Result<Vec<u8>, FileErrors> {
     let found = torn.unwrap_or_default();
     if !whole.is_empty() {
         return Ok(whole);
@@ -352,5 +352,5 @@ pub(super) fn begun(path: &Path, whole: Vec<u8>, torn: Option<&str>, header: Vec
     }
     let [found, expected] = [found, &String::from_utf8_lossy(&header)].map(shortened);
     let message = format!("the file begins with {found:?}; expected the header {expected:?}");
-    Err(FileFaults(vec![FileFault::at(path, (1, 1), message)]))
+    Err(FileErrors(vec![FileError::at(path, (1, 1), message)]))
 }

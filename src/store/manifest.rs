@@ -11,7 +11,7 @@ use std::{
 
 use super::{
     StoreError,
-    fault::io,
+    error::io,
     file::{make_folder, sha256, write_whole},
     image, table,
 };

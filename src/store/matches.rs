@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use super::{
-    FileFaults, StoreError,
+    FileErrors, StoreError,
     file::{AppendFile, folder_of, make_folder, read_text},
     table::{self, exactly},
 };
@@ -92,7 +92,7 @@ impl MatchFile {
 ///
 /// # Errors
 /// Reports every row that cannot be parsed, with its line and column.
-pub fn open(path: &Path) -> Result<Vec<Match>, FileFaults> {
+pub fn open(path: &Path) -> Result<Vec<Match>, FileErrors> {
     parse(&path.display().to_string(), &read_text(path)?)
 }
 
@@ -100,7 +100,7 @@ pub fn open(path: &Path) -> Result<Vec<Match>, FileFaults> {
 ///
 /// # Errors
 /// Reports every row that cannot be parsed, with its line and column.
-pub fn parse(file: &str, text: &str) -> Result<Vec<Match>, FileFaults> {
+pub fn parse(file: &str, text: &str) -> Result<Vec<Match>, FileErrors> {
     Ok(counted(rows(file, text.as_bytes())?))
 }
 
@@ -112,7 +112,7 @@ fn counted(rows: Vec<Row>) -> Vec<Match> {
     answers.into_iter().flatten().collect()
 }
 
-fn rows(file: &str, text: &[u8]) -> Result<Vec<Row>, FileFaults> {
+fn rows(file: &str, text: &[u8]) -> Result<Vec<Row>, FileErrors> {
     table::parse(file, text, |header| exactly(header, COLUMNS), row)
 }
 

@@ -4,10 +4,10 @@
 use rayon::prelude::*;
 
 use super::{
-    band::{Band, Polarity, Visibility, pooled, powered, unmasked, unpowered},
+    band::{Band, Polarity, Visibility, from_pooled, pooled, to_pooled, unmasked},
     error::{VisionError, check},
     eye::{Border, Channel, Eye},
-    image::{Distances, Field, Grid, Picture},
+    image::{Distances, Field, Grid, LuminanceImage},
     ridge::{Ridge, Search},
     spectrum::{Responses, Spectrum},
 };
@@ -38,7 +38,7 @@ pub struct BandMap {
     pub dark: Vec<f64>,
 }
 
-impl Picture<'_> {
+impl LuminanceImage<'_> {
     /// Predicts the bands that `eye` sees.
     ///
     /// # Errors
@@ -120,13 +120,13 @@ impl Picture<'_> {
         for ridge in channels.iter().flatten().filter(|ridge| ridge.polarity == polarity) {
             self.draw(ridge, &mut map);
         }
-        map.into_iter().map(unpowered).collect()
+        map.into_iter().map(from_pooled).collect()
     }
 
     /// Draws a stroke as long as the part of the band that the ridge represents, so that the lines of coarse channels
     /// have no gaps.
     fn draw(&self, ridge: &Ridge, map: &mut [f64]) {
-        let amount = powered(ridge.strength);
+        let amount = to_pooled(ridge.strength);
         let steps = ridge.length_px.ceil().max(1.0) as usize;
         let mut last = usize::MAX;
         for step in 0..steps {

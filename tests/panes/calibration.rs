@@ -326,8 +326,8 @@ fn an_observer_finds_the_gamma_of_the_screen_with_the_keys() {
     let text = std::fs::read_to_string(&csv).unwrap();
     assert_eq!(text.lines().count(), 1 + 6 + 2, "every match is in the file, even the undone one: {text}");
     assert_eq!(matches::open(&csv).unwrap().len(), 6);
-    let faults = matches::parse("m.csv", &text.replace(",red,", ",rot,")).unwrap_err().to_string();
-    assert!(faults.contains("expected r, g, b or gray"), "{faults}");
+    let errors = matches::parse("m.csv", &text.replace(",red,", ",rot,")).unwrap_err().to_string();
+    assert!(errors.contains("expected r, g, b or gray"), "{errors}");
     // Matches by an earlier method, the staircase, do not count.
     assert!(matches::parse("m.csv", &text.replace(",matched,", ",brighter,")).unwrap().is_empty());
     // An incomplete row, as after a power failure, is removed, and the next row follows the last complete one.

@@ -134,7 +134,7 @@ mod rows_on_disk {
             numbers in prop::array::uniform4(number()), times in prop::array::uniform3(seconds()),
             depth in prop::option::of(prop_oneof![Just(Depth::Infinite), (1..33_u32).prop_map(|n| Depth::finite(n).unwrap())]),
             color in prop::option::of("[^\r\n\0]{1,9}"), rating in 0..4_u8, frames in prop::option::of(any::<(u32, u32)>()),
-            late in prop::option::of((seconds(), any::<bool>(), seconds())), millisecond in -62_000_000_000_000_i64..250_000_000_000_000, further in "[^\r\n\0]{0,9}",
+            late in prop::option::of((seconds(), any::<bool>(), seconds())), millisecond in -62_000_000_000_000_i64..250_000_000_000_000, extra_factors in "[^\r\n\0]{0,9}",
         ) -> TrialRecord {
             let [row_id, experiment, subject_id, session_id, stimulus] = texts;
             let [block, trial, attempt, repetition, sitting] = counts;
@@ -144,7 +144,7 @@ mod rows_on_disk {
                 row_id, experiment, subject_id, session_id, phase, block, trial, attempt, repetition, stimulus, width,
                 depth, orientation_deg, low, high, color, rating: Rating(rating), response_time_s, onset_s, recovery_s,
                 frames: frames.map(|f| f.0), dropped_frames: frames.map(|f| f.1),
-                started_at: Timestamp::from_millisecond(millisecond).unwrap(), sitting, seed, further: vec![further],
+                started_at: Timestamp::from_millisecond(millisecond).unwrap(), sitting, seed, extra_factors: vec![extra_factors],
                 stimulus_s: late.map(|l| l.0), late_onset: late.map(|l| l.1), response_uncertainty_s: late.map(|l| l.2),
             }
         }

@@ -7,9 +7,9 @@ use eframe::egui::{self, Color32, ColorImage, Label, Pos2, Rect, RichText, Scrol
 use super::table::TableView;
 use crate::{
     app::ui::{
-        describe, fault, hint, paragraph,
+        describe, hint, paragraph,
         pixels::{Canvas, draw_centered},
-        section, theme, tick,
+        section, show_error, theme, tick,
         work::Latest,
     },
     report::{
@@ -169,7 +169,7 @@ impl FigureView {
                 let texture = self.canvas.put(ui.ctx(), self.figure.name, image.clone());
                 self.shown = Some((Some(px), texture));
             }
-            Some(Err(error)) => fault(ui, error),
+            Some(Err(error)) => show_error(ui, error),
             _ => {}
         }
         match &self.shown {

@@ -84,7 +84,7 @@ impl Export {
         if let Some(Exported { filter, .. }) = exported.filter(|exported| !exported.filter.is_empty()) {
             hint(ui, format!("The export includes only the data shown: {filter}."));
         }
-        self.dialog.missing_fault(ui);
+        self.dialog.missing_error(ui);
         outcome(ui, self.outcome.as_ref());
         let whole = exported.filter(|exported| exported.filter.is_empty());
         let copy = ui.add_enabled(whole.is_some(), egui::Button::new("Copy as command"));

@@ -12,7 +12,7 @@ use super::{
 use crate::{
     analysis::{Options, Results, analyze},
     app::ui::{
-        Field, Step, fault, heading, hint, paragraph, quiet, theme,
+        Field, Step, heading, hint, paragraph, quiet, show_error, theme,
         work::{Progress, Work},
     },
     report::{
@@ -60,7 +60,7 @@ pub struct OpenStudy {
     shown: Option<(Outcome, DocumentView)>,
     /// The running computation of the document with a prediction.
     predicting: Option<Work<Document>>,
-    fault: Option<String>,
+    error: Option<String>,
     /// Why the files could not be read with other options.
     not_reread: Option<String>,
     /// The address of the open section.
@@ -92,7 +92,7 @@ impl OpenStudy {
             work: None,
             shown: None,
             predicting: None,
-            fault: None,
+            error: None,
             not_reread: None,
             section: "summary",
             export: Export::new(paths),
@@ -116,10 +116,10 @@ impl OpenStudy {
     }
 
     /// Records why the files could not be read with other options. The current data stay.
-    pub fn keep(&mut self, read_options: &ReadOptions, fault: String) {
+    pub fn keep(&mut self, read_options: &ReadOptions, error: String) {
         // Otherwise, the same request would be repeated in every frame.
         self.read_options.also.clone_from(&read_options.also);
-        self.not_reread = Some(fault);
+        self.not_reread = Some(error);
     }
 
     /// Draws the study. `Next` requests an action that only the page can perform.
@@ -173,7 +173,7 @@ impl OpenStudy {
                 (self.work, self.predicting) = (None, None);
             }
             Some(Progress::Lost) => {
-                self.fault = Some("The analysis ended unexpectedly. Try other options or less data.".to_owned());
+                self.error = Some("The analysis ended unexpectedly. Try other options or less data.".to_owned());
                 self.work = None;
             }
         }
@@ -192,7 +192,7 @@ impl OpenStudy {
         if self.work.is_some() || self.asked.as_ref() == Some(&query) {
             return;
         }
-        self.fault = None;
+        self.error = None;
         self.asked = Some(query.clone());
         let study = self.study.clone();
         self.work = Some(Work::start(ctx, move || Outcome::new(&study, query)));
@@ -222,12 +222,12 @@ impl OpenStudy {
     }
 
     fn show_document(&mut self, ui: &mut egui::Ui) {
-        if let Some(text) = &self.fault {
-            fault(ui, text);
+        if let Some(text) = &self.error {
+            show_error(ui, text);
         }
         let Some((outcome, view)) = &mut self.shown else {
-            if self.work.is_none() && self.fault.is_none() {
-                fault(
+            if self.work.is_none() && self.error.is_none() {
+                show_error(
                     ui,
                     "No data are selected. Select at least one participant and at least one level of every \
                     factor.",
@@ -266,7 +266,7 @@ impl OpenStudy {
             }
         }
         if let Some(text) = &self.not_reread {
-            fault(ui, text);
+            show_error(ui, text);
         }
         ui.horizontal_wrapped(|ui| {
             if ui.button("Other data…").clicked() {
@@ -324,17 +324,17 @@ fn about(ui: &mut egui::Ui, source: &Source) {
         sessions => format!(" in {}", count(sessions, "session")),
     };
     hint(ui, format!("{}{sessions}.", count(ratings, "rating")));
-    if source.faults.is_empty() {
+    if source.errors.is_empty() {
         return;
     }
-    let title = RichText::new(format!("Errors: {}", source.faults.len())).color(theme::FAULT);
+    let title = RichText::new(format!("Errors: {}", source.errors.len())).color(theme::ERROR);
     CollapsingHeader::new(title).id_salt("faults").default_open(true).show(ui, |ui| {
         ScrollArea::vertical().id_salt("faults").max_height(170.0).show(ui, |ui| {
-            for one in source.faults.iter().take(MAX_ERRORS) {
-                fault(ui, one.to_string());
+            for one in source.errors.iter().take(MAX_ERRORS) {
+                show_error(ui, one.to_string());
             }
-            if let more @ 1.. = source.faults.len().saturating_sub(MAX_ERRORS) {
-                fault(ui, format!("… and {} more", whole(more as u64)));
+            if let more @ 1.. = source.errors.len().saturating_sub(MAX_ERRORS) {
+                show_error(ui, format!("… and {} more", whole(more as u64)));
             }
         });
     });

@@ -8,7 +8,7 @@ use crate::{
         counts::{Counts, Factor, Measured},
         terms::{TermError, Terms},
     },
-    app::ui::{Field, fault, quiet, text::name},
+    app::ui::{Field, quiet, show_error, text::name},
 };
 
 /// Checklists of the participants and of the levels of every factor.
@@ -181,7 +181,7 @@ impl Settings {
         }
         let wrong = self.options().err().map(|error| error.to_string());
         if let Some(text) = wrong.or_else(|| error.filter(|error| is_about_terms(error)).map(ToString::to_string)) {
-            fault(ui, text.strip_prefix("--terms ").unwrap_or(&text));
+            show_error(ui, text.strip_prefix("--terms ").unwrap_or(&text));
         }
     }
 

@@ -127,7 +127,7 @@ impl MatchFindings {
 
 impl Findings for MatchFindings {
     fn read(path: &Path) -> Result<Self, String> {
-        let matches = matches::open(path).map_err(|faults| faults.to_string())?;
+        let matches = matches::open(path).map_err(|errors| errors.to_string())?;
         Ok(Self { channels: estimate(&matches), matches: matches.len() })
     }
 

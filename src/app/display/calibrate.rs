@@ -9,7 +9,7 @@ use egui_plot::MarkerShape;
 use super::check::CheckPage;
 use crate::{
     app::ui::{
-        Ask, Dialog, Field, Step, fault, hint, paragraph, primary, quiet, section, theme::SERIES, today, tool_page,
+        Ask, Dialog, Field, Step, hint, paragraph, primary, quiet, section, show_error, theme::SERIES, today, tool_page,
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
     store::profile,
@@ -110,7 +110,7 @@ pub struct Calibrate<M: Method> {
     /// Path of existing measurements to use instead.
     file: String,
     dialog: Dialog,
-    fault: Option<String>,
+    error: Option<String>,
     /// The file of a paused run, the number of measured items, and the number of all items.
     paused: Option<(PathBuf, usize, usize)>,
     /// The current run, or the run that led to the findings and may be repeated in part.
@@ -125,9 +125,9 @@ impl<M: Method> Calibrate<M> {
     pub fn new(method: M, known: DisplayProfile, channels: [bool; 2]) -> Self {
         let name = if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() };
         let path = suggested(&name, M::ITEMS);
-        let (file, dialog, fault) = Default::default();
+        let (file, dialog, error) = Default::default();
         let (paused, run, found, check) = (None, None, None, None);
-        Self { known, method, name, path, channels, file, dialog, fault, paused, run, found, check }
+        Self { known, method, name, path, channels, file, dialog, error, paused, run, found, check }
     }
 
     /// Updates what is known about the screen.
@@ -175,13 +175,13 @@ impl<M: Method> Calibrate<M> {
                 Ok((items, seconds)) => {
                     hint(ui, format!("{items} {}, about {:.0} min.", M::ITEMS, (seconds / 60.0).ceil()));
                 }
-                Err(message) => fault(ui, message),
+                Err(message) => show_error(ui, message),
             }
             let note = self.resume_note();
             note.iter().for_each(|sentence| hint(ui, sentence));
             let text = if note.is_some() { "Resume" } else { M::BEGIN };
             begin = primary(ui, text, extent.is_ok(), "Full screen. Press Esc to pause.");
-            self.fault.iter().for_each(|message| fault(ui, message));
+            self.error.iter().for_each(|message| show_error(ui, message));
             use_file = self.file_field(ui);
         });
         if use_file {
@@ -190,7 +190,7 @@ impl<M: Method> Calibrate<M> {
         } else if begin {
             match self.method.begin(&self.channels(), Path::new(self.path.trim())) {
                 Ok(run) => self.start(ui, run),
-                Err(message) => self.fault = Some(message),
+                Err(message) => self.error = Some(message),
             }
         }
         Step::back_if(back)
@@ -230,7 +230,7 @@ impl<M: Method> Calibrate<M> {
 
     fn start(&mut self, ui: &Ui, run: M::Run) {
         full_screen(ui, true);
-        (self.run, self.found, self.fault) = (Some(run), None, None);
+        (self.run, self.found, self.error) = (Some(run), None, None);
     }
 
     fn show_run(&mut self, ui: &mut Ui) {
@@ -279,9 +279,9 @@ impl<M: Method> Calibrate<M> {
                     ui.add_space(8.0);
                     found.details(ui);
                 }
-                Err(faults) => {
+                Err(errors) => {
                     ui.label("No profile can be made from these measurements:");
-                    faults.lines().for_each(|line| fault(ui, line));
+                    errors.lines().for_each(|line| show_error(ui, line));
                     let items = self.run.as_ref().map(Run::questionable).unwrap_or_default();
                     if !items.is_empty() && ui.button(format!("Measure {} again", items.len())).clicked() {
                         again = items;
@@ -306,14 +306,14 @@ struct ProfileForm {
     by: String,
     with: String,
     path: String,
-    fault: Option<String>,
+    error: Option<String>,
 }
 
 impl ProfileForm {
     fn new(name: &str, known: &DisplayProfile, with: String) -> Self {
         let by = known.measured.clone().and_then(|measured| measured.by).unwrap_or_default();
         let path = format!("calibration/{}.toml", file_name(name));
-        Self { name: name.to_owned(), by, with, path, fault: None }
+        Self { name: name.to_owned(), by, with, path, error: None }
     }
 
     /// Draws the fields and the button; returns the profile once it is written.
@@ -334,10 +334,10 @@ impl ProfileForm {
         if primary(ui, text, usable, "and use it") {
             match self.write(&self.filled(found)) {
                 Ok(written) => saved = Some(written),
-                Err(message) => self.fault = Some(message),
+                Err(message) => self.error = Some(message),
             }
         }
-        self.fault.iter().for_each(|message| fault(ui, message));
+        self.error.iter().for_each(|message| show_error(ui, message));
         saved
     }
 

@@ -3,7 +3,7 @@
 use eframe::egui::{self, Color32, Id, Key, ScrollArea, Sense, Slider, SliderClamping, Stroke, Vec2};
 
 use crate::{
-    app::ui::{Step, fault, primary, quiet, theme::COLUMN},
+    app::ui::{Step, primary, quiet, show_error, theme::COLUMN},
     display::geometry::{CARD_WIDTH_CM, width_cm_from_card},
 };
 
@@ -70,7 +70,7 @@ impl CardHelper {
         match width_cm_from_card(f64::from(self.card_px), screen_width_px) {
             Ok(width) => buttons(ui, width, accepted),
             Err(error) => {
-                fault(ui, error.to_string());
+                show_error(ui, error.to_string());
                 Step::Stay
             }
         }

@@ -5,8 +5,8 @@ use eframe::egui::{self, Color32, Stroke, TextEdit, Vec2};
 use super::card::CardHelper;
 use crate::{
     app::ui::{
-        Field, Monitor, ScreenFields, Step, describe, fault, note, number, platform::Platform, quiet, theme::QUIET,
-        tool_page,
+        Field, Monitor, ScreenFields, Step, describe, note, number, platform::Platform, quiet, show_error,
+        theme::QUIET, tool_page,
     },
     display::{GeometryError, Screen, Viewing, geometry::distance_cm},
 };
@@ -39,7 +39,7 @@ impl GeometryPage {
                     self.sentences(ui, &viewing);
                     rulers(ui, &viewing);
                 }
-                Err(error) => fault(ui, error.to_string()),
+                Err(error) => show_error(ui, error.to_string()),
             }
         });
         if let Some(card) = &mut self.card {
@@ -93,7 +93,7 @@ impl GeometryPage {
             screen.height_cm(),
         ));
         let Some(planned) = number(&self.window_deg).filter(|deg| *deg > 0.0 && *deg < 170.0) else {
-            fault(ui, "The planned size is not an angle; expected degrees, such as 10.");
+            show_error(ui, "The planned size is not an angle; expected degrees, such as 10.");
             return;
         };
         let wanted = viewing.px_from_deg(planned);
@@ -105,7 +105,7 @@ impl GeometryPage {
                 100.0 * wanted / least
             ));
         } else {
-            fault(
+            show_error(
                 ui,
                 format!(
                     "A {planned}° stimulus needs {wanted:.0} × {wanted:.0} pixels; only {:.0} % of its width fits. It \

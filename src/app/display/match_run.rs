@@ -5,7 +5,7 @@ use eframe::egui::{self, CursorIcon, Event, Key, TextureHandle};
 use crate::{
     app::{
         display::calibrate::Run,
-        ui::{Step, describe, fault, pixels, quiet, window_px},
+        ui::{Step, describe, pixels, quiet, show_error, window_px},
     },
     display::matching::{GAP_S, Match, Matching},
     store::{StoreError, matches::MatchFile},
@@ -98,14 +98,15 @@ impl MatchRun {
         let text = format!(
             "Make the square vanish with the left and right arrow keys, then press Enter · {} of {all}, about {:.0} min left · Esc to pause",
             done + 1,
-            (self.matching.left_s() / 60.0).ceil()
+            (self.matching.remaining_s() / 60.0).ceil()
         );
         let area = ui.ctx().content_rect();
         let line = egui::Rect::from_min_max(egui::pos2(area.min.x + 12.0, area.max.y - TEXT_ROOM), area.max);
         ui.scope_builder(egui::UiBuilder::new().max_rect(line), |ui| match &self.unsaved {
-            Some(error) => {
-                fault(ui, format!("The last match is not saved yet; it will be written with the next one: {error}"))
-            }
+            Some(error) => show_error(
+                ui,
+                format!("The last match is not saved yet; it will be written with the next one: {error}"),
+            ),
             None => _ = ui.add(egui::Label::new(quiet(text)).truncate()),
         });
     }

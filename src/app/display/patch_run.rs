@@ -12,7 +12,7 @@ use crate::{
         display::calibrate::Run,
         ui::{Step, describe, number, theme::NOTE},
     },
-    display::photometer::{About, Patch, Reading, Readings, is_same_level},
+    display::photometer::{ErrorLocation, Patch, Reading, Readings, is_same_level},
     store::{StoreError, readings},
 };
 
@@ -237,10 +237,10 @@ impl Run for PatchRun {
 
     /// The patches with implausible readings, according to the errors in the readings.
     fn questionable(&self) -> Vec<usize> {
-        let faults = Readings::new(self.readings()).err().unwrap_or_default();
+        let errors = Readings::new(self.readings()).err().unwrap_or_default();
         let is_named = |patch: &Patch| {
-            faults.iter().any(|fault| match fault.about {
-                About::Levels(channel, levels) => {
+            errors.iter().any(|error| match error.location {
+                ErrorLocation::Levels(channel, levels) => {
                     patch.channel == channel && levels.iter().any(|level| is_same_level(patch.level, *level))
                 }
                 _ => false,

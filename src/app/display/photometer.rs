@@ -100,7 +100,7 @@ impl PhotometerFindings {
 
 impl Findings for PhotometerFindings {
     fn read(path: &Path) -> Result<Self, String> {
-        let readings = readings::open(path).map_err(|faults| faults.to_string())?;
+        let readings = readings::open(path).map_err(|errors| errors.to_string())?;
         Ok(Self { calibration: Calibration::new(&readings), family: None })
     }
 

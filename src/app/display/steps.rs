@@ -3,7 +3,7 @@
 use eframe::egui::{self, TextureHandle};
 
 use crate::{
-    app::ui::{Field, Step as PageStep, fault, hint, note, number, pixels, quiet, table, tool_page},
+    app::ui::{Field, Step as PageStep, hint, note, number, pixels, quiet, show_error, table, tool_page},
     display::{
         DisplayProfile,
         profile::short,
@@ -57,7 +57,7 @@ impl StepsPage {
                     self.copy(ui, &steps);
                     rows(ui, &steps);
                 }
-                Err(message) => fault(ui, message),
+                Err(message) => show_error(ui, message),
             }
         });
         PageStep::back_if(back)

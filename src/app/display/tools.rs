@@ -13,7 +13,8 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Ask, Dialog, Field, Monitor, ScreenFields, Step, fault, good, hint, note, number, theme::PAGE, today, tool_page,
+        Ask, Dialog, Field, Monitor, ScreenFields, Step, good, hint, note, number, show_error, theme::PAGE, today,
+        tool_page,
     },
     display::{DisplayProfile, Screen, Viewing},
 };
@@ -152,7 +153,7 @@ impl Display {
                 let warning = profile.measured.as_ref().and_then(|_| profile.warning(today()));
                 warning.iter().for_each(|warning| note(ui, warning));
             }
-            Err(faults) => faults.lines().for_each(|line| fault(ui, line)),
+            Err(errors) => errors.lines().for_each(|line| show_error(ui, line)),
         }
         self.saved = self.saved.take().filter(|saved| self.fields.profile.trim() == saved.path.display().to_string());
         if let Some(SavedProfile { path, replaced }) = &self.saved {

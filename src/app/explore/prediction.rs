@@ -140,7 +140,7 @@ impl Prediction {
                 );
                 ui::hint(ui, format!("A visibility of 1 is just visible. {}", self.place.sentence(size)));
             }
-            Some(Err(fault)) => ui::fault(ui, format!("No prediction: {fault}.")),
+            Some(Err(error)) => ui::show_error(ui, format!("No prediction: {error}.")),
             None => _ = ui.label("Predicting…"),
         }
         if !stimulus.is_line() {

@@ -24,7 +24,7 @@ pub struct Finish {
     /// One sentence about the frames of the sitting, if there were any.
     frames: Option<String>,
     /// The error if the end of the sitting could not be recorded.
-    fault: Option<String>,
+    error: Option<String>,
 }
 
 impl Finish {
@@ -35,7 +35,7 @@ impl Finish {
         path: PathBuf,
         complete: bool,
         frames: Option<String>,
-        fault: Option<String>,
+        error: Option<String>,
     ) -> Self {
         let factors = &protocol.factors;
         let factor = |wanted: &str, other: usize| {
@@ -44,7 +44,7 @@ impl Finish {
         let along = factor("width", 0);
         let by = factor("depth", 1).filter(|by| along.as_ref().is_none_or(|along| along.name != by.name));
         let lines = along.as_ref().map(|along| mean_lines(&protocol, rows, along, by.as_ref())).unwrap_or_default();
-        Self { protocol, path, complete, along, by, lines, opened: None, frames, fault }
+        Self { protocol, path, complete, along, by, lines, opened: None, frames, error }
     }
 
     /// Whether every planned trial is rated.
@@ -71,12 +71,12 @@ impl Finish {
                 self.plot(ui);
             }
             ui.add_space(8.0);
-            if let Some(fault) = &self.fault {
-                ui::fault(
+            if let Some(error) = &self.error {
+                ui::show_error(
                     ui,
                     format!(
                         "The end of this sitting could not be recorded. Please call the experimenter. \
-                    {fault}"
+                    {error}"
                     ),
                 );
             }
@@ -97,8 +97,8 @@ impl Finish {
                 ui.add_space(8.0);
                 ui.add(egui::Label::new(ui::quiet(frames)).wrap());
             }
-            if let Some(fault) = &self.opened {
-                ui::fault(ui, fault);
+            if let Some(error) = &self.opened {
+                ui::show_error(ui, error);
             }
         });
         let focused = ui.ctx().memory(|memory| memory.focused().is_some());

@@ -136,7 +136,7 @@ pub fn paused(ui: &mut egui::Ui, texts: &Texts, why: Option<&str>) -> Step<()> {
         ui.heading(&texts.paused);
         ui.label(&texts.paused_text);
         if let Some(why) = why {
-            ui::fault(ui, why);
+            ui::show_error(ui, why);
         }
         ui.add_space(16.0);
         let next = next(ui, texts);

@@ -122,7 +122,7 @@ impl Preflight {
             questions.show(ui);
             ui.add_space(16.0);
             if let Some(refused) = &self.refused {
-                ui::fault(ui, refused);
+                ui::show_error(ui, refused);
             }
             let begin = ui::primary(ui, "Continue", ready, "Space. These findings are saved with the data.");
             ui.add_space(4.0);

@@ -121,7 +121,7 @@ impl Trials {
         let was_main = self.phase() == Some(Phase::Main);
         // The window may have moved to another monitor with another refresh rate.
         if let Some(note) = self.screen.update(monitor) {
-            self.session.judge_against(self.screen.frames());
+            self.session.set_frame_count(self.screen.frames());
             self.recording.store.note(note);
         }
         self.handle_input(ui, now, input);
@@ -179,7 +179,7 @@ impl Trials {
         for (key, place) in self.fresh_keys(ui) {
             match key {
                 Key::Escape => self.step(Event::Pause, now),
-                Key::Backspace => self.step(Event::TakeBack, now),
+                Key::Backspace => self.step(Event::Undo, now),
                 Key::S if self.is_trial() => self.scale_shown = !self.scale_shown,
                 // On some keyboards, the top row produces digits only with Shift, so its physical keys count. Letters
                 // count by meaning, because their positions differ between keyboards.
@@ -351,7 +351,7 @@ impl Trials {
     }
 
     fn finish(&mut self, ctx: &egui::Context) -> Step<Box<Finish>> {
-        let fault = self.close();
+        let error = self.close();
         ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
         ctx.send_viewport_cmd(ViewportCommand::MinInnerSize(MIN_SIZE));
         Step::Next(Box::new(Finish::new(
@@ -360,7 +360,7 @@ impl Trials {
             self.csv().to_owned(),
             *self.session.state() == State::Done,
             self.screen.sentence(self.session.frame_times()),
-            fault,
+            error,
         )))
     }
 
@@ -393,7 +393,11 @@ fn draw_scale(ctx: &egui::Context, scale: &ResponseScale, enabled: bool) -> Opti
                     };
                     let button = Button::new(RichText::new(text).small()).frame(enabled).wrap();
                     // All labels get two lines if any label needs them.
-                    let height = if (MIN_LABELED_WIDTH..MAX_WIDTH).contains(&width) { 46.0 } else { ui.spacing().interact_size.y };
+                    let height = if (MIN_LABELED_WIDTH..MAX_WIDTH).contains(&width) {
+                        46.0
+                    } else {
+                        ui.spacing().interact_size.y
+                    };
                     let size = Vec2::new(width.max(height), height);
                     let response = ui.add_enabled_ui(enabled, |ui| ui.add_sized(size, button)).inner;
                     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, &category.label));

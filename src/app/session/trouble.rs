@@ -36,7 +36,7 @@ impl Trouble {
         ui::page(ui, |ui| {
             let mut remedy = None;
             ui.heading("The last answer could not be saved");
-            ui::fault(ui, &self.what);
+            ui::show_error(ui, &self.what);
             ui.label(
                 "Nothing is lost: every answer of this session is still in memory. Please call the experimenter. \
                 The session continues once the answers are saved.",

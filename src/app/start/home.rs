@@ -276,7 +276,7 @@ impl Home {
         };
         let clicked = Field::new("").column(LABELS).show(ui, |ui, _| {
             for dialog in [&self.experiment, &self.profile, &self.results] {
-                dialog.missing_fault(ui);
+                dialog.missing_error(ui);
             }
             ui::primary(ui, text, checked.request.is_some(), hint)
         });

@@ -68,9 +68,12 @@ impl Dialog {
     }
 
     /// Shows an error if the last dialog never opened.
-    pub fn missing_fault(&self, ui: &mut egui::Ui) {
+    pub fn missing_error(&self, ui: &mut egui::Ui) {
         if self.missing {
-            text::fault(ui, "The system could not open a file dialog. Type the path, or drop a file on this window.");
+            text::show_error(
+                ui,
+                "The system could not open a file dialog. Type the path, or drop a file on this window.",
+            );
         }
     }
 

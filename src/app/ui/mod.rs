@@ -29,4 +29,4 @@ pub use fields::{Field, number};
 pub use page::{Step, escaped, heading, page, page_from, primary, shortcut, tool_page};
 pub use plot::{still_plot, table};
 pub use screen::{Monitor, ScreenFields, today, window_px};
-pub use text::{describe, fault, good, hint, note, outcome, paragraph, quiet, section, signed, tick};
+pub use text::{describe, good, hint, note, outcome, paragraph, quiet, section, show_error, signed, tick};

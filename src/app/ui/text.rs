@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Color32, Label, Response, RichText, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetText};
 
-use super::theme::{FAULT, GOOD, NOTE, QUIET};
+use super::theme::{ERROR, GOOD, NOTE, QUIET};
 
 /// Secondary text.
 pub fn quiet(text: impl Into<String>) -> RichText {
@@ -25,8 +25,8 @@ pub fn note(ui: &mut Ui, text: impl Into<String>) {
 }
 
 /// Draws an error, next to the field or button that it concerns.
-pub fn fault(ui: &mut Ui, text: impl Into<String>) {
-    small(ui, text, FAULT);
+pub fn show_error(ui: &mut Ui, text: impl Into<String>) {
+    small(ui, text, ERROR);
 }
 
 /// Draws a success message.
@@ -42,7 +42,7 @@ fn small(ui: &mut Ui, text: impl Into<String>, color: Color32) {
 pub fn outcome(ui: &mut Ui, outcome: Option<&Result<String, String>>) {
     match outcome {
         Some(Ok(done)) => hint(ui, done),
-        Some(Err(error)) => fault(ui, error),
+        Some(Err(error)) => show_error(ui, error),
         None => {}
     }
 }

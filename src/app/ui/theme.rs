@@ -6,7 +6,7 @@ use egui_plot::MarkerShape;
 use crate::report::figures::palette::{ON_DARK, Rgb};
 
 /// Color of errors.
-pub const FAULT: Color32 = Color32::from_rgb(0xff, 0xa0, 0x80);
+pub const ERROR: Color32 = Color32::from_rgb(0xff, 0xa0, 0x80);
 /// Color of notes.
 pub const NOTE: Color32 = Color32::from_rgb(0xe8, 0xc8, 0x60);
 /// Color of success messages and of checks that passed.

@@ -49,7 +49,7 @@ pub struct Patch {
 /// When the settings do not lead to a profile.
 pub fn patches(settings: &PatchSettings) -> Result<Vec<Patch>, SettingsError> {
     let PatchSettings { channels, levels, repeats, seed } = settings;
-    Channel::make_a_profile(channels)?;
+    Channel::check_for_profile(channels)?;
     if !(MIN_LEVELS..=256).contains(levels) {
         return Err(SettingsError(format!("{levels} levels; expected {MIN_LEVELS} to 256")));
     }

@@ -34,7 +34,7 @@ pub(super) fn cautions(source: &Source, results: &Results) -> Vec<String> {
     let mut cautions = Vec::new();
     cautions.extend(simulated(source, results));
     cautions.extend(one_participant(source, results));
-    cautions.extend(faults(source));
+    cautions.extend(errors(source));
     cautions.extend(nothing_found(results));
     cautions.extend(about_model(results));
     cautions.extend(names::varied(results).filter_map(|factor| pairs_without_power(results, factor)));
@@ -72,10 +72,10 @@ fn one_participant(source: &Source, results: &Results) -> Option<String> {
     ))
 }
 
-fn faults(source: &Source) -> Option<String> {
-    let files: BTreeSet<&str> = source.faults.iter().map(|fault| fault.file.as_str()).collect();
-    let (messages, files) = (count(source.faults.len() as u64, "error"), count(files.len() as u64, "file"));
-    (!source.faults.is_empty()).then(|| format!("There are {messages} in {files}; see “Data quality”."))
+fn errors(source: &Source) -> Option<String> {
+    let files: BTreeSet<&str> = source.errors.iter().map(|error| error.file.as_str()).collect();
+    let (messages, files) = (count(source.errors.len() as u64, "error"), count(files.len() as u64, "file"));
+    (!source.errors.is_empty()).then(|| format!("There are {messages} in {files}; see “Data quality”."))
 }
 
 /// Absence of evidence is not evidence of absence.

@@ -6,7 +6,7 @@ use super::lanes::{Lanes, MAX_LANES};
 use crate::shading::{
     frame::{Frame, Outline, Planes, coverage},
     number::Number as _,
-    shaders::Spread,
+    shaders::ShaderKernel,
 };
 
 /// The weights of a triangle's corners, followed by its light in up to three channels.
@@ -85,7 +85,7 @@ impl Band<'_> {
     }
 
     /// Draws the triangles with `shader` into `scratch.light`.
-    pub fn paint<const C: usize, R: Spread<f32, C>>(&self, shader: &R, scratch: &mut Scratch, arch: Arch) {
+    pub fn paint<const C: usize, R: ShaderKernel<f32, C>>(&self, shader: &R, scratch: &mut Scratch, arch: Arch) {
         arch.dispatch(Paint { shader, band: self, scratch });
     }
 }
@@ -113,7 +113,7 @@ struct Paint<'a, const C: usize, R> {
     scratch: &'a mut Scratch,
 }
 
-impl<const C: usize, R: Spread<f32, C>> WithSimd for Paint<'_, C, R> {
+impl<const C: usize, R: ShaderKernel<f32, C>> WithSimd for Paint<'_, C, R> {
     type Output = ();
 
     #[inline(always)]

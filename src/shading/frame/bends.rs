@@ -16,7 +16,7 @@ pub struct Bend {
     /// c = I_BC(X) − I_AD(X), where the lines AD and BC cross at X on the screen: the height of the light at the edge
     /// above a straight line from A to D. Increasing the slope of the light along w_A by c on both sides makes the two
     /// slopes equal. For a parallelogram, c = (I_B + I_C − I_A − I_D)/2. The value is the same, bit for bit, on both
-    /// sides of an edge, and zero if there is no neighbor to join smoothly; see `level` for [`Across::Several`].
+    /// sides of an edge, and zero if there is no neighbor to join smoothly; see `level` for [`Across::NonManifold`].
     pub c: DVec3,
     /// s_A, the point where the perpendicular from the triangle's own apex meets the edge: 0 at corner k+1, 1 at corner
     /// k+2.
@@ -80,7 +80,7 @@ pub fn bends(frame: &Frame) -> Vec<[Bend; 3]> {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
             let level = level(corners[k], corners[i], corners[j]);
             match triangle.across[k] {
-                Across::Several => level,
+                Across::NonManifold => level,
                 // If there is one neighbor, the loop below replaces this value.
                 Across::Nothing | Across::Triangle { .. } => Bend { c: DVec3::ZERO, ..level },
             }

@@ -9,7 +9,7 @@ use crate::{
     store::{
         StoreError,
         dataset::{DATA_FILE, DESCRIPTION, SIDECAR_SUFFIX, describe},
-        fault::io,
+        error::io,
         file::{make_folder, write_file},
         frames,
         recorded::Recorded,

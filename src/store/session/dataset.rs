@@ -14,7 +14,7 @@ use crate::{
     experiment::{Column, Identity, Protocol, columns},
     store::{
         StoreError,
-        fault::io,
+        error::io,
         file::{is_there, make_folder, remove_temporary, write_json, write_whole},
     },
 };

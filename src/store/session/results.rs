@@ -3,12 +3,12 @@
 use std::{fs, path::Path};
 
 use crate::{
-    experiment::{Column, TRAILING, TrialRecord},
+    experiment::{Column, LATER_COLUMN_COUNT, TrialRecord},
     store::{
-        FileFaults, StoreError,
-        fault::io,
+        FileErrors, StoreError,
+        error::io,
         file::{AppendFile, begun, split_torn},
-        table::{self, CellFault, shortened},
+        table::{self, CellError, shortened},
     },
 };
 
@@ -55,7 +55,7 @@ impl ResultFile {
     ///
     /// # Errors
     /// Reports every row that cannot be parsed, with its line and column.
-    pub fn recover(&self, columns: &[Column]) -> Result<Recovered, FileFaults> {
+    pub fn recover(&self, columns: &[Column]) -> Result<Recovered, FileErrors> {
         let rows = parse(&self.file.path().display().to_string(), self.file.content(), columns)?;
         Ok(Recovered { rows, torn: self.file.torn().map(str::to_owned) })
     }
@@ -96,7 +96,7 @@ fn columns_of<'a>(content: &[u8], columns: &'a [Column]) -> &'a [Column] {
     let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
     // Column names contain no commas. A header that differs in any other way is reported as an error elsewhere.
     let found = header.split(|byte| *byte == b',').count();
-    let least = columns.len().saturating_sub(TRAILING);
+    let least = columns.len().saturating_sub(LATER_COLUMN_COUNT);
     &columns[..if (least..columns.len()).contains(&found) { found } else { columns.len() }]
 }
 
@@ -105,7 +105,7 @@ fn columns_of<'a>(content: &[u8], columns: &'a [Column]) -> &'a [Column] {
 ///
 /// # Errors
 /// Reports every row that cannot be parsed, with its line and column, and a header that is not the expected one.
-pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<TrialRecord>, FileFaults> {
+pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<TrialRecord>, FileErrors> {
     let all = columns.len();
     let header = |header: &[&str]| check_header(header, columns_of(content, columns));
     table::parse(file, content, header, |cells| {
@@ -116,7 +116,7 @@ pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<Trial
 }
 
 /// Checks the header, and names the first column that is not the expected one.
-fn check_header(header: &[&str], columns: &[Column]) -> Result<(), CellFault> {
+fn check_header(header: &[&str], columns: &[Column]) -> Result<(), CellError> {
     for i in 0..columns.len().max(header.len()) {
         let (found, expected) = (header.get(i).copied(), columns.get(i).map(|column| column.name.as_str()));
         if found != expected {

@@ -4,7 +4,7 @@ use std::{fmt::Write as _, time::Duration};
 
 use crate::{
     app::ui::Monitor,
-    display::frames::{MIN_ESTIMATE_INTERVALS, FrameTimes, Refresh},
+    display::frames::{FrameTimes, MIN_ESTIMATE_INTERVALS, Refresh},
 };
 
 /// Frame intervals and the refresh against which they are judged.

@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Ask, Dialog, Field, Step, escaped, fault, heading, hint, quiet,
+        Ask, Dialog, Field, Step, escaped, heading, hint, quiet, show_error,
         theme::{self, SIDES},
     },
     light::CodeImage,
@@ -55,7 +55,7 @@ pub struct ShadingPage {
 struct FileField {
     path: String,
     dialog: Dialog,
-    fault: Option<String>,
+    error: Option<String>,
 }
 
 impl ShadingPage {
@@ -141,15 +141,15 @@ impl ShadingPage {
         if open {
             self.load(MeshChoice::File(self.file.path.trim().to_owned()));
         }
-        self.file.dialog.missing_fault(ui);
-        if let Some(error) = &self.file.fault {
-            fault(ui, error);
+        self.file.dialog.missing_error(ui);
+        if let Some(error) = &self.file.error {
+            show_error(ui, error);
         }
     }
 
     /// Shows another mesh. If it cannot be created, the current mesh stays.
     fn load(&mut self, choice: MeshChoice) {
-        self.file.fault = match choice.mesh() {
+        self.file.error = match choice.mesh() {
             Ok(mesh) => {
                 self.compared.mesh = choice.clone();
                 self.surface = Some((choice, Arc::new(Surface::new(mesh))));

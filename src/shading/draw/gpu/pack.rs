@@ -6,7 +6,7 @@ use crate::{
     light::{Bits, Transfer, quantize::reference_code},
     shading::{
         frame::{Across, Bend, ControlPoints, Frame, FrameVertex, Patches, bends},
-        lighting::{Facets, Lamp, LampPlace, Microfacets, Specular},
+        lighting::{Facets, Lamp, LampPosition, Microfacets, Specular},
         shaders::{Shade, Shader, flat, quadratic},
     },
 };
@@ -125,9 +125,9 @@ fn slopes([a, b, c]: [DVec2; 3]) -> [f32; 4] {
 
 fn pack_lamp(lamp: &Lamp) -> [[f32; 4]; 3] {
     let intensity = four(lamp.intensity, 0.0);
-    match lamp.place {
-        LampPlace::Direction(toward) => [four(toward, 0.0), intensity, [0.0; 4]],
-        LampPlace::Point { position, attenuation } => {
+    match lamp.position {
+        LampPosition::Direction(toward) => [four(toward, 0.0), intensity, [0.0; 4]],
+        LampPosition::Point { position, attenuation } => {
             [four(position, 1.0), intensity, four(DVec3::from_array(attenuation), 0.0)]
         }
     }
@@ -214,6 +214,6 @@ fn ordinates(points: &ControlPoints) -> [[f32; 4]; 9] {
 fn apexes(frame: &Frame, triangle: usize) -> [[f32; 4]; 3] {
     frame.triangles[triangle].across.map(|across| match across {
         Across::Triangle { apex, .. } => four(frame.vertices[apex as usize].light, 1.0),
-        Across::Nothing | Across::Several => [0.0; 4],
+        Across::Nothing | Across::NonManifold => [0.0; 4],
     })
 }
