@@ -4,7 +4,7 @@ use std::{collections::BTreeSet, path::PathBuf};
 
 use indicatif::ProgressBar;
 
-use super::{UsageError, progress_style, say, warn};
+use super::{UsageError, print_line, progress_style, warn};
 use crate::store::{self, ratings, verify};
 
 /// Check definitions, result files, display profiles, observers and images, and report every error.
@@ -29,7 +29,7 @@ pub(super) fn check(arguments: &CheckArguments) -> anyhow::Result<()> {
                 if let Some(profile) = &found.profile {
                     warn(file, profile);
                 }
-                say(&format!("{file}: {}", found.sentence))?;
+                print_line(&format!("{file}: {}", found.sentence))?;
             }
             Err(error) => errors.push(error.to_string()),
         }
@@ -63,14 +63,14 @@ pub(super) fn verify(arguments: &VerifyArguments) -> anyhow::Result<()> {
     }
     bar.finish_and_clear();
     for sentence in &sentences {
-        say(sentence)?;
+        print_line(sentence)?;
     }
     let folders: BTreeSet<_> = files.iter().filter_map(|csv| csv.parent()?.parent()).collect();
     for folder in folders {
-        errors.extend(verify::leftovers(folder).iter().map(ToString::to_string));
+        errors.extend(verify::unexpected_files(folder).iter().map(ToString::to_string));
     }
     if errors.is_empty() {
-        say(&format!("{} sessions verified; no errors", files.len()))
+        print_line(&format!("{} sessions verified; no errors", files.len()))
     } else {
         Err(anyhow::anyhow!(errors.join("\n")))
     }

@@ -114,7 +114,7 @@ pub(super) fn counts(arguments: &CountsArguments) -> anyhow::Result<()> {
     let counts = &study.measured.counts;
     write_file(&arguments.out, &tables::counts(counts, &study.source.shape).csv())?;
     progress.finish_and_clear();
-    super::say(&sentence(&study.source, counts))?;
-    super::say(&format!("{} rows in {}", counts.rows.len(), arguments.out.display()))?;
+    super::print_line(&sentence(&study.source, counts))?;
+    super::print_line(&format!("{} rows in {}", counts.rows.len(), arguments.out.display()))?;
     errors(&study.source)
 }

@@ -280,18 +280,21 @@ impl Protocol {
     /// with the data of the original. Returns `None` if the experiment is already gray or if color is a factor.
     #[must_use]
     pub fn in_gray(&self) -> Option<Self> {
-        let gray = ParameterValue::from("gray");
-        let color = self.stimulus.get("color")?;
+        let [gray, same] = ["gray", "same"].map(ParameterValue::from);
+        let (color, color_high) = (self.stimulus.get("color")?, self.stimulus.get("color_high"));
+        let is_gray = color == gray && color_high.iter().all(|high| *high == same || *high == gray);
         let varies = self.factors.iter().any(|factor| factor.name.starts_with("color"));
-        if color == gray || varies {
+        if is_gray || varies {
             return None;
         }
         let mut copy = self.clone();
         copy.stimulus.set("color", &gray).ok()?;
+        if color_high.is_some() {
+            copy.stimulus.set("color_high", &same).ok()?;
+        }
         copy.name += "-gray";
         copy.title += " (gray)";
-        // A second color would remain.
-        copy.stimulus.validate().ok().map(|()| copy)
+        Some(copy)
     }
 
     /// Returns all errors; a valid protocol has none.

@@ -43,7 +43,7 @@ pub fn check(name_or_path: &str) -> Result<Checked, FileErrors> {
             Some("event") => check_matches(path),
             _ => check_results(path),
         },
-        Some("png") => image::prove(path),
+        Some("png") => image::verify(path),
         Some("toml") => return check_toml(name_or_path, &read_text(path)?),
         _ if path.is_dir() || !path.exists() => Err(definition::open(name_or_path)
             .err()
@@ -113,8 +113,8 @@ fn check_results(path: &Path) -> Result<String, FileErrors> {
 fn check_session(path: &Path) -> Result<String, FileErrors> {
     let session = Recorded::open(path).map_err(|error| FileErrors(error.errors(path)))?;
     let mut errors = session.row_errors();
-    if let Some(torn) = &session.torn {
-        let message = format!("the file ends in the middle of a row, {torn:?}; expected complete rows");
+    if let Some(partial_line) = &session.partial_line {
+        let message = format!("the file ends in the middle of a row, {partial_line:?}; expected complete rows");
         errors.push(FileError::at(path, (session.rows.len() + 2, 1), message));
     }
     FileErrors::none(errors)?;

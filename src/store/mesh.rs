@@ -85,17 +85,17 @@ fn lines(content: &[u8]) -> Result<Vec<Line<'_>>, usize> {
     let mut split = content.split(|byte| *byte == end).zip(1..);
     let mut lines = Vec::new();
     while let Some((line, number)) = split.next() {
-        let mut begun = Vec::new();
+        let mut continued = Vec::new();
         let mut last = line;
         while let Some(piece) = last.trim_ascii_end().strip_suffix(b"\\") {
-            begun.push(piece);
+            continued.push(piece);
             last = split.next().map_or(&[], |(next, _)| next);
         }
-        let line = if begun.is_empty() {
+        let line = if continued.is_empty() {
             Cow::Borrowed(line)
         } else {
-            begun.push(last);
-            Cow::Owned(begun.join(&b' '))
+            continued.push(last);
+            Cow::Owned(continued.join(&b' '))
         };
         if line.contains(&0) {
             return Err(number);

@@ -174,10 +174,10 @@ fn transfers(form: &ProfileForm, document: &mut Document<'_>) -> Transfers {
         };
         return transfer("transfer", text, &form.encoded, &form.linear, document);
     };
-    for (key, is_there) in
+    for (key, is_present) in
         [("transfer", form.transfer.is_some()), ("encoded", form.encoded.is_some()), ("linear", form.linear.is_some())]
     {
-        if is_there {
+        if is_present {
             document.error(key, format!("{key} cannot be combined with [channels]; expected only one of them"));
         }
     }

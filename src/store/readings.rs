@@ -61,7 +61,7 @@ const EXCHANGED: &str = " (every luminance_cd_m2 is within 0…1: are the column
 /// # Errors
 /// Reports cells that are not readings, with their line and column. If a column has many errors, only the first ones
 /// are listed, followed by the number of others.
-pub fn open_begun(path: &Path) -> Result<Vec<Reading>, FileErrors> {
+pub fn open_incomplete(path: &Path) -> Result<Vec<Reading>, FileErrors> {
     let rows = rows(&path.display().to_string(), &read_text(path)?)?;
     Ok(rows.into_iter().map(|row| row.reading).collect())
 }

@@ -138,7 +138,7 @@ fn decimal_commas_are_rejected() {
     let path = folder.path().join("r.csv");
     let rows: String = (0..9).map(|step| format!("g,0.{step}00,{step},5\n")).collect();
     std::fs::write(&path, format!("channel,level,luminance_cd_m2\n{rows}")).unwrap();
-    let told = readings::open_begun(&path).unwrap_err().to_string();
+    let told = readings::open_incomplete(&path).unwrap_err().to_string();
     assert!(told.contains("r.csv:2:1: 4 fields; expected 3 (a decimal comma?)\n"), "{told}");
     assert!(told.lines().count() == 6 && told.ends_with("r.csv: 4 more rows have errors; expected none"), "{told}");
 }

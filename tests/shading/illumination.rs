@@ -251,7 +251,7 @@ proptest! {
         let mut turned = lighting.clone();
         for lamp in &mut turned.lamps {
             match &mut lamp.position {
-                LampPosition::Direction(position) | LampPosition::Point { position: position, .. } => *position = turn * *position,
+                LampPosition::Direction(v) | LampPosition::Point { position: v, .. } => *v = turn * *v,
             }
         }
         // The microfacets' light has a pole where the view direction is along the surface.

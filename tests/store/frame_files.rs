@@ -19,7 +19,7 @@ use machband::{
     },
 };
 
-use crate::recording::{SEED, create, paths, resume, rows, small, someone};
+use crate::recording::{SEED, create, identity, paths, resume, rows, small};
 
 fn row(intervals_us: &[u32]) -> FrameRow {
     FrameRow {
@@ -35,7 +35,7 @@ fn row(intervals_us: &[u32]) -> FrameRow {
 
 /// Rates trials at 60 Hz, as the window does, until `trials` trials are rated.
 fn rate(store: &mut SessionStore, schedule: &Schedule, resumed: &Resumed, sitting: u32, trials: usize) {
-    let (protocol, identity) = (small(), someone());
+    let (protocol, identity) = (small(), identity());
     let options = SessionOptions { pages: 0, frames: FrameCount::Against(1.0 / 60.0) };
     let mut session = Session::new(protocol.clone(), schedule.clone(), resumed, options);
     let context = RowContext { protocol: &protocol, schedule, identity: &identity, sitting };
@@ -65,7 +65,7 @@ fn rate(store: &mut SessionStore, schedule: &Schedule, resumed: &Resumed, sittin
 }
 
 fn schedule() -> Schedule {
-    Schedule::new(&small(), &someone(), SEED).unwrap()
+    Schedule::new(&small(), &identity(), SEED).unwrap()
 }
 
 /// Records a session with `trials` rated trials.
@@ -176,7 +176,7 @@ fn a_failure_to_write_frames_is_noted_once_and_harms_nothing_else() {
     rate(&mut store, &schedule(), &Resumed::default(), 1, 2);
     assert_eq!(rows(&paths(first.path()).csv).len(), 2);
     // After the move, all frames are saved.
-    store.move_to(second.path()).unwrap();
+    store.continue_in(second.path()).unwrap();
     store.finish(false, "then".to_owned(), None).unwrap();
     assert_eq!(frames::read(&paths(second.path()).frames).unwrap().len(), 4);
     let sidecar = Sidecar::read(&paths(second.path()).sidecar).unwrap().unwrap();

@@ -227,7 +227,7 @@ impl Kept {
 const GROWTH: f64 = 1.05;
 /// Lower end of bin 0, seconds.
 const MIN_TIME_S: f64 = 0.01;
-/// Number of bins; the last begins at about three hours.
+/// Number of bins; the last begins at about 2.3 hours.
 const BINS: u16 = 280;
 
 /// Returns the bin into which a time falls.

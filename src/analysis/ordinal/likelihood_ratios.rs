@@ -3,12 +3,12 @@
 use serde::Serialize;
 
 use super::{
-    clm::End,
+    clm::FitEnd,
     design::Design,
     estimates::{self, Prediction, predictions},
     fitting::{Fitted, clm_data, fit_clm, fit_counts, fit_terms},
     model::{Model, ModelError, ModelSpec, Random},
-    search::MixedEnd,
+    search::MixedFitEnd,
     terms::{Term, Terms},
 };
 use crate::analysis::counts::Counts;
@@ -89,8 +89,11 @@ pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> 
 /// Returns whether both fits have a maximum, and of the same kind of likelihood.
 fn comparable(one: &Fitted, other: &Fitted) -> bool {
     let fine = |fitted: &Fitted| {
-        fitted.clm.end != End::Stalled
-            && !matches!(fitted.mixed.as_ref().map(|mixed| mixed.end), Some(MixedEnd::Runaway | MixedEnd::Stalled))
+        fitted.clm.end != FitEnd::Stalled
+            && !matches!(
+                fitted.mixed.as_ref().map(|mixed| mixed.end),
+                Some(MixedFitEnd::Diverged | MixedFitEnd::Stalled)
+            )
     };
     fine(one) && fine(other) && one.mixed.is_some() == other.mixed.is_some()
 }
@@ -114,7 +117,7 @@ fn nominal_tests(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
         let df = (thresholds * nominal.columns.len() + x.columns.len()).saturating_sub(full.x.columns.len());
         let feasible = thresholds * (1 + nominal.columns.len()) + x.columns.len() <= MAX_NOMINAL;
         let fit = if feasible { fit_clm(&data).ok() } else { None };
-        let difference = fit.filter(|fit| fit.end != End::Stalled && full.clm.end != End::Stalled);
+        let difference = fit.filter(|fit| fit.end != FitEnd::Stalled && full.clm.end != FitEnd::Stalled);
         tests.push(TermTest::new(term, Part::Nominal, difference.map(|fit| fit.loglik - full.clm.loglik), df));
     }
     Ok(tests)

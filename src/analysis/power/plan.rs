@@ -13,7 +13,7 @@ use crate::{
         bootstrap::Interval,
         counts::Counts,
         frame::Frame,
-        ordinal::{chi_squared_tail, finite_product, fit_counts, predictors, terms::Terms, without_terms},
+        ordinal::{chi_squared_tail, dot_ignoring_zero_weights, fit_counts, predictors, terms::Terms, without_terms},
         rank_tests::{SubjectMeans, friedman},
     },
     experiment::{OrderedLogit, Protocol},
@@ -210,7 +210,7 @@ fn outcomes(counts: &Counts, spec: &ModelSpec, hypotheses: &[Hypothesis]) -> Vec
         _ => Outcome {
             p: (tests.iter().flatten()).find(|test| test.term == hypothesis.term).and_then(|test| test.p),
             estimate: (hypothesis.contrast.as_ref().zip(predictors.as_ref()))
-                .map(|(contrast, predictors)| finite_product(contrast.iter(), predictors.iter()))
+                .map(|(contrast, predictors)| dot_ignoring_zero_weights(contrast.iter(), predictors.iter()))
                 .filter(|estimate| !estimate.is_nan()),
         },
     };

@@ -12,8 +12,8 @@ use super::{
 use crate::{
     analysis::{Options, Results, analyze},
     app::ui::{
-        Field, Step, heading, hint, paragraph, quiet, show_error, theme,
-        work::{Progress, Work},
+        Field, Step, heading, hint, paragraph, secondary, show_error, theme,
+        work::{BackgroundTask, Progress},
     },
     report::{
         Study,
@@ -55,11 +55,11 @@ pub struct OpenStudy {
     settings: Settings,
     /// The last requested analysis, finished or not.
     asked: Option<Query>,
-    work: Option<Work<Option<(Outcome, Document)>>>,
+    work: Option<BackgroundTask<Option<(Outcome, Document)>>>,
     /// The last finished analysis and the view of its document.
     shown: Option<(Outcome, DocumentView)>,
     /// The running computation of the document with a prediction.
-    predicting: Option<Work<Document>>,
+    predicting: Option<BackgroundTask<Document>>,
     error: Option<String>,
     /// Why the files could not be read with other options.
     not_reread: Option<String>,
@@ -165,8 +165,8 @@ impl OpenStudy {
 
     /// Takes the results of computations that have finished.
     fn take_outcome(&mut self) {
-        match self.work.as_ref().map(Work::poll) {
-            None | Some(Progress::Going) => {}
+        match self.work.as_ref().map(BackgroundTask::poll) {
+            None | Some(Progress::Running) => {}
             Some(Progress::Done(outcome)) => {
                 let earlier = self.shown.take().map(|(_, view)| view);
                 self.shown = outcome.map(|(outcome, document)| (outcome, DocumentView::new(document, earlier)));
@@ -177,7 +177,7 @@ impl OpenStudy {
                 self.work = None;
             }
         }
-        if let Some(Progress::Done(document)) = self.predicting.as_ref().map(Work::poll)
+        if let Some(Progress::Done(document)) = self.predicting.as_ref().map(BackgroundTask::poll)
             && let Some((outcome, view)) = self.shown.take()
         {
             self.shown = Some((outcome, DocumentView::new(document, Some(view))));
@@ -195,7 +195,7 @@ impl OpenStudy {
         self.error = None;
         self.asked = Some(query.clone());
         let study = self.study.clone();
-        self.work = Some(Work::start(ctx, move || Outcome::new(&study, query)));
+        self.work = Some(BackgroundTask::start(ctx, move || Outcome::new(&study, query)));
     }
 
     fn choose_section(&mut self, ui: &mut egui::Ui, narrow: bool) {
@@ -217,7 +217,7 @@ impl OpenStudy {
         }
         if self.work.is_some() {
             ui.spinner();
-            ui.label(quiet("Analyzing…"));
+            ui.label(secondary("Analyzing…"));
         }
     }
 
@@ -248,7 +248,8 @@ impl OpenStudy {
             if self.predicting.is_none() && self.work.is_none() {
                 let (study, results) = (self.study.clone(), outcome.results.clone());
                 let figures = outcome.figures.clone();
-                self.predicting = Some(Work::start(ui.ctx(), move || with_prediction(&study, &results, figures)));
+                self.predicting =
+                    Some(BackgroundTask::start(ui.ctx(), move || with_prediction(&study, &results, figures)));
             }
         }
     }

@@ -10,8 +10,8 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Ask, Dialog, Field, Step, escaped, heading, hint, page_from, paragraph, section, show_error,
-        work::{Progress, Work},
+        Dialog, Field, FileKind, Step, escaped, heading, hint, page_from, paragraph, section, show_error,
+        work::{BackgroundTask, Progress},
     },
     report::Study,
     store::{FileErrors, ratings::ReadOptions},
@@ -38,7 +38,7 @@ struct Pending {
     read_options: ReadOptions,
     /// Whether the files that are already open are read again with other options.
     again: bool,
-    work: Work<Result<Study, FileErrors>>,
+    work: BackgroundTask<Result<Study, FileErrors>>,
 }
 
 impl Analysis {
@@ -72,8 +72,11 @@ impl Analysis {
         self.paths.clone_from(&paths);
         self.error = None;
         let asked = read_options.clone();
-        self.reading =
-            Some(Pending { read_options, again, work: Work::start(ctx, move || Study::read(&paths, &asked)) });
+        self.reading = Some(Pending {
+            read_options,
+            again,
+            work: BackgroundTask::start(ctx, move || Study::read(&paths, &asked)),
+        });
     }
 
     fn read_new(&mut self, ctx: &egui::Context, paths: Vec<PathBuf>) {
@@ -111,7 +114,7 @@ impl Analysis {
     fn take_study(&mut self) {
         let Some(pending) = &self.reading else { return };
         let read = match pending.work.poll() {
-            Progress::Going => return,
+            Progress::Running => return,
             Progress::Done(read) => read.map_err(|errors| errors.to_string()),
             Progress::Lost => Err("The files could not be read: reading ended unexpectedly".to_owned()),
         };
@@ -200,7 +203,7 @@ impl Analysis {
                 per row. You can then identify its columns.",
         );
         ui.horizontal_wrapped(|ui| {
-            for (text, ask) in [("Open files…", Ask::Data), ("Open folder…", Ask::Folder)] {
+            for (text, ask) in [("Open files…", FileKind::Data), ("Open folder…", FileKind::Folder)] {
                 if ui.button(text).clicked() {
                     self.dialog.open(ui.ctx(), ask);
                 }

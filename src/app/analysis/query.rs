@@ -8,7 +8,7 @@ use crate::{
         counts::{Counts, Factor, Measured},
         terms::{TermError, Terms},
     },
-    app::ui::{Field, quiet, show_error, text::name},
+    app::ui::{Field, secondary, show_error, text::name},
 };
 
 /// Checklists of the participants and of the levels of every factor.
@@ -159,7 +159,7 @@ impl Settings {
         ui.add_enabled_ui(random, |ui| {
             Field::new("Quadrature nodes").show(ui, |ui, label| {
                 ui.add(DragValue::new(&mut options.quadrature).range(1..=MAX_NODES).speed(0.1)).labelled_by(label);
-                ui.label(quiet(if options.quadrature == 1 { "Laplace" } else { "Gauss–Hermite" }));
+                ui.label(secondary(if options.quadrature == 1 { "Laplace" } else { "Gauss–Hermite" }));
             });
         });
         ui.checkbox(&mut options.scale, "Also test effects on the spread");

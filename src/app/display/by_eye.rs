@@ -76,7 +76,7 @@ impl Method for ByEye {
         );
     }
 
-    fn extent(&self, channels: &[Channel]) -> Result<(usize, f64), String> {
+    fn estimate(&self, channels: &[Channel]) -> Result<(usize, f64), String> {
         let settings = self.settings(channels);
         Matching::new(&settings, 0, Vec::new()).map_err(|error| format!("{error}."))?;
         Ok((settings.total(), settings.duration_s()))

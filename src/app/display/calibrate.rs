@@ -9,7 +9,8 @@ use egui_plot::MarkerShape;
 use super::check::CheckPage;
 use crate::{
     app::ui::{
-        Ask, Dialog, Field, Step, hint, paragraph, primary, quiet, section, show_error, theme::SERIES, today, tool_page,
+        Dialog, Field, FileKind, Step, hint, paragraph, primary, secondary, section, show_error, theme::SERIES, today,
+        tool_page,
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
     store::profile,
@@ -39,7 +40,7 @@ pub trait Method {
     ///
     /// # Errors
     /// If a run with these settings is not possible.
-    fn extent(&self, channels: &[Channel]) -> Result<(usize, f64), String>;
+    fn estimate(&self, channels: &[Channel]) -> Result<(usize, f64), String>;
 
     /// Begins a run, or resumes the one in the file.
     ///
@@ -57,7 +58,7 @@ pub trait Run {
     fn progress(&self) -> (usize, usize);
 
     /// Items that must be measured again before a profile can be made.
-    fn questionable(&self) -> Vec<usize> {
+    fn items_to_repeat(&self) -> Vec<usize> {
         Vec::new()
     }
 
@@ -167,11 +168,11 @@ impl<M: Method> Calibrate<M> {
                 ui.checkbox(&mut self.channels[1], "gray");
             });
             self.method.fields(ui, viewing);
-            let extent = match self.path.trim() {
+            let estimate = match self.path.trim() {
                 "" => Err(format!("No file is given for the {}; expected a path.", M::ITEMS)),
-                _ => self.method.extent(&self.channels()),
+                _ => self.method.estimate(&self.channels()),
             };
-            match &extent {
+            match &estimate {
                 Ok((items, seconds)) => {
                     hint(ui, format!("{items} {}, about {:.0} min.", M::ITEMS, (seconds / 60.0).ceil()));
                 }
@@ -180,12 +181,12 @@ impl<M: Method> Calibrate<M> {
             let note = self.resume_note();
             note.iter().for_each(|sentence| hint(ui, sentence));
             let text = if note.is_some() { "Resume" } else { M::BEGIN };
-            begin = primary(ui, text, extent.is_ok(), "Full screen. Press Esc to pause.");
+            begin = primary(ui, text, estimate.is_ok(), "Full screen. Press Esc to pause.");
             self.error.iter().for_each(|message| show_error(ui, message));
             use_file = self.file_field(ui);
         });
         if use_file {
-            self.find(self.file.trim().into());
+            self.load_findings(self.file.trim().into());
             ui.ctx().request_repaint();
         } else if begin {
             match self.method.begin(&self.channels(), Path::new(self.path.trim())) {
@@ -223,7 +224,7 @@ impl<M: Method> Calibrate<M> {
         hint(ui, M::FORMAT);
         Field::new(&format!("File of {}", M::ITEMS)).show(ui, |ui, label| {
             ui.add(TextEdit::singleline(&mut self.file).desired_width(300.0)).labelled_by(label);
-            self.dialog.browse(ui, Ask::Data, "Choose a file…", &mut self.file);
+            self.dialog.browse(ui, FileKind::Data, "Choose a file…", &mut self.file);
             ui.add_enabled(!self.file.trim().is_empty(), egui::Button::new("Use this file")).clicked()
         })
     }
@@ -247,14 +248,14 @@ impl<M: Method> Calibrate<M> {
             Step::Next(()) => {
                 self.paused = None;
                 // Dropping a finished run closes its file before the file is read.
-                self.run = (!run.questionable().is_empty()).then_some(run);
-                self.find(self.path.trim().into());
+                self.run = (!run.items_to_repeat().is_empty()).then_some(run);
+                self.load_findings(self.path.trim().into());
             }
         }
         full_screen(ui, false);
     }
 
-    fn find(&mut self, source: PathBuf) {
+    fn load_findings(&mut self, source: PathBuf) {
         let found = M::Findings::read(&source).map(|found: M::Findings| {
             let form = ProfileForm::new(self.name.trim(), &self.known, found.instrument());
             (found, form)
@@ -266,7 +267,7 @@ impl<M: Method> Calibrate<M> {
         let Some((source, result)) = &mut self.found else { return Step::Stay };
         let (mut saved, mut again) = (None, Vec::new());
         let (back, ()) = tool_page(ui, "Result", |ui| {
-            paragraph(ui, quiet(source.display().to_string()));
+            paragraph(ui, secondary(source.display().to_string()));
             match result {
                 Ok((found, form)) => {
                     found.summary(ui);
@@ -282,8 +283,9 @@ impl<M: Method> Calibrate<M> {
                 Err(errors) => {
                     ui.label("No profile can be made from these measurements:");
                     errors.lines().for_each(|line| show_error(ui, line));
-                    let items = self.run.as_ref().map(Run::questionable).unwrap_or_default();
-                    if !items.is_empty() && ui.button(format!("Measure {} again", items.len())).clicked() {
+                    let items = self.run.as_ref().map(Run::items_to_repeat).unwrap_or_default();
+                    let patches = if items.len() == 1 { "patch" } else { "patches" };
+                    if !items.is_empty() && ui.button(format!("Measure {} {patches} again", items.len())).clicked() {
                         again = items;
                     }
                 }

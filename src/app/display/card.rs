@@ -3,7 +3,7 @@
 use eframe::egui::{self, Color32, Id, Key, ScrollArea, Sense, Slider, SliderClamping, Stroke, Vec2};
 
 use crate::{
-    app::ui::{Step, primary, quiet, show_error, theme::COLUMN},
+    app::ui::{Step, primary, secondary, show_error, theme::COLUMN},
     display::geometry::{CARD_WIDTH_CM, width_cm_from_card},
 };
 
@@ -92,7 +92,7 @@ impl CardHelper {
     fn draw(&self, ui: &mut egui::Ui) {
         let size = self.outline(ui.ctx());
         if size.x > ui.available_width() {
-            ui.label(quiet("The outline is wider than this window. Make the window larger to see all of it."));
+            ui.label(secondary("The outline is wider than this window. Make the window larger to see all of it."));
         }
         ScrollArea::horizontal().id_salt("outline").show(ui, |ui| {
             let (rect, _) = ui.allocate_exact_size(size, Sense::hover());

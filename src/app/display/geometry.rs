@@ -5,8 +5,8 @@ use eframe::egui::{self, Color32, Stroke, TextEdit, Vec2};
 use super::card::CardHelper;
 use crate::{
     app::ui::{
-        Field, Monitor, ScreenFields, Step, describe, note, number, platform::Platform, quiet, show_error,
-        theme::QUIET, tool_page,
+        Field, Monitor, ScreenFields, Step, describe, note, number, platform::Platform, secondary, show_error,
+        theme::SECONDARY, tool_page,
     },
     display::{GeometryError, Screen, Viewing, geometry::distance_cm},
 };
@@ -129,7 +129,7 @@ fn viewing(monitor: &Monitor, fields: &ScreenFields) -> Result<Viewing, Geometry
 fn rulers(ui: &mut egui::Ui, viewing: &Viewing) {
     let points_per_cm = (viewing.screen().px_per_cm() / f64::from(ui.ctx().pixels_per_point())) as f32;
     ui.add_space(12.0);
-    ui.label(quiet("Hold a ruler against the screen to compare. The lower line marks one, five and ten degrees."));
+    ui.label(secondary("Hold a ruler against the screen to compare. The lower line marks one, five and ten degrees."));
     let degrees = [1.0, 5.0, 10.0].map(|deg| viewing.cm_from_deg(deg) as f32 * points_per_cm);
     let width = (RULER_CM as f32 * points_per_cm).max(degrees[2]);
     let (rect, response) =
@@ -142,7 +142,7 @@ fn rulers(ui: &mut egui::Ui, viewing: &Viewing) {
         painter.line_segment([foot, foot - Vec2::new(0.0, height)], stroke);
         if !text.is_empty() {
             let align = if x == 0.0 { egui::Align2::LEFT_TOP } else { egui::Align2::CENTER_TOP };
-            painter.text(foot, align, text, egui::FontId::proportional(12.0), QUIET);
+            painter.text(foot, align, text, egui::FontId::proportional(12.0), SECONDARY);
         }
     };
     for mm in 0..=10 * RULER_CM {

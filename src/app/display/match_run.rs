@@ -5,7 +5,7 @@ use eframe::egui::{self, CursorIcon, Event, Key, TextureHandle};
 use crate::{
     app::{
         display::calibrate::Run,
-        ui::{Step, describe, pixels, quiet, show_error, window_px},
+        ui::{Step, describe, pixels, secondary, show_error, window_px},
     },
     display::matching::{GAP_S, Match, Matching},
     store::{StoreError, matches::MatchFile},
@@ -40,9 +40,9 @@ impl MatchRun {
         let since_start = now - self.start_s.unwrap_or(now);
         match key {
             Key::Backspace if !repeated => {
-                if let Some(taken_back) = self.matching.undo() {
+                if let Some(undone) = self.matching.undo() {
                     let number = self.matching.done().len() + 1;
-                    let saved = self.file.take_back(number, &taken_back, since_start);
+                    let saved = self.file.undo(number, &undone, since_start);
                     self.next(saved, now);
                 }
             }
@@ -107,7 +107,7 @@ impl MatchRun {
                 ui,
                 format!("The last match is not saved yet; it will be written with the next one: {error}"),
             ),
-            None => _ = ui.add(egui::Label::new(quiet(text)).truncate()),
+            None => _ = ui.add(egui::Label::new(secondary(text)).truncate()),
         });
     }
 }

@@ -74,7 +74,7 @@ impl Method for Photometer {
         ui.checkbox(&mut self.gray_around, "Gray around the patch instead of black");
     }
 
-    fn extent(&self, channels: &[Channel]) -> Result<(usize, f64), String> {
+    fn estimate(&self, channels: &[Channel]) -> Result<(usize, f64), String> {
         let patches = self.patches(channels)?.len();
         Ok((patches, patches as f64 * (self.settle_s()? + READING_S)))
     }

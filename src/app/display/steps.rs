@@ -3,7 +3,7 @@
 use eframe::egui::{self, TextureHandle};
 
 use crate::{
-    app::ui::{Field, Step as PageStep, hint, note, number, pixels, quiet, show_error, table, tool_page},
+    app::ui::{Field, Step as PageStep, hint, note, number, pixels, secondary, show_error, table, tool_page},
     display::{
         DisplayProfile,
         profile::short,
@@ -93,7 +93,7 @@ impl StepsPage {
                 self.copied = true;
             }
             if self.copied {
-                ui.label(quiet("Copied."));
+                ui.label(secondary("Copied."));
             }
         });
         let lost = steps.iter().filter(|step| step.nearest != step.level).count();

@@ -7,7 +7,7 @@ use egui_plot::{Corner, Legend, Line, MarkerShape, PlotUi, Points};
 
 use crate::{
     app::{
-        explore::prediction::{self, Mark, Place, Prediction},
+        explore::prediction::{self, Mark, Prediction, ViewingPlace},
         ui::{self, Field, Step, pixels, theme},
     },
     display::DisplayProfile,
@@ -60,7 +60,7 @@ struct Shown {
 
 /// Luminance of the strongest channel along a line through the center, in the direction of the orientation.
 struct Curves {
-    asked: Vec<[f64; 2]>,
+    requested: Vec<[f64; 2]>,
     emitted: Vec<[f64; 2]>,
 }
 
@@ -68,7 +68,7 @@ impl Gallery {
     /// The gallery for a screen described by `display`, viewed from `distance_cm` centimeters if that is known.
     pub fn new(display: DisplayProfile, distance_cm: Option<f64>) -> Self {
         let mut gallery = Self {
-            prediction: Prediction::new(Place::new(&display, distance_cm)),
+            prediction: Prediction::new(ViewingPlace::new(&display, distance_cm)),
             entry: 0,
             values: Vec::new(),
             size: 512,
@@ -225,15 +225,15 @@ impl Gallery {
         let curves = &shown.curves;
         let marks = self.prediction.marks(stimulus, *size);
         let lines: [(&str, &Vec<[f64; 2]>); 2] =
-            [("after quantization", &curves.emitted), ("requested", &curves.asked)];
+            [("after quantization", &curves.emitted), ("requested", &curves.requested)];
         let response = plot(ui, "profile", "light", width, &lines, |plot| {
-            marks.iter().for_each(|mark| draw_mark(plot, mark, &curves.asked));
+            marks.iter().for_each(|mark| draw_mark(plot, mark, &curves.requested));
         });
         if stimulus.is_line() {
             ui::describe(&response, &format!("Plot: light, {}", prediction::description(marks)));
         }
         if self.derivatives {
-            let slope = slopes(&curves.asked);
+            let slope = slopes(&curves.requested);
             plot(ui, "slope", "first derivative", width, &[("slope, light per window", &slope)], |_| {});
             let curvature = [("curvature, light per window²", &slopes(&slope))];
             plot(ui, "curvature", "second derivative", width, &curvature, |_| {});
@@ -341,10 +341,10 @@ impl Curves {
         let strongest = recipe.stimulus.strongest_channel();
         let light = recipe.stimulus.profile(SAMPLES);
         let at = |i: u32| [place(i, SAMPLES), f64::from(light[i as usize][strongest])];
-        let asked: Vec<[f64; 2]> = (0..SAMPLES).map(at).collect();
+        let requested: Vec<[f64; 2]> = (0..SAMPLES).map(at).collect();
         let emitted =
             store::curve::samples(recipe, quantizer).iter().map(|sample| [sample.x, sample.emitted]).collect();
-        Self { asked, emitted }
+        Self { requested, emitted }
     }
 }
 

@@ -95,7 +95,7 @@ impl Finish {
             });
             if let Some(frames) = &self.frames {
                 ui.add_space(8.0);
-                ui.add(egui::Label::new(ui::quiet(frames)).wrap());
+                ui.add(egui::Label::new(ui::secondary(frames)).wrap());
             }
             if let Some(error) = &self.opened {
                 ui::show_error(ui, error);

@@ -80,7 +80,7 @@ pub fn instructions(
                 ui.label(paragraph);
                 ui.add_space(4.0);
             }
-            ui.add(egui::Label::new(ui::quiet(&texts.light)).wrap());
+            ui.add(egui::Label::new(ui::secondary(&texts.light)).wrap());
         } else {
             ui.heading(&texts.categories);
             ui.label(&protocol.response.question);

@@ -13,7 +13,7 @@ use super::{
     instructions::{self, CategoryPictures},
     recording::Recording,
     request::{Prepared, Request},
-    trouble::{Remedy, Trouble},
+    unsaved_answer::{SaveChoice, UnsavedAnswerPage},
 };
 use crate::{
     app::{
@@ -57,7 +57,7 @@ pub struct Trials {
     /// The rating clicked in the previous frame, which still showed the stimulus.
     clicked: Option<(u8, PressTime)>,
     scale_shown: bool,
-    trouble: Option<Trouble>,
+    unsaved_answer: Option<UnsavedAnswerPage>,
     resumed: bool,
     mouse_moved_s: f64,
     /// The keys held down, by physical position. A held key repeats but must count once. The repeat flag of the window
@@ -93,7 +93,7 @@ impl Trials {
             screen,
             clicked: None,
             scale_shown: false,
-            trouble: None,
+            unsaved_answer: None,
             resumed: request.resume,
             mouse_moved_s: f64::NEG_INFINITY,
             held: BTreeSet::new(),
@@ -111,11 +111,11 @@ impl Trials {
     pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, input: &mut Input) -> Step<Box<Finish>> {
         let window_s = ui.input(|input| input.time);
         let now = self.session_time(window_s);
-        if self.trouble.is_some() {
+        if self.unsaved_answer.is_some() {
             self.session.interrupt_frames();
             // The session ignores keys now, but keys that are released must not count as held later.
             self.fresh_keys(ui);
-            self.remedy(ui, now);
+            self.show_unsaved_answer(ui, now);
             return Step::Stay;
         }
         let was_main = self.phase() == Some(Phase::Main);
@@ -224,26 +224,26 @@ impl Trials {
         // The row is saved before anything else happens. In the meantime, the screen shows the field.
         match self.recording.record(&mut self.session, &response) {
             Ok(()) => _ = self.session.step(Event::Stored, now),
-            Err(error) => self.trouble = Some(Trouble::new(error.to_string())),
+            Err(error) => self.unsaved_answer = Some(UnsavedAnswerPage::new(error.to_string())),
         }
     }
 
-    fn remedy(&mut self, ui: &mut egui::Ui, now: Duration) {
-        let Some(trouble) = &mut self.trouble else { return };
-        let tried = match trouble.show(ui) {
+    fn show_unsaved_answer(&mut self, ui: &mut egui::Ui, now: Duration) {
+        let Some(page) = &mut self.unsaved_answer else { return };
+        let tried = match page.show(ui) {
             None => return,
-            Some(Remedy::Retry) => self.recording.store.retry(),
-            Some(Remedy::MoveTo(folder)) => self.recording.store.move_to(&folder),
+            Some(SaveChoice::Retry) => self.recording.store.retry(),
+            Some(SaveChoice::ContinueIn(folder)) => self.recording.store.continue_in(&folder),
         };
         match tried {
             Ok(()) => {
-                self.trouble = None;
+                self.unsaved_answer = None;
                 self.session.step(Event::Stored, now);
                 // The participant looked at this page rather than at the field, so the recovery starts over.
                 self.session.step(Event::Pause, now);
                 self.session.step(Event::Resume, now);
             }
-            Err(error) => trouble.again(error.to_string()),
+            Err(error) => page.show_error(error.to_string()),
         }
         ui.ctx().request_repaint();
     }
@@ -323,7 +323,7 @@ impl Trials {
 
     /// The background color: the color of the uniform field during trials.
     pub fn ground(&self) -> Color32 {
-        if self.is_trial() && self.trouble.is_none() { self.field } else { theme::PAGE }
+        if self.is_trial() && self.unsaved_answer.is_none() { self.field } else { theme::PAGE }
     }
 
     fn draw_trial(&mut self, ui: &mut egui::Ui, window_s: f64, input: &mut Input) {

@@ -2,11 +2,11 @@
 
 use eframe::egui::{self, Color32, Label, Response, RichText, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetText};
 
-use super::theme::{ERROR, GOOD, NOTE, QUIET};
+use super::theme::{ERROR, NOTE, SECONDARY, SUCCESS};
 
 /// Secondary text.
-pub fn quiet(text: impl Into<String>) -> RichText {
-    RichText::new(text).small().color(QUIET)
+pub fn secondary(text: impl Into<String>) -> RichText {
+    RichText::new(text).small().color(SECONDARY)
 }
 
 /// Draws text that wraps.
@@ -16,7 +16,7 @@ pub fn paragraph(ui: &mut Ui, text: impl Into<WidgetText>) {
 
 /// Draws secondary text that wraps.
 pub fn hint(ui: &mut Ui, text: impl Into<String>) {
-    paragraph(ui, quiet(text));
+    paragraph(ui, secondary(text));
 }
 
 /// Draws a note that deserves attention.
@@ -30,8 +30,8 @@ pub fn show_error(ui: &mut Ui, text: impl Into<String>) {
 }
 
 /// Draws a success message.
-pub fn good(ui: &mut Ui, text: impl Into<String>) {
-    small(ui, text, GOOD);
+pub fn success(ui: &mut Ui, text: impl Into<String>) {
+    small(ui, text, SUCCESS);
 }
 
 fn small(ui: &mut Ui, text: impl Into<String>, color: Color32) {
@@ -54,11 +54,11 @@ pub fn section(ui: &mut Ui, text: impl Into<String>) {
 }
 
 /// Paints a check mark or an exclamation mark, because not every font has them.
-pub fn tick(ui: &mut Ui, good: bool) {
+pub fn tick(ui: &mut Ui, passed: bool) {
     let (rect, _) = ui.allocate_exact_size(Vec2::splat(18.0), Sense::hover());
     let at = |x: f32, y: f32| rect.lerp_inside(Vec2::new(x, y));
-    let stroke = Stroke::new(2.5, if good { GOOD } else { NOTE });
-    if good {
+    let stroke = Stroke::new(2.5, if passed { SUCCESS } else { NOTE });
+    if passed {
         ui.painter().line(vec![at(0.1, 0.55), at(0.4, 0.85), at(0.9, 0.2)], stroke);
     } else {
         ui.painter().line_segment([at(0.5, 0.1), at(0.5, 0.62)], stroke);

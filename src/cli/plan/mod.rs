@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use indicatif::ProgressBar;
 
-use super::{UsageError, options::ModelOptions, progress_style, say};
+use super::{UsageError, options::ModelOptions, print_line, progress_style};
 use crate::{
     analysis::power::{ModelChoice, Plan, Power, Sampling, Shift},
     experiment::{OrderedLogit, Protocol},
@@ -85,7 +85,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         target: arguments.target,
         powers: &powers,
     };
-    findings.lines().iter().try_for_each(|line| say(line))?;
+    findings.lines().iter().try_for_each(|line| print_line(line))?;
     // Written last, so that no result is lost if the path cannot be written.
     if let Some(path) = &arguments.out {
         write_file(path, &findings.csv())?;

@@ -38,7 +38,7 @@ pub(super) fn cautions(source: &Source, results: &Results) -> Vec<String> {
     cautions.extend(nothing_found(results));
     cautions.extend(about_model(results));
     cautions.extend(names::varied(results).filter_map(|factor| pairs_without_power(results, factor)));
-    cautions.extend(oddities(results));
+    cautions.extend(unusual_behavior(results));
     cautions
 }
 
@@ -155,7 +155,7 @@ fn pairs_without_power(results: &Results, factor: &FactorResults) -> Option<Stri
 
 /// Describes behavior of participants that readers should check: use of only one category, low test–retest agreement,
 /// and unusual response times.
-pub(super) fn oddities(results: &Results) -> Vec<String> {
+pub(super) fn unusual_behavior(results: &Results) -> Vec<String> {
     let subjects = &results.subjects;
     let mut sentences: Vec<String> = subjects.iter().filter_map(|subject| one_category(results, subject)).collect();
     // Participants with the same peculiarity are named in one sentence.

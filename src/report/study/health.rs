@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{cautions::oddities, sittings};
+use super::{cautions::unusual_behavior, sittings};
 use crate::{
     analysis::Results,
     report::document::{
@@ -45,7 +45,7 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
     if sittings::all(source).next().is_some() {
         screens(&mut section, source);
     }
-    if oddities(results).is_empty() {
+    if unusual_behavior(results).is_empty() {
         section.heading("How participants answered");
         section.text(
             "In these data, every participant used several categories, and no response times or repeated ratings are unusual.",

@@ -45,7 +45,7 @@ pub(super) fn section(
     section.figures(figures, &["figure4a", "figure4a_predicted", "figure4b", "figure4b_predicted"]);
     section.text(order(comparison, counts));
     section.text(ceiling(comparison));
-    furthest(results, prediction).into_iter().for_each(|text| section.text(text));
+    largest_deviations(results, prediction).into_iter().for_each(|text| section.text(text));
     let is_circular = sittings::all(source)
         .any(|(_, sitting)| sitting.observer.as_ref().is_some_and(|observer| observer["observer"] == "vision"));
     if is_circular {
@@ -125,7 +125,7 @@ fn ceiling(comparison: &Comparison) -> String {
 }
 
 /// Names the conditions with mean ratings farthest from the prediction.
-fn furthest(results: &Results, prediction: &StudyPrediction) -> Option<String> {
+fn largest_deviations(results: &Results, prediction: &StudyPrediction) -> Option<String> {
     let mut far: Vec<(u32, f64, f64)> = ((0..).zip(&results.cells).zip(&prediction.ratings))
         .filter_map(|((condition, cell), expected)| Some((condition, cell.summary.mean, (*expected)?)))
         .collect();

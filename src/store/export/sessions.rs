@@ -68,12 +68,12 @@ fn errors(session: &Recorded) -> Vec<FileError> {
 pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &mut Vec<String>) -> Vec<Recorded> {
     sessions.retain(|session| {
         let (rated, planned) = session.rated();
-        if rated == planned && session.torn.is_none() {
+        if rated == planned && session.partial_line.is_none() {
             return true;
         }
-        let torn = if session.torn.is_some() { ", and the last row is incomplete" } else { "" };
+        let partial_line = if session.partial_line.is_some() { ", and the last row is incomplete" } else { "" };
         let done = if complete_only { "the session is excluded" } else { "its complete rows are exported" };
-        notes.push(format!("{}: {rated} of {planned} trials are rated{torn}; {done}", session.csv.display()));
+        notes.push(format!("{}: {rated} of {planned} trials are rated{partial_line}; {done}", session.csv.display()));
         !complete_only
     });
     sessions

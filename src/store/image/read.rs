@@ -162,15 +162,15 @@ fn parsed<T: FromStr<Err: std::fmt::Display>>(info: &Info<'_>, keyword: &str) ->
 ///
 /// # Errors
 /// The same as for [`read`]; or the image differs, with the number of differing pixels and the first of them.
-pub fn prove(path: &Path) -> Result<String, FileErrors> {
-    prove_content(&path.display().to_string(), &content(path)?)
+pub fn verify(path: &Path) -> Result<String, FileErrors> {
+    verify_content(&path.display().to_string(), &content(path)?)
 }
 
-/// The same as [`prove`], for the content of an image; `name` identifies it in messages.
+/// The same as [`verify`], for the content of an image; `name` identifies it in messages.
 ///
 /// # Errors
-/// The same as for [`prove`].
-pub fn prove_content(name: &str, content: &[u8]) -> Result<String, FileErrors> {
+/// The same as for [`verify`].
+pub fn verify_content(name: &str, content: &[u8]) -> Result<String, FileErrors> {
     let read = parse(name, content)?;
     let (image, recipe) = (&read.image, &read.recipe);
     let fail = |message: String| FileErrors::whole(name, message);

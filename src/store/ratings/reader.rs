@@ -206,7 +206,7 @@ impl FileReader<'_> {
     }
 
     fn error(&mut self, row: &Row<'_>, error: RowError) {
-        let error = torn(row, &error).unwrap_or(error);
+        let error = partial_row(row, &error).unwrap_or(error);
         let cell = error.cell.or(row.text().err()).unwrap_or(0);
         self.errors.add(&self.input.name, error.cell, error.message, || row.place(cell));
     }
@@ -302,7 +302,7 @@ impl FileReader<'_> {
 /// Replaces the error of a row that an interrupted write left behind. This is the last row, and it either has no line
 /// end and an error in its last cell or its number of cells, or contains zero bytes because the file was enlarged but
 /// not filled.
-fn torn(row: &Row<'_>, error: &RowError) -> Option<RowError> {
+fn partial_row(row: &Row<'_>, error: &RowError) -> Option<RowError> {
     if !row.last {
         return None;
     }

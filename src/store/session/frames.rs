@@ -10,7 +10,7 @@ use crate::{
     experiment::{FrameRun, Phase, Schedule, Shown},
     store::{
         FileErrors, StoreError,
-        file::{AppendFile, is_there, read_text},
+        file::{AppendFile, exists, read_text},
         table::{self, CellError, shortened},
     },
 };
@@ -71,7 +71,7 @@ impl FrameFile {
     /// # Errors
     /// The file exists but cannot be read or is not a frames file, so it must not be written to.
     pub fn resume(path: &Path) -> Result<Self, StoreError> {
-        if !is_there(path)? {
+        if !exists(path)? {
             return Ok(Self::new(path));
         }
         let file = AppendFile::open(path, false, header())?;
@@ -100,8 +100,8 @@ impl FrameFile {
         let text: String = rows.iter().map(FrameRow::line).collect();
         self.0.append(text.as_bytes()).or_else(|error| {
             let path = self.0.path().to_owned();
-            if matches!(error, StoreError::Changed { .. }) && !is_there(&path)? {
-                self.move_to(&path)
+            if matches!(error, StoreError::Changed { .. }) && !exists(&path)? {
+                self.continue_in(&path)
             } else {
                 Err(error)
             }
@@ -112,12 +112,12 @@ impl FrameFile {
     ///
     /// # Errors
     /// The new location cannot be written or already has such a file. In that case, the old one stays in use.
-    pub fn move_to(&mut self, path: &Path) -> Result<(), StoreError> {
+    pub fn continue_in(&mut self, path: &Path) -> Result<(), StoreError> {
         if self.is_empty() {
             *self = Self::new(path);
             return Ok(());
         }
-        self.0.move_to(path)
+        self.0.continue_in(path)
     }
 }
 

@@ -34,7 +34,7 @@ pub struct Recorded {
     /// The rows, in the order of the file.
     pub rows: Vec<TrialRecord>,
     /// An incomplete last line, if the session was interrupted and not resumed.
-    pub torn: Option<String>,
+    pub partial_line: Option<String>,
 }
 
 impl Recorded {
@@ -63,7 +63,7 @@ impl Recorded {
             schedule,
             sidecar,
             rows: read.rows,
-            torn: read.torn,
+            partial_line: read.partial_line,
         })
     }
 

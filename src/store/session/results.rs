@@ -7,7 +7,7 @@ use crate::{
     store::{
         FileErrors, StoreError,
         error::io,
-        file::{AppendFile, begun, split_torn},
+        file::{AppendFile, complete_lines_or_header, split_partial_line},
         table::{self, CellError, shortened},
     },
 };
@@ -26,7 +26,7 @@ pub struct Recovered {
     /// The rows, in the order of the file.
     pub rows: Vec<TrialRecord>,
     /// An incomplete last line, if there is one.
-    pub torn: Option<String>,
+    pub partial_line: Option<String>,
 }
 
 impl ResultFile {
@@ -57,7 +57,7 @@ impl ResultFile {
     /// Reports every row that cannot be parsed, with its line and column.
     pub fn recover(&self, columns: &[Column]) -> Result<Recovered, FileErrors> {
         let rows = parse(&self.file.path().display().to_string(), self.file.content(), columns)?;
-        Ok(Recovered { rows, torn: self.file.torn().map(str::to_owned) })
+        Ok(Recovered { rows, partial_line: self.file.partial_line().map(str::to_owned) })
     }
 
     /// Appends a row. It is kept in memory from now on, and it is on disk when this returns without an error.
@@ -74,8 +74,8 @@ impl ResultFile {
 /// # Errors
 /// I/O errors; every row that cannot be parsed, with its line and column.
 pub fn read(path: &Path, columns: &[Column]) -> Result<Recovered, StoreError> {
-    let (content, torn) = whole(path, columns)?;
-    Ok(Recovered { rows: parse(&path.display().to_string(), &content, columns)?, torn })
+    let (content, partial_line) = whole(path, columns)?;
+    Ok(Recovered { rows: parse(&path.display().to_string(), &content, columns)?, partial_line })
 }
 
 /// Returns the header and the complete rows of a result file, and an incomplete last line.
@@ -83,8 +83,8 @@ pub fn read(path: &Path, columns: &[Column]) -> Result<Recovered, StoreError> {
 /// # Errors
 /// I/O errors; or the file has no complete line and does not begin with the header.
 pub(crate) fn whole(path: &Path, columns: &[Column]) -> Result<(Vec<u8>, Option<String>), StoreError> {
-    let (whole, torn) = split_torn(fs::read(path).map_err(io(path, "read"))?);
-    Ok((begun(path, whole, torn.as_deref(), header(columns))?, torn))
+    let (whole, partial_line) = split_partial_line(fs::read(path).map_err(io(path, "read"))?);
+    Ok((complete_lines_or_header(path, whole, partial_line.as_deref(), header(columns))?, partial_line))
 }
 
 fn header(columns: &[Column]) -> Vec<u8> {

@@ -111,10 +111,10 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
         found.errors.push(FileError::whole(&recorded.csv, message));
     }
     let line = recorded.rows.len() + 2;
-    match &recorded.torn {
-        Some(torn) if is_complete => {
+    match &recorded.partial_line {
+        Some(text) if is_complete => {
             let message = format!(
-                "the file ends in the middle of a row, {torn:?}; expected the complete rows of a complete session"
+                "the file ends in the middle of a row, {text:?}; expected the complete rows of a complete session"
             );
             found.errors.push(FileError::at(&recorded.csv, (line, 1), message));
         }
@@ -202,7 +202,7 @@ pub(crate) fn picture_errors(recorded: &Recorded, renderer: &mut Renderer) -> Ve
 /// Reports files in an experiment's folder that do not belong to a session: sidecars without rows, and incomplete files
 /// that a killed program left.
 #[must_use]
-pub fn leftovers(dataset: &Path) -> Vec<FileError> {
+pub fn unexpected_files(dataset: &Path) -> Vec<FileError> {
     let mut errors = Vec::new();
     for folder in [dataset.to_owned(), dataset.join("data")] {
         let mut paths: Vec<_> =

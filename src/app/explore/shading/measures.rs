@@ -12,7 +12,7 @@ use crate::{
     app::{
         explore::{
             gallery::slopes,
-            prediction::{self, Drawing},
+            prediction::{self, BandMapImage},
         },
         ui::{describe, hint, pixels, still_plot, theme::SIDES, work::Latest},
     },
@@ -143,7 +143,7 @@ pub fn bands(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result
     };
     let full_scale = sides.iter().map(|(view, _)| prediction::strongest(&view.map)).fold(0.0, f64::max);
     let maps = sides.each_ref().map(|(view, light)| {
-        let drawing = Drawing { map: &view.map, light, size: [width as usize, height as usize], most: full_scale };
+        let drawing = BandMapImage { map: &view.map, light, size: [width as usize, height as usize], full_scale };
         drawing.codes(size[0], size[1])
     });
     let cells = sides.each_ref().map(|(view, _)| {
