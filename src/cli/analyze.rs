@@ -128,11 +128,11 @@ fn is_usage(error: &ModelError) -> bool {
 fn prediction_line(predicted: &Result<StudyPrediction, PredictionError>, took: Duration) -> String {
     match predicted {
         Ok(StudyPrediction { comparison, .. }) => format!(
-            "model of vision: rank correlation {} with the mean ratings of {} conditions ({:.1} s)",
+            "vision model: rank correlation {} with the mean ratings of {} conditions ({:.1} s)",
             comparison.rank_correlation.map_or_else(|| "—".to_owned(), |rho| format!("{rho:.3}")),
             comparison.conditions,
             took.as_secs_f64()
         ),
-        Err(error) => format!("no prediction by the model of vision: {error}"),
+        Err(error) => format!("no prediction by the vision model: {error}"),
     }
 }

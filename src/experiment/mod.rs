@@ -19,7 +19,7 @@ pub use frame_log::{FrameRun, Shown};
 pub use identity::{Identity, IdentityError};
 pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, simulate, visibilities};
 pub use protocol::{
-    Category, DefinitionError, DefinitionErrors, Design, Order, Presentation, Protocol, RATING_MAX, Recovery,
+    Category, DefinitionError, DefinitionErrors, Design, MAX_RATING, Order, Presentation, Protocol, Recovery,
     ResponseScale, ViewingPlan, name_error,
 };
 pub use record::{

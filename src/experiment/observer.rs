@@ -141,7 +141,7 @@ impl Observer for OrderedLogit {
     }
 }
 
-/// An observer that rates the visibility predicted by the model of vision.
+/// An observer that rates the visibility predicted by the vision model.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct VisionRater {
@@ -170,7 +170,7 @@ impl VisionRater {
     }
 }
 
-/// Returns how visible the bands of each condition are according to the model of vision. The stimuli are drawn with
+/// Returns how visible the bands of each condition are according to the vision model. The stimuli are drawn with
 /// `px` pixels per side, or by default with [`ViewingConditions::px`].
 ///
 /// # Errors

@@ -14,9 +14,9 @@ use crate::{
 };
 
 /// Highest rating on the paper's scale; ratings are 0…3 (Bangay §3.1).
-pub const RATING_MAX: u8 = 3;
+pub const MAX_RATING: u8 = 3;
 /// Maximum number of trials per session.
-const TRIALS_MAX: usize = 100_000;
+const MAX_TRIALS: usize = 100_000;
 
 /// An error at one location of a definition.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -352,8 +352,8 @@ impl Protocol {
         let repetitions = self.design.repetitions.max(1) as usize;
         let main = self.cells().saturating_mul(repetitions);
         let trials = main.saturating_add(self.design.practice as usize);
-        if trials > TRIALS_MAX {
-            errors.add("factors", format!("the design has {trials} trials; expected at most {TRIALS_MAX}"));
+        if trials > MAX_TRIALS {
+            errors.add("factors", format!("the design has {trials} trials; expected at most {MAX_TRIALS}"));
             return;
         }
         // Each level is valid by itself. Now check the cells, where a level of one factor may contradict a level of
@@ -387,12 +387,12 @@ impl Protocol {
 
     fn response_errors(&self, errors: &mut DefinitionErrors) {
         let categories = &self.response.categories;
-        let expected = usize::from(RATING_MAX) + 1;
+        let expected = usize::from(MAX_RATING) + 1;
         if categories.len() != expected {
             errors.add(
                 "response.labels",
                 format!(
-                    "the scale has {} categories; expected {expected}, one for each rating 0…{RATING_MAX}",
+                    "the scale has {} categories; expected {expected}, one for each rating 0…{MAX_RATING}",
                     categories.len()
                 ),
             );

@@ -93,7 +93,7 @@ impl Cell for Rating {
     }
     fn from_cell(text: &str) -> Result<Self, String> {
         match text.parse() {
-            Ok(rating) if rating <= super::RATING_MAX => Ok(Self(rating)),
+            Ok(rating) if rating <= super::MAX_RATING => Ok(Self(rating)),
             _ => Err("expected a rating from 0 to 3".to_owned()),
         }
     }

@@ -1,4 +1,4 @@
-//! Applies the model of vision to stimuli and images in a window on a screen.
+//! Applies the vision model to stimuli and images in a window on a screen.
 
 use super::catalog::Stimulus;
 use crate::{

@@ -1,4 +1,4 @@
-//! The model of vision, compared with known facts about Mach bands, each with its source, and checked for consistency.
+//! The vision model, compared with known facts about Mach bands, each with its source, and checked for consistency.
 
 use super::Draw as _;
 use machband::{

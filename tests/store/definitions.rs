@@ -9,7 +9,7 @@ use std::{
 
 use machband::{
     display::DisplayProfile,
-    experiment::{Identity, Order, Phase, Protocol, RATING_MAX, Schedule, columns},
+    experiment::{Identity, MAX_RATING, Order, Phase, Protocol, Schedule, columns},
     light::Transfer,
     stimulus::KINDS,
     store::{FileErrors, check::check, definition, observer, profile},
@@ -373,7 +373,7 @@ fn texts_can_be_in_the_participants_language() {
         .replace("welcome = \"Hello\"", "task = \"\"\"\n  Sie sehen eine helle Fläche.\"\"\"");
     let protocol = definition::parse("de.toml", &text).unwrap();
     assert_eq!(protocol.response.question, "Wie deutlich?");
-    assert_eq!(protocol.response.categories.len(), usize::from(RATING_MAX) + 1);
+    assert_eq!(protocol.response.categories.len(), usize::from(MAX_RATING) + 1);
     assert_eq!(protocol.instructions.task, "  Sie sehen eine helle Fläche.");
     // Other texts keep their defaults.
     assert_eq!(protocol.instructions.thanks, "Thank you!");

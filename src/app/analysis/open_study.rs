@@ -35,7 +35,7 @@ const NARROW: f32 = 700.0;
 /// Address and heading of the view of data and filters.
 const DATA: (&str, &str) = ("data", "Data");
 /// Address and heading of the section that is computed only when it is opened, because it takes a while.
-const VISION: (&str, &str) = ("vision", "What the model of vision predicts");
+const VISION: (&str, &str) = ("vision", "What the vision model predicts");
 
 /// An action that only the page can perform.
 pub enum Request {

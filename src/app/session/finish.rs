@@ -7,7 +7,7 @@ use egui_plot::{Corner, GridMark, Legend, Line, Points};
 
 use crate::{
     app::ui::{self, Step, still_plot, theme},
-    experiment::{Factor, Phase, Protocol, RATING_MAX, TrialRecord},
+    experiment::{Factor, MAX_RATING, Phase, Protocol, TrialRecord},
 };
 
 pub struct Finish {
@@ -125,12 +125,12 @@ impl Finish {
             .include_x(-0.3)
             .include_x(last + 1.0)
             .include_y(-0.1)
-            .include_y(f64::from(RATING_MAX) + 0.1)
+            .include_y(f64::from(MAX_RATING) + 0.1)
             .x_axis_label(along.name.clone())
             .y_axis_label("mean rating")
             .legend(Legend::default().position(Corner::RightTop))
             .x_grid_spacer(move |_| (0..=last as i64).map(|i| GridMark { value: i as f64, step_size: 1.0 }).collect())
-            .y_grid_spacer(|_| (0..=RATING_MAX).map(|i| GridMark { value: f64::from(i), step_size: 1.0 }).collect())
+            .y_grid_spacer(|_| (0..=MAX_RATING).map(|i| GridMark { value: f64::from(i), step_size: 1.0 }).collect())
             .x_axis_formatter(move |mark, _| {
                 let index = mark.value.round();
                 if index < 0.0 { String::new() } else { labels.get(index as usize).cloned().unwrap_or_default() }

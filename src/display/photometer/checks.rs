@@ -7,7 +7,7 @@ use crate::display::channel::Channel;
 pub const MIN_LEVELS: usize = 5;
 /// The decrease that noise could explain: a share of the reading, steps of the photometer, and a share of the maximum
 /// light.
-const FALL: (f64, f64, f64) = (0.05, 3.0, 5e-5);
+const NOISE_FALL: (f64, f64, f64) = (0.05, 3.0, 5e-5);
 /// The rise that noise could not hide, as a natural logarithm.
 const CLEAR_RISE: f64 = 0.1;
 /// The light has stopped rising if it rises by less than this share of the rise predicted from the levels below.
@@ -132,8 +132,8 @@ fn set_errors(readings: &Readings) -> Vec<ReadingsError> {
 /// Returns an error for each channel whose light does not rise all the way to the highest level.
 fn curve_errors(readings: &Readings) -> Vec<ReadingsError> {
     let black_cd_m2 = readings.black_cd_m2();
-    let (share, steps, of_most) = FALL;
-    let still = steps * readings.resolution_cd_m2() + of_most * readings.largest_cd_m2();
+    let (share, steps, of_largest) = NOISE_FALL;
+    let still = steps * readings.resolution_cd_m2() + of_largest * readings.largest_cd_m2();
     let mut errors = Vec::new();
     for channel in readings.channels() {
         let means = readings.means(*channel);

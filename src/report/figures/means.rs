@@ -57,7 +57,7 @@ pub fn predicted(results: &Results, expected: &[Option<f64>]) -> Vec<Figure> {
     }
     let means = sums.into_iter().map(|(levels, (sum, n))| (levels, (sum / n, None))).collect();
     let names = ["figure4a_predicted", "figure4b_predicted"];
-    let source = "by the model of vision, with its criterion fitted to the ratings";
+    let source = "by the vision model, with its criterion fitted to the ratings";
     charts(&project(counts, &factors), &means, names, "Predicted mean rating", source)
 }
 

@@ -25,7 +25,7 @@ pub(super) fn section(
     prediction: &Result<StudyPrediction, PredictionError>,
     figures: &[Figure],
 ) -> Section {
-    let mut section = Section::new("vision", "What the model of vision predicts");
+    let mut section = Section::new("vision", "What the vision model predicts");
     let prediction = match prediction {
         Ok(prediction) => prediction,
         Err(error) => {

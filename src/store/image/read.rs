@@ -16,16 +16,16 @@ use crate::{
         halftone::{Halftone, Screen},
         palette::{Reduction, reduce},
     },
-    stimulus::recipe::{Recipe, SIZE_MAX},
+    stimulus::recipe::{MAX_SIZE, Recipe},
     store::{FileErrors, file::read_bytes},
 };
 
 /// Maximum side length of an image that is read as light, in pixels.
-const SIDE_MAX: u32 = 8192;
+const MAX_SIDE: u32 = 8192;
 /// Maximum file size in bytes; more than the largest stimulus needs without compression.
-const FILE_MAX: u64 = 2 << 30;
+const MAX_FILE: u64 = 2 << 30;
 /// Maximum number of bytes that one byte of PNG data can expand to; DEFLATE reaches 1032.
-const EXPANSION_MAX: usize = 1040;
+const MAX_EXPANSION: usize = 1040;
 
 /// Reads any PNG (gray, color or palette) as the light that a screen with these transfer functions emits.
 ///
@@ -40,7 +40,7 @@ pub fn read_light(path: &Path, transfers: &Transfers) -> Result<LinearImage, Fil
 /// # Errors
 /// The same as for [`read_light`].
 pub fn parse_light(name: &str, content: &[u8], transfers: &Transfers) -> Result<LinearImage, FileErrors> {
-    let (image, _) = decode(name, content, |_| SIDE_MAX)?;
+    let (image, _) = decode(name, content, |_| MAX_SIDE)?;
     let encoded: Vec<f64> = match &image.samples {
         Samples::Eight(codes) => codes.iter().map(|code| f64::from(*code) / 255.0).collect(),
         Samples::Sixteen(codes) => codes.iter().map(|code| f64::from(*code) / 65535.0).collect(),
@@ -52,7 +52,7 @@ pub fn parse_light(name: &str, content: &[u8], transfers: &Transfers) -> Result<
 
 /// Reads the content of an image file.
 fn content(path: &Path) -> Result<Vec<u8>, FileErrors> {
-    read_bytes(path, FILE_MAX, "an image")
+    read_bytes(path, MAX_FILE, "an image")
 }
 
 /// Decodes an opaque PNG into its codes and its other chunks. `side_max` returns the largest allowed side length.
@@ -82,7 +82,7 @@ fn decode(
         }
     };
     // Without this check, a small file that claims to contain a huge image would exhaust the memory.
-    let size = reader.output_buffer_size().filter(|size| *size <= content.len().saturating_mul(EXPANSION_MAX));
+    let size = reader.output_buffer_size().filter(|size| *size <= content.len().saturating_mul(MAX_EXPANSION));
     let Some(size) = size else {
         return Err(fail(format!("is too short for {width} × {height} pixels; expected a complete PNG")));
     };
@@ -133,7 +133,7 @@ pub fn read(path: &Path) -> Result<ReadBack, FileErrors> {
 
 fn parse(name: &str, content: &[u8]) -> Result<ReadBack, FileErrors> {
     let fail = |message: String| FileErrors::whole(name, message);
-    let side_max = |info: &Info<'_>| if text(info, HALFTONE_KEYWORD).is_some() { 16 * SIZE_MAX } else { SIZE_MAX };
+    let side_max = |info: &Info<'_>| if text(info, HALFTONE_KEYWORD).is_some() { 16 * MAX_SIZE } else { MAX_SIZE };
     let (image, info) = decode(name, content, side_max)?;
     if let Some(parameters) = text(&info, SHADED_KEYWORD) {
         return Err(fail(format!(
@@ -174,8 +174,8 @@ pub fn verify_content(name: &str, content: &[u8]) -> Result<String, FileErrors> 
     let read = parse(name, content)?;
     let (image, recipe) = (&read.image, &read.recipe);
     let fail = |message: String| FileErrors::whole(name, message);
-    if recipe.size == 0 || recipe.size > SIZE_MAX {
-        return Err(fail(format!("its recipe specifies {} pixels per side; expected 1…{SIZE_MAX}", recipe.size)));
+    if recipe.size == 0 || recipe.size > MAX_SIZE {
+        return Err(fail(format!("its recipe specifies {} pixels per side; expected 1…{MAX_SIZE}", recipe.size)));
     }
     let side = recipe.size * read.halftone.map_or(1, |screen| screen.matrix.size());
     if (image.width, image.height) != (side, side) {

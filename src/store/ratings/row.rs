@@ -5,12 +5,12 @@ use super::{
     trials::{Identity, Trial},
 };
 use crate::{
-    experiment::RATING_MAX,
+    experiment::MAX_RATING,
     store::table::{Row, shortened},
 };
 
 /// Maximum count in a row. The sum of many such counts still fits in 64 bits.
-const COUNT_MAX: f64 = 1e12;
+const MAX_COUNT: f64 = 1e12;
 
 /// The cells of a row, which are all valid text.
 pub(super) struct Cells<'a> {
@@ -107,7 +107,7 @@ pub(super) fn identity<'a>(
 pub(super) fn is_rating(text: &str, own_scale: bool) -> bool {
     if own_scale {
         // A spreadsheet or pandas may have written 2 as 2.0.
-        text.parse().is_ok_and(|number: f64| (0..=RATING_MAX).any(|rating| number == f64::from(rating)))
+        text.parse().is_ok_and(|number: f64| (0..=MAX_RATING).any(|rating| number == f64::from(rating)))
     } else {
         !matches!(text, "" | "NA" | "NaN" | "nan")
     }
@@ -120,7 +120,7 @@ pub(super) fn is_rating(text: &str, own_scale: bool) -> bool {
 pub(super) fn rating<'a>(cells: &Cells<'a>, columns: &Columns, own_scale: bool) -> Result<&'a str, RowError> {
     match cells.get(columns.response) {
         text if is_rating(text, own_scale) => Ok(text),
-        _ if own_scale => Err(cells.error(columns.response, &format!("a rating from 0 to {RATING_MAX}"))),
+        _ if own_scale => Err(cells.error(columns.response, &format!("a rating from 0 to {MAX_RATING}"))),
         _ => Err(cells.error(columns.response, "a rating")),
     }
 }
@@ -132,9 +132,9 @@ pub(super) fn rating<'a>(cells: &Cells<'a>, columns: &Columns, own_scale: bool) 
 pub(super) fn count(cells: &Cells<'_>, columns: &Columns) -> Result<u64, RowError> {
     let Some(column) = columns.count else { return Ok(1) };
     let expected = match cells.get(column).parse::<f64>() {
-        Ok(count) if (0.0..=COUNT_MAX).contains(&count) && count.fract() == 0.0 => return Ok(count as u64),
+        Ok(count) if (0.0..=MAX_COUNT).contains(&count) && count.fract() == 0.0 => return Ok(count as u64),
         Ok(number) if number < 0.0 => "a count, 0 or more",
-        Ok(number) if number > COUNT_MAX => "a count of at most 10^12",
+        Ok(number) if number > MAX_COUNT => "a count of at most 10^12",
         Ok(_) => "a count without a fraction",
         Err(_) => "a count, a whole number",
     };

@@ -10,7 +10,7 @@ use super::{
     source::{Layout, ReadOptions, Shape},
 };
 use crate::{
-    experiment::{Protocol, RATING_MAX, columns_by_header},
+    experiment::{MAX_RATING, Protocol, columns_by_header},
     light::names::expected_one_of,
     store::{FileError, StoreError, definition, sidecar::Sidecar},
 };
@@ -328,7 +328,7 @@ fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &
     // A name may occur several times in a request such as `--terms a,b,a:b`.
     let mut known = HashSet::new();
     factors.retain(|name| known.insert(name.clone()));
-    let scale = (0..=RATING_MAX).map(|rating| rating.to_string()).collect();
+    let scale = (0..=MAX_RATING).map(|rating| rating.to_string()).collect();
     Shape {
         factors,
         subject: options.subject().to_owned(),
