@@ -34,13 +34,13 @@ pub fn definition(content: &[u8]) {
     let written = serde_json::to_value(&protocol).unwrap();
     let again = definition::from_json("fuzz.json", &written).unwrap();
     assert_eq!(definition::hash(&again), definition::hash(&protocol));
-    let someone = Identity::new("S001", "1").unwrap();
+    let identity = Identity::new("S001", "1").unwrap();
     // The search for an order with max_run stops after about a second, which is ten seconds with the sanitizer.
     if protocol.design.max_run.is_some() {
         return;
     }
     // A design without a possible order gives an error; any other design plans every trial once.
-    if let Ok(schedule) = Schedule::new(&protocol, &someone, 1) {
+    if let Ok(schedule) = Schedule::new(&protocol, &identity, 1) {
         assert_eq!(schedule.trials.len(), protocol.design.practice as usize + protocol.main_trials());
     }
 }

@@ -52,8 +52,8 @@ impl Refresh {
 
     /// Estimates the refresh of the screen from the intervals of its frames: their total time divided by the number of
     /// refreshes in it. Single late or dropped frames do not change the result, which is not rounded to a common rate.
-    /// Returns `None` if there are fewer than [`MIN_ESTIMATE_INTERVALS`] intervals, if too few of them are one refresh long, or
-    /// if the rate is below 10 Hz: then the frames are not synchronized with the screen. If the frames are not
+    /// Returns `None` if there are fewer than [`MIN_ESTIMATE_INTERVALS`] intervals, if too few of them are one refresh
+    /// long, or if the rate is below 10 Hz: then the frames are not synchronized with the screen. If the frames are not
     /// synchronized but all take equally long, the result is that time: only the window system knows better.
     #[must_use]
     pub fn estimate(intervals_us: &[u32]) -> Option<Self> {

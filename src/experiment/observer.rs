@@ -240,8 +240,8 @@ const RESPONSE_MEDIAN_S: f64 = 1.6;
 const RESPONSE_SIGMA: f64 = 0.4;
 
 /// Lets an observer rate every remaining trial as fast as the records can be stored. Time is simulated and starts at
-/// `start`. A rating depends only on the seed, the participant, the session and the trial, so an interrupted
-/// session continues as if it had never been interrupted.
+/// `start`. A rating depends only on the seed, the participant, the session and the trial, so an interrupted session
+/// continues as if it had never been interrupted.
 ///
 /// # Errors
 /// Returns the first error of `record`. The response must be on disk when `record` returns.

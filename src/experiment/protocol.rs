@@ -27,7 +27,7 @@ pub struct DefinitionError {
     pub message: String,
 }
 
-/// The errors of a definition.
+/// The errors in a definition.
 #[derive(Clone, Debug, Default)]
 pub struct DefinitionErrors(pub Vec<DefinitionError>);
 
@@ -253,7 +253,7 @@ const RESERVED_KEYS: [char; 1] = ['s'];
 impl Protocol {
     /// Returns all cells of the design. The last factor varies fastest.
     ///
-    /// This never fails for a validated protocol. The error repeats the error that [`Protocol::errors`] reports.
+    /// This never fails for a validated protocol. The error is also one of [`Protocol::errors`].
     pub fn conditions(&self) -> Result<Vec<Condition>, ParameterError> {
         cross(&self.stimulus, &self.factors)
     }

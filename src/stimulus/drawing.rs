@@ -19,7 +19,7 @@ pub(super) trait Area {
 /// Light that varies along one direction only. Positions are measured from the center line in window sides, positive in
 /// the direction of the orientation.
 pub(super) trait Profile {
-    /// Returns the light at `x` after `added` is added to the luminance. At a jump, this is the value on the far side.
+    /// Returns the light at `x`; `added` is added to the luminance. At a jump, this is the value on the far side.
     fn light(&self, x: f64, added: f64) -> [f64; 3];
 
     /// Returns the positions where the luminance jumps, and the height of each jump.

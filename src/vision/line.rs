@@ -152,10 +152,10 @@ impl Line<'_> {
         let margin = self.border.margin_deg(frequency);
         let fall = ((FALL_PERIODS / frequency / step) as usize).min(n / 2);
         // The search for the fall stops where a border already distorts the response.
-        let beside = self.border.unusable_deg(frequency);
+        let unusable = self.border.unusable_deg(frequency);
         let free = |deg: f64| match self.border {
             Border::Continues => fall,
-            Border::Cut => (((deg - beside) / step).max(0.0) as usize).min(fall),
+            Border::Cut => (((deg - unusable) / step).max(0.0) as usize).min(fall),
         };
         let energy: Vec<f64> = response.iter().map(|value| value.norm_sqr()).collect();
         let first = (margin / step).ceil() as usize;

@@ -159,14 +159,14 @@ impl Search<'_> {
         let Responses { grid, energy, .. } = self.responses;
         let far = FALL_PERIODS / self.channel.frequency * self.px_per_deg / grid.step[0];
         let far = far.min(grid.columns.min(grid.rows) as f64 / 2.0);
-        let beside = Border::Cut.unusable_deg(self.channel.frequency) * self.px_per_deg;
+        let unusable = Border::Cut.unusable_deg(self.channel.frequency) * self.px_per_deg;
         let enough = (COUNTS_FULLY_BELOW * peak).powi(2);
         let mut least = f64::MAX;
         let mut along = 1.0;
         while along <= far && least > enough {
             let index = [0, 1].map(|axis| from[axis] + across[axis] * (shift + along));
             let place = [0, 1].map(|axis| grid.first[axis] + index[axis] * grid.step[axis]);
-            if self.distances.distance_at(place) < beside {
+            if self.distances.distance_at(place) < unusable {
                 break;
             }
             least = least.min(grid.between(energy, index));

@@ -202,7 +202,7 @@ impl Sweep {
         } else {
             run::child(case.definition, &first, &second, resume)
         };
-        // A lasting fault affects only the first folder, so that the session can move to the second; other faults
+        // A repeated fault affects only the first folder, so that the session can move to the second; other faults
         // affect both.
         let repeated = case.faults.iter().any(|fault| fault.repeated);
         let under = if repeated { &first } else { folder };

@@ -223,8 +223,8 @@ fn validate(sample: &Sample, fitted_to: impl Fn(&Sample) -> Vec<Curve>) -> Valid
 
 /// Returns the index of the model to use; `models` are sorted from the simplest. It is the simplest model whose error
 /// is within one standard error of the smallest error (Hastie, Tibshirani & Friedman 2009, The Elements of Statistical
-/// Learning, §7.10) and at most [`MAX_ERROR_RATIO`] the smallest. The standard error is the one of the difference at the
-/// same levels.
+/// Learning, §7.10) and at most [`MAX_ERROR_RATIO`] the smallest. The standard error is the one of the difference at
+/// the same levels.
 fn simplest_of_the_best(models: &[&Validation]) -> usize {
     let Some(least) = models.iter().min_by(|a, b| mean(&a.squares).total_cmp(&mean(&b.squares))) else { return 0 };
     let bound = MAX_ERROR_RATIO.powi(2) * mean(&least.squares).max(EXACT);

@@ -32,7 +32,7 @@ pub enum ErrorLocation {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{message}")]
 pub struct ReadingsError {
-    /// The readings that the error is location.
+    /// The readings that the error is about.
     pub location: ErrorLocation,
     /// The error, and what is expected instead.
     pub message: String,

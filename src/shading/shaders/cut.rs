@@ -13,8 +13,8 @@ use crate::{
     },
 };
 
-/// L − Σ_k c_k·b'_k·Ψ_n(w_k/b'_k), where Ψ is [`Curve::remaining_integral`]. The light is C1 across edges. On an edge itself, it
-/// changes by −c·b'/2. b may be up to 1; n = 1 is best.
+/// L − Σ_k c_k·b'_k·Ψ_n(w_k/b'_k), where Ψ is [`Curve::remaining_integral`]. The light is C1 across edges. On an edge
+/// itself, it changes by −c·b'/2. b may be up to 1; n = 1 is best.
 ///
 /// The width of a strip is b' = `b·φ(σ/(b·m_B))·φ((1−σ)/(b·m_C))`. σ = w_C + w_A·s_A is the point's perpendicular
 /// projection onto the edge. The width therefore does not change perpendicular to the edge, and it falls below w_A
