@@ -7,7 +7,7 @@ use machband::{
     light::Depth,
     shading::{Reference, Scene, Shade, Shader, Surface, coverage, shapes},
     stimulus::{MachBand, Stimulus, ViewingConditions},
-    vision::{Border, Eye, Line, Picture, luminance, luminances},
+    vision::{Border, Eye, Line, LuminanceImage, luminance, luminances},
 };
 
 fn main() {
@@ -27,11 +27,11 @@ fn picture_of_a_mesh(bencher: Bencher) {
     let surface = Surface::new(shapes::mesh(shapes::Shape::Blob, 313).expect("a blob"));
     let frame = Scene::default().frame(&surface, 512, 512);
     let light = luminances(&Reference::new(&frame, &Shade::new(Shader::Gouraud)).image());
-    see(bencher, &light, Some(&coverage::inside_outlines(&frame)));
+    see(bencher, &light, Some(&coverage::interior_mask(&frame)));
 }
 
 fn see(bencher: Bencher, light: &[f64], mask: Option<&[bool]>) {
-    let picture = Picture { light, width: 512, height: 512, px_per_deg: 51.2, mask };
+    let picture = LuminanceImage { light, width: 512, height: 512, px_per_deg: 51.2, mask };
     bencher.bench_local(|| black_box(&picture).predict(&Eye::default()).expect("a picture"));
 }
 

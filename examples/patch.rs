@@ -12,7 +12,7 @@ mod offscreen;
 
 use machband::shading::{
     Channels, Patches,
-    shaders::{Patch, Spread as _},
+    shaders::{Patch, ShaderKernel as _},
 };
 use offscreen::{CORNERS, TRIANGLES};
 

@@ -9,7 +9,7 @@ use std::{fmt::Debug, path::PathBuf, sync::LazyLock};
 use machband::{
     experiment::{Column, Identity, RatingRow, Schedule, columns},
     light::Transfer,
-    store::{FileFaults, definition, image, mesh, observer, profile, ratings, ratings::ReadOptions, readings, results},
+    store::{FileErrors, definition, image, mesh, observer, profile, ratings, ratings::ReadOptions, readings, results},
 };
 
 /// A target by its name.
@@ -34,13 +34,13 @@ pub fn definition(content: &[u8]) {
     let written = serde_json::to_value(&protocol).unwrap();
     let again = definition::from_json("fuzz.json", &written).unwrap();
     assert_eq!(definition::hash(&again), definition::hash(&protocol));
-    let someone = Identity::new("S001", "1").unwrap();
+    let identity = Identity::new("S001", "1").unwrap();
     // The search for an order with max_run stops after about a second, which is ten seconds with the sanitizer.
     if protocol.design.max_run.is_some() {
         return;
     }
     // A design without a possible order gives an error; any other design plans every trial once.
-    if let Ok(schedule) = Schedule::new(&protocol, &someone, 1) {
+    if let Ok(schedule) = Schedule::new(&protocol, &identity, 1) {
         assert_eq!(schedule.trials.len(), protocol.design.practice as usize + protocol.main_trials());
     }
 }
@@ -73,10 +73,10 @@ pub fn ratings(content: &[u8]) {
     std::fs::remove_file(&path).unwrap();
     match read {
         Ok((source, rows)) => {
-            assert!(rows.iter().sum::<u64>() > 0 || !source.faults.is_empty() || !source.files.is_empty());
-            source.faults.iter().for_each(|fault| assert!(!fault.message.is_empty()));
+            assert!(rows.iter().sum::<u64>() > 0 || !source.errors.is_empty() || !source.files.is_empty());
+            source.errors.iter().for_each(|error| assert!(!error.message.is_empty()));
         }
-        Err(faults) => assert!(!faults.0.is_empty()),
+        Err(errors) => assert!(!errors.0.is_empty()),
     }
 }
 
@@ -107,7 +107,7 @@ pub fn obj(content: &[u8]) {
 
 /// An image, as `check` verifies it and as `predict` reads it.
 pub fn png(content: &[u8]) {
-    checked(image::prove_content("fuzz.png", content));
+    checked(image::verify_content("fuzz.png", content));
     if let Some(image) = checked(image::parse_light("fuzz.png", content, &Transfer::Srgb.into())) {
         assert_eq!(image.data.len(), 3 * image.width as usize * image.height as usize);
     }
@@ -126,14 +126,14 @@ fn text(content: &[u8]) -> Option<&str> {
 }
 
 /// Returns the result. If there is none, checks that the error has a message.
-fn checked<T: Debug>(read: Result<T, FileFaults>) -> Option<T> {
+fn checked<T: Debug>(read: Result<T, FileErrors>) -> Option<T> {
     match read {
         Ok(read) => Some(read),
-        Err(FileFaults(faults)) => {
-            assert!(!faults.is_empty(), "refused without a reason");
-            for fault in faults {
-                assert!(!fault.message.is_empty(), "{fault:?}");
-                assert!(fault.position.is_none_or(|(line, column)| line > 0 && column > 0), "{fault:?}");
+        Err(FileErrors(errors)) => {
+            assert!(!errors.is_empty(), "refused without a reason");
+            for error in errors {
+                assert!(!error.message.is_empty(), "{error:?}");
+                assert!(error.position.is_none_or(|(line, column)| line > 0 && column > 0), "{error:?}");
             }
             None
         }

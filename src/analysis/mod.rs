@@ -30,7 +30,7 @@ pub mod summary;
 
 pub use levels::{number_of, numbers_of};
 pub use ordinal::{
-    Coefficient, Link, MOST_NODES, Model, ModelError, ModelReport, ModelSpec, Note, Part, Prediction, Random,
+    Coefficient, Link, MAX_NODES, Model, ModelError, ModelReport, ModelSpec, Note, Part, Prediction, Random,
     RandomEffect, SubjectMode, TermTest, Threshold, fit, fit_with_tests, scale_tests, terms,
 };
 pub use results::{Options, Results, analyze};

@@ -10,7 +10,7 @@ use super::{
 use crate::{
     analysis::{ModelError, Options, Random, analyze, bootstrap::Bootstrap, numbers_of},
     report::{
-        Provenance, Written,
+        AnalysisOutput, Provenance,
         prediction::{PredictionError, StudyPrediction},
         skins,
         study::{Parts, document},
@@ -87,27 +87,30 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     progress.set_message(if arguments.tables_only { "writing" } else { "predicting, drawing and writing" });
     let provenance = Provenance::of_process();
-    let Written { files, prediction } =
+    let AnalysisOutput { files, prediction } =
         write_all(&study, &results, &provenance, &arguments.out, arguments.tables_only)?;
     progress.finish_and_clear();
-    super::say(&super::ratings::sentence(&study.source, &results.measured.counts))?;
+    super::print_line(&super::ratings::sentence(&study.source, &results.measured.counts))?;
     let document = document(&study.source, &results, Parts::default());
     for line in document.sections.first().iter().flat_map(|summary| skins::terminal(summary)) {
-        super::say(&line)?;
+        super::print_line(&line)?;
     }
     if let Ok(report) = &results.model {
         let terms = results.spec.terms.to_string();
         let terms = if terms.is_empty() { "without terms" } else { &terms };
         let model = &report.model;
-        super::say(&format!("model {terms} ({} {}): log-likelihood {:.3}", model.link, model.method, model.loglik))?;
+        super::print_line(&format!(
+            "model {terms} ({} {}): log-likelihood {:.3}",
+            model.link, model.method, model.loglik
+        ))?;
     }
     if let Some((predicted, took)) = &prediction {
-        super::say(&prediction_line(predicted, *took))?;
+        super::print_line(&prediction_line(predicted, *took))?;
     }
     let report = files.iter().find(|file| file.extension().is_some_and(|extension| extension == "html"));
     let place = report.unwrap_or(&arguments.out);
-    super::say(&format!("{} files written; see {}", files.len(), place.display()))?;
-    super::ratings::faults(&study.source)
+    super::print_line(&format!("{} files written; see {}", files.len(), place.display()))?;
+    super::ratings::errors(&study.source)
 }
 
 /// True if the error is in the requested model and not in the data.
@@ -125,11 +128,11 @@ fn is_usage(error: &ModelError) -> bool {
 fn prediction_line(predicted: &Result<StudyPrediction, PredictionError>, took: Duration) -> String {
     match predicted {
         Ok(StudyPrediction { comparison, .. }) => format!(
-            "model of vision: rank correlation {} with the mean ratings of {} conditions ({:.1} s)",
+            "vision model: rank correlation {} with the mean ratings of {} conditions ({:.1} s)",
             comparison.rank_correlation.map_or_else(|| "—".to_owned(), |rho| format!("{rho:.3}")),
             comparison.conditions,
             took.as_secs_f64()
         ),
-        Err(error) => format!("no prediction by the model of vision: {error}"),
+        Err(error) => format!("no prediction by the vision model: {error}"),
     }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use jiff::civil::Date;
 use serde_json::{Value, json};
 
-use super::{UsageError, columns, say, today, warn, wrote};
+use super::{UsageError, columns, print_line, report_written, today, warn};
 use crate::{
     display::{
         Measurement,
@@ -74,15 +74,15 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     profile::write(&arguments.out, &made)?;
     if let Some(path) = &arguments.plot {
         plot(path, &calibration)?;
-        wrote(path)?;
+        report_written(path)?;
     }
     if let Some(path) = &arguments.report {
         store::write_file(path, format!("{:#}\n", report(&calibration, family)).as_bytes())?;
-        wrote(path)?;
+        report_written(path)?;
     }
     let out = arguments.out.display().to_string();
     warn(&out, &made);
-    say(&format!("{done} {out}: {}", made.sentence()))
+    print_line(&format!("{done} {out}: {}", made.sentence()))
 }
 
 fn check(arguments: &Arguments) -> Result<(), UsageError> {
@@ -119,14 +119,17 @@ fn print(arguments: &Arguments, calibration: &Calibration, family: Family) -> an
     let channels: Vec<&str> = calibration.readings.channels().iter().map(|channel| channel.name()).collect();
     let (file, readings) = (arguments.readings.display(), calibration.readings.all().len());
     let (scatter, light) = (100.0 * calibration.noise, calibration.luminance_of(family));
-    say(&format!("{file}: {readings} readings of {}; repeated readings vary by {scatter:.2} %", channels.join(", ")))?;
-    say(&format!("black {:.4} cd/m², white {:.2} cd/m²\n", light.black_cd_m2, light.white_cd_m2))?;
+    print_line(&format!(
+        "{file}: {readings} readings of {}; repeated readings vary by {scatter:.2} %",
+        channels.join(", ")
+    ))?;
+    print_line(&format!("black {:.4} cd/m², white {:.2} cd/m²\n", light.black_cd_m2, light.white_cd_m2))?;
     let largest_error = ["largest error, codes", "cd/m²"];
     let header = [&["model", "channel", "gamma", "gain", "offset", "R²"], &largest_error[..]].concat();
     let models = || calibration.models.iter();
     let rows = models().flat_map(|model| model.channels.iter().map(|channel| cells(model.family, channel)));
-    columns(&header, &rows.collect::<Vec<_>>()).iter().try_for_each(|line| say(line))?;
-    say("\nleave-one-level-out error")?;
+    columns(&header, &rows.collect::<Vec<_>>()).iter().try_for_each(|line| print_line(line))?;
+    print_line("\nleave-one-level-out error")?;
     let header = ["model", "rms codes", "rms cd/m²", "largest codes", "relative to noise"];
     let rows = models().map(|model| {
         let found = &model.validation;
@@ -138,20 +141,20 @@ fn print(arguments: &Arguments, calibration: &Calibration, family: Family) -> an
             format!("{:.2}", found.score.sqrt()),
         ]
     });
-    columns(&header, &rows.collect::<Vec<_>>()).iter().try_for_each(|line| say(line))?;
-    say("")?;
+    columns(&header, &rows.collect::<Vec<_>>()).iter().try_for_each(|line| print_line(line))?;
+    print_line("")?;
     let sums = &calibration.additivity;
     if !sums.is_empty() {
-        say(&format!(
+        print_line(&format!(
             "additivity: gray differs from red + green + blue − 2 black by at most {:+.2} % and {:+.3} cd/m²",
             largest(sums, Sum::deviation_percent),
             largest(sums, Sum::deviation_cd_m2),
         ))?;
     }
-    calibration.notes.iter().try_for_each(|note| say(&format!("note: {note}")))?;
+    calibration.notes.iter().try_for_each(|note| print_line(&format!("note: {note}")))?;
     let better = calibration.chosen;
-    say(&format!("best by cross-validation: {better} (the simplest of the best-predicting models)"))?;
-    say(&format!("chosen: {family}{}", if arguments.model == "auto" { "" } else { ", as requested" }))
+    print_line(&format!("best by cross-validation: {better} (the simplest of the best-predicting models)"))?;
+    print_line(&format!("chosen: {family}{}", if arguments.model == "auto" { "" } else { ", as requested" }))
 }
 
 fn cells(family: Family, channel: &FittedChannel) -> Vec<String> {

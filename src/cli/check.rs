@@ -4,7 +4,7 @@ use std::{collections::BTreeSet, path::PathBuf};
 
 use indicatif::ProgressBar;
 
-use super::{UsageError, progress_style, say, warn};
+use super::{UsageError, print_line, progress_style, warn};
 use crate::store::{self, ratings, verify};
 
 /// Check definitions, result files, display profiles, readings, observers and images, and report every error.
@@ -19,7 +19,7 @@ pub(super) struct CheckArguments {
 }
 
 pub(super) fn check(arguments: &CheckArguments) -> anyhow::Result<()> {
-    let mut faults = Vec::new();
+    let mut errors = Vec::new();
     for file in &arguments.files {
         if file.is_empty() {
             return Err(UsageError("a file name is empty; expected a path".to_owned()).into());
@@ -29,12 +29,12 @@ pub(super) fn check(arguments: &CheckArguments) -> anyhow::Result<()> {
                 if let Some(profile) = &found.profile {
                     warn(file, profile);
                 }
-                say(&format!("{file}: {}", found.sentence))?;
+                print_line(&format!("{file}: {}", found.sentence))?;
             }
-            Err(error) => faults.push(error.to_string()),
+            Err(error) => errors.push(error.to_string()),
         }
     }
-    if faults.is_empty() { Ok(()) } else { Err(anyhow::anyhow!(faults.join("\n"))) }
+    if errors.is_empty() { Ok(()) } else { Err(anyhow::anyhow!(errors.join("\n"))) }
 }
 
 /// Verify that the rows and pictures of recorded sessions are correct and that no file was changed.
@@ -54,34 +54,34 @@ pub(super) fn verify(arguments: &VerifyArguments) -> anyhow::Result<()> {
     let files = ratings::data_files(&arguments.folder)?;
     let bar = ProgressBar::new(files.len() as u64).with_style(progress_style("sessions"));
     let mut renderer = verify::Renderer::default();
-    let (mut faults, mut sentences) = (Vec::new(), Vec::new());
+    let (mut errors, mut sentences) = (Vec::new(), Vec::new());
     for csv in &files {
         let found = verify::session(csv, &mut renderer);
         bar.inc(1);
         sentences.push(format!("{}: {}", csv.display(), sentence(&found)));
-        faults.extend(found.faults.iter().map(ToString::to_string));
+        errors.extend(found.errors.iter().map(ToString::to_string));
     }
     bar.finish_and_clear();
     for sentence in &sentences {
-        say(sentence)?;
+        print_line(sentence)?;
     }
     let folders: BTreeSet<_> = files.iter().filter_map(|csv| csv.parent()?.parent()).collect();
     for folder in folders {
-        faults.extend(verify::leftovers(folder).iter().map(ToString::to_string));
+        errors.extend(verify::unexpected_files(folder).iter().map(ToString::to_string));
     }
-    if faults.is_empty() {
-        say(&format!("{} sessions verified; no errors", files.len()))
+    if errors.is_empty() {
+        print_line(&format!("{} sessions verified; no errors", files.len()))
     } else {
-        Err(anyhow::anyhow!(faults.join("\n")))
+        Err(anyhow::anyhow!(errors.join("\n")))
     }
 }
 
 fn sentence(found: &verify::Verified) -> String {
-    let verify::Verified { rows, rated: (rated, planned), pictures, sealed, faults, notes } = found;
+    let verify::Verified { rows, rated: (rated, planned), pictures, sealed, errors, notes } = found;
     let mut parts = vec![
         format!("{rows} rows, {rated} of {planned} trials rated, {pictures} pictures rendered again"),
-        if !faults.is_empty() {
-            format!("{} ERRORS", faults.len())
+        if !errors.is_empty() {
+            format!("{} ERRORS", errors.len())
         } else if *sealed {
             "unchanged since it was recorded".to_owned()
         } else {

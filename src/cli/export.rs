@@ -36,7 +36,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         let _ = writeln!(std::io::stderr(), "warning: {note}");
     }
     let pictures = if exported.pictures > 0 { format!(", {} pictures", exported.pictures) } else { String::new() };
-    super::say(&format!(
+    super::print_line(&format!(
         "{} sessions of {} in {}, {} rows{pictures}",
         exported.sessions,
         exported.experiments.join(", "),

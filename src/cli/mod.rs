@@ -106,7 +106,7 @@ pub fn main() -> ExitCode {
 }
 
 /// Writes one line of data to stdout. It is not an error if the reader has already closed the pipe, as `head -1` does.
-fn say(line: &str) -> anyhow::Result<()> {
+fn print_line(line: &str) -> anyhow::Result<()> {
     match writeln!(std::io::stdout(), "{line}") {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(anyhow::anyhow!("standard output: cannot write: {error}; expected enough space for the data"))
@@ -116,8 +116,8 @@ fn say(line: &str) -> anyhow::Result<()> {
 }
 
 /// Reports that a file was written.
-fn wrote(path: &Path) -> anyhow::Result<()> {
-    say(&format!("wrote {}", path.display()))
+fn report_written(path: &Path) -> anyhow::Result<()> {
+    print_line(&format!("wrote {}", path.display()))
 }
 
 /// Prints a warning if a measured profile should be measured again. `place` says where the profile comes from.

@@ -9,7 +9,7 @@ use clap::{
 
 use super::UsageError;
 use crate::{
-    analysis::{Link, MOST_NODES, terms::Terms},
+    analysis::{Link, MAX_NODES, terms::Terms},
     light::{Bits, Dither, Transfer, Transfers},
     stimulus::{KINDS, Parameter, ParameterValue, Stimulus, catalog, recipe::Recipe},
     store,
@@ -34,7 +34,7 @@ pub(super) struct ModelOptions {
     #[arg(long, default_value = "logit", value_parser = named::<Link>(Link::NAMES))]
     pub(super) link: Link,
     /// Number of nodes of the adaptive Gauss–Hermite quadrature; 1 is the Laplace approximation.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=MOST_NODES as i64))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=MAX_NODES as i64))]
     pub(super) quadrature: u16,
 }
 
@@ -129,23 +129,23 @@ impl StimulusOptions {
     /// # Errors
     /// Reports every parameter that the kind does not have, and every invalid value.
     pub(super) fn stimulus(&self) -> anyhow::Result<Stimulus> {
-        let fail = |faults: Vec<String>| UsageError(faults.join("\n"));
+        let fail = |errors: Vec<String>| UsageError(errors.join("\n"));
         let mut stimulus = Stimulus::default_of(&self.kind).ok_or_else(|| {
             fail(vec![format!("kind {} is not known; expected one of {}", self.kind, KINDS.join(", "))])
         })?;
-        let mut faults = Vec::new();
+        let mut errors = Vec::new();
         for (name, text) in &self.given {
             let value: ParameterValue = text.parse().unwrap_or_else(|never| match never {});
             if let Err(error) = stimulus.set(name, &value) {
-                faults.push(error.to_string());
+                errors.push(error.to_string());
             }
         }
-        if faults.is_empty()
-            && let Err(errors) = stimulus.validate()
+        if errors.is_empty()
+            && let Err(found) = stimulus.validate()
         {
-            faults.extend(errors.iter().map(ToString::to_string));
+            errors.extend(found.iter().map(ToString::to_string));
         }
-        if faults.is_empty() { Ok(stimulus) } else { Err(fail(faults).into()) }
+        if errors.is_empty() { Ok(stimulus) } else { Err(fail(errors).into()) }
     }
 }
 

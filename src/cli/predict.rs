@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::{
     UsageError,
     options::{StimulusOptions, TransferOptions},
-    say,
+    print_line,
 };
 use crate::{
     experiment::{Condition, Protocol, visibilities},
@@ -142,26 +142,29 @@ fn all(
         observer::write_criterion(path, &comparison.criterion)?;
     }
     if arguments.out.is_some() {
-        write(arguments, &header, rows, &seen, &comparison.criterion, prediction::LEAST)?;
+        write(arguments, &header, rows, &seen, &comparison.criterion, prediction::MIN_VISIBILITY)?;
     }
-    tell(&comparison)?;
-    super::ratings::faults(&study.source)
+    print_comparison(&comparison)?;
+    super::ratings::errors(&study.source)
 }
 
-fn tell(comparison: &Comparison) -> anyhow::Result<()> {
+fn print_comparison(comparison: &Comparison) -> anyhow::Result<()> {
     let number = |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |value| format!("{value:.3}"));
-    say(&format!("{} ratings of {} conditions", comparison.ratings, comparison.conditions))?;
+    print_line(&format!("{} ratings of {} conditions", comparison.ratings, comparison.conditions))?;
     let [a, b, c] = comparison.criterion.thresholds;
-    say(&format!(
+    print_line(&format!(
         "criterion: half of the ratings are above 0, 1, 2 at a visibility of {a:.3}, {b:.3}, {c:.3}; spread {:.3}",
         comparison.criterion.spread
     ))?;
-    say(&format!("rank correlation between visibility and mean rating: {}", number(comparison.rank_correlation)))?;
+    print_line(&format!(
+        "rank correlation between visibility and mean rating: {}",
+        number(comparison.rank_correlation)
+    ))?;
     let ceiling = comparison.ceiling.map_or_else(
         || "noise ceiling unknown: only one participant".to_owned(),
         |[low, high]| format!("noise ceiling from agreement between participants: {low:.3} to {high:.3}"),
     );
-    say(&format!("mean for individual participants: {}; {ceiling}", number(comparison.with_subjects)))
+    print_line(&format!("mean for individual participants: {}; {ceiling}", number(comparison.with_subjects)))
 }
 
 /// Returns the criterion from the given file, or the default.
@@ -190,6 +193,6 @@ fn write(
     let table = Table { header: header.iter().chain(&columns).map(|name| (*name).to_owned()).collect(), rows }.csv();
     match &arguments.out {
         Some(path) => Ok(store::write_file(path, &table)?),
-        None => say(String::from_utf8_lossy(&table).trim_end()),
+        None => print_line(String::from_utf8_lossy(&table).trim_end()),
     }
 }

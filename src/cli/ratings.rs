@@ -61,7 +61,7 @@ pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
         (sum(|file| file.practice), "practice rows"),
         (sum(|file| file.superseded), "corrected ratings"),
         (sum(|file| file.unfinished), "ratings of unfinished sessions"),
-        (sum(|file| file.faulty), "rows with errors"),
+        (sum(|file| file.erroneous), "rows with errors"),
     ]
     .into_iter()
     .filter(|(rows, _)| *rows > 0)
@@ -85,11 +85,11 @@ pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
 }
 
 /// Fails with all errors in the input, if there are any.
-pub(super) fn faults(source: &Source) -> anyhow::Result<()> {
-    if source.faults.is_empty() {
+pub(super) fn errors(source: &Source) -> anyhow::Result<()> {
+    if source.errors.is_empty() {
         return Ok(());
     }
-    let lines: Vec<String> = source.faults.iter().map(ToString::to_string).collect();
+    let lines: Vec<String> = source.errors.iter().map(ToString::to_string).collect();
     Err(anyhow::anyhow!(lines.join("\n")))
 }
 
@@ -114,7 +114,7 @@ pub(super) fn counts(arguments: &CountsArguments) -> anyhow::Result<()> {
     let counts = &study.measured.counts;
     write_file(&arguments.out, &tables::counts(counts, &study.source.shape).csv())?;
     progress.finish_and_clear();
-    super::say(&sentence(&study.source, counts))?;
-    super::say(&format!("{} rows in {}", counts.rows.len(), arguments.out.display()))?;
-    faults(&study.source)
+    super::print_line(&sentence(&study.source, counts))?;
+    super::print_line(&format!("{} rows in {}", counts.rows.len(), arguments.out.display()))?;
+    errors(&study.source)
 }

@@ -67,7 +67,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         (Some(_), false) => return Err(StoreError::Exists(csv).into()),
         (None, true) => return Err(StoreError::NothingToResume(csv).into()),
         (Some(true), true) => {
-            return super::say(&format!("{}: the session is already complete", csv.display()));
+            return super::print_line(&format!("{}: the session is already complete", csv.display()));
         }
         _ => {}
     }

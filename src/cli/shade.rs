@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use super::{
     UsageError,
     options::{TransferOptions, named},
-    say,
+    print_line,
 };
 use crate::{
     light::{Bits, Depth, Quantizer, Transfer},
@@ -215,10 +215,10 @@ fn summarize(shader: Shader, own: &Measured, gouraud: &Measured, viewing: &Viewi
         None => "Gouraud has none".to_owned(),
     };
     let (rms, edges, over) = (own.creases.rms, own.creases.edges.len(), of_gouraud(|of| of.creases.rms));
-    say(&format!("{shader}: crease rms {rms:.3e} per pixel over {edges} edges, {over}"))?;
+    print_line(&format!("{shader}: crease rms {rms:.3e} per pixel over {edges} edges, {over}"))?;
     let (Visibility { bright, dark }, deg) = (own.visibility, viewing.window_deg);
     let (visibility, over) = (own.visibility.max(), of_gouraud(|of| of.visibility.max()));
-    say(&format!(
+    print_line(&format!(
         "{shader}: visibility of bands {visibility:.2} (bright {bright:.2}, dark {dark:.2}) in a {deg}° window, {over}"
     ))
 }

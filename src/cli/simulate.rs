@@ -99,7 +99,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     simulation.bar.finish_and_clear();
     done?;
     let name = &simulation.protocol.name;
-    super::say(&format!(
+    super::print_line(&format!(
         "{total} sessions of {name} in {}, {trials} rows, {:.1} s",
         arguments.results.join(name).display(),
         started.elapsed().as_secs_f64()
@@ -153,8 +153,8 @@ impl Simulation<'_> {
             }
             Some(resumed) => resumed?,
         };
-        let Interrupted { schedule, resumed, elapsed_s, sitting, torn, .. } = left;
-        if torn.is_some() {
+        let Interrupted { schedule, resumed, elapsed_s, sitting, partial_line, .. } = left;
+        if partial_line.is_some() {
             let file = store.csv().display();
             bar.suspend(|| eprintln!("{file}: an incomplete last row was removed; its trial will be shown again"));
         }

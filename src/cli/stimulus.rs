@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::{
     UsageError,
     options::{ImageOptions, StimulusOptions},
-    progress_style, say, wrote,
+    print_line, progress_style, report_written,
 };
 use crate::{
     experiment::Condition,
@@ -81,7 +81,7 @@ fn finish(arguments: &StimulusArguments, recipe: &Recipe, quantizer: &Quantizer)
     if let Some(profile) = &arguments.profile {
         store::curve::write_profile(profile, recipe, quantizer)?;
     }
-    arguments.out.iter().chain(&arguments.profile).try_for_each(|path| wrote(path))
+    arguments.out.iter().chain(&arguments.profile).try_for_each(|path| report_written(path))
 }
 
 /// Write an image of every distinct condition of a definition, and a manifest.
@@ -143,7 +143,7 @@ pub(super) fn stimuli(arguments: &StimuliArguments) -> anyhow::Result<()> {
     }
     bar.finish_and_clear();
     let whole = manifest.finish()?;
-    say(&format!(
+    print_line(&format!(
         "{made} images made, {kept} kept, in {}, {:.1} s{}",
         arguments.out.display(),
         started.elapsed().as_secs_f64(),

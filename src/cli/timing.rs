@@ -60,16 +60,16 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         )
     })?;
     for (name, value) in found.rows() {
-        super::say(&format!("{name:<18}{value}"))?;
+        super::print_line(&format!("{name:<18}{value}"))?;
     }
-    super::say(&found.verdict())?;
+    super::print_line(&found.verdict())?;
     if let Some(path) = &arguments.out {
         store::write_file(path, found.csv().as_bytes())?;
-        super::wrote(path)?;
+        super::report_written(path)?;
     }
     if let Some(path) = &arguments.plot {
         store::write_file(path, figures::intervals(found.intervals_us(), found.refresh).svg.as_bytes())?;
-        super::wrote(path)?;
+        super::report_written(path)?;
     }
     Ok(())
 }

@@ -52,7 +52,7 @@ impl Channel {
     ///
     /// # Errors
     /// If `channels` contains neither gray nor all of red, green and blue, or if it contains a channel twice.
-    pub fn make_a_profile(channels: &[Self]) -> Result<(), SettingsError> {
+    pub fn check_for_profile(channels: &[Self]) -> Result<(), SettingsError> {
         let [red, green, blue, gray] = Self::ALL.map(|one| channels.iter().filter(|channel| **channel == one).count());
         let enough = (gray == 1 || red + green + blue == 3) && [red, green, blue, gray].iter().all(|count| *count < 2);
         let message = "a profile cannot be made from these channels; expected red, green, and blue, or gray, each once";

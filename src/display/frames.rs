@@ -8,12 +8,12 @@ use std::time::Duration;
 /// An interval above this many refreshes is a dropped frame.
 pub const DROPPED_ABOVE: f64 = 1.5;
 /// The minimum number of intervals for an estimate of the refresh.
-pub const ESTIMATE_LEAST: usize = 30;
+pub const MIN_ESTIMATE_INTERVALS: usize = 30;
 /// Longer intervals, in refreshes, are interruptions rather than dropped frames, and carry no information about the
 /// refresh.
-const ESTIMATE_LONGEST: f64 = 8.5;
+const MAX_INTERVAL_REFRESHES: f64 = 8.5;
 /// The share of the intervals that must be one refresh long for an estimate.
-const ESTIMATE_STEADY: f64 = 0.7;
+const MIN_STEADY_SHARE: f64 = 0.7;
 /// The maximum distance of an interval from a whole number of refreshes, in refreshes, at which it counts as
 /// synchronized with the screen.
 const HELD_WITHIN: f64 = 0.25;
@@ -22,9 +22,9 @@ const HELD_JITTER: f64 = 0.1;
 /// The share of the intervals that may deviate more and be longer than [`DROPPED_ABOVE`] refreshes.
 const HELD_LONG: f64 = 0.01;
 /// The longest refresh to which frames can be synchronized, in seconds: slower frames wait for something else.
-const ESTIMATE_SLOWEST_S: f64 = 0.1;
+const MAX_ESTIMATE_S: f64 = 0.1;
 /// The longest refresh that is accepted, in seconds.
-const LONGEST_S: f64 = 10.0;
+const MAX_REFRESH_S: f64 = 10.0;
 
 /// The time from one refresh of a screen to the next.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
@@ -34,7 +34,7 @@ impl Refresh {
     /// Makes a refresh from its interval in seconds; `None` unless the interval is above 0 and at most 10.
     #[must_use]
     pub fn new(seconds: f64) -> Option<Self> {
-        (seconds > 0.0 && seconds <= LONGEST_S).then_some(Self(seconds))
+        (seconds > 0.0 && seconds <= MAX_REFRESH_S).then_some(Self(seconds))
     }
 
     /// Makes a refresh from its rate in Hz; `None` unless the rate is finite and at least 0.1.
@@ -52,12 +52,12 @@ impl Refresh {
 
     /// Estimates the refresh of the screen from the intervals of its frames: their total time divided by the number of
     /// refreshes in it. Single late or dropped frames do not change the result, which is not rounded to a common rate.
-    /// Returns `None` if there are fewer than [`ESTIMATE_LEAST`] intervals, if too few of them are one refresh long, or
-    /// if the rate is below 10 Hz: then the frames are not synchronized with the screen. If the frames are not
+    /// Returns `None` if there are fewer than [`MIN_ESTIMATE_INTERVALS`] intervals, if too few of them are one refresh
+    /// long, or if the rate is below 10 Hz: then the frames are not synchronized with the screen. If the frames are not
     /// synchronized but all take equally long, the result is that time: only the window system knows better.
     #[must_use]
     pub fn estimate(intervals_us: &[u32]) -> Option<Self> {
-        if intervals_us.len() < ESTIMATE_LEAST {
+        if intervals_us.len() < MIN_ESTIMATE_INTERVALS {
             return None;
         }
         let mut refresh = f64::from(quantile(intervals_us, 0.5)?) * 1e-6;
@@ -69,7 +69,7 @@ impl Refresh {
             for interval in intervals_us {
                 let interval = f64::from(*interval) * 1e-6;
                 let ratio = interval / refresh;
-                if ratio < ESTIMATE_LONGEST {
+                if ratio < MAX_INTERVAL_REFRESHES {
                     // A late frame and the early frame after it count as 2 + 0 or 1 + 1 refreshes; the sum is right
                     // either way.
                     (time, refreshes) = (time + interval, refreshes + ratio.round());
@@ -78,8 +78,8 @@ impl Refresh {
             }
             refresh = time / refreshes;
         }
-        let steady = ones as f64 >= ESTIMATE_STEADY * intervals_us.len() as f64;
-        Self::new(refresh).filter(|_| steady && refresh <= ESTIMATE_SLOWEST_S)
+        let steady = ones as f64 >= MIN_STEADY_SHARE * intervals_us.len() as f64;
+        Self::new(refresh).filter(|_| steady && refresh <= MAX_ESTIMATE_S)
     }
 
     /// True if frames shown for these times follow this refresh: nearly all of them were shown for close to a whole

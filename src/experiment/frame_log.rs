@@ -22,7 +22,7 @@ named! {
 
 /// Consecutive frames that showed the same thing.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stretch {
+pub struct FrameRun {
     /// Index into [`Schedule::trials`](super::Schedule::trials).
     pub trial: usize,
     /// 1, plus 1 for each correction of the rating.
@@ -41,8 +41,8 @@ pub(super) struct FrameLog {
     times: FrameTimes,
     /// What the current frame shows, with its trial and attempt.
     shown: Option<(Shown, usize, u32)>,
-    /// The stretches not yet returned by [`FrameLog::take`].
-    stretches: Vec<Stretch>,
+    /// The runs not yet returned by [`FrameLog::take`].
+    runs: Vec<FrameRun>,
 }
 
 impl FrameLog {
@@ -64,12 +64,12 @@ impl FrameLog {
     pub fn end(&mut self, now: Duration) -> Option<(Shown, FrameInterval)> {
         let (shown, trial, attempt) = self.shown.take()?;
         let interval = self.times.end(now)?;
-        let same = |last: &Stretch| {
+        let same = |last: &FrameRun| {
             (last.trial, last.attempt, last.shown, last.refresh) == (trial, attempt, shown, interval.refresh)
         };
-        match self.stretches.last_mut().filter(|last| same(last)) {
+        match self.runs.last_mut().filter(|last| same(last)) {
             Some(last) => last.intervals_us.push(interval.us),
-            None => self.stretches.push(Stretch {
+            None => self.runs.push(FrameRun {
                 trial,
                 attempt,
                 shown,
@@ -91,8 +91,8 @@ impl FrameLog {
         self.times.late_onset();
     }
 
-    /// Returns the stretches recorded since the last call.
-    pub fn take(&mut self) -> Vec<Stretch> {
-        std::mem::take(&mut self.stretches)
+    /// Returns the runs recorded since the last call.
+    pub fn take(&mut self) -> Vec<FrameRun> {
+        std::mem::take(&mut self.runs)
     }
 }

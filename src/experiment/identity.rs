@@ -1,7 +1,7 @@
 //! The identifiers of a participant and a session.
 
 /// Maximum length of an identifier: a file name with two of them must fit every file system.
-const LONGEST: usize = 40;
+const MAX_LENGTH: usize = 40;
 
 /// The participant and the session of a data file. Both identifiers match `[A-Za-z0-9]+` and have at most 40
 /// characters, so they can be part of a file name on any system and of a Psych-DS or BIDS keyword.
@@ -13,11 +13,11 @@ pub struct Identity {
 
 /// The error for an identifier that cannot be part of a file name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{what} {given:?} {fault}; expected letters A–Z, a–z and digits only, at most 40, such as {example}")]
+#[error("{what} {given:?} {problem}; expected letters A–Z, a–z and digits only, at most 40, such as {example}")]
 pub struct IdentityError {
     what: &'static str,
     given: String,
-    fault: String,
+    problem: String,
     example: &'static str,
 }
 
@@ -65,15 +65,15 @@ pub(super) fn fnv1a(bytes: &[u8]) -> u64 {
 }
 
 fn check(what: &'static str, id: &str, example: &'static str) -> Result<String, IdentityError> {
-    let fault = if id.is_empty() {
+    let problem = if id.is_empty() {
         "is empty".to_owned()
     } else if let Some(c) = id.chars().find(|c| !c.is_ascii_alphanumeric()) {
         format!("contains the character {c:?}")
-    } else if id.len() > LONGEST {
+    } else if id.len() > MAX_LENGTH {
         format!("has {} characters", id.len())
     } else {
         return Ok(id.to_owned());
     };
-    let shown: String = id.chars().take(LONGEST + 8).collect();
-    Err(IdentityError { what, given: shown, fault, example })
+    let shown: String = id.chars().take(MAX_LENGTH + 8).collect();
+    Err(IdentityError { what, given: shown, problem, example })
 }

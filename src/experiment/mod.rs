@@ -15,14 +15,16 @@ mod session;
 mod texts;
 
 pub use condition::{Condition, Factor};
-pub use frame_log::{Shown, Stretch};
+pub use frame_log::{FrameRun, Shown};
 pub use identity::{Identity, IdentityError};
 pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, simulate, visibilities};
 pub use protocol::{
-    Category, Design, Fault, Faults, Order, Presentation, Protocol, RATING_MAX, Recovery, ResponseScale, ViewingPlan,
-    name_fault,
+    Category, DefinitionError, DefinitionErrors, Design, MAX_RATING, Order, Presentation, Protocol, Recovery,
+    ResponseScale, ViewingPlan, name_error,
 };
-pub use record::{Column, Rating, RatingRow, RowContext, Seconds, TRAILING, TrialRecord, columns, columns_by_header};
+pub use record::{
+    Column, LATER_COLUMN_COUNT, Rating, RatingRow, RowContext, Seconds, TrialRecord, columns, columns_by_header,
+};
 pub use schedule::{GENERATOR, Phase, Schedule, ScheduleError, Trial, session_seed};
 pub use session::{Effect, Event, FrameCount, Progress, Resumed, Session, SessionOptions, State, TrialResponse};
 pub use texts::Texts;

@@ -141,7 +141,7 @@ impl Observer for OrderedLogit {
     }
 }
 
-/// An observer that rates the visibility predicted by the model of vision.
+/// An observer that rates the visibility predicted by the vision model.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct VisionRater {
@@ -170,7 +170,7 @@ impl VisionRater {
     }
 }
 
-/// Returns how visible the bands of each condition are according to the model of vision. The stimuli are drawn with
+/// Returns how visible the bands of each condition are according to the vision model. The stimuli are drawn with
 /// `px` pixels per side, or by default with [`ViewingConditions::px`].
 ///
 /// # Errors
@@ -240,8 +240,8 @@ const RESPONSE_MEDIAN_S: f64 = 1.6;
 const RESPONSE_SIGMA: f64 = 0.4;
 
 /// Lets an observer rate every remaining trial as fast as the records can be stored. Time is simulated and starts at
-/// `start`. A rating depends only on the seed, the participant, the session, the trial and the attempt, so an
-/// interrupted session continues as if it had never been interrupted.
+/// `start`. A rating depends only on the seed, the participant, the session and the trial, so an interrupted session
+/// continues as if it had never been interrupted.
 ///
 /// # Errors
 /// Returns the first error of `record`. The response must be on disk when `record` returns.

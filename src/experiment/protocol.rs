@@ -14,30 +14,30 @@ use crate::{
 };
 
 /// Highest rating on the paper's scale; ratings are 0…3 (Bangay §3.1).
-pub const RATING_MAX: u8 = 3;
+pub const MAX_RATING: u8 = 3;
 /// Maximum number of trials per session.
-const TRIALS_MAX: usize = 100_000;
+const MAX_TRIALS: usize = 100_000;
 
-/// A fault at one location of a definition.
+/// An error at one location of a definition.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Fault {
+pub struct DefinitionError {
     /// Keys and array indices joined by dots: `factors.width.2`.
     pub path: String,
     /// What is wrong, and what is expected.
     pub message: String,
 }
 
-/// The faults of a definition.
+/// The errors in a definition.
 #[derive(Clone, Debug, Default)]
-pub struct Faults(pub Vec<Fault>);
+pub struct DefinitionErrors(pub Vec<DefinitionError>);
 
-impl Faults {
-    /// Adds a fault at a path.
+impl DefinitionErrors {
+    /// Adds an error at a path.
     pub fn add(&mut self, path: impl Into<String>, message: impl Into<String>) {
-        self.0.push(Fault { path: path.into(), message: message.into() });
+        self.0.push(DefinitionError { path: path.into(), message: message.into() });
     }
 
-    /// Adds a fault unless `value` is finite and within `low…high`.
+    /// Adds an error unless `value` is finite and within `low…high`.
     fn check_range(&mut self, path: &str, value: f64, low: f64, high: f64, meaning: &str) {
         if !(low..=high).contains(&value) {
             let key = path.rsplit('.').next().unwrap_or(path);
@@ -253,7 +253,7 @@ const RESERVED_KEYS: [char; 1] = ['s'];
 impl Protocol {
     /// Returns all cells of the design. The last factor varies fastest.
     ///
-    /// This never fails for a validated protocol. The error repeats the fault that [`Protocol::faults`] reports.
+    /// This never fails for a validated protocol. The error is also one of [`Protocol::errors`].
     pub fn conditions(&self) -> Result<Vec<Condition>, ParameterError> {
         cross(&self.stimulus, &self.factors)
     }
@@ -280,49 +280,52 @@ impl Protocol {
     /// with the data of the original. Returns `None` if the experiment is already gray or if color is a factor.
     #[must_use]
     pub fn in_gray(&self) -> Option<Self> {
-        let gray = ParameterValue::from("gray");
-        let color = self.stimulus.get("color")?;
+        let [gray, same] = ["gray", "same"].map(ParameterValue::from);
+        let (color, color_high) = (self.stimulus.get("color")?, self.stimulus.get("color_high"));
+        let is_gray = color == gray && color_high.iter().all(|high| *high == same || *high == gray);
         let varies = self.factors.iter().any(|factor| factor.name.starts_with("color"));
-        if color == gray || varies {
+        if is_gray || varies {
             return None;
         }
         let mut copy = self.clone();
         copy.stimulus.set("color", &gray).ok()?;
+        if color_high.is_some() {
+            copy.stimulus.set("color_high", &same).ok()?;
+        }
         copy.name += "-gray";
         copy.title += " (gray)";
-        // A second color would remain.
-        copy.stimulus.validate().ok().map(|()| copy)
+        Some(copy)
     }
 
-    /// Returns all faults; a valid protocol has none.
-    pub fn faults(&self) -> Vec<Fault> {
-        let mut faults = Faults::default();
-        if let Some(message) = name_fault(&self.name) {
-            faults.add("name", message);
+    /// Returns all errors; a valid protocol has none.
+    pub fn errors(&self) -> Vec<DefinitionError> {
+        let mut errors = DefinitionErrors::default();
+        if let Some(message) = name_error(&self.name) {
+            errors.add("name", message);
         }
-        self.factor_faults(&mut faults);
-        self.design_faults(&mut faults);
-        faults.check_range("recovery.duration_s", self.recovery.duration_s, 0.0, 600.0, "seconds");
-        faults.check_range("recovery.level", self.recovery.level, 0.0, 1.0, "the relative luminance of the field");
+        self.factor_errors(&mut errors);
+        self.design_errors(&mut errors);
+        errors.check_range("recovery.duration_s", self.recovery.duration_s, 0.0, 600.0, "seconds");
+        errors.check_range("recovery.level", self.recovery.level, 0.0, 1.0, "the relative luminance of the field");
         if let Some(presentation) = &self.presentation {
             let meaning = "seconds; without [presentation] the stimulus stays until it is rated";
-            faults.check_range("presentation.duration_s", presentation.duration_s, 0.001, 600.0, meaning);
+            errors.check_range("presentation.duration_s", presentation.duration_s, 0.001, 600.0, meaning);
         }
-        faults.check_range("viewing.distance_cm", self.viewing.distance_cm, 1.0, 10_000.0, "cm from eye to screen");
-        faults.check_range("viewing.window_deg", self.viewing.window_deg, 0.01, 170.0, "degrees of visual angle");
-        self.response_faults(&mut faults);
-        faults.0
+        errors.check_range("viewing.distance_cm", self.viewing.distance_cm, 1.0, 10_000.0, "cm from eye to screen");
+        errors.check_range("viewing.window_deg", self.viewing.window_deg, 0.01, 170.0, "degrees of visual angle");
+        self.response_errors(&mut errors);
+        errors.0
     }
 
-    fn factor_faults(&self, faults: &mut Faults) {
-        let before = faults.0.len();
+    fn factor_errors(&self, errors: &mut DefinitionErrors) {
+        let before = errors.0.len();
         for (i, factor) in self.factors.iter().enumerate() {
             let path = format!("factors.{}", factor.name);
             if factor.levels.is_empty() {
-                faults.add(&path, format!("factor {} is empty; expected at least one level", factor.name));
+                errors.add(&path, format!("factor {} is empty; expected at least one level", factor.name));
             }
             if self.factors[..i].iter().any(|other| other.name == factor.name) {
-                faults.add(&path, format!("factor {} appears twice", factor.name));
+                errors.add(&path, format!("factor {} appears twice", factor.name));
             }
             // Levels are compared as text in a set, so that even a list of a hundred thousand levels is checked
             // quickly.
@@ -330,9 +333,9 @@ impl Protocol {
             for (j, level) in factor.levels.iter().enumerate() {
                 let path = format!("{path}.{j}");
                 if let Err(error) = self.stimulus.clone().set(&factor.name, level) {
-                    faults.add(path, error.to_string());
+                    errors.add(path, error.to_string());
                 } else if !seen.insert(level.to_string()) {
-                    faults.add(
+                    errors.add(
                         path,
                         format!(
                             "level {level} of {} appears twice; expected each level once (repetitions repeat it)",
@@ -342,15 +345,15 @@ impl Protocol {
                 }
             }
         }
-        if faults.0.len() > before {
+        if errors.0.len() > before {
             return;
         }
-        // With repetitions = 0, which is reported as its own fault, there are no trials, but there are still cells.
+        // With repetitions = 0, which is reported as its own error, there are no trials, but there are still cells.
         let repetitions = self.design.repetitions.max(1) as usize;
         let main = self.cells().saturating_mul(repetitions);
         let trials = main.saturating_add(self.design.practice as usize);
-        if trials > TRIALS_MAX {
-            faults.add("factors", format!("the design has {trials} trials; expected at most {TRIALS_MAX}"));
+        if trials > MAX_TRIALS {
+            errors.add("factors", format!("the design has {trials} trials; expected at most {MAX_TRIALS}"));
             return;
         }
         // Each level is valid by itself. Now check the cells, where a level of one factor may contradict a level of
@@ -359,37 +362,37 @@ impl Protocol {
         if let Some(error) = cells.iter().find_map(|cell| cell.stimulus.validate().err()?.into_iter().next()) {
             let place =
                 if self.factors.iter().any(|f| f.name == "low" || f.name == "high") { "factors" } else { "stimulus" };
-            faults.add(place, error.to_string());
+            errors.add(place, error.to_string());
         }
     }
 
-    fn design_faults(&self, faults: &mut Faults) {
+    fn design_errors(&self, errors: &mut DefinitionErrors) {
         let design = &self.design;
         if design.repetitions == 0 {
-            faults.add("design.repetitions", "repetitions is 0; expected at least 1");
+            errors.add("design.repetitions", "repetitions is 0; expected at least 1");
         }
         if design.max_run == Some(0) {
-            faults.add("design.max_run", "max_run is 0; expected at least 1");
+            errors.add("design.max_run", "max_run is 0; expected at least 1");
         }
         if let Some(name) = design.order.factor()
             && !self.factors.iter().any(|factor| factor.name == name)
         {
             let known: Vec<_> = self.factors.iter().map(|f| f.name.as_str()).collect();
-            faults.add(
+            errors.add(
                 "design.order",
                 format!("order {} does not name a factor; expected one of {}", design.order, known.join(", ")),
             );
         }
     }
 
-    fn response_faults(&self, faults: &mut Faults) {
+    fn response_errors(&self, errors: &mut DefinitionErrors) {
         let categories = &self.response.categories;
-        let expected = usize::from(RATING_MAX) + 1;
+        let expected = usize::from(MAX_RATING) + 1;
         if categories.len() != expected {
-            faults.add(
+            errors.add(
                 "response.labels",
                 format!(
-                    "the scale has {} categories; expected {expected}, one for each rating 0…{RATING_MAX}",
+                    "the scale has {} categories; expected {expected}, one for each rating 0…{MAX_RATING}",
                     categories.len()
                 ),
             );
@@ -398,22 +401,22 @@ impl Protocol {
             let path = format!("response.keys.{i}");
             let key = category.key;
             if !key.is_ascii_alphanumeric() || RESERVED_KEYS.contains(&key.to_ascii_lowercase()) {
-                faults.add(
+                errors.add(
                     path,
                     format!("key {key:?} cannot be an answer; expected a digit or a letter A–Z other than S"),
                 );
             } else if categories[..i].iter().any(|other| other.key.eq_ignore_ascii_case(&key)) {
-                faults.add(path, format!("key {key:?} appears twice; expected a different key for each answer"));
+                errors.add(path, format!("key {key:?} appears twice; expected a different key for each answer"));
             }
             if category.label.trim().is_empty() {
-                faults.add(format!("response.labels.{i}"), "the label is empty; expected the meaning of the answer");
+                errors.add(format!("response.labels.{i}"), "the label is empty; expected the meaning of the answer");
             }
         }
     }
 }
 
 /// Returns why `name` cannot be the name of an experiment, or `None` if it can.
-pub fn name_fault(name: &str) -> Option<String> {
+pub fn name_error(name: &str) -> Option<String> {
     // Windows does not allow folders with these names, and results move between machines.
     let reserved = ["con", "prn", "aux", "nul"].contains(&name)
         || (name.len() == 4

@@ -93,14 +93,14 @@ impl Cell for Rating {
     }
     fn from_cell(text: &str) -> Result<Self, String> {
         match text.parse() {
-            Ok(rating) if rating <= super::RATING_MAX => Ok(Self(rating)),
+            Ok(rating) if rating <= super::MAX_RATING => Ok(Self(rating)),
             _ => Err("expected a rating from 0 to 3".to_owned()),
         }
     }
 }
 
 /// Maximum time in a row, about thirty years. Anything longer is not a measurement and would overflow clocks.
-const LONGEST_S: f64 = 1e9;
+const MAX_TIME_S: f64 = 1e9;
 
 /// A time in seconds, written to a tenth of a millisecond.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
@@ -112,7 +112,7 @@ impl Cell for Seconds {
     }
     fn from_cell(text: &str) -> Result<Self, String> {
         match f64::from_cell(text) {
-            Ok(seconds) if (0.0..=LONGEST_S).contains(&seconds) => Ok(Self(seconds)),
+            Ok(seconds) if (0.0..=MAX_TIME_S).contains(&seconds) => Ok(Self(seconds)),
             _ => Err("expected seconds, 0 or more".to_owned()),
         }
     }
@@ -146,44 +146,45 @@ pub struct Column {
 macro_rules! record {
     (
         $($name:ident: $kind:ty, $unit:literal, $description:literal;)*
-        .. $($late:ident: $late_kind:ty, $late_unit:literal, $late_description:literal;)*
+        .. $($later:ident: $later_kind:ty, $later_unit:literal, $later_description:literal;)*
     ) => {
         /// One trial as it was shown and rated: one row of a result file.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct TrialRecord {
             $(#[doc = $description] pub $name: $kind,)*
             /// Levels of the factors that have no column above, in the order of the definition.
-            pub further: Vec<String>,
-            $(#[doc = $late_description] pub $late: $late_kind,)*
+            pub extra_factors: Vec<String>,
+            $(#[doc = $later_description] pub $later: $later_kind,)*
         }
 
         /// Name, unit and description of the columns that every result file has.
         const FIXED: &[(&str, &str, &str)] = &[$((stringify!($name), $unit, $description),)*];
 
         /// Name, unit and description of the columns that follow the factors.
-        const LATE: &[(&str, &str, &str)] = &[$((stringify!($late), $late_unit, $late_description),)*];
+        const LATER_COLUMNS: &[(&str, &str, &str)] = &[$((stringify!($later), $later_unit, $later_description),)*];
 
         impl TrialRecord {
             /// Returns the cells of the row in the order of [`columns`].
             pub fn cells(&self) -> Vec<String> {
                 let mut cells = vec![$(Cell::to_cell(&self.$name),)*];
-                cells.extend(self.further.iter().cloned());
-                cells.extend([$(Cell::to_cell(&self.$late),)*]);
+                cells.extend(self.extra_factors.iter().cloned());
+                cells.extend([$(Cell::to_cell(&self.$later),)*]);
                 cells
             }
 
             /// Reads a row whose cells are in the order of [`columns`].
             ///
             /// # Errors
-            /// Returns the index of the first faulty cell and a message with the content that was expected.
+            /// Returns the index of the first wrong cell and a message with the content that was expected.
             pub fn from_cells(cells: &[&str]) -> Result<Self, (usize, String)> {
-                let late = cells.len().saturating_sub(LATE.len()).max(FIXED.len());
+                let later = cells.len().saturating_sub(LATER_COLUMNS.len()).max(FIXED.len());
                 let mut next = 0;
                 $(let $name = cell(cells, &mut next, stringify!($name))?;)*
-                let further = cells.get(next..late).unwrap_or_default().iter().map(|cell| (*cell).to_owned()).collect();
-                next = late;
-                $(let $late = cell(cells, &mut next, stringify!($late))?;)*
-                Ok(Self { $($name,)* further, $($late,)* })
+                let extra = cells.get(next..later).unwrap_or_default();
+                let extra_factors = extra.iter().map(|cell| (*cell).to_owned()).collect();
+                next = later;
+                $(let $later = cell(cells, &mut next, stringify!($later))?;)*
+                Ok(Self { $($name,)* extra_factors, $($later,)* })
             }
         }
     };
@@ -232,7 +233,7 @@ record! {
 
 /// Number of columns at the end of a row that were added later. A file from an earlier version ends before some of
 /// them.
-pub const TRAILING: usize = LATE.len();
+pub const LATER_COLUMN_COUNT: usize = LATER_COLUMNS.len();
 
 /// Returns every column of a protocol's result files, in order.
 pub fn columns(protocol: &Protocol) -> Vec<Column> {
@@ -243,7 +244,7 @@ pub fn columns(protocol: &Protocol) -> Vec<Column> {
         levels: levels(protocol, name),
     };
     let known = protocol.stimulus.parameters();
-    let further = further_factors(protocol).map(|name| {
+    let extra = extra_factors(protocol).map(|name| {
         let parameter = known.iter().find(|parameter| parameter.name == name);
         Column {
             name: name.to_owned(),
@@ -252,7 +253,7 @@ pub fn columns(protocol: &Protocol) -> Vec<Column> {
             levels: levels(protocol, name),
         }
     });
-    FIXED.iter().map(described).chain(further).chain(LATE.iter().map(described)).collect()
+    FIXED.iter().map(described).chain(extra).chain(LATER_COLUMNS.iter().map(described)).collect()
 }
 
 /// Returns the columns of a file whose definition is unknown: the columns that every file has, and any others in its
@@ -260,16 +261,17 @@ pub fn columns(protocol: &Protocol) -> Vec<Column> {
 pub fn columns_by_header<'a>(header: impl Iterator<Item = &'a str>) -> Vec<Column> {
     let name = |name: &str| Column { name: name.to_owned(), ..Column::default() };
     let known = |known: &[(&str, &str, &str)]| known.iter().map(|(known, ..)| name(known)).collect::<Vec<_>>();
-    let further = header.skip(FIXED.len()).filter(|further| LATE.iter().all(|(late, ..)| late != further)).map(name);
-    known(FIXED).into_iter().chain(further).chain(known(LATE)).collect()
+    let is_extra = |column: &&str| LATER_COLUMNS.iter().all(|(later, ..)| later != column);
+    let extra = header.skip(FIXED.len()).filter(is_extra).map(name);
+    known(FIXED).into_iter().chain(extra).chain(known(LATER_COLUMNS)).collect()
 }
 
-fn further_factors(protocol: &Protocol) -> impl Iterator<Item = &str> {
+fn extra_factors(protocol: &Protocol) -> impl Iterator<Item = &str> {
     protocol
         .factors
         .iter()
         .map(|factor| factor.name.as_str())
-        .filter(|name| FIXED.iter().chain(LATE).all(|(fixed, ..)| fixed != name))
+        .filter(|name| FIXED.iter().chain(LATER_COLUMNS).all(|(fixed, ..)| fixed != name))
 }
 
 fn levels(protocol: &Protocol, column: &str) -> serde_json::Map<String, serde_json::Value> {
@@ -368,7 +370,7 @@ impl TrialRecord {
             high: number("high"),
             color: text("color"),
             seed: schedule.seed,
-            further: further_factors(protocol).map(|name| text(name).unwrap_or_default()).collect(),
+            extra_factors: extra_factors(protocol).map(|name| text(name).unwrap_or_default()).collect(),
             ..self
         }
     }

@@ -4,7 +4,7 @@
 use std::{collections::BTreeSet, time::Duration};
 
 use super::{
-    frame_log::{FrameLog, Shown, Stretch},
+    frame_log::{FrameLog, FrameRun, Shown},
     protocol::Protocol,
     schedule::{Phase, Schedule},
 };
@@ -30,7 +30,7 @@ pub enum Event {
         uncertainty: Option<Duration>,
     },
     /// Undo the last rating.
-    TakeBack,
+    Undo,
     /// Stop at once.
     Pause,
     /// Continue after a pause.
@@ -169,7 +169,7 @@ pub struct Session {
     /// Index of the next trial in `missing`.
     position: usize,
     /// The trial being repeated after its rating was undone, and its attempt.
-    again: Option<(usize, u32)>,
+    redo: Option<(usize, u32)>,
     /// True if the page or break before the next trial was already over when a rating was undone, so that it is not
     /// shown again.
     page_left: bool,
@@ -199,7 +199,7 @@ impl Session {
             schedule,
             missing,
             position: 0,
-            again: None,
+            redo: None,
             page_left: false,
             last: None,
             pending: false,
@@ -238,7 +238,7 @@ impl Session {
 
     /// Returns the index into [`Schedule::trials`] of the current or next trial, or `None` if no trial is left.
     pub fn current(&self) -> Option<usize> {
-        self.again.map(|(trial, _)| trial).or_else(|| self.missing.get(self.position).copied())
+        self.redo.map(|(trial, _)| trial).or_else(|| self.missing.get(self.position).copied())
     }
 
     /// Returns whether a rating is waiting to be stored.
@@ -246,11 +246,11 @@ impl Session {
         self.pending
     }
 
-    /// Returns whether [`Event::TakeBack`] would have an effect now.
-    pub fn can_take_back(&self) -> bool {
+    /// Returns whether [`Event::Undo`] would have an effect now.
+    pub fn can_undo(&self) -> bool {
         let between =
             matches!(self.state, State::Recovery { .. } | State::Closing { .. } | State::Break | State::PhaseStart(_));
-        between && self.last.is_some() && self.again.is_none() && !self.pending
+        between && self.last.is_some() && self.redo.is_none() && !self.pending
     }
 
     /// Returns the intervals of all frames of the trials so far, excluding pages.
@@ -259,13 +259,13 @@ impl Session {
     }
 
     /// Returns what the frames since the last call showed and how long each was shown.
-    pub fn take_stretches(&mut self) -> Vec<Stretch> {
+    pub fn take_frame_runs(&mut self) -> Vec<FrameRun> {
         self.log.take()
     }
 
     /// Judges frames against `frames` from the next one on, because the screen has changed or its refresh interval is
     /// now better known.
-    pub fn judge_against(&mut self, frames: FrameCount) {
+    pub fn set_frame_count(&mut self, frames: FrameCount) {
         self.options.frames = frames;
     }
 
@@ -300,8 +300,8 @@ impl Session {
             (Event::RateAt { rating, at, uncertainty }, State::Stimulus { .. } | State::Response { .. }) => {
                 return self.rate(rating, at, uncertainty, now);
             }
-            (Event::TakeBack, _) if self.can_take_back() => {
-                self.again = self.last.take().map(|(trial, attempt)| (trial, attempt + 1));
+            (Event::Undo, _) if self.can_undo() => {
+                self.redo = self.last.take().map(|(trial, attempt)| (trial, attempt + 1));
                 self.page_left = matches!(self.state, State::Recovery { .. });
                 self.recover(now);
             }
@@ -381,7 +381,7 @@ impl Session {
     }
 
     fn begin_frame(&mut self, now: Duration) {
-        let at_hand = self.current().map(|trial| (trial, self.again.map_or(1, |(_, attempt)| attempt)));
+        let at_hand = self.current().map(|trial| (trial, self.redo.map_or(1, |(_, attempt)| attempt)));
         let of = |shown| at_hand.map(|(trial, attempt)| (shown, trial, attempt));
         let shown = match self.state {
             _ if self.options.frames == FrameCount::Off => None,
@@ -413,8 +413,8 @@ impl Session {
         }
         // The last frame that shows the stimulus counts as well.
         self.end_frame(now);
-        let attempt = self.again.map_or(1, |(_, attempt)| attempt);
-        if self.again.take().is_none() {
+        let attempt = self.redo.map_or(1, |(_, attempt)| attempt);
+        if self.redo.take().is_none() {
             self.position += 1;
         }
         self.last = Some((trial, attempt));

@@ -22,7 +22,7 @@ use super::quantize::{Bits, Quantizer};
 use super::transfer::Transfers;
 
 /// The most colors that an 8-bit index can address.
-const MOST_COLORS: u32 = 256;
+const MAX_COLORS: u32 = 256;
 
 named! {
     /// How the colors of a palette are chosen.
@@ -119,7 +119,7 @@ impl FromStr for Reduction {
     type Err = ReductionError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let parsed = with_number(text, 1..=MOST_COLORS).map(|(reducer, colors)| Self { reducer, colors });
+        let parsed = with_number(text, 1..=MAX_COLORS).map(|(reducer, colors)| Self { reducer, colors });
         parsed.ok_or_else(|| ReductionError(text.to_owned()))
     }
 }
@@ -136,7 +136,7 @@ pub fn reduce(
     transfers: impl Into<Transfers>,
     reduction: Reduction,
 ) -> Result<IndexedImage, SixteenBits> {
-    let colors = reduction.colors.clamp(1, MOST_COLORS) as usize;
+    let colors = reduction.colors.clamp(1, MAX_COLORS) as usize;
     let pixels = image.bytes().ok_or(SixteenBits)?.as_chunks::<3>().0;
     let quantizer = Quantizer::new(transfers, Bits::Eight);
     let tallies = count(pixels, &quantizer);
@@ -255,7 +255,7 @@ fn median(tallies: &[Tally]) -> usize {
 /// Bins per side of Wu's histogram, spread over the image's range of light.
 const BINS: usize = 64;
 /// The maximum number of k-means rounds. Every round improves the palette; most images need fewer.
-const MOST_ROUNDS: usize = 64;
+const MAX_ROUNDS: usize = 64;
 
 fn k_means(tallies: &[Tally], colors: usize, quantizer: &Quantizer) -> Vec<[u8; 3]> {
     let light = |palette: &[[u8; 3]]| palette.iter().map(|&codes| light_of(codes, quantizer)).collect::<Vec<_>>();
@@ -299,7 +299,7 @@ fn filled_up(mut centers: Vec<[f64; 3]>, tallies: &[Tally], colors: usize) -> Ve
 /// Returns the `centers` after k-means: each is the mean of the colors nearest to it.
 fn settled(mut centers: Vec<[f64; 3]>, tallies: &[Tally]) -> Vec<[f64; 3]> {
     let mut chosen: Vec<usize> = vec![usize::MAX; tallies.len()];
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let mut sums = vec![Sum::default(); centers.len()];
         let mut changed = false;
         for (tally, chosen) in tallies.iter().zip(&mut chosen) {

@@ -56,13 +56,13 @@ pub enum TransferError {
     Table(String),
     /// Equal-brightness steps that are impossible for a display.
     #[error(
-        "lowest intensity {i0} for {n} steps; expected an intensity between 0 and 1, relative to the highest, and at least 1 step"
+        "lowest intensity {lowest} for {n} steps; expected an intensity between 0 and 1, relative to the highest, and at least 1 step"
     )]
     EqualSteps {
         /// Number of steps.
         n: usize,
         /// The lowest intensity, relative to the highest.
-        i0: f64,
+        lowest: f64,
     },
 }
 
@@ -356,26 +356,26 @@ impl FromStr for Transfers {
 
 /// Returns n + 1 levels at equal steps of brightness: I_j = r^j·I₀, with r = (1/I₀)^(1/n) and j = 0…n. Shoaff §2.1.1.
 ///
-/// `i0` is the lowest level relative to the highest, so 1/`i0` is the display's dynamic range.
+/// `lowest` is the lowest level relative to the highest, so 1/`lowest` is the display's dynamic range.
 ///
 /// # Errors
-/// When `i0` is not strictly between 0 and 1, or `n` is 0.
-pub fn equal_brightness_levels(i0: f64, n: usize) -> Result<Vec<f64>, TransferError> {
-    if !(i0 > 0.0 && i0 < 1.0 && n > 0) {
-        return Err(TransferError::EqualSteps { n, i0 });
+/// When `lowest` is not strictly between 0 and 1, or `n` is 0.
+pub fn equal_brightness_levels(lowest: f64, n: usize) -> Result<Vec<f64>, TransferError> {
+    if !(lowest > 0.0 && lowest < 1.0 && n > 0) {
+        return Err(TransferError::EqualSteps { n, lowest });
     }
     // r^j·I₀ = I₀^(1−j/n), which ends at exactly 1.
-    Ok((0..=n).map(|j| i0.powf(1.0 - j as f64 / n as f64)).collect())
+    Ok((0..=n).map(|j| lowest.powf(1.0 - j as f64 / n as f64)).collect())
 }
 
-/// Returns the level j of [`equal_brightness_levels`]`(i0, n)` that is nearest to the relative luminance `i`:
+/// Returns the level j of [`equal_brightness_levels`]`(lowest, n)` that is nearest to the relative luminance `i`:
 /// ⌊log_r(i/I₀) + ½⌋, Shoaff §2.1.1.
 ///
-/// The result is clamped to 0…n. An `i` of 0 or less, or NaN, is level 0. `i0` and `n` mean the same as in that
+/// The result is clamped to 0…n. An `i` of 0 or less, or NaN, is level 0. `lowest` and `n` mean the same as in that
 /// function.
 #[must_use]
-pub fn nearest_equal_brightness_level(i: f64, i0: f64, n: usize) -> usize {
-    let level = (i / i0).ln() / i0.recip().ln() * n as f64;
+pub fn nearest_equal_brightness_level(i: f64, lowest: f64, n: usize) -> usize {
+    let level = (i / lowest).ln() / lowest.recip().ln() * n as f64;
     // `as` turns NaN and everything below 0 into 0.
     ((level + 0.5).floor() as usize).min(n)
 }

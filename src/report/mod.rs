@@ -12,5 +12,5 @@ pub mod skins;
 pub mod study;
 pub mod tables;
 
-pub use output::{Written, write_all};
+pub use output::{AnalysisOutput, write_all};
 pub use study::{Provenance, Study};

@@ -23,7 +23,7 @@ use crate::{
 
 /// The files that were written, and the prediction.
 #[derive(Debug)]
-pub struct Written {
+pub struct AnalysisOutput {
     pub files: Vec<PathBuf>,
     /// The vision model's prediction, and the time it took; `None` if only tables were requested.
     pub prediction: Option<(Result<StudyPrediction, PredictionError>, Duration)>,
@@ -40,7 +40,7 @@ pub fn write_all(
     provenance: &Provenance,
     folder: &Path,
     tables_only: bool,
-) -> Result<Written, StoreError> {
+) -> Result<AnalysisOutput, StoreError> {
     fs::create_dir_all(folder).map_err(|error| StoreError::io(folder, "create the folder", error))?;
     let mut contents = tables(study, results);
     let mut prediction = None;
@@ -61,7 +61,7 @@ pub fn write_all(
         write_file(&path, &content).map(|()| path)
     };
     let files = contents.into_iter().map(write).collect::<Result<_, _>>()?;
-    Ok(Written { files, prediction })
+    Ok(AnalysisOutput { files, prediction })
 }
 
 fn pictures(figure: &Figure, folder: &Path) -> Result<[(String, Vec<u8>); 2], StoreError> {

@@ -19,7 +19,7 @@ use crate::{
 
 /// Lower visibilities are raised to this value before they are compared with ratings. Below half of the visibility
 /// threshold, there is nothing to distinguish, and some participants press a key other than 0 even if they see no band.
-pub const LEAST: f64 = 0.5;
+pub const MIN_VISIBILITY: f64 = 0.5;
 
 /// Maximum number of conditions that a report predicts; each takes about a millisecond.
 const MAX_CONDITIONS: usize = 5000;
@@ -115,7 +115,7 @@ impl StudyPrediction {
         let comparison = compare(counts, &predicted)?;
         let values = category_values(counts);
         let expected = |visibility: f64| {
-            let shares = comparison.criterion.probabilities(visibility.max(LEAST));
+            let shares = comparison.criterion.probabilities(visibility.max(MIN_VISIBILITY));
             shares.iter().zip(&values).map(|(share, value)| share * value).sum()
         };
         let ratings = predicted.iter().map(|visibility| visibility.map(expected)).collect();
@@ -219,7 +219,7 @@ fn criterion(counts: &Counts, predicted: &[Option<f64>]) -> Result<Criterion, Pr
     let mut builder = MeasuredBuilder::new(&["visibility"]).with_categories(&counts.categories);
     for row in &counts.rows {
         let Some(visibility) = predicted[row.condition as usize] else { continue };
-        let log = visibility.max(LEAST).ln().to_string();
+        let log = visibility.max(MIN_VISIBILITY).ln().to_string();
         let (subject, rating) = (&counts.subjects[row.subject as usize], &counts.categories[row.rating as usize]);
         builder.add_counts(subject, &[log], rating, row.count).map_err(|error| fail(&error))?;
     }

@@ -26,7 +26,7 @@ pub mod shaders;
 pub use draw::gpu;
 pub use draw::{Encoder, Prepared, Reference, picture};
 pub use frame::{Across, Frame, FrameTriangle, FrameVertex, Gradients, Highlight, Patches, Scene, View, coverage};
-pub use lighting::{Lamp, LampPlace, Lighting, Material, Refraction, Specular, Transparency};
+pub use lighting::{Lamp, LampPosition, Lighting, Material, Refraction, Specular, Transparency};
 pub use measure::{self as crease, Creases, EdgeCrease};
 pub use mesh::{Edge, EdgeKind, Edges, Mesh, MeshError, Polygons, Surface, Vertex, shapes};
 pub use number::Channels;

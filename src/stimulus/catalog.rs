@@ -82,7 +82,7 @@ macro_rules! stimuli {
             /// Checks whether this stimulus can be shown.
             ///
             /// # Errors
-            /// Returns every fault found.
+            /// Returns every error found.
             pub fn validate(&self) -> Result<(), Vec<ParameterError>> {
                 match self {
                     $(Self::$name(stimulus) => stimulus.validate(),)*
@@ -117,45 +117,45 @@ stimuli! {
 }
 
 /// How a kind is drawn.
-enum Form<'a> {
+enum Drawing<'a> {
     /// Varies only along an orientation, in degrees.
     Line(f64, Box<dyn Profile + 'a>),
     Area(&'a dyn Area),
 }
 
 impl Stimulus {
-    fn form(&self) -> Form<'_> {
+    fn drawing(&self) -> Drawing<'_> {
         match self {
-            Self::MachBand(band) => Form::Line(band.orientation_deg, Box::new(band.ramp())),
-            Self::Chevreul(chevreul) => Form::Line(chevreul.orientation_deg, Box::new(chevreul)),
-            Self::Cornsweet(cornsweet) => Form::Line(cornsweet.orientation_deg, Box::new(cornsweet)),
-            Self::Cylinder(cylinder) => Form::Line(cylinder.orientation_deg, Box::new(cylinder)),
-            Self::Vasarely(vasarely) => Form::Area(vasarely),
-            Self::Kanizsa(kanizsa) => Form::Area(kanizsa),
-            Self::ShadedMesh(mesh) => Form::Area(mesh),
+            Self::MachBand(band) => Drawing::Line(band.orientation_deg, Box::new(band.ramp())),
+            Self::Chevreul(chevreul) => Drawing::Line(chevreul.orientation_deg, Box::new(chevreul)),
+            Self::Cornsweet(cornsweet) => Drawing::Line(cornsweet.orientation_deg, Box::new(cornsweet)),
+            Self::Cylinder(cylinder) => Drawing::Line(cylinder.orientation_deg, Box::new(cylinder)),
+            Self::Vasarely(vasarely) => Drawing::Area(vasarely),
+            Self::Kanizsa(kanizsa) => Drawing::Area(kanizsa),
+            Self::ShadedMesh(mesh) => Drawing::Area(mesh),
         }
     }
 
     /// Returns whether the stimulus varies only along its orientation.
     #[must_use]
     pub fn is_line(&self) -> bool {
-        matches!(self.form(), Form::Line(..))
+        matches!(self.drawing(), Drawing::Line(..))
     }
 
     /// Returns the light of a window of `size` × `size` pixels.
     #[must_use]
     pub fn linear(&self, size: u32) -> LinearImage {
-        match self.form() {
-            Form::Line(orientation_deg, profile) => drawing::linear(&*profile, orientation_deg, size),
-            Form::Area(area) => area.linear(size),
+        match self.drawing() {
+            Drawing::Line(orientation_deg, profile) => drawing::linear(&*profile, orientation_deg, size),
+            Drawing::Area(area) => area.linear(size),
         }
     }
 
     /// Returns the codes of a window of `size` × `size` pixels. They equal the quantized light of [`Stimulus::linear`].
     #[must_use]
     pub fn codes(&self, size: u32, quantizer: &Quantizer) -> CodeImage {
-        match self.form() {
-            Form::Line(orientation_deg, profile) if quantizer.bits() == Bits::Eight => {
+        match self.drawing() {
+            Drawing::Line(orientation_deg, profile) if quantizer.bits() == Bits::Eight => {
                 let samples = Samples::Eight(drawing::codes(&*profile, orientation_deg, size, quantizer));
                 CodeImage { width: size, height: size, samples }
             }
@@ -167,11 +167,11 @@ impl Stimulus {
     /// orientation.
     #[must_use]
     pub fn profile(&self, size: u32) -> Vec<[f32; 3]> {
-        match self.form() {
-            Form::Line(_, profile) => {
+        match self.drawing() {
+            Drawing::Line(_, profile) => {
                 (0..size).map(|i| profile.light(place(i, size), 0.0).map(|light| light as f32)).collect()
             }
-            Form::Area(area) => area.profile(size),
+            Drawing::Area(area) => area.profile(size),
         }
     }
 

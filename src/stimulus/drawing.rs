@@ -19,8 +19,8 @@ pub(super) trait Area {
 /// Light that varies along one direction only. Positions are measured from the center line in window sides, positive in
 /// the direction of the orientation.
 pub(super) trait Profile {
-    /// Returns the light at `x`, with `more` added to the luminance. At a jump, this is the value on the far side.
-    fn light(&self, x: f64, more: f64) -> [f64; 3];
+    /// Returns the light at `x`; `added` is added to the luminance. At a jump, this is the value on the far side.
+    fn light(&self, x: f64, added: f64) -> [f64; 3];
 
     /// Returns the positions where the luminance jumps, and the height of each jump.
     fn jumps(&self) -> Vec<(f64, f64)> {
@@ -29,12 +29,12 @@ pub(super) trait Profile {
 
     /// Returns, in any order, the positions where a channel may turn from rising to falling or vice versa, or where the
     /// light may jump. Between neighboring positions, every channel is monotonic and continuous.
-    fn turns(&self) -> Vec<f64>;
+    fn turning_points(&self) -> Vec<f64>;
 
-    /// Returns whether the light is constant to the last bit between the turns on either side of `x`.
+    /// Returns whether the light is constant to the last bit between the turning points on either side of `x`.
     fn is_level(&self, x: f64) -> bool;
 
-    /// Returns the minimum and the maximum of the light between two positions with no turn between them.
+    /// Returns the minimum and the maximum of the light between two positions with no turning point between them.
     fn bounds(&self, from: f64, to: f64) -> [[f64; 3]; 2] {
         let [a, b] = [from, to].map(|x| self.light(x, 0.0));
         [[0, 1, 2].map(|i| a[i].min(b[i])), [0, 1, 2].map(|i| a[i].max(b[i]))]
@@ -113,11 +113,11 @@ const ERROR_PX: f64 = 1e-6;
 /// Bound on the rounding error of light.
 const ERROR_LIGHT: f64 = 1e-12;
 /// The search for runs stops at this fraction of a pixel.
-const SHORTEST_PX: f64 = 1.0 / 128.0;
+const MIN_RUN_PX: f64 = 1.0 / 128.0;
 /// Places between two pixels at which the center line may cross a row, each with a template.
 const PHASES: usize = 64;
 /// The steepest slope of the center line against the columns, in columns per row, for which templates are made.
-const STEEPEST: f64 = 4.0;
+const MAX_SLOPE: f64 = 4.0;
 
 /// A range of positions along a row that all have the same code.
 struct Run {
@@ -140,16 +140,17 @@ impl Runs {
         let grid = &pixels.grid;
         let side = f64::from(grid.size);
         let mut search =
-            Search { profile: pixels.profile, quantizer, shortest: SHORTEST_PX / side, level: false, runs: Vec::new() };
+            Search { profile: pixels.profile, quantizer, shortest: MIN_RUN_PX / side, level: false, runs: Vec::new() };
         // Pixels at an oblique jump mix the light of both sides.
         let mixed = |turn: f64| pixels.jumps.iter().any(|(at, _)| *at == turn);
         let near = |turn: f64| if mixed(turn) { ERROR_X + half_extent(grid) / side } else { ERROR_X };
         // No pixel is farther than 1 window side from the center line.
-        let mut turns: Vec<(f64, f64)> = pixels.profile.turns().into_iter().map(|turn| (turn, near(turn))).collect();
-        turns.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for i in 0..=turns.len() {
-            let from = turns[..i].iter().map(|(turn, near)| turn + near).fold(-1.0, f64::max);
-            let to = turns[i..].iter().map(|(turn, near)| turn - near).fold(1.0, f64::min);
+        let mut turning_points: Vec<(f64, f64)> =
+            pixels.profile.turning_points().into_iter().map(|at| (at, near(at))).collect();
+        turning_points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for i in 0..=turning_points.len() {
+            let from = turning_points[..i].iter().map(|(at, near)| at + near).fold(-1.0, f64::max);
+            let to = turning_points[i..].iter().map(|(at, near)| at - near).fold(1.0, f64::min);
             search.level = pixels.profile.is_level(0.5 * (from + to));
             search.between(from, to);
         }
@@ -175,7 +176,7 @@ impl Runs {
         for (iy, row) in rows {
             let row = row.as_chunks_mut().0;
             let shift = self.middle - (self.middle - f64::from(iy)) * self.tan;
-            if self.tan.abs() > STEEPEST {
+            if self.tan.abs() > MAX_SLOPE {
                 // Shifted too far for a template to be shorter than all rows; but then there are few runs in a row.
                 for ix in self.fill(shift, 0.0, row) {
                     row[ix] = pixel(ix as u32, iy);

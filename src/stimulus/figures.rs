@@ -4,7 +4,7 @@
 use super::{
     color::{self, StimulusColor},
     drawing::{Area, Grid, cos_sin, place},
-    parameter::{ParameterError, Range, fault, kind},
+    parameter::{ParameterError, Range, kind, parameter_error},
 };
 use crate::light::LinearImage;
 
@@ -93,7 +93,7 @@ kind! {
 impl Kanizsa {
     fn overlap(&self) -> Option<ParameterError> {
         let problem = || format!("lets the discs overlap at a side of {}", self.side);
-        (self.radius > self.side / 2.0).then(|| fault(Self::PARAMETERS, "radius", self.radius, problem()))?
+        (self.radius > self.side / 2.0).then(|| parameter_error(Self::PARAMETERS, "radius", self.radius, problem()))?
     }
 
     /// Returns the triangle's corners counterclockwise, relative to the center of a window with this side; y points up.

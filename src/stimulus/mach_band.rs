@@ -5,7 +5,7 @@ use super::{
     color::{self, StimulusColor},
     drawing::Profile,
     parameter::{Range, kind},
-    ramp_space::{Between, RampSpace},
+    ramp_space::{ColorRamp, RampSpace},
 };
 use crate::light::{Depth, Interpolation, interpolation::TANH_K};
 
@@ -40,14 +40,14 @@ impl MachBand {
         let color_high = self.color_high.unwrap_or(self.color);
         // In any space, a catch trial must be uniform to the last bit.
         let is_one_color = self.color == color_high && (self.space != RampSpace::Lab || self.low == self.high);
-        let between = || Between::new(self.color, self.low, color_high, self.high, self.space);
+        let color_ramp = || ColorRamp::new(self.color, self.low, color_high, self.high, self.space);
         Ramp {
             interpolation: Interpolation::with_k(self.depth, self.tanh_k),
             width: self.width,
             low: self.low,
             high: self.high,
             color: self.color,
-            between: (!is_one_color).then(between),
+            color_ramp: (!is_one_color).then(color_ramp),
         }
     }
 }
@@ -61,7 +61,7 @@ pub struct Ramp {
     high: f64,
     color: StimulusColor,
     /// `None` if the ramp is just one color at varying luminance.
-    between: Option<Between>,
+    color_ramp: Option<ColorRamp>,
 }
 
 impl Ramp {
@@ -72,26 +72,26 @@ impl Ramp {
     /// it.
     #[must_use]
     pub fn luminance_at(&self, x: f64) -> f64 {
-        let part = self.part_at(x);
-        if part >= 1.0 {
+        let fraction = self.fraction_at(x);
+        if fraction >= 1.0 {
             // low + (high − low) can differ from high by a rounding error.
             self.high
         } else {
-            (self.low + (self.high - self.low) * part).min(self.high)
+            (self.low + (self.high - self.low) * fraction).min(self.high)
         }
     }
 
     /// Returns red, green and blue at `x`, 0…1.
     #[must_use]
     pub fn light_at(&self, x: f64) -> [f64; 3] {
-        match &self.between {
-            Some(between) => between.light_at_part(self.part_at(x)),
+        match &self.color_ramp {
+            Some(color_ramp) => color_ramp.light_at_fraction(self.fraction_at(x)),
             None => self.color.light(self.luminance_at(x)),
         }
     }
 
     /// Returns I_n at `x`: the fraction of the way from the darker to the brighter plateau, 0…1.
-    fn part_at(&self, x: f64) -> f64 {
+    fn fraction_at(&self, x: f64) -> f64 {
         // At a width of 0, x/0 is ±∞ off the line, which the interpolation maps to 0 and 1. Only 0/0 needs a decision
         // here.
         self.interpolation.value(if x == 0.0 { 0.5 } else { x / self.width + 0.5 })
@@ -103,7 +103,7 @@ impl Profile for Ramp {
         self.light_at(x)
     }
 
-    fn turns(&self) -> Vec<f64> {
+    fn turning_points(&self) -> Vec<f64> {
         vec![-0.5 * self.width, 0.5 * self.width]
     }
 
@@ -112,8 +112,8 @@ impl Profile for Ramp {
     }
 
     fn bounds(&self, from: f64, to: f64) -> [[f64; 3]; 2] {
-        match &self.between {
-            Some(between) => between.bounds(self.part_at(from), self.part_at(to)),
+        match &self.color_ramp {
+            Some(color_ramp) => color_ramp.bounds(self.fraction_at(from), self.fraction_at(to)),
             None => [from, to].map(|x| self.light_at(x)),
         }
     }

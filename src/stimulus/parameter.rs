@@ -216,7 +216,7 @@ pub(super) use text_field;
 impl Field for StimulusColor {
     fn read(parameter: &Parameter, _: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
         let text = value.to_string();
-        text.parse().map_err(|fault: ColorError| parameter.error(format!("{text:?}"), fault.problem))
+        text.parse().map_err(|error: ColorError| parameter.error(format!("{text:?}"), error.problem))
     }
     fn write(&self) -> ParameterValue {
         self.to_string().as_str().into()
@@ -305,16 +305,16 @@ macro_rules! kind {
             /// Checks that every parameter is within its range and that the parameters do not contradict each other.
             ///
             /// # Errors
-            /// Returns every fault found, in the order of the fields.
+            /// Returns every error found, in the order of the fields.
             pub fn validate(&self) -> Result<(), Vec<$crate::stimulus::parameter::ParameterError>> {
                 let mut probe = self.clone();
-                let mut faults: Vec<_> = Self::PARAMETERS
+                let mut errors: Vec<_> = Self::PARAMETERS
                     .iter()
                     .filter_map(|parameter| probe.set(parameter.name, &self.get(parameter.name)?).err())
                     .collect();
-                faults.extend($crate::stimulus::parameter::low_above_high(Self::PARAMETERS, self.low, self.high));
-                $(faults.extend(self.$rule());)?
-                if faults.is_empty() { Ok(()) } else { Err(faults) }
+                errors.extend($crate::stimulus::parameter::low_above_high(Self::PARAMETERS, self.low, self.high));
+                $(errors.extend(self.$rule());)?
+                if errors.is_empty() { Ok(()) } else { Err(errors) }
             }
         }
     };
@@ -323,11 +323,11 @@ pub(super) use kind;
 
 /// Returns an error if `low` is above `high`. They may be equal, which makes a uniform field.
 pub(super) fn low_above_high(parameters: &[Parameter], low: f64, high: f64) -> Option<ParameterError> {
-    (low > high).then(|| fault(parameters, "high", high, format!("is below low, which is {low}")))?
+    (low > high).then(|| parameter_error(parameters, "high", high, format!("is below low, which is {low}")))?
 }
 
 /// Returns the error for setting the parameter `name` to `value`, or `None` if it is not one of `parameters`.
-pub(super) fn fault(
+pub(super) fn parameter_error(
     parameters: &[Parameter],
     name: &str,
     value: impl fmt::Display,

@@ -22,9 +22,9 @@ kind! {
 }
 
 impl Profile for &Chevreul {
-    fn light(&self, x: f64, more: f64) -> [f64; 3] {
+    fn light(&self, x: f64, added: f64) -> [f64; 3] {
         let band = ((x + 0.5) * f64::from(self.steps)).floor().clamp(0.0, f64::from(self.steps - 1));
-        self.color.light(self.low + (self.high - self.low) * band / f64::from(self.steps - 1) + more)
+        self.color.light(self.low + (self.high - self.low) * band / f64::from(self.steps - 1) + added)
     }
 
     fn jumps(&self) -> Vec<(f64, f64)> {
@@ -32,7 +32,7 @@ impl Profile for &Chevreul {
         (1..self.steps).map(|k| (f64::from(k) / f64::from(self.steps) - 0.5, height)).collect()
     }
 
-    fn turns(&self) -> Vec<f64> {
+    fn turning_points(&self) -> Vec<f64> {
         self.jumps().into_iter().map(|(at, _)| at).collect()
     }
 
@@ -59,14 +59,14 @@ kind! {
 }
 
 impl Profile for &Cornsweet {
-    fn light(&self, x: f64, more: f64) -> [f64; 3] {
+    fn light(&self, x: f64, added: f64) -> [f64; 3] {
         let mean = (self.low + self.high) / 2.0;
         let left = 1.0 - x.abs() / self.width;
         if self.width == 0.0 || left <= 0.0 {
-            return self.color.light(mean + more);
+            return self.color.light(mean + added);
         }
         let half = (self.high - self.low) / 2.0 * left.powf(self.exponent);
-        self.color.light(if x >= 0.0 { mean + half } else { mean - half } + more)
+        self.color.light(if x >= 0.0 { mean + half } else { mean - half } + added)
     }
 
     fn jumps(&self) -> Vec<(f64, f64)> {
@@ -74,7 +74,7 @@ impl Profile for &Cornsweet {
         if self.width == 0.0 { Vec::new() } else { vec![(0.0, self.high - self.low)] }
     }
 
-    fn turns(&self) -> Vec<f64> {
+    fn turning_points(&self) -> Vec<f64> {
         vec![-self.width, 0.0, self.width]
     }
 
@@ -149,7 +149,7 @@ impl Cylinder {
 }
 
 impl Profile for &Cylinder {
-    fn light(&self, x: f64, more: f64) -> [f64; 3] {
+    fn light(&self, x: f64, added: f64) -> [f64; 3] {
         let x = x.clamp(-0.5, 0.5);
         let facet = self.facet(x);
         let (left, right) = (self.place(facet), self.place(facet + 1));
@@ -164,7 +164,7 @@ impl Profile for &Cylinder {
                 self.lit(toward / toward.hypot(aside))
             }
         };
-        self.color.light(luminance + more)
+        self.color.light(luminance + added)
     }
 
     fn jumps(&self) -> Vec<(f64, f64)> {
@@ -174,7 +174,7 @@ impl Profile for &Cylinder {
         }
     }
 
-    fn turns(&self) -> Vec<f64> {
+    fn turning_points(&self) -> Vec<f64> {
         [0.0].into_iter().chain((0..=self.facets).map(|i| self.place(i))).collect()
     }
 

@@ -37,16 +37,16 @@ impl RampSpace {
 /// The light between two plateaus of a ramp that is not just one color at varying luminance, prepared for repeated
 /// evaluation.
 #[derive(Clone, Copy, Debug)]
-pub struct Between {
+pub struct ColorRamp {
     low: [f64; 3],
     high: [f64; 3],
     space: RampSpace,
-    /// The low plateau in the space; `way` is the difference from it to the high plateau.
+    /// The low plateau in the space; `difference` is the difference from it to the high plateau.
     from: [f64; 3],
-    way: [f64; 3],
+    difference: [f64; 3],
 }
 
-impl Between {
+impl ColorRamp {
     /// Creates the light between `color` at the luminance `low` and `color_high` at the luminance `high`.
     pub fn new(color: StimulusColor, low: f64, color_high: StimulusColor, high: f64, space: RampSpace) -> Self {
         let lights = [color.light(low), color_high.light(high)];
@@ -60,27 +60,26 @@ impl Between {
             }),
             RampSpace::Lab => lights.map(|rgb| lab_from_xyz(xyz_from_rgb(rgb))),
         };
-        let (mut from, mut way) = (ends[0], [0, 1, 2].map(|i| ends[1][i] - ends[0][i]));
+        let (mut from, mut difference) = (ends[0], [0, 1, 2].map(|i| ends[1][i] - ends[0][i]));
         if space == RampSpace::Hsv {
             let [low, high] = [color, color_high].map(|color| hue(color.rgb()));
             from[0] = low.or(high).unwrap_or(0.0);
             let turn = wrapped_deg(high.unwrap_or(from[0]) - from[0]);
-            way[0] = if turn > 180.0 { turn - 360.0 } else { turn };
+            difference[0] = if turn > 180.0 { turn - 360.0 } else { turn };
         }
-        Self { low: lights[0], high: lights[1], space, from, way }
+        Self { low: lights[0], high: lights[1], space, from, difference }
     }
 
-    /// Returns the light at the fraction `part` of the way from the low plateau (0) to the high one (1); each channel
-    /// is 0…1.
+    /// Returns the light at `fraction` of the way from the low plateau (0) to the high one (1); each channel is 0…1.
     #[inline]
-    pub fn light_at_part(&self, part: f64) -> [f64; 3] {
-        if part <= 0.0 {
+    pub fn light_at_fraction(&self, fraction: f64) -> [f64; 3] {
+        if fraction <= 0.0 {
             return self.low;
         }
-        if part >= 1.0 {
+        if fraction >= 1.0 {
             return self.high;
         }
-        let point = [0, 1, 2].map(|i| self.from[i] + self.way[i] * part);
+        let point = [0, 1, 2].map(|i| self.from[i] + self.difference[i] * fraction);
         let rgb = match self.space {
             RampSpace::Rgb => point,
             RampSpace::Hsv => rgb_from_hsv(point),
@@ -92,21 +91,21 @@ impl Between {
     /// Returns a lower and an upper bound on the light between two fractions of the way.
     pub fn bounds(&self, from: f64, to: f64) -> [[f64; 3]; 2] {
         let (half, steepness) = (0.5 * (to - from), self.steepness());
-        let light = self.light_at_part(0.5 * (from + to));
+        let light = self.light_at_fraction(0.5 * (from + to));
         [-half, half].map(|half| [0, 1, 2].map(|channel| light[channel] + half * steepness[channel]))
     }
 
-    /// Returns an upper bound on how fast each channel changes along the way, per unit of `part`.
+    /// Returns an upper bound on how fast each channel changes along the way, per unit of `fraction`.
     fn steepness(&self) -> [f64; 3] {
-        let (from, way) = (self.from, self.way.map(f64::abs));
-        let to = [0, 1, 2].map(|i| from[i] + self.way[i]);
+        let (from, difference) = (self.from, self.difference.map(f64::abs));
+        let to = [0, 1, 2].map(|i| from[i] + self.difference[i]);
         match self.space {
-            RampSpace::Rgb => way,
+            RampSpace::Rgb => difference,
             RampSpace::Hsv => {
                 // Each channel is V, V(1 − S), V(1 − S·t) or V(1 − S·(1 − t)), where t is the position within a sixth
                 // of a turn, 0…1.
                 let (value, saturation) = (from[2].max(to[2]), from[1].max(to[1]));
-                [way[2] + value * way[1] + value * saturation * way[0] / 60.0; 3]
+                [difference[2] + value * difference[1] + value * saturation * difference[0] / 60.0; 3]
             }
             RampSpace::Lab => {
                 // The cube roots of X, Y and Z are linear in Lab. Each channel is a weighted sum of their cubes. Below

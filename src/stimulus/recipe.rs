@@ -9,14 +9,14 @@ use crate::light::{
 };
 
 /// Largest side of an image, pixels.
-pub const SIZE_MAX: u32 = 16_384;
+pub const MAX_SIZE: u32 = 16_384;
 
 /// The complete description of an image. Equal recipes give equal codes on every machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recipe {
     pub stimulus: Stimulus,
-    /// Side of the square image in pixels, 1…[`SIZE_MAX`].
+    /// Side of the square image in pixels, 1…[`MAX_SIZE`].
     pub size: u32,
     /// The display's transfer functions.
     #[serde(rename = "transfer", serialize_with = "write_transfers", deserialize_with = "read_transfers")]

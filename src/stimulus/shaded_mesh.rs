@@ -80,8 +80,8 @@ impl ShadedMesh {
         if !(1e-6..=1e6).contains(&DVec3::from_array(self.light.0).length()) {
             return Some(parameter("light")?.error(self.light, "is not a direction"));
         }
-        if self.mesh.has_vertices() && (self.vertices as usize) < self.mesh.least_vertices() {
-            let least = self.mesh.least_vertices();
+        if self.mesh.has_vertices() && (self.vertices as usize) < self.mesh.min_vertices() {
+            let least = self.mesh.min_vertices();
             return Some(
                 parameter("vertices")?.error(self.vertices, format!("is below the {least} that a {} needs", self.mesh)),
             );

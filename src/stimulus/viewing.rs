@@ -1,16 +1,17 @@
-//! Applies the model of vision to stimuli and images in a window on a screen.
+//! Applies the vision model to stimuli and images in a window on a screen.
 
 use super::catalog::Stimulus;
 use crate::{
     light::LinearImage,
     shading::{Frame, coverage},
     vision::{
-        Border, Eye, Line, LinePrediction, Picture, PicturePrediction, Visibility, VisionError, luminance, luminances,
+        Border, Eye, Line, LinePrediction, LuminanceImage, PicturePrediction, Visibility, VisionError, luminance,
+        luminances,
     },
 };
 
 /// Minimum adapting luminance, cd/m²: some light reaches the eye even from a black window.
-const LEAST_CD_M2: f64 = 0.01;
+const MIN_CD_M2: f64 = 0.01;
 
 /// The prediction for a stimulus.
 #[derive(Clone, Debug)]
@@ -97,19 +98,19 @@ impl ViewingConditions {
     /// # Errors
     /// Returns a [`VisionError`] if the picture does not have the size of the frame, is too small or is all black.
     pub fn predict_surface(&self, frame: &Frame, image: &LinearImage) -> Result<PicturePrediction, VisionError> {
-        self.predict_within(image, Some(&coverage::inside_outlines(frame)))
+        self.predict_within(image, Some(&coverage::interior_mask(frame)))
     }
 
     fn predict_within(&self, image: &LinearImage, mask: Option<&[bool]>) -> Result<PicturePrediction, VisionError> {
         let light = luminances(image);
         let (width, height) = (image.width as usize, image.height as usize);
-        Picture { light: &light, width, height, px_per_deg: self.px_per_deg(image.width), mask }
+        LuminanceImage { light: &light, width, height, px_per_deg: self.px_per_deg(image.width), mask }
             .predict(&self.eye(&light))
     }
 
     fn eye(&self, light: &[f64]) -> Eye {
         let mean = light.iter().sum::<f64>() / light.len().max(1) as f64;
-        Eye { luminance: (self.white_cd_m2 * mean).max(LEAST_CD_M2), field_deg: self.window_deg }
+        Eye { luminance: (self.white_cd_m2 * mean).max(MIN_CD_M2), field_deg: self.window_deg }
     }
 
     fn px_per_deg(&self, px: u32) -> f64 {

@@ -3,7 +3,7 @@
 use std::{collections::HashMap, path::Path};
 
 use super::{
-    FileFault, FileFaults, dataset, definition, file::read_text, frames, image, matches, observer, profile, readings,
+    FileError, FileErrors, dataset, definition, file::read_text, frames, image, matches, observer, profile, readings,
     recorded::Recorded, results, toml::Document,
 };
 use crate::{
@@ -31,7 +31,7 @@ impl From<String> for Checked {
 ///
 /// # Errors
 /// Returns every error in the file.
-pub fn check(name_or_path: &str) -> Result<Checked, FileFaults> {
+pub fn check(name_or_path: &str) -> Result<Checked, FileErrors> {
     if definition::BUILT_IN.iter().any(|built_in| built_in.name == name_or_path) {
         return check_definition(definition::open(name_or_path)?).map(Checked::from);
     }
@@ -43,12 +43,12 @@ pub fn check(name_or_path: &str) -> Result<Checked, FileFaults> {
             Some("event") => check_matches(path),
             _ => check_results(path),
         },
-        Some("png") => image::prove(path),
+        Some("png") => image::verify(path),
         Some("toml") => return check_toml(name_or_path, &read_text(path)?),
         _ if path.is_dir() || !path.exists() => Err(definition::open(name_or_path).err().unwrap_or_else(|| {
-            FileFaults::whole(name_or_path, "cannot be checked; expected a .toml, .csv or .png file")
+            FileErrors::whole(name_or_path, "cannot be checked; expected a .toml, .csv or .png file")
         })),
-        _ => Err(FileFaults::whole(
+        _ => Err(FileErrors::whole(
             name_or_path,
             "is not a known type of file; expected a definition, display profile or observer (.toml), a result file or readings (.csv), or an image (.png)",
         )),
@@ -57,7 +57,7 @@ pub fn check(name_or_path: &str) -> Result<Checked, FileFaults> {
 }
 
 /// Identifies the kind of TOML file by a required key that the other kinds lack.
-fn check_toml(file: &str, text: &str) -> Result<Checked, FileFaults> {
+fn check_toml(file: &str, text: &str) -> Result<Checked, FileErrors> {
     let document = Document::parse(file, text)?;
     if document.has("transfer") || document.has("channels") {
         let profile = profile::parse(file, text)?;
@@ -74,8 +74,8 @@ fn check_toml(file: &str, text: &str) -> Result<Checked, FileFaults> {
     check_definition(definition::parse(file, text)?).map(Checked::from)
 }
 
-fn check_definition(protocol: Protocol) -> Result<String, FileFaults> {
-    let trial = |error: String| FileFaults::whole(&protocol.name, error);
+fn check_definition(protocol: Protocol) -> Result<String, FileErrors> {
+    let trial = |error: String| FileErrors::whole(&protocol.name, error);
     let identity = Identity::new("S001", "1").map_err(|error| trial(error.to_string()))?;
     Schedule::new(&protocol, &identity, 1).map_err(|error| trial(error.to_string()))?;
     Ok(format!(
@@ -88,12 +88,12 @@ fn check_definition(protocol: Protocol) -> Result<String, FileFaults> {
 }
 
 /// Checks a result file against the definition and the seed in its sidecar, if there is a sidecar.
-fn check_results(path: &Path) -> Result<String, FileFaults> {
+fn check_results(path: &Path) -> Result<String, FileErrors> {
     if dataset::identity(path).is_ok() && path.with_extension("json").exists() {
         return check_session(path);
     }
     let content = std::fs::read(path)
-        .map_err(|error| FileFaults::whole(path, format!("cannot be read: {error}; expected a readable file")))?;
+        .map_err(|error| FileErrors::whole(path, format!("cannot be read: {error}; expected a readable file")))?;
     let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
     let columns = columns_by_header(String::from_utf8_lossy(header).trim_end().split(','));
     let rows = results::parse(&path.display().to_string(), &content, &columns)?;
@@ -101,23 +101,23 @@ fn check_results(path: &Path) -> Result<String, FileFaults> {
     let repeated = rows.iter().zip(2..).filter_map(|(row, line)| {
         let first = lines.insert(row.row_id.as_str(), line)?;
         let message = format!("row_id {} already appears in line {first}; expected every row_id once", row.row_id);
-        Some(FileFault::at(path, (line, 1), message))
+        Some(FileError::at(path, (line, 1), message))
     });
-    FileFaults::none(repeated.collect())?;
+    FileErrors::none(repeated.collect())?;
     Ok(format!(
         "result file: {} rows; the trial order was not checked because that requires a session's file and its sidecar",
         rows.len()
     ))
 }
 
-fn check_session(path: &Path) -> Result<String, FileFaults> {
-    let session = Recorded::open(path).map_err(|error| FileFaults(error.faults(path)))?;
-    let mut faults = session.row_faults();
-    if let Some(torn) = &session.torn {
-        let message = format!("the file ends in the middle of a row, {torn:?}; expected complete rows");
-        faults.push(FileFault::at(path, (session.rows.len() + 2, 1), message));
+fn check_session(path: &Path) -> Result<String, FileErrors> {
+    let session = Recorded::open(path).map_err(|error| FileErrors(error.errors(path)))?;
+    let mut errors = session.row_errors();
+    if let Some(partial_line) = &session.partial_line {
+        let message = format!("the file ends in the middle of a row, {partial_line:?}; expected complete rows");
+        errors.push(FileError::at(path, (session.rows.len() + 2, 1), message));
     }
-    FileFaults::none(faults)?;
+    FileErrors::none(errors)?;
     let ((rated, planned), rows, name) = (session.rated(), session.rows.len(), &session.protocol.name);
     Ok(format!("result file: {rows} rows; {rated} of {planned} planned trials of {name} rated"))
 }
@@ -129,18 +129,18 @@ fn first_column(path: &Path) -> Option<String> {
     Some(String::from_utf8_lossy(name).trim_start_matches('\u{feff}').trim().to_owned())
 }
 
-fn check_readings(path: &Path) -> Result<String, FileFaults> {
+fn check_readings(path: &Path) -> Result<String, FileErrors> {
     let readings = readings::open(path)?;
     let channels: Vec<&str> = readings.channels().iter().map(|channel| channel.name()).collect();
     Ok(format!("{} photometer readings, {}", readings.all().len(), channels.join(", ")))
 }
 
-fn check_matches(path: &Path) -> Result<String, FileFaults> {
+fn check_matches(path: &Path) -> Result<String, FileErrors> {
     Ok(format!("{} visual matches of a display", matches::open(path)?.len()))
 }
 
 /// Checks the frames file of a session, which is next to its result file.
-fn check_frames(path: &Path) -> Result<String, FileFaults> {
+fn check_frames(path: &Path) -> Result<String, FileErrors> {
     let rows = frames::read(path)?;
     let intervals: usize = rows.iter().map(|row| row.intervals_us.len()).sum();
     Ok(format!("frames of a session: {intervals} intervals in {} rows", rows.len()))

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{StoreError, fault::io};
+use super::{StoreError, error::io};
 use crate::{
     light::{Dither, LinearImage, Quantizer},
     stimulus::{place, recipe::Recipe},

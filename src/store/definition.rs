@@ -6,13 +6,14 @@ use serde::Deserialize;
 use serde_json::{Map, Value};
 
 use super::{
-    FileFaults,
+    FileErrors,
     file::{read_text, sha256},
     toml::{self, unknown_key},
 };
 use crate::{
     experiment::{
-        Category, Design, Factor, Fault, Faults, Presentation, Protocol, Recovery, ResponseScale, Texts, ViewingPlan,
+        Category, DefinitionError, DefinitionErrors, Design, Factor, Presentation, Protocol, Recovery, ResponseScale,
+        Texts, ViewingPlan,
     },
     light::names::expected_one_of,
     stimulus::{KINDS, MachBand, ParameterValue, Stimulus},
@@ -41,7 +42,7 @@ built_in!("quick", "bangay2003", "orientation", "shaders");
 ///
 /// # Errors
 /// Returns every error in the file, or reports that neither such a definition nor such a file exists.
-pub fn open(name_or_path: &str) -> Result<Protocol, FileFaults> {
+pub fn open(name_or_path: &str) -> Result<Protocol, FileErrors> {
     if let Some(built_in) = BUILT_IN.iter().find(|built_in| built_in.name == name_or_path) {
         return parse(built_in.name, built_in.text);
     }
@@ -49,7 +50,7 @@ pub fn open(name_or_path: &str) -> Result<Protocol, FileFaults> {
     let looks_like_a_name = path.extension().is_none() && path.components().count() == 1;
     if looks_like_a_name && !path.exists() {
         let names: Vec<_> = BUILT_IN.iter().map(|built_in| built_in.name).collect();
-        return Err(FileFaults::whole(
+        return Err(FileErrors::whole(
             name_or_path,
             format!(
                 "is neither a built-in definition nor a file; {}, or the path to a .toml file",
@@ -64,10 +65,10 @@ pub fn open(name_or_path: &str) -> Result<Protocol, FileFaults> {
 ///
 /// # Errors
 /// Returns every error, with its line and column.
-pub fn parse(file: &str, text: &str) -> Result<Protocol, FileFaults> {
+pub fn parse(file: &str, text: &str) -> Result<Protocol, FileErrors> {
     let (form, mut document) = toml::read::<Form>(file, text)?;
-    let (protocol, faults) = form.protocol();
-    faults.into_iter().for_each(|fault| document.fault(&fault.path, fault.message));
+    let (protocol, errors) = form.protocol();
+    errors.into_iter().for_each(|error| document.error(&error.path, error.message));
     document.finish(protocol)
 }
 
@@ -75,8 +76,8 @@ pub fn parse(file: &str, text: &str) -> Result<Protocol, FileFaults> {
 ///
 /// # Errors
 /// Returns every error in the definition.
-pub fn from_json(file: &str, definition: &Value) -> Result<Protocol, FileFaults> {
-    let fail = |message: String| FileFaults::whole(file, message);
+pub fn from_json(file: &str, definition: &Value) -> Result<Protocol, FileErrors> {
+    let fail = |message: String| FileErrors::whole(file, message);
     let mut definition = definition.clone();
     let schema = definition.as_object_mut().and_then(|keys| keys.shift_remove("schema"));
     let form = Form::deserialize(definition).map_err(|error| {
@@ -85,9 +86,9 @@ pub fn from_json(file: &str, definition: &Value) -> Result<Protocol, FileFaults>
     if schema != Some(1.into()) {
         return Err(fail("the schema of the definition is missing or not 1; expected schema 1".to_owned()));
     }
-    let (protocol, faults) = form.protocol();
-    let faults: Vec<_> = faults.into_iter().flat_map(|fault| fail(fault.message).0).collect();
-    FileFaults::none(faults).map(|()| protocol)
+    let (protocol, errors) = form.protocol();
+    let errors: Vec<_> = errors.into_iter().flat_map(|error| fail(error.message).0).collect();
+    FileErrors::none(errors).map(|()| protocol)
 }
 
 /// Returns the SHA-256 of a definition's content, in lowercase hexadecimal. Comments and layout do not affect it.
@@ -131,73 +132,73 @@ impl Default for ResponseForm {
 
 impl Form {
     /// Returns the definition and all its errors.
-    fn protocol(self) -> (Protocol, Vec<Fault>) {
-        let mut faults = Faults::default();
+    fn protocol(self) -> (Protocol, Vec<DefinitionError>) {
+        let mut errors = DefinitionErrors::default();
         let name = self.name.unwrap_or_else(|| {
-            faults.add("name", "name is missing; expected name = …");
+            errors.add("name", "name is missing; expected name = …");
             "unnamed".to_owned()
         });
-        let stimulus = stimulus(&self.stimulus, &mut faults);
+        let stimulus = stimulus(&self.stimulus, &mut errors);
         let protocol = Protocol {
             schema: 1,
             title: self.title.unwrap_or_else(|| name.clone()),
             name,
-            factors: factors(self.factors, &stimulus, &mut faults),
+            factors: factors(self.factors, &stimulus, &mut errors),
             stimulus,
             design: self.design,
             recovery: self.recovery,
             presentation: self.presentation,
-            response: scale(self.response, &mut faults),
+            response: scale(self.response, &mut errors),
             viewing: self.viewing,
             instructions: self.instructions,
         };
         // A value that could not be read would only cause follow-up errors.
-        let unread: HashSet<String> = faults.0.iter().map(|fault| fault.path.clone()).collect();
-        faults.0.extend(protocol.faults().into_iter().filter(|fault| !unread.contains(&fault.path)));
-        (protocol, faults.0)
+        let unread: HashSet<String> = errors.0.iter().map(|error| error.path.clone()).collect();
+        errors.0.extend(protocol.errors().into_iter().filter(|error| !unread.contains(&error.path)));
+        (protocol, errors.0)
     }
 }
 
-fn add_unexpected(faults: &mut Faults, path: &str, name: &str, value: &Value, expected: &str) {
+fn add_unexpected(errors: &mut DefinitionErrors, path: &str, name: &str, value: &Value, expected: &str) {
     let found = match value {
         Value::Array(_) => "a list".to_owned(),
         Value::Object(_) => "a table".to_owned(),
         other => other.to_string(),
     };
-    faults.add(path, format!("{name} is {found}; expected {expected}"));
+    errors.add(path, format!("{name} is {found}; expected {expected}"));
 }
 
-fn stimulus(given: &Map<String, Value>, faults: &mut Faults) -> Stimulus {
+fn stimulus(given: &Map<String, Value>, errors: &mut DefinitionErrors) -> Stimulus {
     let kind = given.get("kind").map(|kind| (kind, kind.as_str().unwrap_or_default()));
     let Some(mut stimulus) = kind.and_then(|(_, name)| Stimulus::default_of(name)) else {
         let message = match kind {
             Some((kind, name)) => format!("kind {kind} is not known; {}", expected_one_of(name, KINDS)),
             None => "stimulus.kind is missing; expected kind = …".to_owned(),
         };
-        faults.add("stimulus.kind", message);
+        errors.add("stimulus.kind", message);
         return Stimulus::MachBand(MachBand::default());
     };
     for (name, value) in given.iter().filter(|(name, _)| *name != "kind") {
         let path = format!("stimulus.{name}");
         match parameter(value) {
-            _ if !is_known(&stimulus, "stimulus", name, faults) => {}
+            _ if !is_known(&stimulus, "stimulus", name, errors) => {}
             Some(value) => {
                 if let Err(error) = stimulus.set(name, &value) {
-                    faults.add(path, error.to_string());
+                    errors.add(path, error.to_string());
                 }
             }
-            None => add_unexpected(faults, &path, &path, value, "a number or text"),
+            None => add_unexpected(errors, &path, &path, value, "a number or text"),
         }
     }
     stimulus
 }
 
-fn factors(given: Map<String, Value>, stimulus: &Stimulus, faults: &mut Faults) -> Vec<Factor> {
+fn factors(given: Map<String, Value>, stimulus: &Stimulus, errors: &mut DefinitionErrors) -> Vec<Factor> {
     let mut factors = Vec::new();
     for (name, levels) in given {
         let path = format!("factors.{name}");
         match levels {
-            _ if !is_known(stimulus, "factors", &name, faults) => {}
+            _ if !is_known(stimulus, "factors", &name, errors) => {}
             Value::Array(levels) => {
                 let level = |(i, level)| {
                     // The stimulus normalizes values, so that `1` and `1.0`, or `grey` and `gray`, are the same level.
@@ -206,27 +207,27 @@ fn factors(given: Map<String, Value>, stimulus: &Stimulus, faults: &mut Faults) 
                         probe.set(&name, &level).ok().and_then(|()| probe.get(&name)).unwrap_or(level)
                     };
                     parameter(level).map(written).unwrap_or_else(|| {
-                        add_unexpected(faults, &format!("{path}.{i}"), &path, level, "a number or text");
+                        add_unexpected(errors, &format!("{path}.{i}"), &path, level, "a number or text");
                         "".into()
                     })
                 };
                 let levels = levels.iter().enumerate().map(level).collect();
                 factors.push(Factor { name, levels });
             }
-            other => add_unexpected(faults, &path, &path, &other, "a list of numbers or text in brackets"),
+            other => add_unexpected(errors, &path, &path, &other, "a list of numbers or text in brackets"),
         }
     }
     factors
 }
 
-fn is_known(stimulus: &Stimulus, table: &str, name: &str, faults: &mut Faults) -> bool {
+fn is_known(stimulus: &Stimulus, table: &str, name: &str, errors: &mut DefinitionErrors) -> bool {
     let mut known: Vec<&str> = stimulus.parameters().iter().map(|parameter| parameter.name).collect();
     let is_known = known.contains(&name);
     if !is_known {
         if table == "stimulus" {
             known.insert(0, "kind");
         }
-        faults.add(format!("{table}.{name}"), unknown_key(table, name, &known));
+        errors.add(format!("{table}.{name}"), unknown_key(table, name, &known));
     }
     is_known
 }
@@ -239,13 +240,13 @@ fn parameter(value: &Value) -> Option<ParameterValue> {
     }
 }
 
-fn scale(form: ResponseForm, faults: &mut Faults) -> ResponseScale {
+fn scale(form: ResponseForm, errors: &mut DefinitionErrors) -> ResponseScale {
     let count = form.labels.len();
     let digits = || ('0'..='9').cycle();
     let keys = form.keys.unwrap_or_else(|| digits().take(count).collect());
     if keys.len() != count {
         let message = format!("response.keys has {} keys; expected {count}, one for each label", keys.len());
-        faults.add("response.keys", message);
+        errors.add("response.keys", message);
     }
     // A missing key has already been reported; a digit stands in for it.
     let keys = digits().enumerate().map(|(i, digit)| keys.get(i).copied().unwrap_or(digit));

@@ -10,8 +10,8 @@ use std::{
 use sha2::{Digest as _, Sha256};
 
 use super::{
-    FileFault, FileFaults, StoreError,
-    fault::{io, position},
+    FileError, FileErrors, StoreError,
+    error::{io, position},
     table::shortened,
 };
 
@@ -22,12 +22,12 @@ const MAX_TEXT: u64 = 1 << 20;
 ///
 /// # Errors
 /// The same as for [`read_bytes`]; or the text is not UTF-8, with the line and column.
-pub(super) fn read_text(path: &Path) -> Result<String, FileFaults> {
+pub(super) fn read_text(path: &Path) -> Result<String, FileErrors> {
     String::from_utf8(read_bytes(path, MAX_TEXT, "a readable file")?).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let before = String::from_utf8_lossy(&error.as_bytes()[..valid]);
         let place = position(&before, before.len());
-        FileFaults(vec![FileFault::at(path, place, "is not UTF-8 text; expected UTF-8")])
+        FileErrors(vec![FileError::at(path, place, "is not UTF-8 text; expected UTF-8")])
     })
 }
 
@@ -35,8 +35,8 @@ pub(super) fn read_text(path: &Path) -> Result<String, FileFaults> {
 ///
 /// # Errors
 /// The file is missing, is a folder, is too large, or is not readable.
-pub(super) fn read_bytes(path: &Path, most: u64, expected: &str) -> Result<Vec<u8>, FileFaults> {
-    let fail = |message: String| FileFaults::whole(path, message);
+pub(super) fn read_bytes(path: &Path, most: u64, expected: &str) -> Result<Vec<u8>, FileErrors> {
+    let fail = |message: String| FileErrors::whole(path, message);
     let refused = |error: std::io::Error| fail(format!("cannot be opened: {error}; expected {expected}"));
     let metadata = std::fs::metadata(path).map_err(refused)?;
     if metadata.is_dir() {
@@ -163,7 +163,7 @@ pub(super) fn sync_folder(file: &Path) -> Result<(), StoreError> {
 ///
 /// # Errors
 /// I/O errors other than a missing file or folder.
-pub(super) fn is_there(path: &Path) -> Result<bool, StoreError> {
+pub(super) fn exists(path: &Path) -> Result<bool, StoreError> {
     match fs::metadata(path) {
         Ok(_) => Ok(true),
         Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(false),
@@ -174,7 +174,7 @@ pub(super) fn is_there(path: &Path) -> Result<bool, StoreError> {
 /// An append-only file. While it is open, it is locked against other programs.
 ///
 /// The whole content is also kept in memory, so that nothing is lost if the disk fails or disappears: the next call
-/// retries, and [`AppendFile::move_to`] continues in a different location.
+/// retries, and [`AppendFile::continue_in`] continues in a different location.
 #[derive(Debug)]
 pub(super) struct AppendFile {
     path: PathBuf,
@@ -184,7 +184,7 @@ pub(super) struct AppendFile {
     /// Number of bytes of the content that are known to be in the file.
     written: usize,
     /// The beginning of a line that was not written completely. The next write removes it.
-    torn: Option<String>,
+    partial_line: Option<String>,
     /// True if rows are on disk when [`AppendFile::append`] returns. If false, a power failure may lose the last rows.
     durable: bool,
 }
@@ -192,7 +192,7 @@ pub(super) struct AppendFile {
 impl AppendFile {
     /// Prepares a new file. The first write creates it, and never touches an existing file.
     pub fn new(path: &Path, durable: bool, content: Vec<u8>) -> Self {
-        Self { path: path.to_owned(), file: None, content, written: 0, torn: None, durable }
+        Self { path: path.to_owned(), file: None, content, written: 0, partial_line: None, durable }
     }
 
     /// Opens, locks and reads a file. The file is not changed until the next write; if it has no complete line yet,
@@ -205,10 +205,10 @@ impl AppendFile {
         lock(&file, path)?;
         let mut content = Vec::new();
         file.read_to_end(&mut content).map_err(io(path, "read"))?;
-        let (whole, torn) = split_torn(content);
+        let (whole, partial_line) = split_partial_line(content);
         let written = whole.len();
-        let content = begun(path, whole, torn.as_deref(), header)?;
-        Ok(Self { path: path.to_owned(), file: Some(file), written, content, torn, durable })
+        let content = complete_lines_or_header(path, whole, partial_line.as_deref(), header)?;
+        Ok(Self { path: path.to_owned(), file: Some(file), written, content, partial_line, durable })
     }
 
     /// The path of the file, which may not exist yet.
@@ -222,8 +222,8 @@ impl AppendFile {
     }
 
     /// The beginning of an incomplete line, if the file ended with one when it was opened.
-    pub fn torn(&self) -> Option<&str> {
-        self.torn.as_deref()
+    pub fn partial_line(&self) -> Option<&str> {
+        self.partial_line.as_deref()
     }
 
     /// SHA-256 of everything that belongs in the file.
@@ -257,13 +257,13 @@ impl AppendFile {
         let locked = lock(&made, &self.path);
         self.file = Some(made);
         let synced = |this: &Self| if this.durable { sync_folder(&this.path) } else { Ok(()) };
-        let begun = locked.and_then(|()| self.write()).and_then(|()| synced(self));
-        if begun.is_err() {
+        let created = locked.and_then(|()| self.write()).and_then(|()| synced(self));
+        if created.is_err() {
             // This program has just created the file. An incomplete file must not block the next attempt.
             let _ = fs::remove_file(&self.path);
             (self.file, self.written) = (None, 0);
         }
-        begun
+        created
     }
 
     fn write(&mut self) -> Result<(), StoreError> {
@@ -299,7 +299,7 @@ impl AppendFile {
     ///
     /// # Errors
     /// The new location cannot be written. In that case, the old one stays in use.
-    pub fn move_to(&mut self, path: &Path) -> Result<(), StoreError> {
+    pub fn continue_in(&mut self, path: &Path) -> Result<(), StoreError> {
         let mut moved = Self::new(path, self.durable, self.content.clone());
         moved.flush()?;
         *self = moved;
@@ -330,21 +330,26 @@ fn lock(file: &File, path: &Path) -> Result<(), StoreError> {
 /// A power failure may also leave zero bytes after or within the last line, if the system had already enlarged the file
 /// but not yet filled it. Zero bytes before the last line do not come from an interrupted write, because each line was
 /// on disk before the next one was written; the parser reports them.
-pub(super) fn split_torn(mut content: Vec<u8>) -> (Vec<u8>, Option<String>) {
+pub(super) fn split_partial_line(mut content: Vec<u8>) -> (Vec<u8>, Option<String>) {
     let end_of_line = |content: &[u8]| content.iter().rposition(|byte| *byte == b'\n').map_or(0, |newline| newline + 1);
     let whole = end_of_line(&content);
     let last = end_of_line(&content[..whole.saturating_sub(1)]);
-    let torn = content.split_off(if content[last..whole].contains(&0) { last } else { whole });
-    let text = String::from_utf8_lossy(&torn).trim_end_matches('\0').to_owned();
-    (content, (!torn.is_empty()).then_some(text))
+    let partial_line = content.split_off(if content[last..whole].contains(&0) { last } else { whole });
+    let text = String::from_utf8_lossy(&partial_line).trim_end_matches('\0').to_owned();
+    (content, (!partial_line.is_empty()).then_some(text))
 }
 
 /// Returns the complete lines of a row file; if there are none yet, its header.
 ///
 /// # Errors
 /// The file does not begin with this header, so it must not be truncated.
-pub(super) fn begun(path: &Path, whole: Vec<u8>, torn: Option<&str>, header: Vec<u8>) -> Result<Vec<u8>, FileFaults> {
-    let found = torn.unwrap_or_default();
+pub(super) fn complete_lines_or_header(
+    path: &Path,
+    whole: Vec<u8>,
+    partial_line: Option<&str>,
+    header: Vec<u8>,
+) -> Result<Vec<u8>, FileErrors> {
+    let found = partial_line.unwrap_or_default();
     if !whole.is_empty() {
         return Ok(whole);
     } else if header.starts_with(found.as_bytes()) {
@@ -352,5 +357,5 @@ pub(super) fn begun(path: &Path, whole: Vec<u8>, torn: Option<&str>, header: Vec
     }
     let [found, expected] = [found, &String::from_utf8_lossy(&header)].map(shortened);
     let message = format!("the file begins with {found:?}; expected the header {expected:?}");
-    Err(FileFaults(vec![FileFault::at(path, (1, 1), message)]))
+    Err(FileErrors(vec![FileError::at(path, (1, 1), message)]))
 }

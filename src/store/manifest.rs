@@ -11,7 +11,7 @@ use std::{
 
 use super::{
     StoreError,
-    fault::io,
+    error::io,
     file::{make_folder, sha256, write_whole},
     image, table,
 };
@@ -22,7 +22,7 @@ use crate::{
 };
 
 /// Maximum length of a file name without its extension.
-const NAME_MAX: usize = 120;
+const MAX_NAME: usize = 120;
 
 /// A folder of images in progress. Until all images exist, each shard lists its own images in a file, one line per
 /// image.
@@ -140,7 +140,7 @@ fn file_name(number: usize, digits: usize, names: &[&str], levels: &[String]) ->
         let clean = level.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '-' });
         name += &format!("_{factor}-{}", clean.collect::<String>());
     }
-    name.truncate(NAME_MAX);
+    name.truncate(MAX_NAME);
     name + ".png"
 }
 

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use super::{
-    FileFaults, StoreError,
+    FileErrors, StoreError,
     file::{AppendFile, folder_of, make_folder, read_text},
     table::{self, exactly},
 };
@@ -28,7 +28,7 @@ pub struct MatchFile {
 
 /// A parsed row; it has no match if it comes from the former staircase method.
 struct Row {
-    is_taken_back: bool,
+    is_undone: bool,
     found: Option<Match>,
     seed: u64,
 }
@@ -75,7 +75,7 @@ impl MatchFile {
     ///
     /// # Errors
     /// The same as for [`MatchFile::accept`].
-    pub fn take_back(&mut self, number: usize, found: &Match, time_s: f64) -> Result<(), StoreError> {
+    pub fn undo(&mut self, number: usize, found: &Match, time_s: f64) -> Result<(), StoreError> {
         self.event("taken-back", number, found, time_s)
     }
 
@@ -92,7 +92,7 @@ impl MatchFile {
 ///
 /// # Errors
 /// Reports every row that cannot be parsed, with its line and column.
-pub fn open(path: &Path) -> Result<Vec<Match>, FileFaults> {
+pub fn open(path: &Path) -> Result<Vec<Match>, FileErrors> {
     parse(&path.display().to_string(), &read_text(path)?)
 }
 
@@ -100,19 +100,19 @@ pub fn open(path: &Path) -> Result<Vec<Match>, FileFaults> {
 ///
 /// # Errors
 /// Reports every row that cannot be parsed, with its line and column.
-pub fn parse(file: &str, text: &str) -> Result<Vec<Match>, FileFaults> {
+pub fn parse(file: &str, text: &str) -> Result<Vec<Match>, FileErrors> {
     Ok(counted(rows(file, text.as_bytes())?))
 }
 
 fn counted(rows: Vec<Row>) -> Vec<Match> {
     let mut answers = Vec::new();
     for row in rows {
-        if row.is_taken_back { _ = answers.pop() } else { answers.push(row.found) }
+        if row.is_undone { _ = answers.pop() } else { answers.push(row.found) }
     }
     answers.into_iter().flatten().collect()
 }
 
-fn rows(file: &str, text: &[u8]) -> Result<Vec<Row>, FileFaults> {
+fn rows(file: &str, text: &[u8]) -> Result<Vec<Row>, FileErrors> {
     table::parse(file, text, |header| exactly(header, COLUMNS), row)
 }
 
@@ -140,7 +140,7 @@ fn row(cells: &[&str]) -> Result<Row, (usize, String)> {
     }
     let found = Match { channel, rows, code: number(10, patch)? };
     let is_match = judgement == "matched" && (lo, hi) == ("0", "255");
-    Ok(Row { is_taken_back: event == "taken-back", found: is_match.then_some(found), seed: number(13, seed)? })
+    Ok(Row { is_undone: event == "taken-back", found: is_match.then_some(found), seed: number(13, seed)? })
 }
 
 fn number<T: std::str::FromStr>(cell: usize, text: &str) -> Result<T, (usize, String)> {

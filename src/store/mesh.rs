@@ -17,8 +17,8 @@ use std::{borrow::Cow, collections::HashMap, path::Path};
 
 use glam::DVec3;
 
-use super::{FileFault, FileFaults, file::read_bytes, table::shortened};
-use crate::shading::{Mesh, MeshError, Polygons, mesh::LARGEST_COORDINATE};
+use super::{FileError, FileErrors, file::read_bytes, table::shortened};
+use crate::shading::{Mesh, MeshError, Polygons, mesh::MAX_COORDINATE};
 
 /// Maximum file size in bytes, enough for about two million triangles.
 const MAX_FILE: u64 = 1 << 28;
@@ -28,7 +28,7 @@ const MAX_FILE: u64 = 1 << 28;
 ///
 /// # Errors
 /// The file cannot be read or is too large; otherwise the same as for [`parse`].
-pub fn read(path: &Path, crease_deg: f64) -> Result<Mesh, FileFaults> {
+pub fn read(path: &Path, crease_deg: f64) -> Result<Mesh, FileErrors> {
     parse(&path.display().to_string(), &read_bytes(path, MAX_FILE, "an OBJ file")?, crease_deg)
 }
 
@@ -38,7 +38,7 @@ pub fn read(path: &Path, crease_deg: f64) -> Result<Mesh, FileFaults> {
 /// Reports the first errors, each with its line and column: content that is not text, numbers or indices that cannot be
 /// read, coordinates that are not finite, vertices and normals that do not exist, and faces with too few corners. It is
 /// also an error if the file has no faces, or if none of its faces has an area.
-pub fn parse(file: &str, content: &[u8], crease_deg: f64) -> Result<Mesh, FileFaults> {
+pub fn parse(file: &str, content: &[u8], crease_deg: f64) -> Result<Mesh, FileErrors> {
     let (positions, polygons) = polygons(file, content)?;
     Mesh::from_polygons(&positions, &polygons, crease_deg).map_err(|error| {
         let message = match error {
@@ -46,7 +46,7 @@ pub fn parse(file: &str, content: &[u8], crease_deg: f64) -> Result<Mesh, FileFa
             MeshError::NoArea(_) => "has no face with a nonzero area; expected at least one".to_owned(),
             error => error.to_string(),
         };
-        FileFaults::whole(file, message)
+        FileErrors::whole(file, message)
     })
 }
 
@@ -54,19 +54,19 @@ pub fn parse(file: &str, content: &[u8], crease_deg: f64) -> Result<Mesh, FileFa
 const MAX_CORNERS: usize = 4096;
 
 /// Maximum number of errors reported per file.
-const MAX_FAULTS: usize = 20;
+const MAX_ERRORS: usize = 20;
 
 /// Returns the distinct positions, in the order in which faces use them, and the faces.
 ///
 /// # Errors
 /// Reports the first errors, each with its line and column.
-fn polygons(file: &str, content: &[u8]) -> Result<(Vec<DVec3>, Polygons), FileFaults> {
+fn polygons(file: &str, content: &[u8]) -> Result<(Vec<DVec3>, Polygons), FileErrors> {
     let lines = lines(content)
-        .map_err(|number| FileFaults(vec![FileFault::at(file, (number, 1), "is not text; expected an OBJ file")]))?;
+        .map_err(|number| FileErrors(vec![FileError::at(file, (number, 1), "is not text; expected an OBJ file")]))?;
     let count = |wanted: &[u8]| lines.iter().filter(|(_, line)| keyword(line) == wanted).count();
     let mut reader = Reader { counts: [count(b"v"), count(b"vn")], ..Reader::default() };
-    let faults = lines.iter().filter_map(|(number, line)| reader.line(file, *number, line).err());
-    FileFaults::none(faults.take(MAX_FAULTS).collect())?;
+    let errors = lines.iter().filter_map(|(number, line)| reader.line(file, *number, line).err());
+    FileErrors::none(errors.take(MAX_ERRORS).collect())?;
     Ok(reader.polygons())
 }
 
@@ -85,17 +85,17 @@ fn lines(content: &[u8]) -> Result<Vec<Line<'_>>, usize> {
     let mut split = content.split(|byte| *byte == end).zip(1..);
     let mut lines = Vec::new();
     while let Some((line, number)) = split.next() {
-        let mut begun = Vec::new();
+        let mut continued = Vec::new();
         let mut last = line;
         while let Some(piece) = last.trim_ascii_end().strip_suffix(b"\\") {
-            begun.push(piece);
+            continued.push(piece);
             last = split.next().map_or(&[], |(next, _)| next);
         }
-        let line = if begun.is_empty() {
+        let line = if continued.is_empty() {
             Cow::Borrowed(line)
         } else {
-            begun.push(last);
-            Cow::Owned(begun.join(&b' '))
+            continued.push(last);
+            Cow::Owned(continued.join(&b' '))
         };
         if line.contains(&0) {
             return Err(number);
@@ -124,14 +124,14 @@ struct Reader {
 }
 
 impl Reader {
-    fn line(&mut self, file: &str, number: usize, line: &[u8]) -> Result<(), FileFault> {
+    fn line(&mut self, file: &str, number: usize, line: &[u8]) -> Result<(), FileError> {
         let keyword = keyword(line);
         if !matches!(keyword, b"v" | b"vn" | b"f") {
             return Ok(());
         }
         let text = std::str::from_utf8(line).map_err(|error| {
             let column = String::from_utf8_lossy(&line[..error.valid_up_to()]).chars().count() + 1;
-            FileFault::at(file, (number, column), "is not UTF-8 text; expected numbers")
+            FileError::at(file, (number, column), "is not UTF-8 text; expected numbers")
         })?;
         let statement = Statement { file, number, text };
         // A comment may follow the numbers.
@@ -153,11 +153,11 @@ impl Reader {
         }
     }
 
-    fn face(&mut self, statement: &Statement<'_>, words: &[&str]) -> Result<(), FileFault> {
+    fn face(&mut self, statement: &Statement<'_>, words: &[&str]) -> Result<(), FileError> {
         if !(3..=MAX_CORNERS).contains(&words.len()) {
             let more = if words.len() > MAX_CORNERS { "or more " } else { "" };
             let message = format!("a face has {} {more}corners; expected 3…{MAX_CORNERS}", words.len());
-            return Err(statement.fault(statement.text.trim_ascii_start(), message));
+            return Err(statement.error(statement.text.trim_ascii_start(), message));
         }
         for word in words {
             let mut parts = word.split('/');
@@ -175,7 +175,7 @@ impl Reader {
     }
 
     /// Returns the index, counted from 0, that `text` refers to. `text` is a part of `word`.
-    fn index(&self, statement: &Statement<'_>, word: &str, kind: usize, text: &str) -> Result<usize, FileFault> {
+    fn index(&self, statement: &Statement<'_>, word: &str, kind: usize, text: &str) -> Result<usize, FileError> {
         let given: i64 = text.parse().map_err(|_| statement.not_a_corner(word))?;
         let (above, count) = ([self.vertices.len(), self.normals.len()][kind], self.counts[kind]);
         // Indices count up from 1, or back from -1.
@@ -189,7 +189,7 @@ impl Reader {
             _ => format!("; expected 1…{count}"),
         };
         let name = ["vertex", "normal"][kind];
-        Err(statement.fault(word, format!("{name} {given} does not exist{problem}")))
+        Err(statement.error(word, format!("{name} {given} does not exist{problem}")))
     }
 
     /// Merges vertices at exactly the same position.
@@ -222,48 +222,48 @@ struct Statement<'a> {
 
 impl Statement<'_> {
     /// Creates an error about `word`, which is a part of the text.
-    fn fault(&self, word: &str, message: String) -> FileFault {
+    fn error(&self, word: &str, message: String) -> FileError {
         let offset = (word.as_ptr() as usize).saturating_sub(self.text.as_ptr() as usize);
         let column = self.text.get(..offset).unwrap_or_default().chars().count() + 1;
-        FileFault::at(self.file, (self.number, column), message)
+        FileError::at(self.file, (self.number, column), message)
     }
 
     /// Parses `x y z`, `x y z w` or `x y z red green blue`.
-    fn vertex(&self, words: &[&str]) -> Result<DVec3, FileFault> {
+    fn vertex(&self, words: &[&str]) -> Result<DVec3, FileError> {
         let mut vertex = self.three_numbers(words)?;
         if let [_, _, _, weight] = words {
             let w = self.number(weight)?;
             if w == 0.0 || !w.is_finite() {
                 let message =
                     format!("{:?} is not a weight; expected a finite number that is not 0", shortened(weight));
-                return Err(self.fault(weight, message));
+                return Err(self.error(weight, message));
             }
             vertex /= w;
         }
-        match vertex.to_array().iter().position(|x| x.is_nan() || x.abs() > LARGEST_COORDINATE) {
+        match vertex.to_array().iter().position(|x| x.is_nan() || x.abs() > MAX_COORDINATE) {
             Some(k) => {
                 let message =
                     format!("{:?} is not a finite coordinate; expected one within ±1e30", shortened(words[k]));
-                Err(self.fault(words[k], message))
+                Err(self.error(words[k], message))
             }
             None => Ok(vertex),
         }
     }
 
-    fn three_numbers(&self, words: &[&str]) -> Result<DVec3, FileFault> {
+    fn three_numbers(&self, words: &[&str]) -> Result<DVec3, FileError> {
         let [x, y, z, ..] = words else {
             let message = format!("has {} numbers; expected three", words.len());
-            return Err(self.fault(self.text.trim_ascii_start(), message));
+            return Err(self.error(self.text.trim_ascii_start(), message));
         };
         Ok(DVec3::new(self.number(x)?, self.number(y)?, self.number(z)?))
     }
 
-    fn number(&self, word: &str) -> Result<f64, FileFault> {
-        word.parse().map_err(|_| self.fault(word, format!("{:?} is not a number; expected one", shortened(word))))
+    fn number(&self, word: &str) -> Result<f64, FileError> {
+        word.parse().map_err(|_| self.error(word, format!("{:?} is not a number; expected one", shortened(word))))
     }
 
-    fn not_a_corner(&self, word: &str) -> FileFault {
+    fn not_a_corner(&self, word: &str) -> FileError {
         let message = format!("{:?} is not a corner of a face; expected 1, 1/1, 1//1 or 1/1/1", shortened(word));
-        self.fault(word, message)
+        self.error(word, message)
     }
 }

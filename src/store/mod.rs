@@ -16,8 +16,8 @@
 pub mod check;
 pub mod curve;
 pub mod definition;
+mod error;
 pub mod export;
-mod fault;
 mod file;
 pub mod image;
 pub mod manifest;
@@ -31,6 +31,6 @@ pub mod session;
 pub mod table;
 mod toml;
 
-pub use fault::{FileFault, FileFaults, StoreError};
+pub use error::{FileError, FileErrors, StoreError};
 pub use file::{write_file, write_json};
 pub use session::{dataset, frames, recorded, results, sidecar, verify};

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{
-    FileFaults, StoreError,
+    FileErrors, StoreError,
     file::{read_text, write_file},
     toml::{self, Document},
 };
@@ -19,7 +19,7 @@ pub const PAPER: &str = include_str!("../../experiments/observers/paper.toml");
 ///
 /// # Errors
 /// Reports every error, with its line and column.
-pub fn open(path: &Path) -> Result<OrderedLogit, FileFaults> {
+pub fn open(path: &Path) -> Result<OrderedLogit, FileErrors> {
     parse(&path.display().to_string(), &read_text(path)?)
 }
 
@@ -27,7 +27,7 @@ pub fn open(path: &Path) -> Result<OrderedLogit, FileFaults> {
 ///
 /// # Errors
 /// Reports every error, with its line and column.
-pub fn parse(file: &str, text: &str) -> Result<OrderedLogit, FileFaults> {
+pub fn parse(file: &str, text: &str) -> Result<OrderedLogit, FileErrors> {
     let (observer, mut document) = toml::read::<OrderedLogit>(file, text)?;
     check_thresholds(&mut document, observer.thresholds, f64::NEG_INFINITY, "[0.0, 1.5, 3.5]");
     for (key, value, least, most) in [
@@ -50,7 +50,7 @@ pub fn parse(file: &str, text: &str) -> Result<OrderedLogit, FileFaults> {
 ///
 /// # Errors
 /// Reports every error, with its line and column.
-pub fn open_vision(path: &Path) -> Result<VisionRater, FileFaults> {
+pub fn open_vision(path: &Path) -> Result<VisionRater, FileErrors> {
     parse_vision(&path.display().to_string(), &read_text(path)?)
 }
 
@@ -58,7 +58,7 @@ pub fn open_vision(path: &Path) -> Result<VisionRater, FileFaults> {
 ///
 /// # Errors
 /// Reports every error, with its line and column.
-pub fn parse_vision(file: &str, text: &str) -> Result<VisionRater, FileFaults> {
+pub fn parse_vision(file: &str, text: &str) -> Result<VisionRater, FileErrors> {
     let (rater, mut document) = toml::read::<VisionRater>(file, text)?;
     check_thresholds(&mut document, rater.thresholds, 0.0, "[3.0, 8.0, 28.0]");
     document.check_range("spread", rater.spread, 1e-6, 1000.0);
@@ -80,7 +80,7 @@ pub fn write_criterion(path: &Path, criterion: &Criterion) -> Result<(), StoreEr
 fn check_thresholds(document: &mut Document<'_>, [a, b, c]: [f64; 3], above: f64, example: &str) {
     if !(above < a && a < b && b < c && c < f64::INFINITY) {
         let sign = if above < 0.0 { "" } else { " above 0" };
-        document.fault(
+        document.error(
             "thresholds",
             format!("thresholds must be three increasing numbers{sign}; expected a list such as {example}"),
         );

@@ -6,8 +6,8 @@ use ::toml::Table;
 use serde::{Deserialize, Deserializer, Serialize, de};
 
 use super::{
-    FileFaults, StoreError,
-    fault::io,
+    FileErrors, StoreError,
+    error::io,
     file::{read_text, sha256, write_whole},
     toml::{self as toml_file, Document},
 };
@@ -49,7 +49,7 @@ use crate::{
 ///
 /// # Errors
 /// Reports every error, with its line and column.
-pub fn open(path: &Path) -> Result<DisplayProfile, FileFaults> {
+pub fn open(path: &Path) -> Result<DisplayProfile, FileErrors> {
     parse(&path.display().to_string(), &read_text(path)?)
 }
 
@@ -57,7 +57,7 @@ pub fn open(path: &Path) -> Result<DisplayProfile, FileFaults> {
 ///
 /// # Errors
 /// Reports every error, with its line and column.
-pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileFaults> {
+pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileErrors> {
     let (form, mut document) = toml_file::read::<ProfileForm>(file, text)?;
     let profile = DisplayProfile {
         transfers: transfers(&form, &mut document),
@@ -78,12 +78,12 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileFaults> {
         value.iter().for_each(|value| document.check_range(key, *value, least, most));
     }
     if let Some(size) = profile.native_px.filter(|size| size.iter().any(|side| !(16..=65_536).contains(side))) {
-        document.fault("native_px", format!("native_px is {size:?}; expected columns and rows, such as [2560, 1440]"));
+        document.error("native_px", format!("native_px is {size:?}; expected columns and rows, such as [2560, 1440]"));
     }
     if let Some(Primaries { red, green, blue, white }) = profile.primaries {
         for (key, [x, y]) in [("red", red), ("green", green), ("blue", blue), ("white", white)] {
             if !(x >= 0.0 && y > 0.0 && x + y <= 1.0) {
-                document.fault(
+                document.error(
                     &format!("primaries.{key}"),
                     format!("primaries.{key} is [{x}, {y}]; expected CIE 1931 [x, y] with x ≥ 0, y > 0 and x + y ≤ 1"),
                 );
@@ -169,23 +169,23 @@ impl From<&DisplayProfile> for ProfileForm {
 fn transfers(form: &ProfileForm, document: &mut Document<'_>) -> Transfers {
     let Some(ChannelForms { red, green, blue }) = &form.channels else {
         let Some(text) = &form.transfer else {
-            document.fault("transfer", "transfer is missing; expected transfer = …");
+            document.error("transfer", "transfer is missing; expected transfer = …");
             return Transfer::Srgb.into();
         };
         return transfer("transfer", text, &form.encoded, &form.linear, document);
     };
-    for (key, is_there) in
+    for (key, is_present) in
         [("transfer", form.transfer.is_some()), ("encoded", form.encoded.is_some()), ("linear", form.linear.is_some())]
     {
-        if is_there {
-            document.fault(key, format!("{key} cannot be combined with [channels]; expected only one of them"));
+        if is_present {
+            document.error(key, format!("{key} cannot be combined with [channels]; expected only one of them"));
         }
     }
     let mut one = |name: &str, form: &TransferForm| {
         let path = format!("channels.{name}.transfer");
         let found: Transfers = transfer(&path, &form.transfer, &form.encoded, &form.linear, document);
         if found.uniform().is_none() {
-            document.fault(&path, format!("{path} has several transfer functions; expected only one"));
+            document.error(&path, format!("{path} has several transfer functions; expected only one"));
         }
         found.channels()[0].clone()
     };
@@ -209,7 +209,7 @@ fn transfer(
         text.parse::<Transfers>().map_err(|error| format!("{error} (or table)"))
     };
     found.unwrap_or_else(|message| {
-        document.fault(path, message);
+        document.error(path, message);
         Transfer::Srgb.into()
     })
 }
@@ -221,11 +221,11 @@ fn luminance(form: &ProfileForm, document: &mut Document<'_>) -> Option<Luminanc
             return Some(LuminanceRange { black_cd_m2, white_cd_m2 });
         }
         [Some(black), Some(white)] => document
-            .fault(names[1], format!("white_cd_m2 {white} is not above black_cd_m2 {black}; expected a larger number")),
+            .error(names[1], format!("white_cd_m2 {white} is not above black_cd_m2 {black}; expected a larger number")),
         [black, white] => {
             for (given, (name, other)) in [black, white].iter().zip([(names[0], names[1]), (names[1], names[0])]) {
                 if given.is_some() {
-                    document.fault(name, format!("{name} is given without {other}; expected both"));
+                    document.error(name, format!("{name} is given without {other}; expected both"));
                 }
             }
         }

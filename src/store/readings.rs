@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use super::{
-    FileFault, FileFaults, StoreError,
-    fault::RowFaults,
+    FileError, FileErrors, StoreError,
+    error::RowErrors,
     file::{folder_of, make_folder, read_text, write_whole},
     table::{Content, each_row},
 };
 use crate::display::{
     Channel,
-    photometer::{About, Reading, Readings},
+    photometer::{ErrorLocation, Reading, Readings},
 };
 
 /// The columns, in the order in which they are written. Additional columns are ignored when reading.
@@ -21,7 +21,7 @@ pub const COLUMNS: [&str; 3] = ["channel", "level", "luminance_cd_m2"];
 /// # Errors
 /// Reports every error, with its line and column if it is in a cell. If a column has many errors, only the first ones
 /// are listed, followed by the number of others.
-pub fn open(path: &Path) -> Result<Readings, FileFaults> {
+pub fn open(path: &Path) -> Result<Readings, FileErrors> {
     parse(&path.display().to_string(), &read_text(path)?)
 }
 
@@ -29,27 +29,27 @@ pub fn open(path: &Path) -> Result<Readings, FileFaults> {
 ///
 /// # Errors
 /// The same as for [`open()`].
-pub fn parse(file: &str, text: &str) -> Result<Readings, FileFaults> {
+pub fn parse(file: &str, text: &str) -> Result<Readings, FileErrors> {
     let rows = rows(file, text)?;
     Readings::new(rows.iter().map(|row| row.reading).collect()).map_err(|found| {
         let exchanged = rows.iter().all(|row| (0.0..=1.0).contains(&row.reading.luminance_cd_m2));
-        let (mut faults, mut of_all) = (RowFaults::default(), Vec::new());
-        for fault in found {
-            let mut message = fault.message.clone();
-            let (index, column) = match fault.about {
-                About::Luminance(index) => (index, 2),
-                About::Level(index) => (index, 1),
-                About::Levels(..) | About::All => {
-                    of_all.push(FileFault::whole(file, message));
+        let (mut errors, mut of_all) = (RowErrors::default(), Vec::new());
+        for error in found {
+            let mut message = error.message.clone();
+            let (index, column) = match error.location {
+                ErrorLocation::Luminance(index) => (index, 2),
+                ErrorLocation::Level(index) => (index, 1),
+                ErrorLocation::Levels(..) | ErrorLocation::All => {
+                    of_all.push(FileError::whole(file, message));
                     continue;
                 }
             };
             if column == 1 && exchanged {
                 message += EXCHANGED;
             }
-            faults.add(file, Some(column), message, || rows[index].places[column]);
+            errors.add(file, Some(column), message, || rows[index].places[column]);
         }
-        FileFaults([faults.finish(file, &COLUMNS), of_all].concat())
+        FileErrors([errors.finish(file, &COLUMNS), of_all].concat())
     })
 }
 
@@ -61,7 +61,7 @@ const EXCHANGED: &str = " (every luminance_cd_m2 is within 0…1: are the column
 /// # Errors
 /// Reports cells that are not readings, with their line and column. If a column has many errors, only the first ones
 /// are listed, followed by the number of others.
-pub fn open_begun(path: &Path) -> Result<Vec<Reading>, FileFaults> {
+pub fn open_incomplete(path: &Path) -> Result<Vec<Reading>, FileErrors> {
     let rows = rows(&path.display().to_string(), &read_text(path)?)?;
     Ok(rows.into_iter().map(|row| row.reading).collect())
 }
@@ -85,11 +85,11 @@ struct Row {
     places: [(usize, usize); 3],
 }
 
-fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileFaults> {
+fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileErrors> {
     // In many countries, spreadsheets separate cells with semicolons because the comma is the decimal separator.
     let first = text.lines().next().unwrap_or_default();
     let separator = if first.contains(';') && !first.contains(',') { b';' } else { b',' };
-    let (mut rows, mut faults) = (Vec::new(), RowFaults::default());
+    let (mut rows, mut errors) = (Vec::new(), RowErrors::default());
     let (mut columns, mut width) = ([None; 3], None);
     // Reading from memory does not fail.
     let _ = each_row(Content::Memory(text.as_bytes()), separator, |row| {
@@ -104,13 +104,13 @@ fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileFaults> {
         // If a row has more fields than the header, it is unclear which of them are the reading.
         if cells.len() > width {
             let why = if separator == b',' { " (a decimal comma?)" } else { "" };
-            return faults.add(file, None, format!("{} fields; expected {width}{why}", cells.len()), || row.place(0));
+            return errors.add(file, None, format!("{} fields; expected {width}{why}", cells.len()), || row.place(0));
         }
         let mut cell = |index: usize, column: usize| {
             let found = cells.get(column).copied().filter(|cell| !cell.is_empty());
             if found.is_none() {
                 let message = format!("{} is empty; expected a value", COLUMNS[index]);
-                faults.add(file, Some(index), message, || row.place(column.min(cells.len())));
+                errors.add(file, Some(index), message, || row.place(column.min(cells.len())));
             }
             found
         };
@@ -121,13 +121,13 @@ fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileFaults> {
             number
                 .map_err(|_| {
                     let message = format!("{} {cell:?} is not a number; expected one such as 0.5", COLUMNS[index]);
-                    faults.add(file, Some(index), message, || row.place(column));
+                    errors.add(file, Some(index), message, || row.place(column));
                 })
                 .ok()
         };
         let (level, luminance_cd_m2) = (number(1, level_at, level), number(2, luminance_at, luminance));
         let channel = channel.map(str::parse::<Channel>).and_then(|channel| {
-            channel.map_err(|error| faults.add(file, Some(0), error.to_string(), || row.place(channel_at))).ok()
+            channel.map_err(|error| errors.add(file, Some(0), error.to_string(), || row.place(channel_at))).ok()
         });
         if let (Some(channel), Some(level), Some(luminance_cd_m2)) = (channel, level, luminance_cd_m2) {
             let places = [channel_at, level_at, luminance_at].map(|column| row.place(column));
@@ -138,7 +138,7 @@ fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileFaults> {
         COLUMNS.into_iter().zip(columns).filter(|(_, index)| index.is_none()).map(|(name, _)| name).collect();
     if !missing.is_empty() {
         let message = format!("the header lacks {}; expected the columns {}", missing.join(", "), COLUMNS.join(","));
-        return Err(FileFaults(vec![FileFault::at(file, (1, 1), message)]));
+        return Err(FileErrors(vec![FileError::at(file, (1, 1), message)]));
     }
-    FileFaults::none(faults.finish(file, &COLUMNS)).map(|()| rows)
+    FileErrors::none(errors.finish(file, &COLUMNS)).map(|()| rows)
 }

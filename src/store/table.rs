@@ -9,7 +9,7 @@ use std::{
 
 use csv::{ByteRecord, Position};
 
-use super::{FileFault, FileFaults};
+use super::{FileError, FileErrors};
 
 /// A row with more bytes than this must have an unclosed quote.
 const MAX_ROW: u64 = 1 << 20;
@@ -18,7 +18,7 @@ const MAX_ROW: u64 = 1 << 20;
 const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
 
 /// An error in a row: the index of the cell, and a message that says what is wrong and what is expected.
-pub(super) type CellFault = (usize, String);
+pub(super) type CellError = (usize, String);
 
 /// The source of a table's bytes.
 #[derive(Clone, Copy, Debug)]
@@ -190,20 +190,20 @@ pub(super) fn each_row(content: Content<'_>, separator: u8, mut take: impl FnMut
 pub(super) fn parse<T>(
     file: &str,
     text: &[u8],
-    header: impl FnOnce(&[&str]) -> Result<(), CellFault>,
-    mut row: impl FnMut(&[&str]) -> Result<T, CellFault>,
-) -> Result<Vec<T>, FileFaults> {
-    let (mut rows, mut faults, mut header) = (Vec::new(), Vec::new(), Some(header));
+    header: impl FnOnce(&[&str]) -> Result<(), CellError>,
+    mut row: impl FnMut(&[&str]) -> Result<T, CellError>,
+) -> Result<Vec<T>, FileErrors> {
+    let (mut rows, mut errors, mut header) = (Vec::new(), Vec::new(), Some(header));
     let (mut width, mut is_other) = (0, false);
     let read = each_row(Content::Memory(text), b',', |found| {
         if is_other {
             return;
         }
-        let mut fault = |(cell, message): CellFault| faults.push(FileFault::at(file, found.place(cell), message));
+        let mut error = |(cell, message): CellError| errors.push(FileError::at(file, found.place(cell), message));
         let cells: Vec<&str> = match found.record.iter().map(std::str::from_utf8).collect() {
             Ok(cells) => cells,
             Err(_) => {
-                return fault((
+                return error((
                     found.text().err().unwrap_or(0),
                     "the row is not UTF-8 text; expected UTF-8".to_owned(),
                 ));
@@ -213,30 +213,30 @@ pub(super) fn parse<T>(
             width = cells.len();
             if let Err((cell, message)) = check(&cells) {
                 is_other = cell == 0;
-                fault((cell, message));
+                error((cell, message));
             }
         } else if cells.len() != width {
-            fault((0, format!("the row has {} cells; expected {width}", cells.len())));
+            error((0, format!("the row has {} cells; expected {width}", cells.len())));
         } else {
             match row(&cells) {
                 Ok(row) => rows.push(row),
-                Err(found) => fault(found),
+                Err(found) => error(found),
             }
         }
     });
     if let Err(error) = read {
-        faults.push(FileFault::whole(file, format!("cannot be read: {error}; expected CSV")));
+        errors.push(FileError::whole(file, format!("cannot be read: {error}; expected CSV")));
     } else if header.is_some() {
-        faults.push(FileFault::at(file, (1, 1), "the file is empty; expected a header row".to_owned()));
+        errors.push(FileError::at(file, (1, 1), "the file is empty; expected a header row".to_owned()));
     }
-    if faults.is_empty() { Ok(rows) } else { Err(FileFaults(faults)) }
+    if errors.is_empty() { Ok(rows) } else { Err(FileErrors(errors)) }
 }
 
 /// Checks that a header is exactly as expected.
 ///
 /// # Errors
 /// It is different.
-pub(super) fn exactly(header: &[&str], expected: &str) -> Result<(), CellFault> {
+pub(super) fn exactly(header: &[&str], expected: &str) -> Result<(), CellError> {
     if header.iter().copied().eq(expected.split(',')) {
         return Ok(());
     }

@@ -5,7 +5,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 use toml::de::{DeTable, DeValue};
 
-use super::{FileFault, FileFaults, fault::position};
+use super::{FileError, FileErrors, error::position};
 use crate::light::names::expected_one_of;
 
 /// Maximum number of unreadable values, because the document is deserialized again for each of them.
@@ -17,24 +17,24 @@ pub(super) struct Document<'t> {
     text: &'t str,
     table: DeTable<'t>,
     /// Locations in the text, and the errors there.
-    faults: Vec<(usize, String)>,
+    errors: Vec<(usize, String)>,
     /// Locations of the values that could not be read.
     unread: Vec<usize>,
 }
 
 /// Reads a document, which must have `schema = 1`. The caller checks the value, reports errors with
-/// [`Document::fault`], and ends with [`Document::finish`].
+/// [`Document::error`], and ends with [`Document::finish`].
 ///
 /// # Errors
 /// The text is not TOML; or there is an error after which no value can be built, such as a missing key without a
 /// default.
-pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Result<(T, Document<'t>), FileFaults> {
+pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Result<(T, Document<'t>), FileErrors> {
     let mut document = Document::parse(file, text)?;
     let mut value = json_table(&document.table);
     match value.as_object_mut().and_then(|keys| keys.shift_remove("schema")) {
         Some(Value::Number(one)) if one.as_u64() == Some(1) => {}
-        Some(other) => document.fault("schema", format!("schema is {other}; expected 1")),
-        None => document.fault("schema", "schema is missing; expected schema = 1"),
+        Some(other) => document.error("schema", format!("schema is {other}; expected 1")),
+        None => document.error("schema", "schema is missing; expected schema = 1"),
     }
     loop {
         let error = match serde_path_to_error::deserialize::<_, T>(&value) {
@@ -49,10 +49,10 @@ pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Res
             let field = field.trim_end_matches('`');
             let name = format!("{path}.{field}");
             let name = name.trim_start_matches('.');
-            document.fault(name, format!("{name} is missing; expected {field} = …"));
+            document.error(name, format!("{name} is missing; expected {field} = …"));
         } else {
             let place = document.locate(path);
-            document.faults.push((place, explained(path, &message)));
+            document.errors.push((place, explained(path, &message)));
             document.unread.push(place);
         }
         if document.unread.len() > MAX_UNREAD || !remove(&mut value, path) {
@@ -66,13 +66,13 @@ impl<'t> Document<'t> {
     ///
     /// # Errors
     /// The first place where the text is not TOML.
-    pub(super) fn parse(file: &'t str, text: &'t str) -> Result<Self, FileFaults> {
+    pub(super) fn parse(file: &'t str, text: &'t str) -> Result<Self, FileErrors> {
         let table = DeTable::parse(text).map_err(|error| {
             let at = error.span().map_or(text.len(), |span| span.start);
             let message = format!("is not valid TOML: {}", error.message().replace('\n', ", "));
-            FileFaults(vec![FileFault::at(file, position(text, at), message)])
+            FileErrors(vec![FileError::at(file, position(text, at), message)])
         })?;
-        Ok(Self { file, text, table: table.into_inner(), faults: Vec::new(), unread: Vec::new() })
+        Ok(Self { file, text, table: table.into_inner(), errors: Vec::new(), unread: Vec::new() })
     }
 
     /// True if there is such a key at the top level.
@@ -82,17 +82,17 @@ impl<'t> Document<'t> {
 
     /// Reports an error at a dotted path such as `factors.width.2`, or at the nearest existing parent. If the value
     /// could not be read at all, that has already been reported and is enough.
-    pub(super) fn fault(&mut self, path: &str, message: impl Into<String>) {
+    pub(super) fn error(&mut self, path: &str, message: impl Into<String>) {
         let place = self.locate(path);
         if !self.unread.contains(&place) {
-            self.faults.push((place, message.into()));
+            self.errors.push((place, message.into()));
         }
     }
 
     /// Reports an error if a number at the top level is outside `least…most`.
     pub(super) fn check_range(&mut self, key: &str, value: f64, least: f64, most: f64) {
         if !(least..=most).contains(&value) {
-            self.fault(key, format!("{key} {value} is outside {least}…{most}; expected a number in this range"));
+            self.error(key, format!("{key} {value} is outside {least}…{most}; expected a number in this range"));
         }
     }
 
@@ -100,21 +100,21 @@ impl<'t> Document<'t> {
     ///
     /// # Errors
     /// Returns every error, in the order of the text.
-    pub(super) fn finish<T>(self, value: T) -> Result<T, FileFaults> {
-        if self.faults.is_empty() { Ok(value) } else { Err(self.located()) }
+    pub(super) fn finish<T>(self, value: T) -> Result<T, FileErrors> {
+        if self.errors.is_empty() { Ok(value) } else { Err(self.located()) }
     }
 
-    fn located(mut self) -> FileFaults {
-        self.faults.sort();
+    fn located(mut self) -> FileErrors {
+        self.errors.sort();
         // Lines are counted from one error to the next and not from the start, because there may be 100,000 errors.
         let (mut from, mut line, mut column) = (0, 1, 1);
-        let located = self.faults.into_iter().map(|(at, message)| {
+        let located = self.errors.into_iter().map(|(at, message)| {
             let (lines, columns) = position(&self.text[from..], at - from);
             (line, column) = if lines > 1 { (line + lines - 1, columns) } else { (line, column + columns - 1) };
             from = at;
-            FileFault::at(self.file, (line, column), message)
+            FileError::at(self.file, (line, column), message)
         });
-        FileFaults(located.collect())
+        FileErrors(located.collect())
     }
 
     /// Returns the offset where a key or a list item begins.

@@ -48,14 +48,14 @@ impl Visibility {
 /// The share of the odd response that the even response must exceed. At 1, a band's phase is within 45° of a line's; at
 /// ½, it is within 63°. Morrone & Burr 1988 (Proc. R. Soc. B 235:221): the phase of a feature determines whether it
 /// looks like a line or an edge.
-pub(super) const ODD: f64 = 0.5;
+pub(super) const ODD_SHARE: f64 = 0.5;
 /// A peak starts to count when the energy falls by the first share on both sides, and it counts in full from the second
 /// share on. This keeps the crests of a grating from counting as bands.
 const PROMINENCE: [f64; 2] = [0.3, 0.5];
 /// The share of a peak's energy to which the energy must fall for the peak to count at all.
-pub(super) const STANDS_OUT: f64 = 1.0 - PROMINENCE[0];
+pub(super) const COUNTS_BELOW: f64 = 1.0 - PROMINENCE[0];
 /// The share of a peak's energy to which the energy must fall for the peak to count in full.
-pub(super) const FALLEN: f64 = 1.0 - PROMINENCE[1];
+pub(super) const COUNTS_FULLY_BELOW: f64 = 1.0 - PROMINENCE[1];
 /// The energy must fall within this many of the channel's periods.
 pub(super) const FALL_PERIODS: f64 = 2.0;
 /// Exponent for pooling over channels. Quick 1974 (Kybernetik 16:65) gives 3 to 4 for pooling over frequencies.
@@ -72,7 +72,7 @@ pub(super) const VEIL: f64 = 0.01;
 /// light at the peak.
 pub(super) fn strength(response: Complex64, lowest: f64, light: f64) -> f64 {
     let energy = response.norm();
-    let even = response.re.abs() - ODD * response.im.abs();
+    let even = response.re.abs() - ODD_SHARE * response.im.abs();
     if even <= 0.0 || energy <= 0.0 {
         return 0.0;
     }
@@ -106,19 +106,19 @@ pub fn vertex(a: f64, b: f64, c: f64) -> f64 {
 }
 
 /// Returns what a channel contributes to the sum over channels.
-pub(super) fn powered(strength: f64) -> f64 {
+pub(super) fn to_pooled(strength: f64) -> f64 {
     strength.powi(POOLING)
 }
 
 /// Converts a sum of these contributions back to a strength.
-pub(super) fn unpowered(sum: f64) -> f64 {
+pub(super) fn from_pooled(sum: f64) -> f64 {
     sum.powf(1.0 / f64::from(POOLING))
 }
 
 /// Pools the strengths of the individual channels into one strength.
 #[must_use]
 pub fn pooled(channels: impl Iterator<Item = f64>) -> f64 {
-    unpowered(channels.map(powered).sum::<f64>() / f64::from(PER_OCTAVE))
+    from_pooled(channels.map(to_pooled).sum::<f64>() / f64::from(PER_OCTAVE))
 }
 
 impl Visibility {
@@ -129,7 +129,7 @@ impl Visibility {
     }
 
     /// Raises the visibility for `polarity` to `strength` if it was lower.
-    pub(super) fn take(&mut self, polarity: Polarity, strength: f64) {
+    pub(super) fn raise_to(&mut self, polarity: Polarity, strength: f64) {
         let strongest = match polarity {
             Polarity::Bright => &mut self.bright,
             Polarity::Dark => &mut self.dark,

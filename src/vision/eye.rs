@@ -51,7 +51,7 @@ const RATIO: f64 = 0.65;
 /// σ of the Gaussian window in which the eye averages light, degrees: the eye adapts locally, not to the whole field.
 pub(super) const ADAPTATION_DEG: f64 = 0.5;
 /// Frequency of the lowest channel, cycles per degree: half its period is the 8° window.
-const LOWEST: f64 = 0.0625;
+const MIN_FREQUENCY: f64 = 0.0625;
 /// Channels per octave. With fewer, the response to a smooth edge would depend on where the channels happen to lie.
 pub(super) const PER_OCTAVE: u32 = 4;
 /// Number of channels. They span 7.5 octaves; the highest is 11.3 cycles per degree, above which the eye is barely
@@ -63,7 +63,8 @@ pub(super) const REACH: f64 = 8.0;
 impl Channel {
     /// Returns all channels, starting with the coarsest.
     pub(super) fn all() -> impl DoubleEndedIterator<Item = Channel> {
-        (0..CHANNELS).map(|k| Channel { frequency: LOWEST * (LN_2 * f64::from(k) / f64::from(PER_OCTAVE)).exp() })
+        (0..CHANNELS)
+            .map(|k| Channel { frequency: MIN_FREQUENCY * (LN_2 * f64::from(k) / f64::from(PER_OCTAVE)).exp() })
     }
 
     /// Returns the share of a grating's amplitude that the channel passes, 0…1. `ratio` is the logarithm of the
@@ -98,7 +99,7 @@ pub enum Border {
 /// A channel ignores bands within this many of its periods of the border.
 const MARGIN_PERIODS: f64 = 1.5;
 /// Closer than this, the channel responds to the border itself, and the response is not used at all.
-const BESIDE_PERIODS: f64 = 0.75;
+const UNUSABLE_PERIODS: f64 = 0.75;
 
 impl Border {
     /// Returns the width of the margin in which bands are ignored, degrees.
@@ -110,10 +111,10 @@ impl Border {
     }
 
     /// Returns the width of the margin in which the response is not used at all, degrees.
-    pub(super) fn beside_deg(self, frequency: f64) -> f64 {
+    pub(super) fn unusable_deg(self, frequency: f64) -> f64 {
         match self {
             Border::Continues => 0.0,
-            Border::Cut => BESIDE_PERIODS / frequency,
+            Border::Cut => UNUSABLE_PERIODS / frequency,
         }
     }
 }

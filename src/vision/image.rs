@@ -2,7 +2,7 @@
 
 /// An image in linear light.
 #[derive(Clone, Copy, Debug)]
-pub struct Picture<'a> {
+pub struct LuminanceImage<'a> {
     /// Luminance, 1 for white, row by row, starting at the upper left corner.
     pub light: &'a [f64],
     pub width: usize,
@@ -77,7 +77,7 @@ pub(super) struct Distances {
 }
 
 impl Distances {
-    pub(super) fn new(picture: &Picture) -> Distances {
+    pub(super) fn new(picture: &LuminanceImage) -> Distances {
         let (width, height) = (picture.width, picture.height);
         let to_mask = picture.mask.map(|mask| to_mask(mask, width, height));
         let value = |i: usize| {
@@ -89,7 +89,7 @@ impl Distances {
     }
 
     /// Returns the distance at a position in pixels, or 0 outside the image.
-    pub(super) fn at(&self, [x, y]: [f64; 2]) -> f64 {
+    pub(super) fn distance_at(&self, [x, y]: [f64; 2]) -> f64 {
         if x < 0.0 || y < 0.0 || x >= self.width as f64 || y >= self.height as f64 {
             return 0.0;
         }

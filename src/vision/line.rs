@@ -8,7 +8,7 @@ use super::{
     band::{Band, FALL_PERIODS, Polarity, Visibility, peak, strength, unmasked},
     error::{VisionError, check},
     eye::{ADAPTATION_DEG, Border, Channel, Eye, REACH},
-    fft::{self, smooth},
+    fft::{self, next_fast_length},
 };
 
 /// Padding beyond the end of a profile, degrees: one period of the coarsest channel, so that the two ends of the
@@ -62,7 +62,7 @@ impl Line<'_> {
             for (mut band, energy) in self.bands(channel, &response, &mean) {
                 let cell = ((band.at_deg[0] + self.length() / 2.0) * COARSE_PER_DEG).round().max(0.0) as usize;
                 band.strength *= unmasked(energy, finer[cell.min(finer.len() - 1)]);
-                strongest.take(band.polarity, band.strength);
+                strongest.raise_to(band.polarity, band.strength);
                 if band.strength > 0.0 {
                     prediction.bands.push(band);
                 }
@@ -85,7 +85,7 @@ impl Line<'_> {
 
     /// Returns the number of samples after which the padded profile repeats.
     fn period(&self) -> usize {
-        smooth(self.light.len() + (BEYOND_DEG * self.px_per_deg).ceil() as usize)
+        next_fast_length(self.light.len() + (BEYOND_DEG * self.px_per_deg).ceil() as usize)
     }
 
     /// Returns the same period in degrees.
@@ -136,7 +136,7 @@ impl Line<'_> {
     fn response(&self, channel: Channel, spectrum: &[Complex64]) -> Vec<Complex64> {
         let (frequency, repeat, last) = (channel.frequency, self.repeat(), self.last_place(channel));
         let first = ((frequency / REACH * repeat).ceil() as usize).max(1);
-        let samples = smooth((SAMPLES_PER_PERIOD * frequency * repeat).ceil() as usize).max(last + 1);
+        let samples = next_fast_length((SAMPLES_PER_PERIOD * frequency * repeat).ceil() as usize).max(last + 1);
         let mut response = vec![Complex64::default(); samples];
         for j in first..=last {
             response[j] = spectrum[j] * channel.passes_log((j as f64 / repeat).ln() - frequency.ln());
@@ -152,10 +152,10 @@ impl Line<'_> {
         let margin = self.border.margin_deg(frequency);
         let fall = ((FALL_PERIODS / frequency / step) as usize).min(n / 2);
         // The search for the fall stops where a border already distorts the response.
-        let beside = self.border.beside_deg(frequency);
+        let unusable = self.border.unusable_deg(frequency);
         let free = |deg: f64| match self.border {
             Border::Continues => fall,
-            Border::Cut => (((deg - beside) / step).max(0.0) as usize).min(fall),
+            Border::Cut => (((deg - unusable) / step).max(0.0) as usize).min(fall),
         };
         let energy: Vec<f64> = response.iter().map(|value| value.norm_sqr()).collect();
         let first = (margin / step).ceil() as usize;

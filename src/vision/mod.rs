@@ -13,7 +13,7 @@
 //!
 //! Strengths are contrast times sensitivity: at a strength of 1, a grating of that contrast would be just visible. The
 //! source of every constant is cited where it is defined. [`Line`] is for stimuli that vary in one direction, and
-//! [`Picture`] is for images; the two agree.
+//! [`LuminanceImage`] is for images; the two agree.
 
 mod band;
 mod error;
@@ -28,6 +28,6 @@ mod spectrum;
 pub use band::{Band, Criterion, Polarity, Visibility, pooled, vertex};
 pub use error::VisionError;
 pub use eye::{Border, Eye, luminance, luminances};
-pub use image::Picture;
+pub use image::LuminanceImage;
 pub use line::{Line, LinePrediction};
 pub use picture::{BandMap, PicturePrediction};

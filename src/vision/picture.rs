@@ -4,10 +4,10 @@
 use rayon::prelude::*;
 
 use super::{
-    band::{Band, Polarity, Visibility, pooled, powered, unmasked, unpowered},
+    band::{Band, Polarity, Visibility, from_pooled, pooled, to_pooled, unmasked},
     error::{VisionError, check},
     eye::{Border, Channel, Eye},
-    image::{Distances, Field, Grid, Picture},
+    image::{Distances, Field, Grid, LuminanceImage},
     ridge::{Ridge, Search},
     spectrum::{Responses, Spectrum},
 };
@@ -15,7 +15,7 @@ use super::{
 /// Number of places per degree at which the energy for masking is sampled.
 const MASK_PER_DEG: f64 = 16.0;
 /// Minimum number of pixels per side.
-const LEAST: usize = 16;
+const MIN_SIDE_PX: usize = 16;
 
 /// The prediction for an image.
 #[derive(Clone, Debug, Default)]
@@ -38,7 +38,7 @@ pub struct BandMap {
     pub dark: Vec<f64>,
 }
 
-impl Picture<'_> {
+impl LuminanceImage<'_> {
     /// Predicts the bands that `eye` sees.
     ///
     /// # Errors
@@ -56,9 +56,9 @@ impl Picture<'_> {
         let margins = |channel: &Channel| 2.0 * Border::Cut.margin_deg(channel.frequency);
         let channels: Vec<Channel> =
             sampled().filter(|channel| margins(channel) < side as f64 / self.px_per_deg).collect();
-        if side < LEAST || channels.is_empty() {
+        if side < MIN_SIDE_PX || channels.is_empty() {
             let finest = sampled().next_back().map_or(0.0, |channel| margins(&channel) * self.px_per_deg);
-            let least = (finest.floor() as usize + 1).max(LEAST);
+            let least = (finest.floor() as usize + 1).max(MIN_SIDE_PX);
             return Err(VisionError::TooSmall { width: self.width, height: self.height, least });
         }
         let (spectrum, distances) = rayon::join(|| Spectrum::new(self, eye), || Distances::new(self));
@@ -120,13 +120,13 @@ impl Picture<'_> {
         for ridge in channels.iter().flatten().filter(|ridge| ridge.polarity == polarity) {
             self.draw(ridge, &mut map);
         }
-        map.into_iter().map(unpowered).collect()
+        map.into_iter().map(from_pooled).collect()
     }
 
     /// Draws a stroke as long as the part of the band that the ridge represents, so that the lines of coarse channels
     /// have no gaps.
     fn draw(&self, ridge: &Ridge, map: &mut [f64]) {
-        let amount = powered(ridge.strength);
+        let amount = to_pooled(ridge.strength);
         let steps = ridge.length_px.ceil().max(1.0) as usize;
         let mut last = usize::MAX;
         for step in 0..steps {

@@ -3,7 +3,7 @@
 use rustfft::num_complex::Complex64;
 
 use super::{
-    band::{FALL_PERIODS, FALLEN, ODD, Polarity, STANDS_OUT, VEIL, strength},
+    band::{COUNTS_BELOW, COUNTS_FULLY_BELOW, FALL_PERIODS, ODD_SHARE, Polarity, VEIL, strength},
     eye::{Border, Channel},
     image::{Distances, Field},
     spectrum::Responses,
@@ -107,7 +107,7 @@ impl Search<'_> {
                 // Skip features closer to an edge than to a line, and invisible ones.
                 if even * even >= 0.1 * energy
                     && energy > FAINTEST
-                    && self.distances.at(grid.place(column, row)) >= margin
+                    && self.distances.distance_at(grid.place(column, row)) >= margin
                 {
                     ridges.extend(self.ridge(column, row));
                 }
@@ -132,14 +132,14 @@ impl Search<'_> {
         let right = Local::of(odd.map(|row| row.map(|value| value.re))).moved(across, shift);
         let down = Local::of(odd.map(|row| row.map(|value| value.im))).moved(across, shift);
         let response = Complex64::new(even.moved(across, shift), (right * right + down * down).sqrt());
-        if response.re.abs() <= ODD * response.im {
+        if response.re.abs() <= ODD_SHARE * response.im {
             return None;
         }
         let height = response.norm_sqr().sqrt();
         let from = [column as f64, row as f64];
         let least = |toward: f64| self.lowest(from, across.map(|part| part * toward), shift * toward, height).sqrt();
         let before = least(-1.0);
-        if before > STANDS_OUT * height {
+        if before > COUNTS_BELOW * height {
             return None;
         }
         let lowest = before.max(least(1.0));
@@ -159,14 +159,14 @@ impl Search<'_> {
         let Responses { grid, energy, .. } = self.responses;
         let far = FALL_PERIODS / self.channel.frequency * self.px_per_deg / grid.step[0];
         let far = far.min(grid.columns.min(grid.rows) as f64 / 2.0);
-        let beside = Border::Cut.beside_deg(self.channel.frequency) * self.px_per_deg;
-        let enough = (FALLEN * peak).powi(2);
+        let unusable = Border::Cut.unusable_deg(self.channel.frequency) * self.px_per_deg;
+        let enough = (COUNTS_FULLY_BELOW * peak).powi(2);
         let mut least = f64::MAX;
         let mut along = 1.0;
         while along <= far && least > enough {
             let index = [0, 1].map(|axis| from[axis] + across[axis] * (shift + along));
             let place = [0, 1].map(|axis| grid.first[axis] + index[axis] * grid.step[axis]);
-            if self.distances.at(place) < beside {
+            if self.distances.distance_at(place) < unusable {
                 break;
             }
             least = least.min(grid.between(energy, index));

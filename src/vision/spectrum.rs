@@ -7,8 +7,8 @@ use rustfft::num_complex::Complex64;
 
 use super::{
     eye::{ADAPTATION_DEG, Channel, Eye},
-    fft::{self, smooth},
-    image::{Field, Grid, Picture},
+    fft::{self, next_fast_length},
+    image::{Field, Grid, LuminanceImage},
 };
 
 /// A channel is computed up to at least this multiple of its preferred frequency, beyond which it passes less than a
@@ -72,13 +72,13 @@ struct Place {
 }
 
 impl Spectrum {
-    pub(super) fn new(picture: &Picture, eye: &Eye) -> Spectrum {
+    pub(super) fn new(picture: &LuminanceImage, eye: &Eye) -> Spectrum {
         let side = picture.width.min(picture.height);
         // At least half a period of the coarsest channel, since the shorter side has room for at least two of its
         // periods.
         let beyond = (side / 4).max(8);
-        let (columns, rows) = (smooth(picture.width + beyond), smooth(picture.height + beyond));
-        let mut light = periodic(picture, columns, rows);
+        let (columns, rows) = (next_fast_length(picture.width + beyond), next_fast_length(picture.height + beyond));
+        let mut light = make_periodic(picture, columns, rows);
         let px_per_deg = picture.px_per_deg;
         transform(&mut light, columns, rows);
         let (across, down) = (columns / 2 + 1, rows / 2 + 1);
@@ -109,7 +109,7 @@ impl Spectrum {
 
     /// Returns a grid over the whole periodic image with enough samples for frequencies up to `top`.
     fn grid(&self, top: f64) -> Grid {
-        let fit = |n: usize| smooth(((2.0 * top * n as f64 / self.px_per_deg).ceil() as usize).max(8)).min(n);
+        let fit = |n: usize| next_fast_length(((2.0 * top * n as f64 / self.px_per_deg).ceil() as usize).max(8)).min(n);
         let (columns, rows) = (fit(self.columns), fit(self.rows));
         let step = [self.columns as f64 / columns as f64, self.rows as f64 / rows as f64];
         let first = |n: usize, side: usize, step: f64| side as f64 / 2.0 - (n / 2) as f64 * step + step / 2.0;
@@ -212,7 +212,7 @@ fn sinc(x: f64) -> f64 {
 
 /// Makes the image periodic. It is continued beyond its edges by point reflection and faded from one side to the other,
 /// so that light and slope continue. Repeating the last pixels instead would bend every oblique ramp.
-fn periodic(picture: &Picture, columns: usize, rows: usize) -> Vec<Complex64> {
+fn make_periodic(picture: &LuminanceImage, columns: usize, rows: usize) -> Vec<Complex64> {
     let (width, height) = (picture.width, picture.height);
     let mut values = vec![Complex64::default(); columns * rows];
     for (y, row) in picture.light.chunks_exact(width).enumerate() {
@@ -221,19 +221,20 @@ fn periodic(picture: &Picture, columns: usize, rows: usize) -> Vec<Complex64> {
             value.re = *light;
         }
         for k in 0..columns - width {
-            to[width + k].re = beyond(k, columns - width, width, |x| row[x]);
+            to[width + k].re = padding_value(k, columns - width, width, |x| row[x]);
         }
     }
     for x in 0..columns {
         for k in 0..rows - height {
-            values[(height + k) * columns + x].re = beyond(k, rows - height, height, |y| values[y * columns + x].re);
+            values[(height + k) * columns + x].re =
+                padding_value(k, rows - height, height, |y| values[y * columns + x].re);
         }
     }
     values
 }
 
 /// Returns value `k` of the `gap` values that lead from the end of `n` values back to their beginning.
-fn beyond(k: usize, gap: usize, n: usize, value: impl Fn(usize) -> f64) -> f64 {
+fn padding_value(k: usize, gap: usize, n: usize, value: impl Fn(usize) -> f64) -> f64 {
     let t = (k + 1) as f64 / (gap + 1) as f64;
     let fade = t * t * (3.0 - 2.0 * t);
     let after = 2.0 * value(n - 1) - value((n - 1).saturating_sub(k + 1));

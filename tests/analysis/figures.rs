@@ -295,7 +295,7 @@ fn lines_show_the_cells_of_two_factors_measured_and_predicted() {
         }
         assert_eq!(predicted.name, format!("{name}_predicted"));
         assert_eq!((circles(predicted, "#000000"), lines(predicted, GRID)), (points, lines(measured, GRID)), "{name}");
-        assert!(lines(predicted, BAR).is_empty() && predicted.caption.contains("model of vision"));
+        assert!(lines(predicted, BAR).is_empty() && predicted.caption.contains("vision model"));
     }
     let partly = [&[None], &expected[1..]].concat();
     assert_ne!(figures::predicted(&results, &partly), predicted);

@@ -21,7 +21,7 @@ use machband::{
         tables,
     },
     store::{
-        FileFault, definition,
+        FileError, definition,
         ratings::{FileRead, Layout, SessionRead, Shape, Source},
         sidecar::{PreflightNote, Sidecar, Sitting},
     },
@@ -45,7 +45,7 @@ fn source(factors: &[&str]) -> Source {
         definition_sha256: None,
         files: Vec::new(),
         sessions: Vec::new(),
-        faults: Vec::new(),
+        errors: Vec::new(),
     }
 }
 
@@ -333,7 +333,7 @@ fn problems_with_the_data_are_reported() {
     };
     source.sessions[1] = SessionRead { rated: 60, dropped: Some(7), ..session(&protocol, "S002", other) };
     let message = "rating 4; expected 0…3".to_owned();
-    source.faults = vec![FileFault { file: "S002.csv".to_owned(), position: Some((3, 9)), message }];
+    source.errors = vec![FileError { file: "S002.csv".to_owned(), position: Some((3, 9)), message }];
     let hash = "ab".repeat(32);
     source.files = vec![FileRead {
         path: PathBuf::from("S002.csv"),
@@ -343,7 +343,7 @@ fn problems_with_the_data_are_reported() {
         ratings: 1096,
         practice: 4,
         superseded: 3,
-        faulty: 2,
+        erroneous: 2,
         unfinished: 0,
         sha256: Some(hash.clone()),
     }];
@@ -436,7 +436,7 @@ fn names_are_text_and_never_markup() {
     let mut protocol = definition::open("quick").unwrap();
     protocol.title = nasty[0].repeat(9);
     protocol.response.question = nasty[2].to_owned();
-    source.faults = vec![FileFault { file: nasty[1].to_owned(), position: None, message: nasty[2].to_owned() }];
+    source.errors = vec![FileError { file: nasty[1].to_owned(), position: None, message: nasty[2].to_owned() }];
     let sitting = Sitting { incidents: vec![nasty[0].to_owned()], ..Sitting::default() };
     source.sessions = vec![session(&protocol, nasty[2], sitting)];
     source.protocol = Some(protocol);

@@ -20,7 +20,7 @@ fn good(levels: usize) -> Vec<Reading> {
     (0..4).flat_map(|channel| (0..levels).map(move |step| one(channel, step))).collect()
 }
 
-fn faults(text: &str) -> Vec<String> {
+fn errors(text: &str) -> Vec<String> {
     readings::parse("r.csv", text).unwrap_err().0.iter().map(ToString::to_string).collect()
 }
 
@@ -78,8 +78,8 @@ fn bad_readings_are_errors_and_produce_no_profile() {
     bad.iter_mut().filter(|one| one.level == 0.5).for_each(|one| one.luminance_cd_m2 *= 0.2);
     readings::write(&folder.path().join("bad.csv"), &bad).unwrap();
     let error = fails(folder.path(), &split("calibrate bad.csv --out bad.toml"), 1);
-    let is_fault = |line: &str| line.starts_with("error: bad.csv: ") && line.contains("not monotone");
-    assert!(error.lines().all(is_fault), "{error}");
+    let is_error = |line: &str| line.starts_with("error: bad.csv: ") && line.contains("not monotone");
+    assert!(error.lines().all(is_error), "{error}");
     assert!(!folder.path().join("bad.toml").exists());
 }
 
@@ -97,7 +97,7 @@ fn readings_are_never_overwritten() {
 
 #[test]
 fn every_error_in_a_file_has_its_line_and_column() {
-    let found = faults("channel,level,luminance_cd_m2\nr,0,0.3\nviolet,half,1\nr,0.5,\n\ng,1,x\n");
+    let found = errors("channel,level,luminance_cd_m2\nr,0,0.3\nviolet,half,1\nr,0.5,\n\ng,1,x\n");
     assert_eq!(
         found,
         [
@@ -107,38 +107,38 @@ fn every_error_in_a_file_has_its_line_and_column() {
             "r.csv:6:5: luminance_cd_m2 \"x\" is not a number; expected one such as 0.5",
         ]
     );
-    let found = faults("channel,level,luminance_cd_m2\nr,0,0.3\nr,1.5,20\nr,1,-2\nr,0.25,NaN\n");
+    let found = errors("channel,level,luminance_cd_m2\nr,0,0.3\nr,1.5,20\nr,1,-2\nr,0.25,NaN\n");
     assert_eq!(found.len(), 3, "{found:?}");
     assert!(
         found[0].starts_with("r.csv:3:3: level 1.5") && found[1].starts_with("r.csv:4:5: luminance -2"),
         "{found:?}"
     );
-    assert!(faults("channel,code,cd\n")[0].starts_with("r.csv:1:1: the header lacks level, luminance_cd_m2"));
-    assert!(faults("")[0].starts_with("r.csv:1:1: "));
-    assert!(faults("channel,level,luminance_cd_m2\n")[0].contains("there are no readings"));
+    assert!(errors("channel,code,cd\n")[0].starts_with("r.csv:1:1: the header lacks level, luminance_cd_m2"));
+    assert!(errors("")[0].starts_with("r.csv:1:1: "));
+    assert!(errors("channel,level,luminance_cd_m2\n")[0].contains("there are no readings"));
     assert!(
-        faults("channel,level,luminance_cd_m2\nr,0,0.3\nr,128,2\nr,255,9\n")[0]
+        errors("channel,level,luminance_cd_m2\nr,0,0.3\nr,128,2\nr,255,9\n")[0]
             .starts_with("r.csv:3:3: level 128 looks")
     );
 }
 
 #[test]
 fn decimal_commas_are_rejected() {
-    let found = faults("channel,level,luminance_cd_m2\ng,0,0.3\ng,0.3750,8,4263\ng,1,2\n");
+    let found = errors("channel,level,luminance_cd_m2\ng,0,0.3\ng,0.3750,8,4263\ng,1,2\n");
     assert_eq!(found, ["r.csv:3:1: 4 fields; expected 3 (a decimal comma?)"]);
     // An additional column has its own field, and empty fields count.
     assert_eq!(
-        faults("channel,level,luminance_cd_m2,note\n\ng,0.3750,8,4263,\n"),
+        errors("channel,level,luminance_cd_m2,note\n\ng,0.3750,8,4263,\n"),
         ["r.csv:3:1: 5 fields; expected 4 (a decimal comma?)"]
     );
-    let semicolons = faults("channel;level;luminance_cd_m2\ng;0,3750;8;4263\n");
+    let semicolons = errors("channel;level;luminance_cd_m2\ng;0,3750;8;4263\n");
     assert_eq!(semicolons, ["r.csv:2:1: 4 fields; expected 3"]);
     // The same applies to incomplete files. If every row is wrong, only the first ones are reported.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("r.csv");
     let rows: String = (0..9).map(|step| format!("g,0.{step}00,{step},5\n")).collect();
     std::fs::write(&path, format!("channel,level,luminance_cd_m2\n{rows}")).unwrap();
-    let told = readings::open_begun(&path).unwrap_err().to_string();
+    let told = readings::open_incomplete(&path).unwrap_err().to_string();
     assert!(told.contains("r.csv:2:1: 4 fields; expected 3 (a decimal comma?)\n"), "{told}");
     assert!(told.lines().count() == 6 && told.ends_with("r.csv: 4 more rows have errors; expected none"), "{told}");
 }
@@ -147,7 +147,7 @@ fn decimal_commas_are_rejected() {
 fn only_the_first_errors_of_a_column_are_listed() {
     let swapped: String =
         good(8).iter().map(|one| format!("{},{},{}\n", one.channel.key(), one.luminance_cd_m2, one.level)).collect();
-    let found = faults(&format!("channel,level,luminance_cd_m2\n{swapped}"));
+    let found = errors(&format!("channel,level,luminance_cd_m2\n{swapped}"));
     let outside = good(8).iter().filter(|one| one.luminance_cd_m2 > 1.0).count();
     assert!(outside > 20 && found.len() == 6, "{found:?}");
     assert!(
@@ -158,7 +158,7 @@ fn only_the_first_errors_of_a_column_are_listed() {
     assert_eq!(found[5], format!("r.csv: {} more rows have errors in level; expected none", outside - 5));
     // Codes in place of levels do not mean that columns were swapped, and other columns keep their own errors.
     let codes: String = (0..9).map(|step| format!("g,{},{}\n", 31 * step, 0.3 + f64::from(step * step))).collect();
-    let found = faults(&format!("channel,level,luminance_cd_m2\n{codes}g,248,-1\nr,0,-2\n"));
+    let found = errors(&format!("channel,level,luminance_cd_m2\n{codes}g,248,-1\nr,0,-2\n"));
     assert_eq!(found.len(), 8, "{found:?}");
     assert!(found[0].contains("looks like a code") && !found[0].contains("swapped"), "{found:?}");
     assert!(found[5].contains("luminance -1") && found[6].contains("luminance -2"), "{found:?}");

@@ -70,7 +70,7 @@ fn the_report_agrees_with_predict() {
     let fitted = run("predict bangay2003 --fit results/bangay2003 --out predicted.csv");
     let rho = fitted.lines().find(|line| line.starts_with("rank correlation")).unwrap().rsplit(' ').next().unwrap();
     assert!(rho.parse::<f64>().unwrap() > 0.8, "{fitted}");
-    assert!(said.contains(&format!("model of vision: rank correlation {rho} with the mean ratings of 120")), "{said}");
+    assert!(said.contains(&format!("vision model: rank correlation {rho} with the mean ratings of 120")), "{said}");
     assert!(folder.path().join("analysis/figure4b_predicted.svg").exists());
     let page = fs::read_to_string(folder.path().join("analysis/report.html")).unwrap();
     let text = page.split("<section id=\"vision\">").nth(1).unwrap().split("</section>").next().unwrap();
@@ -94,7 +94,7 @@ fn the_report_agrees_with_predict() {
 
     run("counts results/bangay2003 --out counts.csv");
     let said = run("analyze counts.csv --out bare --replicates 100");
-    assert!(said.contains("no prediction by the model of vision: the files contain no definition"), "{said}");
+    assert!(said.contains("no prediction by the vision model: the files contain no definition"), "{said}");
 }
 
 #[test]

@@ -16,11 +16,11 @@ use machband::{
 
 use crate::{
     common::everything,
-    run::{protocol, someone},
+    run::{identity, protocol},
 };
 
 pub fn paths(results: &Path, definition: usize) -> SessionPaths {
-    SessionPaths::new(results, &protocol(definition), &someone())
+    SessionPaths::new(results, &protocol(definition), &identity())
 }
 
 /// Every file below a folder whose name ends with `end`, and its content.
@@ -52,7 +52,7 @@ pub fn lines(csv: &Path) -> Vec<String> {
 }
 
 /// The unfinished temporary files that a program left.
-pub fn leftovers(folder: &Path) -> Vec<PathBuf> {
+pub fn temporary_files(folder: &Path) -> Vec<PathBuf> {
     files(folder, ".tmp").into_iter().map(|(path, _)| path).collect()
 }
 

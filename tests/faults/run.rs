@@ -32,7 +32,7 @@ pub fn protocol(index: usize) -> Protocol {
     definition::parse("definition.toml", DEFINITIONS[index]).unwrap()
 }
 
-pub fn someone() -> Identity {
+pub fn identity() -> Identity {
     Identity::new("S001", "1").unwrap()
 }
 
@@ -49,22 +49,22 @@ pub fn line(row: &TrialRecord) -> String {
 
 /// A program's exit status and output.
 #[derive(Debug)]
-pub struct Ended {
+pub struct ProgramResult {
     pub status: ExitStatus,
     pub stdout: String,
     pub stderr: String,
 }
 
-impl Ended {
+impl ProgramResult {
     pub fn was_killed(&self) -> bool {
         std::os::unix::process::ExitStatusExt::signal(&self.status) == Some(9)
     }
 }
 
-pub fn ended(command: &mut Command) -> Ended {
+pub fn ended(command: &mut Command) -> ProgramResult {
     let output = command.stdin(Stdio::null()).output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
-    Ended { status: output.status, stdout: text(output.stdout), stderr: text(output.stderr) }
+    ProgramResult { status: output.status, stdout: text(output.stdout), stderr: text(output.stderr) }
 }
 
 /// `machband simulate` with [`SEED`], so that the order of the trials is known.
@@ -134,12 +134,12 @@ struct Begun {
 
 fn begin(protocol: &Protocol, results: &Path, resume: bool) -> Result<Begun, StoreError> {
     if resume {
-        let (store, found) = SessionStore::resume(results, protocol, &someone(), Some(SEED), sitting())?;
+        let (store, found) = SessionStore::resume(results, protocol, &identity(), Some(SEED), sitting())?;
         let (resumed, elapsed) = (found.resumed, Duration::from_secs_f64(found.elapsed_s));
         return Ok(Begun { store, schedule: found.schedule, resumed, elapsed, sitting: found.sitting });
     }
-    let store = SessionStore::create(results, protocol, &someone(), SEED, sitting())?;
-    let schedule = Schedule::new(protocol, &someone(), SEED).unwrap();
+    let store = SessionStore::create(results, protocol, &identity(), SEED, sitting())?;
+    let schedule = Schedule::new(protocol, &identity(), SEED).unwrap();
     Ok(Begun { store, schedule, resumed: Resumed::default(), elapsed: Duration::ZERO, sitting: 1 })
 }
 
@@ -151,7 +151,7 @@ fn rate(
     mut record: impl FnMut(&mut SessionStore, &TrialRecord) -> Result<(), ()>,
 ) -> (SessionStore, bool) {
     let Begun { mut store, schedule, resumed, elapsed, sitting } = begun;
-    let (identity, origin) = (someone(), Timestamp::now() - elapsed);
+    let (identity, origin) = (identity(), Timestamp::now() - elapsed);
     let options = SessionOptions { pages: 0, frames: FrameCount::Off };
     let mut session = Session::new(protocol.clone(), schedule.clone(), &resumed, options);
     let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting };
@@ -233,7 +233,7 @@ impl Child {
     fn remedy(&self, store: &mut SessionStore, error: &StoreError) -> Result<(), ()> {
         print_line(&format!("@error {error}"));
         for again in 0..4 {
-            let tried = if again < 2 { store.retry() } else { store.move_to(&self.elsewhere) };
+            let tried = if again < 2 { store.retry() } else { store.continue_in(&self.elsewhere) };
             match tried {
                 Ok(()) if again < 2 => return Ok(()),
                 Ok(()) => {

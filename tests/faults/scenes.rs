@@ -15,7 +15,7 @@ use rand_chacha::{
 
 use crate::{
     disk,
-    run::{self, Ended, Report},
+    run::{self, ProgramResult, Report},
     shim::{self, Fault},
     sweep::{self, Sweep},
     table::{Counts, Table},
@@ -47,7 +47,7 @@ impl<'a> Scene<'a> {
         disk::paths(&self.first(), DEFINITION).csv
     }
 
-    fn resume(&self, results: &Path) -> Ended {
+    fn resume(&self, results: &Path) -> ProgramResult {
         run::ended(&mut run::binary(&self.sweep.definition(DEFINITION), results, true))
     }
 
@@ -151,7 +151,7 @@ fn two_at_once(sweep: &Sweep, rows: usize) -> Counts {
 fn clock_back(sweep: &Sweep, rows: usize) -> Counts {
     let scene = Scene::new(sweep);
     let lines = run::interrupted(DEFINITION, &scene.first(), rows);
-    let fault = Fault { op: "clock", n: 1, what: "back", lasting: false };
+    let fault = Fault { op: "clock", n: 1, what: "back", repeated: false };
     let mut command = run::binary(&sweep.definition(DEFINITION), &scene.first(), true);
     let (ended, log) = shim::run_with(&mut command, &[fault], scene.folder.path(), &scene.folder.path().join("log"));
     assert!(ended.status.success() && log.hits.len() == 1, "{ended:?}");
@@ -168,7 +168,7 @@ fn lasting(sweep: &Sweep, rows: usize, what: &'static str) -> Counts {
     // The rows are the last writes, except for the end of the sidecar.
     let writes = sweep.calls(DEFINITION, None, false).iter().find(|(op, _)| op == "write").map_or(0, |(_, n)| *n);
     let before = writes - 1 - sweep.planned(DEFINITION).len() as u64;
-    let fault = Fault { op: "write", n: before + rows as u64, what, lasting: true };
+    let fault = Fault { op: "write", n: before + rows as u64, what, repeated: true };
     let mut command = run::child(DEFINITION, &scene.first(), &scene.second(), false);
     let (ended, log) = shim::run_with(&mut command, &[fault], &scene.first(), &scene.folder.path().join("log"));
     let report = Report::read(&ended.stdout);

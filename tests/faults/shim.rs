@@ -29,12 +29,12 @@ pub struct Fault {
     /// What happens: an errno name or an action (see `shim.c`).
     pub what: &'static str,
     /// Whether every later call of this kind fails too.
-    pub lasting: bool,
+    pub repeated: bool,
 }
 
 impl std::fmt::Display for Fault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}:{}:{}{}", self.op, self.n, self.what, if self.lasting { "+" } else { "" })
+        write!(f, "{}:{}:{}{}", self.op, self.n, self.what, if self.repeated { "+" } else { "" })
     }
 }
 
@@ -55,7 +55,7 @@ pub struct Log {
 }
 
 /// Runs a program with these faults, which affect only paths below `under`.
-pub fn run_with(command: &mut Command, faults: &[Fault], under: &Path, log: &Path) -> (run::Ended, Log) {
+pub fn run_with(command: &mut Command, faults: &[Fault], under: &Path, log: &Path) -> (run::ProgramResult, Log) {
     let spec: Vec<String> = faults.iter().map(Fault::to_string).collect();
     command
         .env("LD_PRELOAD", library().map_or(OsStr::new(""), Path::as_os_str))

@@ -114,7 +114,7 @@ impl Sweep {
 
     /// Runs this many cases, several at a time; returns the table and every failure.
     pub fn run(&self, cases: usize) -> (Table, Vec<String>) {
-        let found: Vec<_> = (0..cases).into_par_iter().map(|number| self.one(number)).collect();
+        let found: Vec<_> = (0..cases).into_par_iter().map(|number| self.run_case(number)).collect();
         let (mut table, mut wrong) = (Table::default(), Vec::new());
         for (number, (case, hits, counts, faults)) in found.into_iter().enumerate() {
             table.add(&case.faults, &hits, counts);
@@ -151,8 +151,8 @@ impl Sweep {
                 }
             };
             let what = pick(rng, whats);
-            let lasting = one_in(rng, 4) && !what.starts_with("kill") && !["EINTR", "short", "back"].contains(&what);
-            faults.push(Fault { op, n: 1 + rng.next_u64() % count, what, lasting });
+            let repeated = one_in(rng, 4) && !what.starts_with("kill") && !["EINTR", "short", "back"].contains(&what);
+            faults.push(Fault { op, n: 1 + rng.next_u64() % count, what, repeated });
         }
         Case { definition, before, binary, faults }
     }
@@ -194,7 +194,7 @@ impl Sweep {
     }
 
     /// Runs the session with its faults.
-    fn disturbed(&self, case: &Case, folder: &Path) -> (run::Ended, Log) {
+    fn disturbed(&self, case: &Case, folder: &Path) -> (run::ProgramResult, Log) {
         let (first, second) = (folder.join("first"), folder.join("second"));
         let resume = case.before.rows.is_some();
         let mut command = if case.binary {
@@ -202,15 +202,15 @@ impl Sweep {
         } else {
             run::child(case.definition, &first, &second, resume)
         };
-        // A lasting fault affects only the first folder, so that the session can move to the second; other faults
+        // A repeated fault affects only the first folder, so that the session can move to the second; other faults
         // affect both.
-        let lasting = case.faults.iter().any(|fault| fault.lasting);
-        let under = if lasting { &first } else { folder };
+        let repeated = case.faults.iter().any(|fault| fault.repeated);
+        let under = if repeated { &first } else { folder };
         shim::run_with(&mut command, &case.faults, under, &folder.join("log"))
     }
 
     /// Runs one case; returns the case, the faults that took effect, the counts for the table, and every failure.
-    fn one(&self, number: usize) -> (Case, Vec<Hit>, Counts, Vec<String>) {
+    fn run_case(&self, number: usize) -> (Case, Vec<Hit>, Counts, Vec<String>) {
         let case = self.case(number);
         let folder = folder();
         let mut recorded = self.prepare(&case, folder.path());
@@ -238,7 +238,7 @@ impl Sweep {
 
         // An hour later, without faults: temporary files are then old enough to be removed.
         let hour_ago = SystemTime::now() - Duration::from_secs(3600);
-        for path in disk::leftovers(folder.path()) {
+        for path in disk::temporary_files(folder.path()) {
             fs::File::options().write(true).open(path).unwrap().set_modified(hour_ago).unwrap();
         }
         let resumed = run::ended(&mut run::binary(&self.definition(case.definition), &results, true));
@@ -252,7 +252,7 @@ impl Sweep {
         faults.extend(gone);
         faults.extend(disk::unparsable(folder.path(), case.definition));
         let undeletable = log.hits.iter().any(|hit| hit.op == "unlink");
-        let left = disk::leftovers(&results);
+        let left = disk::temporary_files(&results);
         if !undeletable && !left.is_empty() {
             faults.push(format!("left behind: {left:?}"));
         }
@@ -270,13 +270,13 @@ impl Sweep {
 }
 
 /// The report of `machband simulate`, which reports errors and its end but no rows.
-fn report_of_binary(ended: &run::Ended) -> Report {
+fn report_of_binary(ended: &run::ProgramResult) -> Report {
     let errors = ended.stderr.lines().filter_map(|line| line.strip_prefix("error: ")).map(str::to_owned).collect();
     Report { errors, done: ended.status.success(), ..Report::default() }
 }
 
 /// The failures that were not reported, or whose error does not name the file or folder.
-fn unreported(ended: &run::Ended, report: &Report, log: &Log, folder: &Path) -> Vec<String> {
+fn unreported(ended: &run::ProgramResult, report: &Report, log: &Log, folder: &Path) -> Vec<String> {
     let mut wrong = Vec::new();
     if ended.stderr.contains("panicked") {
         wrong.push(format!("a panic: {}", ended.stderr));

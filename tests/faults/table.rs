@@ -32,7 +32,7 @@ fn kind(fault: &Fault) -> String {
         "torn" => "is short, then fails",
         "lie" => "is short but reports success",
         "back" => "goes back an hour",
-        _ if fault.lasting => "fails repeatedly",
+        _ if fault.repeated => "fails repeatedly",
         _ => "fails once",
     };
     format!("{} {how}", fault.op)
@@ -42,7 +42,7 @@ impl Table {
     /// Adds a session. Its counts go to the row of its first fault.
     pub fn add(&mut self, faults: &[Fault], hits: &[Hit], counts: Counts) {
         for fault in faults {
-            let what = format!("{}{}", fault.what, if fault.lasting { "+" } else { "" });
+            let what = format!("{}{}", fault.what, if fault.repeated { "+" } else { "" });
             let struck = hits.iter().any(|hit| hit.op == fault.op && hit.what == what);
             self.line(&kind(fault), vec![("injected", 1), ("took effect", usize::from(struck))]);
         }

@@ -66,7 +66,7 @@ fn opened(path: &Path) -> Window {
     let mut window = pane([1280.0, 1400.0]);
     drop_on(&mut window, &[path]);
     wait_for(&mut window, "Participants: ");
-    rest(&mut window);
+    wait_until_idle(&mut window);
     window
 }
 
@@ -91,7 +91,7 @@ fn drop_on(window: &mut Window, paths: &[&Path]) {
 }
 
 /// Steps until nothing is being computed.
-fn rest(window: &mut Window) {
+fn wait_until_idle(window: &mut Window) {
     window.run_steps(20);
     for _ in 0..3000 {
         let busy = ["Reading…", "Analyzing…", "Writing…", "Predicting…"];
@@ -118,13 +118,13 @@ fn assert_has(window: &Window, part: &str) {
 /// Clicks a control and waits until nothing is being computed.
 fn click_and_rest(window: &mut Window, label: &str) {
     click(window, label);
-    rest(window);
+    wait_until_idle(window);
 }
 
 fn enter_terms(window: &mut Window, terms: &str) {
     type_into(window, "Terms", terms);
     window.key_press(Key::Enter);
-    rest(window);
+    wait_until_idle(window);
 }
 
 /// Checks, section by section, that the window shows the document of these results.
@@ -181,13 +181,13 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     window.get_by_label("108 ratings by 6 participants.");
     assert_document(&mut window, &study, &results);
     // The prediction of the vision model is computed only when its section is opened.
-    click(&mut window, "What the model of vision predicts");
+    click(&mut window, "What the vision model predicts");
     wait_for(&mut window, "the rank correlation between visibility and mean rating");
     assert_has(&window, "Predicted mean rating by ramp width");
 
     // Another link function gives another model.
     choose(&mut window, "Link", "probit");
-    rest(&mut window);
+    wait_until_idle(&mut window);
     click(&mut window, "Model");
     assert_has(&window, "probit link");
     for (terms, expected) in [
@@ -203,7 +203,7 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     // A column that is not a factor of the design becomes one if the terms name it.
     enter_terms(&mut window, "width,repetition");
     wait_for(&mut window, "repetition: 3 of 3 levels");
-    rest(&mut window);
+    wait_until_idle(&mut window);
     assert_has(&window, "probit link, terms width, repetition");
 }
 
@@ -277,7 +277,7 @@ fn the_empty_page_and_errors_in_files() {
     std::fs::write(&csv, format!("{head}\n{}\n", cells.join(","))).unwrap();
     drop_on(&mut window, &[&data_set]);
     wait_for(&mut window, "Errors: ");
-    rest(&mut window);
+    wait_until_idle(&mut window);
     assert_has(&window, &format!("_data.csv:{}:", text.lines().count()));
     window.get_by_label("35 ratings by 2 participants.");
 
@@ -287,7 +287,7 @@ fn the_empty_page_and_errors_in_files() {
     drop_on(&mut window, &[&data_set]);
     wait_for(&mut window, "Participants: 2 of 2");
     for _ in 0..30 {
-        rest(&mut window);
+        wait_until_idle(&mut window);
         std::thread::sleep(Duration::from_millis(5));
     }
     window.get_by_label("Participants: 2 of 2");
@@ -323,7 +323,7 @@ fn the_user_identifies_the_columns_of_a_foreign_file() {
     click(&mut window, "Factor contrast");
     click(&mut window, "Read these columns");
     wait_for(&mut window, "Participants: 4 of 4");
-    rest(&mut window);
+    wait_until_idle(&mut window);
     window.get_by_label("72 ratings by 4 participants.");
     window.get_by_label("contrast: 2 of 2 levels");
     click(&mut window, "Columns…");
@@ -366,7 +366,7 @@ fn a_completed_session_can_be_analyzed_immediately() {
     wait_for(&mut window, "Thank you!");
     click_ending(&mut window, "e these results…");
     wait_for(&mut window, "Participants: 1 of 1");
-    rest(&mut window);
+    wait_until_idle(&mut window);
     window.get_by_label("6 ratings by 1 participant.");
     press(&mut window, Key::Escape);
     wait_for(&mut window, "Thank you!");

@@ -95,12 +95,12 @@ fn patches_are_read_and_become_a_profile() {
     answer(&mut window, "bright");
     window.get_by_label_contains("is not a luminance; expected cd/m²");
     take_picture(&mut window, "display_patch");
-    assert_eq!(readings::open_begun(&csv).unwrap(), []);
+    assert_eq!(readings::open_incomplete(&csv).unwrap(), []);
     type_into(&mut window, "gray 255 · cd/m²", "115.3");
     press_and_step(&mut window, Key::Enter);
     let second = patch(&window).unwrap();
     assert_eq!(middle(&mut window), [second.1 as u8; 3], "byte for byte");
-    assert_eq!(readings::open_begun(&csv).unwrap().len(), 1, "saved at once");
+    assert_eq!(readings::open_incomplete(&csv).unwrap().len(), 1, "saved at once");
     window.event(egui::Event::Text("1".to_owned()));
     press_and_step(&mut window, Key::Enter);
     window.get_by_label_contains("has not settled yet");
@@ -149,7 +149,7 @@ fn patches_are_read_and_become_a_profile() {
 fn typing_over_an_earlier_reading_replaces_it() {
     let folder = tempfile::tempdir().unwrap();
     let csv = folder.path().join("left.csv");
-    let read = || readings::open_begun(&csv).unwrap()[0].luminance_cd_m2;
+    let read = || readings::open_incomplete(&csv).unwrap()[0].luminance_cd_m2;
     let mut window = show_patches(&csv);
     let typed = |window: &Window| value(window, &line(window));
     answer(&mut window, "100");
@@ -326,8 +326,8 @@ fn an_observer_finds_the_gamma_of_the_screen_with_the_keys() {
     let text = std::fs::read_to_string(&csv).unwrap();
     assert_eq!(text.lines().count(), 1 + 6 + 2, "every match is in the file, even the undone one: {text}");
     assert_eq!(matches::open(&csv).unwrap().len(), 6);
-    let faults = matches::parse("m.csv", &text.replace(",red,", ",rot,")).unwrap_err().to_string();
-    assert!(faults.contains("expected r, g, b or gray"), "{faults}");
+    let errors = matches::parse("m.csv", &text.replace(",red,", ",rot,")).unwrap_err().to_string();
+    assert!(errors.contains("expected r, g, b or gray"), "{errors}");
     // Matches by an earlier method, the staircase, do not count.
     assert!(matches::parse("m.csv", &text.replace(",matched,", ",brighter,")).unwrap().is_empty());
     // An incomplete row, as after a power failure, is removed, and the next row follows the last complete one.

@@ -371,6 +371,9 @@ fn an_experiment_in_gray_has_its_own_name() {
     assert_ne!(definition::hash(&gray), definition::hash(&quick));
     let text = "schema = 1\nname = \"c\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\ncolor = [\"red\", \"gray\"]\n";
     assert_eq!(definition::parse("c", text).unwrap().in_gray(), None);
+    let text = text.replace("[factors]\ncolor = [\"red\", \"gray\"]", "color = \"gray\"\ncolor_high = \"red\"");
+    let gray = definition::parse("c", &text).unwrap().in_gray().unwrap();
+    assert_eq!((gray.stimulus.get("color_high"), gray.in_gray()), (Some("same".into()), None));
     // The definition in its sidecar can be read back unchanged.
     let folder = tempfile::tempdir().unwrap();
     let identity = Identity::new("P1", "1").unwrap();

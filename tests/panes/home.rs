@@ -265,7 +265,7 @@ fn the_gallery_shows_every_kind_and_explains_errors() {
     let path = folder.path().join("cylinder.png");
     type_into(&mut harness, "Export to", &path.display().to_string());
     click(&mut harness, "Export PNG");
-    let said = machband::store::image::prove(&path).unwrap();
+    let said = machband::store::image::verify(&path).unwrap();
     assert!(said.contains("shaded-cylinder"), "{said}");
     click(&mut harness, "Copy as command");
     harness.get_by_label_contains("--shading=phong");

@@ -4,8 +4,8 @@ use glam::DVec3;
 use machband::{
     light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Transfer, TransferTable},
     shading::{
-        Correction, Frame, FrameVertex, Lamp, LampPlace, Lighting, Mesh, Reference, Shade, Shader, Specular, Surface,
-        View, coverage,
+        Correction, Frame, FrameVertex, Lamp, LampPosition, Lighting, Mesh, Reference, Shade, Shader, Specular,
+        Surface, View, coverage,
         gpu::{self, Gpu, GpuError},
         lighting::{Facets, Microfacets},
         shapes,
@@ -25,9 +25,9 @@ fn device(
     let options = wgpu::RequestAdapterOptions::default();
     let adapter = match pollster::block_on(wgpu::Instance::new(descriptor).request_adapter(&options)) {
         Ok(adapter) => adapter,
-        Err(fault) => {
-            assert!(std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "{fault}, and one is required");
-            println!("SKIPPED: {fault}");
+        Err(error) => {
+            assert!(std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "{error}, and one is required");
+            println!("SKIPPED: {error}");
             return None;
         }
     };
@@ -71,7 +71,7 @@ fn colored() -> Lighting {
     lighting.lamps = vec![
         Lamp { intensity: DVec3::new(0.8, 0.8, 0.3), ..Lamp::directional(DVec3::new(-0.4, 0.6, 0.7)) },
         Lamp {
-            place: LampPlace::Point { position: DVec3::new(1.5, -0.5, 2.0), attenuation: [0.5, 0.1, 0.15] },
+            position: LampPosition::Point { position: DVec3::new(1.5, -0.5, 2.0), attenuation: [0.5, 0.1, 0.15] },
             intensity: DVec3::new(0.3, 0.5, 0.9),
         },
     ];
@@ -160,18 +160,18 @@ fn compare(card: &mut Card, frame: &Frame, light: &LinearImage, shade: &Shade, t
 
 fn shaders_agree(backend: wgpu::Backends) {
     let Some(mut card) = card(backend) else { return };
-    let mut faults = Vec::new();
+    let mut errors = Vec::new();
     for (name, frame) in frames() {
         for shade in shades() {
             let light = Reference::new(&frame, &shade).image();
             let (most, at) = compare(&mut card, &frame, &light, &shade, &Transfer::Srgb);
             let [x, y] = [at as u32 % frame.width, at as u32 / frame.width];
             if most > 1 {
-                faults.push(format!("{name}: {most} at {x},{y}: {shade:?}"));
+                errors.push(format!("{name}: {most} at {x},{y}: {shade:?}"));
             }
         }
     }
-    assert!(faults.is_empty(), "{}: {} faults\n{}", card.name, faults.len(), faults.join("\n"));
+    assert!(errors.is_empty(), "{}: {} faults\n{}", card.name, errors.len(), errors.join("\n"));
 }
 
 fn lights_agree(backend: wgpu::Backends) {

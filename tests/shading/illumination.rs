@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DMat3, DQuat, DVec3};
 use machband::shading::lighting::{Facets, Microfacets, attenuation, beckmann, fresnel, gaussian, geometry};
-use machband::shading::{Lamp, LampPlace, Lighting, Material, Refraction, Specular, Transparency};
+use machband::shading::{Lamp, LampPosition, Lighting, Material, Refraction, Specular, Transparency};
 use proptest::prelude::*;
 
 use crate::common::golden;
@@ -33,10 +33,10 @@ fn scene(specular_model: Specular) -> Lighting {
         shininess: 12.5,
         specular_model,
     };
-    let lamp = |place, r, g, b| Lamp { place, intensity: DVec3::new(r, g, b) };
-    let point = |x, y, z, attenuation| LampPlace::Point { position: DVec3::new(x, y, z), attenuation };
+    let lamp = |position, r, g, b| Lamp { position, intensity: DVec3::new(r, g, b) };
+    let point = |x, y, z, attenuation| LampPosition::Point { position: DVec3::new(x, y, z), attenuation };
     let lamps = vec![
-        lamp(LampPlace::Direction(DVec3::new(2.0, 3.0, 6.0) / 7.0), 0.9, 0.8, 0.7),
+        lamp(LampPosition::Direction(DVec3::new(2.0, 3.0, 6.0) / 7.0), 0.9, 0.8, 0.7),
         lamp(point(1.5, -0.5, 2.0, [0.5, 0.25, 0.125]), 1.0, 0.1, 0.4),
         lamp(point(-0.25, 0.5, 0.75, [0.1, 0.2, 0.3]), 0.2, 2.0, 0.3),
     ];
@@ -250,8 +250,8 @@ proptest! {
         let lighting = scene(specular);
         let mut turned = lighting.clone();
         for lamp in &mut turned.lamps {
-            match &mut lamp.place {
-                LampPlace::Direction(place) | LampPlace::Point { position: place, .. } => *place = turn * *place,
+            match &mut lamp.position {
+                LampPosition::Direction(v) | LampPosition::Point { position: v, .. } => *v = turn * *v,
             }
         }
         // The microfacets' light has a pole where the view direction is along the surface.
@@ -289,9 +289,9 @@ proptest! {
         specular in models(), p in odd_vectors(), n in odd_directions(), v in odd_directions(), l in odd_directions(),
     ) {
         let mut lighting = scene(specular);
-        lighting.lamps.push(Lamp { place: LampPlace::Direction(l), intensity: DVec3::ONE });
-        let place = LampPlace::Point { position: p, attenuation: [1.0, 0.0, 0.0] };
-        lighting.lamps.push(Lamp { place, intensity: DVec3::ONE });
+        lighting.lamps.push(Lamp { position: LampPosition::Direction(l), intensity: DVec3::ONE });
+        let position = LampPosition::Point { position: p, attenuation: [1.0, 0.0, 0.0] };
+        lighting.lamps.push(Lamp { position, intensity: DVec3::ONE });
         let light = lighting.light(p, n, v);
         prop_assert!(light.is_finite() && light.min_element() >= 0.0, "{light}");
         prop_assert_eq!(lighting.light(p, DVec3::NAN, v), lighting.ambient_light());

@@ -35,7 +35,7 @@ fn vertex(screen: DVec2, light: DVec3) -> FrameVertex {
 }
 
 /// Makes a frame of 200 × 200 pixels. Edges are identified by the indices of their vertices: two triangles at an edge
-/// are smooth neighbors; more than two are [`Across::Several`].
+/// are smooth neighbors; more than two are [`Across::NonManifold`].
 fn joined(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting) -> Frame {
     let ends = |t: usize, k: usize| (triangles[t][(k + 1) % 3], triangles[t][(k + 2) % 3]);
     let mut sides: HashMap<[u32; 2], Vec<(usize, usize)>> = HashMap::new();
@@ -49,7 +49,7 @@ fn joined(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting
         match others[..] {
             [] => Across::Nothing,
             [&(u, l)] if ends(u, l) == (b, a) => Across::Triangle { triangle: u as u32, apex: triangles[u][l] },
-            _ => Across::Several,
+            _ => Across::NonManifold,
         }
     };
     let triangle =

@@ -10,7 +10,7 @@ use machband::{
 use proptest::prelude::*;
 
 fn mesh(text: &str) -> Mesh {
-    obj::parse("it.obj", text.as_bytes(), 180.0).unwrap_or_else(|faults| panic!("{faults}\n{text}"))
+    obj::parse("it.obj", text.as_bytes(), 180.0).unwrap_or_else(|errors| panic!("{errors}\n{text}"))
 }
 
 fn message(content: impl AsRef<[u8]>) -> String {
@@ -159,7 +159,7 @@ fn equal_positions_are_merged_and_close_ones_are_not() {
 }
 
 #[test]
-fn faults_are_reported_with_their_position() {
+fn errors_are_reported_with_their_position() {
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     for (text, expected) in [
         ("", "it.obj: has no faces; expected at least one line \"f 1 2 3\""),
@@ -202,13 +202,13 @@ fn faults_are_reported_with_their_position() {
         // Texture coordinates are ignored.
         assert_eq!(mesh(&face(format!("3/{huge}"))).triangles.len(), 1);
     }
-    // A face that comes before its vertices and before another fault.
+    // A face that comes before its vertices and before another error.
     assert_eq!(
         message("f 1 2 3\nv 0 0 0\nv 0 0 x\n"),
         "it.obj:1:7: vertex 3 does not exist; expected 1…2\nit.obj:3:7: \"x\" is not a number; expected one"
     );
     assert!(obj::parse("it.obj", format!("f 1 2 3\n{triangle}").as_bytes(), 180.0).is_ok());
-    // Several faults are listed in the order of the file, up to a limit.
+    // Several errors are listed in the order of the file, up to a limit.
     assert_eq!(message("v a 0 0\nv 0 b 0\nf 1 2\n").lines().count(), 3);
     assert_eq!(message("v a 0 0\n".repeat(1000)).lines().count(), 20);
     assert!(message(format!("v {} 0 0\n", "x".repeat(100_000))).len() < 200);
@@ -217,13 +217,13 @@ fn faults_are_reported_with_their_position() {
 #[test]
 fn files_of_other_kinds_are_reported() {
     let folder = tempfile::tempdir().unwrap();
-    let fault = |path: &Path| obj::read(path, 180.0).expect_err("a fault").to_string();
+    let error = |path: &Path| obj::read(path, 180.0).expect_err("a fault").to_string();
     let missing = folder.path().join("missing.obj");
-    assert!(fault(&missing).contains("missing.obj: cannot be opened: "), "{}", fault(&missing));
-    assert!(fault(folder.path()).ends_with("is a folder; expected an OBJ file"));
+    assert!(error(&missing).contains("missing.obj: cannot be opened: "), "{}", error(&missing));
+    assert!(error(folder.path()).ends_with("is a folder; expected an OBJ file"));
     let picture = folder.path().join("picture.obj");
     std::fs::write(&picture, b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR").unwrap();
-    assert!(fault(&picture).ends_with("picture.obj:3:1: is not text; expected an OBJ file"), "{}", fault(&picture));
+    assert!(error(&picture).ends_with("picture.obj:3:1: is not text; expected an OBJ file"), "{}", error(&picture));
     assert_eq!(message(b"v 0 0 0\nv 1 \xff 2\n"), "it.obj:2:5: is not UTF-8 text; expected numbers");
     // Names and comments in another encoding do no harm.
     let latin = b"# \xe9crit\no \xe9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -280,7 +280,7 @@ proptest! {
                 prop_assert!(mesh.triangles.iter().flatten().all(|v| (*v as usize) < count));
                 prop_assert!(mesh.vertices.iter().all(|v| finite(v.position) && (v.normal.length() - 1.0).abs() < 1e-9));
             }
-            Err(faults) => prop_assert!(faults.to_string().starts_with("it.obj") && faults.to_string().contains("; expected")),
+            Err(errors) => prop_assert!(errors.to_string().starts_with("it.obj") && errors.to_string().contains("; expected")),
         }
     }
 

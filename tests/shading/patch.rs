@@ -7,7 +7,7 @@ use machband::{
     shading::{
         Channels, Frame, Gradients, Lighting, Patches, Scene, Surface, View,
         frame::Gradient,
-        shaders::{Patch, Spread as _},
+        shaders::{Patch, ShaderKernel as _},
         shapes::{self, Shape},
     },
 };

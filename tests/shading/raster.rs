@@ -4,7 +4,7 @@
 use glam::{DVec2, DVec3};
 use machband::light::{Depth, LinearImage, Transfer};
 use machband::shading::{
-    Correction, Encoder, Frame, Lamp, LampPlace, Lighting, Material, Mesh, Prepared, Reference, Shade, Shader,
+    Correction, Encoder, Frame, Lamp, LampPosition, Lighting, Material, Mesh, Prepared, Reference, Shade, Shader,
     Specular, Surface, View, coverage, shapes,
 };
 use pulp::Arch;
@@ -102,7 +102,7 @@ fn light_matches_the_reference() {
 #[test]
 fn phong_matches_the_reference_under_any_lamps() {
     let near = Lamp {
-        place: LampPlace::Point { position: DVec3::new(0.5, 0.8, 1.5), attenuation: [0.2, 0.3, 0.4] },
+        position: LampPosition::Point { position: DVec3::new(0.5, 0.8, 1.5), attenuation: [0.2, 0.3, 0.4] },
         intensity: DVec3::new(0.8, 0.7, 0.2),
     };
     let far = Lamp { intensity: DVec3::new(0.1, 0.5, 0.3), ..Lamp::directional(DVec3::new(-1.0, 0.3, 0.4)) };

@@ -91,7 +91,7 @@ fn shaders_agree_with_numbers_computed_elsewhere() {
     let shaded = &golden["shaded"]["pair"];
     let edges = bends(&pair)[0];
     let mut level_frame = pair.clone();
-    level_frame.triangles[0].across = [Across::Several; 3];
+    level_frame.triangles[0].across = [Across::NonManifold; 3];
     let level = bends(&level_frame)[0];
     let expected: [f64; 3] = numbers(&shaded["edge_c (A:BC,B:CA,C:AB)"]);
     let expected_level: [f64; 3] = numbers(&shaded["edge_c_flat"]);
@@ -155,8 +155,8 @@ fn printed_vertex_shading_darkens_a_uniform_surface() {
 fn rest_is_the_integral_of_one_minus_the_blend() {
     for depth in (1..=Depth::MAX_FINITE).map(Depth::Finite).chain([Depth::Infinite]) {
         let blend = Curve::<f64>::new(depth);
-        assert_eq!((blend.value(0.0), blend.value(1.0), blend.rest(1.0)), (0.0, 1.0, 0.0));
-        assert!((blend.rest(0.0) - 0.5).abs() < 1e-15);
+        assert_eq!((blend.value(0.0), blend.value(1.0), blend.remaining_integral(1.0)), (0.0, 1.0, 0.0));
+        assert!((blend.remaining_integral(0.0) - 0.5).abs() < 1e-15);
         assert!(blend.value(1e-12) < 1e-11 && blend.value(1.0 - 1e-12) > 1.0 - 1e-11);
         // Simpson's rule, starting from the end.
         let n = 4096;
@@ -165,7 +165,11 @@ fn rest_is_the_integral_of_one_minus_the_blend() {
         for i in (0..n).rev().step_by(2) {
             sum += (left(i + 1) + 4.0 * left(i) + left(i - 1)) / (3.0 * f64::from(n));
             let u = f64::from(i - 1) / f64::from(n);
-            assert!((blend.rest(u) - sum).abs() < 1e-10, "{depth} {u}: {} not {sum}", blend.rest(u));
+            assert!(
+                (blend.remaining_integral(u) - sum).abs() < 1e-10,
+                "{depth} {u}: {} not {sum}",
+                blend.remaining_integral(u)
+            );
         }
     }
 }
@@ -387,7 +391,7 @@ fn a_uniform_field_stays_uniform() {
     }
     // Include an edge without a neighbor and an edge of several triangles.
     field.triangles[9].across[0] = Across::Nothing;
-    field.triangles[12].across[1] = Across::Several;
+    field.triangles[12].across[1] = Across::NonManifold;
     for &shader in Shader::ALL {
         for depth in [Depth::Finite(1), Depth::Finite(3), Depth::Infinite] {
             for vertex in [Correction::Off, Correction::Repaired] {
@@ -524,7 +528,7 @@ fn every_shader_gives_finite_light_on_every_frame() {
         cube([25.0, 35.0, 10.0], &lighting(toward)),
         cube([45.0, 0.0, 0.0], &lighting(DVec3::Y)),
     ];
-    assert!(frames[0].triangles.iter().any(|t| t.across.contains(&Across::Several)));
+    assert!(frames[0].triangles.iter().any(|t| t.across.contains(&Across::NonManifold)));
     assert!(frames[1].triangles.iter().any(|t| t.across.contains(&Across::Nothing)));
     let combinations = CORRECTIONS.into_iter().flat_map(|vertex| CORRECTIONS.map(|reweight| (vertex, reweight)));
     for frame in &frames {

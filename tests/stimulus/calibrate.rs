@@ -6,8 +6,8 @@ use machband::{
     display::{
         Channel, Measurement,
         photometer::{
-            Calibration, Family, Fault, Patch, PatchSettings, Reading, Readings, Sum, additivity, drift_percent,
-            largest, patches,
+            Calibration, Family, Patch, PatchSettings, Reading, Readings, ReadingsError, Sum, additivity,
+            drift_percent, largest, patches,
         },
     },
     light::Transfer,
@@ -297,7 +297,7 @@ fn gray_alone_is_used_for_all_channels_with_a_note() {
     assert!((calibration.luminance_of(calibration.chosen).white_cd_m2 / 115.3 - 1.0).abs() < 0.02);
 }
 
-fn faults(readings: Vec<Reading>) -> Vec<Fault> {
+fn errors(readings: Vec<Reading>) -> Vec<ReadingsError> {
     Readings::new(readings).unwrap_err()
 }
 
@@ -353,7 +353,7 @@ fn every_kind_of_bad_readings_has_its_own_message() {
         (exchanged(Channel::Gray, Channel::Green), "swapped", "are gray and green swapped?"),
     ];
     for (readings, kind, detail) in cases {
-        let messages: Vec<String> = faults(readings).iter().map(ToString::to_string).collect();
+        let messages: Vec<String> = errors(readings).iter().map(ToString::to_string).collect();
         assert!(messages.iter().all(|message| message.contains(kind)), "{kind}: {messages:?}");
         assert!(messages.iter().any(|message| message.contains(detail)), "{kind}, {detail}: {messages:?}");
     }
@@ -368,7 +368,7 @@ fn good_readings_are_accepted() {
         for levels in [5, 6, 17, 33, 65] {
             for seed in 0..50 {
                 let readings = Display::alike(transfer.clone(), 0.3).read(levels, 0.01, seed);
-                assert!(Readings::new(readings.clone()).is_ok(), "{transfer} {levels}: {:?}", faults(readings));
+                assert!(Readings::new(readings.clone()).is_ok(), "{transfer} {levels}: {:?}", errors(readings));
             }
         }
     }

@@ -481,7 +481,7 @@ fn the_number_of_levels_follows_the_formula() {
         }
     }
     // A dot grows from the middle of Shoaff's D⁽³⁾, with x across his rows: first the middle, then above it, then to
-    // its left.
+    // its right.
     assert_eq!(halftone(DitherMatrix::Clustered3, 1, &Transfer::Linear).cell(3), [0, 1, 0, 0, 1, 1, 0, 0, 0]);
     // As in Shoaff's figure, a 2 × 2 cell of one bit has 5 levels.
     assert_eq!(halftone(DitherMatrix::Clustered2, 1, &Transfer::Linear).level_count(), 5);

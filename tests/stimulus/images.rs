@@ -54,7 +54,7 @@ fn images_read_back_and_can_be_verified() {
                     assert_eq!(read.image, recipe.codes(&quantizer), "{recipe:?}");
                     // The text of a random dither has no seed; the seed of the recipe applies.
                     assert!(read.recipe == recipe || matches!(recipe.dither, Dither::Random { .. }));
-                    image::prove(&path).unwrap();
+                    image::verify(&path).unwrap();
                 }
             }
         }
@@ -99,20 +99,20 @@ fn a_changed_image_is_detected() {
     encoder.set_color(png::ColorType::Grayscale);
     encoder.add_text_chunk("machband".to_owned(), image::describe(&recipe)).unwrap();
     encoder.write_header().unwrap().write_image_data(&codes).unwrap();
-    let message = image::prove(&path).unwrap_err().to_string();
+    let message = image::verify(&path).unwrap_err().to_string();
     assert!(message.contains("1 pixels differ") && message.contains("(3, 3)"), "{message}");
 
     for (content, expected) in
         [(&b"no image at all"[..], "not a complete PNG"), (&std::fs::read(&path).unwrap()[..200], "complete PNG")]
     {
         std::fs::write(&path, content).unwrap();
-        let message = image::prove(&path).unwrap_err().to_string();
+        let message = image::verify(&path).unwrap_err().to_string();
         assert!(message.contains(expected), "{message}");
     }
     let mut encoder = png::Encoder::new(std::fs::File::create(&path).unwrap(), 1, 1);
     encoder.set_color(png::ColorType::Grayscale);
     encoder.write_header().unwrap().write_image_data(&[0]).unwrap();
-    assert!(image::prove(&path).unwrap_err().to_string().contains("no text chunk"));
+    assert!(image::verify(&path).unwrap_err().to_string().contains("no text chunk"));
 }
 
 #[test]

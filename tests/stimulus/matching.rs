@@ -31,7 +31,7 @@ fn run(settings: &MatchSettings, display: &Transfers, lapse: f64, seed: u64) -> 
         }
         matching.accept().unwrap();
     }
-    assert_eq!(matching.left_s(), 0.0);
+    assert_eq!(matching.remaining_s(), 0.0);
     matching.done().to_vec()
 }
 

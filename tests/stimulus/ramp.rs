@@ -217,11 +217,11 @@ fn a_quarter_turn_swaps_rows_and_columns() {
 }
 
 #[test]
-fn every_fault_is_reported_in_one_sentence() {
+fn every_error_is_reported_in_one_sentence() {
     let band = MachBand { width: 1.5, orientation_deg: f64::NAN, low: 0.8, high: 0.2, ..MachBand::default() };
-    let faults: Vec<String> = band.validate().unwrap_err().iter().map(ToString::to_string).collect();
+    let errors: Vec<String> = band.validate().unwrap_err().iter().map(ToString::to_string).collect();
     assert_eq!(
-        faults,
+        errors,
         [
             "width 1.5 is outside 0…1; expected the proportion of the window that the ramp fills",
             "orientation_deg NaN is not a finite number; expected an angle in degrees, such as 45",
@@ -301,7 +301,7 @@ fn specifications_read_back_as_written() {
     assert_eq!((one.as_str(), two), (defaults, defaults.replace('}', r#","color_high":"green"}"#)));
     let partial: MachBand = serde_json::from_str(r#"{"depth": 3}"#).unwrap();
     assert_eq!(partial, MachBand { depth: Depth::Finite(3), ..MachBand::default() });
-    for fault in [r#"{"depth": 0}"#, r#"{"wdith": 1}"#, r#"{"space":"hls"}"#, r#"{"colour_high":"red"}"#] {
-        assert!(serde_json::from_str::<MachBand>(fault).is_err(), "{fault}");
+    for error in [r#"{"depth": 0}"#, r#"{"wdith": 1}"#, r#"{"space":"hls"}"#, r#"{"colour_high":"red"}"#] {
+        assert!(serde_json::from_str::<MachBand>(error).is_err(), "{error}");
     }
 }

@@ -6,7 +6,7 @@ use machband::{
     app::{Monitor, timing::TimingReport},
     display::frames::{FrameTimes, Refresh},
     experiment::{
-        Effect, Event, FrameCount, Identity, Resumed, Schedule, Session, SessionOptions, Shown, State, Stretch,
+        Effect, Event, FrameCount, FrameRun, Identity, Resumed, Schedule, Session, SessionOptions, Shown, State,
         TrialResponse,
     },
     store::{definition, frames::FrameRow},
@@ -311,14 +311,14 @@ fn jitter_does_not_change_the_refreshes_of_a_recovery() {
             };
             sitting.frame(1, 0.2 * noise.next().unwrap(), event);
         }
-        let stretches = sitting.session.take_stretches();
+        let runs = sitting.session.take_frame_runs();
         let counts = |shown: Shown| -> Vec<usize> {
-            stretches.iter().filter(|s| s.shown == shown).map(|s| s.intervals_us.len()).collect()
+            runs.iter().filter(|s| s.shown == shown).map(|s| s.intervals_us.len()).collect()
         };
         assert_eq!(counts(Shown::Recovery), [planned; 20], "{hz}");
         assert_eq!((counts(Shown::Stimulus), counts(Shown::Closing)), (vec![1; 20], vec![planned]), "{hz}");
         // The intervals that were kept are exactly those that were counted.
-        let kept: Vec<u32> = stretches.iter().flat_map(|s| s.intervals_us.clone()).collect();
+        let kept: Vec<u32> = runs.iter().flat_map(|s| s.intervals_us.clone()).collect();
         let times = sitting.session.frame_times();
         assert_eq!(kept, times.intervals_us());
         assert_eq!((times.dropped(), times.missed_refreshes(), times.late_onsets()), (Some(0), Some(0), 0));
@@ -410,7 +410,7 @@ fn a_new_monitor_counts_from_its_first_frame_on() {
     for (first, second) in [(60.0, 120.0), (120.0, 60.0), (60.0, 59.94), (144.0, 24.0)] {
         let mut sitting = Sitting::new("", first);
         (0..20).for_each(|_| _ = sitting.frame(1, 0.0, None));
-        sitting.session.judge_against(FrameCount::Against(1.0 / second));
+        sitting.session.set_frame_count(FrameCount::Against(1.0 / second));
         sitting.frame(1, 0.0, None);
         sitting.refresh_s = 1.0 / second;
         // One frame is dropped, by the second screen's refresh.
@@ -421,7 +421,7 @@ fn a_new_monitor_counts_from_its_first_frame_on() {
         assert_eq!((row.dropped_frames, row.late_onset), (Some(1), Some(false)));
         assert_eq!((times.dropped(), times.missed_refreshes()), (Some(1), Some(1)), "{first} → {second}");
         assert!((row.recovery.as_secs_f64() - 2.0).abs() <= 0.5 / second + 1e-6, "{:?}", row.recovery);
-        let judged: Vec<_> = sitting.session.take_stretches().into_iter().map(|s| (s.shown, s.refresh)).collect();
+        let judged: Vec<_> = sitting.session.take_frame_runs().into_iter().map(|s| (s.shown, s.refresh)).collect();
         let of = |hz: f64| Refresh::new(1.0 / hz);
         let expected = [(Shown::Recovery, of(first)), (Shown::Recovery, of(second)), (Shown::Stimulus, of(second))];
         assert_eq!(judged, expected);
@@ -429,7 +429,7 @@ fn a_new_monitor_counts_from_its_first_frame_on() {
     // If the refresh is no longer known, the trial is not judged, and durations follow the clock.
     let mut sitting = Sitting::new("", 60.0);
     (0..20).for_each(|_| _ = sitting.frame(1, 0.0, None));
-    sitting.session.judge_against(FrameCount::Frames);
+    sitting.session.set_frame_count(FrameCount::Frames);
     sitting.until(is_stimulus);
     sitting.frame(5, 0.0, Some(Event::Rate(1)));
     let row = &sitting.rows[0];
@@ -445,12 +445,12 @@ fn a_frame_belongs_to_the_trial_whose_picture_it_shows() {
     // The rating is undone after two frames of the next recovery; the third frame takes four refreshes.
     sitting.frame(1, 0.0, None);
     sitting.frame(1, 0.0, None);
-    sitting.frame(4, 0.0, Some(Event::TakeBack));
+    sitting.frame(4, 0.0, Some(Event::Undo));
     sitting.until(is_stimulus);
     sitting.frame(1, 0.0, Some(Event::Rate(2)));
     assert_eq!(sitting.rows[0].dropped_frames, Some(1), "the last frame of the stimulus");
     assert_eq!(sitting.rows[1].dropped_frames, Some(0), "the frame before the rating was undone does not count");
-    let trials: Vec<_> = (sitting.session.take_stretches().iter())
+    let trials: Vec<_> = (sitting.session.take_frame_runs().iter())
         .map(|s| (s.trial, s.attempt, s.shown, s.intervals_us.len()))
         .collect();
     let expected = [
@@ -461,10 +461,10 @@ fn a_frame_belongs_to_the_trial_whose_picture_it_shows() {
         (0, 2, Shown::Stimulus, 1),
     ];
     assert_eq!(trials, expected);
-    assert_eq!(sitting.session.take_stretches(), [], "each stretch is returned only once");
-    // A stretch becomes a row according to the schedule.
-    let stretch = Stretch { trial: 1, attempt: 2, shown: Shown::Stimulus, refresh: None, intervals_us: vec![1, 2] };
-    let row = FrameRow::new(stretch.clone(), sitting.session.schedule(), 3).unwrap();
+    assert_eq!(sitting.session.take_frame_runs(), [], "each run is returned only once");
+    // A run of frames becomes a row according to the schedule.
+    let run = FrameRun { trial: 1, attempt: 2, shown: Shown::Stimulus, refresh: None, intervals_us: vec![1, 2] };
+    let row = FrameRow::new(run.clone(), sitting.session.schedule(), 3).unwrap();
     assert_eq!((row.sitting, row.trial, row.attempt, row.intervals_us), (3, 2, 2, vec![1, 2]));
-    assert!(FrameRow::new(Stretch { trial: 99, ..stretch }, sitting.session.schedule(), 3).is_none());
+    assert!(FrameRow::new(FrameRun { trial: 99, ..run }, sitting.session.schedule(), 3).is_none());
 }

@@ -1,11 +1,11 @@
-//! The model of vision, compared with known facts about Mach bands, each with its source, and checked for consistency.
+//! The vision model, compared with known facts about Mach bands, each with its source, and checked for consistency.
 
 use super::Draw as _;
 use machband::{
     light::Depth,
     report::prediction::rank_correlation,
     stimulus::{MachBand, Stimulus, place},
-    vision::{Border, Eye, Line, LinePrediction, Picture, Polarity, VisionError, luminance, luminances},
+    vision::{Border, Eye, Line, LinePrediction, LuminanceImage, Polarity, VisionError, luminance, luminances},
 };
 
 /// Windows, in degrees, and pixels per degree for which the facts must hold.
@@ -213,7 +213,7 @@ fn picture(width: f64, depth: Depth, orientation_deg: f64) -> (Vec<f64>, f64) {
 }
 
 fn predicted(light: &[f64], px_per_deg: f64) -> machband::vision::PicturePrediction {
-    Picture { light, width: 512, height: 512, px_per_deg, mask: None }.predict(&Eye::default()).unwrap()
+    LuminanceImage { light, width: 512, height: 512, px_per_deg, mask: None }.predict(&Eye::default()).unwrap()
 }
 
 /// A line and an image have nearly the same prediction at every orientation; Bangay §3.2.
@@ -264,7 +264,7 @@ fn the_map_rotates_with_the_image() {
 fn masked_bands_are_not_predicted() {
     let (light, px_per_deg) = picture(0.5, Depth::Finite(1), 0.0);
     let mask: Vec<bool> = (0..512 * 512).map(|i| i % 512 < 150).collect();
-    let masked = Picture { light: &light, width: 512, height: 512, px_per_deg, mask: Some(&mask) };
+    let masked = LuminanceImage { light: &light, width: 512, height: 512, px_per_deg, mask: Some(&mask) };
     let view = masked.predict(&Eye::default()).unwrap();
     assert!(view.bands.iter().all(|band| band.at_deg[0] < -2.0), "{:?}", view.bands.first());
     assert!(view.visibility.max() < 0.05 * predicted(&light, px_per_deg).visibility.max());
@@ -274,7 +274,7 @@ fn masked_bands_are_not_predicted() {
 fn images_that_cannot_be_predicted_are_rejected() {
     let eye = Eye::default();
     let of = |light: &[f64], side: usize, px_per_deg: f64| {
-        Picture { light, width: side, height: side, px_per_deg, mask: None }.predict(&eye).map(|_| ())
+        LuminanceImage { light, width: side, height: side, px_per_deg, mask: None }.predict(&eye).map(|_| ())
     };
     let Err(VisionError::TooSmall { least, .. }) = of(&[0.5; 400], 20, 200.0) else {
         panic!("smaller than the smallest filter")

@@ -9,10 +9,10 @@ use std::{
 
 use machband::{
     display::DisplayProfile,
-    experiment::{Identity, Order, Phase, Protocol, RATING_MAX, Schedule, columns},
+    experiment::{Identity, MAX_RATING, Order, Phase, Protocol, Schedule, columns},
     light::Transfer,
     stimulus::KINDS,
-    store::{FileFaults, check::check, definition, observer, profile},
+    store::{FileErrors, check::check, definition, observer, profile},
 };
 
 /// A definition with every table, one key per line.
@@ -55,12 +55,12 @@ welcome = "Hello"
 "#;
 
 /// Asserts that one error starts with `start`, which is its place, and contains `part` of its message.
-fn assert_fault(error: &FileFaults, start: &str, part: &str) {
+fn assert_error(error: &FileErrors, start: &str, part: &str) {
     let fits = |m: &String| m.starts_with(start) && m.contains(part) && m.contains("expected");
     assert!(messages(error).iter().any(fits), "{start} {part}: {error}");
 }
 
-fn messages(error: &FileFaults) -> Vec<String> {
+fn messages(error: &FileErrors) -> Vec<String> {
     error.to_string().lines().map(str::to_owned).collect()
 }
 
@@ -225,7 +225,7 @@ fn all_errors_are_reported_in_file_order() {
         .replace("level = 0.5", "lievel = 0.5\nlevel = 7");
     let error = definition::parse("mine.toml", &text).unwrap_err();
     let found = messages(&error);
-    let places: Vec<_> = error.0.iter().filter_map(|fault| fault.position).collect();
+    let places: Vec<_> = error.0.iter().filter_map(|error| error.position).collect();
     assert_eq!(places, [(2, 1), (12, 10), (12, 13), (12, 19), (16, 1), (24, 1), (25, 1)], "{found:#?}");
 }
 
@@ -245,10 +245,10 @@ fn large_files_do_not_stall_the_program() {
     let (numbers, angles) = (list(1000, 1e-3), list(1000, 0.3));
     let four =
         format!("{head}width = [{numbers}]\norientation_deg = [{angles}]\nlow = [{numbers}]\nhigh = [{numbers}]\n");
-    for (design, fault) in [("", "trials; expected at most"), ("repetitions = 0", "repetitions is 0")] {
+    for (design, part) in [("", "trials; expected at most"), ("repetitions = 0", "repetitions is 0")] {
         let text = format!("{four}[design]\n{design}\n");
         let error = soon("four factors", || definition::parse("huge.toml", &text)).unwrap_err();
-        assert!(error.to_string().contains(fault), "{error}");
+        assert!(error.to_string().contains(part), "{error}");
     }
     let one = format!("{head}orientation_deg = [{}]\n", list(90_000, 1e-3));
     assert_eq!(soon("one long factor", || definition::parse("huge.toml", &one)).unwrap().main_trials(), 90_000);
@@ -373,7 +373,7 @@ fn texts_can_be_in_the_participants_language() {
         .replace("welcome = \"Hello\"", "task = \"\"\"\n  Sie sehen eine helle Fläche.\"\"\"");
     let protocol = definition::parse("de.toml", &text).unwrap();
     assert_eq!(protocol.response.question, "Wie deutlich?");
-    assert_eq!(protocol.response.categories.len(), usize::from(RATING_MAX) + 1);
+    assert_eq!(protocol.response.categories.len(), usize::from(MAX_RATING) + 1);
     assert_eq!(protocol.instructions.task, "  Sie sehen eine helle Fläche.");
     // Other texts keep their defaults.
     assert_eq!(protocol.instructions.thanks, "Thank you!");
@@ -465,7 +465,7 @@ fn display_profiles_and_observers_are_validated_too() {
     ];
     for (text, from, to, position, part) in cases {
         let error = profile::parse("p.toml", &text.replacen(from, to, 1)).expect_err(to);
-        assert_fault(&error, &format!("p.toml:{position}: "), part);
+        assert_error(&error, &format!("p.toml:{position}: "), part);
     }
     assert_eq!(observer::parse("o.toml", observer::PAPER).unwrap(), Default::default());
     assert_eq!(observer::parse("o.toml", "schema = 1\n").unwrap(), Default::default());
@@ -486,6 +486,6 @@ fn display_profiles_and_observers_are_validated_too() {
         assert_eq!(observer::PAPER.matches(from).count(), 1, "{from}");
         let text = observer::PAPER.replace(from, to);
         let line = text.lines().position(|line| line.contains(to)).unwrap() + 1;
-        assert_fault(&observer::parse("o.toml", &text).expect_err(to), &format!("o.toml:{line}:"), part);
+        assert_error(&observer::parse("o.toml", &text).expect_err(to), &format!("o.toml:{line}:"), part);
     }
 }

@@ -150,8 +150,8 @@ fn every_cell_and_every_picture_is_exported() {
     assert_eq!(rows(&psych_ds), expected);
     for csv in data_files(&psych_ds).unwrap() {
         let found = verify::session(&csv, &mut verify::Renderer::default());
-        assert_eq!(found.faults, [], "{}", csv.display());
-        assert!(Recorded::open(&csv).unwrap().torn.is_none());
+        assert_eq!(found.errors, [], "{}", csv.display());
+        assert!(Recorded::open(&csv).unwrap().partial_line.is_none());
     }
 
     // Every picture is identical to the one that was shown.

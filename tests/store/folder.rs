@@ -19,13 +19,13 @@ use proptest::prelude::*;
 
 use crate::{
     common::{everything, json},
-    recording::{self, TEXT, create, paths, resume, rows, sitting, small, someone},
+    recording::{self, TEXT, create, identity, paths, resume, rows, sitting, small},
 };
 
 const TRIALS: usize = 6;
 
 fn rate(store: &mut SessionStore, found: Option<&Interrupted>, limit: usize) -> Result<(), StoreError> {
-    recording::rate(store, (&small(), &someone()), found, limit, false)
+    recording::rate(store, (&small(), &identity()), found, limit, false)
 }
 
 /// Records a session with this many rows, and closes it.
@@ -42,7 +42,7 @@ fn assert_whole(results: &Path) {
     assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), TRIALS, "{ids:?}");
     let said = check::check(csv.to_str().unwrap()).unwrap().sentence;
     assert!(said.contains(&format!("{TRIALS} of {TRIALS} planned")), "{said}");
-    assert_eq!(SessionStore::exists(results, &small(), &someone()), Some(true));
+    assert_eq!(SessionStore::exists(results, &small(), &identity()), Some(true));
 }
 
 mod layout {
@@ -134,7 +134,7 @@ mod rows_on_disk {
             numbers in prop::array::uniform4(number()), times in prop::array::uniform3(seconds()),
             depth in prop::option::of(prop_oneof![Just(Depth::Infinite), (1..33_u32).prop_map(|n| Depth::finite(n).unwrap())]),
             color in prop::option::of("[^\r\n\0]{1,9}"), rating in 0..4_u8, frames in prop::option::of(any::<(u32, u32)>()),
-            late in prop::option::of((seconds(), any::<bool>(), seconds())), millisecond in -62_000_000_000_000_i64..250_000_000_000_000, further in "[^\r\n\0]{0,9}",
+            late in prop::option::of((seconds(), any::<bool>(), seconds())), millisecond in -62_000_000_000_000_i64..250_000_000_000_000, extra_factors in "[^\r\n\0]{0,9}",
         ) -> TrialRecord {
             let [row_id, experiment, subject_id, session_id, stimulus] = texts;
             let [block, trial, attempt, repetition, sitting] = counts;
@@ -144,7 +144,7 @@ mod rows_on_disk {
                 row_id, experiment, subject_id, session_id, phase, block, trial, attempt, repetition, stimulus, width,
                 depth, orientation_deg, low, high, color, rating: Rating(rating), response_time_s, onset_s, recovery_s,
                 frames: frames.map(|f| f.0), dropped_frames: frames.map(|f| f.1),
-                started_at: Timestamp::from_millisecond(millisecond).unwrap(), sitting, seed, further: vec![further],
+                started_at: Timestamp::from_millisecond(millisecond).unwrap(), sitting, seed, extra_factors: vec![extra_factors],
                 stimulus_s: late.map(|l| l.0), late_onset: late.map(|l| l.1), response_uncertainty_s: late.map(|l| l.2),
             }
         }
@@ -226,7 +226,7 @@ mod interrupted {
             let kept = ends.iter().filter(|end| **end <= length).count();
             assert_eq!(found.rows.len(), kept.saturating_sub(1), "{length}");
             let torn = kept.checked_sub(1).map_or(0, |last| ends[last]) < content.len();
-            assert_eq!(found.torn.is_some(), torn, "{length} {:?}", found.torn);
+            assert_eq!(found.partial_line.is_some(), torn, "{length} {:?}", found.partial_line);
             rate(&mut store, Some(&found), usize::MAX).unwrap();
             drop(store);
             assert_whole(folder.path());
@@ -306,7 +306,7 @@ mod interrupted {
             let whole = fs::read(&csv).unwrap();
             fs::write(&csv, [&whole[..], b"S001_1_ma"].concat()).unwrap();
             let before = everything(folder.path());
-            let error = SessionStore::resume(folder.path(), protocol, &someone(), seed, sitting()).unwrap_err();
+            let error = SessionStore::resume(folder.path(), protocol, &identity(), seed, sitting()).unwrap_err();
             assert!(matches!(error, StoreError::Mismatch { .. }), "{error}");
             assert!(error.to_string().contains(part) && error.to_string().contains("expected"), "{error}");
             assert!(everything(folder.path()) == before, "files were changed: {error}");
@@ -327,7 +327,7 @@ mod interrupted {
         refused(&small(), Some(7), "row S002_1_practice_0001_1 is not planned");
         fs::write(&csv, rows).unwrap();
         // Without a given seed, the session's own seed is used.
-        let (mut store, found) = SessionStore::resume(folder.path(), &small(), &someone(), None, sitting()).unwrap();
+        let (mut store, found) = SessionStore::resume(folder.path(), &small(), &identity(), None, sitting()).unwrap();
         assert_eq!((found.schedule.seed, found.sitting), (7, 2));
         rate(&mut store, Some(&found), usize::MAX).unwrap();
         assert_whole(folder.path());
@@ -418,12 +418,12 @@ mod trouble {
         // A folder that already has this session is rejected and not changed.
         let taken = session_of(5);
         let before = everything(taken.path());
-        let error = store.move_to(taken.path()).unwrap_err();
+        let error = store.continue_in(taken.path()).unwrap_err();
         assert!(matches!(error, StoreError::Exists(_)), "{error}");
         assert_eq!(everything(taken.path()), before);
         // Moving to the same folder again is not a conflict.
         for _ in 0..2 {
-            store.move_to(second.path()).unwrap();
+            store.continue_in(second.path()).unwrap();
         }
         assert_eq!((store.csv(), rows(store.csv()).len()), (&*paths(second.path()).csv, 3));
         drop(store);
@@ -443,7 +443,7 @@ mod trouble {
         assert!(store.retry().is_err());
         assert_eq!(fs::read_to_string(&csv).unwrap(), "someone else's");
         let elsewhere = tempfile::tempdir().unwrap();
-        store.move_to(elsewhere.path()).unwrap();
+        store.continue_in(elsewhere.path()).unwrap();
         assert_eq!(rows(store.csv()).len(), 1);
     }
 }

@@ -5,8 +5,8 @@ use std::{fs, path::Path, time::Duration};
 use machband::{
     display::frames::Refresh,
     experiment::{
-        Effect, Event, FrameCount, Phase, Resumed, RowContext, Schedule, Session, SessionOptions, Shown, State,
-        TRAILING, TrialRecord,
+        Effect, Event, FrameCount, LATER_COLUMN_COUNT, Phase, Resumed, RowContext, Schedule, Session, SessionOptions,
+        Shown, State, TrialRecord,
     },
     report::Study,
     store::{
@@ -19,7 +19,7 @@ use machband::{
     },
 };
 
-use crate::recording::{SEED, create, paths, resume, rows, small, someone};
+use crate::recording::{SEED, create, identity, paths, resume, rows, small};
 
 fn row(intervals_us: &[u32]) -> FrameRow {
     FrameRow {
@@ -35,7 +35,7 @@ fn row(intervals_us: &[u32]) -> FrameRow {
 
 /// Rates trials at 60 Hz, as the window does, until `trials` trials are rated.
 fn rate(store: &mut SessionStore, schedule: &Schedule, resumed: &Resumed, sitting: u32, trials: usize) {
-    let (protocol, identity) = (small(), someone());
+    let (protocol, identity) = (small(), identity());
     let options = SessionOptions { pages: 0, frames: FrameCount::Against(1.0 / 60.0) };
     let mut session = Session::new(protocol.clone(), schedule.clone(), resumed, options);
     let context = RowContext { protocol: &protocol, schedule, identity: &identity, sitting };
@@ -53,7 +53,7 @@ fn rate(store: &mut SessionStore, schedule: &Schedule, resumed: &Resumed, sittin
         if let Some(Effect::Record(response)) = event.map(|event| session.step(event, now)) {
             store.append(&TrialRecord::new(&context, &response, jiff::Timestamp::UNIX_EPOCH + response.onset)).unwrap();
             session.step(Event::Stored, now);
-            let rows = session.take_stretches().into_iter();
+            let rows = session.take_frame_runs().into_iter();
             store.append_frames(&rows.filter_map(|s| FrameRow::new(s, schedule, sitting)).collect::<Vec<_>>());
             rated += 1;
         }
@@ -65,7 +65,7 @@ fn rate(store: &mut SessionStore, schedule: &Schedule, resumed: &Resumed, sittin
 }
 
 fn schedule() -> Schedule {
-    Schedule::new(&small(), &someone(), SEED).unwrap()
+    Schedule::new(&small(), &identity(), SEED).unwrap()
 }
 
 /// Records a session with `trials` rated trials.
@@ -158,7 +158,7 @@ fn frames_are_next_to_the_rows_and_are_not_read_as_data() {
     // Only the rows are read, whether the folder or a file pattern is given.
     for named in [vec![folder.path().to_owned()], vec![paths.csv.clone(), paths.frames.clone()]] {
         let source = Study::read(&named, &ReadOptions::default()).unwrap().source;
-        assert_eq!((source.files.len(), source.faults.len()), (1, 0), "{named:?}");
+        assert_eq!((source.files.len(), source.errors.len()), (1, 0), "{named:?}");
     }
     // A frames file is never overwritten, even if its rows are gone.
     fs::remove_file(&paths.csv).unwrap();
@@ -176,7 +176,7 @@ fn a_failure_to_write_frames_is_noted_once_and_harms_nothing_else() {
     rate(&mut store, &schedule(), &Resumed::default(), 1, 2);
     assert_eq!(rows(&paths(first.path()).csv).len(), 2);
     // After the move, all frames are saved.
-    store.move_to(second.path()).unwrap();
+    store.continue_in(second.path()).unwrap();
     store.finish(false, "then".to_owned(), None).unwrap();
     assert_eq!(frames::read(&paths(second.path()).frames).unwrap().len(), 4);
     let sidecar = Sidecar::read(&paths(second.path()).sidecar).unwrap().unwrap();
@@ -197,15 +197,15 @@ fn a_session_from_an_older_version_continues_without_newer_columns() {
     let cut = |missing: usize| -> String {
         text.lines().map(|line| line.rsplitn(missing + 1, ',').last().unwrap().to_owned() + "\n").collect()
     };
-    for missing in 0..=TRAILING {
+    for missing in 0..=LATER_COLUMN_COUNT {
         fs::write(&paths.csv, cut(missing)).unwrap();
         let rows = rows(&paths.csv);
-        assert!(rows.len() == 2 && ["5", "7.5"].contains(&rows[0].further[0].as_str()), "{rows:?}");
+        assert!(rows.len() == 2 && ["5", "7.5"].contains(&rows[0].extra_factors[0].as_str()), "{rows:?}");
         let known = (rows[0].stimulus_s.is_some(), rows[0].late_onset.is_some());
-        assert_eq!(known, (missing < TRAILING, missing < TRAILING - 1), "{missing}");
+        assert_eq!(known, (missing < LATER_COLUMN_COUNT, missing < LATER_COLUMN_COUNT - 1), "{missing}");
         assert!(check(paths.csv.to_str().unwrap()).is_ok());
     }
-    let old = cut(TRAILING);
+    let old = cut(LATER_COLUMN_COUNT);
     let (mut store, found) = resume(folder.path()).unwrap();
     rate(&mut store, &found.schedule, &found.resumed, 2, 4);
     store.finish(true, "then".to_owned(), None).unwrap();

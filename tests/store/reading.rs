@@ -10,7 +10,7 @@ use machband::{
     experiment::{Identity, Phase, Protocol, RatingRow, TrialRecord},
     report::{Study, tables},
     store::{
-        FileFaults,
+        FileErrors,
         dataset::SessionPaths,
         definition,
         ratings::{self, FileRead, Layout, ReadOptions, Source},
@@ -31,7 +31,7 @@ const PRACTICE: u64 = 3;
 const MAIN: u64 = 12;
 
 /// Reads every row that counts, as text.
-fn try_read(paths: &[&Path], how: &ReadOptions) -> Result<(Source, Vec<String>), FileFaults> {
+fn try_read(paths: &[&Path], how: &ReadOptions) -> Result<(Source, Vec<String>), FileErrors> {
     let paths: Vec<PathBuf> = paths.iter().map(|path| path.to_path_buf()).collect();
     let add = |rows: &mut Vec<String>, row: &RatingRow<'_>| {
         let RatingRow { subject, values, rating, count, place, response_time_s } = row;
@@ -43,7 +43,7 @@ fn try_read(paths: &[&Path], how: &ReadOptions) -> Result<(Source, Vec<String>),
 }
 
 fn read(paths: &[&Path], how: &ReadOptions) -> (Source, Vec<String>) {
-    try_read(paths, &ReadOptions { details: true, ..how.clone() }).unwrap_or_else(|faults| panic!("{faults}"))
+    try_read(paths, &ReadOptions { details: true, ..how.clone() }).unwrap_or_else(|errors| panic!("{errors}"))
 }
 
 fn sorted(mut rows: Vec<String>) -> Vec<String> {
@@ -52,12 +52,12 @@ fn sorted(mut rows: Vec<String>) -> Vec<String> {
 }
 
 /// Returns every error without its folder, whether or not anything can be read.
-fn faults(paths: &[&Path], how: &ReadOptions) -> Vec<String> {
-    let faults = match try_read(paths, how) {
-        Ok((source, _)) => source.faults,
-        Err(faults) => faults.0,
+fn errors(paths: &[&Path], how: &ReadOptions) -> Vec<String> {
+    let errors = match try_read(paths, how) {
+        Ok((source, _)) => source.errors,
+        Err(errors) => errors.0,
     };
-    let mut texts: Vec<String> = faults.iter().map(ToString::to_string).collect();
+    let mut texts: Vec<String> = errors.iter().map(ToString::to_string).collect();
     for path in paths {
         for folder in path.ancestors().filter(|folder| folder.components().count() > 1) {
             texts.iter_mut().for_each(|text| *text = text.replace(&format!("{}/", folder.display()), ""));
@@ -162,7 +162,7 @@ mod what_counts {
         let (folder, files) = study(&["S2", "S10", "S1"]);
         let (source, rows) = read(&[folder.path()], &ReadOptions::default());
         assert_eq!(sorted(rows), expected(&files));
-        assert_eq!(source.faults, []);
+        assert_eq!(source.errors, []);
         assert_eq!(source.shape.factors, ["width", "tanh_k"]);
         assert_eq!(source.protocol, Some(small()));
         assert_eq!(source.definition_sha256, Some(definition::hash(&small())));
@@ -171,7 +171,7 @@ mod what_counts {
         for read in &source.files {
             // Trials 3, 7 and 11 of 0…14 were corrected.
             assert_eq!((read.rows, read.practice, read.superseded), (MAIN + PRACTICE + 3, PRACTICE, 3), "{read:?}");
-            assert_eq!((read.counted, read.ratings, read.faulty, read.layout), (MAIN, MAIN, 0, Layout::Results));
+            assert_eq!((read.counted, read.ratings, read.erroneous, read.layout), (MAIN, MAIN, 0, Layout::Results));
         }
     }
 
@@ -196,7 +196,7 @@ mod what_counts {
             });
             let (source, rows) = read(&[folder.path()], &ReadOptions::default());
             assert_eq!(sorted(rows), expected, "{seed}");
-            assert_eq!(source.faults, []);
+            assert_eq!(source.errors, []);
             assert_eq!(files_of(source), before);
         }
     }
@@ -210,7 +210,7 @@ mod what_counts {
         assert_eq!(sorted(rows), expected(&files));
         let rated: Vec<_> = source.sessions.iter().map(|s| (s.rated, s.is_unfinished())).collect();
         assert_eq!(rated, [(12, false), (6, true), (0, true)]);
-        assert_eq!(source.faults, []);
+        assert_eq!(source.errors, []);
         let (source, rows) = read(&[folder.path()], &ReadOptions { complete_only: true, ..ReadOptions::default() });
         assert_eq!(sorted(rows), expected(&files[..1]));
         assert_eq!(source.files.iter().map(|file| file.unfinished).collect::<Vec<_>>(), [0, 6, 0]);
@@ -261,7 +261,7 @@ mod layouts {
         ] {
             let path = file(&folder, "long.csv", text);
             let (source, rows) = read(&[&path], &long());
-            assert_eq!(source.faults, [], "{name}");
+            assert_eq!(source.errors, [], "{name}");
             assert_eq!(rows, LONG_ROWS, "{name}");
             assert_eq!((source.files[0].counted, source.files[0].ratings), (3, 6), "{name}");
             assert_eq!(source.shape.categories, None);
@@ -308,7 +308,7 @@ mod layouts {
         // One sidecar is enough to determine the definition of all sessions.
         session(&folder.path().join("more"), &small(), "S3", usize::MAX);
         let (source, _) = read(&[folder.path()], &ReadOptions::default());
-        assert_eq!((source.files.len(), source.protocol, source.faults), (3, Some(small()), vec![]));
+        assert_eq!((source.files.len(), source.protocol, source.errors), (3, Some(small()), vec![]));
         let planned: Vec<_> = source.sessions.iter().map(|session| session.planned).collect();
         assert_eq!(planned, [None, None, Some(MAIN)]);
     }
@@ -331,7 +331,7 @@ mod layouts {
         let a = file(&folder, "a.csv", ",subject_id,width,rating,count\n0,A,0.1,1,2.0\n1,A,0.1,1,3\n2,A,0.2,0,0\n");
         let b = file(&folder, "b.csv", "count,width,rating,subject_id\n4,0.1,1,A\n");
         let study = Study::read(&[a, b], &ReadOptions::default()).unwrap();
-        assert_eq!(study.source.faults, []);
+        assert_eq!(study.source.errors, []);
         let rows: Vec<_> = study.measured.counts.rows.iter().map(|row| (row.rating, row.count)).collect();
         assert_eq!((rows, study.measured.counts.factors.len()), (vec![(1, 9)], 1));
     }
@@ -353,7 +353,7 @@ mod discovery {
         file(&folder, ".git/y_data.csv", row("e"));
         let subjects = |paths: &[&Path]| {
             let (source, rows) = read(paths, &ReadOptions::default());
-            assert_eq!(source.faults, []);
+            assert_eq!(source.errors, []);
             rows.iter().map(|row| row[..1].to_owned()).collect::<String>()
         };
         let b = folder.path().join("b");
@@ -373,7 +373,7 @@ mod discovery {
         let good = file(&folder, "good.csv", "subject_id,width,rating,count\nA,0.1,1,1\n");
         fs::create_dir(folder.path().join("void")).unwrap();
         let said =
-            faults(&[&folder.path().join("void"), &folder.path().join("lost.csv"), &good], &ReadOptions::default());
+            errors(&[&folder.path().join("void"), &folder.path().join("lost.csv"), &good], &ReadOptions::default());
         assert_eq!(said.len(), 2, "{said:?}");
         assert!(said[0].starts_with("void: contains no CSV files; expected "), "{said:?}");
         assert!(said[1].starts_with("lost.csv: cannot be opened: "), "{said:?}");
@@ -381,7 +381,7 @@ mod discovery {
     }
 }
 
-mod faults {
+mod errors {
     use super::*;
 
     /// Damages the first file of a study with two participants, and returns the errors and the number of rows that
@@ -393,9 +393,9 @@ mod faults {
         let sum = |count: fn(&FileRead) -> u64| source.files.iter().map(count).sum::<u64>();
         let counted = sum(|file| file.counted);
         assert_eq!(rows.len() as u64, counted);
-        assert_eq!(rows.iter().filter(|row| row.starts_with("S2 ")).count() as u64, MAIN, "{:?}", source.faults);
-        assert_eq!(sum(|file| file.counted + file.practice + file.superseded + file.faulty), sum(|file| file.rows));
-        let said = faults(&[folder.path()], &ReadOptions::default()).into_iter();
+        assert_eq!(rows.iter().filter(|row| row.starts_with("S2 ")).count() as u64, MAIN, "{:?}", source.errors);
+        assert_eq!(sum(|file| file.counted + file.practice + file.superseded + file.erroneous), sum(|file| file.rows));
+        let said = errors(&[folder.path()], &ReadOptions::default()).into_iter();
         let short =
             |text: String| text.replace("small-one/data/subject-", "").replace("_session-1_task-smallone_data", "");
         (said.map(short).collect(), counted)
@@ -477,13 +477,13 @@ mod faults {
         let (folder, files) = study(&["S1", "S2"]);
         file(&folder, "z_data.csv", fs::read(&files[0]).unwrap());
         assert_eq!(
-            super::faults(&[folder.path()], &ReadOptions::default()),
+            super::errors(&[folder.path()], &ReadOptions::default()),
             [
                 "z_data.csv: all its 18 rows already appear in small-one/data/subject-S1_session-1_task-smallone_data.csv; expected each session only once (this file is left out)"
             ]
         );
         let (source, rows) = read(&[folder.path()], &ReadOptions::default());
-        assert_eq!((sorted(rows), source.files[2].faulty), (expected(&files), 18));
+        assert_eq!((sorted(rows), source.files[2].erroneous), (expected(&files), 18));
     }
 
     #[test]
@@ -506,9 +506,9 @@ mod faults {
         let hash = |protocol: &Protocol| definition::hash(protocol)[..12].to_owned();
         let (source, rows) = read(&[folder.path()], &ReadOptions::default());
         assert_eq!(sorted(rows), expected(&files));
-        assert_eq!((source.faults.len(), source.files.len()), (1, 2));
+        assert_eq!((source.errors.len(), source.files.len()), (1, 2));
         assert_eq!(
-            source.faults[0].message,
+            source.errors[0].message,
             format!(
                 "is a session of the experiment small-one (definition {}) and is left out; expected a session of the experiment small-one (definition {}) like the other 2 files: only one experiment is analyzed at a time",
                 hash(&other),
@@ -519,7 +519,7 @@ mod faults {
             fs::remove_file(file.with_extension("json")).unwrap();
             edit(file, |text| text.replace("small-one", "third"));
         }
-        let said = super::faults(&[folder.path()], &ReadOptions::default());
+        let said = super::errors(&[folder.path()], &ReadOptions::default());
         assert_eq!(said.len(), 1, "{said:?}");
         assert!(
             said[0].contains(
@@ -594,14 +594,14 @@ mod faults {
         ];
         for (text, how, expected, left) in cases {
             let path = file(&folder, "t.csv", text);
-            let expected: Vec<String> = expected.iter().map(|fault| format!("t.csv:{fault}")).collect();
-            assert_eq!(super::faults(&[&path], &how), expected);
+            let expected: Vec<String> = expected.iter().map(|error| format!("t.csv:{error}")).collect();
+            assert_eq!(super::errors(&[&path], &how), expected);
             assert_eq!(try_read(&[&path], &how).map(|(_, rows)| rows).unwrap_or_default(), left);
         }
         let [by_width, by_depth] = ["width", "depth"]
             .map(|factor| file(&folder, factor, format!("subject_id,{factor},rating,count\nA,1,1,1\n")));
         assert_eq!(
-            super::faults(&[&by_width, &by_depth], &ReadOptions::default()),
+            super::errors(&[&by_width, &by_depth], &ReadOptions::default()),
             [
                 "depth:1:1: is a table of counts by depth and is left out; expected a table of counts by width like the other file: only one experiment is analyzed at a time"
             ]
@@ -612,7 +612,7 @@ mod faults {
     fn without_rows_that_count_there_is_no_study() {
         let folder = tempfile::tempdir().unwrap();
         session(folder.path(), &small(), "S1", 2);
-        let said = super::faults(&[folder.path()], &ReadOptions::default());
+        let said = super::errors(&[folder.path()], &ReadOptions::default());
         assert!(try_read(&[folder.path()], &ReadOptions::default()).is_err());
         assert!(
             said[0].ends_with("none of the 2 rows count: 2 from practice; expected ratings of main trials"),

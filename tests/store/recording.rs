@@ -30,20 +30,20 @@ pub fn small() -> Protocol {
     definition::parse("small.toml", TEXT).unwrap()
 }
 
-pub fn someone() -> Identity {
+pub fn identity() -> Identity {
     Identity::new("S001", "1").unwrap()
 }
 
 pub fn paths(results: &Path) -> SessionPaths {
-    SessionPaths::new(results, &small(), &someone())
+    SessionPaths::new(results, &small(), &identity())
 }
 
 pub fn create(results: &Path) -> Result<SessionStore, StoreError> {
-    SessionStore::create(results, &small(), &someone(), SEED, sitting())
+    SessionStore::create(results, &small(), &identity(), SEED, sitting())
 }
 
 pub fn resume(results: &Path) -> Result<(SessionStore, Interrupted), StoreError> {
-    SessionStore::resume(results, &small(), &someone(), Some(SEED), sitting())
+    SessionStore::resume(results, &small(), &identity(), Some(SEED), sitting())
 }
 
 pub fn rows(csv: &Path) -> Vec<TrialRecord> {

@@ -328,19 +328,19 @@ mod machine {
             }
             let last = *driver.rated().last().unwrap();
             let next = driver.session.current();
-            assert!(driver.session.can_take_back(), "{place}");
-            driver.step(Event::TakeBack);
-            assert_eq!((driver.session.current(), driver.session.can_take_back()), (Some(last.0), false), "{place}");
+            assert!(driver.session.can_undo(), "{place}");
+            driver.step(Event::Undo);
+            assert_eq!((driver.session.current(), driver.session.can_undo()), (Some(last.0), false), "{place}");
             // It cannot be undone a second time, nor can the rating before it.
-            driver.step(Event::TakeBack);
+            driver.step(Event::Undo);
             driver.until(is_stimulus);
-            driver.step(Event::TakeBack);
+            driver.step(Event::Undo);
             driver.rate(2);
             assert_eq!(*driver.rated().last().unwrap(), (last.0, 2), "{place}");
             assert!(there(driver.session.state()), "{place}: {:?}", driver.session.state());
             assert_eq!(driver.session.current(), next, "{place}");
             // A third attempt is possible after the second.
-            driver.step(Event::TakeBack);
+            driver.step(Event::Undo);
             driver.until(is_stimulus);
             driver.rate(3);
             assert_eq!(*driver.rated().last().unwrap(), (last.0, 3), "{place}");
@@ -360,7 +360,7 @@ mod machine {
             let (state, trial) = (driver.session.state().clone(), driver.session.current());
             driver.step(Event::Pause);
             assert_eq!(*driver.session.state(), State::Paused(Box::new(state.clone())));
-            for event in [Event::Pause, Event::Continue, Event::Rate(1), Event::TakeBack] {
+            for event in [Event::Pause, Event::Continue, Event::Rate(1), Event::Undo] {
                 driver.step(event);
             }
             driver.wait(100.0);
@@ -427,7 +427,7 @@ mod machine {
             3 => Just(Event::Stored),
             3 => Just(Event::Continue),
             4 => (0..6_u8).prop_map(Event::Rate),
-            2 => Just(Event::TakeBack),
+            2 => Just(Event::Undo),
             1 => Just(Event::Pause),
             2 => Just(Event::Resume),
             1 => Just(Event::Leave),
@@ -447,7 +447,7 @@ mod machine {
             for (event, after) in events {
                 driver.now += Duration::from_millis(after);
                 let before = driver.session.state().clone();
-                let could = driver.session.can_take_back();
+                let could = driver.session.can_undo();
                 let recorded = driver.step(event);
                 let state = driver.session.state();
                 if recorded {
@@ -457,14 +457,14 @@ mod machine {
                     stored = true;
                 }
                 prop_assert_eq!(driver.session.is_storing(), !stored);
-                prop_assert!(stored || !driver.session.can_take_back() && *state != State::Done);
+                prop_assert!(stored || !driver.session.can_undo() && *state != State::Done);
                 // A session can be left only from the pause, and leaving is final.
                 let left = before == State::Left || event == Event::Leave && matches!(before, State::Paused(_));
                 prop_assert_eq!(*state == State::Left, left);
-                if event == Event::TakeBack {
+                if event == Event::Undo {
                     // A field that began at this very moment starts over at the same time, so the state looks
                     // unchanged; only the session knows the difference.
-                    let taken = could && !driver.session.can_take_back();
+                    let taken = could && !driver.session.can_undo();
                     prop_assert!(taken || !could && *state == before);
                 }
                 if let (State::Stimulus { onset, recovery }, false) = (state, is_stimulus(&before)) {

@@ -17,9 +17,9 @@ fn recorded() -> (tempfile::TempDir, PathBuf) {
     (folder, csv)
 }
 
-fn faults(csv: &Path) -> Vec<String> {
+fn errors(csv: &Path) -> Vec<String> {
     let found = verify::session(csv, &mut verify::Renderer::default());
-    found.faults.iter().map(ToString::to_string).collect()
+    found.errors.iter().map(ToString::to_string).collect()
 }
 
 fn edit(path: &Path, change: impl FnOnce(String) -> String) {
@@ -33,7 +33,7 @@ fn edit(path: &Path, change: impl FnOnce(String) -> String) {
 fn an_unchanged_session_is_confirmed() {
     let (folder, csv) = recorded();
     let found = verify::session(&csv, &mut verify::Renderer::default());
-    assert_eq!(found.faults, []);
+    assert_eq!(found.errors, []);
     assert_eq!((found.rows, found.rated, found.sealed), (28, (28, 28), true));
     // All combinations of 4 widths, 3 depths and 2 orientations.
     assert_eq!(found.pictures, 24);
@@ -54,15 +54,15 @@ fn edit_lines(csv: &Path, change: fn(&mut Vec<String>)) {
 
 /// Asserts that every part of `expected` occurs in an error, and that the command prints an error line for each error.
 fn assert_named(folder: &Path, csv: &Path, what: &str, expected: &[&str]) {
-    let faults = faults(csv);
+    let errors = errors(csv);
     for part in expected {
-        assert!(faults.iter().any(|fault| fault.contains(part)), "{what}: {part:?} is not in {faults:#?}");
+        assert!(errors.iter().any(|error| error.contains(part)), "{what}: {part:?} is not in {errors:#?}");
     }
     let said = machband(folder, &["verify", "results"]);
     assert_eq!(said.status.code(), Some(1), "{what}");
     let lines = text(&said.stderr);
     let all_errors = lines.lines().all(|line| line.starts_with("error: "));
-    assert!(lines.lines().count() >= faults.len() && all_errors, "{what}: {lines}");
+    assert!(lines.lines().count() >= errors.len() && all_errors, "{what}: {lines}");
 }
 
 /// Each case replaces the first occurrence of a text in a file, and lists parts of the expected errors.
@@ -132,14 +132,14 @@ fn interrupted_sessions_cause_notes_and_stray_files_cause_errors() {
     let data = csv.parent().unwrap();
     fs::write(data.join("subject-S009_session-1_task-quick_data.json"), "{}").unwrap();
     fs::write(data.join("subject-S001_session-1_task-quick_data.json.77-0.tmp"), "{").unwrap();
-    let left = verify::leftovers(data.parent().unwrap());
+    let left = verify::unexpected_files(data.parent().unwrap());
     assert_eq!(left.len(), 2, "{left:?}");
     let mut sidecar = Sidecar::read(&csv.with_extension("json")).unwrap().unwrap();
     (sidecar.complete, sidecar.seal) = (false, None);
     sidecar.write(&csv.with_extension("json")).unwrap();
     edit(&csv, |text| text[..text.len() - 10].to_owned());
     let found = verify::session(&csv, &mut verify::Renderer::default());
-    assert_eq!(found.faults, []);
+    assert_eq!(found.errors, []);
     assert!(
         !found.sealed && found.notes.iter().any(|note| note.contains("line 29 is incomplete")),
         "{:?}",

@@ -30,7 +30,7 @@ const POLL: Duration = Duration::from_millis(15);
 /// The uniform field of linear light 0.5 in yellow, sRGB.
 const FIELD: [u8; 3] = [188, 188, 0];
 /// Four main and two practice trials with a short recovery.
-pub const SWIFT: &str = r#"schema = 1
+pub const SHORT_DEFINITION: &str = r#"schema = 1
 name = "swift"
 title = "A short session for tests"
 [stimulus]
@@ -43,15 +43,15 @@ practice = 2
 [recovery]
 duration_s = 0.4
 "#;
-/// The recovery of [`SWIFT`].
+/// The recovery of [`SHORT_DEFINITION`].
 pub const RECOVERY_S: f64 = 0.4;
 /// The keys 0…3 of the number pad, by key code. Given their names, xdotool would toggle Num Lock between press and
 /// release.
-pub const PAD: [&str; 4] = ["90", "87", "88", "89"];
+pub const NUMPAD_KEYS: [&str; 4] = ["90", "87", "88", "89"];
 
 /// The key for the `i`-th rating, which is `i % 4`. Four keys from the top row alternate with four from the number pad.
 pub fn pattern(i: usize) -> &'static str {
-    ["0", "1", "2", "3", PAD[0], PAD[1], PAD[2], PAD[3]][i % 8]
+    ["0", "1", "2", "3", NUMPAD_KEYS[0], NUMPAD_KEYS[1], NUMPAD_KEYS[2], NUMPAD_KEYS[3]][i % 8]
 }
 
 pub type Row = HashMap<String, String>;
@@ -133,7 +133,7 @@ impl Harness {
         Some(harness)
     }
 
-    /// Starts a session of [`SWIFT`]; also returns its planned rows and its file.
+    /// Starts a session of [`SHORT_DEFINITION`]; also returns its planned rows and its file.
     pub fn with_session() -> Option<(Self, Vec<Row>, PathBuf)> {
         let mut harness = Self::new()?;
         let definition = harness.swift();
@@ -209,7 +209,7 @@ impl Harness {
     }
 
     pub fn swift(&self) -> String {
-        self.definition("swift", SWIFT)
+        self.definition("swift", SHORT_DEFINITION)
     }
 
     pub fn csv(&self, experiment: &str) -> PathBuf {

@@ -22,7 +22,9 @@ use std::{
 };
 
 use common::MACHBAND;
-use harness::{Harness, PAD, RECOVERY_S, SCREEN, SWIFT, Shown, assert_complete, checked, pattern, rows};
+use harness::{
+    Harness, NUMPAD_KEYS, RECOVERY_S, SCREEN, SHORT_DEFINITION, Shown, assert_complete, checked, pattern, rows,
+};
 
 /// Half a refresh interval of the test's screen, which runs at 60 Hz.
 const HALF_REFRESH_S: f64 = 1.0 / 120.0;
@@ -30,7 +32,8 @@ const HALF_REFRESH_S: f64 = 1.0 / 120.0;
 #[test]
 fn a_full_session_records_every_key_and_shows_the_exact_stimulus() {
     let Some(mut harness) = Harness::new() else { return };
-    let text = SWIFT.replace("swift", "full").replace("depth = [1,", "orientation_deg = [0, 90]\ndepth = [1, 2,");
+    let text =
+        SHORT_DEFINITION.replace("swift", "full").replace("depth = [1,", "orientation_deg = [0, 90]\ndepth = [1, 2,");
     let definition = harness.definition("full", &text);
     let planned = harness.planned(&definition);
     assert_eq!(planned.len(), 14);
@@ -97,7 +100,7 @@ fn answers_can_be_undone_and_sessions_paused() {
     harness.rate(&csv, "3");
     // Undo: the same trial is shown again, as a second attempt.
     harness.press("BackSpace");
-    harness.rate(&csv, PAD[0]);
+    harness.rate(&csv, NUMPAD_KEYS[0]);
     harness.rate(&csv, "1");
     harness.rate(&csv, "3");
     // The last answer can be undone too, while the field is shown.
@@ -130,7 +133,7 @@ fn a_key_whose_meaning_changes_while_held_counts_when_pressed_again() {
     let Some((mut harness, _, csv)) = Harness::with_session() else { return };
     harness.rate(&csv, "2");
     harness.stimulus();
-    for (action, key) in [("keydown", PAD[1]), ("key", "Num_Lock"), ("keyup", PAD[1])] {
+    for (action, key) in [("keydown", NUMPAD_KEYS[1]), ("key", "Num_Lock"), ("keyup", NUMPAD_KEYS[1])] {
         harness.xdotool(&[action, key]);
     }
     harness.until("the row of the number pad", |_| rows(&csv).len() == 2);

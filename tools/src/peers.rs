@@ -9,7 +9,7 @@ use std::{
 };
 
 use eframe::wgpu;
-use machband::vision::{Eye, Picture};
+use machband::vision::{Eye, LuminanceImage};
 use tools::baselines::Odog;
 use winit::{
     application::ApplicationHandler,
@@ -58,7 +58,7 @@ pub fn odog(size: usize, px_per_deg: f64, file: Option<&Path>) -> Result<(), Box
 /// Times machband's own model: prints the median of seven runs. The model needs no construction.
 pub fn picture(size: usize, px_per_deg: f64) -> Result<(), Box<dyn Error>> {
     let light = ramp(size).collect::<Vec<_>>().repeat(size);
-    let picture = Picture { light: &light, width: size, height: size, px_per_deg, mask: None };
+    let picture = LuminanceImage { light: &light, width: size, height: size, px_per_deg, mask: None };
     let run_s = median(7, || {
         std::hint::black_box(picture.predict(&Eye::default())?);
         Ok(())

@@ -108,12 +108,12 @@ pub fn sample(results: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let options = SessionOptions { pages: 0, frames: FrameCount::Off };
     let mut session = Session::new(protocol.clone(), schedule.clone(), &Resumed::default(), options);
     let mut at = Duration::ZERO;
-    let (mut rows, mut taken_back) = (Vec::new(), false);
+    let (mut rows, mut undone) = (Vec::new(), false);
     while rows.len() < RATED {
         at += Duration::from_millis(700);
-        if rows.len() == RATED / 2 && !taken_back && session.can_take_back() {
-            taken_back = true;
-            session.step(Event::TakeBack, at);
+        if rows.len() == RATED / 2 && !undone && session.can_undo() {
+            undone = true;
+            session.step(Event::Undo, at);
         }
         let event = match session.state() {
             State::PhaseStart(_) | State::Break => Event::Continue,

@@ -18,7 +18,7 @@ const WINDOW_DEG: f64 = 10.0;
 /// Vertices of the meshes that approximate the smooth surfaces.
 const FINE: usize = 60_000;
 
-/// The visibility of the bands that each shader leaves, as the model of vision predicts it: the table of
+/// The visibility of the bands that each shader leaves, as the vision model predicts it: the table of
 /// `docs/shaders.md`.
 ///
 /// The images have 512 pixels per side and are 10° wide; outlines are excluded, and white is 100 cd/m². Each cell shows

@@ -226,20 +226,20 @@ impl Kept {
 /// Ratio of a bin's upper end to its lower end. With this ratio, quantiles are correct to 2.5 %.
 const GROWTH: f64 = 1.05;
 /// Lower end of bin 0, seconds.
-const SHORTEST_S: f64 = 0.01;
-/// Number of bins; the last begins at about three hours.
+const MIN_TIME_S: f64 = 0.01;
+/// Number of bins; the last begins at about 2.3 hours.
 const BINS: u16 = 280;
 
 /// Returns the bin into which a time falls.
 pub(super) fn time_bin(seconds: f64) -> u16 {
-    let bin = (seconds / SHORTEST_S).ln() / GROWTH.ln();
+    let bin = (seconds / MIN_TIME_S).ln() / GROWTH.ln();
     // Shorter times, including 0 s, go into the first bin.
     bin.clamp(0.0, f64::from(BINS - 1)) as u16
 }
 
 /// Returns the time in the (geometric) middle of a bin.
 fn middle(bin: u16) -> f64 {
-    SHORTEST_S * GROWTH.powf(f64::from(bin) + 0.5)
+    MIN_TIME_S * GROWTH.powf(f64::from(bin) + 0.5)
 }
 
 /// A histogram of response times.

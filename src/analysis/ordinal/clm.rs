@@ -24,7 +24,7 @@ pub(super) struct ClmData {
 
 /// How an iteration ended.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum End {
+pub(super) enum FitEnd {
     /// The gradient and the last step are small.
     Converged,
     /// The likelihood keeps rising in this direction, without a maximum: the ratings are separated.
@@ -44,7 +44,7 @@ pub(super) struct ClmFit {
     /// Observed information matrix.
     pub information: DMatrix<f64>,
     pub iterations: usize,
-    pub end: End,
+    pub end: FitEnd,
 }
 
 /// Log-likelihood, gradient and negative Hessian.
@@ -269,30 +269,30 @@ impl ClmData {
 
     /// Finds the maximum of the likelihood by Newton's method with step halving.
     pub fn fit(&self, start: DVector<f64>) -> ClmFit {
-        const MOST_ITERATIONS: usize = 200;
+        const MAX_ITERATIONS: usize = 200;
         let tolerance = self.tolerance();
         let mut parameters = start;
         let mut current = self.derivatives(&parameters);
-        let mut end = End::Stalled;
+        let mut end = FitEnd::Stalled;
         let mut iterations = 0;
-        while iterations < MOST_ITERATIONS && current.loglik.is_finite() {
+        while iterations < MAX_ITERATIONS && current.loglik.is_finite() {
             let step = newton_step(&current);
             let (gradient, reach) = (current.gradient.amax(), self.reach(&parameters, &step));
             if gradient <= tolerance && reach < 1e-6 {
-                end = End::Converged;
+                end = FitEnd::Converged;
                 break;
             }
             if gradient < 10.0 * tolerance
                 && reach > 1e-3
                 && let Some(direction) = self.recession(&step)
             {
-                end = End::Separated(direction);
+                end = FitEnd::Separated(direction);
                 break;
             }
             let Some(next) = self.halve(&parameters, &current, &step) else {
                 // Rounding errors limit the precision; this is the best possible.
                 if gradient < 1e3 * tolerance {
-                    end = End::Converged;
+                    end = FitEnd::Converged;
                 }
                 break;
             };

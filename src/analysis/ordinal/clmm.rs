@@ -16,7 +16,7 @@ use super::{
 };
 
 /// Maximum number of quadrature nodes, far more than any likelihood here needs.
-pub const MOST_NODES: usize = 100;
+pub const MAX_NODES: usize = 100;
 
 /// Equal ratings by a participant in one design row.
 #[derive(Clone, Copy, Debug)]

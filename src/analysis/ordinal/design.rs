@@ -198,18 +198,18 @@ impl Standard {
 
 /// Returns the matrix that converts θ, β, ζ and any further parameters from standardized columns to the scale of the
 /// data.
-pub(super) fn back(location: &Standard, scale: &Standard, thresholds: usize, size: usize) -> DMatrix<f64> {
-    let mut back = DMatrix::identity(size, size);
+pub(super) fn to_data_scale(location: &Standard, scale: &Standard, thresholds: usize, size: usize) -> DMatrix<f64> {
+    let mut matrix = DMatrix::identity(size, size);
     for column in 0..location.scales.len() {
         let index = thresholds + column;
-        back[(index, index)] = 1.0 / location.scales[column];
+        matrix[(index, index)] = 1.0 / location.scales[column];
         for threshold in 0..thresholds {
-            back[(threshold, index)] = location.centers[column] / location.scales[column];
+            matrix[(threshold, index)] = location.centers[column] / location.scales[column];
         }
     }
     let first = thresholds + location.scales.len();
     for column in 0..scale.scales.len() {
-        back[(first + column, first + column)] = 1.0 / scale.scales[column];
+        matrix[(first + column, first + column)] = 1.0 / scale.scales[column];
     }
-    back
+    matrix
 }

@@ -4,11 +4,11 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::{
-    clm::{End, category_bounds},
+    clm::{FitEnd, category_bounds},
     design::{self, Design},
     fitting::{Fitted, fit_counts},
     model::{Coefficient, Model, ModelError, ModelSpec, Note, Random, RandomEffect, SubjectMode, Threshold},
-    search::{MixedEnd, MixedFit},
+    search::{MixedFit, MixedFitEnd},
 };
 use crate::{
     analysis::{bootstrap::Interval, counts::Counts, levels},
@@ -27,14 +27,14 @@ pub fn fit(counts: &Counts, spec: &ModelSpec) -> Result<Model, ModelError> {
 /// Converts a fit to a model on the scale of the data.
 pub(super) fn report(fitted: &Fitted) -> Model {
     let mut notes = fitted.notes.clone();
-    let mixed = ended(fitted);
+    let mixed = usable_mixed_fit(fitted);
     note_design(fitted, &mut notes);
     note_separation(fitted, &mut notes);
     note_mixed(fitted, &mut notes);
     let gradient = mixed.map_or(fitted.clm.gradient, |mixed| mixed.gradient);
     let stalled = match mixed {
-        Some(mixed) => mixed.end == MixedEnd::Stalled,
-        None => fitted.clm.end == End::Stalled,
+        Some(mixed) => mixed.end == MixedFitEnd::Stalled,
+        None => fitted.clm.end == FitEnd::Stalled,
     };
     if stalled {
         notes.push(Note::NotConverged { gradient });
@@ -44,7 +44,7 @@ pub(super) fn report(fitted: &Fitted) -> Model {
         notes.push(Note::Flat);
     }
     let size = estimates.len();
-    let boundary = mixed.is_some_and(|mixed| mixed.end == MixedEnd::Boundary);
+    let boundary = mixed.is_some_and(|mixed| mixed.end == MixedFitEnd::Boundary);
     let covariance = covariance.unwrap_or_else(|| DMatrix::from_element(size, size, f64::NAN));
     let se = |index: usize| Some(covariance[(index, index)].sqrt()).filter(|se| se.is_finite());
     let thresholds = fitted.frame.categories.len() - 1;
@@ -110,26 +110,26 @@ fn random_effect(fitted: &Fitted, mixed: &MixedFit, se: Option<f64>) -> RandomEf
     }
 }
 
-/// Returns the fit with a random intercept, if there is one and it did not run away.
-fn ended<'a>(fitted: &'a Fitted) -> Option<&'a MixedFit> {
-    fitted.mixed.as_ref().filter(|mixed| mixed.end != MixedEnd::Runaway)
+/// Returns the fit with a random intercept, if there is one and it did not diverge.
+fn usable_mixed_fit<'a>(fitted: &'a Fitted) -> Option<&'a MixedFit> {
+    fitted.mixed.as_ref().filter(|mixed| mixed.end != MixedFitEnd::Diverged)
 }
 
 /// Returns the estimates of the search and the matrix that converts them to the scale of the data.
-fn found<'a>(fitted: &'a Fitted) -> (&'a DVector<f64>, DMatrix<f64>) {
-    let parameters = match ended(fitted) {
-        Some(mixed) if mixed.end != MixedEnd::Boundary => &mixed.parameters,
+fn search_estimates<'a>(fitted: &'a Fitted) -> (&'a DVector<f64>, DMatrix<f64>) {
+    let parameters = match usable_mixed_fit(fitted) {
+        Some(mixed) if mixed.end != MixedFitEnd::Boundary => &mixed.parameters,
         _ => &fitted.clm.parameters,
     };
     let thresholds = fitted.frame.categories.len() - 1;
     let (location, scale) = &fitted.standards;
-    (parameters, design::back(location, scale, thresholds, parameters.len()))
+    (parameters, design::to_data_scale(location, scale, thresholds, parameters.len()))
 }
 
 /// Returns the estimates of all parameters on the scale of the data. A parameter without a finite estimate is infinite.
 fn estimates(fitted: &Fitted) -> DVector<f64> {
-    let (parameters, back) = found(fitted);
-    let mut estimates = back * parameters;
+    let (parameters, to_data_scale) = search_estimates(fitted);
+    let mut estimates = to_data_scale * parameters;
     for (index, direction) in fitted.infinite() {
         estimates[index] = direction * f64::INFINITY;
     }
@@ -139,9 +139,9 @@ fn estimates(fitted: &Fitted) -> DVector<f64> {
 /// Returns the covariance of all parameters on the scale of the data, or `None` if the information matrix cannot be
 /// inverted. It is NaN for parameters without a finite estimate.
 fn covariance(fitted: &Fitted) -> Option<DMatrix<f64>> {
-    let (parameters, back) = found(fitted);
-    let information = match ended(fitted) {
-        Some(mixed) if mixed.end != MixedEnd::Boundary => mixed.information.clone(),
+    let (parameters, to_data_scale) = search_estimates(fitted);
+    let information = match usable_mixed_fit(fitted) {
+        Some(mixed) if mixed.end != MixedFitEnd::Boundary => mixed.information.clone(),
         _ => finite_part(fitted, &fitted.clm.information),
     };
     let inverse = information.cholesky()?.inverse();
@@ -153,7 +153,7 @@ fn covariance(fitted: &Fitted) -> Option<DMatrix<f64>> {
             whole[(i, j)] = inverse[(row, column)];
         }
     }
-    let mut covariance = &back * whole * back.transpose();
+    let mut covariance = &to_data_scale * whole * to_data_scale.transpose();
     for (index, _) in fitted.infinite() {
         covariance.row_mut(index).fill(f64::NAN);
         covariance.column_mut(index).fill(f64::NAN);
@@ -166,11 +166,14 @@ pub(crate) fn predictors(fitted: &Fitted, conditions: &[u32]) -> Vec<f64> {
     let estimates = estimates(fitted);
     let coefficients = estimates.rows(fitted.frame.categories.len() - 1, fitted.x.columns.len());
     let x = fitted.x.matrix(conditions);
-    x.row_iter().map(|row| finite_product(row.iter(), coefficients.iter())).collect()
+    x.row_iter().map(|row| dot_ignoring_zero_weights(row.iter(), coefficients.iter())).collect()
 }
 
 /// Returns the scalar product. A weight of 0 times an infinite value counts as 0.
-pub(crate) fn finite_product<'a>(weights: impl Iterator<Item = &'a f64>, values: impl Iterator<Item = &'a f64>) -> f64 {
+pub(crate) fn dot_ignoring_zero_weights<'a>(
+    weights: impl Iterator<Item = &'a f64>,
+    values: impl Iterator<Item = &'a f64>,
+) -> f64 {
     weights.zip(values).filter(|(weight, _)| weight.abs() > 1e-12).map(|(weight, value)| weight * value).sum()
 }
 
@@ -212,9 +215,9 @@ fn note_mixed(fitted: &Fitted, notes: &mut Vec<Note>) {
         return;
     }
     notes.extend(match fitted.mixed.as_ref().map(|mixed| mixed.end) {
-        Some(MixedEnd::Boundary) => Some(Note::NoSubjectVariance),
-        Some(MixedEnd::Runaway) => Some(Note::RunawayVariance),
-        Some(MixedEnd::Converged | MixedEnd::Stalled) => None,
+        Some(MixedFitEnd::Boundary) => Some(Note::NoSubjectVariance),
+        Some(MixedFitEnd::Diverged) => Some(Note::RunawayVariance),
+        Some(MixedFitEnd::Converged | MixedFitEnd::Stalled) => None,
         None => Some(Note::NoMixedModel),
     });
 }
@@ -252,7 +255,7 @@ pub(super) fn predictions(fitted: &Fitted, model: &Model) -> Vec<Prediction> {
 
 fn predict(fitted: &Fitted, model: &Model, values: &[f64], condition: u32, x: &[f64], z: &[f64]) -> Prediction {
     let effect = |coefficients: &[Coefficient], row: &[f64]| {
-        finite_product(row.iter(), coefficients.iter().map(|coefficient| &coefficient.estimate))
+        dot_ignoring_zero_weights(row.iter(), coefficients.iter().map(|coefficient| &coefficient.estimate))
     };
     let (location, scale) = (effect(&model.coefficients, x), effect(&model.scale, z).exp());
     let bounds: Vec<f64> = model.thresholds.iter().map(|threshold| (threshold.estimate - location) / scale).collect();

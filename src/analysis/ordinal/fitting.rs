@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use nalgebra::DMatrix;
 
 use super::{
-    clm::{ClmData, ClmFit, End},
-    clmm::{ClmmData, MOST_NODES, Observation, gauss_hermite},
+    clm::{ClmData, ClmFit, FitEnd},
+    clmm::{ClmmData, MAX_NODES, Observation, gauss_hermite},
     design::{Design, Standard},
     link::Link,
     model::{ModelError, ModelSpec, Note, Random},
@@ -31,8 +31,8 @@ pub(crate) struct Fitted<'a> {
 /// Fits a model. If the first baseline allows no finite estimates, another is used. The standard errors of a mixed
 /// model take as long as its estimates and are computed only if `errors` is true.
 pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool) -> Result<Fitted<'a>, ModelError> {
-    if spec.random == Random::Subject && !(1..=MOST_NODES).contains(&spec.quadrature) {
-        return Err(ModelError::Quadrature { nodes: spec.quadrature, most: MOST_NODES });
+    if spec.random == Random::Subject && !(1..=MAX_NODES).contains(&spec.quadrature) {
+        return Err(ModelError::Quadrature { nodes: spec.quadrature, most: MAX_NODES });
     }
     let mut spec = spec.clone();
     let (frame, mut notes) = Frame::new(counts, &[&spec.terms, &spec.scale])?;
@@ -45,7 +45,7 @@ pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool)
         spec.scale = Terms::default();
     }
     let fitted = fit_terms(frame, spec, notes, errors)?;
-    Ok(match rebased(&fitted) {
+    Ok(match with_other_baseline(&fitted) {
         Some((frame, note)) => {
             let mut notes = fitted.notes.clone();
             notes.push(note);
@@ -158,7 +158,7 @@ fn fit_mixed(fitted: &Fitted, errors: bool) -> Option<MixedFit> {
 impl Fitted<'_> {
     /// Returns the parameters that have no finite estimate, each with the direction in which it diverges.
     pub fn infinite(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let direction = if let End::Separated(direction) = &self.clm.end { direction.as_slice() } else { &[] };
+        let direction = if let FitEnd::Separated(direction) = &self.clm.end { direction.as_slice() } else { &[] };
         direction.iter().copied().enumerate().filter(|(_, element)| *element != 0.0)
     }
 
@@ -189,7 +189,7 @@ impl Fitted<'_> {
 
 /// If a threshold diverges because all ratings at a factor's first level are in the same extreme category, returns the
 /// frame with another baseline, and a note.
-fn rebased<'a>(fitted: &Fitted<'a>) -> Option<(Frame<'a>, Note)> {
+fn with_other_baseline<'a>(fitted: &Fitted<'a>) -> Option<(Frame<'a>, Note)> {
     if !fitted.has_infinite_threshold() {
         return None;
     }

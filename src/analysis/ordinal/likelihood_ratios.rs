@@ -3,12 +3,12 @@
 use serde::Serialize;
 
 use super::{
-    clm::End,
+    clm::FitEnd,
     design::Design,
     estimates::{self, Prediction, predictions},
     fitting::{Fitted, clm_data, fit_clm, fit_counts, fit_terms},
     model::{Model, ModelError, ModelSpec, Random},
-    search::MixedEnd,
+    search::MixedFitEnd,
     terms::{Term, Terms},
 };
 use crate::analysis::counts::Counts;
@@ -89,8 +89,11 @@ pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> 
 /// Returns whether both fits have a maximum, and of the same kind of likelihood.
 fn comparable(one: &Fitted, other: &Fitted) -> bool {
     let fine = |fitted: &Fitted| {
-        fitted.clm.end != End::Stalled
-            && !matches!(fitted.mixed.as_ref().map(|mixed| mixed.end), Some(MixedEnd::Runaway | MixedEnd::Stalled))
+        fitted.clm.end != FitEnd::Stalled
+            && !matches!(
+                fitted.mixed.as_ref().map(|mixed| mixed.end),
+                Some(MixedFitEnd::Diverged | MixedFitEnd::Stalled)
+            )
     };
     fine(one) && fine(other) && one.mixed.is_some() == other.mixed.is_some()
 }
@@ -98,11 +101,11 @@ fn comparable(one: &Fitted, other: &Fitted) -> bool {
 /// Maximum number of parameters for a test of proportional odds. A separate effect of each level at each threshold
 /// needs levels × thresholds parameters, and the time for a fit grows with the cube of their number. On a scale of 101
 /// steps, the test would be useless.
-const MOST_NOMINAL: usize = 300;
+const MAX_NOMINAL: usize = 300;
 
 /// Tests proportional odds. Each term in turn gets a separate effect at each threshold, which is compared with one
 /// common effect (R's `nominal_test`). The random intercept is omitted, because this checks the scale and not the
-/// effects. A test with more than [`MOST_NOMINAL`] parameters is not performed and has no ratio.
+/// effects. A test with more than [`MAX_NOMINAL`] parameters is not performed and has no ratio.
 fn nominal_tests(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
     let mut tests = Vec::new();
     for term in &full.spec.terms {
@@ -112,9 +115,9 @@ fn nominal_tests(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
         let (data, _) = clm_data(&full.frame, full.spec.link, &x, &nominal, &full.scale);
         let thresholds = data.thresholds();
         let df = (thresholds * nominal.columns.len() + x.columns.len()).saturating_sub(full.x.columns.len());
-        let feasible = thresholds * (1 + nominal.columns.len()) + x.columns.len() <= MOST_NOMINAL;
+        let feasible = thresholds * (1 + nominal.columns.len()) + x.columns.len() <= MAX_NOMINAL;
         let fit = if feasible { fit_clm(&data).ok() } else { None };
-        let difference = fit.filter(|fit| fit.end != End::Stalled && full.clm.end != End::Stalled);
+        let difference = fit.filter(|fit| fit.end != FitEnd::Stalled && full.clm.end != FitEnd::Stalled);
         tests.push(TermTest::new(term, Part::Nominal, difference.map(|fit| fit.loglik - full.clm.loglik), df));
     }
     Ok(tests)

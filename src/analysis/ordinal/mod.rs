@@ -20,13 +20,13 @@ mod model;
 mod search;
 pub mod terms;
 
-pub use clmm::MOST_NODES;
+pub use clmm::MAX_NODES;
 pub use estimates::{Prediction, fit};
 pub use likelihood_ratios::{ModelReport, Part, TermTest, fit_with_tests, scale_tests};
 pub use link::Link;
 pub use model::{Coefficient, Model, ModelError, ModelSpec, Note, Random, RandomEffect, SubjectMode, Threshold};
 
 pub(super) use design::{Design, Span};
-pub(super) use estimates::{finite_product, predictors, two_sided};
+pub(super) use estimates::{dot_ignoring_zero_weights, predictors, two_sided};
 pub(super) use fitting::fit_counts;
 pub(super) use likelihood_ratios::{chi_squared_tail, without_terms};

@@ -10,17 +10,17 @@ use super::{
 /// A standard deviation below this counts as 0.
 const NO_SIGMA: f64 = 1e-4;
 /// A parameter above this has no finite estimate. Columns are standardized to a size of 1.
-const RUNAWAY: f64 = 60.0;
+const MAX_PARAMETER: f64 = 60.0;
 
 /// How a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum MixedEnd {
+pub(super) enum MixedFitEnd {
     /// The gradient is small.
     Converged,
     /// The standard deviation is 0.
     Boundary,
     /// The standard deviation, or an effect within participants, grows without bound.
-    Runaway,
+    Diverged,
     /// The search could not continue.
     Stalled,
 }
@@ -37,7 +37,7 @@ pub(super) struct MixedFit {
     pub information: DMatrix<f64>,
     pub modes: Modes,
     pub iterations: usize,
-    pub end: MixedEnd,
+    pub end: MixedFitEnd,
 }
 
 /// A search over the free parameters; all others keep their starting values.
@@ -60,29 +60,29 @@ pub(super) fn fit(
     errors: bool,
 ) -> Option<MixedFit> {
     let mut search = Search::begin(data, start, free)?;
-    let (iterations, ended) = search.climb(tolerance);
+    let (iterations, end) = search.climb(tolerance);
     let sigma = data.parameters() - 1;
     if search.at[sigma].abs() < NO_SIGMA {
         search.move_to_boundary(start)?;
-        return search.finish(iterations, MixedEnd::Boundary, DMatrix::zeros(0, 0));
+        return search.finish(iterations, MixedFitEnd::Boundary, DMatrix::zeros(0, 0));
     }
-    if ended == MixedEnd::Runaway {
-        return search.finish(iterations, ended, DMatrix::zeros(0, 0));
+    if end == MixedFitEnd::Diverged {
+        return search.finish(iterations, end, DMatrix::zeros(0, 0));
     }
-    if !errors && ended == MixedEnd::Converged {
-        return search.finish(iterations, ended, DMatrix::zeros(0, 0));
+    if !errors && end == MixedFitEnd::Converged {
+        return search.finish(iterations, end, DMatrix::zeros(0, 0));
     }
     let information = search.polish(tolerance)?;
-    let end = if search.gradient() <= 1e3 * tolerance { MixedEnd::Converged } else { MixedEnd::Stalled };
+    let end = if search.gradient() <= 1e3 * tolerance { MixedFitEnd::Converged } else { MixedFitEnd::Stalled };
     search.finish(iterations, end, information)
 }
 
 impl<'a> Search<'a> {
-    /// Starts at the best of a few standard deviations.
+    /// Starts at the most likely of a few standard deviations; all other parameters start from the fit without a random
+    /// intercept.
     fn begin(data: &'a ClmmData, start: &DVector<f64>, free: &'a [usize]) -> Option<Self> {
         let mut best: Option<Self> = None;
         for sigma in [0.25, 0.6, 1.2, 3.0] {
-            // A random intercept flattens the pooled scale; undo that.
             let at = start.clone().insert_row(start.len(), sigma);
             let mut modes = best.as_ref().map_or_else(|| data.modes(), |best| best.modes.clone());
             if let Some(value) = data.evaluate(&at, &mut modes)
@@ -131,29 +131,29 @@ impl<'a> Search<'a> {
     }
 
     /// Takes quasi-Newton steps (Broyden, Fletcher, Goldfarb, Shanno), starting from the approximate information.
-    fn climb(&mut self, tolerance: f64) -> (usize, MixedEnd) {
-        const MOST_ITERATIONS: usize = 300;
+    fn climb(&mut self, tolerance: f64) -> (usize, MixedFitEnd) {
+        const MAX_ITERATIONS: usize = 300;
         let rough = self.data.rough_information(&self.at, &self.modes).select_rows(self.free).select_columns(self.free);
-        let Some(factor) = positive_definite(&rough) else { return (0, MixedEnd::Stalled) };
+        let Some(factor) = positive_definite(&rough) else { return (0, MixedFitEnd::Stalled) };
         let mut inverse = factor.inverse();
-        for iteration in 0..MOST_ITERATIONS {
+        for iteration in 0..MAX_ITERATIONS {
             // Newton's method takes over near the maximum.
             if self.gradient() <= 1e3 * tolerance {
-                return (iteration, MixedEnd::Converged);
+                return (iteration, MixedFitEnd::Converged);
             }
-            if self.at.amax() > RUNAWAY {
-                return (iteration, MixedEnd::Runaway);
+            if self.at.amax() > MAX_PARAMETER {
+                return (iteration, MixedFitEnd::Diverged);
             }
             let before = self.free_gradient();
             let mut step = &inverse * &before;
             // Limit how far a parameter can jump: a bound that moves by 3 has crossed most of the scale.
             step *= (3.0 / step.amax()).min(1.0);
-            let Some(factor) = self.take(&step) else { return (iteration, MixedEnd::Stalled) };
+            let Some(factor) = self.take(&step) else { return (iteration, MixedFitEnd::Stalled) };
             step *= factor;
             let change = before - self.free_gradient();
             update_inverse(&mut inverse, &step, &change);
         }
-        (MOST_ITERATIONS, MixedEnd::Stalled)
+        (MAX_ITERATIONS, MixedFitEnd::Stalled)
     }
 
     /// Takes Newton steps with the observed information and returns that information.
@@ -217,7 +217,7 @@ impl<'a> Search<'a> {
         Some(())
     }
 
-    fn finish(mut self, iterations: usize, end: MixedEnd, information: DMatrix<f64>) -> Option<MixedFit> {
+    fn finish(mut self, iterations: usize, end: MixedFitEnd, information: DMatrix<f64>) -> Option<MixedFit> {
         let sigma = self.at.len() - 1;
         if self.at[sigma] < 0.0 {
             self.at[sigma] = -self.at[sigma];

@@ -9,11 +9,11 @@ use super::{
 };
 use crate::{
     analysis::{
-        Link, MOST_NODES, ModelError, ModelSpec, Random,
+        Link, MAX_NODES, ModelError, ModelSpec, Random,
         bootstrap::Interval,
         counts::Counts,
         frame::Frame,
-        ordinal::{chi_squared_tail, finite_product, fit_counts, predictors, terms::Terms, without_terms},
+        ordinal::{chi_squared_tail, dot_ignoring_zero_weights, fit_counts, predictors, terms::Terms, without_terms},
         rank_tests::{SubjectMeans, friedman},
     },
     experiment::{OrderedLogit, Protocol},
@@ -95,8 +95,8 @@ impl Plan {
         shifts: &[Shift],
         model: &ModelChoice,
     ) -> Result<Self, PlanError> {
-        if !(1..=MOST_NODES).contains(&model.quadrature) {
-            return Err(ModelError::Quadrature { nodes: model.quadrature, most: MOST_NODES }.into());
+        if !(1..=MAX_NODES).contains(&model.quadrature) {
+            return Err(ModelError::Quadrature { nodes: model.quadrature, most: MAX_NODES }.into());
         }
         let scenario = Scenario::new(protocol, observer, shifts)?;
         let varied = scenario.empty.factors.iter().filter(|factor| factor.levels.len() > 1);
@@ -210,7 +210,7 @@ fn outcomes(counts: &Counts, spec: &ModelSpec, hypotheses: &[Hypothesis]) -> Vec
         _ => Outcome {
             p: (tests.iter().flatten()).find(|test| test.term == hypothesis.term).and_then(|test| test.p),
             estimate: (hypothesis.contrast.as_ref().zip(predictors.as_ref()))
-                .map(|(contrast, predictors)| finite_product(contrast.iter(), predictors.iter()))
+                .map(|(contrast, predictors)| dot_ignoring_zero_weights(contrast.iter(), predictors.iter()))
                 .filter(|estimate| !estimate.is_nan()),
         },
     };

@@ -12,7 +12,7 @@ use crate::{
         counts::{CountRow, Counts, MeasuredBuilder},
         levels,
     },
-    experiment::{Condition, OrderedLogit, Protocol, RATING_MAX},
+    experiment::{Condition, MAX_RATING, OrderedLogit, Protocol},
     light::names::expected_one_of,
     stimulus::ParameterError,
 };
@@ -83,7 +83,7 @@ impl Scenario {
             here.map(|(_, _, logits)| logits).sum()
         };
         let factors: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
-        let categories: Vec<String> = (0..=RATING_MAX).map(|rating| rating.to_string()).collect();
+        let categories: Vec<String> = (0..=MAX_RATING).map(|rating| rating.to_string()).collect();
         let mut builder = MeasuredBuilder::new(&factors).with_categories(&categories);
         let names: Vec<Vec<String>> = conditions.iter().map(|condition| level_names(protocol, condition)).collect();
         for names in &names {
@@ -122,7 +122,7 @@ impl Scenario {
     /// Returns counts in which one participant rates every condition both lowest and highest, so that a design can be
     /// laid out.
     pub fn outline(&self) -> Counts {
-        let ratings = [0, RATING_MAX];
+        let ratings = [0, MAX_RATING];
         let rows = self
             .conditions()
             .into_iter()
@@ -139,7 +139,7 @@ impl Scenario {
             rng.set_stream(u64::from(study) << 32 | u64::from(subject));
             let deviate: f64 = StandardNormal.sample(&mut rng);
             for (condition, predictor) in (0..).zip(&self.predictors) {
-                let mut counts = [0; RATING_MAX as usize + 1];
+                let mut counts = [0; MAX_RATING as usize + 1];
                 for _ in 0..self.repetitions {
                     let rating = self.observer.rate_at(predictor + self.observer.subject_sd * deviate, &mut rng);
                     counts[usize::from(rating)] += 1;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use eframe::egui::{self, ScrollArea};
 
 use crate::{
-    app::ui::{Field, fault, hint, primary, section, text::name as label},
+    app::ui::{Field, hint, primary, section, show_error, text::name as label},
     store::ratings::ReadOptions,
 };
 
@@ -86,7 +86,7 @@ impl Columns {
         let same = self.subject.is_some() && [&self.response, &self.count].contains(&&self.subject)
             || self.response.is_some() && self.response == self.count;
         if same {
-            fault(ui, "One column is used twice; expected a different column for each.");
+            show_error(ui, "One column is used twice; expected a different column for each.");
         }
         let ready = self.subject.is_some() && self.response.is_some() && !same;
         let hint = if ready { "" } else { "Choose at least the participant and the rating." };

@@ -7,9 +7,9 @@ use eframe::egui::{self, Color32, ColorImage, Label, Pos2, Rect, RichText, Scrol
 use super::table::TableView;
 use crate::{
     app::ui::{
-        describe, fault, hint, paragraph,
+        describe, hint, paragraph,
         pixels::{Canvas, draw_centered},
-        section, theme, tick,
+        section, show_error, theme, tick,
         work::Latest,
     },
     report::{
@@ -19,7 +19,7 @@ use crate::{
 };
 
 /// Maximum width in points of an ordinary figure, and of a figure made for the full width of a page.
-const WIDEST: [f32; 2] = [720.0, 1080.0];
+const MAX_WIDTHS: [f32; 2] = [720.0, 1080.0];
 
 /// A document and the state of its tables and figures.
 pub struct DocumentView {
@@ -142,7 +142,7 @@ impl FigureView {
     /// Draws the figure with its title and caption.
     fn show(&mut self, ui: &mut egui::Ui) {
         ui.add_space(6.0);
-        let width = ui.available_width().min(WIDEST[usize::from(self.figure.wide)]);
+        let width = ui.available_width().min(MAX_WIDTHS[usize::from(self.figure.wide)]);
         let size = Vec2::new(width, (width * self.figure.height as f32 / 800.0).ceil());
         let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
         describe(&response, &format!("{}. {}", self.figure.title, self.figure.caption));
@@ -169,7 +169,7 @@ impl FigureView {
                 let texture = self.canvas.put(ui.ctx(), self.figure.name, image.clone());
                 self.shown = Some((Some(px), texture));
             }
-            Some(Err(error)) => fault(ui, error),
+            Some(Err(error)) => show_error(ui, error),
             _ => {}
         }
         match &self.shown {

@@ -11,8 +11,8 @@ use jiff::Timestamp;
 use crate::{
     analysis::{Link, Options, Random, Results},
     app::ui::{
-        Ask, Dialog, hint, outcome, quiet,
-        work::{Progress, Work},
+        Dialog, FileKind, hint, outcome, secondary,
+        work::{BackgroundTask, Progress},
     },
     report::{Provenance, Study, study::shell_command, write_all},
     store::ratings::ReadOptions,
@@ -23,7 +23,7 @@ pub struct Export {
     paths: Vec<PathBuf>,
     folder: String,
     dialog: Dialog,
-    work: Option<(PathBuf, Work<Result<usize, String>>)>,
+    work: Option<(PathBuf, BackgroundTask<Result<usize, String>>)>,
     outcome: Option<Result<String, String>>,
     /// A folder that already contains files; a second click writes to it anyway.
     occupied: Option<PathBuf>,
@@ -72,10 +72,10 @@ impl Export {
             if let Some(exported) = exported.filter(|_| clicked) {
                 self.start(ui.ctx(), folder, again, exported);
             }
-            changed |= self.dialog.browse(ui, Ask::Folder, "Choose the folder to export to…", &mut self.folder);
+            changed |= self.dialog.browse(ui, FileKind::Folder, "Choose the folder to export to…", &mut self.folder);
             if self.work.is_some() {
                 ui.spinner();
-                ui.label(quiet("Writing…"));
+                ui.label(secondary("Writing…"));
             }
         });
         if changed {
@@ -84,7 +84,7 @@ impl Export {
         if let Some(Exported { filter, .. }) = exported.filter(|exported| !exported.filter.is_empty()) {
             hint(ui, format!("The export includes only the data shown: {filter}."));
         }
-        self.dialog.missing_fault(ui);
+        self.dialog.missing_error(ui);
         outcome(ui, self.outcome.as_ref());
         let whole = exported.filter(|exported| exported.filter.is_empty());
         let copy = ui.add_enabled(whole.is_some(), egui::Button::new("Copy as command"));
@@ -102,7 +102,7 @@ impl Export {
     fn take_outcome(&mut self, ctx: &egui::Context) {
         let Some((folder, work)) = &self.work else { return };
         self.outcome = Some(match work.poll() {
-            Progress::Going => return,
+            Progress::Running => return,
             Progress::Done(files) => files.map(|files| format!("{files} files written to {}", folder.display())),
             Progress::Lost => Err("The export ended unexpectedly; expected files in the folder".to_owned()),
         });
@@ -125,7 +125,7 @@ impl Export {
             // A shell comment, because no command applies filters.
             command += &format!(" # filtered in the window: {}", exported.filter);
         }
-        self.work = Some((folder, Work::start(ctx, move || write(&study, &results, &command, &to))));
+        self.work = Some((folder, BackgroundTask::start(ctx, move || write(&study, &results, &command, &to))));
     }
 
     /// The `machband analyze` command for these files and options. Filters and options with default values are omitted.

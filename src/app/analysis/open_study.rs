@@ -12,8 +12,8 @@ use super::{
 use crate::{
     analysis::{Options, Results, analyze},
     app::ui::{
-        Field, Step, fault, heading, hint, paragraph, quiet, theme,
-        work::{Progress, Work},
+        Field, Step, heading, hint, paragraph, secondary, show_error, theme,
+        work::{BackgroundTask, Progress},
     },
     report::{
         Study,
@@ -29,13 +29,13 @@ use crate::{
 };
 
 /// Maximum number of listed errors.
-const MOST_FAULTS: usize = 200;
+const MAX_ERRORS: usize = 200;
 /// In a window narrower than this, the data and filters have a separate view. Points.
 const NARROW: f32 = 700.0;
 /// Address and heading of the view of data and filters.
 const DATA: (&str, &str) = ("data", "Data");
 /// Address and heading of the section that is computed only when it is opened, because it takes a while.
-const VISION: (&str, &str) = ("vision", "What the model of vision predicts");
+const VISION: (&str, &str) = ("vision", "What the vision model predicts");
 
 /// An action that only the page can perform.
 pub enum Request {
@@ -55,12 +55,12 @@ pub struct OpenStudy {
     settings: Settings,
     /// The last requested analysis, finished or not.
     asked: Option<Query>,
-    work: Option<Work<Option<(Outcome, Document)>>>,
+    work: Option<BackgroundTask<Option<(Outcome, Document)>>>,
     /// The last finished analysis and the view of its document.
     shown: Option<(Outcome, DocumentView)>,
     /// The running computation of the document with a prediction.
-    predicting: Option<Work<Document>>,
-    fault: Option<String>,
+    predicting: Option<BackgroundTask<Document>>,
+    error: Option<String>,
     /// Why the files could not be read with other options.
     not_reread: Option<String>,
     /// The address of the open section.
@@ -92,7 +92,7 @@ impl OpenStudy {
             work: None,
             shown: None,
             predicting: None,
-            fault: None,
+            error: None,
             not_reread: None,
             section: "summary",
             export: Export::new(paths),
@@ -116,10 +116,10 @@ impl OpenStudy {
     }
 
     /// Records why the files could not be read with other options. The current data stay.
-    pub fn keep(&mut self, read_options: &ReadOptions, fault: String) {
+    pub fn keep(&mut self, read_options: &ReadOptions, error: String) {
         // Otherwise, the same request would be repeated in every frame.
         self.read_options.also.clone_from(&read_options.also);
-        self.not_reread = Some(fault);
+        self.not_reread = Some(error);
     }
 
     /// Draws the study. `Next` requests an action that only the page can perform.
@@ -165,19 +165,19 @@ impl OpenStudy {
 
     /// Takes the results of computations that have finished.
     fn take_outcome(&mut self) {
-        match self.work.as_ref().map(Work::poll) {
-            None | Some(Progress::Going) => {}
+        match self.work.as_ref().map(BackgroundTask::poll) {
+            None | Some(Progress::Running) => {}
             Some(Progress::Done(outcome)) => {
                 let earlier = self.shown.take().map(|(_, view)| view);
                 self.shown = outcome.map(|(outcome, document)| (outcome, DocumentView::new(document, earlier)));
                 (self.work, self.predicting) = (None, None);
             }
             Some(Progress::Lost) => {
-                self.fault = Some("The analysis ended unexpectedly. Try other options or less data.".to_owned());
+                self.error = Some("The analysis ended unexpectedly. Try other options or less data.".to_owned());
                 self.work = None;
             }
         }
-        if let Some(Progress::Done(document)) = self.predicting.as_ref().map(Work::poll)
+        if let Some(Progress::Done(document)) = self.predicting.as_ref().map(BackgroundTask::poll)
             && let Some((outcome, view)) = self.shown.take()
         {
             self.shown = Some((outcome, DocumentView::new(document, Some(view))));
@@ -192,10 +192,10 @@ impl OpenStudy {
         if self.work.is_some() || self.asked.as_ref() == Some(&query) {
             return;
         }
-        self.fault = None;
+        self.error = None;
         self.asked = Some(query.clone());
         let study = self.study.clone();
-        self.work = Some(Work::start(ctx, move || Outcome::new(&study, query)));
+        self.work = Some(BackgroundTask::start(ctx, move || Outcome::new(&study, query)));
     }
 
     fn choose_section(&mut self, ui: &mut egui::Ui, narrow: bool) {
@@ -217,17 +217,17 @@ impl OpenStudy {
         }
         if self.work.is_some() {
             ui.spinner();
-            ui.label(quiet("Analyzing…"));
+            ui.label(secondary("Analyzing…"));
         }
     }
 
     fn show_document(&mut self, ui: &mut egui::Ui) {
-        if let Some(text) = &self.fault {
-            fault(ui, text);
+        if let Some(text) = &self.error {
+            show_error(ui, text);
         }
         let Some((outcome, view)) = &mut self.shown else {
-            if self.work.is_none() && self.fault.is_none() {
-                fault(
+            if self.work.is_none() && self.error.is_none() {
+                show_error(
                     ui,
                     "No data are selected. Select at least one participant and at least one level of every \
                     factor.",
@@ -248,7 +248,8 @@ impl OpenStudy {
             if self.predicting.is_none() && self.work.is_none() {
                 let (study, results) = (self.study.clone(), outcome.results.clone());
                 let figures = outcome.figures.clone();
-                self.predicting = Some(Work::start(ui.ctx(), move || with_prediction(&study, &results, figures)));
+                self.predicting =
+                    Some(BackgroundTask::start(ui.ctx(), move || with_prediction(&study, &results, figures)));
             }
         }
     }
@@ -266,7 +267,7 @@ impl OpenStudy {
             }
         }
         if let Some(text) = &self.not_reread {
-            fault(ui, text);
+            show_error(ui, text);
         }
         ui.horizontal_wrapped(|ui| {
             if ui.button("Other data…").clicked() {
@@ -326,17 +327,17 @@ fn about(ui: &mut egui::Ui, source: &Source) {
         sessions => format!(" in {}", count(sessions, "session")),
     };
     hint(ui, format!("{}{sessions}.", count(ratings, "rating")));
-    if source.faults.is_empty() {
+    if source.errors.is_empty() {
         return;
     }
-    let title = RichText::new(format!("Errors: {}", source.faults.len())).color(theme::FAULT);
+    let title = RichText::new(format!("Errors: {}", source.errors.len())).color(theme::ERROR);
     CollapsingHeader::new(title).id_salt("faults").default_open(true).show(ui, |ui| {
         ScrollArea::vertical().id_salt("faults").max_height(170.0).show(ui, |ui| {
-            for one in source.faults.iter().take(MOST_FAULTS) {
-                fault(ui, one.to_string());
+            for one in source.errors.iter().take(MAX_ERRORS) {
+                show_error(ui, one.to_string());
             }
-            if let more @ 1.. = source.faults.len().saturating_sub(MOST_FAULTS) {
-                fault(ui, format!("… and {} more", whole(more as u64)));
+            if let more @ 1.. = source.errors.len().saturating_sub(MAX_ERRORS) {
+                show_error(ui, format!("… and {} more", whole(more as u64)));
             }
         });
     });

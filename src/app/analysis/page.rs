@@ -10,11 +10,11 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Ask, Dialog, Field, Step, escaped, fault, heading, hint, page_from, paragraph, section,
-        work::{Progress, Work},
+        Dialog, Field, FileKind, Step, escaped, heading, hint, page_from, paragraph, section, show_error,
+        work::{BackgroundTask, Progress},
     },
     report::Study,
-    store::{FileFaults, ratings::ReadOptions},
+    store::{FileErrors, ratings::ReadOptions},
 };
 
 pub struct Analysis {
@@ -26,7 +26,7 @@ pub struct Analysis {
     /// The files being read, if any.
     reading: Option<Pending>,
     /// Why the last files could not be read.
-    fault: Option<String>,
+    error: Option<String>,
     columns: Option<Columns>,
     /// The files and folders opened last.
     paths: Vec<PathBuf>,
@@ -38,7 +38,7 @@ struct Pending {
     read_options: ReadOptions,
     /// Whether the files that are already open are read again with other options.
     again: bool,
-    work: Work<Result<Study, FileFaults>>,
+    work: BackgroundTask<Result<Study, FileErrors>>,
 }
 
 impl Analysis {
@@ -52,7 +52,7 @@ impl Analysis {
             found,
             dialog: Dialog::default(),
             reading: None,
-            fault: None,
+            error: None,
             columns: None,
             paths: Vec::new(),
             open: None,
@@ -70,10 +70,13 @@ impl Analysis {
     fn read(&mut self, ctx: &egui::Context, paths: Vec<PathBuf>, read_options: ReadOptions, again: bool) {
         let read_options = ReadOptions { details: true, ..read_options };
         self.paths.clone_from(&paths);
-        self.fault = None;
+        self.error = None;
         let asked = read_options.clone();
-        self.reading =
-            Some(Pending { read_options, again, work: Work::start(ctx, move || Study::read(&paths, &asked)) });
+        self.reading = Some(Pending {
+            read_options,
+            again,
+            work: BackgroundTask::start(ctx, move || Study::read(&paths, &asked)),
+        });
     }
 
     fn read_new(&mut self, ctx: &egui::Context, paths: Vec<PathBuf>) {
@@ -111,8 +114,8 @@ impl Analysis {
     fn take_study(&mut self) {
         let Some(pending) = &self.reading else { return };
         let read = match pending.work.poll() {
-            Progress::Going => return,
-            Progress::Done(read) => read.map_err(|faults| faults.to_string()),
+            Progress::Running => return,
+            Progress::Done(read) => read.map_err(|errors| errors.to_string()),
             Progress::Lost => Err("The files could not be read: reading ended unexpectedly".to_owned()),
         };
         let Some(Pending { read_options, again, .. }) = self.reading.take() else { return };
@@ -125,14 +128,14 @@ impl Analysis {
                     None => OpenStudy::new(study, self.paths.clone(), read_options),
                 }));
             }
-            Err(fault) => match self.open.as_mut().filter(|_| again) {
-                Some(open) => open.keep(&read_options, fault),
+            Err(error) => match self.open.as_mut().filter(|_| again) {
+                Some(open) => open.keep(&read_options, error),
                 None => {
                     self.open = None;
                     self.columns = Columns::needed(&self.paths, &read_options);
                     // A missing selection is not an error before the user has seen the form.
                     let asked = self.columns.is_some() && read_options.subject.is_none();
-                    self.fault = (!asked).then_some(fault);
+                    self.error = (!asked).then_some(error);
                 }
             },
         }
@@ -170,14 +173,14 @@ impl Analysis {
                 named = columns.show(ui);
                 keep = self.open.is_some() && ui.button("Keep the current columns").clicked();
             }
-            for line in self.fault.iter().flat_map(|fault| fault.lines()).take(20) {
-                fault(ui, line);
+            for line in self.error.iter().flat_map(|error| error.lines()).take(20) {
+                show_error(ui, line);
             }
             if self.columns.is_some() {
                 ui.separator();
             }
             let chosen = self.choose(ui);
-            self.dialog.missing_fault(ui);
+            self.dialog.missing_error(ui);
             if keep {
                 self.columns = None;
             }
@@ -200,7 +203,7 @@ impl Analysis {
                 per row. You can then identify its columns.",
         );
         ui.horizontal_wrapped(|ui| {
-            for (text, ask) in [("Open files…", Ask::Data), ("Open folder…", Ask::Folder)] {
+            for (text, ask) in [("Open files…", FileKind::Data), ("Open folder…", FileKind::Folder)] {
                 if ui.button(text).clicked() {
                     self.dialog.open(ui.ctx(), ask);
                 }

@@ -4,11 +4,11 @@ use eframe::egui::{self, CollapsingHeader, DragValue, Key, ScrollArea, TextEdit}
 
 use crate::{
     analysis::{
-        Link, MOST_NODES, ModelError, Options, Random,
+        Link, MAX_NODES, ModelError, Options, Random,
         counts::{Counts, Factor, Measured},
         terms::{TermError, Terms},
     },
-    app::ui::{Field, fault, quiet, text::name},
+    app::ui::{Field, secondary, show_error, text::name},
 };
 
 /// Checklists of the participants and of the levels of every factor.
@@ -158,8 +158,8 @@ impl Settings {
         }
         ui.add_enabled_ui(random, |ui| {
             Field::new("Quadrature nodes").show(ui, |ui, label| {
-                ui.add(DragValue::new(&mut options.quadrature).range(1..=MOST_NODES).speed(0.1)).labelled_by(label);
-                ui.label(quiet(if options.quadrature == 1 { "Laplace" } else { "Gauss–Hermite" }));
+                ui.add(DragValue::new(&mut options.quadrature).range(1..=MAX_NODES).speed(0.1)).labelled_by(label);
+                ui.label(secondary(if options.quadrature == 1 { "Laplace" } else { "Gauss–Hermite" }));
             });
         });
         ui.checkbox(&mut options.scale, "Also test effects on the spread");
@@ -181,7 +181,7 @@ impl Settings {
         }
         let wrong = self.options().err().map(|error| error.to_string());
         if let Some(text) = wrong.or_else(|| error.filter(|error| is_about_terms(error)).map(ToString::to_string)) {
-            fault(ui, text.strip_prefix("--terms ").unwrap_or(&text));
+            show_error(ui, text.strip_prefix("--terms ").unwrap_or(&text));
         }
     }
 

@@ -76,7 +76,7 @@ impl Method for ByEye {
         );
     }
 
-    fn extent(&self, channels: &[Channel]) -> Result<(usize, f64), String> {
+    fn estimate(&self, channels: &[Channel]) -> Result<(usize, f64), String> {
         let settings = self.settings(channels);
         Matching::new(&settings, 0, Vec::new()).map_err(|error| format!("{error}."))?;
         Ok((settings.total(), settings.duration_s()))
@@ -127,7 +127,7 @@ impl MatchFindings {
 
 impl Findings for MatchFindings {
     fn read(path: &Path) -> Result<Self, String> {
-        let matches = matches::open(path).map_err(|faults| faults.to_string())?;
+        let matches = matches::open(path).map_err(|errors| errors.to_string())?;
         Ok(Self { channels: estimate(&matches), matches: matches.len() })
     }
 

@@ -9,7 +9,8 @@ use egui_plot::MarkerShape;
 use super::check::CheckPage;
 use crate::{
     app::ui::{
-        Ask, Dialog, Field, Step, fault, hint, paragraph, primary, quiet, section, theme::SERIES, today, tool_page,
+        Dialog, Field, FileKind, Step, hint, paragraph, primary, secondary, section, show_error, theme::SERIES, today,
+        tool_page,
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
     store::profile,
@@ -39,7 +40,7 @@ pub trait Method {
     ///
     /// # Errors
     /// If a run with these settings is not possible.
-    fn extent(&self, channels: &[Channel]) -> Result<(usize, f64), String>;
+    fn estimate(&self, channels: &[Channel]) -> Result<(usize, f64), String>;
 
     /// Begins a run, or resumes the one in the file.
     ///
@@ -57,7 +58,7 @@ pub trait Run {
     fn progress(&self) -> (usize, usize);
 
     /// Items that must be measured again before a profile can be made.
-    fn questionable(&self) -> Vec<usize> {
+    fn items_to_repeat(&self) -> Vec<usize> {
         Vec::new()
     }
 
@@ -110,7 +111,7 @@ pub struct Calibrate<M: Method> {
     /// Path of existing measurements to use instead.
     file: String,
     dialog: Dialog,
-    fault: Option<String>,
+    error: Option<String>,
     /// The file of a paused run, the number of measured items, and the number of all items.
     paused: Option<(PathBuf, usize, usize)>,
     /// The current run, or the run that led to the findings and may be repeated in part.
@@ -125,9 +126,9 @@ impl<M: Method> Calibrate<M> {
     pub fn new(method: M, known: DisplayProfile, channels: [bool; 2]) -> Self {
         let name = if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() };
         let path = suggested(&name, M::ITEMS);
-        let (file, dialog, fault) = Default::default();
+        let (file, dialog, error) = Default::default();
         let (paused, run, found, check) = (None, None, None, None);
-        Self { known, method, name, path, channels, file, dialog, fault, paused, run, found, check }
+        Self { known, method, name, path, channels, file, dialog, error, paused, run, found, check }
     }
 
     /// Updates what is known about the screen.
@@ -167,30 +168,30 @@ impl<M: Method> Calibrate<M> {
                 ui.checkbox(&mut self.channels[1], "gray");
             });
             self.method.fields(ui, viewing);
-            let extent = match self.path.trim() {
+            let estimate = match self.path.trim() {
                 "" => Err(format!("No file is given for the {}; expected a path.", M::ITEMS)),
-                _ => self.method.extent(&self.channels()),
+                _ => self.method.estimate(&self.channels()),
             };
-            match &extent {
+            match &estimate {
                 Ok((items, seconds)) => {
                     hint(ui, format!("{items} {}, about {:.0} min.", M::ITEMS, (seconds / 60.0).ceil()));
                 }
-                Err(message) => fault(ui, message),
+                Err(message) => show_error(ui, message),
             }
             let note = self.resume_note();
             note.iter().for_each(|sentence| hint(ui, sentence));
             let text = if note.is_some() { "Resume" } else { M::BEGIN };
-            begin = primary(ui, text, extent.is_ok(), "Full screen. Press Esc to pause.");
-            self.fault.iter().for_each(|message| fault(ui, message));
+            begin = primary(ui, text, estimate.is_ok(), "Full screen. Press Esc to pause.");
+            self.error.iter().for_each(|message| show_error(ui, message));
             use_file = self.file_field(ui);
         });
         if use_file {
-            self.find(self.file.trim().into());
+            self.load_findings(self.file.trim().into());
             ui.ctx().request_repaint();
         } else if begin {
             match self.method.begin(&self.channels(), Path::new(self.path.trim())) {
                 Ok(run) => self.start(ui, run),
-                Err(message) => self.fault = Some(message),
+                Err(message) => self.error = Some(message),
             }
         }
         Step::back_if(back)
@@ -223,14 +224,14 @@ impl<M: Method> Calibrate<M> {
         hint(ui, M::FORMAT);
         Field::new(&format!("File of {}", M::ITEMS)).show(ui, |ui, label| {
             ui.add(TextEdit::singleline(&mut self.file).desired_width(300.0)).labelled_by(label);
-            self.dialog.browse(ui, Ask::Data, "Choose a file…", &mut self.file);
+            self.dialog.browse(ui, FileKind::Data, "Choose a file…", &mut self.file);
             ui.add_enabled(!self.file.trim().is_empty(), egui::Button::new("Use this file")).clicked()
         })
     }
 
     fn start(&mut self, ui: &Ui, run: M::Run) {
         full_screen(ui, true);
-        (self.run, self.found, self.fault) = (Some(run), None, None);
+        (self.run, self.found, self.error) = (Some(run), None, None);
     }
 
     fn show_run(&mut self, ui: &mut Ui) {
@@ -247,14 +248,14 @@ impl<M: Method> Calibrate<M> {
             Step::Next(()) => {
                 self.paused = None;
                 // Dropping a finished run closes its file before the file is read.
-                self.run = (!run.questionable().is_empty()).then_some(run);
-                self.find(self.path.trim().into());
+                self.run = (!run.items_to_repeat().is_empty()).then_some(run);
+                self.load_findings(self.path.trim().into());
             }
         }
         full_screen(ui, false);
     }
 
-    fn find(&mut self, source: PathBuf) {
+    fn load_findings(&mut self, source: PathBuf) {
         let found = M::Findings::read(&source).map(|found: M::Findings| {
             let form = ProfileForm::new(self.name.trim(), &self.known, found.instrument());
             (found, form)
@@ -266,7 +267,7 @@ impl<M: Method> Calibrate<M> {
         let Some((source, result)) = &mut self.found else { return Step::Stay };
         let (mut saved, mut again) = (None, Vec::new());
         let (back, ()) = tool_page(ui, "Result", |ui| {
-            paragraph(ui, quiet(source.display().to_string()));
+            paragraph(ui, secondary(source.display().to_string()));
             match result {
                 Ok((found, form)) => {
                     found.summary(ui);
@@ -279,11 +280,12 @@ impl<M: Method> Calibrate<M> {
                     ui.add_space(8.0);
                     found.details(ui);
                 }
-                Err(faults) => {
+                Err(errors) => {
                     ui.label("No profile can be made from these measurements:");
-                    faults.lines().for_each(|line| fault(ui, line));
-                    let items = self.run.as_ref().map(Run::questionable).unwrap_or_default();
-                    if !items.is_empty() && ui.button(format!("Measure {} again", items.len())).clicked() {
+                    errors.lines().for_each(|line| show_error(ui, line));
+                    let items = self.run.as_ref().map(Run::items_to_repeat).unwrap_or_default();
+                    let patches = if items.len() == 1 { "patch" } else { "patches" };
+                    if !items.is_empty() && ui.button(format!("Measure {} {patches} again", items.len())).clicked() {
                         again = items;
                     }
                 }
@@ -306,14 +308,14 @@ struct ProfileForm {
     by: String,
     with: String,
     path: String,
-    fault: Option<String>,
+    error: Option<String>,
 }
 
 impl ProfileForm {
     fn new(name: &str, known: &DisplayProfile, with: String) -> Self {
         let by = known.measured.clone().and_then(|measured| measured.by).unwrap_or_default();
         let path = format!("calibration/{}.toml", file_name(name));
-        Self { name: name.to_owned(), by, with, path, fault: None }
+        Self { name: name.to_owned(), by, with, path, error: None }
     }
 
     /// Draws the fields and the button; returns the profile once it is written.
@@ -334,10 +336,10 @@ impl ProfileForm {
         if primary(ui, text, usable, "The program then uses this profile.") {
             match self.write(&self.filled(found)) {
                 Ok(written) => saved = Some(written),
-                Err(message) => self.fault = Some(message),
+                Err(message) => self.error = Some(message),
             }
         }
-        self.fault.iter().for_each(|message| fault(ui, message));
+        self.error.iter().for_each(|message| show_error(ui, message));
         saved
     }
 

@@ -3,7 +3,7 @@
 use eframe::egui::{self, Color32, Id, Key, ScrollArea, Sense, Slider, SliderClamping, Stroke, Vec2};
 
 use crate::{
-    app::ui::{Step, fault, primary, quiet, theme::COLUMN},
+    app::ui::{Step, primary, secondary, show_error, theme::COLUMN},
     display::geometry::{CARD_WIDTH_CM, width_cm_from_card},
 };
 
@@ -17,7 +17,7 @@ const AROUND: f32 = 8.0;
 /// Width reserved for the slider's number, points.
 const NUMBER: f32 = 80.0;
 /// Minimum width of the outline, physical pixels.
-const LEAST_PX: f32 = 100.0;
+const MIN_PX: f32 = 100.0;
 
 /// A dialog with an outline that the user adjusts to the size of a card.
 pub struct CardHelper {
@@ -70,7 +70,7 @@ impl CardHelper {
         match width_cm_from_card(f64::from(self.card_px), screen_width_px) {
             Ok(width) => buttons(ui, width, accepted),
             Err(error) => {
-                fault(ui, error.to_string());
+                show_error(ui, error.to_string());
                 Step::Stay
             }
         }
@@ -79,8 +79,8 @@ impl CardHelper {
     /// Draws the slider. Its range extends to the width of the whole screen, so that a small window does not limit it.
     fn slider(&mut self, ui: &mut egui::Ui, screen_width_px: u32) {
         let label = ui.label("Width of the outline, pixels");
-        ui.spacing_mut().slider_width = (ui.available_width() - NUMBER).clamp(LEAST_PX, 360.0);
-        let range = LEAST_PX..=(screen_width_px as f32).max(2.0 * LEAST_PX);
+        ui.spacing_mut().slider_width = (ui.available_width() - NUMBER).clamp(MIN_PX, 360.0);
+        let range = MIN_PX..=(screen_width_px as f32).max(2.0 * MIN_PX);
         let slider = Slider::new(&mut self.card_px, range).step_by(1.0).max_decimals(0).clamping(SliderClamping::Edits);
         let slider = ui.add(slider).labelled_by(label.id);
         if self.slider.is_none() {
@@ -92,7 +92,7 @@ impl CardHelper {
     fn draw(&self, ui: &mut egui::Ui) {
         let size = self.outline(ui.ctx());
         if size.x > ui.available_width() {
-            ui.label(quiet("The outline is wider than this window. Make the window larger to see all of it."));
+            ui.label(secondary("The outline is wider than this window. Make the window larger to see all of it."));
         }
         ScrollArea::horizontal().id_salt("outline").show(ui, |ui| {
             let (rect, _) = ui.allocate_exact_size(size, Sense::hover());

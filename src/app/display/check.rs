@@ -4,7 +4,7 @@
 use eframe::egui::{self, TextureHandle};
 
 use crate::{
-    app::ui::{Step, hint, paragraph, pixels, quiet, signed, tool_page},
+    app::ui::{Step, hint, paragraph, pixels, secondary, signed, tool_page},
     display::{
         Channel, DisplayProfile,
         matching::{CHECKED, Rows},
@@ -92,6 +92,6 @@ impl CheckPage {
 fn show_field(ui: &mut egui::Ui, channel: Channel, (text, texture): &(String, TextureHandle)) {
     ui.vertical(|ui| {
         pixels::picture(ui, texture, &format!("{channel}, {text}"));
-        ui.label(quiet(text));
+        ui.label(secondary(text));
     });
 }

@@ -5,8 +5,8 @@ use eframe::egui::{self, Color32, Stroke, TextEdit, Vec2};
 use super::card::CardHelper;
 use crate::{
     app::ui::{
-        Field, Monitor, ScreenFields, Step, describe, fault, note, number, platform::Platform, quiet, theme::QUIET,
-        tool_page,
+        Field, Monitor, ScreenFields, Step, describe, note, number, platform::Platform, secondary, show_error,
+        theme::SECONDARY, tool_page,
     },
     display::{GeometryError, Screen, Viewing, geometry::distance_cm},
 };
@@ -39,7 +39,7 @@ impl GeometryPage {
                     self.sentences(ui, &viewing);
                     rulers(ui, &viewing);
                 }
-                Err(error) => fault(ui, error.to_string()),
+                Err(error) => show_error(ui, error.to_string()),
             }
         });
         if let Some(card) = &mut self.card {
@@ -93,7 +93,7 @@ impl GeometryPage {
             screen.height_cm(),
         ));
         let Some(planned) = number(&self.window_deg).filter(|deg| *deg > 0.0 && *deg < 170.0) else {
-            fault(ui, "The planned size is not an angle; expected degrees, such as 10.");
+            show_error(ui, "The planned size is not an angle; expected degrees, such as 10.");
             return;
         };
         let wanted = viewing.px_from_deg(planned);
@@ -105,7 +105,7 @@ impl GeometryPage {
                 100.0 * wanted / least
             ));
         } else {
-            fault(
+            show_error(
                 ui,
                 format!(
                     "A {planned}° stimulus needs {wanted:.0} × {wanted:.0} pixels; only {:.0} % of its width fits. It \
@@ -129,7 +129,7 @@ fn viewing(monitor: &Monitor, fields: &ScreenFields) -> Result<Viewing, Geometry
 fn rulers(ui: &mut egui::Ui, viewing: &Viewing) {
     let points_per_cm = (viewing.screen().px_per_cm() / f64::from(ui.ctx().pixels_per_point())) as f32;
     ui.add_space(12.0);
-    ui.label(quiet("Hold a ruler against the screen to compare. The lower line marks one, five and ten degrees."));
+    ui.label(secondary("Hold a ruler against the screen to compare. The lower line marks one, five and ten degrees."));
     let degrees = [1.0, 5.0, 10.0].map(|deg| viewing.cm_from_deg(deg) as f32 * points_per_cm);
     let width = (RULER_CM as f32 * points_per_cm).max(degrees[2]);
     let (rect, response) =
@@ -142,7 +142,7 @@ fn rulers(ui: &mut egui::Ui, viewing: &Viewing) {
         painter.line_segment([foot, foot - Vec2::new(0.0, height)], stroke);
         if !text.is_empty() {
             let align = if x == 0.0 { egui::Align2::LEFT_TOP } else { egui::Align2::CENTER_TOP };
-            painter.text(foot, align, text, egui::FontId::proportional(12.0), QUIET);
+            painter.text(foot, align, text, egui::FontId::proportional(12.0), SECONDARY);
         }
     };
     for mm in 0..=10 * RULER_CM {

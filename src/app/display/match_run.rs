@@ -5,7 +5,7 @@ use eframe::egui::{self, CursorIcon, Event, Key, TextureHandle};
 use crate::{
     app::{
         display::calibrate::Run,
-        ui::{Step, describe, fault, pixels, quiet, window_px},
+        ui::{Step, describe, pixels, secondary, show_error, window_px},
     },
     display::matching::{GAP_S, Match, Matching},
     store::{StoreError, matches::MatchFile},
@@ -14,7 +14,7 @@ use crate::{
 /// Height reserved for the line of text below the field, points.
 const TEXT_ROOM: f32 = 34.0;
 /// Minimum side of the field, physical pixels.
-const LEAST_PX: u32 = 64;
+const MIN_PX: u32 = 64;
 /// Ratio of the side of the field to the side of the patch.
 const FIELD_PER_PATCH: u32 = 3;
 
@@ -40,9 +40,9 @@ impl MatchRun {
         let since_start = now - self.start_s.unwrap_or(now);
         match key {
             Key::Backspace if !repeated => {
-                if let Some(taken_back) = self.matching.undo() {
+                if let Some(undone) = self.matching.undo() {
                     let number = self.matching.done().len() + 1;
-                    let saved = self.file.take_back(number, &taken_back, since_start);
+                    let saved = self.file.undo(number, &undone, since_start);
                     self.next(saved, now);
                 }
             }
@@ -76,7 +76,7 @@ impl MatchRun {
     fn draw(&mut self, ui: &mut egui::Ui, shown: Match) {
         let (width, height) = window_px(ui.ctx());
         let below = (TEXT_ROOM * ui.ctx().pixels_per_point()).ceil() as u32;
-        let side = width.min(height.saturating_sub(2 * below)).max(LEAST_PX);
+        let side = width.min(height.saturating_sub(2 * below)).max(MIN_PX);
         if self.shown.as_ref().is_none_or(|(made, at, _)| *made != shown || *at != side) {
             let image = shown.picture(side, side / FIELD_PER_PATCH);
             self.shown = Some((shown, side, pixels::texture_of(ui.ctx(), "matching", &image)));
@@ -98,15 +98,16 @@ impl MatchRun {
         let text = format!(
             "Make the square vanish with the left and right arrow keys, then press Enter · {} of {all}, about {:.0} min left · Esc to pause",
             done + 1,
-            (self.matching.left_s() / 60.0).ceil()
+            (self.matching.remaining_s() / 60.0).ceil()
         );
         let area = ui.ctx().content_rect();
         let line = egui::Rect::from_min_max(egui::pos2(area.min.x + 12.0, area.max.y - TEXT_ROOM), area.max);
         ui.scope_builder(egui::UiBuilder::new().max_rect(line), |ui| match &self.unsaved {
-            Some(error) => {
-                fault(ui, format!("The last match is not saved yet; it will be written with the next one: {error}"))
-            }
-            None => _ = ui.add(egui::Label::new(quiet(text)).truncate()),
+            Some(error) => show_error(
+                ui,
+                format!("The last match is not saved yet; it will be written with the next one: {error}"),
+            ),
+            None => _ = ui.add(egui::Label::new(secondary(text)).truncate()),
         });
     }
 }

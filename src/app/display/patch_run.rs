@@ -12,7 +12,7 @@ use crate::{
         display::calibrate::Run,
         ui::{Step, describe, number, theme::NOTE},
     },
-    display::photometer::{About, Patch, Reading, Readings, is_same_level},
+    display::photometer::{ErrorLocation, Patch, Reading, Readings, is_same_level},
     store::{StoreError, readings},
 };
 
@@ -23,7 +23,7 @@ const AROUND: Color32 = Color32::from_gray(128);
 /// Color of the text on the line: dim, so that it does not affect the photometer.
 const DIM: Color32 = Color32::from_gray(0x70);
 /// A reading below this fraction of the reading at a lower level indicates a typing error rather than noise.
-const FALL: f64 = 0.95;
+const MIN_PLAUSIBLE_RATIO: f64 = 0.95;
 
 /// How patches are shown.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +39,7 @@ pub struct PatchView {
 /// A run of patches and their readings.
 pub struct PatchRun {
     patches: Vec<Patch>,
-    taken: Vec<Option<f64>>,
+    readings: Vec<Option<f64>>,
     /// Indices of the patches that remain to be shown; the first is on the screen.
     queue: Vec<usize>,
     path: PathBuf,
@@ -60,11 +60,11 @@ impl PatchRun {
     /// # Errors
     /// If the file belongs to other settings or cannot be written.
     pub fn begin(patches: Vec<Patch>, path: &Path, view: PatchView) -> Result<Self, StoreError> {
-        let mut taken = vec![None; patches.len()];
+        let mut readings = vec![None; patches.len()];
         if path.exists() {
-            for one in readings::open_begun(path)? {
+            for one in readings::open_incomplete(path)? {
                 let same = |patch: &Patch| patch.channel == one.channel && is_same_level(patch.level, one.level);
-                let free = (0..taken.len()).find(|at| taken[*at].is_none() && same(&patches[*at]));
+                let free = (0..readings.len()).find(|at| readings[*at].is_none() && same(&patches[*at]));
                 let Some(free) = free else {
                     let what = format!(
                         "has a reading of {} at level {} that these settings do not include; expected another file, or \
@@ -73,13 +73,13 @@ impl PatchRun {
                     );
                     return Err(StoreError::Mismatch { path: path.to_owned(), what });
                 };
-                taken[free] = Some(one.luminance_cd_m2);
+                readings[free] = Some(one.luminance_cd_m2);
             }
         }
-        let queue = (0..taken.len()).filter(|at| taken[*at].is_none()).collect();
+        let queue = (0..readings.len()).filter(|at| readings[*at].is_none()).collect();
         let run = Self {
             patches,
-            taken,
+            readings,
             queue,
             path: path.to_owned(),
             view,
@@ -94,18 +94,18 @@ impl PatchRun {
         Ok(run)
     }
 
-    fn readings(&self) -> Vec<Reading> {
-        let read = self.patches.iter().zip(&self.taken).filter_map(|(patch, taken)| {
-            taken.map(|luminance_cd_m2| Reading { channel: patch.channel, level: patch.level, luminance_cd_m2 })
+    fn taken_readings(&self) -> Vec<Reading> {
+        let read = self.patches.iter().zip(&self.readings).filter_map(|(patch, reading)| {
+            reading.map(|luminance_cd_m2| Reading { channel: patch.channel, level: patch.level, luminance_cd_m2 })
         });
         read.collect()
     }
 
     fn write(&self) -> Result<(), StoreError> {
-        readings::write(&self.path, &self.readings())
+        readings::write(&self.path, &self.taken_readings())
     }
 
-    fn line(&mut self, ui: &mut egui::Ui, at: usize, left_s: f64) -> Step<()> {
+    fn line(&mut self, ui: &mut egui::Ui, at: usize, remaining_s: f64) -> Step<()> {
         ui.visuals_mut().override_text_color = Some(DIM);
         let patch = self.patches[at];
         let mut accept = false;
@@ -129,17 +129,17 @@ impl PatchRun {
             previous |= ui.add_enabled(at > 0, egui::Button::new("Previous")).clicked();
             pause |= ui.button("Pause").clicked();
             let (done, all) = self.progress();
-            let settling = if left_s > 0.0 { format!(" · settling, {left_s:.1} s") } else { String::new() };
+            let settling = if remaining_s > 0.0 { format!(" · settling, {remaining_s:.1} s") } else { String::new() };
             ui.label(format!("{done} of {all} read{settling} · Enter: next · Backspace: previous · Esc: pause"));
         });
         if let Some(message) = &self.message {
             ui.add(egui::Label::new(RichText::new(message).small().color(NOTE.gamma_multiply(0.7))).wrap());
         }
         if accept {
-            self.accept(at, left_s);
+            self.accept(at, remaining_s);
         } else if previous && at > 0 {
             self.queue.insert(0, at - 1);
-            self.fresh(self.taken[at - 1]);
+            self.prepare_line(self.readings[at - 1]);
         }
         match () {
             () if pause => Step::Back,
@@ -149,14 +149,14 @@ impl PatchRun {
     }
 
     /// Accepts the typed text as the reading of a patch, or says why not.
-    fn accept(&mut self, at: usize, left_s: f64) {
+    fn accept(&mut self, at: usize, remaining_s: f64) {
         self.select = true;
         let value = number(&self.entry).filter(|value| *value >= 0.0);
         self.message = match value {
             None => {
                 Some(format!("{:?} is not a luminance; expected cd/m², 0 or more, such as 12.3", self.entry.trim()))
             }
-            Some(_) if left_s > 0.0 => {
+            Some(_) if remaining_s > 0.0 => {
                 Some("The patch has not settled yet. Read it again, then press Enter.".to_owned())
             }
             Some(value) => match self.implausible(at, value).filter(|_| self.unconfirmed != Some(value)) {
@@ -171,20 +171,20 @@ impl PatchRun {
 
     /// Stores a reading in memory and on disk; returns the error, if any.
     fn take(&mut self, at: usize, value: f64) -> Option<String> {
-        let before = self.taken[at].replace(value);
+        let before = self.readings[at].replace(value);
         if let Err(error) = self.write() {
             // The typed text stays in the line, so that the user can try again.
-            self.taken[at] = before;
+            self.readings[at] = before;
             return Some(error.to_string());
         }
         self.queue.retain(|queued| *queued != at);
-        let next = self.queue.first().and_then(|next| self.taken[*next]);
-        self.fresh(next);
+        let next = self.queue.first().and_then(|next| self.readings[*next]);
+        self.prepare_line(next);
         None
     }
 
     /// Prepares the line for the next patch: it is empty, or contains the patch's previous reading.
-    fn fresh(&mut self, before: Option<f64>) {
+    fn prepare_line(&mut self, before: Option<f64>) {
         self.entry = before.map_or_else(String::new, |value| value.to_string());
         self.select = true;
         self.since = None;
@@ -195,11 +195,12 @@ impl PatchRun {
     /// Why a reading may be a typing error: it is below the reading of a lower level or above that of a higher level.
     fn implausible(&self, at: usize, value: f64) -> Option<String> {
         let patch = self.patches[at];
-        let others = self.patches.iter().zip(&self.taken).enumerate();
+        let others = self.patches.iter().zip(&self.readings).enumerate();
         let known = others.filter(|(index, (other, _))| *index != at && other.channel == patch.channel);
-        let mut known = known.filter_map(|(_, (other, taken))| Some((other, (*taken)?)));
+        let mut known = known.filter_map(|(_, (other, reading))| Some((other, (*reading)?)));
         let (other, read) = known.find(|(other, read)| {
-            other.code < patch.code && value < read * FALL || other.code > patch.code && *read < value * FALL
+            other.code < patch.code && value < read * MIN_PLAUSIBLE_RATIO
+                || other.code > patch.code && *read < value * MIN_PLAUSIBLE_RATIO
         })?;
         Some(format!(
             "{value} does not fit {} {}, which gave {read}: luminance must rise with the code. To keep it, press Enter \
@@ -213,8 +214,8 @@ impl Run for PatchRun {
     fn show(&mut self, ui: &mut egui::Ui) -> Step<()> {
         let Some(&at) = self.queue.first() else { return Step::Next(()) };
         let now = ui.input(|input| input.time);
-        let left_s = self.view.settle_s - (now - *self.since.get_or_insert(now));
-        if left_s > 0.0 {
+        let remaining_s = self.view.settle_s - (now - *self.since.get_or_insert(now));
+        if remaining_s > 0.0 {
             ui.ctx().request_repaint();
         }
         let around = if self.view.gray_around { AROUND } else { Color32::BLACK };
@@ -226,21 +227,21 @@ impl Run for PatchRun {
                 let line = Rect::from_min_max(egui::pos2(area.left(), area.bottom() - LINE), area.max);
                 ui.painter().rect_filled(line, 0.0, Color32::BLACK);
                 let inner = line.shrink2(Vec2::new(16.0, 8.0));
-                ui.scope_builder(UiBuilder::new().max_rect(inner), |ui| self.line(ui, at, left_s)).inner
+                ui.scope_builder(UiBuilder::new().max_rect(inner), |ui| self.line(ui, at, remaining_s)).inner
             })
             .inner
     }
 
     fn progress(&self) -> (usize, usize) {
-        (self.taken.iter().flatten().count(), self.taken.len())
+        (self.readings.iter().flatten().count(), self.readings.len())
     }
 
     /// The patches with implausible readings, according to the errors in the readings.
-    fn questionable(&self) -> Vec<usize> {
-        let faults = Readings::new(self.readings()).err().unwrap_or_default();
+    fn items_to_repeat(&self) -> Vec<usize> {
+        let errors = Readings::new(self.taken_readings()).err().unwrap_or_default();
         let is_named = |patch: &Patch| {
-            faults.iter().any(|fault| match fault.about {
-                About::Levels(channel, levels) => {
+            errors.iter().any(|error| match error.location {
+                ErrorLocation::Levels(channel, levels) => {
                     patch.channel == channel && levels.iter().any(|level| is_same_level(patch.level, *level))
                 }
                 _ => false,
@@ -251,7 +252,7 @@ impl Run for PatchRun {
 
     fn repeat(&mut self, patches: &[usize]) {
         self.queue = patches.to_vec();
-        self.fresh(None);
+        self.prepare_line(None);
     }
 }
 

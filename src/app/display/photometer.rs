@@ -74,7 +74,7 @@ impl Method for Photometer {
         ui.checkbox(&mut self.gray_around, "Gray around the patch instead of black");
     }
 
-    fn extent(&self, channels: &[Channel]) -> Result<(usize, f64), String> {
+    fn estimate(&self, channels: &[Channel]) -> Result<(usize, f64), String> {
         let patches = self.patches(channels)?.len();
         Ok((patches, patches as f64 * (self.settle_s()? + READING_S)))
     }
@@ -100,7 +100,7 @@ impl PhotometerFindings {
 
 impl Findings for PhotometerFindings {
     fn read(path: &Path) -> Result<Self, String> {
-        let readings = readings::open(path).map_err(|faults| faults.to_string())?;
+        let readings = readings::open(path).map_err(|errors| errors.to_string())?;
         Ok(Self { calibration: Calibration::new(&readings), family: None })
     }
 

@@ -3,7 +3,7 @@
 use eframe::egui::{self, TextureHandle};
 
 use crate::{
-    app::ui::{Field, Step as PageStep, fault, hint, note, number, pixels, quiet, table, tool_page},
+    app::ui::{Field, Step as PageStep, hint, note, number, pixels, secondary, show_error, table, tool_page},
     display::{
         DisplayProfile,
         profile::short,
@@ -17,7 +17,7 @@ const ASSUMED_I0: f64 = 0.005;
 /// Height of the wedge, physical pixels.
 const HEIGHT_PX: u32 = 140;
 /// Maximum number of steps. With 255 steps, there are as many levels as 8-bit codes.
-const MOST: usize = 255;
+const MAX_STEPS: usize = 255;
 
 pub struct StepsPage {
     profile: DisplayProfile,
@@ -57,15 +57,15 @@ impl StepsPage {
                     self.copy(ui, &steps);
                     rows(ui, &steps);
                 }
-                Err(message) => fault(ui, message),
+                Err(message) => show_error(ui, message),
             }
         });
         PageStep::back_if(back)
     }
 
     fn steps(&self) -> Result<Vec<Step>, String> {
-        let n = self.number.trim().parse::<usize>().ok().filter(|n| (1..=MOST).contains(n));
-        let n = n.ok_or_else(|| format!("{:?} is not a number of steps; expected 1 to {MOST}.", self.number))?;
+        let n = self.number.trim().parse::<usize>().ok().filter(|n| (1..=MAX_STEPS).contains(n));
+        let n = n.ok_or_else(|| format!("{:?} is not a number of steps; expected 1 to {MAX_STEPS}.", self.number))?;
         let i0 =
             number(&self.i0).ok_or_else(|| format!("{:?} is not a number; expected one such as 0.005.", self.i0))?;
         steps(&self.profile, i0, n).map_err(|error| format!("{error}."))
@@ -93,7 +93,7 @@ impl StepsPage {
                 self.copied = true;
             }
             if self.copied {
-                ui.label(quiet("Copied."));
+                ui.label(secondary("Copied."));
             }
         });
         let lost = steps.iter().filter(|step| step.nearest != step.level).count();

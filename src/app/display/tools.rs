@@ -13,7 +13,8 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Ask, Dialog, Field, Monitor, ScreenFields, Step, fault, good, hint, note, number, theme::PAGE, today, tool_page,
+        Dialog, Field, FileKind, Monitor, ScreenFields, Step, hint, note, number, show_error, success, theme::PAGE,
+        today, tool_page,
     },
     display::{DisplayProfile, Screen, Viewing},
 };
@@ -143,7 +144,7 @@ impl Display {
         Field::new("Profile in use").show(ui, |ui, label| {
             let field = egui::TextEdit::singleline(&mut self.fields.profile).desired_width(300.0);
             ui.add(field.hint_text("sRGB, assumed")).labelled_by(label);
-            self.dialog.browse(ui, Ask::Toml, "Choose a profile…", &mut self.fields.profile);
+            self.dialog.browse(ui, FileKind::Toml, "Choose a profile…", &mut self.fields.profile);
         });
         match found {
             Ok(profile) => {
@@ -152,12 +153,12 @@ impl Display {
                 let warning = profile.measured.as_ref().and_then(|_| profile.warning(today()));
                 warning.iter().for_each(|warning| note(ui, warning));
             }
-            Err(faults) => faults.lines().for_each(|line| fault(ui, line)),
+            Err(errors) => errors.lines().for_each(|line| show_error(ui, line)),
         }
         self.saved = self.saved.take().filter(|saved| self.fields.profile.trim() == saved.path.display().to_string());
         if let Some(SavedProfile { path, replaced }) = &self.saved {
             let done = if *replaced { "Replaced" } else { "Saved as" };
-            good(ui, format!("{done} {}; now in use.", path.display()));
+            success(ui, format!("{done} {}; now in use.", path.display()));
         }
     }
 }

@@ -7,7 +7,7 @@ use egui_plot::{Corner, Legend, Line, MarkerShape, PlotUi, Points};
 
 use crate::{
     app::{
-        explore::prediction::{self, Mark, Place, Prediction},
+        explore::prediction::{self, Mark, Prediction, ViewingPlace},
         ui::{self, Field, Step, pixels, theme},
     },
     display::DisplayProfile,
@@ -60,7 +60,7 @@ struct Shown {
 
 /// Luminance of the strongest channel along a line through the center, in the direction of the orientation.
 struct Curves {
-    asked: Vec<[f64; 2]>,
+    requested: Vec<[f64; 2]>,
     emitted: Vec<[f64; 2]>,
 }
 
@@ -68,7 +68,7 @@ impl Gallery {
     /// The gallery for a screen described by `display`, viewed from `distance_cm` centimeters if that is known.
     pub fn new(display: DisplayProfile, distance_cm: Option<f64>) -> Self {
         let mut gallery = Self {
-            prediction: Prediction::new(Place::new(&display, distance_cm)),
+            prediction: Prediction::new(ViewingPlace::new(&display, distance_cm)),
             entry: 0,
             values: Vec::new(),
             size: 512,
@@ -94,19 +94,19 @@ impl Gallery {
     /// The stimulus that the controls describe, or the errors in them.
     fn stimulus(&self) -> Result<Stimulus, Faults> {
         let mut stimulus = catalog::all()[self.entry].default_stimulus();
-        let mut faults = Vec::new();
+        let mut errors = Vec::new();
         for (parameter, text) in &self.values {
             let value: ParameterValue = text.parse().unwrap_or_else(|never| match never {});
             if let Err(error) = stimulus.set(parameter.name, &value) {
-                faults.push((Some(parameter.name), error.to_string()));
+                errors.push((Some(parameter.name), error.to_string()));
             }
         }
-        if faults.is_empty()
-            && let Err(errors) = stimulus.validate()
+        if errors.is_empty()
+            && let Err(found) = stimulus.validate()
         {
-            faults.extend(errors.iter().map(|error| (None, error.to_string())));
+            errors.extend(found.iter().map(|error| (None, error.to_string())));
         }
-        if faults.is_empty() { Ok(stimulus) } else { Err(faults) }
+        if errors.is_empty() { Ok(stimulus) } else { Err(errors) }
     }
 
     pub fn show(&mut self, ui: &mut Ui) -> Step {
@@ -115,7 +115,7 @@ impl Gallery {
         if let Ok(stimulus) = &stimulus {
             self.refresh(ui.ctx(), stimulus);
         }
-        let faults = stimulus.err().unwrap_or_default();
+        let errors = stimulus.err().unwrap_or_default();
         let frame = Frame::NONE.inner_margin(16.0);
         let scrolling = || ScrollArea::vertical().auto_shrink(false);
         let mut back = false;
@@ -124,14 +124,14 @@ impl Gallery {
                 scrolling().show(ui, |ui| {
                     // Leaves room for the scroll bar.
                     ui.set_max_width(ui.available_width() - 6.0);
-                    back = self.controls(ui, &faults);
+                    back = self.controls(ui, &errors);
                     ui.separator();
                     self.picture(ui);
                 });
             });
         } else {
             Panel::left("gallery").resizable(false).exact_size(370.0).frame(frame).show(ui, |ui| {
-                scrolling().show(ui, |ui| back = self.controls(ui, &faults));
+                scrolling().show(ui, |ui| back = self.controls(ui, &errors));
             });
             CentralPanel::default().frame(frame).show(ui, |ui| scrolling().show(ui, |ui| self.picture(ui)));
         }
@@ -161,7 +161,7 @@ impl Gallery {
     }
 
     /// Draws all settings and exports; returns whether to go back.
-    fn controls(&mut self, ui: &mut Ui, faults: &Faults) -> bool {
+    fn controls(&mut self, ui: &mut Ui, errors: &Faults) -> bool {
         let back = ui::heading(ui, "Gallery");
         let mut chosen = self.entry;
         let entries: Vec<usize> = (0..catalog::all().len()).collect();
@@ -172,7 +172,7 @@ impl Gallery {
         ui::hint(ui, catalog::all()[self.entry].about);
         ui.add_space(8.0);
         let show = |ui: &mut Ui, name: Option<&str>| {
-            faults.iter().filter(|(of, _)| *of == name).for_each(|(_, fault)| ui::fault(ui, fault));
+            errors.iter().filter(|(of, _)| *of == name).for_each(|(_, error)| ui::show_error(ui, error));
         };
         for (parameter, text) in &mut self.values {
             control(ui, parameter, text);
@@ -225,15 +225,15 @@ impl Gallery {
         let curves = &shown.curves;
         let marks = self.prediction.marks(stimulus, *size);
         let lines: [(&str, &Vec<[f64; 2]>); 2] =
-            [("after quantization", &curves.emitted), ("requested", &curves.asked)];
+            [("after quantization", &curves.emitted), ("requested", &curves.requested)];
         let response = plot(ui, "profile", "light", width, &lines, |plot| {
-            marks.iter().for_each(|mark| draw_mark(plot, mark, &curves.asked));
+            marks.iter().for_each(|mark| draw_mark(plot, mark, &curves.requested));
         });
         if stimulus.is_line() {
             ui::describe(&response, &format!("Plot: light, {}", prediction::description(marks)));
         }
         if self.derivatives {
-            let slope = slopes(&curves.asked);
+            let slope = slopes(&curves.requested);
             plot(ui, "slope", "first derivative", width, &[("slope, light per window", &slope)], |_| {});
             let curvature = [("curvature, light per window²", &slopes(&slope))];
             plot(ui, "curvature", "second derivative", width, &curvature, |_| {});
@@ -341,10 +341,10 @@ impl Curves {
         let strongest = recipe.stimulus.strongest_channel();
         let light = recipe.stimulus.profile(SAMPLES);
         let at = |i: u32| [place(i, SAMPLES), f64::from(light[i as usize][strongest])];
-        let asked: Vec<[f64; 2]> = (0..SAMPLES).map(at).collect();
+        let requested: Vec<[f64; 2]> = (0..SAMPLES).map(at).collect();
         let emitted =
             store::curve::samples(recipe, quantizer).iter().map(|sample| [sample.x, sample.emitted]).collect();
-        Self { asked, emitted }
+        Self { requested, emitted }
     }
 }
 

@@ -16,12 +16,12 @@ const WINDOW_DEG: f64 = 10.0;
 
 /// The viewing distance and luminance of the stimulus.
 #[derive(Clone, Copy)]
-pub struct Place {
+pub struct ViewingPlace {
     viewing: Option<Viewing>,
     white_cd_m2: f64,
 }
 
-impl Place {
+impl ViewingPlace {
     /// The place for a screen described by `display`, viewed from `distance_cm` centimeters.
     pub fn new(display: &DisplayProfile, distance_cm: Option<f64>) -> Self {
         let viewing = || {
@@ -54,8 +54,8 @@ impl Place {
             }
             StimulusPrediction::Picture(picture) => {
                 let light = luminances(&stimulus.linear(*size));
-                let (map, most) = (&picture.map, strongest(&picture.map));
-                let drawing = Drawing { map, light: &light, size: [*size as usize; 2], most };
+                let (map, full_scale) = (&picture.map, strongest(&picture.map));
+                let drawing = BandMapImage { map, light: &light, size: [*size as usize; 2], full_scale };
                 let map = drawing.codes(*size, *size);
                 Predicted { visibility: picture.visibility, marks: Vec::new(), map: Some(map) }
             }
@@ -77,7 +77,7 @@ struct Predicted {
 
 /// The prediction for the displayed stimulus.
 pub struct Prediction {
-    place: Place,
+    place: ViewingPlace,
     line: Option<(Key, Result<Predicted, String>)>,
     picture: Latest<Key, Predicted>,
     texture: Option<(Key, TextureHandle)>,
@@ -86,7 +86,7 @@ pub struct Prediction {
 }
 
 impl Prediction {
-    pub fn new(place: Place) -> Self {
+    pub fn new(place: ViewingPlace) -> Self {
         Self { place, line: None, picture: Latest::default(), texture: None, shows_map: false }
     }
 
@@ -140,7 +140,7 @@ impl Prediction {
                 );
                 ui::hint(ui, format!("A visibility of 1 is just visible. {}", self.place.sentence(size)));
             }
-            Some(Err(fault)) => ui::fault(ui, format!("No prediction: {fault}.")),
+            Some(Err(error)) => ui::show_error(ui, format!("No prediction: {error}.")),
             None => _ = ui.label("Predicting…"),
         }
         if !stimulus.is_line() {
@@ -167,7 +167,7 @@ const ONE_BAND_PERIODS: f64 = 0.5;
 const JUST_VISIBLE: f64 = 1.0;
 
 /// Peaks weaker than this are noise, not bands that a peak of a coarser channel could join.
-const LEAST: f64 = 0.25;
+const MIN_STRENGTH: f64 = 0.25;
 /// A band is located by the finest channel whose peak reaches this share of the strongest peak.
 const DISTINCT: f64 = 0.5;
 
@@ -185,7 +185,7 @@ pub struct Mark {
 /// The visible bands of a line, each listed once. Fine channels locate a band precisely and coarse channels less so;
 /// each peak therefore joins the nearest band that finer channels have found.
 fn marks(view: &LinePrediction, window_deg: f64) -> Vec<Mark> {
-    let mut finest_first: Vec<&Band> = view.bands.iter().filter(|band| band.strength >= LEAST).collect();
+    let mut finest_first: Vec<&Band> = view.bands.iter().filter(|band| band.strength >= MIN_STRENGTH).collect();
     finest_first.sort_by(|a, b| b.frequency.total_cmp(&a.frequency));
     let mut clusters: Vec<Vec<&Band>> = Vec::new();
     for band in finest_first {
@@ -233,17 +233,17 @@ pub fn strongest(map: &BandMap) -> f64 {
 const GROUND: [f64; 2] = [88.0, 148.0];
 
 /// A band map over the dimmed picture. Bands of the strength `most` are white or black.
-pub struct Drawing<'a> {
+pub struct BandMapImage<'a> {
     pub map: &'a BandMap,
     /// The picture's luminance, 1 for white; it has as many values as the map.
     pub light: &'a [f64],
     /// Columns and rows of the map and the luminance.
     pub size: [usize; 2],
     /// The strength that is drawn white or black.
-    pub most: f64,
+    pub full_scale: f64,
 }
 
-impl Drawing<'_> {
+impl BandMapImage<'_> {
     /// The drawing as a picture of `width` × `height` pixels. The map's lines are one pixel wide and become two pixels
     /// wide.
     pub fn codes(&self, width: u32, height: u32) -> CodeImage {
@@ -264,8 +264,11 @@ impl Drawing<'_> {
             let here = (self.map.bright[i] - self.map.dark[i]) * (1.5 - far).clamp(0.0, 1.0);
             strength = if here.abs() > strength.abs() { here } else { strength };
         }
-        let share =
-            if strength.abs() < JUST_VISIBLE { 0.0 } else { (strength / self.most.max(JUST_VISIBLE)).clamp(-1.0, 1.0) };
+        let share = if strength.abs() < JUST_VISIBLE {
+            0.0
+        } else {
+            (strength / self.full_scale.max(JUST_VISIBLE)).clamp(-1.0, 1.0)
+        };
         let clamped = |place: isize, side: usize| place.clamp(0, side.saturating_sub(1) as isize);
         let light =
             self.index(clamped(column, self.size[0]), clamped(row, self.size[1])).map_or(0.0, |i| self.light[i]);

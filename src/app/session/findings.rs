@@ -28,7 +28,7 @@ pub struct Findings {
 }
 
 /// The screen of the previous sitting.
-pub struct Before {
+pub struct PreviousSitting {
     /// Name and transfer function of the display profile.
     profile: String,
     /// Whether this is still the current profile.
@@ -36,7 +36,7 @@ pub struct Before {
     size_px: u64,
 }
 
-impl Before {
+impl PreviousSitting {
     /// Reads the last sitting from the sidecar of the session to resume; `None` if it is not known.
     pub fn read(request: &Request) -> Option<Self> {
         let paths = SessionPaths::new(&request.results, &request.protocol, &request.identity);
@@ -75,7 +75,7 @@ fn note(check: &str, ok: bool, sentence: impl Into<String>) -> PreflightNote {
 /// All findings except the steps of light, which do not change. `scale` is in physical pixels per point.
 pub fn all(
     request: &Request,
-    before: Option<&Before>,
+    before: Option<&PreviousSitting>,
     monitor: &Monitor,
     platform: &Platform,
     frames: &FrameTimes,

@@ -7,7 +7,7 @@ use egui_plot::{Corner, GridMark, Legend, Line, Points};
 
 use crate::{
     app::ui::{self, Step, still_plot, theme},
-    experiment::{Factor, Phase, Protocol, RATING_MAX, TrialRecord},
+    experiment::{Factor, MAX_RATING, Phase, Protocol, TrialRecord},
 };
 
 pub struct Finish {
@@ -24,7 +24,7 @@ pub struct Finish {
     /// One sentence about the frames of the sitting, if there were any.
     frames: Option<String>,
     /// The error if the end of the sitting could not be recorded.
-    fault: Option<String>,
+    error: Option<String>,
 }
 
 impl Finish {
@@ -35,7 +35,7 @@ impl Finish {
         path: PathBuf,
         complete: bool,
         frames: Option<String>,
-        fault: Option<String>,
+        error: Option<String>,
     ) -> Self {
         let factors = &protocol.factors;
         let factor = |wanted: &str, other: usize| {
@@ -44,7 +44,7 @@ impl Finish {
         let along = factor("width", 0);
         let by = factor("depth", 1).filter(|by| along.as_ref().is_none_or(|along| along.name != by.name));
         let lines = along.as_ref().map(|along| mean_lines(&protocol, rows, along, by.as_ref())).unwrap_or_default();
-        Self { protocol, path, complete, along, by, lines, opened: None, frames, fault }
+        Self { protocol, path, complete, along, by, lines, opened: None, frames, error }
     }
 
     /// Whether every planned trial is rated.
@@ -71,12 +71,12 @@ impl Finish {
                 self.plot(ui);
             }
             ui.add_space(8.0);
-            if let Some(fault) = &self.fault {
-                ui::fault(
+            if let Some(error) = &self.error {
+                ui::show_error(
                     ui,
                     format!(
                         "The end of this sitting could not be recorded. Please call the experimenter. \
-                    {fault}"
+                    {error}"
                     ),
                 );
             }
@@ -95,10 +95,10 @@ impl Finish {
             });
             if let Some(frames) = &self.frames {
                 ui.add_space(8.0);
-                ui.add(egui::Label::new(ui::quiet(frames)).wrap());
+                ui.add(egui::Label::new(ui::secondary(frames)).wrap());
             }
-            if let Some(fault) = &self.opened {
-                ui::fault(ui, fault);
+            if let Some(error) = &self.opened {
+                ui::show_error(ui, error);
             }
         });
         let focused = ui.ctx().memory(|memory| memory.focused().is_some());
@@ -125,12 +125,12 @@ impl Finish {
             .include_x(-0.3)
             .include_x(last + 1.0)
             .include_y(-0.1)
-            .include_y(f64::from(RATING_MAX) + 0.1)
+            .include_y(f64::from(MAX_RATING) + 0.1)
             .x_axis_label(along.name.clone())
             .y_axis_label("mean rating")
             .legend(Legend::default().position(Corner::RightTop))
             .x_grid_spacer(move |_| (0..=last as i64).map(|i| GridMark { value: i as f64, step_size: 1.0 }).collect())
-            .y_grid_spacer(|_| (0..=RATING_MAX).map(|i| GridMark { value: f64::from(i), step_size: 1.0 }).collect())
+            .y_grid_spacer(|_| (0..=MAX_RATING).map(|i| GridMark { value: f64::from(i), step_size: 1.0 }).collect())
             .x_axis_formatter(move |mark, _| {
                 let index = mark.value.round();
                 if index < 0.0 { String::new() } else { labels.get(index as usize).cloned().unwrap_or_default() }

@@ -80,7 +80,7 @@ pub fn instructions(
                 ui.label(paragraph);
                 ui.add_space(4.0);
             }
-            ui.add(egui::Label::new(ui::quiet(&texts.light)).wrap());
+            ui.add(egui::Label::new(ui::secondary(&texts.light)).wrap());
         } else {
             ui.heading(&texts.categories);
             ui.label(&protocol.response.question);
@@ -136,7 +136,7 @@ pub fn paused(ui: &mut egui::Ui, texts: &Texts, why: Option<&str>) -> Step<()> {
         ui.heading(&texts.paused);
         ui.label(&texts.paused_text);
         if let Some(why) = why {
-            ui::fault(ui, why);
+            ui::show_error(ui, why);
         }
         ui.add_space(16.0);
         let next = next(ui, texts);

@@ -9,7 +9,7 @@ mod recording;
 mod request;
 mod runner;
 mod trials;
-mod trouble;
+mod unsaved_answer;
 
 pub use request::{Request, stimulus_side_px};
 pub use runner::Runner;

@@ -5,7 +5,7 @@ use std::time::Duration;
 use eframe::egui::{self, Key, RichText, ViewportCommand};
 
 use super::{
-    findings::{self, Before, Findings, Questions},
+    findings::{self, Findings, PreviousSitting, Questions},
     request::Request,
     trials::Trials,
 };
@@ -25,7 +25,7 @@ const SETTLE_S: f64 = 0.7;
 pub struct Preflight {
     request: Request,
     /// The screen of the previous sitting, if the session is resumed.
-    before: Option<Before>,
+    before: Option<PreviousSitting>,
     since: Option<f64>,
     frames: FrameTimes,
     /// The system's report about the screen and the remaining questions, once the window has settled.
@@ -39,7 +39,7 @@ pub struct Preflight {
 impl Preflight {
     /// Starts the preflight of a session while the window becomes full screen.
     pub fn new(request: Request) -> Self {
-        let before = if request.resume { Before::read(&request) } else { None };
+        let before = if request.resume { PreviousSitting::read(&request) } else { None };
         let light_steps = findings::light_steps(&request.protocol);
         let frames = FrameTimes::default();
         Self { request, before, since: None, frames, platform: None, light_steps, refused: None }
@@ -122,13 +122,13 @@ impl Preflight {
             questions.show(ui);
             ui.add_space(16.0);
             if let Some(refused) = &self.refused {
-                ui::fault(ui, refused);
+                ui::show_error(ui, refused);
             }
             let begin = ui::primary(ui, "Continue", ready, "Space. These findings are saved with the data.");
             ui.add_space(4.0);
             let back = ui.horizontal(|ui| {
                 let back = ui.button("Back").clicked();
-                ui.label(ui::quiet("Esc"));
+                ui.label(ui::secondary("Esc"));
                 back
             });
             (begin || proceed, back.inner || escaped)

@@ -115,9 +115,9 @@ impl Recording {
     }
 
     fn store_frames(&mut self, session: &mut Session) {
-        let stretches = session.take_stretches();
-        let row = |stretch| FrameRow::new(stretch, session.schedule(), self.sitting);
-        let rows: Vec<_> = stretches.into_iter().filter_map(row).collect();
+        let runs = session.take_frame_runs();
+        let row = |run| FrameRow::new(run, session.schedule(), self.sitting);
+        let rows: Vec<_> = runs.into_iter().filter_map(row).collect();
         self.store.append_frames(&rows);
     }
 
@@ -154,12 +154,12 @@ impl Recording {
         let summary = screen.summary(session.frame_times(), self.store.frames_file());
         let complete = *session.state() == State::Done;
         let ended = self.store.finish(complete, Timestamp::now().to_string(), summary);
-        let faults: Vec<String> = [saved, ended].into_iter().filter_map(Result::err).map(|e| e.to_string()).collect();
-        for fault in &faults {
+        let errors: Vec<String> = [saved, ended].into_iter().filter_map(Result::err).map(|e| e.to_string()).collect();
+        for error in &errors {
             // If stderr is closed, nothing is lost: the error is returned too.
-            let _ = writeln!(std::io::stderr(), "error: {fault}");
+            let _ = writeln!(std::io::stderr(), "error: {error}");
         }
-        (!faults.is_empty()).then(|| faults.join("\n"))
+        (!errors.is_empty()).then(|| errors.join("\n"))
     }
 }
 

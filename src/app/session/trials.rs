@@ -13,12 +13,12 @@ use super::{
     instructions::{self, CategoryPictures},
     recording::Recording,
     request::{Prepared, Request},
-    trouble::{Remedy, Trouble},
+    unsaved_answer::{SaveChoice, UnsavedAnswerPage},
 };
 use crate::{
     app::{
         ui::{Monitor, Step, pixels, theme, window_px},
-        window::{Input, LEAST_SIZE, PressTime},
+        window::{Input, MIN_SIZE, PressTime},
     },
     experiment::{Effect, Event, Phase, ResponseScale, Session, State},
     light::{Bits, Quantizer},
@@ -31,12 +31,12 @@ const TEXTURES_KEPT: usize = 2;
 const CURSOR_S: f64 = 2.0;
 
 /// Maximum width of a button of the scale, points.
-const WIDEST: f32 = 250.0;
+const MAX_WIDTH: f32 = 250.0;
 /// Gap between two buttons, points.
 const GAP: f32 = 6.0;
 /// Minimum width of a button with a label, points. A narrower button shows only its key, because the label would be cut
 /// off.
-const NARROWEST: f32 = 100.0;
+const MIN_LABELED_WIDTH: f32 = 100.0;
 
 /// A running session.
 pub struct Trials {
@@ -57,7 +57,7 @@ pub struct Trials {
     /// The rating clicked in the previous frame, which still showed the stimulus.
     clicked: Option<(u8, PressTime)>,
     scale_shown: bool,
-    trouble: Option<Trouble>,
+    unsaved_answer: Option<UnsavedAnswerPage>,
     resumed: bool,
     mouse_moved_s: f64,
     /// The keys held down, by physical position. A held key repeats but must count once. The repeat flag of the window
@@ -93,7 +93,7 @@ impl Trials {
             screen,
             clicked: None,
             scale_shown: false,
-            trouble: None,
+            unsaved_answer: None,
             resumed: request.resume,
             mouse_moved_s: f64::NEG_INFINITY,
             held: BTreeSet::new(),
@@ -111,17 +111,17 @@ impl Trials {
     pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, input: &mut Input) -> Step<Box<Finish>> {
         let window_s = ui.input(|input| input.time);
         let now = self.session_time(window_s);
-        if self.trouble.is_some() {
+        if self.unsaved_answer.is_some() {
             self.session.interrupt_frames();
             // The session ignores keys now, but keys that are released must not count as held later.
             self.fresh_keys(ui);
-            self.remedy(ui, now);
+            self.show_unsaved_answer(ui, now);
             return Step::Stay;
         }
         let was_main = self.phase() == Some(Phase::Main);
         // The window may have moved to another monitor with another refresh rate.
         if let Some(note) = self.screen.update(monitor) {
-            self.session.judge_against(self.screen.frames());
+            self.session.set_frame_count(self.screen.frames());
             self.recording.store.note(note);
         }
         self.handle_input(ui, now, input);
@@ -179,7 +179,7 @@ impl Trials {
         for (key, place) in self.fresh_keys(ui) {
             match key {
                 Key::Escape => self.step(Event::Pause, now),
-                Key::Backspace => self.step(Event::TakeBack, now),
+                Key::Backspace => self.step(Event::Undo, now),
                 Key::S if self.is_trial() => self.scale_shown = !self.scale_shown,
                 // On some keyboards, the top row produces digits only with Shift, so its physical keys count. Letters
                 // count by meaning, because their positions differ between keyboards.
@@ -224,26 +224,26 @@ impl Trials {
         // The row is saved before anything else happens. In the meantime, the screen shows the field.
         match self.recording.record(&mut self.session, &response) {
             Ok(()) => _ = self.session.step(Event::Stored, now),
-            Err(error) => self.trouble = Some(Trouble::new(error.to_string())),
+            Err(error) => self.unsaved_answer = Some(UnsavedAnswerPage::new(error.to_string())),
         }
     }
 
-    fn remedy(&mut self, ui: &mut egui::Ui, now: Duration) {
-        let Some(trouble) = &mut self.trouble else { return };
-        let tried = match trouble.show(ui) {
+    fn show_unsaved_answer(&mut self, ui: &mut egui::Ui, now: Duration) {
+        let Some(page) = &mut self.unsaved_answer else { return };
+        let tried = match page.show(ui) {
             None => return,
-            Some(Remedy::Retry) => self.recording.store.retry(),
-            Some(Remedy::MoveTo(folder)) => self.recording.store.move_to(&folder),
+            Some(SaveChoice::Retry) => self.recording.store.retry(),
+            Some(SaveChoice::ContinueIn(folder)) => self.recording.store.continue_in(&folder),
         };
         match tried {
             Ok(()) => {
-                self.trouble = None;
+                self.unsaved_answer = None;
                 self.session.step(Event::Stored, now);
                 // The participant looked at this page rather than at the field, so the recovery starts over.
                 self.session.step(Event::Pause, now);
                 self.session.step(Event::Resume, now);
             }
-            Err(error) => trouble.again(error.to_string()),
+            Err(error) => page.show_error(error.to_string()),
         }
         ui.ctx().request_repaint();
     }
@@ -323,7 +323,7 @@ impl Trials {
 
     /// The background color: the color of the uniform field during trials.
     pub fn ground(&self) -> Color32 {
-        if self.is_trial() && self.trouble.is_none() { self.field } else { theme::PAGE }
+        if self.is_trial() && self.unsaved_answer.is_none() { self.field } else { theme::PAGE }
     }
 
     fn draw_trial(&mut self, ui: &mut egui::Ui, window_s: f64, input: &mut Input) {
@@ -351,16 +351,16 @@ impl Trials {
     }
 
     fn finish(&mut self, ctx: &egui::Context) -> Step<Box<Finish>> {
-        let fault = self.close();
+        let error = self.close();
         ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
-        ctx.send_viewport_cmd(ViewportCommand::MinInnerSize(LEAST_SIZE));
+        ctx.send_viewport_cmd(ViewportCommand::MinInnerSize(MIN_SIZE));
         Step::Next(Box::new(Finish::new(
             self.session.protocol().clone(),
             &self.recording.take_rows(),
             self.csv().to_owned(),
             *self.session.state() == State::Done,
             self.screen.sentence(self.session.frame_times()),
-            fault,
+            error,
         )))
     }
 
@@ -380,20 +380,24 @@ impl Trials {
 fn draw_scale(ctx: &egui::Context, scale: &ResponseScale, enabled: bool) -> Option<u8> {
     let mut rated = None;
     let count = scale.categories.len().max(1) as f32;
-    let width = ((ctx.content_rect().width() - 40.0) / count - GAP).min(WIDEST);
+    let width = ((ctx.content_rect().width() - 40.0) / count - GAP).min(MAX_WIDTH);
     Area::new(Id::unique("scale")).anchor(Align2::CENTER_BOTTOM, [0.0, -8.0]).show(ctx, |ui| {
         Frame::NONE.fill(Color32::from_black_alpha(150)).corner_radius(6.0).inner_margin(6.0).show(ui, |ui| {
             ui.spacing_mut().item_spacing.x = GAP;
             ui.spacing_mut().button_padding = Vec2::new(6.0, 4.0);
             ui.horizontal(|ui| {
                 for (rating, category) in (0..).zip(&scale.categories) {
-                    let text = match width < NARROWEST {
+                    let text = match width < MIN_LABELED_WIDTH {
                         true => category.key.to_string(),
                         false => format!("{}  {}", category.key, category.label),
                     };
                     let button = Button::new(RichText::new(text).small()).frame(enabled).wrap();
                     // All labels get two lines if any label needs them.
-                    let height = if (NARROWEST..WIDEST).contains(&width) { 46.0 } else { ui.spacing().interact_size.y };
+                    let height = if (MIN_LABELED_WIDTH..MAX_WIDTH).contains(&width) {
+                        46.0
+                    } else {
+                        ui.spacing().interact_size.y
+                    };
                     let size = Vec2::new(width.max(height), height);
                     let response = ui.add_enabled_ui(enabled, |ui| ui.add_sized(size, button)).inner;
                     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, &category.label));

@@ -68,7 +68,7 @@ pub struct Checked {
     pub protocol: Option<Protocol>,
     /// The profile, if it is valid; sRGB if no profile is given.
     pub display: Option<DisplayProfile>,
-    faults: BTreeMap<Part, String>,
+    errors: BTreeMap<Part, String>,
     /// Whether this session is unfinished, so that Start resumes it.
     pub resume: bool,
     /// Side of the stimulus on this screen in physical pixels, and pixels per degree.
@@ -80,13 +80,13 @@ pub struct Checked {
 impl Checked {
     /// The control for a field, with its error.
     pub fn field(&self, part: Part) -> Field<'_> {
-        let fault = self.faults.get(&part).map_or("", String::as_str);
-        Field::new(part.label()).column(LABELS).fault(fault)
+        let error = self.errors.get(&part).map_or("", String::as_str);
+        Field::new(part.label()).column(LABELS).error(error)
     }
 
     /// Whether a field has an error.
     pub fn is_wrong(&self, part: Part) -> bool {
-        self.faults.contains_key(&part)
+        self.errors.contains_key(&part)
     }
 }
 
@@ -119,39 +119,39 @@ impl Form {
     }
 
     pub fn check(&self, monitor: &Monitor) -> Checked {
-        let mut faults = BTreeMap::new();
-        let protocol = self.protocol().map_err(|error| faults.insert(Part::Experiment, error)).ok();
-        let display = self.screen.profile().map_err(|error| faults.insert(Part::Profile, error)).ok();
+        let mut errors = BTreeMap::new();
+        let protocol = self.protocol().map_err(|error| errors.insert(Part::Experiment, error)).ok();
+        let display = self.screen.profile().map_err(|error| errors.insert(Part::Profile, error)).ok();
         if let Err(error) = Identity::check_subject(&self.participant) {
-            faults.insert(Part::Participant, error.to_string());
+            errors.insert(Part::Participant, error.to_string());
         }
         if let Err(error) = Identity::check_session(&self.session) {
-            faults.insert(Part::Session, error.to_string());
+            errors.insert(Part::Session, error.to_string());
         }
         let identity = Identity::new(&self.participant, &self.session).ok();
         let results = PathBuf::from(self.results.trim());
-        if let Some(fault) = results_fault(&results) {
-            faults.insert(Part::Results, fault);
+        if let Some(error) = results_error(&results) {
+            errors.insert(Part::Results, error);
         }
         let mut resume = false;
         if let (Some(protocol), Some(identity)) = (&protocol, &identity) {
             match SessionStore::exists(&results, protocol, identity) {
                 Some(true) => {
                     let (subject, session) = (identity.subject(), identity.session());
-                    let fault = format!(
+                    let error = format!(
                         "{subject} has already completed session {session}; expected another session or participant"
                     );
-                    faults.insert(Part::Session, fault);
+                    errors.insert(Part::Session, error);
                 }
                 unfinished => resume = unfinished.is_some(),
             }
             if let Err(error) = Schedule::new(protocol, identity, 1) {
-                faults.insert(Part::Experiment, error.to_string());
+                errors.insert(Part::Experiment, error.to_string());
             }
         }
-        let stimulus_px = self.geometry(monitor, protocol.as_ref(), &mut faults);
+        let stimulus_px = self.geometry(monitor, protocol.as_ref(), &mut errors);
         let request = match (&protocol, &display, identity) {
-            (Some(protocol), Some(display), Some(identity)) if faults.is_empty() => Some(Request {
+            (Some(protocol), Some(display), Some(identity)) if errors.is_empty() => Some(Request {
                 protocol: protocol.clone(),
                 identity,
                 seed: None,
@@ -165,7 +165,7 @@ impl Form {
             }),
             _ => None,
         };
-        Checked { protocol, display, faults, resume, stimulus_px, request }
+        Checked { protocol, display, errors, resume, stimulus_px, request }
     }
 
     /// Reads the definition; converts it to gray if requested and if it has a color.
@@ -181,33 +181,33 @@ impl Form {
         &self,
         monitor: &Monitor,
         protocol: Option<&Protocol>,
-        faults: &mut BTreeMap<Part, String>,
+        errors: &mut BTreeMap<Part, String>,
     ) -> Option<(u32, f64)> {
         let cm =
             |text: &str, what: &str| number(text).ok_or(format!("{text:?} is not a number; expected {what} in cm"));
         let width = cm(&self.screen.screen_width_cm, "the width of the visible screen")
             .and_then(|cm| Screen::new(monitor.width_px, monitor.height_px, cm).map_err(|error| error.to_string()))
-            .map_err(|fault| faults.insert(Part::ScreenWidth, fault));
+            .map_err(|error| errors.insert(Part::ScreenWidth, error));
         let distance = cm(&self.screen.distance_cm, "the distance from eye to screen")
-            .map_err(|fault| faults.insert(Part::Distance, fault));
+            .map_err(|error| errors.insert(Part::Distance, error));
         let viewing = Viewing::new(width.ok()?, distance.ok()?)
-            .map_err(|error| faults.insert(Part::Distance, error.to_string()))
+            .map_err(|error| errors.insert(Part::Distance, error.to_string()))
             .ok()?;
         let deg = protocol?.viewing.window_deg;
         let side = stimulus_side_px(&viewing, deg);
         let least = monitor.width_px.min(monitor.height_px);
         if side > least {
-            let fault = format!(
+            let error = format!(
                 "A {deg}° stimulus needs {side} px; the screen has {least}; expected a shorter distance or a larger screen"
             );
-            faults.insert(Part::Distance, fault);
+            errors.insert(Part::Distance, error);
         }
         Some((side, viewing.px_per_degree()))
     }
 }
 
 /// Why results cannot be saved in this folder; `None` if no reason can be found without writing to it.
-fn results_fault(results: &Path) -> Option<String> {
+fn results_error(results: &Path) -> Option<String> {
     if results.as_os_str().is_empty() {
         return Some("no folder is given; expected a path".to_owned());
     }

@@ -9,7 +9,7 @@ use crate::{
     app::{
         display::CardHelper,
         session::Request,
-        ui::{self, Ask, Dialog, Field, Monitor, Step, number, pixels, today},
+        ui::{self, Dialog, Field, FileKind, Monitor, Step, number, pixels, today},
     },
     display::DisplayProfile,
     light::{Bits, Quantizer, Transfer},
@@ -146,7 +146,7 @@ impl Home {
         checked.field(Part::Results).show(ui, |ui, label| {
             ui.horizontal_wrapped(|ui| {
                 ui.add(TextEdit::singleline(&mut self.form.results)).labelled_by(label);
-                self.results.browse(ui, Ask::Folder, "Choose the results folder…", &mut self.form.results);
+                self.results.browse(ui, FileKind::Folder, "Choose the results folder…", &mut self.form.results);
             });
         });
         self.monitor_field(ui, checked, monitor, monitors);
@@ -169,7 +169,7 @@ impl Home {
                     }
                 });
                 list.response.labelled_by(label);
-                self.experiment.browse(ui, Ask::Toml, "Choose a definition…", &mut name);
+                self.experiment.browse(ui, FileKind::Toml, "Choose a definition…", &mut name);
             });
             if let Some(protocol) = &checked.protocol {
                 let practice = match protocol.design.practice {
@@ -226,7 +226,7 @@ impl Home {
             let path = &mut self.form.screen.profile;
             let line = |ui: &mut egui::Ui| {
                 ui.add(TextEdit::singleline(path).desired_width(210.0).hint_text("sRGB")).labelled_by(label);
-                self.profile.browse(ui, Ask::Toml, "Choose a display profile…", path);
+                self.profile.browse(ui, FileKind::Toml, "Choose a display profile…", path);
                 ui.button("Measure…").on_hover_text("Luminance, size, and timing of the screen.").clicked()
             };
             let measure = ui.horizontal_wrapped(line).inner;
@@ -276,7 +276,7 @@ impl Home {
         };
         let clicked = Field::new("").column(LABELS).show(ui, |ui, _| {
             for dialog in [&self.experiment, &self.profile, &self.results] {
-                dialog.missing_fault(ui);
+                dialog.missing_error(ui);
             }
             ui::primary(ui, text, checked.request.is_some(), hint)
         });

@@ -12,7 +12,7 @@ use super::text;
 
 /// The kind of file requested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ask {
+pub enum FileKind {
     Toml,
     Obj,
     /// One or more CSV files.
@@ -30,11 +30,11 @@ pub struct Dialog {
 impl Dialog {
     /// Draws the button that opens the dialog; screen readers call it `name`. Stores the chosen path in `path`; returns
     /// whether a path was chosen.
-    pub fn browse(&mut self, ui: &mut egui::Ui, ask: Ask, name: &str, path: &mut String) -> bool {
+    pub fn browse(&mut self, ui: &mut egui::Ui, kind: FileKind, name: &str, path: &mut String) -> bool {
         let button = ui.button("Browse…");
         button.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
         if button.clicked() {
-            self.open(ui.ctx(), ask);
+            self.open(ui.ctx(), kind);
         }
         let chosen = self.take();
         if let Some(chosen) = &chosen {
@@ -44,7 +44,7 @@ impl Dialog {
     }
 
     /// Opens the dialog unless it is already open.
-    pub fn open(&mut self, ctx: &egui::Context, ask: Ask) {
+    pub fn open(&mut self, ctx: &egui::Context, kind: FileKind) {
         if self.open.is_some() {
             return;
         }
@@ -53,11 +53,11 @@ impl Dialog {
         std::thread::spawn(move || {
             let dialog = rfd::FileDialog::new();
             let one = |path: Option<PathBuf>| path.map(|path| vec![path]);
-            let paths = match ask {
-                Ask::Toml => one(dialog.add_filter("TOML", &["toml"]).pick_file()),
-                Ask::Obj => one(dialog.add_filter("OBJ", &["obj"]).pick_file()),
-                Ask::Data => dialog.add_filter("CSV", &["csv"]).add_filter("all files", &["*"]).pick_files(),
-                Ask::Folder => one(dialog.pick_folder()),
+            let paths = match kind {
+                FileKind::Toml => one(dialog.add_filter("TOML", &["toml"]).pick_file()),
+                FileKind::Obj => one(dialog.add_filter("OBJ", &["obj"]).pick_file()),
+                FileKind::Data => dialog.add_filter("CSV", &["csv"]).add_filter("all files", &["*"]).pick_files(),
+                FileKind::Folder => one(dialog.pick_folder()),
             };
             // If the window has been closed, nobody needs the answer.
             let _ = send.send(paths);
@@ -68,9 +68,12 @@ impl Dialog {
     }
 
     /// Shows an error if the last dialog never opened.
-    pub fn missing_fault(&self, ui: &mut egui::Ui) {
+    pub fn missing_error(&self, ui: &mut egui::Ui) {
         if self.missing {
-            text::fault(ui, "The system could not open a file dialog. Type the path, or drop a file on this window.");
+            text::show_error(
+                ui,
+                "The system could not open a file dialog. Type the path, or drop a file on this window.",
+            );
         }
     }
 

@@ -23,7 +23,7 @@ pub struct Field<'a> {
     name: Option<&'a str>,
     hint: &'a str,
     suffix: &'a str,
-    fault: &'a str,
+    error: &'a str,
     width: Option<f32>,
     column: Option<f32>,
 }
@@ -31,7 +31,7 @@ pub struct Field<'a> {
 impl<'a> Field<'a> {
     /// A field on one line.
     pub fn new(label: &'a str) -> Self {
-        Self { label, name: None, hint: "", suffix: "", fault: "", width: None, column: None }
+        Self { label, name: None, hint: "", suffix: "", error: "", width: None, column: None }
     }
 
     /// Puts the label in a column of this width, points.
@@ -55,8 +55,8 @@ impl<'a> Field<'a> {
     }
 
     /// Sets the error to show below the control; empty for none.
-    pub fn fault(self, fault: &'a str) -> Self {
-        Self { fault, ..self }
+    pub fn error(self, error: &'a str) -> Self {
+        Self { error, ..self }
     }
 
     /// Sets the width of the control, points.
@@ -72,12 +72,12 @@ impl<'a> Field<'a> {
                 add(ui, label)
             };
             let added = ui.horizontal_wrapped(line).inner;
-            self.show_fault(ui);
+            self.show_errors(ui);
             return added;
         };
         let add = |ui: &mut Ui, label| {
             let added = add(ui, label);
-            self.show_fault(ui);
+            self.show_errors(ui);
             added
         };
         if ui.available_width() < NARROW * column {
@@ -95,8 +95,8 @@ impl<'a> Field<'a> {
         .inner
     }
 
-    fn show_fault(self, ui: &mut Ui) {
-        self.fault.lines().for_each(|line| text::fault(ui, line));
+    fn show_errors(self, ui: &mut Ui) {
+        self.error.lines().for_each(|line| text::show_error(ui, line));
     }
 
     /// Draws the label and any control.

@@ -24,9 +24,9 @@ pub mod text;
 pub mod theme;
 pub mod work;
 
-pub use dialog::{Ask, Dialog};
+pub use dialog::{Dialog, FileKind};
 pub use fields::{Field, number};
 pub use page::{Step, escaped, heading, page, page_from, primary, shortcut, tool_page};
 pub use plot::{still_plot, table};
 pub use screen::{Monitor, ScreenFields, today, window_px};
-pub use text::{describe, fault, good, hint, note, outcome, paragraph, quiet, section, signed, tick};
+pub use text::{describe, hint, note, outcome, paragraph, secondary, section, show_error, signed, success, tick};

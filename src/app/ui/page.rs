@@ -4,7 +4,7 @@ use std::convert::Infallible;
 
 use eframe::egui::{self, CentralPanel, Color32, Frame, Key, Popup, RichText, ScrollArea, Ui, Vec2};
 
-use super::{text::quiet, theme::COLUMN};
+use super::{text::secondary, theme::COLUMN};
 
 /// Where a page leads after a frame. The step of a page that can only lead back is a plain `Step`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +83,7 @@ pub fn heading(ui: &mut Ui, name: &str) -> bool {
     ui.horizontal_wrapped(|ui| {
         ui.heading(name);
         let back = ui.button("Back").clicked();
-        ui.label(quiet("Esc"));
+        ui.label(secondary("Esc"));
         back
     })
     .inner

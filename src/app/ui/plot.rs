@@ -3,7 +3,7 @@
 use eframe::egui::{AsIdSalt, Grid, ScrollArea, Ui};
 use egui_plot::Plot;
 
-use super::text::quiet;
+use super::text::secondary;
 
 /// A static plot. Dragging and scrolling move the page, not the plot.
 pub fn still_plot<'a>(id: impl AsIdSalt) -> Plot<'a> {
@@ -20,7 +20,7 @@ pub fn table<const N: usize>(ui: &mut Ui, id: &str, heads: [&str; N], rows: impl
     ScrollArea::horizontal().id_salt(id).show(ui, |ui| {
         Grid::new(id).striped(true).num_columns(N).spacing([18.0, 2.0]).show(ui, |ui| {
             for head in heads {
-                ui.label(quiet(head));
+                ui.label(secondary(head));
             }
             ui.end_row();
             for row in rows {

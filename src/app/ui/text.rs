@@ -2,11 +2,11 @@
 
 use eframe::egui::{self, Color32, Label, Response, RichText, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetText};
 
-use super::theme::{FAULT, GOOD, NOTE, QUIET};
+use super::theme::{ERROR, NOTE, SECONDARY, SUCCESS};
 
 /// Secondary text.
-pub fn quiet(text: impl Into<String>) -> RichText {
-    RichText::new(text).small().color(QUIET)
+pub fn secondary(text: impl Into<String>) -> RichText {
+    RichText::new(text).small().color(SECONDARY)
 }
 
 /// Draws text that wraps.
@@ -16,7 +16,7 @@ pub fn paragraph(ui: &mut Ui, text: impl Into<WidgetText>) {
 
 /// Draws secondary text that wraps.
 pub fn hint(ui: &mut Ui, text: impl Into<String>) {
-    paragraph(ui, quiet(text));
+    paragraph(ui, secondary(text));
 }
 
 /// Draws a note that deserves attention.
@@ -25,13 +25,13 @@ pub fn note(ui: &mut Ui, text: impl Into<String>) {
 }
 
 /// Draws an error, next to the field or button that it concerns.
-pub fn fault(ui: &mut Ui, text: impl Into<String>) {
-    small(ui, text, FAULT);
+pub fn show_error(ui: &mut Ui, text: impl Into<String>) {
+    small(ui, text, ERROR);
 }
 
 /// Draws a success message.
-pub fn good(ui: &mut Ui, text: impl Into<String>) {
-    small(ui, text, GOOD);
+pub fn success(ui: &mut Ui, text: impl Into<String>) {
+    small(ui, text, SUCCESS);
 }
 
 fn small(ui: &mut Ui, text: impl Into<String>, color: Color32) {
@@ -42,7 +42,7 @@ fn small(ui: &mut Ui, text: impl Into<String>, color: Color32) {
 pub fn outcome(ui: &mut Ui, outcome: Option<&Result<String, String>>) {
     match outcome {
         Some(Ok(done)) => hint(ui, done),
-        Some(Err(error)) => fault(ui, error),
+        Some(Err(error)) => show_error(ui, error),
         None => {}
     }
 }
@@ -54,11 +54,11 @@ pub fn section(ui: &mut Ui, text: impl Into<String>) {
 }
 
 /// Paints a check mark or an exclamation mark, because not every font has them.
-pub fn tick(ui: &mut Ui, good: bool) {
+pub fn tick(ui: &mut Ui, passed: bool) {
     let (rect, _) = ui.allocate_exact_size(Vec2::splat(18.0), Sense::hover());
     let at = |x: f32, y: f32| rect.lerp_inside(Vec2::new(x, y));
-    let stroke = Stroke::new(2.5, if good { GOOD } else { NOTE });
-    if good {
+    let stroke = Stroke::new(2.5, if passed { SUCCESS } else { NOTE });
+    if passed {
         ui.painter().line(vec![at(0.1, 0.55), at(0.4, 0.85), at(0.9, 0.2)], stroke);
     } else {
         ui.painter().line_segment([at(0.5, 0.1), at(0.5, 0.62)], stroke);

@@ -6,13 +6,13 @@ use egui_plot::MarkerShape;
 use crate::report::figures::palette::{ON_DARK, Rgb};
 
 /// Color of errors.
-pub const FAULT: Color32 = Color32::from_rgb(0xff, 0xa0, 0x80);
+pub const ERROR: Color32 = Color32::from_rgb(0xff, 0xa0, 0x80);
 /// Color of notes.
 pub const NOTE: Color32 = Color32::from_rgb(0xe8, 0xc8, 0x60);
 /// Color of success messages and of checks that passed.
-pub const GOOD: Color32 = Color32::from_rgb(0x90, 0xd0, 0xa0);
+pub const SUCCESS: Color32 = Color32::from_rgb(0x90, 0xd0, 0xa0);
 /// Color of secondary text; its contrast with the page is 7:1.
-pub const QUIET: Color32 = Color32::from_gray(0xb4);
+pub const SECONDARY: Color32 = Color32::from_gray(0xb4);
 pub const PAGE: Color32 = Color32::from_gray(0x22);
 /// Maximum width of a line of running text, points.
 pub const COLUMN: f32 = 680.0;

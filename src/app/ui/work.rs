@@ -5,19 +5,19 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use eframe::egui;
 
 /// A running computation. If it is dropped before it is done, its result is lost.
-pub struct Work<T>(Receiver<T>);
+pub struct BackgroundTask<T>(Receiver<T>);
 
 /// The state of a computation.
 pub enum Progress<T> {
     /// It is still running.
-    Going,
+    Running,
     /// Its result, which is returned only once.
     Done(T),
     /// It ended without a result, because of an error in the program, not in the data.
     Lost,
 }
 
-impl<T: Send + 'static> Work<T> {
+impl<T: Send + 'static> BackgroundTask<T> {
     /// Starts a computation on a separate thread. The window is drawn again when it ends.
     pub fn start(ctx: &egui::Context, compute: impl FnOnce() -> T + Send + 'static) -> Self {
         let (send, receive) = channel();
@@ -35,7 +35,7 @@ impl<T: Send + 'static> Work<T> {
     pub fn poll(&self) -> Progress<T> {
         match self.0.try_recv() {
             Ok(result) => Progress::Done(result),
-            Err(TryRecvError::Empty) => Progress::Going,
+            Err(TryRecvError::Empty) => Progress::Running,
             Err(TryRecvError::Disconnected) => Progress::Lost,
         }
     }
@@ -52,13 +52,13 @@ impl Drop for Repaint {
 
 /// Runs one computation at a time, for the last requested key. A new one begins when the previous one is done.
 pub struct Latest<K, T> {
-    going: Option<(K, Work<Result<T, String>>)>,
+    running: Option<(K, BackgroundTask<Result<T, String>>)>,
     done: Option<(K, Result<T, String>)>,
 }
 
 impl<K, T> Default for Latest<K, T> {
     fn default() -> Self {
-        Self { going: None, done: None }
+        Self { running: None, done: None }
     }
 }
 
@@ -71,8 +71,8 @@ impl<K: PartialEq, T: Send + 'static> Latest<K, T> {
     {
         self.take();
         let is_done = self.done.as_ref().is_some_and(|(done, _)| *done == key);
-        if self.going.is_none() && !is_done {
-            self.going = Some((key, Work::start(ctx, job())));
+        if self.running.is_none() && !is_done {
+            self.running = Some((key, BackgroundTask::start(ctx, job())));
         }
     }
 
@@ -82,9 +82,9 @@ impl<K: PartialEq, T: Send + 'static> Latest<K, T> {
     }
 
     fn take(&mut self) {
-        let Some((key, work)) = self.going.take() else { return };
+        let Some((key, work)) = self.running.take() else { return };
         match work.poll() {
-            Progress::Going => self.going = Some((key, work)),
+            Progress::Running => self.running = Some((key, work)),
             Progress::Done(result) => self.done = Some((key, result)),
             Progress::Lost => self.done = Some((key, Err("it could not be computed".to_owned()))),
         }

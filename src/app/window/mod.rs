@@ -7,5 +7,5 @@ mod open;
 mod program;
 
 pub use input::{Input, InputReport, PressTime, Pressed, Stamps};
-pub use open::{LEAST_SIZE, open};
+pub use open::{MIN_SIZE, open};
 pub use program::{Program, WindowError};

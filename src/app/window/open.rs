@@ -16,7 +16,7 @@ use super::{
 };
 
 /// Minimum size of the window outside sessions, points.
-pub const LEAST_SIZE: egui::Vec2 = egui::vec2(420.0, 360.0);
+pub const MIN_SIZE: egui::Vec2 = egui::vec2(420.0, 360.0);
 
 /// Opens the window; returns when it is closed. `make` creates the program that runs in it.
 ///
@@ -40,7 +40,7 @@ fn options(fullscreen: bool) -> NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title("machband")
             .with_inner_size([1100.0, 860.0])
-            .with_min_inner_size(LEAST_SIZE)
+            .with_min_inner_size(MIN_SIZE)
             .with_fullscreen(fullscreen),
         // egui's dither would add noise to every pixel, including the stimulus.
         dithering: false,

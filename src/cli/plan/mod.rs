@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use indicatif::ProgressBar;
 
-use super::{UsageError, options::ModelOptions, progress_style, say};
+use super::{UsageError, options::ModelOptions, print_line, progress_style};
 use crate::{
     analysis::power::{ModelChoice, Plan, Power, Sampling, Shift},
     experiment::{OrderedLogit, Protocol},
@@ -85,7 +85,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         target: arguments.target,
         powers: &powers,
     };
-    findings.lines().iter().try_for_each(|line| say(line))?;
+    findings.lines().iter().try_for_each(|line| print_line(line))?;
     // Written last, so that no result is lost if the path cannot be written.
     if let Some(path) = &arguments.out {
         write_file(path, &findings.csv())?;
@@ -122,24 +122,24 @@ fn apply(
     let mut shifts: Vec<Shift> = Vec::new();
     let mut names: Vec<&str> = Vec::new();
     for effect in effects {
-        let fault = |message: &str| UsageError(format!("--effect {effect}: {message}"));
+        let error = |message: &str| UsageError(format!("--effect {effect}: {message}"));
         let (name, value) = effect
             .rsplit_once('=')
-            .ok_or_else(|| fault("contains no =; expected NAME=VALUE or FACTOR:LEVEL=LOGITS, such as oblique=0.5"))?;
+            .ok_or_else(|| error("contains no =; expected NAME=VALUE or FACTOR:LEVEL=LOGITS, such as oblique=0.5"))?;
         let (name, number) = (name.trim(), value.trim().parse::<f64>().ok().filter(|value| value.is_finite()));
-        let value = number.ok_or_else(|| fault("the value is not a finite number; expected one such as 0.5"))?;
+        let value = number.ok_or_else(|| error("the value is not a finite number; expected one such as 0.5"))?;
         if names.contains(&name) {
-            return Err(fault(&format!("{name} is given twice; expected each effect once")));
+            return Err(error(&format!("{name} is given twice; expected each effect once")));
         }
         names.push(name);
         match name.split_once(':') {
             Some(_) if value.abs() > MAX_LOGITS => {
-                return Err(fault(&format!("is out of range; expected {}…{MAX_LOGITS} logits", -MAX_LOGITS)));
+                return Err(error(&format!("is out of range; expected {}…{MAX_LOGITS} logits", -MAX_LOGITS)));
             }
             Some((factor, level)) => {
                 shifts.push(Shift { factor: factor.trim().to_owned(), level: level.trim().to_owned(), logits: value })
             }
-            None => observer = with(&observer, name, value, protocol).map_err(|message| fault(&message))?,
+            None => observer = with(&observer, name, value, protocol).map_err(|message| error(&message))?,
         }
     }
     Ok((observer, shifts))
@@ -154,7 +154,7 @@ fn with(observer: &OrderedLogit, name: &str, value: f64, protocol: &Protocol) ->
     }
     table.insert("schema".to_owned(), 1.into());
     observer::parse("--effect", &table.to_string())
-        .map_err(|faults| faults.0.into_iter().map(|fault| fault.message).collect::<Vec<_>>().join("; "))
+        .map_err(|errors| errors.0.into_iter().map(|error| error.message).collect::<Vec<_>>().join("; "))
 }
 
 fn unknown(name: &str, table: &toml::Table, protocol: &Protocol) -> String {

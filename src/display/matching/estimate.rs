@@ -9,7 +9,7 @@ use crate::{
 };
 
 /// Half-width of the 95 % interval of γ above which a channel should be matched again.
-const WIDEST: f64 = 0.1;
+const MAX_HALF_WIDTH: f64 = 0.1;
 
 /// The result of the matches of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,7 +88,7 @@ impl ChannelGamma {
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         let half = (self.interval[1] - self.interval[0]) / 2.0;
-        (half > WIDEST).then(|| {
+        (half > MAX_HALF_WIDTH).then(|| {
             format!(
                 "{}: gamma is uncertain by ± {half:.2}. Sit far enough away that the rows blend, and repeat the \
                     matches.",

@@ -99,7 +99,7 @@ impl Matching {
     /// # Errors
     /// When the settings cannot be run, or when `done` comes from other settings.
     pub fn new(settings: &MatchSettings, seed: u64, done: Vec<Match>) -> Result<Self, SettingsError> {
-        Channel::make_a_profile(&settings.channels)?;
+        Channel::check_for_profile(&settings.channels)?;
         if !(2..=50).contains(&settings.matches) {
             return Err(SettingsError(format!("{} matches of each channel; expected 2 to 50", settings.matches)));
         }
@@ -159,7 +159,7 @@ impl Matching {
 
     /// Expected remaining time in seconds.
     #[must_use]
-    pub fn left_s(&self) -> f64 {
+    pub fn remaining_s(&self) -> f64 {
         (self.total() - self.done.len()) as f64 * MATCH_S
     }
 }

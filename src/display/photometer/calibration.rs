@@ -31,7 +31,7 @@ const BLACK_DIFFERS: f64 = 0.1;
 const TABLE_SQUARE: f64 = 1.5;
 /// The maximum error of a simpler model, relative to the smallest error. It applies whatever the standard error is,
 /// which is poorly known with few levels.
-const MOST_TIMES: f64 = 1.5;
+const MAX_ERROR_RATIO: f64 = 1.5;
 /// Mean squared errors below this, in units of the assumed noise, count as 0.
 const EXACT: f64 = 1e-8;
 
@@ -223,11 +223,11 @@ fn validate(sample: &Sample, fitted_to: impl Fn(&Sample) -> Vec<Curve>) -> Valid
 
 /// Returns the index of the model to use; `models` are sorted from the simplest. It is the simplest model whose error
 /// is within one standard error of the smallest error (Hastie, Tibshirani & Friedman 2009, The Elements of Statistical
-/// Learning, §7.10) and at most [`MOST_TIMES`] the smallest. The standard error is the one of the difference at the
-/// same levels.
+/// Learning, §7.10) and at most [`MAX_ERROR_RATIO`] the smallest. The standard error is the one of the difference at
+/// the same levels.
 fn simplest_of_the_best(models: &[&Validation]) -> usize {
     let Some(least) = models.iter().min_by(|a, b| mean(&a.squares).total_cmp(&mean(&b.squares))) else { return 0 };
-    let bound = MOST_TIMES.powi(2) * mean(&least.squares).max(EXACT);
+    let bound = MAX_ERROR_RATIO.powi(2) * mean(&least.squares).max(EXACT);
     let is_as_good = |model: &&Validation| {
         let differences: Vec<f64> = model.squares.iter().zip(&least.squares).map(|(a, b)| a - b).collect();
         let (n, excess, square) = (differences.len() as f64, mean(&differences), mean(&model.squares));

@@ -4,10 +4,10 @@ use super::readings::{LevelMean, Reading, Readings, is_same_level};
 use crate::display::channel::Channel;
 
 /// Minimum number of levels per channel, including 0 and 1.
-pub const LEAST_LEVELS: usize = 5;
+pub const MIN_LEVELS: usize = 5;
 /// The decrease that noise could explain: a share of the reading, steps of the photometer, and a share of the maximum
 /// light.
-const FALL: (f64, f64, f64) = (0.05, 3.0, 5e-5);
+const NOISE_FALL: (f64, f64, f64) = (0.05, 3.0, 5e-5);
 /// The rise that noise could not hide, as a natural logarithm.
 const CLEAR_RISE: f64 = 0.1;
 /// The light has stopped rising if it rises by less than this share of the rise predicted from the levels below.
@@ -17,7 +17,7 @@ const SWAPPED: f64 = 1.05;
 
 /// The readings to which an error refers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum About {
+pub enum ErrorLocation {
     /// The level of one reading, by its index.
     Level(usize),
     /// The luminance of one reading, by its index.
@@ -31,16 +31,16 @@ pub enum About {
 /// Why a profile cannot be made from the readings.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{message}")]
-pub struct Fault {
+pub struct ReadingsError {
     /// The readings that the error is about.
-    pub about: About,
+    pub location: ErrorLocation,
     /// The error, and what is expected instead.
     pub message: String,
 }
 
-impl Fault {
-    fn new(about: About, message: impl Into<String>) -> Self {
-        Self { about, message: message.into() }
+impl ReadingsError {
+    fn new(location: ErrorLocation, message: impl Into<String>) -> Self {
+        Self { location, message: message.into() }
     }
 }
 
@@ -49,23 +49,23 @@ impl Readings {
     ///
     /// # Errors
     /// All errors of single readings. If there are none, all errors of the first check of the whole set that fails.
-    pub fn new(readings: Vec<Reading>) -> Result<Self, Vec<Fault>> {
-        let mut faults = reading_faults(&readings);
+    pub fn new(readings: Vec<Reading>) -> Result<Self, Vec<ReadingsError>> {
+        let mut errors = reading_errors(&readings);
         let readings = Self::unchecked(readings);
         // Each check relies on the previous one.
-        for check in [set_faults, curve_faults, order_faults] {
-            if faults.is_empty() {
-                faults = check(&readings);
+        for check in [set_errors, curve_errors, order_errors] {
+            if errors.is_empty() {
+                errors = check(&readings);
             }
         }
-        if faults.is_empty() { Ok(readings) } else { Err(faults) }
+        if errors.is_empty() { Ok(readings) } else { Err(errors) }
     }
 }
 
-/// Returns the faults of single readings.
-fn reading_faults(readings: &[Reading]) -> Vec<Fault> {
+/// Returns the errors of single readings.
+fn reading_errors(readings: &[Reading]) -> Vec<ReadingsError> {
     let codes = readings.iter().all(|one| (0.0..=255.0).contains(&one.level) && one.level.fract() == 0.0);
-    let mut faults = Vec::new();
+    let mut errors = Vec::new();
     for (index, Reading { level, luminance_cd_m2: light, .. }) in readings.iter().enumerate() {
         if !(0.0..=1.0).contains(level) {
             let message = match codes {
@@ -75,26 +75,26 @@ fn reading_faults(readings: &[Reading]) -> Vec<Fault> {
                 ),
                 false => format!("level {level} is outside 0…1; expected the code divided by the largest code"),
             };
-            faults.push(Fault::new(About::Level(index), message));
+            errors.push(ReadingsError::new(ErrorLocation::Level(index), message));
         }
         if !(light.is_finite() && *light >= 0.0) {
             let message = format!("luminance {light} is not a luminance; expected cd/m², 0 or more");
-            faults.push(Fault::new(About::Luminance(index), message));
+            errors.push(ReadingsError::new(ErrorLocation::Luminance(index), message));
         }
     }
     if readings.is_empty() {
         let message =
-            format!("there are no readings; expected red, green and blue, or gray, at {LEAST_LEVELS} levels or more");
-        faults.push(Fault::new(About::All, message));
+            format!("there are no readings; expected red, green and blue, or gray, at {MIN_LEVELS} levels or more");
+        errors.push(ReadingsError::new(ErrorLocation::All, message));
     } else if readings.iter().all(|one| one.luminance_cd_m2 == 0.0) {
         let message = "every reading is 0 cd/m²; expected light: is the photometer on the screen, and is its cap off?";
-        faults.push(Fault::new(About::All, message));
+        errors.push(ReadingsError::new(ErrorLocation::All, message));
     }
-    faults
+    errors
 }
 
-/// Returns a fault for each missing channel or level.
-fn set_faults(readings: &Readings) -> Vec<Fault> {
+/// Returns an error for each missing channel or level.
+fn set_errors(readings: &Readings) -> Vec<ReadingsError> {
     let expected = "expected red, green and blue, or gray, each from level 0 to 1";
     let read = readings.channels();
     let mut messages = Vec::new();
@@ -113,9 +113,9 @@ fn set_faults(readings: &Readings) -> Vec<Fault> {
     }
     for channel in read {
         let means = readings.means(*channel);
-        if means.len() < LEAST_LEVELS {
+        if means.len() < MIN_LEVELS {
             messages.push(format!(
-                "{channel}: too few levels: {}; expected {LEAST_LEVELS} or more (9 are good, 17 better), including 0 and 1",
+                "{channel}: too few levels: {}; expected {MIN_LEVELS} or more (9 are good, 17 better), including 0 and 1",
                 means.len()
             ));
         }
@@ -126,15 +126,15 @@ fn set_faults(readings: &Readings) -> Vec<Fault> {
             ));
         }
     }
-    messages.into_iter().map(|message| Fault::new(About::All, message)).collect()
+    messages.into_iter().map(|message| ReadingsError::new(ErrorLocation::All, message)).collect()
 }
 
-/// Returns a fault for each channel whose light does not rise all the way to the highest level.
-fn curve_faults(readings: &Readings) -> Vec<Fault> {
+/// Returns an error for each channel whose light does not rise all the way to the highest level.
+fn curve_errors(readings: &Readings) -> Vec<ReadingsError> {
     let black_cd_m2 = readings.black_cd_m2();
-    let (share, steps, of_most) = FALL;
-    let still = steps * readings.resolution_cd_m2() + of_most * readings.largest_cd_m2();
-    let mut faults = Vec::new();
+    let (share, steps, of_largest) = NOISE_FALL;
+    let still = steps * readings.resolution_cd_m2() + of_largest * readings.largest_cd_m2();
+    let mut errors = Vec::new();
     for channel in readings.channels() {
         let means = readings.means(*channel);
         let white_cd_m2 = means.last().map_or(0.0, |white| white.luminance_cd_m2);
@@ -142,7 +142,7 @@ fn curve_faults(readings: &Readings) -> Vec<Fault> {
             let message = format!(
                 "{channel}: level 1 gives {white_cd_m2} cd/m², no more than black ({black_cd_m2} cd/m²); expected light"
             );
-            faults.push(Fault::new(About::All, message));
+            errors.push(ReadingsError::new(ErrorLocation::All, message));
             continue;
         }
         let falls = |pair: &&[LevelMean]| pair[1].luminance_cd_m2 < pair[0].luminance_cd_m2 * (1.0 - share) - still;
@@ -153,7 +153,7 @@ fn curve_faults(readings: &Readings) -> Vec<Fault> {
             let message = format!(
                 "{channel}: not monotone: level {upper} gives {upper_cd_m2} cd/m², less than the {lower_cd_m2} cd/m² of level {lower}; expected more light at every higher level: measure both again"
             );
-            faults.push(Fault::new(About::Levels(*channel, [lower, upper]), message));
+            errors.push(ReadingsError::new(ErrorLocation::Levels(*channel, [lower, upper]), message));
         }
         if falling.is_empty()
             && let Some(lowest) = saturated_from(&means, black_cd_m2, readings.resolution_cd_m2())
@@ -162,10 +162,10 @@ fn curve_faults(readings: &Readings) -> Vec<Fault> {
                 "{channel}: saturated: the light stops rising at level {}, {} cd/m² there and {white_cd_m2} cd/m² at level 1; expected it to rise up to level 1: lower the screen's contrast, turn off dynamic contrast, or set the photometer to a wider range",
                 lowest.level, lowest.luminance_cd_m2
             );
-            faults.push(Fault::new(About::Levels(*channel, [lowest.level, 1.0]), message));
+            errors.push(ReadingsError::new(ErrorLocation::Levels(*channel, [lowest.level, 1.0]), message));
         }
     }
-    faults
+    errors
 }
 
 /// Returns the lowest level at which the light has stopped rising, if any.
@@ -189,8 +189,8 @@ fn saturated_from(means: &[LevelMean], black_cd_m2: f64, resolution: f64) -> Opt
     Some(*lowest.unwrap_or(level))
 }
 
-/// Returns a fault if the channels' luminances at level 1 are not in the order gray > green > red > blue.
-fn order_faults(readings: &Readings) -> Vec<Fault> {
+/// Returns an error if the channels' luminances at level 1 are not in the order gray > green > red > blue.
+fn order_errors(readings: &Readings) -> Vec<ReadingsError> {
     let falling = [Channel::Gray, Channel::Green, Channel::Red, Channel::Blue];
     let whites: Vec<(Channel, f64)> = (falling.into_iter())
         .filter_map(|channel| Some((channel, readings.means(channel).last()?.luminance_cd_m2)))
@@ -210,7 +210,7 @@ fn order_faults(readings: &Readings) -> Vec<Fault> {
         "swapped channels: level 1 gives {} cd/m²; expected more light from gray than from green, from green than from red, and from red than from blue, as on every screen{question}",
         each.join(", ")
     );
-    vec![Fault::new(About::All, message)]
+    vec![ReadingsError::new(ErrorLocation::All, message)]
 }
 
 /// Gray at one level, compared with the sum of its channels.

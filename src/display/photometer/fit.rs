@@ -12,12 +12,12 @@ use crate::{display::channel::Channel, light::Transfer};
 /// reading.
 pub(super) const ASSUMED_NOISE: f64 = 0.01;
 /// Noise below this, relative to the largest reading, counts as 0.
-const LEAST_NOISE: f64 = 1e-8;
+const MIN_NOISE: f64 = 1e-8;
 /// The ranges of exponents and offsets to search.
 const RANGES: [(f64, f64); 2] = [(0.3, 6.0), (-0.6, 0.4)];
 /// Pairs of exponent and offset to start from.
 const STARTS: [[f64; 2]; 2] = [[2.2, 0.03], [2.2, -0.03]];
-const MOST_STEPS: usize = 80;
+const MAX_STEPS: usize = 80;
 /// A relative improvement of the weighted sum of squares at or below this counts as 0.
 const CONVERGED: f64 = 1e-13;
 /// The damping at which the fit stops because no step improves it.
@@ -149,7 +149,7 @@ impl Sample {
     /// The weights come from a first fit, so that readings that are too dark because of noise do not get more weight.
     pub fn new(readings: &Readings) -> Self {
         // The noise in the dark is the rounding to the photometer's last digit.
-        let floor = (readings.resolution_cd_m2() / 12f64.sqrt()).max(LEAST_NOISE * readings.largest_cd_m2());
+        let floor = (readings.resolution_cd_m2() / 12f64.sqrt()).max(MIN_NOISE * readings.largest_cd_m2());
         let sd = |cd_m2: f64| (ASSUMED_NOISE * cd_m2).hypot(floor);
         let points = readings.all().iter().map(|one| {
             let y = one.luminance_cd_m2;
@@ -265,7 +265,7 @@ fn descend(family: Family, sample: &Sample, start: [f64; 2]) -> Fit {
     let mut left = residuals(shape);
     let mut damping = 1e-4;
     let mut normal = Matrix2::identity();
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         // The decrease of the residuals per unit of each parameter.
         let h = 1e-6;
         let slopes: Vec<Vec<f64>> = (0..free)

@@ -2,7 +2,7 @@
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
-use super::checks::LEAST_LEVELS;
+use super::checks::MIN_LEVELS;
 use crate::{
     display::channel::{Channel, SettingsError},
     light::random::shuffle,
@@ -49,9 +49,9 @@ pub struct Patch {
 /// When the settings do not lead to a profile.
 pub fn patches(settings: &PatchSettings) -> Result<Vec<Patch>, SettingsError> {
     let PatchSettings { channels, levels, repeats, seed } = settings;
-    Channel::make_a_profile(channels)?;
-    if !(LEAST_LEVELS..=256).contains(levels) {
-        return Err(SettingsError(format!("{levels} levels; expected {LEAST_LEVELS} to 256")));
+    Channel::check_for_profile(channels)?;
+    if !(MIN_LEVELS..=256).contains(levels) {
+        return Err(SettingsError(format!("{levels} levels; expected {MIN_LEVELS} to 256")));
     }
     if !(1..=20).contains(repeats) {
         return Err(SettingsError(format!("{repeats} readings of each patch; expected 1 to 20")));

@@ -11,7 +11,7 @@ use crate::light::{Transfer, TransferTable};
 /// Points of a table: one per 8-bit code.
 const POINTS: usize = 256;
 /// Minimum rise from point to point, so that a table can be inverted.
-const LEAST_RISE: f64 = 1e-9;
+const MIN_RISE: f64 = 1e-9;
 /// A reading this close to black, in standard deviations, carries no information about the encoded value.
 const CLEAR: f64 = 3.0;
 
@@ -67,7 +67,7 @@ fn table(base: &Transfer, knots: &[Knot]) -> Transfer {
     let mut linear: Vec<f64> = encoded.iter().map(|v| base.linear_from_encoded(between(&knots, *v))).collect();
     linear[0] = 0.0;
     for i in 1..POINTS {
-        linear[i] = linear[i].max(linear[i - 1] + LEAST_RISE);
+        linear[i] = linear[i].max(linear[i - 1] + MIN_RISE);
     }
     let top = linear[POINTS - 1];
     linear.iter_mut().for_each(|light| *light /= top);

@@ -8,7 +8,7 @@ use super::{
     axes::{EDGE, Levels, MARKER, PANEL, Panel, TEXT, Values, plain},
     figure::Figure,
     labels,
-    palette::{GRAY, MOST_SERIES, Series, Stroke},
+    palette::{GRAY, MAX_SERIES, Series, Stroke},
     regroup::{by_interest, evenly, project, regroup},
     svg::{Anchor, Font, Point, Svg, WIDTH},
 };
@@ -57,7 +57,7 @@ pub fn predicted(results: &Results, expected: &[Option<f64>]) -> Vec<Figure> {
     }
     let means = sums.into_iter().map(|(levels, (sum, n))| (levels, (sum / n, None))).collect();
     let names = ["figure4a_predicted", "figure4b_predicted"];
-    let source = "by the model of vision, with its criterion fitted to the ratings";
+    let source = "by the vision model, with its criterion fitted to the ratings";
     charts(&project(counts, &factors), &means, names, "Predicted mean rating", source)
 }
 
@@ -80,7 +80,7 @@ fn charts(counts: &Counts, means: &Means, names: [&'static str; 2], what: &str, 
 
 fn chart(counts: &Counts, means: &Means, x: usize, name: &'static str, what: &str, source: &str) -> Figure {
     let (across, by) = (&counts.factors[x], counts.factors.get(1 - x));
-    let shown = evenly(by.map_or(1, |by| by.levels.len()), MOST_SERIES);
+    let shown = evenly(by.map_or(1, |by| by.levels.len()), MAX_SERIES);
     let line = |(index, &level): (usize, &usize)| {
         let level = by.map(|by| &by.levels[level]);
         let mean = |own: &String| {

@@ -32,7 +32,7 @@ pub const ON_WHITE: [Rgb; 7] = [BLACK, BLUE, VERMILION, GREEN, PURPLE, ORANGE, S
 pub const ON_DARK: [Rgb; 7] = [ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE];
 
 /// Maximum number of series that can be distinguished in one chart.
-pub const MOST_SERIES: usize = 12;
+pub const MAX_SERIES: usize = 12;
 
 /// Shape of a marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,7 +82,7 @@ pub struct Series {
 }
 
 impl Series {
-    /// The style of the series with this index. No two of the first [`MOST_SERIES`] look the same, even in gray.
+    /// The style of the series with this index. No two of the first [`MAX_SERIES`] look the same, even in gray.
     pub fn of(index: usize) -> Self {
         Self {
             color: ON_WHITE[index % ON_WHITE.len()],

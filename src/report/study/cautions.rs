@@ -34,11 +34,11 @@ pub(super) fn cautions(source: &Source, results: &Results) -> Vec<String> {
     let mut cautions = Vec::new();
     cautions.extend(simulated(source, results));
     cautions.extend(one_participant(source, results));
-    cautions.extend(faults(source));
+    cautions.extend(errors(source));
     cautions.extend(nothing_found(results));
     cautions.extend(about_model(results));
     cautions.extend(names::varied(results).filter_map(|factor| pairs_without_power(results, factor)));
-    cautions.extend(oddities(results));
+    cautions.extend(unusual_behavior(results));
     cautions
 }
 
@@ -72,10 +72,10 @@ fn one_participant(source: &Source, results: &Results) -> Option<String> {
     ))
 }
 
-fn faults(source: &Source) -> Option<String> {
-    let files: BTreeSet<&str> = source.faults.iter().map(|fault| fault.file.as_str()).collect();
-    let (messages, files) = (count(source.faults.len() as u64, "error"), count(files.len() as u64, "file"));
-    (!source.faults.is_empty()).then(|| format!("There are {messages} in {files}; see “Data quality”."))
+fn errors(source: &Source) -> Option<String> {
+    let files: BTreeSet<&str> = source.errors.iter().map(|error| error.file.as_str()).collect();
+    let (messages, files) = (count(source.errors.len() as u64, "error"), count(files.len() as u64, "file"));
+    (!source.errors.is_empty()).then(|| format!("There are {messages} in {files}; see “Data quality”."))
 }
 
 /// Absence of evidence is not evidence of absence.
@@ -155,7 +155,7 @@ fn pairs_without_power(results: &Results, factor: &FactorResults) -> Option<Stri
 
 /// Describes behavior of participants that readers should check: use of only one category, low test–retest agreement,
 /// and unusual response times.
-pub(super) fn oddities(results: &Results) -> Vec<String> {
+pub(super) fn unusual_behavior(results: &Results) -> Vec<String> {
     let subjects = &results.subjects;
     let mut sentences: Vec<String> = subjects.iter().filter_map(|subject| one_category(results, subject)).collect();
     // Participants with the same peculiarity are named in one sentence.

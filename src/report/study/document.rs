@@ -19,7 +19,7 @@ use crate::{
         prediction::{PredictionError, StudyPrediction},
     },
     store::{
-        FileFaults,
+        FileErrors,
         ratings::{self, ReadOptions, Shape, Source},
     },
 };
@@ -36,8 +36,8 @@ impl Study {
     /// Reads files and folders of files.
     ///
     /// # Errors
-    /// There is nothing to analyze. If only part of the input has errors, they are in [`Source::faults`].
-    pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Self, FileFaults> {
+    /// There is nothing to analyze. If only part of the input has errors, they are in [`Source::errors`].
+    pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Self, FileErrors> {
         let new = |shape: &Shape| {
             let mut builder = MeasuredBuilder::new(&shape.factors);
             if let Some(categories) = &shape.categories {
@@ -51,7 +51,7 @@ impl Study {
         let mut all = new(&source.shape);
         for (file, read) in files.into_iter().zip(&source.files) {
             let name = || read.path.display().to_string();
-            all.absorb(file).map_err(|error| FileFaults::whole(name(), error.to_string()))?;
+            all.absorb(file).map_err(|error| FileErrors::whole(name(), error.to_string()))?;
         }
         Ok(Self { source, measured: all.finish() })
     }

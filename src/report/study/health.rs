@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{cautions::oddities, sittings};
+use super::{cautions::unusual_behavior, sittings};
 use crate::{
     analysis::Results,
     report::document::{
@@ -22,18 +22,18 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
             ("Rows below the headers", sum(|file| file.rows)),
             ("Excluded: practice", sum(|file| file.practice)),
             ("Excluded: corrected ratings", sum(|file| file.superseded)),
-            ("Excluded: rows with errors", sum(|file| file.faulty)),
+            ("Excluded: rows with errors", sum(|file| file.erroneous)),
             ("Excluded: unfinished sessions, on request", sum(|file| file.unfinished)),
             ("Rows analyzed", sum(|file| file.counted)),
             ("Ratings in analyzed rows", sum(|file| file.ratings)),
         ],
     );
     section.heading("Errors");
-    if source.faults.is_empty() {
+    if source.errors.is_empty() {
         section.text("No errors were found in the files.");
     } else {
         section.text("Rows with errors were excluded; the rest was analyzed.");
-        section.list(source.faults.iter().map(ToString::to_string).collect());
+        section.list(source.errors.iter().map(ToString::to_string).collect());
     }
     if !source.sessions.is_empty() {
         section.heading("Sessions");
@@ -45,7 +45,7 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
     if sittings::all(source).next().is_some() {
         screens(&mut section, source);
     }
-    if oddities(results).is_empty() {
+    if unusual_behavior(results).is_empty() {
         section.heading("How participants answered");
         section.text(
             "In these data, every participant used several categories, and no response times or repeated ratings are unusual.",

@@ -16,7 +16,7 @@ use crate::{
 };
 
 /// Number of conditions to report, out of those whose predictions deviate most from the ratings.
-const FURTHEST: usize = 3;
+const MAX_NAMED: usize = 3;
 
 /// Writes the section; `figures` contains the measured and the predicted charts.
 pub(super) fn section(
@@ -25,7 +25,7 @@ pub(super) fn section(
     prediction: &Result<StudyPrediction, PredictionError>,
     figures: &[Figure],
 ) -> Section {
-    let mut section = Section::new("vision", "What the model of vision predicts");
+    let mut section = Section::new("vision", "What the vision model predicts");
     let prediction = match prediction {
         Ok(prediction) => prediction,
         Err(error) => {
@@ -45,7 +45,7 @@ pub(super) fn section(
     section.figures(figures, &["figure4a", "figure4a_predicted", "figure4b", "figure4b_predicted"]);
     section.text(order(comparison, counts));
     section.text(ceiling(comparison));
-    furthest(results, prediction).into_iter().for_each(|text| section.text(text));
+    largest_deviations(results, prediction).into_iter().for_each(|text| section.text(text));
     let is_circular = sittings::all(source)
         .any(|(_, sitting)| sitting.observer.as_ref().is_some_and(|observer| observer["observer"] == "vision"));
     if is_circular {
@@ -125,13 +125,13 @@ fn ceiling(comparison: &Comparison) -> String {
 }
 
 /// Names the conditions with mean ratings farthest from the prediction.
-fn furthest(results: &Results, prediction: &StudyPrediction) -> Option<String> {
+fn largest_deviations(results: &Results, prediction: &StudyPrediction) -> Option<String> {
     let mut far: Vec<(u32, f64, f64)> = ((0..).zip(&results.cells).zip(&prediction.ratings))
         .filter_map(|((condition, cell), expected)| Some((condition, cell.summary.mean, (*expected)?)))
         .collect();
     // Among equal distances, the first conditions are chosen, so that the same ratings always give the same page.
     far.sort_by(|a, b| (b.1 - b.2).abs().total_cmp(&(a.1 - a.2).abs()));
-    let named: Vec<String> = (far.iter().take(FURTHEST))
+    let named: Vec<String> = (far.iter().take(MAX_NAMED))
         .map(|(condition, rated, expected)| {
             let name = names::condition(&results.measured.counts, *condition);
             format!("{name} (rated {}, predicted {})", mean(*rated), mean(*expected))

@@ -2,11 +2,11 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::lanes::{Lanes, MOST_LANES};
+use super::lanes::{Lanes, MAX_LANES};
 use crate::shading::{
     frame::{Frame, Outline, Planes, coverage},
     number::Number as _,
-    shaders::Spread,
+    shaders::ShaderKernel,
 };
 
 /// The weights of a triangle's corners, followed by its light in up to three channels.
@@ -55,7 +55,7 @@ impl Band<'_> {
     fn begin<const C: usize>(&self, scratch: &mut Scratch) -> bool {
         let width = self.frame.width;
         let (rows, words) = ((self.end - self.first) as usize, width.div_ceil(64) as usize);
-        let pixels = rows * width as usize + MOST_LANES;
+        let pixels = rows * width as usize + MAX_LANES;
         for (light, background) in scratch.light.iter_mut().zip(self.background).take(C) {
             light.clear();
             light.resize(pixels, background);
@@ -85,7 +85,7 @@ impl Band<'_> {
     }
 
     /// Draws the triangles with `shader` into `scratch.light`.
-    pub fn paint<const C: usize, R: Spread<f32, C>>(&self, shader: &R, scratch: &mut Scratch, arch: Arch) {
+    pub fn paint<const C: usize, R: ShaderKernel<f32, C>>(&self, shader: &R, scratch: &mut Scratch, arch: Arch) {
         arch.dispatch(Paint { shader, band: self, scratch });
     }
 }
@@ -113,7 +113,7 @@ struct Paint<'a, const C: usize, R> {
     scratch: &'a mut Scratch,
 }
 
-impl<const C: usize, R: Spread<f32, C>> WithSimd for Paint<'_, C, R> {
+impl<const C: usize, R: ShaderKernel<f32, C>> WithSimd for Paint<'_, C, R> {
     type Output = ();
 
     #[inline(always)]
@@ -177,10 +177,10 @@ impl<const C: usize, R: Spread<f32, C>> WithSimd for Paint<'_, C, R> {
 /// Returns −1 for each of the first `count` pixels at which the triangle is nearer than anything drawn before, and 0
 /// for all others; updates `depth`. The triangle's depths along the row are `at`, `at + step` …
 #[inline(always)]
-fn nearer(([at], [step]): ([f64; 1], [f64; 1]), count: u32, depth: &mut [f64]) -> [f32; MOST_LANES] {
-    let mut nearer = [0.0; MOST_LANES];
-    let Some(depth) = depth.first_chunk_mut::<MOST_LANES>() else { return nearer };
-    for i in 0..MOST_LANES {
+fn nearer(([at], [step]): ([f64; 1], [f64; 1]), count: u32, depth: &mut [f64]) -> [f32; MAX_LANES] {
+    let mut nearer = [0.0; MAX_LANES];
+    let Some(depth) = depth.first_chunk_mut::<MAX_LANES>() else { return nearer };
+    for i in 0..MAX_LANES {
         let own = at + step * i as f64;
         let is = own < depth[i] && (i as u32) < count;
         depth[i] = if is { own } else { depth[i] };

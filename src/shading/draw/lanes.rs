@@ -9,7 +9,7 @@ use pulp::Simd;
 use crate::shading::number::Number;
 
 /// The largest number of pixels that any machine processes at once.
-pub(super) const MOST_LANES: usize = 16;
+pub(super) const MAX_LANES: usize = 16;
 
 /// A number for each of several pixels.
 #[derive(Clone, Copy)]
@@ -34,7 +34,7 @@ impl<S: Simd> Lanes<S> {
     /// Returns 0, 1, 2 …: the distance of each pixel from the first.
     #[inline(always)]
     pub fn steps(simd: S) -> Self {
-        let mut steps = [0.0; MOST_LANES];
+        let mut steps = [0.0; MAX_LANES];
         for (i, step) in steps.iter_mut().enumerate() {
             *step = i as f32;
         }
@@ -124,7 +124,7 @@ impl<S: Simd> Number for Lanes<S> {
     #[inline(always)]
     fn any(mask: Mask<S>) -> bool {
         // On some machines, a mask is a lane of ones or zeros per pixel; on others, a bit per pixel.
-        bytemuck::bytes_of(&mask.m) != &[0; size_of::<f32>() * MOST_LANES][..size_of::<S::m32s>()]
+        bytemuck::bytes_of(&mask.m) != &[0; size_of::<f32>() * MAX_LANES][..size_of::<S::m32s>()]
     }
 
     #[inline(always)]
@@ -134,11 +134,11 @@ impl<S: Simd> Number for Lanes<S> {
 
     #[inline(always)]
     fn each<const I: usize, const O: usize>(inputs: [Self; I], of: impl Fn([f64; I]) -> [f64; O]) -> [Self; O] {
-        let mut numbers = [[0.0; MOST_LANES]; I];
+        let mut numbers = [[0.0; MAX_LANES]; I];
         for (numbers, input) in numbers.iter_mut().zip(inputs) {
             input.store(numbers);
         }
-        let mut results = [[0.0; MOST_LANES]; O];
+        let mut results = [[0.0; MAX_LANES]; O];
         for lane in 0..S::F32_LANES {
             for (results, result) in results.iter_mut().zip(of(numbers.map(|numbers| f64::from(numbers[lane])))) {
                 results[lane] = result as f32;

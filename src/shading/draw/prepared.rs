@@ -135,7 +135,7 @@ fn paint<const C: usize>(band: Band<'_>, shading: &Shading<f32, C>, scratch: &mu
     if shading.corrections.is_some() {
         return band.paint(shading, scratch, arch);
     }
-    with_shader!(&shading.plain, shader => band.paint::<C, _>(shader, scratch, arch));
+    with_shader!(&shading.uncorrected, shader => band.paint::<C, _>(shader, scratch, arch));
 }
 
 /// Makes the planes of a triangle: its weights and its light.

@@ -9,7 +9,7 @@ use crate::{
     shading::{
         frame::{Frame, coverage},
         number::{Channels, weighted},
-        shaders::{Shade, Shading, Spread as _},
+        shaders::{Shade, ShaderKernel as _, Shading},
     },
 };
 

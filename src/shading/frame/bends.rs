@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use super::projected::{Across, Frame};
 
 /// The minimum m of [`Bend`]: the minimum distance of an apex's foot from a corner, in edge lengths.
-const LEAST_REACH: f64 = 1.0 / 16.0;
+const MIN_REACH: f64 = 1.0 / 16.0;
 
 /// A triangle's data about one of its edges. [`bends`] computes it once per frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,7 +16,7 @@ pub struct Bend {
     /// c = I_BC(X) − I_AD(X), where the lines AD and BC cross at X on the screen: the height of the light at the edge
     /// above a straight line from A to D. Increasing the slope of the light along w_A by c on both sides makes the two
     /// slopes equal. For a parallelogram, c = (I_B + I_C − I_A − I_D)/2. The value is the same, bit for bit, on both
-    /// sides of an edge, and zero if there is no neighbor to join smoothly; see `level` for [`Across::Several`].
+    /// sides of an edge, and zero if there is no neighbor to join smoothly; see `level` for [`Across::NonManifold`].
     pub c: DVec3,
     /// s_A, the point where the perpendicular from the triangle's own apex meets the edge: 0 at corner k+1, 1 at corner
     /// k+2.
@@ -55,8 +55,8 @@ fn between(a: Corner, b: Corner, c: Corner, d: Corner) -> Option<(Bend, Bend)> {
     let (sa, sd) = (foot(a.0, b.0, c.0), foot(d.0, b.0, c.0));
     let (aa, ad) = (excess(a.1, sa, b.1, c.1), excess(d.1, sd, b.1, c.1));
     let bend = (aa * hd + ad * ha) * (-1.0 / (ha + hd));
-    let start = sa.max(sd).max(LEAST_REACH);
-    let end = (1.0 - sa).max(1.0 - sd).max(LEAST_REACH);
+    let start = sa.max(sd).max(MIN_REACH);
+    let end = (1.0 - sa).max(1.0 - sd).max(MIN_REACH);
     Some((Bend { c: bend, foot: sa, start, end }, Bend { c: bend, foot: 1.0 - sd, start: end, end: start }))
 }
 
@@ -64,7 +64,7 @@ fn between(a: Corner, b: Corner, c: Corner, d: Corner) -> Option<(Bend, Bend)> {
 /// I_BC(s_A) − I_A`. Used for edges that three or more triangles share.
 fn level(a: Corner, b: Corner, c: Corner) -> Bend {
     let s = foot(a.0, b.0, c.0);
-    let (start, end) = (s.max(LEAST_REACH), (1.0 - s).max(LEAST_REACH));
+    let (start, end) = (s.max(MIN_REACH), (1.0 - s).max(MIN_REACH));
     Bend { c: excess(a.1, s, b.1, c.1) * -1.0, foot: s, start, end }
 }
 
@@ -80,7 +80,7 @@ pub fn bends(frame: &Frame) -> Vec<[Bend; 3]> {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
             let level = level(corners[k], corners[i], corners[j]);
             match triangle.across[k] {
-                Across::Several => level,
+                Across::NonManifold => level,
                 // If there is one neighbor, the loop below replaces this value.
                 Across::Nothing | Across::Triangle { .. } => Bend { c: DVec3::ZERO, ..level },
             }

@@ -44,7 +44,7 @@ pub fn depths(frame: &Frame, triangle: usize) -> Planes<1> {
 /// For each pixel, returns true if it shows the surface and does not lie on an outline. Outlines run along the
 /// background and where a nearer part of the surface hides a farther part.
 #[must_use]
-pub fn inside_outlines(frame: &Frame) -> Vec<bool> {
+pub fn interior_mask(frame: &Frame) -> Vec<bool> {
     let (width, height) = (frame.width as usize, frame.height as usize);
     let seen = visible(frame);
     let mut inside: Vec<bool> = seen.iter().map(|triangle| *triangle != NONE).collect();

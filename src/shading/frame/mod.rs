@@ -11,6 +11,6 @@ mod scene;
 pub use bends::{Bend, bends};
 pub use coverage::{Outline, Planes};
 pub use gradients::{Gradient, Gradients};
-pub use patches::{ControlPoints, Patches, third_of};
+pub use patches::{ControlPoints, Patches, sub_triangle_ordinates};
 pub use projected::{Across, Frame, FrameTriangle, FrameVertex, View};
 pub use scene::{Highlight, Scene};

@@ -57,7 +57,7 @@ impl Patches {
                 let corners = frame.corners(t);
                 let across = triangle.across.map(|across| match across {
                     Across::Triangle { triangle, .. } => Some(centroids[triangle as usize]),
-                    Across::Nothing | Across::Several => None,
+                    Across::Nothing | Across::NonManifold => None,
                 });
                 control_points(
                     corners.map(|v| v.screen),
@@ -148,7 +148,7 @@ fn along(gradient: &Gradient, step: DVec2) -> DVec3 {
 /// With i = k+1, j = k+2 (mod 3) and u = w_i − w_k, v = w_j − w_k, s = 3·w_k, so that u + v + s = 1, the light is
 /// u³b₀ + 3u²v·b₁ + 3uv²·b₂ + v³b₃ + 3s(u²b₄ + 2uv·b₅ + v²b₆) + 3s²(u·b₇ + v·b₈) + s³b₉.
 #[must_use]
-pub fn third_of(b: &ControlPoints, k: usize) -> [DVec3; 10] {
+pub fn sub_triangle_ordinates(b: &ControlPoints, k: usize) -> [DVec3; 10] {
     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
     let row = [i, EDGE + 2 * i, EDGE + 2 * j + 1, j, NEAR + i, MIDDLE + k, NEAR + j, FAR + i, FAR + j, CENTROID];
     row.map(|at| b[at])

@@ -141,7 +141,7 @@ pub enum Across {
     /// away or lies on the same side of the edge on the screen).
     Nothing,
     /// More than one other triangle.
-    Several,
+    NonManifold,
 }
 
 /// The number of positions per pixel on which vertices can lie.
@@ -275,7 +275,7 @@ impl Frame {
             let across = edges.map(|e| {
                 let edge = &surface.edges.edges[e as usize];
                 match edge.kind {
-                    EdgeKind::NonManifold => Across::Several,
+                    EdgeKind::NonManifold => Across::NonManifold,
                     EdgeKind::Border | EdgeKind::Crease => Across::Nothing,
                     EdgeKind::Smooth => {
                         let (other, k) = edge.sides[usize::from(edge.sides[0].0 == t as u32)];

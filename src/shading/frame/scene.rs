@@ -6,7 +6,7 @@ use super::projected::{Frame, View};
 use crate::{
     light::names::named,
     shading::{
-        lighting::{Facets, Lamp, LampPlace, Lighting, Material, Microfacets, Specular},
+        lighting::{Facets, Lamp, LampPosition, Lighting, Material, Microfacets, Specular},
         mesh::Surface,
     },
 };
@@ -89,7 +89,7 @@ impl Scene {
             shininess: self.shininess,
             specular_model: self.specular_model(),
         };
-        let lamp = Lamp { place: LampPlace::Direction(direction(self.light)), intensity: DVec3::ONE };
+        let lamp = Lamp { position: LampPosition::Direction(direction(self.light)), intensity: DVec3::ONE };
         Lighting { material, ambient: DVec3::ONE, lamps: vec![lamp] }
     }
 

@@ -57,14 +57,14 @@ impl Material {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lamp {
     /// The position of the lamp.
-    pub place: LampPlace,
+    pub position: LampPosition,
     /// I_p of red, green and blue, 0 or more.
     pub intensity: DVec3,
 }
 
 /// Position of a lamp in eye space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum LampPlace {
+pub enum LampPosition {
     /// Infinitely far away; the unit vector points toward the lamp.
     Direction(DVec3),
     /// At a point; the light weakens with distance, see [`attenuation`](super::attenuation).
@@ -80,7 +80,7 @@ impl Lamp {
     /// Makes a white lamp that is infinitely far away in the direction `toward`, a vector of any length above 0.
     #[must_use]
     pub fn directional(toward: DVec3) -> Lamp {
-        Lamp { place: LampPlace::Direction(toward.normalize_or_zero()), intensity: DVec3::ONE }
+        Lamp { position: LampPosition::Direction(toward.normalize_or_zero()), intensity: DVec3::ONE }
     }
 }
 
@@ -117,27 +117,27 @@ impl Lighting {
     /// `position` contributes nothing. The sum of several lamps can exceed 1.
     #[must_use]
     pub fn light(&self, position: DVec3, normal: DVec3, to_viewer: DVec3) -> DVec3 {
-        let [place, normal, to_viewer] = [position, normal, to_viewer].map(|v| v.to_array());
-        let of_lamp = |lamp| Reflection::new(lamp, &self.material, Channels::Color).light(place, normal, to_viewer);
+        let [position, normal, to_viewer] = [position, normal, to_viewer].map(|v| v.to_array());
+        let of_lamp = |lamp| Reflection::new(lamp, &self.material, Channels::Color).light(position, normal, to_viewer);
         self.ambient_light() + self.lamps.iter().map(|lamp| DVec3::from_array(of_lamp(lamp))).sum::<DVec3>()
     }
 }
 
 /// The largest exponent of a highlight that is computed as a power of an f32; f32 is too imprecise for sharper
 /// highlights.
-const LARGEST_EXPONENT: f64 = 128.0;
+const MAX_POWER_EXPONENT: f64 = 128.0;
 
 /// A lamp and how the surface reflects its light: I_p·k_d·O_d and I_p·k_s·O_s.
 #[derive(Clone, Debug)]
 pub struct Reflection<T, const C: usize> {
-    place: Place<T>,
+    position: PreparedPosition<T>,
     diffuse: [T; C],
     specular: [T; C],
     highlight: Highlight<C>,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Place<T> {
+enum PreparedPosition<T> {
     Far([T; 3]),
     Near { at: [T; 3], attenuation: [T; 3] },
 }
@@ -165,17 +165,17 @@ impl<T: Constant, const C: usize> Reflection<T, C> {
         let vector = |v: DVec3| v.to_array().map(T::of);
         let m = material.shininess;
         Reflection {
-            place: match lamp.place {
-                LampPlace::Direction(toward) => Place::Far(vector(toward)),
-                LampPlace::Point { position, attenuation } => {
-                    Place::Near { at: vector(position), attenuation: attenuation.map(T::of) }
+            position: match lamp.position {
+                LampPosition::Direction(toward) => PreparedPosition::Far(vector(toward)),
+                LampPosition::Point { position, attenuation } => {
+                    PreparedPosition::Near { at: vector(position), attenuation: attenuation.map(T::of) }
                 }
             },
             diffuse: channels.pick(lamp.intensity * material.color * material.diffuse),
             specular: channels.pick(lamp.intensity * material.specular_color * material.specular),
             highlight: match material.specular_model {
                 _ if material.specular == 0.0 => Highlight::Absent,
-                Specular::Phong | Specular::Blinn if m.fract() == 0.0 && (1.0..=LARGEST_EXPONENT).contains(&m) => {
+                Specular::Phong | Specular::Blinn if m.fract() == 0.0 && (1.0..=MAX_POWER_EXPONENT).contains(&m) => {
                     Highlight::Power { blinn: material.specular_model == Specular::Blinn, exponent: m as u32 }
                 }
                 model => Highlight::Any { model, shininess: m, channels },
@@ -185,19 +185,19 @@ impl<T: Constant, const C: usize> Reflection<T, C> {
 
     /// True if the light depends on the position of the surface.
     pub fn is_near(&self) -> bool {
-        matches!(self.place, Place::Near { .. })
+        matches!(self.position, PreparedPosition::Near { .. })
     }
 
     /// Returns f_att·I_p·(k_d·O_d·(N·L) + k_s·O_s·s) where N·L is above 0, and 0 elsewhere, for a position, a unit
     /// normal N and a unit vector V toward the viewer.
     #[inline(always)]
-    pub fn light<N: Number<Constant = T>>(&self, place: [N; 3], normal: [N; 3], to_viewer: [N; 3]) -> [N; C] {
+    pub fn light<N: Number<Constant = T>>(&self, position: [N; 3], normal: [N; 3], to_viewer: [N; 3]) -> [N; C] {
         let zero = normal[0].of(0.0);
-        let (to_lamp, strength) = match &self.place {
-            Place::Far(toward) => (all(zero, toward), zero.of(1.0)),
-            Place::Near { at, attenuation: factors } => {
+        let (to_lamp, strength) = match &self.position {
+            PreparedPosition::Far(toward) => (all(zero, toward), zero.of(1.0)),
+            PreparedPosition::Near { at, attenuation: factors } => {
                 let at = all(zero, at);
-                let (toward, distance) = unit([at[0] - place[0], at[1] - place[1], at[2] - place[2]]);
+                let (toward, distance) = unit([at[0] - position[0], at[1] - position[1], at[2] - position[2]]);
                 (toward, attenuation(*factors, distance))
             }
         };

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use super::{normals, triangles::Mesh};
 
 /// The largest absolute coordinate of a mesh; it leaves room for products of several coordinates.
-pub const LARGEST_COORDINATE: f64 = 1e30;
+pub const MAX_COORDINATE: f64 = 1e30;
 
 /// Why faces do not form a mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -32,7 +32,7 @@ pub enum MeshError {
         positions: usize,
     },
     /// There are too many positions or faces to be indexed.
-    #[error("{positions} positions and {faces} faces are too many; expected at most {most} of each", most = MOST)]
+    #[error("{positions} positions and {faces} faces are too many; expected at most {most} of each", most = MAX_COUNT)]
     TooMany {
         /// The number of positions.
         positions: usize,
@@ -81,7 +81,7 @@ impl Polygons {
 }
 
 /// The maximum number of positions and of triangles: the corners of the triangles are counted in 32 bits.
-const MOST: usize = (u32::MAX / 3) as usize;
+const MAX_COUNT: usize = (u32::MAX / 3) as usize;
 
 impl Mesh {
     /// Makes the mesh of `triangles` over `positions` (the sites). Each vertex's normal is the normalized sum of the
@@ -115,7 +115,7 @@ impl Mesh {
         }
         match triangles.len() {
             0 => return Err(MeshError::NoTriangles),
-            count if count > MOST => return Err(MeshError::TooMany { positions: positions.len(), faces: count }),
+            count if count > MAX_COUNT => return Err(MeshError::TooMany { positions: positions.len(), faces: count }),
             count if normals.iter().all(|normal| *normal == DVec3::ZERO) => return Err(MeshError::NoArea(count)),
             _ => {}
         }
@@ -130,11 +130,11 @@ impl Mesh {
 /// Checks whether the faces can form a mesh.
 fn check(positions: &[DVec3], polygons: &Polygons) -> Result<(), MeshError> {
     let faces = polygons.ends.len();
-    if positions.len() > MOST || faces > MOST {
+    if positions.len() > MAX_COUNT || faces > MAX_COUNT {
         return Err(MeshError::TooMany { positions: positions.len(), faces });
     }
     // NaN does not count as within.
-    let within = |p: &DVec3| p.to_array().iter().all(|x| x.abs() <= LARGEST_COORDINATE);
+    let within = |p: &DVec3| p.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE);
     if let Some(at) = positions.iter().position(|p| !within(p)) {
         return Err(MeshError::NotFinite(at));
     }

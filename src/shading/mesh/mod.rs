@@ -6,7 +6,7 @@ pub mod shapes;
 mod surface;
 mod triangles;
 
-pub use build::{LARGEST_COORDINATE, MeshError, Polygons, triangulated};
+pub use build::{MAX_COORDINATE, MeshError, Polygons, triangulated};
 pub use normals::newell;
 pub use surface::Surface;
 pub use triangles::{Edge, EdgeKind, Edges, Mesh, Vertex};

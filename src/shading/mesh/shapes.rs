@@ -24,7 +24,7 @@ named! {
 
 /// The shape cannot have this number of vertices.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("a {shape} cannot have {vertices} vertices; expected {least}…{most}", most = MOST_VERTICES)]
+#[error("a {shape} cannot have {vertices} vertices; expected {least}…{most}", most = MAX_VERTICES)]
 pub struct ShapeError {
     /// The shape.
     shape: Shape,
@@ -35,7 +35,7 @@ pub struct ShapeError {
 }
 
 /// The maximum number of vertices of a shape.
-pub const MOST_VERTICES: usize = 500_000;
+pub const MAX_VERTICES: usize = 500_000;
 
 impl Shape {
     /// True if the number of vertices can be chosen. It is fixed for the cube and the pyramid.
@@ -46,12 +46,12 @@ impl Shape {
 
     /// The fewest vertices that the shape can have.
     #[must_use]
-    pub const fn least_vertices(self) -> usize {
+    pub const fn min_vertices(self) -> usize {
         match self {
             Shape::Cube | Shape::Pyramid => 8,
-            Shape::Sphere => LEAST_SPHERE,
-            Shape::Torus => LEAST_TORUS,
-            Shape::Blob => LEAST_BLOB,
+            Shape::Sphere => MIN_SPHERE_VERTICES,
+            Shape::Torus => MIN_TORUS_VERTICES,
+            Shape::Blob => MIN_BLOB_VERTICES,
         }
     }
 }
@@ -60,10 +60,10 @@ impl Shape {
 /// the torus, whose triangles would otherwise be distorted; the cube and the pyramid always have 8.
 ///
 /// # Errors
-/// [`ShapeError`] if `vertices` is outside [`Shape::least_vertices`]…[`MOST_VERTICES`].
+/// [`ShapeError`] if `vertices` is outside [`Shape::min_vertices`]…[`MAX_VERTICES`].
 pub fn mesh(shape: Shape, vertices: usize) -> Result<Mesh, ShapeError> {
-    if shape.has_vertices() && !(shape.least_vertices()..=MOST_VERTICES).contains(&vertices) {
-        return Err(ShapeError { shape, vertices, least: shape.least_vertices() });
+    if shape.has_vertices() && !(shape.min_vertices()..=MAX_VERTICES).contains(&vertices) {
+        return Err(ShapeError { shape, vertices, least: shape.min_vertices() });
     }
     match shape {
         Shape::Cube => Ok(cube()),
@@ -112,10 +112,10 @@ fn solid(positions: &[DVec3], polygons: &Polygons) -> Mesh {
 }
 
 /// The fewest vertices of a sphere: an icosahedron.
-const LEAST_SPHERE: usize = 12;
+const MIN_SPHERE_VERTICES: usize = 12;
 
 /// The fewest vertices of a torus: four rows of three.
-const LEAST_TORUS: usize = 12;
+const MIN_TORUS_VERTICES: usize = 12;
 
 /// The radius of the torus's tube; its center line has the radius 1.
 const TUBE: f64 = 0.4;
@@ -228,7 +228,7 @@ fn closed(positions: &[DVec3], triangles: &[[u32; 3]]) -> Mesh {
 }
 
 /// The fewest vertices of a blob: a tetrahedron.
-const LEAST_BLOB: usize = 4;
+const MIN_BLOB_VERTICES: usize = 4;
 
 /// Returns `count` points spread evenly over the unit sphere: the i-th point is at z = 1 − (2i + 1)/`count`, rotated
 /// from the previous one by the golden angle.

@@ -4,7 +4,7 @@
 
 use super::{
     shade::{Correction, Shade},
-    strips::{Curve, NARROWEST, OTHERS, least, narrowed},
+    strips::{Curve, MIN_WIDTH, OTHERS, least, narrowed},
 };
 use crate::shading::{
     frame::Frame,
@@ -162,7 +162,7 @@ impl<T: Constant, const C: usize> Fans<T, C> {
 }
 
 /// The minimum |N| by which light is divided.
-const LEAST_NORMAL: f64 = 1e-3;
+const MIN_NORMAL_LENGTH: f64 = 1e-3;
 
 /// Bangay eq. 9 as printed: value/(|N| + (1−|N|)·I_n(t/b')), where |N| = `normal` is the length of Σ w_i·N_i and t is
 /// the smallest weight. It brightens only the strips, but including their ambient light. The divisor is at least 1e-3.
@@ -176,8 +176,8 @@ fn reweight_printed<N: Number, const C: usize>(
 ) -> [N; C] {
     let one = normal.of(1.0);
     let (t, width) = (least(w), narrowed(w, b));
-    let inside = N::select(t.below(width), step.value(t / width.max(one.of(NARROWEST))), one);
-    let factor = one / (normal + (one - normal) * inside).max(one.of(LEAST_NORMAL));
+    let inside = N::select(t.below(width), step.value(t / width.max(one.of(MIN_WIDTH))), one);
+    let factor = one / (normal + (one - normal) * inside).max(one.of(MIN_NORMAL_LENGTH));
     let mut light = value;
     for c in 0..C {
         light[c] = value[c] * factor;
@@ -188,7 +188,7 @@ fn reweight_printed<N: Number, const C: usize>(
 /// Repaired: I_amb + (value − I_amb)/max(|N|, 1e-3) over the whole triangle.
 #[inline(always)]
 fn reweight_repaired<N: Number, const C: usize>(value: [N; C], ambient: [N; C], normal: N) -> [N; C] {
-    let factor = normal.of(1.0) / normal.max(normal.of(LEAST_NORMAL));
+    let factor = normal.of(1.0) / normal.max(normal.of(MIN_NORMAL_LENGTH));
     let mut light = value;
     for c in 0..C {
         light[c] = ambient[c] + (value[c] - ambient[c]) * factor;

@@ -2,8 +2,8 @@
 //! the other's without overshoot.
 
 use super::{
-    gouraud::Spread,
-    strips::{Curve, OTHERS, ease},
+    gouraud::ShaderKernel,
+    strips::{Curve, OTHERS, smooth_clamp},
 };
 use crate::{
     light::Depth,
@@ -13,8 +13,8 @@ use crate::{
     },
 };
 
-/// L − Σ_k c_k·b'_k·Ψ_n(w_k/b'_k), where Ψ is [`Curve::rest`]. The light is C1 across edges. On an edge itself, it
-/// changes by −c·b'/2. b may be up to 1; n = 1 is best.
+/// L − Σ_k c_k·b'_k·Ψ_n(w_k/b'_k), where Ψ is [`Curve::remaining_integral`]. The light is C1 across edges. On an edge
+/// itself, it changes by −c·b'/2. b may be up to 1; n = 1 is best.
 ///
 /// The width of a strip is b' = `b·φ(σ/(b·m_B))·φ((1−σ)/(b·m_C))`. σ = w_C + w_A·s_A is the point's perpendicular
 /// projection onto the edge. The width therefore does not change perpendicular to the edge, and it falls below w_A
@@ -53,7 +53,7 @@ impl<T: Constant, const C: usize> Cut<T, C> {
     }
 }
 
-impl<T: Constant, const C: usize> Spread<T, C> for Cut<T, C> {
+impl<T: Constant, const C: usize> ShaderKernel<T, C> for Cut<T, C> {
     #[inline(always)]
     fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C] {
         let zero = w[0].of(0.0);
@@ -67,8 +67,9 @@ impl<T: Constant, const C: usize> Spread<T, C> for Cut<T, C> {
             let Edge { fall, foot, per_reach: [per_start, per_end] } = &self.edges[triangle][k];
             let over = w[k].times(*foot);
             let (from_start, from_end) = (w[j] + over, w[i] + w[k] - over);
-            let width = (ease(from_start.times(*per_start)) * ease(from_end.times(*per_end))).times(self.strip);
-            let corner = width * self.curve.rest(w[k] / width);
+            let width =
+                (smooth_clamp(from_start.times(*per_start)) * smooth_clamp(from_end.times(*per_end))).times(self.strip);
+            let corner = width * self.curve.remaining_integral(w[k] / width);
             light = plus(light, N::select(w[k].below(width), corner, zero), fall);
         }
         light

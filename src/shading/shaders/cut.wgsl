@@ -5,9 +5,9 @@
 fn cut_strip(c: vec3f, foot: f32, reach: vec2f, t: f32, others: vec2f, b: f32) -> vec3f {
     // The distance of the pixel's own foot from either end.
     let along = vec2f(others.y + t * foot, others.x + t * (1.0 - foot));
-    let width = b * ease(along.x / (b * reach.x)) * ease(along.y / (b * reach.y));
+    let width = b * smooth_clamp(along.x / (b * reach.x)) * smooth_clamp(along.y / (b * reach.y));
     if t < width {
-        return -c * (width * rest(t / width));
+        return -c * (width * remaining_integral(t / width));
     }
     return vec3f(0.0);
 }

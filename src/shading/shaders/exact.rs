@@ -1,8 +1,8 @@
 //! New in machband: Gouraud's light, with the slope across every edge matched to the neighbor's.
 
 use super::{
-    gouraud::Spread,
-    strips::{Curve, OTHERS, ease},
+    gouraud::ShaderKernel,
+    strips::{Curve, OTHERS, smooth_clamp},
 };
 use crate::{
     light::Depth,
@@ -36,7 +36,7 @@ impl<T: Constant, const C: usize> Exact<T, C> {
     }
 }
 
-impl<T: Constant, const C: usize> Spread<T, C> for Exact<T, C> {
+impl<T: Constant, const C: usize> ShaderKernel<T, C> for Exact<T, C> {
     #[inline(always)]
     fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C] {
         let (zero, one) = (w[0].of(0.0), w[0].of(1.0));
@@ -47,7 +47,8 @@ impl<T: Constant, const C: usize> Spread<T, C> for Exact<T, C> {
                 continue;
             }
             let (i, j) = OTHERS[k];
-            let narrowed = ease((one - w[i]).times(self.per_corner)) * ease((one - w[j]).times(self.per_corner));
+            let narrowed =
+                smooth_clamp((one - w[i]).times(self.per_corner)) * smooth_clamp((one - w[j]).times(self.per_corner));
             let width = narrowed.times(self.strip);
             let bump = w[k] * (one - self.curve.value(w[k] / width));
             // At a corner, two strips have zero width and zero weight.

@@ -3,8 +3,8 @@
 //! shader flattens the edges of linear fields, too.
 
 use super::{
-    gouraud::Spread,
-    strips::{Curve, NARROWEST, OTHERS, by_smallest, least, narrowed},
+    gouraud::ShaderKernel,
+    strips::{Curve, MIN_WIDTH, OTHERS, least, narrowed, select_by_smallest_weight},
 };
 use crate::{
     light::Depth,
@@ -51,7 +51,7 @@ impl<T: Constant, const C: usize> Fixed<T, C> {
         gouraud: [N; C],
         strip: impl Fn(usize) -> [N; C],
     ) -> [N; C] {
-        by_smallest(w, least(w).below(w[0].all(self.strip)), gouraud, strip)
+        select_by_smallest_weight(w, least(w).below(w[0].all(self.strip)), gouraud, strip)
     }
 
     /// Computes a point in the strip opposite corner `k`.
@@ -59,7 +59,7 @@ impl<T: Constant, const C: usize> Fixed<T, C> {
     pub(super) fn in_strip<N: Number<Constant = T>>(&self, triangle: usize, k: usize, w: [N; 3]) -> InStrip<N, C> {
         let (i, j) = OTHERS[k];
         let (lights, one) = (&self.lights[triangle], w[k].of(1.0));
-        let across = w[k] / narrowed(w, self.strip).max(w[k].of(NARROWEST));
+        let across = w[k] / narrowed(w, self.strip).max(w[k].of(MIN_WIDTH));
         let per_rest = one / (one - w[k]);
         let rise = w[k] * self.step.value(across);
         let (mut on_edge, mut light) = ([w[k]; C], [w[k]; C]);
@@ -71,7 +71,7 @@ impl<T: Constant, const C: usize> Fixed<T, C> {
     }
 }
 
-impl<T: Constant, const C: usize> Spread<T, C> for Fixed<T, C> {
+impl<T: Constant, const C: usize> ShaderKernel<T, C> for Fixed<T, C> {
     #[inline(always)]
     fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C] {
         self.in_strips(

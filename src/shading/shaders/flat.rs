@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::gouraud::Spread;
+use super::gouraud::ShaderKernel;
 use crate::shading::{
     frame::Frame,
     number::{Channels, Constant, Number},
@@ -26,7 +26,7 @@ pub fn light(frame: &Frame, triangle: usize) -> DVec3 {
     frame.lit((a + b + c) / 3.0, frame.triangles[triangle].normal)
 }
 
-impl<T: Constant, const C: usize> Spread<T, C> for Flat<T, C> {
+impl<T: Constant, const C: usize> ShaderKernel<T, C> for Flat<T, C> {
     #[inline(always)]
     fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], _: [N; C]) -> [N; C] {
         self.0[triangle].map(|light| w[0].all(light))

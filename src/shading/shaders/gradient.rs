@@ -1,7 +1,7 @@
 //! Bangay's second boundary shader, §4.2.1: it is intended to give the light at an edge a slope between the slopes of
 //! the two triangles.
 
-use super::{fixed::Fixed, gouraud::Spread, strips::OTHERS};
+use super::{fixed::Fixed, gouraud::ShaderKernel, strips::OTHERS};
 use crate::{
     light::Depth,
     shading::{
@@ -36,7 +36,7 @@ impl<T: Constant, const C: usize> Gradient<T, C> {
     pub fn new(frame: &Frame, channels: Channels, sign: Sign, b: f64, depth: Depth) -> Self {
         let apex = |across| match across {
             Across::Triangle { apex, .. } => Some(channels.pick(frame.vertices[apex as usize].light)),
-            Across::Nothing | Across::Several => None,
+            Across::Nothing | Across::NonManifold => None,
         };
         let apexes = frame.triangles.iter().map(|triangle| triangle.across.map(apex)).collect();
         Gradient { fixed: Fixed::new(frame, channels, b, depth), apexes, sign }
@@ -70,7 +70,7 @@ impl<T: Constant, const C: usize> Gradient<T, C> {
     }
 }
 
-impl<T: Constant, const C: usize> Spread<T, C> for Gradient<T, C> {
+impl<T: Constant, const C: usize> ShaderKernel<T, C> for Gradient<T, C> {
     #[inline(always)]
     fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C] {
         self.fixed.in_strips(

@@ -3,9 +3,9 @@
 
 use glam::DVec3;
 
-use super::{gouraud::Spread, strips::by_smallest};
+use super::{gouraud::ShaderKernel, strips::select_by_smallest_weight};
 use crate::shading::{
-    frame::{ControlPoints, Frame, Patches, third_of},
+    frame::{ControlPoints, Frame, Patches, sub_triangle_ordinates},
     number::{Channels, Constant, Number},
 };
 
@@ -27,7 +27,7 @@ impl<T: Constant, const C: usize> Patch<T, C> {
 
 fn thirds<T: Constant, const C: usize>(channels: Channels, points: &ControlPoints) -> [[Cubic<T>; C]; 3] {
     [0, 1, 2].map(|k| {
-        let powers = powers(third_of(points, k)).map(|power| channels.pick::<T, C>(power));
+        let powers = powers(sub_triangle_ordinates(points, k)).map(|power| channels.pick::<T, C>(power));
         std::array::from_fn(|c| powers.map(|power| power[c]))
     })
 }
@@ -51,12 +51,12 @@ fn powers(b: [DVec3; 10]) -> [DVec3; 10] {
     ]
 }
 
-impl<T: Constant, const C: usize> Spread<T, C> for Patch<T, C> {
+impl<T: Constant, const C: usize> ShaderKernel<T, C> for Patch<T, C> {
     #[inline(always)]
     fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C] {
         let everywhere = w[0].of(0.0).below(w[0].of(1.0));
         let thirds = &self.0[triangle];
-        by_smallest(
+        select_by_smallest_weight(
             w,
             everywhere,
             gouraud,

@@ -1,6 +1,6 @@
 //! Interpolates the normal and lights every pixel. Shoaff §3.4.
 
-use super::gouraud::Spread;
+use super::gouraud::ShaderKernel;
 use crate::{
     light::Transfers,
     shading::{
@@ -42,7 +42,7 @@ impl<T: Constant, const C: usize> Phong<T, C> {
     }
 }
 
-impl<T: Constant, const C: usize> Spread<T, C> for Phong<T, C> {
+impl<T: Constant, const C: usize> ShaderKernel<T, C> for Phong<T, C> {
     #[inline(always)]
     fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], _: [N; C]) -> [N; C] {
         let (zero, one) = (w[0].of(0.0), w[0].of(1.0));

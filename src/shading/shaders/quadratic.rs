@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::{gouraud::Spread, strips::OTHERS};
+use super::{gouraud::ShaderKernel, strips::OTHERS};
 use crate::shading::{
     frame::Frame,
     number::{Channels, Constant, Number, plus},
@@ -33,7 +33,7 @@ pub fn bulges(frame: &Frame, triangle: usize) -> [DVec3; 3] {
     })
 }
 
-impl<T: Constant, const C: usize> Spread<T, C> for Quadratic<T, C> {
+impl<T: Constant, const C: usize> ShaderKernel<T, C> for Quadratic<T, C> {
     #[inline(always)]
     fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C] {
         let mut light = gouraud;

@@ -12,11 +12,11 @@ use crate::{
 pub const OTHERS: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
 
 /// The width used for strips of zero width, to avoid dividing by zero.
-pub const NARROWEST: f64 = 1e-30;
+pub const MIN_WIDTH: f64 = 1e-30;
 
 /// φ(x) = x − x²/4 below x = 2, where it reaches 1 with slope 0; 1 beyond, and 0 for negative x. For x ≥ 0, φ(x) ≤ x.
 #[inline(always)]
-pub fn ease<N: Number>(x: N) -> N {
+pub fn smooth_clamp<N: Number>(x: N) -> N {
     let x = x.within(0.0, 2.0);
     x - x * x * x.of(0.25)
 }
@@ -38,7 +38,7 @@ pub fn narrowed<N: Number>(w: [N; 3], b: N::Constant) -> N {
 /// Returns `inside(k)` where `wanted` is true and corner k has the smallest weight (the first of equal weights), and
 /// `outside` elsewhere.
 #[inline(always)]
-pub fn by_smallest<N: Number, const C: usize>(
+pub fn select_by_smallest_weight<N: Number, const C: usize>(
     w: [N; 3],
     wanted: N::Mask,
     outside: [N; C],
@@ -133,7 +133,7 @@ impl<T: Constant> Curve<T> {
     /// cosh.
     #[must_use]
     #[inline(always)]
-    pub fn rest<N: Number<Constant = T>>(&self, u: N) -> N {
+    pub fn remaining_integral<N: Number<Constant = T>>(&self, u: N) -> N {
         match self {
             Curve::Finite { n: 1, .. } => {
                 let v = (u.of(1.0) - u).within(0.0, 1.0);
@@ -144,7 +144,7 @@ impl<T: Constant> Curve<T> {
                 (v - v.of(0.5)) * self.value(v) + power(v * (v.of(1.0) - v), *n).times(*hump)
             }
             Curve::Printed(interpolation) | Curve::Stretched(interpolation) => {
-                each(u, |u| stretched_rest(interpolation, u))
+                each(u, |u| stretched_remaining_integral(interpolation, u))
             }
         }
     }
@@ -167,7 +167,7 @@ fn stretched(interpolation: &Interpolation, u: f64) -> f64 {
     }
 }
 
-fn stretched_rest(interpolation: &Interpolation, u: f64) -> f64 {
+fn stretched_remaining_integral(interpolation: &Interpolation, u: f64) -> f64 {
     let v = 1.0 - u.clamp(0.0, 1.0);
     // ∫ T = ln(1 + e^(2k(v−½)))/2k
     let primitive = |v: f64| (2.0 * TANH_K * (v - 0.5)).exp().ln_1p() / (2.0 * TANH_K);

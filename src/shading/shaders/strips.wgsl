@@ -4,7 +4,7 @@
 // the width.
 
 // φ(x) = x − x²/4 for 0 ≤ x ≤ 2; 1 above 2, and 0 for negative x.
-fn ease(x: f32) -> f32 {
+fn smooth_clamp(x: f32) -> f32 {
     let y = clamp(x, 0.0, 2.0);
     return y - 0.25 * y * y;
 }
@@ -67,7 +67,7 @@ fn blend(u: f32) -> f32 {
 }
 
 // Ψ_n(u) = ∫_u^1 (1 − I_n) for u ≥ 0; 0 for u ≥ 1.
-fn rest(u: f32) -> f32 {
+fn remaining_integral(u: f32) -> f32 {
     let v = clamp(1.0 - u, 0.0, 1.0);
     if DEPTH == 0u {
         let residual = lower_half(0.0);

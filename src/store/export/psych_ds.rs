@@ -9,7 +9,7 @@ use crate::{
     store::{
         StoreError,
         dataset::{DATA_FILE, DESCRIPTION, SIDECAR_SUFFIX, describe},
-        fault::io,
+        error::io,
         file::{make_folder, write_file},
         frames,
         recorded::Recorded,
@@ -68,7 +68,7 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreEr
 
 /// Removes an incomplete last row, and the seal, which is then no longer valid.
 fn tidy(session: &Recorded, data: &Path) -> Result<(), StoreError> {
-    if session.torn.is_none() {
+    if session.partial_line.is_none() {
         return Ok(());
     }
     let stem = session.stem();

@@ -8,8 +8,8 @@ use std::{
 use rayon::{iter::Either, prelude::*};
 
 use crate::{
-    experiment::{columns, name_fault},
-    store::{FileFault, FileFaults, recorded::Recorded, table::is_formula},
+    experiment::{columns, name_error},
+    store::{FileError, FileErrors, recorded::Recorded, table::is_formula},
 };
 
 /// An experiment with all its sessions.
@@ -34,23 +34,23 @@ pub(super) fn dataset(csv: &Path) -> Option<&Path> {
 }
 
 /// Reads all sessions, or reports all their errors.
-pub(super) fn read(files: &[PathBuf]) -> Result<Vec<Recorded>, FileFaults> {
-    let (sessions, faults): (Vec<_>, Vec<_>) = files.par_iter().partition_map(|csv| match Recorded::open(csv) {
-        Ok(session) => match faults(&session) {
-            faults if faults.is_empty() => Either::Left(session),
-            faults => Either::Right(faults),
+pub(super) fn read(files: &[PathBuf]) -> Result<Vec<Recorded>, FileErrors> {
+    let (sessions, errors): (Vec<_>, Vec<_>) = files.par_iter().partition_map(|csv| match Recorded::open(csv) {
+        Ok(session) => match errors(&session) {
+            errors if errors.is_empty() => Either::Left(session),
+            errors => Either::Right(errors),
         },
-        Err(error) => Either::Right(error.faults(csv)),
+        Err(error) => Either::Right(error.errors(csv)),
     });
-    FileFaults::none(faults.concat())?;
+    FileErrors::none(errors.concat())?;
     Ok(sessions)
 }
 
 /// Returns the reasons why a readable session must not be exported.
-fn faults(session: &Recorded) -> Vec<FileFault> {
+fn errors(session: &Recorded) -> Vec<FileError> {
     // The experiment's name becomes a folder name, and a sidecar may contain any text.
-    let name = name_fault(&session.protocol.name).map(|message| FileFault::whole(&session.sidecar_path, message));
-    let mut faults: Vec<FileFault> = name.into_iter().chain(session.row_faults()).collect();
+    let name = name_error(&session.protocol.name).map(|message| FileError::whole(&session.sidecar_path, message));
+    let mut errors: Vec<FileError> = name.into_iter().chain(session.row_errors()).collect();
     let columns = columns(&session.protocol);
     for (row, line) in session.rows.iter().zip(2..) {
         for (cell, column) in row.cells().iter().zip(&columns).filter(|(cell, _)| is_formula(cell)) {
@@ -58,22 +58,22 @@ fn faults(session: &Recorded) -> Vec<FileFault> {
                 "{} is {cell:?}, which spreadsheets treat as a formula; expected text that begins with another character",
                 column.name
             );
-            faults.push(FileFault::at(&session.csv, (line, 1), message));
+            errors.push(FileError::at(&session.csv, (line, 1), message));
         }
     }
-    faults
+    errors
 }
 
 /// Notes every incomplete session, and excludes it if requested.
 pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &mut Vec<String>) -> Vec<Recorded> {
     sessions.retain(|session| {
         let (rated, planned) = session.rated();
-        if rated == planned && session.torn.is_none() {
+        if rated == planned && session.partial_line.is_none() {
             return true;
         }
-        let torn = if session.torn.is_some() { ", and the last row is incomplete" } else { "" };
+        let partial_line = if session.partial_line.is_some() { ", and the last row is incomplete" } else { "" };
         let done = if complete_only { "the session is excluded" } else { "its complete rows are exported" };
-        notes.push(format!("{}: {rated} of {planned} trials are rated{torn}; {done}", session.csv.display()));
+        notes.push(format!("{}: {rated} of {planned} trials are rated{partial_line}; {done}", session.csv.display()));
         !complete_only
     });
     sessions
@@ -84,10 +84,10 @@ pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &m
 /// # Errors
 /// Two sessions would have the same path: because their names are the same, because the file system ignores case, or
 /// because task names lose their hyphens.
-pub(super) fn by_experiment(sessions: Vec<Recorded>) -> Result<Vec<Experiment>, FileFaults> {
+pub(super) fn by_experiment(sessions: Vec<Recorded>) -> Result<Vec<Experiment>, FileErrors> {
     let mut places: BTreeMap<String, &Recorded> = BTreeMap::new();
     let mut subjects: BTreeMap<String, &str> = BTreeMap::new();
-    let mut faults = Vec::new();
+    let mut errors = Vec::new();
     for session in &sessions {
         let (subject, id) = (session.identity.subject(), session.identity.session());
         let known = subjects.entry(subject.to_ascii_lowercase()).or_insert(subject);
@@ -95,7 +95,7 @@ pub(super) fn by_experiment(sessions: Vec<Recorded>) -> Result<Vec<Experiment>, 
             let message = format!(
                 "participant IDs {subject} and {known} differ only in case; expected IDs that differ in more than case"
             );
-            faults.push(FileFault::whole(&session.csv, message));
+            errors.push(FileError::whole(&session.csv, message));
         }
         let place = format!("{}/{subject}/{id}", session.protocol.task()).to_ascii_lowercase();
         if let Some(other) = places.insert(place, session) {
@@ -103,10 +103,10 @@ pub(super) fn by_experiment(sessions: Vec<Recorded>) -> Result<Vec<Experiment>, 
                 "is the same session of the same task as {}; expected each session once, and experiment names that differ in more than hyphens",
                 other.csv.display()
             );
-            faults.push(FileFault::whole(&session.csv, message));
+            errors.push(FileError::whole(&session.csv, message));
         }
     }
-    FileFaults::none(faults)?;
+    FileErrors::none(errors)?;
     let mut experiments: BTreeMap<String, Vec<Recorded>> = BTreeMap::new();
     for session in sessions {
         experiments.entry(session.protocol.name.clone()).or_default().push(session);

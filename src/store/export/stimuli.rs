@@ -14,11 +14,11 @@ use crate::{
     experiment::{Condition, Protocol, TrialRecord},
     stimulus::recipe::Recipe,
     store::{
-        FileFaults, StoreError,
+        FileErrors, StoreError,
         file::make_folder,
         image,
         recorded::Recorded,
-        verify::{Renderer, picture_faults},
+        verify::{Renderer, picture_errors},
     },
 };
 
@@ -50,7 +50,7 @@ pub(super) fn write(
 ) -> Result<(Stimuli, usize), StoreError> {
     let sessions = || experiments.iter().flat_map(|experiment| &experiment.sessions);
     let mut renderer = Renderer::default();
-    FileFaults::none(sessions().flat_map(|session| picture_faults(session, &mut renderer)).collect())?;
+    FileErrors::none(sessions().flat_map(|session| picture_errors(session, &mut renderer)).collect())?;
     // Identical pictures share one file.
     let (mut names, mut files) = (HashMap::<String, String>::new(), BTreeMap::new());
     let (mut shown, mut proved) = (HashMap::new(), HashSet::new());

@@ -8,7 +8,7 @@ use std::{
 };
 
 use super::{bids, psych_ds, sessions};
-use crate::store::{FileFaults, StoreError, fault::io, file::make_folder, ratings};
+use crate::store::{FileErrors, StoreError, error::io, file::make_folder, ratings};
 
 /// Format of an export.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -46,7 +46,7 @@ pub fn export(from: &Path, to: &Path, format: Format, complete_only: bool) -> Re
     let sessions = sessions::read(&files)?;
     let sessions = sessions::chosen(sessions, complete_only, &mut exported.notes);
     if sessions.is_empty() {
-        return Err(FileFaults::whole(from, "has no complete session; expected one, or omit --complete-only").into());
+        return Err(FileErrors::whole(from, "has no complete session; expected one, or omit --complete-only").into());
     }
     (exported.sessions, exported.rows) = (sessions.len(), sessions.iter().map(|session| session.rows.len()).sum());
     let experiments = sessions::by_experiment(sessions)?;
@@ -65,19 +65,19 @@ pub fn export(from: &Path, to: &Path, format: Format, complete_only: bool) -> Re
 
 /// Returns the full path of the folder to write; an error if it is not empty or is inside the data.
 fn target(from: &Path, to: &Path, files: &[PathBuf]) -> Result<PathBuf, StoreError> {
-    let fault = |message: &str| FileFaults::whole(to, message);
+    let error = |message: &str| FileErrors::whole(to, message);
     let refused = |error| io(to, "read")(error);
     if to.exists() && !to.is_dir() {
-        return Err(fault("is a file; expected a new or empty folder").into());
+        return Err(error("is a file; expected a new or empty folder").into());
     }
     if to.exists() && fs::read_dir(to).map_err(refused)?.next().is_some() {
-        return Err(fault("is not empty; expected a new or empty folder").into());
+        return Err(error("is not empty; expected a new or empty folder").into());
     }
     let full = full_path(to).map_err(refused)?;
     for folder in files.iter().filter_map(|csv| sessions::dataset(csv)).chain([from]) {
         if full.starts_with(full_path(folder).map_err(refused)?) {
             let message = format!("is inside {}; expected a folder outside the data", folder.display());
-            return Err(fault(&message).into());
+            return Err(error(&message).into());
         }
     }
     Ok(full)
@@ -97,7 +97,7 @@ fn full_path(path: &Path) -> std::io::Result<PathBuf> {
 /// Fills a temporary folder next to `to`, and renames it to `to` when it is complete.
 fn into_folder(to: &Path, fill: impl FnOnce(&Path) -> Result<(), StoreError>) -> Result<(), StoreError> {
     let (Some(parent), Some(name)) = (to.parent(), to.file_name()) else {
-        return Err(FileFaults::whole(to, "cannot be created as a folder; expected a different path").into());
+        return Err(FileErrors::whole(to, "cannot be created as a folder; expected a different path").into());
     };
     make_folder(parent)?;
     let prefix = format!(".{}.", name.to_string_lossy());

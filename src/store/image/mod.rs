@@ -5,5 +5,5 @@ mod read;
 mod write;
 
 pub(super) use read::recipe_text;
-pub use read::{ReadBack, parse_light, prove, prove_content, read, read_light};
+pub use read::{ReadBack, parse_light, read, read_light, verify, verify_content};
 pub use write::{describe, hash, write_codes, write_halftone, write_recipe, write_reduced, write_shaded};

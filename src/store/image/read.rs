@@ -16,22 +16,22 @@ use crate::{
         halftone::{Halftone, Screen},
         palette::{Reduction, reduce},
     },
-    stimulus::recipe::{Recipe, SIZE_MAX},
-    store::{FileFaults, file::read_bytes},
+    stimulus::recipe::{MAX_SIZE, Recipe},
+    store::{FileErrors, file::read_bytes},
 };
 
 /// Maximum side length of an image that is read as light, in pixels.
-const SIDE_MAX: u32 = 8192;
+const MAX_SIDE: u32 = 8192;
 /// Maximum file size in bytes; more than the largest stimulus needs without compression.
-const FILE_MAX: u64 = 2 << 30;
+const MAX_FILE: u64 = 2 << 30;
 /// Maximum number of bytes that one byte of PNG data can expand to; DEFLATE reaches 1032.
-const EXPANSION_MAX: usize = 1040;
+const MAX_EXPANSION: usize = 1040;
 
 /// Reads any PNG (gray, color or palette) as the light that a screen with these transfer functions emits.
 ///
 /// # Errors
 /// The file is not readable, not a complete PNG, too large, or has an alpha channel, whose background is unknown.
-pub fn read_light(path: &Path, transfers: &Transfers) -> Result<LinearImage, FileFaults> {
+pub fn read_light(path: &Path, transfers: &Transfers) -> Result<LinearImage, FileErrors> {
     parse_light(&path.display().to_string(), &content(path)?, transfers)
 }
 
@@ -39,8 +39,8 @@ pub fn read_light(path: &Path, transfers: &Transfers) -> Result<LinearImage, Fil
 ///
 /// # Errors
 /// The same as for [`read_light`].
-pub fn parse_light(name: &str, content: &[u8], transfers: &Transfers) -> Result<LinearImage, FileFaults> {
-    let (image, _) = decode(name, content, |_| SIDE_MAX)?;
+pub fn parse_light(name: &str, content: &[u8], transfers: &Transfers) -> Result<LinearImage, FileErrors> {
+    let (image, _) = decode(name, content, |_| MAX_SIDE)?;
     let encoded: Vec<f64> = match &image.samples {
         Samples::Eight(codes) => codes.iter().map(|code| f64::from(*code) / 255.0).collect(),
         Samples::Sixteen(codes) => codes.iter().map(|code| f64::from(*code) / 65535.0).collect(),
@@ -51,8 +51,8 @@ pub fn parse_light(name: &str, content: &[u8], transfers: &Transfers) -> Result<
 }
 
 /// Reads the content of an image file.
-fn content(path: &Path) -> Result<Vec<u8>, FileFaults> {
-    read_bytes(path, FILE_MAX, "an image")
+fn content(path: &Path) -> Result<Vec<u8>, FileErrors> {
+    read_bytes(path, MAX_FILE, "an image")
 }
 
 /// Decodes an opaque PNG into its codes and its other chunks. `side_max` returns the largest allowed side length.
@@ -60,8 +60,8 @@ fn decode(
     name: &str,
     content: &[u8],
     side_max: impl Fn(&Info<'_>) -> u32,
-) -> Result<(CodeImage, Info<'static>), FileFaults> {
-    let fail = |message: String| FileFaults::whole(name, message);
+) -> Result<(CodeImage, Info<'static>), FileErrors> {
+    let fail = |message: String| FileErrors::whole(name, message);
     let broken = |error: DecodingError| fail(format!("is not a complete PNG: {error}; expected an image"));
     let mut decoder = Decoder::new_with_limits(Cursor::new(content), Limits { bytes: 512 << 20 });
     decoder.set_transformations(Transformations::EXPAND);
@@ -82,7 +82,7 @@ fn decode(
         }
     };
     // Without this check, a small file that claims to contain a huge image would exhaust the memory.
-    let size = reader.output_buffer_size().filter(|size| *size <= content.len().saturating_mul(EXPANSION_MAX));
+    let size = reader.output_buffer_size().filter(|size| *size <= content.len().saturating_mul(MAX_EXPANSION));
     let Some(size) = size else {
         return Err(fail(format!("is too short for {width} × {height} pixels; expected a complete PNG")));
     };
@@ -127,13 +127,13 @@ pub(crate) fn recipe_text(path: &Path) -> Option<String> {
 ///
 /// # Errors
 /// The file is not readable, is not a PNG from this program, or is too large.
-pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
+pub fn read(path: &Path) -> Result<ReadBack, FileErrors> {
     parse(&path.display().to_string(), &content(path)?)
 }
 
-fn parse(name: &str, content: &[u8]) -> Result<ReadBack, FileFaults> {
-    let fail = |message: String| FileFaults::whole(name, message);
-    let side_max = |info: &Info<'_>| if text(info, HALFTONE_KEYWORD).is_some() { 16 * SIZE_MAX } else { SIZE_MAX };
+fn parse(name: &str, content: &[u8]) -> Result<ReadBack, FileErrors> {
+    let fail = |message: String| FileErrors::whole(name, message);
+    let side_max = |info: &Info<'_>| if text(info, HALFTONE_KEYWORD).is_some() { 16 * MAX_SIZE } else { MAX_SIZE };
     let (image, info) = decode(name, content, side_max)?;
     if let Some(parameters) = text(&info, SHADED_KEYWORD) {
         return Err(fail(format!(
@@ -144,9 +144,9 @@ fn parse(name: &str, content: &[u8]) -> Result<ReadBack, FileFaults> {
         .ok_or_else(|| fail("has no text chunk `machband`; expected an image that machband wrote".to_owned()))?;
     let recipe: Recipe = serde_json::from_str(&recipe)
         .map_err(|error| fail(format!("its text chunk `machband` cannot be read: {error}; expected a recipe")))?;
-    if let Err(faults) = recipe.stimulus.validate() {
-        let faults: Vec<_> = faults.iter().map(ToString::to_string).collect();
-        return Err(fail(faults.join("; ")));
+    if let Err(errors) = recipe.stimulus.validate() {
+        let errors: Vec<_> = errors.iter().map(ToString::to_string).collect();
+        return Err(fail(errors.join("; ")));
     }
     let reduction = parsed(&info, PALETTE_KEYWORD).map_err(fail)?;
     let halftone = parsed(&info, HALFTONE_KEYWORD).map_err(fail)?;
@@ -162,20 +162,20 @@ fn parsed<T: FromStr<Err: std::fmt::Display>>(info: &Info<'_>, keyword: &str) ->
 ///
 /// # Errors
 /// The same as for [`read`]; or the image differs, with the number of differing pixels and the first of them.
-pub fn prove(path: &Path) -> Result<String, FileFaults> {
-    prove_content(&path.display().to_string(), &content(path)?)
+pub fn verify(path: &Path) -> Result<String, FileErrors> {
+    verify_content(&path.display().to_string(), &content(path)?)
 }
 
-/// The same as [`prove`], for the content of an image; `name` identifies it in messages.
+/// The same as [`verify`], for the content of an image; `name` identifies it in messages.
 ///
 /// # Errors
-/// The same as for [`prove`].
-pub fn prove_content(name: &str, content: &[u8]) -> Result<String, FileFaults> {
+/// The same as for [`verify`].
+pub fn verify_content(name: &str, content: &[u8]) -> Result<String, FileErrors> {
     let read = parse(name, content)?;
     let (image, recipe) = (&read.image, &read.recipe);
-    let fail = |message: String| FileFaults::whole(name, message);
-    if recipe.size == 0 || recipe.size > SIZE_MAX {
-        return Err(fail(format!("its recipe specifies {} pixels per side; expected 1…{SIZE_MAX}", recipe.size)));
+    let fail = |message: String| FileErrors::whole(name, message);
+    if recipe.size == 0 || recipe.size > MAX_SIZE {
+        return Err(fail(format!("its recipe specifies {} pixels per side; expected 1…{MAX_SIZE}", recipe.size)));
     }
     let side = recipe.size * read.halftone.map_or(1, |screen| screen.matrix.size());
     if (image.width, image.height) != (side, side) {

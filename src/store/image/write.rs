@@ -11,7 +11,7 @@ use crate::{
     stimulus::recipe::Recipe,
     store::{
         StoreError,
-        fault::io,
+        error::io,
         file::{sha256, write_whole},
     },
 };

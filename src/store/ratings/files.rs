@@ -9,7 +9,7 @@ use std::{
 };
 
 use crate::store::{
-    FileFault, FileFaults,
+    FileError, FileErrors,
     dataset::DATA_FILE,
     frames,
     table::{Content, each_row},
@@ -17,23 +17,23 @@ use crate::store::{
 
 /// Returns the files to read, without duplicates and in the given order. The files of a folder are in natural order of
 /// their paths.
-pub(super) fn files(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileFault>) {
-    let (mut found, mut faults) = (Vec::new(), Vec::new());
+pub(super) fn files(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileError>) {
+    let (mut found, mut errors) = (Vec::new(), Vec::new());
     let mut seen = HashSet::new();
     for path in paths {
         match std::fs::metadata(path) {
             Ok(metadata) if metadata.is_dir() => match folder(path) {
                 Ok(files) if files.is_empty() => {
-                    faults.push(FileFault::whole(path, "contains no CSV files; expected a folder of result files"));
+                    errors.push(FileError::whole(path, "contains no CSV files; expected a folder of result files"));
                 }
                 Ok(files) => found.extend(files),
-                Err(message) => faults.push(FileFault::whole(path, message)),
+                Err(message) => errors.push(FileError::whole(path, message)),
             },
             // A pattern such as `data/*.csv` matches the frames files along with the data files.
             Ok(_) if has_suffix(path, frames::SUFFIX) => {}
             Ok(_) => found.push(path.clone()),
             Err(error) => {
-                faults.push(FileFault::whole(
+                errors.push(FileError::whole(
                     path,
                     format!("cannot be opened: {error}; expected a CSV file or a folder of CSV files"),
                 ));
@@ -41,18 +41,18 @@ pub(super) fn files(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileFault>) {
         }
     }
     found.retain(|path| seen.insert(path.canonicalize().unwrap_or_else(|_| path.clone())));
-    (found, faults)
+    (found, errors)
 }
 
 /// Returns the data files of all sessions in a folder and its subfolders, in natural order of their paths.
 ///
 /// # Errors
 /// The folder cannot be read, or it contains no data files.
-pub fn data_files(root: &Path) -> Result<Vec<PathBuf>, FileFaults> {
-    let mut files = folder(root).map_err(|message| FileFaults::whole(root, message))?;
+pub fn data_files(root: &Path) -> Result<Vec<PathBuf>, FileErrors> {
+    let mut files = folder(root).map_err(|message| FileErrors::whole(root, message))?;
     files.retain(|path| has_suffix(path, DATA_FILE));
     if files.is_empty() {
-        return Err(FileFaults::whole(root, "contains no session data files; expected a results folder"));
+        return Err(FileErrors::whole(root, "contains no session data files; expected a results folder"));
     }
     Ok(files)
 }
@@ -134,9 +134,9 @@ impl Header {
     ///
     /// # Errors
     /// The file is not readable, is empty, or is not UTF-8 text.
-    pub fn read(path: &Path) -> Result<Self, FileFault> {
+    pub fn read(path: &Path) -> Result<Self, FileError> {
         let unreadable = |error: std::io::Error| {
-            FileFault::whole(path, format!("cannot be read: {error}; expected a readable CSV file"))
+            FileError::whole(path, format!("cannot be read: {error}; expected a readable CSV file"))
         };
         let metadata = std::fs::metadata(path).map_err(unreadable)?;
         let mut file = File::open(path).map_err(unreadable)?;
@@ -155,29 +155,29 @@ impl Header {
             }
             (header.size, header.memory) = (all.len() as u64, Some(all));
         }
-        header.parse(&head).map_err(|(column, message)| FileFault::at(path, (1, column), message))?;
+        header.parse(&head).map_err(|(column, message)| FileError::at(path, (1, column), message))?;
         Ok(header)
     }
 
     fn parse(&mut self, head: &[u8]) -> Result<(), (usize, String)> {
-        let fault = |message: &str| Err((1, message.to_owned()));
+        let error = |message: &str| Err((1, message.to_owned()));
         if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) {
-            return fault("is UTF-16 text; expected CSV in UTF-8");
+            return error("is UTF-16 text; expected CSV in UTF-8");
         }
         let text = head.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(head);
         if text.iter().all(u8::is_ascii_whitespace) {
-            return fault("the file is empty; expected a header row");
+            return error("the file is empty; expected a header row");
         }
         let line = text.split(|byte| matches!(byte, b'\r' | b'\n')).find(|line| !line.is_empty()).unwrap_or_default();
         if line.contains(&0) {
-            return fault("is not a CSV file: its first line contains zero bytes; expected a header row");
+            return error("is not a CSV file: its first line contains zero bytes; expected a header row");
         }
         if let Err(error) = std::str::from_utf8(line) {
             let column = String::from_utf8_lossy(&line[..error.valid_up_to()]).chars().count() + 1;
             return Err((column, "the header is not UTF-8 text; expected CSV in UTF-8".to_owned()));
         }
         if line.len() as u64 + 3 >= MAX_HEAD {
-            return fault("the first row is longer than 65,000 bytes; expected a header row");
+            return error("the first row is longer than 65,000 bytes; expected a header row");
         }
         self.separator = separator(line);
         let mut rows = Vec::new();

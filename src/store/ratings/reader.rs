@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::{
     files::{self, natural},
-    row::{self, Cells, RowFault, is_rating},
+    row::{self, Cells, RowError, is_rating},
     selection::{Input, RecordColumns, Selection},
     source::{FileRead, ReadOptions, SessionRead, Shape, Source},
     trials::{Identity, Status, Trial, Trials},
@@ -18,8 +18,8 @@ use super::{
 use crate::{
     experiment::RatingRow,
     store::{
-        FileFault, FileFaults, dataset,
-        fault::RowFaults,
+        FileError, FileErrors, dataset,
+        error::RowErrors,
         file,
         table::{self, Row},
     },
@@ -33,33 +33,33 @@ const MAX_HASHED: u64 = 64 << 20;
 /// rating, and the row is excluded.
 ///
 /// # Errors
-/// The reason why there is nothing to analyze. If only part of the input has errors, they are in [`Source::faults`],
+/// The reason why there is nothing to analyze. If only part of the input has errors, they are in [`Source::errors`],
 /// and the rest is read.
 pub fn read<T: Send>(
     paths: &[PathBuf],
     options: &ReadOptions,
     new: impl Fn(&Shape) -> T + Sync,
     add: impl Fn(&mut T, &RatingRow<'_>) -> Result<(), String> + Sync,
-) -> Result<(Source, Vec<T>), FileFaults> {
-    let (files, mut faults) = files::files(paths);
+) -> Result<(Source, Vec<T>), FileErrors> {
+    let (files, mut errors) = files::files(paths);
     let opened: Vec<_> = files.par_iter().map(|path| Input::new(path, options)).collect();
     let mut inputs = Vec::new();
     for found in opened {
         match found {
             Ok((file, found)) => {
                 inputs.push(file);
-                faults.extend(found);
+                errors.extend(found);
             }
-            Err(fault) => faults.push(fault),
+            Err(error) => errors.push(error),
         }
     }
     let (selection, found) = Selection::new(inputs, options);
-    faults.extend(found);
+    errors.extend(found);
     let Some(selection) = selection else {
-        if faults.is_empty() {
-            faults.push(FileFault::whole(".", "no files were given; expected result files or folders".to_owned()));
+        if errors.is_empty() {
+            errors.push(FileError::whole(".", "no files were given; expected result files or folders".to_owned()));
         }
-        return Err(in_order(faults, &files));
+        return Err(in_order(errors, &files));
     };
     let trials = trials(&selection);
     let sessions = sessions(&selection, &trials);
@@ -67,7 +67,7 @@ pub fn read<T: Send>(
         .filter(|session| options.complete_only && session.is_unfinished())
         .map(|session| (session.subject.as_str(), session.session.as_str()))
         .collect();
-    let read: Vec<(T, FileRead, Vec<FileFault>)> = (selection.inputs.par_iter().enumerate())
+    let read: Vec<(T, FileRead, Vec<FileError>)> = (selection.inputs.par_iter().enumerate())
         .map(|(file, input)| {
             let mut reader = FileReader {
                 selection: &selection,
@@ -76,30 +76,30 @@ pub fn read<T: Send>(
                 file,
                 input,
                 read: FileRead { path: input.path.clone(), layout: input.layout, ..FileRead::default() },
-                faults: RowFaults::default(),
+                errors: RowErrors::default(),
                 repeated: HashSet::new(),
                 recent: 0,
                 elsewhere: (0, 0),
             };
             let mut found = new(&selection.shape);
             let read = each_row(input, |row, cells| reader.take(row, cells, |rating| add(&mut found, rating)));
-            let (read, faults) = reader.finish(read.err());
-            (found, read, faults)
+            let (read, errors) = reader.finish(read.err());
+            (found, read, errors)
         })
         .collect();
     let (mut found, mut reports) = (Vec::new(), Vec::new());
     for (one, report, wrong) in read {
         found.push(one);
         reports.push(report);
-        faults.extend(wrong);
+        errors.extend(wrong);
     }
     if reports.iter().all(|report| report.ratings == 0) {
-        faults.push(nothing(&reports));
-        return Err(in_order(faults, &files));
+        errors.push(nothing(&reports));
+        return Err(in_order(errors, &files));
     }
-    let faults = in_order(faults, &files).0;
+    let errors = in_order(errors, &files).0;
     let Selection { shape, protocol, definition_sha256, .. } = selection;
-    Ok((Source { shape, protocol, definition_sha256, files: reports, sessions, faults }, found))
+    Ok((Source { shape, protocol, definition_sha256, files: reports, sessions, errors }, found))
 }
 
 /// Reads the rows of all result files to determine which of them count. Errors are reported later, when the rows are
@@ -127,7 +127,7 @@ fn trials(selection: &Selection) -> Trials {
 }
 
 /// Calls `take` with every row below the header, along with its cells or the error in them.
-fn each_row(input: &Input, mut take: impl FnMut(&Row<'_>, Result<Cells<'_>, RowFault>)) -> std::io::Result<()> {
+fn each_row(input: &Input, mut take: impl FnMut(&Row<'_>, Result<Cells<'_>, RowError>)) -> std::io::Result<()> {
     let (header, mut is_header) = (&input.header, true);
     table::each_row(header.content(&input.path), header.separator, |row| {
         if !std::mem::take(&mut is_header) {
@@ -175,7 +175,7 @@ struct FileReader<'a> {
     file: usize,
     input: &'a Input,
     read: FileRead,
-    faults: RowFaults,
+    errors: RowErrors,
     /// Trials that occur twice in the file, with their session, once their first row has been read.
     repeated: HashSet<(usize, Trial)>,
     /// The session of the previous row.
@@ -188,7 +188,7 @@ impl FileReader<'_> {
     fn take(
         &mut self,
         row: &Row<'_>,
-        cells: Result<Cells<'_>, RowFault>,
+        cells: Result<Cells<'_>, RowError>,
         add: impl FnMut(&RatingRow<'_>) -> Result<(), String>,
     ) {
         self.read.rows += 1;
@@ -197,18 +197,18 @@ impl FileReader<'_> {
                 self.read.counted += 1;
                 self.read.ratings += count;
             }
-            Err(Some(fault)) => {
-                self.read.faulty += 1;
-                self.fault(row, fault);
+            Err(Some(error)) => {
+                self.read.erroneous += 1;
+                self.error(row, error);
             }
             Err(None) => {}
         }
     }
 
-    fn fault(&mut self, row: &Row<'_>, fault: RowFault) {
-        let fault = torn(row, &fault).unwrap_or(fault);
-        let cell = fault.cell.or(row.text().err()).unwrap_or(0);
-        self.faults.add(&self.input.name, fault.cell, fault.message, || row.place(cell));
+    fn error(&mut self, row: &Row<'_>, error: RowError) {
+        let error = partial_row(row, &error).unwrap_or(error);
+        let cell = error.cell.or(row.text().err()).unwrap_or(0);
+        self.errors.add(&self.input.name, error.cell, error.message, || row.place(cell));
     }
 
     /// Calls `add` for a row that counts, and returns how many trials the row represents.
@@ -220,7 +220,7 @@ impl FileReader<'_> {
         row: &Row<'_>,
         cells: &Cells<'_>,
         mut add: impl FnMut(&RatingRow<'_>) -> Result<(), String>,
-    ) -> Result<u64, Option<RowFault>> {
+    ) -> Result<u64, Option<RowError>> {
         let (input, own_scale) = (self.input, self.selection.own_scale);
         let columns = &input.columns;
         if let Some(own) = &columns.record {
@@ -232,16 +232,16 @@ impl FileReader<'_> {
         let rating = row::rating(cells, columns, own_scale)?;
         let count = row::count(cells, columns)?;
         // An unreadable position or time is an error, but the rating still counts.
-        let place = row::place(cells, columns).unwrap_or_else(|fault| self.unread(row, fault));
-        let response_time_s = row::response_time(cells, columns).unwrap_or_else(|fault| self.unread(row, fault));
+        let place = row::place(cells, columns).unwrap_or_else(|error| self.unread(row, error));
+        let response_time_s = row::response_time(cells, columns).unwrap_or_else(|error| self.unread(row, error));
         let values: Vec<&str> = columns.factors.iter().map(|&column| cells.optional(column)).collect();
         add(&RatingRow { subject, values: &values, rating, count, place, response_time_s })
-            .map_err(|message| RowFault { cell: Some(columns.response), message })?;
+            .map_err(|message| RowError { cell: Some(columns.response), message })?;
         Ok(count)
     }
 
-    fn unread<T>(&mut self, row: &Row<'_>, fault: RowFault) -> Option<T> {
-        self.fault(row, fault);
+    fn unread<T>(&mut self, row: &Row<'_>, error: RowError) -> Option<T> {
+        self.error(row, error);
         None
     }
 
@@ -249,7 +249,7 @@ impl FileReader<'_> {
     ///
     /// # Errors
     /// The same as for [`FileReader::rating`].
-    fn check(&mut self, row: &Identity<'_>, cells: &Cells<'_>, own: &RecordColumns) -> Result<(), Option<RowFault>> {
+    fn check(&mut self, row: &Identity<'_>, cells: &Cells<'_>, own: &RecordColumns) -> Result<(), Option<RowError>> {
         let Some(session) = self.trials.find(row.subject, row.session, self.recent) else { return Ok(()) };
         self.recent = session;
         let is_new = |trial| self.repeated.insert((self.recent, trial));
@@ -263,7 +263,7 @@ impl FileReader<'_> {
             let place =
                 if file == self.file { "above".to_owned() } else { format!("in {}", self.selection.inputs[file].name) };
             let message = format!("{name} already appears {place}; expected each row only once (this one is left out)");
-            return Err(RowFault { cell: None, message }.into());
+            return Err(RowError { cell: None, message }.into());
         }
         let left_out = if !row.trial.is_main() {
             &mut self.read.practice
@@ -278,37 +278,37 @@ impl FileReader<'_> {
         Err(None)
     }
 
-    fn finish(mut self, error: Option<std::io::Error>) -> (FileRead, Vec<FileFault>) {
+    fn finish(mut self, error: Option<std::io::Error>) -> (FileRead, Vec<FileError>) {
         let (name, rows) = (&self.input.name, self.read.rows);
         self.read.sha256 = sha256(self.input);
-        let mut faults = Vec::new();
+        let mut errors = Vec::new();
         if let Some(error) = error {
             let message = format!("cannot be read completely: {error}; expected a readable file");
-            faults.push(FileFault::whole(name, message));
+            errors.push(FileError::whole(name, message));
         }
         if rows > 0 && self.elsewhere.0 == rows {
             let other = &self.selection.inputs[self.elsewhere.1].name;
             let message = format!(
                 "all its {rows} rows already appear in {other}; expected each session only once (this file is left out)"
             );
-            faults.push(FileFault::whole(name, message));
+            errors.push(FileError::whole(name, message));
         } else {
-            faults.extend(self.faults.finish(name, &self.input.header.names));
+            errors.extend(self.errors.finish(name, &self.input.header.names));
         }
-        (self.read, faults)
+        (self.read, errors)
     }
 }
 
 /// Replaces the error of a row that an interrupted write left behind. This is the last row, and it either has no line
 /// end and an error in its last cell or its number of cells, or contains zero bytes because the file was enlarged but
 /// not filled.
-fn torn(row: &Row<'_>, fault: &RowFault) -> Option<RowFault> {
+fn partial_row(row: &Row<'_>, error: &RowError) -> Option<RowError> {
     if !row.last {
         return None;
     }
     let raw = row.raw();
     let is_ended = raw.ends_with(b"\n") || raw.ends_with(b"\r");
-    let ends_badly = fault.cell.is_none_or(|cell| cell + 1 == row.record.len());
+    let ends_badly = error.cell.is_none_or(|cell| cell + 1 == row.record.len());
     let what = if raw.contains(&0) {
         "contains zero bytes"
     } else if !is_ended && ends_badly {
@@ -318,7 +318,7 @@ fn torn(row: &Row<'_>, fault: &RowFault) -> Option<RowFault> {
     };
     let message =
         format!("the last row {what}, as after an interrupted write; expected a complete row (this one is left out)");
-    Some(RowFault { cell: None, message })
+    Some(RowError { cell: None, message })
 }
 
 fn sha256(input: &Input) -> Option<String> {
@@ -329,13 +329,13 @@ fn sha256(input: &Input) -> Option<String> {
 }
 
 /// Returns the error that no row counts, with the reasons.
-fn nothing(reports: &[FileRead]) -> FileFault {
+fn nothing(reports: &[FileRead]) -> FileError {
     let sum = |of: fn(&FileRead) -> u64| reports.iter().map(of).sum::<u64>();
     let parts = [
         (sum(|report| report.practice), "from practice"),
         (sum(|report| report.superseded), "superseded"),
         (sum(|report| report.unfinished), "from unfinished sessions"),
-        (sum(|report| report.faulty), "with errors"),
+        (sum(|report| report.erroneous), "with errors"),
     ];
     let parts: Vec<String> = parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
     let found = match sum(|report| report.rows) {
@@ -344,14 +344,14 @@ fn nothing(reports: &[FileRead]) -> FileFault {
     };
     let among = if reports.len() > 1 { format!(" in {} files", reports.len()) } else { String::new() };
     let path = reports.first().map_or(".".to_owned(), |report| report.path.display().to_string());
-    FileFault::whole(path, format!("{found}{among}; expected ratings of main trials"))
+    FileError::whole(path, format!("{found}{among}; expected ratings of main trials"))
 }
 
 /// Sorts errors in the order of the files; errors about folders come first.
-fn in_order(mut faults: Vec<FileFault>, files: &[PathBuf]) -> FileFaults {
+fn in_order(mut errors: Vec<FileError>, files: &[PathBuf]) -> FileErrors {
     // Errors in a sidecar are sorted along with those in its data file.
     let index: HashMap<PathBuf, usize> =
         files.iter().enumerate().map(|(i, path)| (path.with_extension(""), i)).collect();
-    faults.sort_by_key(|fault| index.get(&Path::new(&fault.file).with_extension("")).map_or(0, |i| i + 1));
-    FileFaults(faults)
+    errors.sort_by_key(|error| index.get(&Path::new(&error.file).with_extension("")).map_or(0, |i| i + 1));
+    FileErrors(errors)
 }

@@ -5,12 +5,12 @@ use super::{
     trials::{Identity, Trial},
 };
 use crate::{
-    experiment::RATING_MAX,
+    experiment::MAX_RATING,
     store::table::{Row, shortened},
 };
 
 /// Maximum count in a row. The sum of many such counts still fits in 64 bits.
-const COUNT_MAX: f64 = 1e12;
+const MAX_COUNT: f64 = 1e12;
 
 /// The cells of a row, which are all valid text.
 pub(super) struct Cells<'a> {
@@ -24,17 +24,17 @@ impl<'a> Cells<'a> {
     ///
     /// # Errors
     /// The row is not UTF-8, a quote is not closed, or the number of cells differs from the header's.
-    pub fn new(row: &'a Row<'a>, names: &'a [String]) -> Result<Self, RowFault> {
-        let fault = |cell, message: String| RowFault { cell, message };
-        let text = row.text().map_err(|_| fault(None, "the row is not UTF-8 text; expected UTF-8".to_owned()))?;
+    pub fn new(row: &'a Row<'a>, names: &'a [String]) -> Result<Self, RowError> {
+        let error = |cell, message: String| RowError { cell, message };
+        let text = row.text().map_err(|_| error(None, "the row is not UTF-8 text; expected UTF-8".to_owned()))?;
         if row.is_open() {
             let message = "a quote is never closed; expected a closing quote".to_owned();
-            return Err(fault(Some(row.record.len() - 1), message));
+            return Err(error(Some(row.record.len() - 1), message));
         }
         let (found, width) = (row.record.len(), names.len());
         if found != width {
             let cells = if found == 1 { "cell" } else { "cells" };
-            return Err(fault(None, format!("the row has {found} {cells}; expected {width}, as in the header")));
+            return Err(error(None, format!("the row has {found} {cells}; expected {width}, as in the header")));
         }
         Ok(Self { text, row, names })
     }
@@ -56,18 +56,18 @@ impl<'a> Cells<'a> {
     ///
     /// # Errors
     /// The cell is empty.
-    pub fn present(&self, index: usize, expected: &str) -> Result<&'a str, RowFault> {
-        Some(self.get(index)).filter(|text| !text.is_empty()).ok_or_else(|| self.fault(index, expected))
+    pub fn present(&self, index: usize, expected: &str) -> Result<&'a str, RowError> {
+        Some(self.get(index)).filter(|text| !text.is_empty()).ok_or_else(|| self.error(index, expected))
     }
 
     /// Creates the error for a cell with an unexpected value.
-    fn fault(&self, index: usize, expected: &str) -> RowFault {
+    fn error(&self, index: usize, expected: &str) -> RowError {
         let name = &self.names[index];
         let message = match self.get(index) {
             "" => format!("{name} is empty; expected {expected}"),
             text => format!("{name} is {:?}; expected {expected}", shortened(text)),
         };
-        RowFault { cell: Some(index), message }
+        RowError { cell: Some(index), message }
     }
 }
 
@@ -80,19 +80,19 @@ pub(super) fn identity<'a>(
     subject: usize,
     columns: &RecordColumns,
     experiment: Option<&str>,
-) -> Result<Identity<'a>, RowFault> {
+) -> Result<Identity<'a>, RowError> {
     if let Some((column, expected)) = columns.experiment.zip(experiment)
         && cells.get(column) != expected
     {
-        return Err(cells.fault(column, &format!("{expected}, as in the first row")));
+        return Err(cells.error(column, &format!("{expected}, as in the first row")));
     }
-    let phase = cells.get(columns.phase).parse().map_err(|_| cells.fault(columns.phase, "practice or main"))?;
+    let phase = cells.get(columns.phase).parse().map_err(|_| cells.error(columns.phase, "practice or main"))?;
     // Only digits, and a number from 1 to a million; a session has at most 100,000 trials.
     let number = |column: usize, expected: &str| {
         let text = cells.get(column);
         let digits = text.len() < 10 && text.bytes().all(|byte| byte.is_ascii_digit());
         let number = text.parse().ok().filter(|number| digits && (1..=1_000_000).contains(number));
-        number.ok_or_else(|| cells.fault(column, expected))
+        number.ok_or_else(|| cells.error(column, expected))
     };
     let trial = number(columns.trial, "the number of a trial, from 1 to 1000000")?;
     let attempt = number(columns.attempt, "the number of an attempt, from 1 to 1000000")?;
@@ -107,7 +107,7 @@ pub(super) fn identity<'a>(
 pub(super) fn is_rating(text: &str, own_scale: bool) -> bool {
     if own_scale {
         // A spreadsheet or pandas may have written 2 as 2.0.
-        text.parse().is_ok_and(|number: f64| (0..=RATING_MAX).any(|rating| number == f64::from(rating)))
+        text.parse().is_ok_and(|number: f64| (0..=MAX_RATING).any(|rating| number == f64::from(rating)))
     } else {
         !matches!(text, "" | "NA" | "NaN" | "nan")
     }
@@ -117,11 +117,11 @@ pub(super) fn is_rating(text: &str, own_scale: bool) -> bool {
 ///
 /// # Errors
 /// The rating is missing or not on the scale.
-pub(super) fn rating<'a>(cells: &Cells<'a>, columns: &Columns, own_scale: bool) -> Result<&'a str, RowFault> {
+pub(super) fn rating<'a>(cells: &Cells<'a>, columns: &Columns, own_scale: bool) -> Result<&'a str, RowError> {
     match cells.get(columns.response) {
         text if is_rating(text, own_scale) => Ok(text),
-        _ if own_scale => Err(cells.fault(columns.response, &format!("a rating from 0 to {RATING_MAX}"))),
-        _ => Err(cells.fault(columns.response, "a rating")),
+        _ if own_scale => Err(cells.error(columns.response, &format!("a rating from 0 to {MAX_RATING}"))),
+        _ => Err(cells.error(columns.response, "a rating")),
     }
 }
 
@@ -129,28 +129,28 @@ pub(super) fn rating<'a>(cells: &Cells<'a>, columns: &Columns, own_scale: bool) 
 ///
 /// # Errors
 /// The cell is not a count.
-pub(super) fn count(cells: &Cells<'_>, columns: &Columns) -> Result<u64, RowFault> {
+pub(super) fn count(cells: &Cells<'_>, columns: &Columns) -> Result<u64, RowError> {
     let Some(column) = columns.count else { return Ok(1) };
     let expected = match cells.get(column).parse::<f64>() {
-        Ok(count) if (0.0..=COUNT_MAX).contains(&count) && count.fract() == 0.0 => return Ok(count as u64),
+        Ok(count) if (0.0..=MAX_COUNT).contains(&count) && count.fract() == 0.0 => return Ok(count as u64),
         Ok(number) if number < 0.0 => "a count, 0 or more",
-        Ok(number) if number > COUNT_MAX => "a count of at most 10^12",
+        Ok(number) if number > MAX_COUNT => "a count of at most 10^12",
         Ok(_) => "a count without a fraction",
         Err(_) => "a count, a whole number",
     };
-    Err(cells.fault(column, expected))
+    Err(cells.error(column, expected))
 }
 
 /// Returns the session and the repetition; `None` if the file does not have them or the cell is empty.
 ///
 /// # Errors
 /// The repetition is not a number.
-pub(super) fn place<'a>(cells: &Cells<'a>, columns: &Columns) -> Result<Option<(&'a str, u32)>, RowFault> {
+pub(super) fn place<'a>(cells: &Cells<'a>, columns: &Columns) -> Result<Option<(&'a str, u32)>, RowError> {
     let Some((session, column)) = columns.session.zip(columns.repetition) else { return Ok(None) };
     match (cells.get(column), cells.get(column).parse()) {
         ("", _) => Ok(None),
         (_, Ok(repetition)) => Ok(Some((cells.get(session), repetition))),
-        (_, Err(_)) => Err(cells.fault(column, "the number of a repetition, 1 or more")),
+        (_, Err(_)) => Err(cells.error(column, "the number of a repetition, 1 or more")),
     }
 }
 
@@ -158,18 +158,18 @@ pub(super) fn place<'a>(cells: &Cells<'a>, columns: &Columns) -> Result<Option<(
 ///
 /// # Errors
 /// The cell is not a time.
-pub(super) fn response_time(cells: &Cells<'_>, columns: &Columns) -> Result<Option<f64>, RowFault> {
+pub(super) fn response_time(cells: &Cells<'_>, columns: &Columns) -> Result<Option<f64>, RowError> {
     let Some(column) = columns.time else { return Ok(None) };
     match (cells.optional(column), cells.optional(column).parse()) {
         ("", _) => Ok(None),
         (_, Ok(seconds)) if f64::is_finite(seconds) && seconds >= 0.0 => Ok(Some(seconds)),
-        _ => Err(cells.fault(column, "seconds, 0 or more")),
+        _ => Err(cells.error(column, "seconds, 0 or more")),
     }
 }
 
 /// An error in a row.
 #[derive(Clone, Debug)]
-pub(super) struct RowFault {
+pub(super) struct RowError {
     /// Index of the cell; `None` if the error is about the row as a whole.
     pub cell: Option<usize>,
     /// What is wrong; what is expected.

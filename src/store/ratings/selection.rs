@@ -10,9 +10,9 @@ use super::{
     source::{Layout, ReadOptions, Shape},
 };
 use crate::{
-    experiment::{Protocol, RATING_MAX, columns_by_header},
+    experiment::{MAX_RATING, Protocol, columns_by_header},
     light::names::expected_one_of,
-    store::{FileFault, StoreError, definition, sidecar::Sidecar},
+    store::{FileError, StoreError, definition, sidecar::Sidecar},
 };
 
 /// Columns that a result file must have in addition to the participant's column.
@@ -79,15 +79,15 @@ const UNKNOWN: &str = "a session file without rows";
 
 impl Selection {
     /// Selects files, and reports an error for each file that is excluded.
-    pub fn new(files: Vec<Input>, options: &ReadOptions) -> (Option<Self>, Vec<FileFault>) {
-        let (mut known, mut faults) = (Vec::new(), Vec::new());
+    pub fn new(files: Vec<Input>, options: &ReadOptions) -> (Option<Self>, Vec<FileError>) {
+        let (mut known, mut errors) = (Vec::new(), Vec::new());
         for mut file in files {
             match kind(&file, options) {
                 Ok(kind) => {
                     file.kind = kind;
                     known.push(file);
                 }
-                Err(fault) => faults.push(fault),
+                Err(error) => errors.push(error),
             }
         }
         join_lost_sidecars(&mut known);
@@ -95,8 +95,8 @@ impl Selection {
         let with_results = known.iter().any(|file| file.is_results() && chosen.contains(&file.kind));
         let (mut inputs, others): (Vec<Input>, Vec<Input>) =
             (known.into_iter()).partition(|file| chosen.contains(&file.kind) || (file.kind == UNKNOWN && with_results));
-        faults.extend(others.iter().map(|file| file.left_out(&inputs)));
-        let Some(first) = inputs.first() else { return (None, faults) };
+        errors.extend(others.iter().map(|file| file.left_out(&inputs)));
+        let Some(first) = inputs.first() else { return (None, errors) };
         let protocol = inputs.iter().find_map(|file| file.protocol.clone());
         let shape = shape(&inputs, first, protocol.as_ref(), options);
         let experiment = inputs.iter().find_map(|file| file.experiment().map(str::to_owned));
@@ -107,14 +107,14 @@ impl Selection {
                 true
             }
             Err(found) => {
-                faults.extend(found);
+                errors.extend(found);
                 false
             }
         });
         let own_scale = options.response.is_none();
         let is_empty = inputs.is_empty();
         let selection = Self { inputs, shape, protocol, definition_sha256, experiment, own_scale };
-        ((!is_empty).then_some(selection), faults)
+        ((!is_empty).then_some(selection), errors)
     }
 }
 
@@ -123,26 +123,26 @@ impl Input {
     ///
     /// # Errors
     /// The head of the file has an error.
-    pub fn new(path: &Path, options: &ReadOptions) -> Result<(Self, Vec<FileFault>), FileFault> {
+    pub fn new(path: &Path, options: &ReadOptions) -> Result<(Self, Vec<FileError>), FileError> {
         let header = Header::read(path)?;
         let beside = path.with_extension("json");
         let layout = layout(&header, options, beside.is_file());
-        let (mut sidecar, mut protocol, mut faults) = (None, None, Vec::new());
+        let (mut sidecar, mut protocol, mut errors) = (None, None, Vec::new());
         if layout == Layout::Results {
             let name = beside.display().to_string();
             match Sidecar::read(&beside) {
                 Ok(found) => sidecar = found,
-                Err(StoreError::Faults(found)) => faults.extend(found.0),
-                Err(error) => faults.push(FileFault::whole(&name, format!("cannot be read: {error}"))),
+                Err(StoreError::FileErrors(found)) => errors.extend(found.0),
+                Err(error) => errors.push(FileError::whole(&name, format!("cannot be read: {error}"))),
             }
             match sidecar.as_ref().map(|sidecar| definition::from_json(&name, &sidecar.definition)) {
                 Some(Ok(found)) => protocol = Some(found),
-                Some(Err(found)) => faults.extend(found.0),
+                Some(Err(found)) => errors.extend(found.0),
                 None => {}
             }
         }
         let (name, columns, kind) = (path.display().to_string(), Columns::default(), String::new());
-        Ok((Self { path: path.to_owned(), name, header, layout, columns, sidecar, protocol, kind }, faults))
+        Ok((Self { path: path.to_owned(), name, header, layout, columns, sidecar, protocol, kind }, errors))
     }
 
     /// Returns the number of main trials in the file's definition.
@@ -155,8 +155,8 @@ impl Input {
     }
 
     /// Creates an error in the header.
-    fn fault(&self, column: usize, message: String) -> FileFault {
-        FileFault::at(&self.name, (1, column), message)
+    fn error(&self, column: usize, message: String) -> FileError {
+        FileError::at(&self.name, (1, column), message)
     }
 
     /// Returns the name of the experiment, from the definition or otherwise from the first row.
@@ -169,7 +169,7 @@ impl Input {
     }
 
     /// Returns the columns that are neither standard columns of a result file nor the response.
-    fn further(&self, response: &str) -> Vec<String> {
+    fn other_columns(&self, response: &str) -> Vec<String> {
         let fixed = columns_by_header(std::iter::empty());
         (self.header.names.iter())
             .filter(|name| !name.is_empty() && *name != response && !fixed.iter().any(|fixed| fixed.name == **name))
@@ -186,7 +186,7 @@ impl Input {
     }
 
     /// Creates the error for a file that does not match the files that are read.
-    fn left_out(&self, read: &[Self]) -> FileFault {
+    fn left_out(&self, read: &[Self]) -> FileError {
         let others =
             if read.len() == 1 { "the other file".to_owned() } else { format!("the other {} files", read.len()) };
         let like = read.iter().find(|other| other.is_results() == self.is_results()).or(read.first());
@@ -195,7 +195,7 @@ impl Input {
             "is {} and is left out; expected {expected} like {others}: only one experiment is analyzed at a time",
             self.kind
         );
-        self.fault(1, message)
+        self.error(1, message)
     }
 }
 
@@ -217,7 +217,7 @@ fn layout(header: &Header, options: &ReadOptions, sidecar: bool) -> Layout {
 }
 
 /// Describes what a file contains.
-fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileFault> {
+fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileError> {
     match file.layout {
         Layout::Results => {
             let details = match &file.sidecar {
@@ -225,9 +225,9 @@ fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileFault> {
                     format!("definition {}", hash.get(..12).unwrap_or(hash))
                 }
                 None if file.experiment().is_none() => return Ok(UNKNOWN.to_owned()),
-                None => match file.further(options.response()).join(", ") {
-                    further if further.is_empty() => "no sidecar".to_owned(),
-                    further => format!("no sidecar; additional columns {further}"),
+                None => match file.other_columns(options.response()).join(", ") {
+                    other_columns if other_columns.is_empty() => "no sidecar".to_owned(),
+                    other_columns => format!("no sidecar; additional columns {other_columns}"),
                 },
             };
             let name = file.experiment().unwrap_or("without a name");
@@ -244,7 +244,7 @@ fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileFault> {
 }
 
 /// Creates the error for a table for which no factors were given.
-fn without_factors(file: &Input, options: &ReadOptions) -> FileFault {
+fn without_factors(file: &Input, options: &ReadOptions) -> FileError {
     // If the file lacks columns that every table of ratings has, report that first.
     if let Err(missing) = columns(file, &[], options)
         && let Some(first) = missing.into_iter().next()
@@ -257,7 +257,7 @@ fn without_factors(file: &Input, options: &ReadOptions) -> FileFault {
     } else {
         format!("no factors were given; expected --factors or --terms with some of the columns {}", others.join(", "))
     };
-    file.fault(1, message)
+    file.error(1, message)
 }
 
 /// Assigns each session that has lost its sidecar to the definition with its experiment's name, if there is exactly
@@ -314,7 +314,7 @@ fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &
         (None, None, Layout::Results) => {
             guessed = true;
             let stimulus = STIMULUS.into_iter().filter(|name| first.header.position(name).is_some());
-            stimulus.map(str::to_owned).chain(first.further(options.response())).collect()
+            stimulus.map(str::to_owned).chain(first.other_columns(options.response())).collect()
         }
         (None, None, Layout::Counts) => first.factors(options),
         // A missing column is reported later as an error in the file.
@@ -328,7 +328,7 @@ fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &
     // A name may occur several times in a request such as `--terms a,b,a:b`.
     let mut known = HashSet::new();
     factors.retain(|name| known.insert(name.clone()));
-    let scale = (0..=RATING_MAX).map(|rating| rating.to_string()).collect();
+    let scale = (0..=MAX_RATING).map(|rating| rating.to_string()).collect();
     Shape {
         factors,
         subject: options.subject().to_owned(),
@@ -342,19 +342,19 @@ fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &
 ///
 /// # Errors
 /// A column is missing, appears twice, or has two uses.
-fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Columns, Vec<FileFault>> {
+fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Columns, Vec<FileError>> {
     let header = &file.header;
-    let mut faults = Vec::new();
+    let mut errors = Vec::new();
     let mut needed = |name: &str| {
         let known: Vec<&str> = header.names.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
         let places: Vec<usize> = (0..header.names.len()).filter(|&i| header.names[i] == name).collect();
         match places[..] {
             [] => {
-                faults.push(file.fault(1, format!("the column {name} is missing; {}", expected_one_of(name, &known))))
+                errors.push(file.error(1, format!("the column {name} is missing; {}", expected_one_of(name, &known))))
             }
             [_] => {}
-            [_, second, ..] => faults
-                .push(file.fault(header.column(second), format!("the column {name} appears twice; expected it once"))),
+            [_, second, ..] => errors
+                .push(file.error(header.column(second), format!("the column {name} appears twice; expected it once"))),
         }
         places.first().copied().unwrap_or(0)
     };
@@ -386,10 +386,10 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
     let mut taken = HashSet::new();
     let places = [Some(columns.subject), Some(columns.response), columns.count].into_iter().flatten();
     for place in places.chain(columns.factors.iter().copied()) {
-        if !taken.insert(place) && faults.is_empty() {
+        if !taken.insert(place) && errors.is_empty() {
             let message = format!("the column {} has two uses; expected a column for each", header.names[place]);
-            faults.push(file.fault(header.column(place), message));
+            errors.push(file.error(header.column(place), message));
         }
     }
-    if faults.is_empty() { Ok(columns) } else { Err(faults) }
+    if errors.is_empty() { Ok(columns) } else { Err(errors) }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::{
     experiment::Protocol,
-    store::{FileFault, sidecar::Sidecar},
+    store::{FileError, sidecar::Sidecar},
 };
 
 /// Options for reading files.
@@ -77,7 +77,7 @@ pub struct Source {
     pub sessions: Vec<SessionRead>,
     /// All errors, in the order of the files. If a file has many similar errors, only the first ones are listed,
     /// followed by the number of others.
-    pub faults: Vec<FileFault>,
+    pub errors: Vec<FileError>,
 }
 
 /// The layout of a file.
@@ -109,7 +109,7 @@ pub struct FileRead {
     /// Excluded rows of corrected ratings, which have a later attempt.
     pub superseded: u64,
     /// Excluded rows with errors.
-    pub faulty: u64,
+    pub erroneous: u64,
     /// Rows of unfinished sessions, excluded by [`ReadOptions::complete_only`].
     pub unfinished: u64,
     /// SHA-256 of the content, so that the analysis can be repeated with exactly this file; `None` for a file above 64

@@ -14,8 +14,8 @@ use crate::{
     experiment::{Column, Identity, Protocol, columns},
     store::{
         StoreError,
-        fault::io,
-        file::{is_there, make_folder, remove_temporary, write_json, write_whole},
+        error::io,
+        file::{exists, make_folder, remove_temporary, write_json, write_whole},
     },
 };
 
@@ -128,13 +128,13 @@ pub(crate) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<Str
         (by_validator, ignored()),
     ] {
         let path = dataset.join(name);
-        if !is_there(&path)? {
+        if !exists(&path)? {
             // Not synced, because a session should wait for the disk only to save data.
             write_whole(&path, text.as_bytes(), false)?;
         }
     }
     let path = dataset.join(DESCRIPTION);
-    if !is_there(&path)? {
+    if !exists(&path)? {
         return write_json(&path, &description(protocol)).map(|()| None);
     }
     let found = fs::read(&path).map_err(io(&path, "read"))?;

@@ -7,11 +7,11 @@ use std::path::Path;
 
 use crate::{
     display::frames::Refresh,
-    experiment::{Phase, Schedule, Shown, Stretch},
+    experiment::{FrameRun, Phase, Schedule, Shown},
     store::{
-        FileFaults, StoreError,
-        file::{AppendFile, is_there, read_text},
-        table::{self, CellFault, shortened},
+        FileErrors, StoreError,
+        file::{AppendFile, exists, read_text},
+        table::{self, CellError, shortened},
     },
 };
 
@@ -42,9 +42,9 @@ pub struct FrameRow {
 impl FrameRow {
     /// Creates the row for a run of frames; `None` if the schedule has no such trial.
     #[must_use]
-    pub fn new(stretch: Stretch, schedule: &Schedule, sitting: u32) -> Option<Self> {
-        let trial = schedule.trials.get(stretch.trial)?;
-        let Stretch { attempt, shown, refresh, intervals_us, .. } = stretch;
+    pub fn new(run: FrameRun, schedule: &Schedule, sitting: u32) -> Option<Self> {
+        let trial = schedule.trials.get(run.trial)?;
+        let FrameRun { attempt, shown, refresh, intervals_us, .. } = run;
         Some(Self { sitting, phase: trial.phase, trial: trial.number, attempt, shown, refresh, intervals_us })
     }
 
@@ -71,13 +71,13 @@ impl FrameFile {
     /// # Errors
     /// The file exists but cannot be read or is not a frames file, so it must not be written to.
     pub fn resume(path: &Path) -> Result<Self, StoreError> {
-        if !is_there(path)? {
+        if !exists(path)? {
             return Ok(Self::new(path));
         }
         let file = AppendFile::open(path, false, header())?;
         if !file.content().starts_with(&header()) {
             let message = format!("is not a frames file; expected the header {HEADER}");
-            return Err(FileFaults::whole(path, message).into());
+            return Err(FileErrors::whole(path, message).into());
         }
         Ok(Self(file))
     }
@@ -100,8 +100,8 @@ impl FrameFile {
         let text: String = rows.iter().map(FrameRow::line).collect();
         self.0.append(text.as_bytes()).or_else(|error| {
             let path = self.0.path().to_owned();
-            if matches!(error, StoreError::Changed { .. }) && !is_there(&path)? {
-                self.move_to(&path)
+            if matches!(error, StoreError::Changed { .. }) && !exists(&path)? {
+                self.continue_in(&path)
             } else {
                 Err(error)
             }
@@ -112,12 +112,12 @@ impl FrameFile {
     ///
     /// # Errors
     /// The new location cannot be written or already has such a file. In that case, the old one stays in use.
-    pub fn move_to(&mut self, path: &Path) -> Result<(), StoreError> {
+    pub fn continue_in(&mut self, path: &Path) -> Result<(), StoreError> {
         if self.is_empty() {
             *self = Self::new(path);
             return Ok(());
         }
-        self.0.move_to(path)
+        self.0.continue_in(path)
     }
 }
 
@@ -129,7 +129,7 @@ fn header() -> Vec<u8> {
 ///
 /// # Errors
 /// Reports every error, with its line and column.
-pub fn read(path: &Path) -> Result<Vec<FrameRow>, FileFaults> {
+pub fn read(path: &Path) -> Result<Vec<FrameRow>, FileErrors> {
     parse(&path.display().to_string(), &read_text(path)?)
 }
 
@@ -137,11 +137,11 @@ pub fn read(path: &Path) -> Result<Vec<FrameRow>, FileFaults> {
 ///
 /// # Errors
 /// Reports every error, with its line and column.
-pub fn parse(file: &str, text: &str) -> Result<Vec<FrameRow>, FileFaults> {
+pub fn parse(file: &str, text: &str) -> Result<Vec<FrameRow>, FileErrors> {
     table::parse(file, text.as_bytes(), |header| table::exactly(header, HEADER), row)
 }
 
-fn row(cells: &[&str]) -> Result<FrameRow, CellFault> {
+fn row(cells: &[&str]) -> Result<FrameRow, CellError> {
     let &[sitting, phase, trial, attempt, state, refresh, intervals] = cells else {
         return Err((0, format!("the row has {} cells; expected 7", cells.len())));
     };

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord, columns},
-    store::{FileFault, FileFaults, StoreError, definition},
+    store::{FileError, FileErrors, StoreError, definition},
 };
 
 /// A session with all its data and metadata.
@@ -34,7 +34,7 @@ pub struct Recorded {
     /// The rows, in the order of the file.
     pub rows: Vec<TrialRecord>,
     /// An incomplete last line, if the session was interrupted and not resumed.
-    pub torn: Option<String>,
+    pub partial_line: Option<String>,
 }
 
 impl Recorded {
@@ -44,10 +44,10 @@ impl Recorded {
     /// The file is not named like a data file; there is no sidecar; or a file cannot be parsed, with the location of
     /// every error.
     pub fn open(csv: &Path) -> Result<Self, StoreError> {
-        let (stem, identity) = identity(csv).map_err(|message| FileFaults::whole(csv, message))?;
+        let (stem, identity) = identity(csv).map_err(|message| FileErrors::whole(csv, message))?;
         let sidecar_path = csv.with_file_name(format!("{stem}{SIDECAR_SUFFIX}"));
         let sidecar = Sidecar::read(&sidecar_path)?.ok_or_else(|| {
-            FileFaults::whole(&sidecar_path, "does not exist; expected the sidecar that belongs to the data file")
+            FileErrors::whole(&sidecar_path, "does not exist; expected the sidecar that belongs to the data file")
         })?;
         let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
         let schedule = Schedule::new(&protocol, &identity, sidecar.seed)
@@ -63,7 +63,7 @@ impl Recorded {
             schedule,
             sidecar,
             rows: read.rows,
-            torn: read.torn,
+            partial_line: read.partial_line,
         })
     }
 
@@ -92,12 +92,12 @@ impl Recorded {
 
     /// Returns all errors in the rows. The definition and the seed must plan every row, attempts must be consecutive,
     /// and times must not decrease.
-    pub fn row_faults(&self) -> Vec<FileFault> {
+    pub fn row_errors(&self) -> Vec<FileError> {
         let context = self.context();
-        let (mut attempts, mut faults) = (HashMap::new(), Vec::new());
+        let (mut attempts, mut errors) = (HashMap::new(), Vec::new());
         let mut last = (0, f64::NEG_INFINITY);
         for (row, line) in self.rows.iter().zip(2..) {
-            let mut add = |message: String| faults.push(FileFault::at(&self.csv, (line, 1), message));
+            let mut add = |message: String| errors.push(FileError::at(&self.csv, (line, 1), message));
             let trial = match row.planned_trial(&context) {
                 Ok(trial) => trial,
                 Err(message) => {
@@ -117,6 +117,6 @@ impl Recorded {
             }
             last = (row.sitting, row.onset_s.0);
         }
-        faults
+        errors
     }
 }

@@ -3,12 +3,12 @@
 use std::{fs, path::Path};
 
 use crate::{
-    experiment::{Column, TRAILING, TrialRecord},
+    experiment::{Column, LATER_COLUMN_COUNT, TrialRecord},
     store::{
-        FileFaults, StoreError,
-        fault::io,
-        file::{AppendFile, begun, split_torn},
-        table::{self, CellFault, shortened},
+        FileErrors, StoreError,
+        error::io,
+        file::{AppendFile, complete_lines_or_header, split_partial_line},
+        table::{self, CellError, shortened},
     },
 };
 
@@ -26,7 +26,7 @@ pub struct Recovered {
     /// The rows, in the order of the file.
     pub rows: Vec<TrialRecord>,
     /// An incomplete last line, if there is one.
-    pub torn: Option<String>,
+    pub partial_line: Option<String>,
 }
 
 impl ResultFile {
@@ -55,9 +55,9 @@ impl ResultFile {
     ///
     /// # Errors
     /// Reports every row that cannot be parsed, with its line and column.
-    pub fn recover(&self, columns: &[Column]) -> Result<Recovered, FileFaults> {
+    pub fn recover(&self, columns: &[Column]) -> Result<Recovered, FileErrors> {
         let rows = parse(&self.file.path().display().to_string(), self.file.content(), columns)?;
-        Ok(Recovered { rows, torn: self.file.torn().map(str::to_owned) })
+        Ok(Recovered { rows, partial_line: self.file.partial_line().map(str::to_owned) })
     }
 
     /// Appends a row. It is kept in memory from now on, and it is on disk when this returns without an error.
@@ -74,8 +74,8 @@ impl ResultFile {
 /// # Errors
 /// I/O errors; every row that cannot be parsed, with its line and column.
 pub fn read(path: &Path, columns: &[Column]) -> Result<Recovered, StoreError> {
-    let (content, torn) = whole(path, columns)?;
-    Ok(Recovered { rows: parse(&path.display().to_string(), &content, columns)?, torn })
+    let (content, partial_line) = whole(path, columns)?;
+    Ok(Recovered { rows: parse(&path.display().to_string(), &content, columns)?, partial_line })
 }
 
 /// Returns the header and the complete rows of a result file, and an incomplete last line.
@@ -83,8 +83,8 @@ pub fn read(path: &Path, columns: &[Column]) -> Result<Recovered, StoreError> {
 /// # Errors
 /// I/O errors; or the file has no complete line and does not begin with the header.
 pub(crate) fn whole(path: &Path, columns: &[Column]) -> Result<(Vec<u8>, Option<String>), StoreError> {
-    let (whole, torn) = split_torn(fs::read(path).map_err(io(path, "read"))?);
-    Ok((begun(path, whole, torn.as_deref(), header(columns))?, torn))
+    let (whole, partial_line) = split_partial_line(fs::read(path).map_err(io(path, "read"))?);
+    Ok((complete_lines_or_header(path, whole, partial_line.as_deref(), header(columns))?, partial_line))
 }
 
 fn header(columns: &[Column]) -> Vec<u8> {
@@ -96,7 +96,7 @@ fn columns_of<'a>(content: &[u8], columns: &'a [Column]) -> &'a [Column] {
     let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
     // Column names contain no commas. A header that differs in any other way is reported as an error elsewhere.
     let found = header.split(|byte| *byte == b',').count();
-    let least = columns.len().saturating_sub(TRAILING);
+    let least = columns.len().saturating_sub(LATER_COLUMN_COUNT);
     &columns[..if (least..columns.len()).contains(&found) { found } else { columns.len() }]
 }
 
@@ -105,7 +105,7 @@ fn columns_of<'a>(content: &[u8], columns: &'a [Column]) -> &'a [Column] {
 ///
 /// # Errors
 /// Reports every row that cannot be parsed, with its line and column, and a header that is not the expected one.
-pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<TrialRecord>, FileFaults> {
+pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<TrialRecord>, FileErrors> {
     let all = columns.len();
     let header = |header: &[&str]| check_header(header, columns_of(content, columns));
     table::parse(file, content, header, |cells| {
@@ -116,7 +116,7 @@ pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<Trial
 }
 
 /// Checks the header, and names the first column that is not the expected one.
-fn check_header(header: &[&str], columns: &[Column]) -> Result<(), CellFault> {
+fn check_header(header: &[&str], columns: &[Column]) -> Result<(), CellError> {
     for i in 0..columns.len().max(header.len()) {
         let (found, expected) = (header.get(i).copied(), columns.get(i).map(|column| column.name.as_str()));
         if found != expected {

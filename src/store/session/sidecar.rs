@@ -11,8 +11,8 @@ use crate::{
     light::{Bits, Dither, Transfer, Transfers},
     stimulus::recipe::Recipe,
     store::{
-        FileFault, FileFaults, StoreError, definition,
-        fault::io,
+        FileError, FileErrors, StoreError, definition,
+        error::io,
         file::{sha256, write_json},
         image,
     },
@@ -189,8 +189,8 @@ impl Sidecar {
         };
         serde_json::from_slice(&text).map(Some).map_err(|error| {
             let message = format!("is not a sidecar of a session: {error}");
-            let fault = FileFault::at(path, (error.line(), error.column()), message);
-            StoreError::Faults(FileFaults(vec![fault]))
+            let error = FileError::at(path, (error.line(), error.column()), message);
+            StoreError::FileErrors(FileErrors(vec![error]))
         })
     }
 

@@ -12,7 +12,7 @@ use crate::{
     experiment::{Identity, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns},
     store::{
         StoreError, definition,
-        file::{is_there, remove_temporary},
+        file::{exists, remove_temporary},
     },
 };
 
@@ -43,14 +43,14 @@ pub struct Interrupted {
     /// The number of the sitting that begins now.
     pub sitting: u32,
     /// The incomplete last line that was removed, if there was one.
-    pub torn: Option<String>,
+    pub partial_line: Option<String>,
 }
 
 impl Interrupted {
     /// A session that has not shown a trial yet.
     pub fn before_the_first_trial(schedule: Schedule) -> Self {
         let (resumed, rows) = (Resumed::default(), Vec::new());
-        Self { schedule, resumed, elapsed_s: 0.0, rows, sitting: 1, torn: None }
+        Self { schedule, resumed, elapsed_s: 0.0, rows, sitting: 1, partial_line: None }
     }
 }
 
@@ -69,7 +69,7 @@ impl SessionStore {
         let paths = SessionPaths::new(results, protocol, identity);
         // A sidecar or frames file without rows also belongs to an existing session.
         for taken in [&paths.csv, &paths.sidecar, &paths.frames] {
-            if is_there(taken)? {
+            if exists(taken)? {
                 return Err(StoreError::Exists(taken.clone()));
             }
         }
@@ -103,7 +103,7 @@ impl SessionStore {
         sitting: Sitting,
     ) -> Result<(Self, Interrupted), StoreError> {
         let paths = SessionPaths::new(results, protocol, identity);
-        if !is_there(&paths.csv)? {
+        if !exists(&paths.csv)? {
             return Err(StoreError::NothingToResume(paths.csv));
         }
         paths.refuse_links()?;
@@ -125,7 +125,7 @@ impl SessionStore {
             let trial = row.planned_trial(&context).map_err(mismatch)?;
             resumed.done.insert(trial);
         }
-        let complete = resumed.done.len() == schedule.trials.len() && recovered.torn.is_none();
+        let complete = resumed.done.len() == schedule.trials.len() && recovered.partial_line.is_none();
         let sidecar = found.unwrap_or_else(|| {
             let mut lost = Sidecar::new(protocol, seed, Sitting::default());
             lost.sittings[0].incidents.push("the sidecar of the first sitting was missing on resume".to_owned());
@@ -145,8 +145,10 @@ impl SessionStore {
             store.sidecar.complete = false;
             store.sidecar.seal = None;
             store.sidecar.sittings.push(sitting);
-            if let Some(torn) = &recovered.torn {
-                store.note(format!("an incomplete last row was removed, and its trial was shown again: {torn:?}"));
+            if let Some(partial_line) = &recovered.partial_line {
+                store.note(format!(
+                    "an incomplete last row was removed, and its trial was shown again: {partial_line:?}"
+                ));
             }
             if let Some(error) = unread {
                 store.note(format!("the frames of this sitting are not saved: {error}"));
@@ -162,7 +164,7 @@ impl SessionStore {
             elapsed_s: last.map_or(0.0, |row| row.onset_s.0 + row.response_time_s.0),
             rows: recovered.rows,
             sitting: sittings.saturating_add(1),
-            torn: recovered.torn,
+            partial_line: recovered.partial_line,
             schedule,
         };
         Ok((store, interrupted))
@@ -176,7 +178,7 @@ impl SessionStore {
     /// Appends a row. It is on disk when this returns without an error, and it is kept in memory in any case.
     ///
     /// # Errors
-    /// The write failed; see [`SessionStore::retry`] and [`SessionStore::move_to`].
+    /// The write failed; see [`SessionStore::retry`] and [`SessionStore::continue_in`].
     pub fn append(&mut self, record: &TrialRecord) -> Result<(), StoreError> {
         self.rows.append(record)
     }
@@ -206,11 +208,11 @@ impl SessionStore {
         self.rows.file.flush().or_else(|error| {
             // If the file was deleted and its location is usable again, write everything into a new file with the same
             // name.
-            if is_there(&self.paths.csv)? {
+            if exists(&self.paths.csv)? {
                 return Err(error);
             }
             self.prepare()?;
-            self.rows.file.move_to(&self.paths.csv)?;
+            self.rows.file.continue_in(&self.paths.csv)?;
             self.sidecar.write(&self.paths.sidecar)
         })
     }
@@ -225,7 +227,7 @@ impl SessionStore {
     ///
     /// # Errors
     /// The new folder cannot be written or already has this session. In that case, the session stays in the old folder.
-    pub fn move_to(&mut self, results: &Path) -> Result<(), StoreError> {
+    pub fn continue_in(&mut self, results: &Path) -> Result<(), StoreError> {
         let paths = SessionPaths::new(results, &self.protocol, &self.identity);
         if paths == self.paths {
             // The same folder was chosen again; it may have free space now.
@@ -234,8 +236,8 @@ impl SessionStore {
         }
         let undescribed = paths.prepare(&self.protocol)?;
         let from = self.paths.csv.display().to_string();
-        self.rows.file.move_to(&paths.csv)?;
-        if let Some(Err(error)) = self.frames.as_mut().map(|frames| frames.move_to(&paths.frames)) {
+        self.rows.file.continue_in(&paths.csv)?;
+        if let Some(Err(error)) = self.frames.as_mut().map(|frames| frames.continue_in(&paths.frames)) {
             self.note(format!("the frames could not be moved: {error}"));
         }
         self.paths = paths;

@@ -17,7 +17,7 @@ use super::{
 use crate::{
     stimulus::recipe::Recipe,
     store::{
-        FileFault, FileFaults, definition,
+        FileError, FileErrors, definition,
         file::{TEMPORARY, sha256},
         image,
     },
@@ -30,12 +30,12 @@ pub struct Verified {
     pub rows: usize,
     /// Number of rated trials, and number of planned trials.
     pub rated: (usize, usize),
-    /// Number of re-rendered pictures. All are identical to those shown unless `faults` says otherwise.
+    /// Number of re-rendered pictures. All are identical to those shown unless `errors` says otherwise.
     pub pictures: usize,
     /// True if the session was sealed when it ended, so that later changes to its files can be detected.
     pub sealed: bool,
     /// Everything that is wrong with the session.
-    pub faults: Vec<FileFault>,
+    pub errors: Vec<FileError>,
     /// Other information.
     pub notes: Vec<String>,
 }
@@ -77,18 +77,18 @@ pub fn session(csv: &Path, renderer: &mut Renderer) -> Verified {
             found.rows = recorded.rows.len();
             found.rated = recorded.rated();
             check_definition(&recorded, &mut found);
-            found.faults.extend(recorded.row_faults());
+            found.errors.extend(recorded.row_errors());
             check_end(&recorded, &mut found);
             check_seal(&recorded, &mut found);
-            if let Some(Err(FileFaults(faults))) = recorded.frames.as_ref().map(|path| frames::read(path)) {
-                found.faults.extend(faults);
+            if let Some(Err(FileErrors(errors))) = recorded.frames.as_ref().map(|path| frames::read(path)) {
+                found.errors.extend(errors);
             }
             check_pictures(&recorded, renderer, &mut found);
             for (number, sitting) in (1..).zip(&recorded.sidecar.sittings) {
                 found.notes.extend(sitting.incidents.iter().map(|incident| format!("sitting {number}: {incident}")));
             }
         }
-        Err(error) => found.faults = error.faults(csv),
+        Err(error) => found.errors = error.errors(csv),
     }
     found
 }
@@ -97,7 +97,7 @@ fn check_definition(recorded: &Recorded, found: &mut Verified) {
     let (hash, expected) = (definition::hash(&recorded.protocol), &recorded.sidecar.definition_sha256);
     if hash != *expected {
         let message = format!("the definition has sha256 {hash}; expected {expected}, the hash of the one used");
-        found.faults.push(FileFault::whole(&recorded.sidecar_path, message));
+        found.errors.push(FileError::whole(&recorded.sidecar_path, message));
     }
 }
 
@@ -108,15 +108,15 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
         let message = format!(
             "{rated} of {planned} trials are rated; expected all, because the sidecar says that the session is complete"
         );
-        found.faults.push(FileFault::whole(&recorded.csv, message));
+        found.errors.push(FileError::whole(&recorded.csv, message));
     }
     let line = recorded.rows.len() + 2;
-    match &recorded.torn {
-        Some(torn) if is_complete => {
+    match &recorded.partial_line {
+        Some(text) if is_complete => {
             let message = format!(
-                "the file ends in the middle of a row, {torn:?}; expected the complete rows of a complete session"
+                "the file ends in the middle of a row, {text:?}; expected the complete rows of a complete session"
             );
-            found.faults.push(FileFault::at(&recorded.csv, (line, 1), message));
+            found.errors.push(FileError::at(&recorded.csv, (line, 1), message));
         }
         Some(_) => found.notes.push(format!(
             "line {line} is incomplete because the program was interrupted; --resume shows its trial again"
@@ -146,7 +146,7 @@ fn check_seal(recorded: &Recorded, found: &mut Verified) {
             Some(is) => format!("was changed since the session ended: sha256 {is}; expected {was}"),
             None => "no longer exists; expected the file that the session wrote".to_owned(),
         };
-        found.faults.push(FileFault::whole(path, message));
+        found.errors.push(FileError::whole(path, message));
     };
     let of = |path: &Path| fs::read(path).ok().map(|content| sha256(&content));
     touched(&recorded.csv, of(&recorded.csv), &seal.data_sha256);
@@ -158,7 +158,7 @@ fn check_seal(recorded: &Recorded, found: &mut Verified) {
 }
 
 fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Verified) {
-    found.faults.extend(picture_faults(recorded, renderer));
+    found.errors.extend(picture_errors(recorded, renderer));
     let pictures = recorded.sidecar.sittings.iter().filter_map(|sitting| sitting.pictures.as_ref());
     let hashed: Vec<usize> = pictures.flat_map(|pictures| pictures.sha256.keys().copied()).collect();
     found.pictures = hashed.len();
@@ -173,9 +173,9 @@ fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Veri
 }
 
 /// Re-renders the pictures of each sitting, and reports those that differ from what was shown.
-pub(crate) fn picture_faults(recorded: &Recorded, renderer: &mut Renderer) -> Vec<FileFault> {
+pub(crate) fn picture_errors(recorded: &Recorded, renderer: &mut Renderer) -> Vec<FileError> {
     let (path, conditions) = (&recorded.sidecar_path, &recorded.schedule.conditions);
-    let mut faults = Vec::new();
+    let mut errors = Vec::new();
     for (sitting, pictures) in (1..).zip(recorded.sidecar.sittings.iter().map(|sitting| &sitting.pictures)) {
         let Some(pictures) = pictures else { continue };
         let known: Vec<_> = pictures.sha256.iter().filter(|hash| (1..=conditions.len()).contains(hash.0)).collect();
@@ -185,7 +185,7 @@ pub(crate) fn picture_faults(recorded: &Recorded, renderer: &mut Renderer) -> Ve
                 let message = format!(
                     "condition {number} of sitting {sitting} renders to sha256 {hash}; expected {expected}, the hash of what was shown"
                 );
-                faults.push(FileFault::whole(path, message));
+                errors.push(FileError::whole(path, message));
             }
         }
         if known.len() < pictures.sha256.len() {
@@ -193,17 +193,17 @@ pub(crate) fn picture_faults(recorded: &Recorded, renderer: &mut Renderer) -> Ve
                 "sitting {sitting} has hashes for conditions that the definition lacks; expected conditions 1…{}",
                 conditions.len()
             );
-            faults.push(FileFault::whole(path, message));
+            errors.push(FileError::whole(path, message));
         }
     }
-    faults
+    errors
 }
 
 /// Reports files in an experiment's folder that do not belong to a session: sidecars without rows, and incomplete files
 /// that a killed program left.
 #[must_use]
-pub fn leftovers(dataset: &Path) -> Vec<FileFault> {
-    let mut faults = Vec::new();
+pub fn unexpected_files(dataset: &Path) -> Vec<FileError> {
+    let mut errors = Vec::new();
     for folder in [dataset.to_owned(), dataset.join("data")] {
         let mut paths: Vec<_> =
             fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
@@ -211,13 +211,13 @@ pub fn leftovers(dataset: &Path) -> Vec<FileFault> {
         for path in paths {
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             if name.ends_with(TEMPORARY) {
-                faults.push(FileFault::whole(&path, "was left by a killed program; expected no such file"));
+                errors.push(FileError::whole(&path, "was left by a killed program; expected no such file"));
             } else if let Some(stem) = name.strip_suffix(SIDECAR_SUFFIX)
                 && !path.with_file_name(format!("{stem}{DATA_FILE}")).exists()
             {
-                faults.push(FileFault::whole(&path, "has no data file next to it; expected the rows of its session"));
+                errors.push(FileError::whole(&path, "has no data file next to it; expected the rows of its session"));
             }
         }
     }
-    faults
+    errors
 }

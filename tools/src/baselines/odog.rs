@@ -12,7 +12,7 @@ use std::{
     sync::Arc,
 };
 
-use machband::vision::fft::{self, smooth};
+use machband::vision::fft::{self, next_fast_length};
 use rayon::prelude::*;
 use rustfft::{Fft, num_complex::Complex};
 
@@ -282,7 +282,7 @@ impl Bank {
     /// The bank of these filters, each with `width` × `height` samples, row by row.
     fn new(kernels: &[Vec<f64>], width: usize, height: usize) -> Self {
         // Room for the image and for half a filter on either side of it.
-        let plane = Plane::new(smooth(2 * width - 1), smooth(2 * height - 1));
+        let plane = Plane::new(next_fast_length(2 * width - 1), next_fast_length(2 * height - 1));
         let pairs = kernels
             .chunks(2)
             .map(|pair| {

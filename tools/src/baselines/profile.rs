@@ -4,7 +4,7 @@
 use std::{f64::consts::PI, sync::Arc};
 
 use machband::vision::{
-    fft::{self, smooth},
+    fft::{self, next_fast_length},
     vertex,
 };
 use rustfft::{Fft, num_complex::Complex};
@@ -34,11 +34,11 @@ pub trait Baseline {
 }
 
 /// Maximum samples per degree: far beyond the resolution of any eye, but a continued profile still fits into memory.
-const MOST_PX_PER_DEG: f64 = 1e5;
+const MAX_PX_PER_DEG: f64 = 1e5;
 
 /// Whether a model can process this profile at all.
 pub fn is_profile(light: &[f64], px_per_deg: f64) -> bool {
-    light.len() >= 3 && px_per_deg > 0.0 && px_per_deg <= MOST_PX_PER_DEG && light.iter().all(|value| value.is_finite())
+    light.len() >= 3 && px_per_deg > 0.0 && px_per_deg <= MAX_PX_PER_DEG && light.iter().all(|value| value.is_finite())
 }
 
 /// An extremum below this fraction of the response's range is a rounding error, not a band.
@@ -167,7 +167,7 @@ impl Spectrum {
     /// that this jump does not affect any filter inside the profile.
     pub fn new(light: &[f64], px_per_deg: f64, reach_deg: f64) -> Self {
         let before = (reach_deg * px_per_deg).ceil().max(1.0) as usize;
-        let size = smooth(light.len() + 2 * before);
+        let size = next_fast_length(light.len() + 2 * before);
         let at = |i: usize| light[i.saturating_sub(before).min(light.len() - 1)];
         // Half of the extra samples extend the end, and half the beginning.
         let mut values: Vec<_> = (0..size).map(|i| Complex::new(at(i), 0.0)).collect();

@@ -52,7 +52,7 @@ impl SecondDerivativeRatio {
 
     /// Minimum height of a peak, |N₂|·σ^(2−α₂) divided by the profile's range of light. This is our value; it excludes
     /// fluctuations that no eye could see. At the end of a ramp, the height is about 0.3.
-    pub const LEAST: f64 = 1e-4;
+    pub const MIN_HEIGHT: f64 = 1e-4;
 
     /// |N₂|/|N₁| at the peaks of an edge blurred by a Gaussian, for any blur and contrast, if α₂ = α₁ + 1:
     /// √(α₂/2), 0.866 for α₂ = 3⁄2. (At scale σ and blur b the peak is at x = s, s² = σ² + b², and the ratio σx/s²; it
@@ -120,7 +120,7 @@ impl Baseline for SecondDerivativeRatio {
         }
         let scales = self.scales(light.len(), px_per_deg);
         let spectrum = Spectrum::new(light, px_per_deg, 6.0 * scales[scales.len() - 1]);
-        let least = |sigma: f64| Self::LEAST * range(light) * sigma.powf(self.second_power - 2.0);
+        let least = |sigma: f64| Self::MIN_HEIGHT * range(light) * sigma.powf(self.second_power - 2.0);
         let mut crests = [Vec::new(), Vec::new()];
         for &sigma in &scales {
             let [first, second] = self.derivatives(&spectrum, sigma);

@@ -4,7 +4,7 @@ use std::{fmt::Write as _, time::Duration};
 
 use crate::{
     app::ui::Monitor,
-    display::frames::{ESTIMATE_LEAST, FrameTimes, Refresh},
+    display::frames::{FrameTimes, MIN_ESTIMATE_INTERVALS, Refresh},
 };
 
 /// Frame intervals and the refresh against which they are judged.
@@ -73,7 +73,7 @@ impl TimingReport {
     /// Whether there is one frame per refresh; `None` if there are too few frames to judge.
     #[must_use]
     pub fn is_one_by_one(&self) -> Option<bool> {
-        let enough = self.intervals_us().len() >= ESTIMATE_LEAST;
+        let enough = self.intervals_us().len() >= MIN_ESTIMATE_INTERVALS;
         let followed = self.refresh.is_some_and(|refresh| refresh.is_followed_by(self.intervals_us()));
         enough.then_some(followed && self.times.dropped() == Some(0))
     }
@@ -82,8 +82,8 @@ impl TimingReport {
     #[must_use]
     pub fn verdict(&self) -> String {
         let count = self.intervals_us().len();
-        if count < ESTIMATE_LEAST {
-            return format!("{count} frames are too few to judge; expected {ESTIMATE_LEAST} or more.");
+        if count < MIN_ESTIMATE_INTERVALS {
+            return format!("{count} frames are too few to judge; expected {MIN_ESTIMATE_INTERVALS} or more.");
         }
         let Some(refresh) = self.refresh.filter(|refresh| refresh.is_followed_by(self.intervals_us())) else {
             return self.scatter();

@@ -39,6 +39,7 @@ pub enum Scene {
 pub enum Place {
     /// In the upper left corner, where a photodiode can be held.
     Corner,
+    /// In the middle of the window.
     Center,
 }
 
@@ -93,9 +94,9 @@ impl TimingRun {
         ui.ctx().request_repaint();
         match self.plan.scene {
             Scene::Patch => {
-                let left_s = WARNING_S - (now - *self.warned.get_or_insert(now));
-                if left_s > 0.0 {
-                    warn(ui, left_s);
+                let remaining_s = WARNING_S - (now - *self.warned.get_or_insert(now));
+                if remaining_s > 0.0 {
+                    warn(ui, remaining_s);
                     return None;
                 }
                 draw_patch(ui, self.plan.patch, self.frame);
@@ -161,11 +162,11 @@ fn draw_patch(ui: &mut Ui, patch: Patch, frame: u32) {
     });
 }
 
-fn warn(ui: &mut Ui, left_s: f64) {
+fn warn(ui: &mut Ui, remaining_s: f64) {
     page(ui, |ui| {
         ui.heading("Flicker");
         paragraph(ui, FLICKER_WARNING);
-        ui.label(format!("It begins in {:.0} s. Press Esc to stop.", left_s.ceil()));
+        ui.label(format!("It begins in {:.0} s. Press Esc to stop.", remaining_s.ceil()));
     });
 }
 

@@ -11,8 +11,8 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Field, Monitor, Step, outcome, paragraph, primary, quiet, still_plot,
-        theme::{GOOD, NOTE, PAGE, QUIET, SERIES},
+        Field, Monitor, Step, outcome, paragraph, primary, secondary, still_plot,
+        theme::{NOTE, PAGE, SECONDARY, SERIES, SUCCESS},
         tool_page,
     },
     report::figures,
@@ -91,12 +91,12 @@ impl TimingTool {
 
     fn found(&mut self, ui: &mut egui::Ui) {
         let Some(report) = &self.report else { return };
-        let color = if report.is_one_by_one() == Some(true) { GOOD } else { NOTE };
+        let color = if report.is_one_by_one() == Some(true) { SUCCESS } else { NOTE };
         paragraph(ui, RichText::new(report.verdict()).strong().color(color));
         ui.add_space(4.0);
         egui::Grid::new("timing").num_columns(2).spacing([24.0, 4.0]).show(ui, |ui| {
             for (name, value) in report.rows() {
-                ui.label(quiet(name));
+                ui.label(secondary(name));
                 ui.label(value);
                 ui.end_row();
             }
@@ -129,7 +129,7 @@ fn plot(ui: &mut egui::Ui, report: &TimingReport) {
         ui,
         |plot| {
             if let Some(refresh) = report.refresh {
-                plot.hline(HLine::new("refresh", refresh.seconds() * 1e3).color(QUIET));
+                plot.hline(HLine::new("refresh", refresh.seconds() * 1e3).color(SECONDARY));
             }
             plot.points(Points::new("interval", points).radius(1.5).color(SERIES[1]));
         },

@@ -126,7 +126,7 @@ impl MeshChoice {
         match self {
             MeshChoice::Named(shape, vertices) => shapes::mesh(*shape, *vertices).map_err(|error| error.to_string()),
             MeshChoice::File(path) => {
-                store::mesh::read(Path::new(path), CREASE_DEG).map_err(|faults| faults.to_string())
+                store::mesh::read(Path::new(path), CREASE_DEG).map_err(|errors| errors.to_string())
             }
         }
     }

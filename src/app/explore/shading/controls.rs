@@ -19,7 +19,7 @@ use crate::{
 /// Width of the labels, points.
 const LABEL: f32 = 84.0;
 /// Maximum of the slider for vertices; a file can have more.
-const MOST_VERTICES: f64 = 20_000.0;
+const MAX_VERTICES: f64 = 20_000.0;
 /// Distance of the eye in a perspective view, radii.
 const PERSPECTIVE: f64 = 3.0;
 /// The range of a control for a share of the light.
@@ -88,10 +88,10 @@ pub fn mesh(ui: &mut egui::Ui, compared: &mut Comparison) {
         && shape.has_vertices()
     {
         // Another shape may need more vertices.
-        *vertices = (*vertices).max(shape.least_vertices());
+        *vertices = (*vertices).max(shape.min_vertices());
         field("vertices", "Vertices").show(ui, |ui, _| {
             ui.spacing_mut().slider_width = (ui.available_width() - 62.0).max(60.0);
-            let range = shape.least_vertices() as f64..=MOST_VERTICES;
+            let range = shape.min_vertices() as f64..=MAX_VERTICES;
             let mut number = *vertices as f64;
             let slider = Slider::new(&mut number, range).logarithmic(true).step_by(1.0).max_decimals(0);
             let response = ui.add(slider);

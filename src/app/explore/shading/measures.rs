@@ -12,7 +12,7 @@ use crate::{
     app::{
         explore::{
             gallery::slopes,
-            prediction::{self, Drawing},
+            prediction::{self, BandMapImage},
         },
         ui::{describe, hint, pixels, still_plot, theme::SIDES, work::Latest},
     },
@@ -24,7 +24,7 @@ use crate::{
 
 /// Maximum length of the shorter side of the image used for predictions, pixels. A larger image would take longer and
 /// change the prediction little.
-const LONGEST_PX: u32 = 512;
+const MAX_SIDE_PX: u32 = 512;
 /// Assumed size of the shorter side of the picture, degrees.
 pub const SHORTER_SIDE_DEG: f64 = 10.0;
 
@@ -120,10 +120,10 @@ pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 
 #[must_use]
 pub fn predicted_size(size: [u32; 2]) -> [u32; 2] {
     let shorter = size[0].min(size[1]).max(1);
-    if shorter <= LONGEST_PX {
+    if shorter <= MAX_SIDE_PX {
         return size;
     }
-    size.map(|side| (f64::from(side) * f64::from(LONGEST_PX) / f64::from(shorter)).round() as u32)
+    size.map(|side| (f64::from(side) * f64::from(MAX_SIDE_PX) / f64::from(shorter)).round() as u32)
 }
 
 /// Predicts the visibility of the bands, also relative to Gouraud's.
@@ -143,7 +143,7 @@ pub fn bands(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result
     };
     let full_scale = sides.iter().map(|(view, _)| prediction::strongest(&view.map)).fold(0.0, f64::max);
     let maps = sides.each_ref().map(|(view, light)| {
-        let drawing = Drawing { map: &view.map, light, size: [width as usize, height as usize], most: full_scale };
+        let drawing = BandMapImage { map: &view.map, light, size: [width as usize, height as usize], full_scale };
         drawing.codes(size[0], size[1])
     });
     let cells = sides.each_ref().map(|(view, _)| {
@@ -160,7 +160,7 @@ pub fn bands(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result
 
 /// Samples per pixel of the scan line, and the maximum number of samples.
 const DENSITY: f64 = 4.0;
-const MOST: f64 = 4096.0;
+const MAX_SAMPLES: f64 = 4096.0;
 
 /// A curve in pieces; there are gaps where the line does not cross the surface.
 type Curve = Vec<Vec<[f64; 2]>>;
@@ -183,7 +183,7 @@ impl Scan {
         let size = DVec2::new(f64::from(frame.width), f64::from(frame.height));
         let ends = line.map(|end| DVec2::new(f64::from(end.x), f64::from(end.y)) * size);
         let length = ends[0].distance(ends[1]);
-        let count = (length * DENSITY).clamp(0.0, MOST) as usize;
+        let count = (length * DENSITY).clamp(0.0, MAX_SAMPLES) as usize;
         let light = compared.sides.map(|side| {
             let lights = compared.shot(&side, frame).along(ends, count);
             let at = |i: usize, light: DVec3| {

@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Ask, Dialog, Field, Step, escaped, fault, heading, hint, quiet,
+        Dialog, Field, FileKind, Step, escaped, heading, hint, secondary, show_error,
         theme::{self, SIDES},
     },
     light::CodeImage,
@@ -55,7 +55,7 @@ pub struct ShadingPage {
 struct FileField {
     path: String,
     dialog: Dialog,
-    fault: Option<String>,
+    error: Option<String>,
 }
 
 impl ShadingPage {
@@ -132,7 +132,7 @@ impl ShadingPage {
         let mut open = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         ui.horizontal(|ui| {
             open |= ui.button("Open the file").clicked();
-            open |= self.file.dialog.browse(ui, Ask::Obj, "Choose an OBJ file…", &mut self.file.path);
+            open |= self.file.dialog.browse(ui, FileKind::Obj, "Choose an OBJ file…", &mut self.file.path);
         });
         if let Some(path) = ui.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned())) {
             self.file.path = path.display().to_string();
@@ -141,15 +141,15 @@ impl ShadingPage {
         if open {
             self.load(MeshChoice::File(self.file.path.trim().to_owned()));
         }
-        self.file.dialog.missing_fault(ui);
-        if let Some(error) = &self.file.fault {
-            fault(ui, error);
+        self.file.dialog.missing_error(ui);
+        if let Some(error) = &self.file.error {
+            show_error(ui, error);
         }
     }
 
     /// Shows another mesh. If it cannot be created, the current mesh stays.
     fn load(&mut self, choice: MeshChoice) {
-        self.file.fault = match choice.mesh() {
+        self.file.error = match choice.mesh() {
             Ok(mesh) => {
                 self.compared.mesh = choice.clone();
                 self.surface = Some((choice, Arc::new(Surface::new(mesh))));
@@ -182,7 +182,7 @@ impl ShadingPage {
 
     fn toolbar(&mut self, ui: &mut egui::Ui) {
         let settings = &mut self.settings;
-        let group = |ui: &mut egui::Ui, text: &str| ui.add(Label::new(quiet(text)).extend());
+        let group = |ui: &mut egui::Ui, text: &str| ui.add(Label::new(secondary(text)).extend());
         ui.horizontal_wrapped(|ui| {
             group(ui, "Show");
             for (layer, name) in [
@@ -306,7 +306,7 @@ impl ShadingPage {
                 ("predicted visibility", &self.bands, 0),
                 ("visibility relative to Gouraud", &self.bands, 1),
             ] {
-                ui.label(quiet(name));
+                ui.label(secondary(name));
                 for which in 0..2 {
                     measurement.cell(ui, which, place, pictures.edition);
                 }

@@ -77,13 +77,13 @@ impl Drawer {
                 Err(error) => self.gpu = Err(error.to_string()),
             }
         }
-        let begun = Instant::now();
+        let started = Instant::now();
         let mut pixels =
             ColorImage::filled([shot.frame.width, shot.frame.height].map(|side| side as usize), Color32::BLACK);
         let encoder = Encoder::new(&shot.transfers.channels()[0]);
         let prepared = Prepared::new(&shot.frame, &shot.shade);
         prepared.codes(&encoder, bytemuck::cast_slice_mut(&mut pixels.pixels));
-        let ms = ms_since(begun);
+        let ms = ms_since(started);
         let pixels = Arc::new(pixels);
         let texture = self.canvases[which].put(ctx, "shading", pixels.clone());
         Picture { image: Image::Cpu(pixels, texture), ms }
@@ -161,9 +161,9 @@ impl Pictures {
         if let Some(before) = before.filter(is_right) {
             return before;
         }
-        let begun = Instant::now();
+        let started = Instant::now();
         let frame = compared.scene.frame(surface, size[0], size[1]);
-        let frame_ms = ms_since(begun);
+        let frame_ms = ms_since(started);
         let sides = [0, 1].map(|which| drawer.draw(ctx, which, &compared.shot(&compared.sides[which], &frame)));
         let (compared, surface, by) = (compared.clone(), surface.clone(), drawer.by());
         Pictures { compared, surface, by, edition, frame, frame_ms, sides }
@@ -206,8 +206,8 @@ fn combined(left: &CodeImage, right: &CodeImage, code: impl Fn(u32, u8, u8) -> u
     CodeImage { width: left.width, height: left.height, samples: Samples::Eight(codes) }
 }
 
-fn ms_since(begun: Instant) -> f64 {
-    begun.elapsed().as_secs_f64() * 1e3
+fn ms_since(started: Instant) -> f64 {
+    started.elapsed().as_secs_f64() * 1e3
 }
 
 /// The window's graphics card.
@@ -244,9 +244,9 @@ impl WindowGpu {
     /// # Errors
     /// If the frame is too large for the card, or if the driver fails.
     fn draw(&mut self, shot: &Shot<'_>) -> Result<(GpuPicture, f64), GpuError> {
-        let begun = Instant::now();
+        let started = Instant::now();
         let texture = self.gpu.draw(&shot.frame, &shot.shade, &shot.transfers.channels()[0])?;
-        let ms = ms_since(begun);
+        let ms = ms_since(started);
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         let mut renderer = self.state.renderer.write();
         let id = renderer.register_native_texture(&self.state.device, &view, wgpu::FilterMode::Nearest);

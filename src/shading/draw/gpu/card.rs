@@ -89,7 +89,7 @@ impl Gpu {
         let most = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
         for (what, size, most) in [
             ("a side", frame.width.max(frame.height).into(), limits.max_texture_dimension_2d.into()),
-            ("a number of lamps", frame.lighting.lamps.len() as u64, pack::MOST_LAMPS as u64),
+            ("a number of lamps", frame.lighting.lamps.len() as u64, pack::MAX_LAMPS as u64),
             ("a buffer", longest, most),
         ] {
             if size > most {
@@ -175,7 +175,7 @@ pub fn codes(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture
     queue.submit([encoder.finish()]);
     buffer.slice(..).map_async(wgpu::MapMode::Read, |_| {});
     wait(device)?;
-    let bytes = buffer.slice(..).get_mapped_range().map_err(|fault| GpuError::Driver(fault.to_string()))?;
+    let bytes = buffer.slice(..).get_mapped_range().map_err(|error| GpuError::Driver(error.to_string()))?;
     let rows = bytes.chunks_exact(row as usize).map(|row| &row[..4 * width as usize]);
     let codes = rows.flat_map(|row| row.as_chunks().0).flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
     Ok(CodeImage { width, height, samples: Samples::Eight(codes) })
@@ -184,7 +184,7 @@ pub fn codes(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture
 /// Waits until the device has completed all submitted work.
 fn wait(device: &wgpu::Device) -> Result<(), GpuError> {
     let done = device.poll(wgpu::PollType::wait_indefinitely());
-    done.map(|_| ()).map_err(|fault| GpuError::Driver(fault.to_string()))
+    done.map(|_| ()).map_err(|error| GpuError::Driver(error.to_string()))
 }
 
 /// Makes the buffers that the WGSL reads, with these contents; the globals come first.
@@ -204,9 +204,9 @@ fn guarded<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, GpuE
     let filters = [wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation];
     let scopes = filters.map(|filter| device.push_error_scope(filter));
     let made = make();
-    let faults = scopes.into_iter().rev().filter_map(|scope| pollster::block_on(scope.pop()));
-    match faults.last() {
-        Some(fault) => Err(GpuError::Driver(fault.to_string())),
+    let errors = scopes.into_iter().rev().filter_map(|scope| pollster::block_on(scope.pop()));
+    match errors.last() {
+        Some(error) => Err(GpuError::Driver(error.to_string())),
         None => Ok(made),
     }
 }

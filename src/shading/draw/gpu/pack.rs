@@ -6,7 +6,7 @@ use crate::{
     light::{Bits, Transfer, quantize::reference_code},
     shading::{
         frame::{Across, Bend, ControlPoints, Frame, FrameVertex, Patches, bends},
-        lighting::{Facets, Lamp, LampPlace, Microfacets, Specular},
+        lighting::{Facets, Lamp, LampPosition, Microfacets, Specular},
         shaders::{Shade, Shader, flat, quadratic},
     },
 };
@@ -25,11 +25,11 @@ struct Globals {
     points: u32,
     exponent: f32,
     padding: u32,
-    lamps: [[[f32; 4]; 3]; MOST_LAMPS],
+    lamps: [[[f32; 4]; 3]; MAX_LAMPS],
 }
 
 /// The maximum number of lamps, which is the size of `lamps` in the WGSL.
-pub const MOST_LAMPS: usize = 64;
+pub const MAX_LAMPS: usize = 64;
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
@@ -62,7 +62,7 @@ fn globals(frame: &Frame, shade: &Shade, transfer: &Transfer) -> Globals {
         Specular::Phong | Specular::Blinn => Microfacets { facets: Facets::Beckmann, slope: 1.0, index: DVec3::ONE },
     };
     let c1 = if let Facets::Gaussian { c1 } = facets.facets { c1 } else { 0.0 };
-    let mut lamps = [[[0.0; 4]; 3]; MOST_LAMPS];
+    let mut lamps = [[[0.0; 4]; 3]; MAX_LAMPS];
     for (place, lamp) in lamps.iter_mut().zip(&frame.lighting.lamps) {
         *place = pack_lamp(lamp);
     }
@@ -74,7 +74,7 @@ fn globals(frame: &Frame, shade: &Shade, transfer: &Transfer) -> Globals {
         diffuse: four(material.diffuse * material.color, material.shininess),
         specular: four(material.specular * material.specular_color, facets.slope),
         index: four(facets.index, c1),
-        lamp_count: frame.lighting.lamps.len().min(MOST_LAMPS) as u32,
+        lamp_count: frame.lighting.lamps.len().min(MAX_LAMPS) as u32,
         points: table(transfer).len() as u32,
         exponent: if let Transfer::Gamma(gamma) = transfer { gamma.recip() as f32 } else { 1.0 },
         padding: 0,
@@ -125,9 +125,9 @@ fn slopes([a, b, c]: [DVec2; 3]) -> [f32; 4] {
 
 fn pack_lamp(lamp: &Lamp) -> [[f32; 4]; 3] {
     let intensity = four(lamp.intensity, 0.0);
-    match lamp.place {
-        LampPlace::Direction(toward) => [four(toward, 0.0), intensity, [0.0; 4]],
-        LampPlace::Point { position, attenuation } => {
+    match lamp.position {
+        LampPosition::Direction(toward) => [four(toward, 0.0), intensity, [0.0; 4]],
+        LampPosition::Point { position, attenuation } => {
             [four(position, 1.0), intensity, four(DVec3::from_array(attenuation), 0.0)]
         }
     }
@@ -214,6 +214,6 @@ fn ordinates(points: &ControlPoints) -> [[f32; 4]; 9] {
 fn apexes(frame: &Frame, triangle: usize) -> [[f32; 4]; 3] {
     frame.triangles[triangle].across.map(|across| match across {
         Across::Triangle { apex, .. } => four(frame.vertices[apex as usize].light, 1.0),
-        Across::Nothing | Across::Several => [0.0; 4],
+        Across::Nothing | Across::NonManifold => [0.0; 4],
     })
 }

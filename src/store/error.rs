@@ -7,7 +7,7 @@ use std::{
 
 /// One error in a file: its location, what is wrong, and what is expected.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct FileFault {
+pub struct FileError {
     /// The file, or the name of a built-in definition.
     pub file: String,
     /// Line and column, counted from 1; the column is in characters.
@@ -16,7 +16,7 @@ pub struct FileFault {
     pub message: String,
 }
 
-impl std::fmt::Display for FileFault {
+impl std::fmt::Display for FileError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}", self.file)?;
         if let Some((line, column)) = self.position {
@@ -26,7 +26,7 @@ impl std::fmt::Display for FileFault {
     }
 }
 
-impl FileFault {
+impl FileError {
     /// An error at a line and column, counted from 1.
     pub fn at(file: impl AsRef<Path>, position: (usize, usize), message: impl Into<String>) -> Self {
         Self { position: Some(position), ..Self::whole(file, message) }
@@ -47,24 +47,24 @@ pub(super) fn position(text: &str, offset: usize) -> (usize, usize) {
 
 /// All errors in a file, in the order of the file; never empty.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub struct FileFaults(pub Vec<FileFault>);
+pub struct FileErrors(pub Vec<FileError>);
 
-impl FileFaults {
+impl FileErrors {
     /// A single error about the whole file.
     pub fn whole(file: impl AsRef<Path>, message: impl Into<String>) -> Self {
-        Self(vec![FileFault::whole(file, message)])
+        Self(vec![FileError::whole(file, message)])
     }
 
     /// Succeeds if the list is empty.
     ///
     /// # Errors
     /// Returns the errors in the list, if there are any.
-    pub fn none(faults: Vec<FileFault>) -> Result<(), Self> {
-        if faults.is_empty() { Ok(()) } else { Err(Self(faults)) }
+    pub fn none(errors: Vec<FileError>) -> Result<(), Self> {
+        if errors.is_empty() { Ok(()) } else { Err(Self(errors)) }
     }
 }
 
-impl std::fmt::Display for FileFaults {
+impl std::fmt::Display for FileErrors {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let lines: Vec<String> = self.0.iter().map(ToString::to_string).collect();
         f.write_str(&lines.join("\n"))
@@ -76,34 +76,34 @@ const MAX_KEPT: usize = 5;
 
 /// The errors in a table's rows: the first ones in each column are kept, and the others are counted.
 #[derive(Clone, Debug, Default)]
-pub(super) struct RowFaults {
-    kept: Vec<FileFault>,
+pub(super) struct RowErrors {
+    kept: Vec<FileError>,
     /// The number of errors in each column, kept or not; `None` stands for the row as a whole.
     counts: BTreeMap<Option<usize>, usize>,
 }
 
-impl RowFaults {
+impl RowErrors {
     /// Adds an error; its line and column are computed only if it is kept.
     pub fn add(&mut self, file: &str, cell: Option<usize>, message: String, place: impl FnOnce() -> (usize, usize)) {
         let count = self.counts.entry(cell).or_default();
         *count += 1;
         if *count <= MAX_KEPT {
-            self.kept.push(FileFault::at(file, place(), message));
+            self.kept.push(FileError::at(file, place(), message));
         }
     }
 
     /// Returns the errors that were kept, and for each column the number of further errors; `columns` are the names in
     /// the header.
-    pub fn finish(self, file: &str, columns: &[impl AsRef<str>]) -> Vec<FileFault> {
-        let mut faults = self.kept;
-        faults.sort_by_key(|fault| fault.position);
+    pub fn finish(self, file: &str, columns: &[impl AsRef<str>]) -> Vec<FileError> {
+        let mut errors = self.kept;
+        errors.sort_by_key(|error| error.position);
         for (cell, count) in self.counts.into_iter().filter(|(_, count)| *count > MAX_KEPT) {
             let column = cell.and_then(|cell| columns.get(cell));
             let column = column.map_or(String::new(), |name| format!(" in {}", name.as_ref()));
             let message = format!("{} more rows have errors{column}; expected none", count - MAX_KEPT);
-            faults.push(FileFault::whole(file, message));
+            errors.push(FileError::whole(file, message));
         }
-        faults
+        errors
     }
 }
 
@@ -154,15 +154,15 @@ pub enum StoreError {
     },
     /// A file cannot be parsed.
     #[error(transparent)]
-    Faults(#[from] FileFaults),
+    FileErrors(#[from] FileErrors),
 }
 
 impl StoreError {
     /// Converts the error to a list of errors in the file at `path`.
-    pub(super) fn faults(self, path: &Path) -> Vec<FileFault> {
+    pub(super) fn errors(self, path: &Path) -> Vec<FileError> {
         match self {
-            Self::Faults(FileFaults(faults)) => faults,
-            error => vec![FileFault::whole(path, error.to_string())],
+            Self::FileErrors(FileErrors(errors)) => errors,
+            error => vec![FileError::whole(path, error.to_string())],
         }
     }
 

@@ -4,58 +4,58 @@ use std::path::PathBuf;
 
 use eframe::egui;
 
-use crate::app::ui::{self, Ask, Dialog};
+use crate::app::ui::{self, Dialog, FileKind};
 
-pub struct Trouble {
+pub struct UnsavedAnswerPage {
     what: String,
     folder: String,
     dialog: Dialog,
 }
 
 /// What the user chose to do about it.
-pub enum Remedy {
+pub enum SaveChoice {
     /// Try the same folder again.
     Retry,
     /// Use another results folder.
-    MoveTo(PathBuf),
+    ContinueIn(PathBuf),
 }
 
-impl Trouble {
+impl UnsavedAnswerPage {
     /// The page for an error of the store; `what` is its message.
     pub fn new(what: String) -> Self {
         let folder = std::env::temp_dir().join("machband-results").display().to_string();
         Self { what, folder, dialog: Dialog::default() }
     }
 
-    /// Shows the new error after a remedy that did not help.
-    pub fn again(&mut self, what: String) {
+    /// Shows the new error after a choice that did not help.
+    pub fn show_error(&mut self, what: String) {
         self.what = what;
     }
 
-    pub fn show(&mut self, ui: &mut egui::Ui) -> Option<Remedy> {
+    pub fn show(&mut self, ui: &mut egui::Ui) -> Option<SaveChoice> {
         ui::page(ui, |ui| {
-            let mut remedy = None;
+            let mut choice = None;
             ui.heading("The last answer could not be saved");
-            ui::fault(ui, &self.what);
+            ui::show_error(ui, &self.what);
             ui.label(
                 "Nothing is lost: every answer of this session is still in memory. Please call the experimenter. \
                 The session continues once the answers are saved.",
             );
             ui.add_space(12.0);
             if ui::primary(ui, "Try again", true, "") {
-                remedy = Some(Remedy::Retry);
+                choice = Some(SaveChoice::Retry);
             }
             ui.add_space(12.0);
             let label = ui.label("Or save the entire session in another folder:");
             ui.horizontal_wrapped(|ui| {
                 ui.add(egui::TextEdit::singleline(&mut self.folder).desired_width(380.0)).labelled_by(label.id);
-                self.dialog.browse(ui, Ask::Folder, "Choose a folder…", &mut self.folder);
+                self.dialog.browse(ui, FileKind::Folder, "Choose a folder…", &mut self.folder);
             });
             let usable = !self.folder.trim().is_empty();
             if ui.add_enabled(usable, egui::Button::new("Save there and continue")).clicked() {
-                remedy = Some(Remedy::MoveTo(self.folder.trim().into()));
+                choice = Some(SaveChoice::ContinueIn(self.folder.trim().into()));
             }
-            remedy
+            choice
         })
     }
 }
