@@ -1,5 +1,5 @@
-//! I_n(u), the profile of a ramp from 0 to 1: Bangay eq. 1, with n as corrected in this project's mathematics notes
-//! (the labels in the scanned paper are off by one).
+//! I_n(u), the profile of a ramp from 0 to 1: Bangay eq. 1. In the scanned paper, the labels of the equation's rows are
+//! off by one; here, n = 1 is the linear ramp.
 //!
 //! For every whole n ≥ 1, I_n is the regularized incomplete beta function I_u(n, n),
 //! `(2n−1)·C(2n−2, n−1)·∫₀ᵘ s^(n−1)(1−s)^(n−1) ds`: n = 1 is `u`, n = 2 is `3u²−2u³`, n = 3 is

@@ -1,7 +1,8 @@
 //! How stimuli are drawn. Most vary in one direction only: their profile gives the light of every pixel, and its code.
 //!
-//! An edge that runs along the pixels is exactly sharp. An oblique edge is anti-aliased in linear light: each pixel
-//! mixes both sides in proportion to its area on each side.
+//! An edge that runs along the pixels is exactly sharp. An oblique edge that a profile lists in `jumps` is anti-aliased
+//! in linear light: each pixel mixes both sides in proportion to its area on each side. A Mach band lists none: its step,
+//! the limit of narrow ramps, stays as sharp as the pixels at every orientation.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -114,10 +115,10 @@ const ERROR_PX: f64 = 1e-6;
 const ERROR_LIGHT: f64 = 1e-12;
 /// The search for runs stops at this fraction of a pixel.
 const MIN_RUN_PX: f64 = 1.0 / 128.0;
-/// Places between two pixels at which the center line may cross a row, each with a template.
+/// The number of templates: the center line crosses a row in one of this many intervals between two pixels.
 const PHASES: usize = 64;
-/// The steepest slope of the center line against the columns, in columns per row, for which templates are made.
-const MAX_SLOPE: f64 = 4.0;
+/// The largest shift from row to row, in pixels, for which templates are made.
+const MAX_SHIFT_PX: f64 = 4.0;
 
 /// A range of positions along a row that all have the same code.
 struct Run {
@@ -167,24 +168,25 @@ impl Runs {
         Self { runs, middle: 0.5 * f64::from(grid.size - 1), tan: grid.sin / grid.cos }
     }
 
-    /// Draws rows; `pixel` computes the pixels that no run holds for certain.
+    /// Draws rows. `pixel` computes the pixels that are not certain to lie in a run.
     ///
-    /// Rows whose center line crosses at nearly the same place between two pixels are shifted copies of one template.
+    /// Rows that the center line crosses at nearly the same place between two pixels are shifted copies of one template.
     fn draw<'a>(&self, rows: impl Iterator<Item = (u32, &'a mut [u8])>, pixel: impl Fn(u32, u32) -> [u8; 3]) {
         let mut templates: [Option<Template>; PHASES] = [const { None }; PHASES];
         let reach = self.middle * self.tan.abs();
         for (iy, row) in rows {
             let row = row.as_chunks_mut().0;
             let shift = self.middle - (self.middle - f64::from(iy)) * self.tan;
-            if self.tan.abs() > MAX_SLOPE {
-                // Shifted too far for a template to be shorter than all rows; but then there are few runs in a row.
+            if self.tan.abs() > MAX_SHIFT_PX {
+                // The rows are shifted so far that a template would be longer than all rows together. A row crosses only a
+                // few runs, which are quickly filled.
                 for ix in self.fill(shift, 0.0, row) {
                     row[ix] = pixel(ix as u32, iy);
                 }
                 continue;
             }
             let phase = ((shift - shift.floor()) * PHASES as f64) as usize;
-            // The template's first column is that of the row that is shifted the furthest to the right.
+            // A template starts where the row that is shifted farthest to the right starts.
             let first = (self.middle + reach).floor();
             let template = templates[phase].get_or_insert_with(|| {
                 let mut codes = vec![[0; 3]; row.len() + 2 * reach.ceil() as usize + 1];
@@ -200,7 +202,8 @@ impl Runs {
         }
     }
 
-    /// Fills the pixels that have one code in a row at every shift from `shift` to `shift + slack`, and returns the others.
+    /// Fills the pixels that keep their code at every shift of the row from `shift` to `shift + slack`, and returns the
+    /// other pixels.
     fn fill(&self, shift: f64, slack: f64, row: &mut [[u8; 3]]) -> Vec<usize> {
         let (mut open, mut done) = (Vec::new(), 0);
         for run in &self.runs[self.runs.partition_point(|run| run.to + shift < 0.0)..] {
@@ -221,10 +224,10 @@ impl Runs {
     }
 }
 
-/// A row that is long enough for every shift by whole pixels.
+/// A row that contains every row of its interval, each shifted by whole pixels.
 struct Template {
     codes: Vec<[u8; 3]>,
-    /// The pixels whose code depends on the rest of the shift.
+    /// The pixels whose code depends on where in the interval the center line crosses.
     open: Vec<usize>,
 }
 

@@ -69,6 +69,9 @@ pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
         let title = |correction: &Correction| correction.name().to_owned();
         field("vertex", &name("vertex")).choice(ui, &mut shade.vertex, Correction::ALL, title);
         field("reweight", &name("reweight")).choice(ui, &mut shade.reweight, Correction::ALL, title);
+    } else {
+        // A correction that was chosen for another shader must not stay on unseen.
+        (shade.vertex, shade.reweight) = (Correction::Off, Correction::Off);
     }
     if shade.shader != Shader::Phong {
         let response = ui.checkbox(&mut side.naive, "ignore gamma: interpolate codes");
