@@ -1,7 +1,8 @@
-//! The floors of the program, the rooms of the window, and that no files use each other in a circle.
+//! Checks the architecture: rooms use only rooms on lower floors, and files have no circular dependencies.
 //!
-//! Reads `src/` as tokens and follows every path that starts at `crate`, `machband`, `self`, `super`, a module beside it
-//! or an imported name, through re-exports, to the file that it ends in.
+//! The scan reads every file in `src/` as tokens. It takes every path in a `use` declaration, and every other path that
+//! begins with `crate`, `machband`, `self`, `super` or an imported name, and follows it through imports and re-exports
+//! to a file.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -13,7 +14,8 @@ use proc_macro2::{TokenStream, TokenTree};
 
 type Module = Vec<String>;
 
-/// Every room and its floor: it uses lower floors only.
+/// The floor of every room. A room may use only rooms on lower floors. The window, which is one floor in
+/// `src/lib.rs`, is divided into several floors here.
 const FLOORS: &[(&str, u32)] = &[
     ("light", 0),
     ("display", 1),
@@ -35,27 +37,27 @@ const FLOORS: &[(&str, u32)] = &[
     ("cli", 11),
 ];
 
-/// Edges that the rule forbids and that are meant, each with its reason.
+/// Dependencies that intentionally break the rule: the room, the room that it uses, and the reason.
 const EXCEPTIONS: &[(&str, &str, &str)] = &[("cli", "app", "`machband run`, and `machband` alone, open the window")];
 
-/// The program's files by the module that each is, and what each of them uses.
+/// The source files by module path, with what each of them uses.
 #[derive(Default)]
 struct House(BTreeMap<Module, Source>);
 
 #[derive(Default)]
 struct Source {
-    /// Every path in it from the crate's root, and the line that it is in.
+    /// Every path in the file, from the crate's root, with its line number.
     paths: Vec<(Module, usize)>,
-    /// What its `use` declarations bring in.
+    /// The names that its `use` declarations import, with the path of each.
     names: BTreeMap<String, Module>,
 }
 
-/// A use of a file by another.
+/// A use of one file by another.
 struct Edge {
     from: Module,
     line: usize,
     path: Module,
-    /// The file that the path ends in; empty where there is none.
+    /// The file that the path leads to; empty if there is none.
     to: Module,
 }
 
@@ -69,18 +71,18 @@ fn files_use_lower_floors_only_and_never_each_other() {
     let house = House::new(files);
     let edges = house.edges();
     let rooms: BTreeSet<_> = house.0.keys().filter(|module| !module.is_empty()).map(room).collect();
-    assert!(rooms.len() >= 5 && edges.len() >= 500, "found too little to be right: {rooms:?}, {}", edges.len());
+    assert!(rooms.len() >= 5 && edges.len() >= 500, "the scan found too little: {rooms:?}, {}", edges.len());
     let homeless = rooms.iter().filter(|room| floor(room).is_none()).map(|room| format!("src/{room} has no floor"));
     let faults: Vec<String> = homeless.chain(faults_of(&edges)).collect();
     assert!(faults.is_empty(), "\n{}", faults.join("\n"));
-    // An exception that nothing uses any more would hide the next one.
+    // An exception that is no longer needed could hide a new violation.
     for (from, to, _) in EXCEPTIONS {
         let used = edges.iter().any(|edge| room(&edge.from) == *from && room(&edge.to) == *to);
         assert!(used, "the exception {from} → {to} is no longer needed");
     }
 }
 
-/// The scan would be worth nothing if it saw nothing.
+/// Tests the scan itself: it must report every forbidden use, and must not report an allowed one.
 #[test]
 fn forbidden_edges_are_found() {
     let faults = |file: &str, source: &str| {
@@ -118,20 +120,21 @@ fn forbidden_edges_are_found() {
         assert_eq!(faults("light/gamma", fine), Vec::<String>::new(), "{fine}");
     }
     for (file, source, number) in [
-        // Siblings, and the exception in its one direction only.
+        // Rooms on the same floor must not use each other; the exception holds only from `cli` to `app`.
         ("store/x", "use crate::analysis::fit;", 1),
         ("display/x", "use crate::shading;", 1),
         ("app/ui/x", "use crate::cli;", 1),
         ("cli/run", "use crate::app::{self, Launch};", 0),
-        // Rooms of the window: a page may use the vocabulary, and nothing the App.
+        // In the window, a page may use the shared elements in `app/ui`, but no room may use `App`.
         ("app/session/x", "use crate::app::ui::{self, Step}; fn f() { ui::hint(); }", 0),
         ("app/ui/x", "use crate::app::start::Form;", 1),
         ("app/session/x", "use super::super::App;", 1),
-        // What cannot be followed is not let through.
+        // A path that the scan cannot follow to a file is reported.
         ("light/gamma", "use crate::*;", 1),
         ("light/gamma", "use crate as root;", 1),
         ("light/gamma", "use crate::attic::Thing;", 1),
-        // Through the re-export of its room's door, two files of a room.
+        // `app/ui/mod.rs` re-exports `hint` from `text`. Other files of the room may use it from there, but `text` must
+        // not use `mod.rs`, because the two files would then use each other.
         ("app/ui/page", "use super::hint;", 0),
         ("app/ui/text", "use super::Own;", 1),
     ] {
@@ -139,7 +142,7 @@ fn forbidden_edges_are_found() {
     }
 }
 
-/// Everything that is wrong with these edges.
+/// Returns a message for every violation of the rules.
 fn faults_of(edges: &[Edge]) -> Vec<String> {
     let mut faults = Vec::new();
     let mut uses: BTreeMap<&Module, BTreeSet<&Module>> = BTreeMap::new();
@@ -161,7 +164,7 @@ fn faults_of(edges: &[Edge]) -> Vec<String> {
     faults
 }
 
-/// The room of a file: its top-level module, or the folder within the window.
+/// Returns the room of a file: its top-level module or, in the window, its folder in `app`.
 fn room(module: &Module) -> String {
     let parts = if module.first().is_some_and(|top| top == "app") { 2 } else { 1 };
     module.iter().take(parts).cloned().collect::<Vec<_>>().join("/")
@@ -171,7 +174,7 @@ fn floor(room: &str) -> Option<u32> {
     FLOORS.iter().find(|(name, _)| *name == room).map(|(_, floor)| *floor)
 }
 
-/// Files that use each other, directly or over others.
+/// Returns a message for each group of files that use each other, directly or through other files.
 fn circles(uses: &BTreeMap<&Module, BTreeSet<&Module>>) -> Vec<String> {
     let reach = |start| {
         let (mut found, mut next) = (BTreeSet::new(), vec![start]);
@@ -201,10 +204,10 @@ impl House {
         house
     }
 
-    /// Every use of a file by another.
+    /// Returns every use of one file by another.
     fn edges(&self) -> Vec<Edge> {
         let mut edges = Vec::new();
-        // The roots of library and program only name the modules.
+        // `lib.rs` and `main.rs`, the roots of the library and the program, have no floor.
         for (from, source) in self.0.iter().filter(|(module, _)| !module.is_empty()) {
             for (path, line) in &source.paths {
                 let to = self.resolve(path, 0);
@@ -216,7 +219,7 @@ impl House {
         edges
     }
 
-    /// The file that a path leads to.
+    /// Returns the file that a path leads to, following imports and re-exports.
     fn resolve(&self, path: &[String], depth: usize) -> Module {
         let mut at = Module::new();
         for (i, part) in path.iter().enumerate() {
@@ -225,7 +228,8 @@ impl House {
                 continue;
             }
             at.pop();
-            // A name that the module has from elsewhere; not its own, which a name in `use super::Name` would be again.
+            // If the module imports or re-exports this name, continue with the path that the name stands for. If that
+            // is the same path again, stop, because following it would never end.
             let elsewhere = self.0.get(&at).and_then(|source| source.names.get(part));
             if let Some(target) = elsewhere.filter(|target| depth < 8 && target[..] != path[..=i]) {
                 let whole: Module = target.iter().chain(&path[i + 1..]).cloned().collect();
@@ -245,18 +249,18 @@ impl Source {
             let text = |j: usize| tokens.get(j).map_or("", |(text, _)| text.as_str());
             let begins = i == 0 || text(i - 1) != "::";
             match text(i) {
-                // There `super` would be another module than the scan takes it for.
-                "mod" if text(i + 2) == "{" => panic!("{}: a module within a file; expected none", module.join("/")),
+                // In an inline module, `super` would be a different module than the scan assumes.
+                "mod" if text(i + 2) == "{" => panic!("{}: contains an inline module; expected none", module.join("/")),
                 "use" => {
                     i = source.tree(tokens, i + 1, module.clone(), true, true);
                     continue;
                 }
-                // `pub(in crate::room)` is no use of it.
+                // `pub(in crate::room)` does not use that room.
                 "crate" | "machband" | "super" | "self" if begins && (i == 0 || text(i - 1) != "in") => {
                     i = source.tree(tokens, i, module.clone(), true, false);
                     continue;
                 }
-                // A name that was imported.
+                // A path that begins with an imported name.
                 name if begins && text(i + 1) == "::" && source.names.contains_key(name) => {
                     i = source.tree(tokens, i + 2, source.names[name].clone(), false, false);
                     continue;
@@ -268,8 +272,10 @@ impl Source {
         source
     }
 
-    /// Follows the tree of paths at `i` from the module `path`; gives where it ends. What is not of this crate stays
-    /// below the module itself, and leads nowhere. `first` where `crate` and the like may stand.
+    /// Reads the path, or the tree of paths, that begins at token `i` and is relative to the module `path`. Returns the
+    /// index of the next token. A path into another crate stays relative to the module and leads to no other file.
+    ///
+    /// `first` is true where `crate` or `machband` may begin the path; `is_use` is true in a `use` declaration.
     fn tree(
         &mut self,
         tokens: &[(String, usize)],
@@ -280,7 +286,7 @@ impl Source {
     ) -> usize {
         let text = |j: usize| tokens.get(j).map_or("", |(text, _)| text.as_str());
         let line = tokens.get(i).map_or(0, |(_, line)| *line);
-        // `crate` alone stands in `pub(crate)`; `self` and `super` alone name no other module.
+        // Without `::`, these words use no other module: they occur in `pub(crate)` and `pub(super)`, or as `self`.
         let alone = matches!(text(i), "crate" | "machband" | "super" | "self") && text(i + 1) != "::";
         loop {
             match text(i) {
@@ -324,7 +330,8 @@ fn is_name(text: &str) -> bool {
     text.starts_with(|c: char| c.is_alphabetic() || c == '_')
 }
 
-/// Names, `::` and single marks with their lines; no comments, strings, characters or lifetimes.
+/// Appends the names, brackets and punctuation marks with their line numbers, and `::` as one token. Every literal
+/// becomes `""`; comments and lifetimes are omitted.
 fn flatten(stream: TokenStream, tokens: &mut Vec<(String, usize)>) {
     let mut lifetime = false;
     for token in stream {
@@ -354,7 +361,7 @@ fn flatten(stream: TokenStream, tokens: &mut Vec<(String, usize)>) {
     }
 }
 
-/// `src/` in a fixed order.
+/// Returns the Rust files in a folder and its subfolders, in a fixed order.
 fn sources(folder: &Path) -> Vec<PathBuf> {
     let mut entries: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     entries.sort();

@@ -324,7 +324,7 @@ fn plot(
         // Nearly uniform light is shown as uniform, so that rounding is not magnified.
         .include_y(lowest - 0.02)
         .include_y(lowest + 0.02)
-        .x_axis_label("position, window sides")
+        .x_axis_label("position, in window sides")
         .y_axis_label(axis)
         .legend(Legend::default().position(Corner::LeftTop).text_style(egui::TextStyle::Small).background_alpha(0.5))
         .show(ui, |plot| {

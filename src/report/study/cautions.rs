@@ -68,14 +68,14 @@ fn one_participant(source: &Source, results: &Results) -> Option<String> {
     let plan = source.protocol.as_ref().map_or_else(String::new, |p| format!(" {} --participants 4,8,12", p.name));
     Some(format!(
         "There is only one participant: this page describes these ratings, which do not generalize to other people. \
-         The next step is to measure more participants; “machband plan{plan}” estimates how many are needed."
+         The next step is to test more participants; “machband plan{plan}” estimates how many are needed."
     ))
 }
 
 fn errors(source: &Source) -> Option<String> {
     let files: BTreeSet<&str> = source.errors.iter().map(|error| error.file.as_str()).collect();
     let (messages, files) = (count(source.errors.len() as u64, "error"), count(files.len() as u64, "file"));
-    (!source.errors.is_empty()).then(|| format!("There are {messages} in {files}; see “Data quality”."))
+    (!source.errors.is_empty()).then(|| format!("The input has {messages} in {files}; see “Data quality”."))
 }
 
 /// Absence of evidence is not evidence of absence.

@@ -123,7 +123,7 @@ fn done(section: &mut Section, source: &Source, results: &Results) {
     let found = counts.conditions.len();
     if let Some((least, most)) = least_and_most(results.cells.iter()) {
         let of = if found < possible {
-            format!(", of {} possible combinations of these levels", whole(possible as u64))
+            format!(" out of {} possible combinations of these levels", whole(possible as u64))
         } else {
             String::new()
         };
@@ -132,7 +132,7 @@ fn done(section: &mut Section, source: &Source, results: &Results) {
         } else {
             format!("they have {} to {} ratings each", whole(least), whole(most))
         };
-        section.text(format!("{} have ratings{of}; {each}.", count(found as u64, "condition")));
+        section.text(format!("There are ratings for {}{of}; {each}.", count(found as u64, "condition")));
     }
     if let Some((least, most)) = least_and_most(results.subjects.iter().map(|subject| &subject.group))
         && least < most
