@@ -5,7 +5,10 @@ use std::{collections::BTreeSet, path::PathBuf};
 use indicatif::ProgressBar;
 
 use super::{UsageError, print_line, progress_style, warn};
-use crate::store::{self, ratings, verify};
+use crate::{
+    report::document::numbers::count,
+    store::{self, ratings, verify},
+};
 
 /// Check definitions, result files, display profiles, readings, observers and images, and report every error.
 ///
@@ -70,7 +73,7 @@ pub(super) fn verify(arguments: &VerifyArguments) -> anyhow::Result<()> {
         errors.extend(verify::unexpected_files(folder).iter().map(ToString::to_string));
     }
     if errors.is_empty() {
-        print_line(&format!("{} sessions verified; no errors", files.len()))
+        print_line(&format!("{} verified; no errors", count(files.len() as u64, "session")))
     } else {
         Err(anyhow::anyhow!(errors.join("\n")))
     }
@@ -79,7 +82,11 @@ pub(super) fn verify(arguments: &VerifyArguments) -> anyhow::Result<()> {
 fn sentence(found: &verify::Verified) -> String {
     let verify::Verified { rows, rated: (rated, planned), pictures, sealed, errors, notes } = found;
     let mut parts = vec![
-        format!("{rows} rows, {rated} of {planned} trials rated, {pictures} pictures rendered again"),
+        format!(
+            "{}, {rated} of {planned} trials rated, {} rendered again",
+            count(*rows as u64, "row"),
+            count(*pictures as u64, "picture")
+        ),
         if !errors.is_empty() {
             format!("{} ERRORS", errors.len())
         } else if *sealed {

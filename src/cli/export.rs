@@ -2,7 +2,10 @@
 
 use std::{io::Write as _, path::PathBuf};
 
-use crate::store::export::{self, Format};
+use crate::{
+    report::document::numbers::count,
+    store::export::{self, Format},
+};
 
 /// Export recorded sessions as a data set that passes the standard's validator.
 ///
@@ -35,12 +38,15 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         // It does not matter if stderr is closed.
         let _ = writeln!(std::io::stderr(), "warning: {note}");
     }
-    let pictures = if exported.pictures > 0 { format!(", {} pictures", exported.pictures) } else { String::new() };
+    let pictures = match exported.pictures {
+        0 => String::new(),
+        pictures => format!(", {}", count(pictures as u64, "picture")),
+    };
     super::print_line(&format!(
-        "{} sessions of {} in {}, {} rows{pictures}",
-        exported.sessions,
+        "{} of {} in {}, {}{pictures}",
+        count(exported.sessions as u64, "session"),
         exported.experiments.join(", "),
         out.display(),
-        exported.rows
+        count(exported.rows as u64, "row")
     ))
 }

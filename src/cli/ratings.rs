@@ -115,6 +115,6 @@ pub(super) fn counts(arguments: &CountsArguments) -> anyhow::Result<()> {
     write_file(&arguments.out, &tables::counts(counts, &study.source.shape).csv())?;
     progress.finish_and_clear();
     super::print_line(&sentence(&study.source, counts))?;
-    super::print_line(&format!("{} rows in {}", counts.rows.len(), arguments.out.display()))?;
+    super::print_line(&format!("{} in {}", count(counts.rows.len() as u64, "row"), arguments.out.display()))?;
     errors(&study.source)
 }

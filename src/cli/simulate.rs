@@ -17,6 +17,7 @@ use crate::{
         Condition, FrameCount, Identity, Observer, Protocol, RowContext, Schedule, Session, SessionOptions,
         TrialRecord, UniformObserver, VisionObserver, simulate,
     },
+    report::document::numbers::count,
     store::{
         StoreError, definition, observer,
         session::{Interrupted, SessionStore},
@@ -100,8 +101,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     done?;
     let name = &simulation.protocol.name;
     super::print_line(&format!(
-        "{total} sessions of {name} in {}, {trials} rows, {:.1} s",
+        "{} of {name} in {}, {}, {:.1} s",
+        count(total as u64, "session"),
         arguments.results.join(name).display(),
+        count(trials as u64, "row"),
         started.elapsed().as_secs_f64()
     ))
 }

@@ -39,7 +39,7 @@ fn an_unchanged_session_is_confirmed() {
     assert_eq!(found.pictures, 24);
     let said = succeeds(folder.path(), &["verify", "results"]);
     assert!(
-        said.contains("unchanged since it was recorded") && said.contains("1 sessions verified; no errors"),
+        said.contains("unchanged since it was recorded") && said.contains("1 session verified; no errors"),
         "{said}"
     );
 }

@@ -35,8 +35,8 @@ impl ScreenRefresh {
         };
         let (refresh, source) = self.now;
         (refresh != before).then(|| {
-            let hz = refresh.map_or_else(|| "unknown".to_owned(), |refresh| format!("{:.3} Hz", refresh.hz()));
-            format!("the screen's refresh rate changed: {} {hz}, {source}", monitor.title())
+            let hz = refresh.map(|refresh| format!("{:.3} Hz, ", refresh.hz())).unwrap_or_default();
+            format!("the screen's refresh rate changed: {} {hz}{source}", monitor.title())
         })
     }
 

@@ -4,7 +4,10 @@ use crate::{
     analysis::power::{Effect, Hypothesis, Plan, Power, Sampling, Test},
     cli::columns,
     experiment::Protocol,
-    report::tables::{Table, number},
+    report::{
+        document::numbers::count,
+        tables::{Table, number},
+    },
 };
 
 /// The simulated powers of a plan, and the settings they depend on.
@@ -241,7 +244,7 @@ impl Findings<'_> {
 }
 
 fn people(number: u32) -> String {
-    format!("{number} participant{}", if number == 1 { "" } else { "s" })
+    count(number.into(), "participant")
 }
 
 /// `83.5 % (77.6–88.4 %)`.
