@@ -35,7 +35,7 @@ fn simulations_are_reproducible() {
     let simulate = |results: &str| -> Vec<PathBuf> {
         let line = format!("simulate bangay2003 --participants 8 --seed 1 --results {results}");
         let output = succeeds(folder.path(), &split(&line));
-        assert!(output.contains("8 sessions") && output.contains("2016 rows"), "{output}");
+        assert!(output.contains("8 sessions") && output.contains("2,016 rows"), "{output}");
         let root = folder.path().join(results);
         everything(&root).into_iter().map(|(path, _)| path.strip_prefix(&root).unwrap().to_owned()).collect()
     };
