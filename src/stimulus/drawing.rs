@@ -35,9 +35,10 @@ pub(super) trait Profile {
     /// Returns whether the light is constant to the last bit between the turning points on either side of `x`.
     fn is_level(&self, x: f64) -> bool;
 
-    /// Returns the minimum and the maximum of the light between two positions with no turning point between them.
-    fn bounds(&self, from: f64, to: f64) -> [[f64; 3]; 2] {
-        let [a, b] = [from, to].map(|x| self.light(x, 0.0));
+    /// Returns the minimum and the maximum of the light between two positions with no turning point between them; `light`
+    /// is the light at the two positions.
+    fn bounds(&self, _positions: [f64; 2], light: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
+        let [a, b] = light;
         [[0, 1, 2].map(|i| a[i].min(b[i])), [0, 1, 2].map(|i| a[i].max(b[i]))]
     }
 }
@@ -84,27 +85,25 @@ pub(super) fn linear(profile: &dyn Profile, orientation_deg: f64, size: u32) -> 
 /// Returns the 8-bit codes of a window of `size` × `size` pixels. They are exactly the quantized light of [`linear`].
 ///
 /// All pixels at the same distance from the center line are alike, so the profile is divided into runs of positions
-/// that are certain to have the same code. Each row is filled run by run; the few pixels between two runs are computed
+/// that are certain to have the same code. Rows are filled run by run; the few pixels between two runs are computed
 /// individually.
 pub(super) fn codes(profile: &dyn Profile, orientation_deg: f64, size: u32, quantizer: &Quantizer) -> Vec<u8> {
-    let mut codes = vec![0; 3 * size as usize * size as usize];
-    if size == 0 {
-        return codes;
-    }
     let pixels = Pixels::new(profile, orientation_deg, size);
     // An 8-bit code fits.
     let pixel = |ix, iy| quantizer.codes(pixels.light(ix, iy)).map(|code| code as u8);
-    let mut rows = (0..size).zip(codes.chunks_exact_mut(3 * size as usize));
-    if pixels.grid.sin == 0.0 {
-        let Some((_, first)) = rows.next() else { return codes };
-        (0..size).zip(first.as_chunks_mut().0).for_each(|(ix, to)| *to = pixel(ix, 0));
-        rows.for_each(|(_, row)| row.copy_from_slice(first));
-    } else if pixels.grid.cos == 0.0 {
-        rows.for_each(|(iy, row)| row.as_chunks_mut().0.fill(pixel(0, iy)));
-    } else {
-        Runs::new(&pixels, quantizer).draw(rows, pixel);
+    if size == 0 {
+        return Vec::new();
     }
-    codes
+    let codes = if pixels.grid.sin == 0.0 {
+        (0..size).map(|ix| pixel(ix, 0)).collect::<Vec<_>>().repeat(size as usize)
+    } else if pixels.grid.cos == 0.0 {
+        let mut codes = Vec::with_capacity(size as usize * size as usize);
+        (0..size).for_each(|iy| codes.extend_from_slice(&[pixel(0, iy)].repeat(size as usize)));
+        codes
+    } else {
+        Runs::new(&pixels, quantizer).draw(size, pixel)
+    };
+    codes.into_flattened()
 }
 
 /// Bound on the rounding error of a position, in window sides. The actual error is far smaller.
@@ -116,7 +115,7 @@ const ERROR_LIGHT: f64 = 1e-12;
 /// The search for runs stops at this fraction of a pixel.
 const MIN_RUN_PX: f64 = 1.0 / 128.0;
 /// The number of templates: the center line crosses a row in one of this many intervals between two pixels.
-const PHASES: usize = 64;
+const PHASES: usize = 48;
 /// The largest shift from row to row, in pixels, for which templates are made.
 const MAX_SHIFT_PX: f64 = 4.0;
 
@@ -153,7 +152,9 @@ impl Runs {
             let from = turning_points[..i].iter().map(|(at, near)| at + near).fold(-1.0, f64::max);
             let to = turning_points[i..].iter().map(|(at, near)| at - near).fold(1.0, f64::min);
             search.level = pixels.profile.is_level(0.5 * (from + to));
-            search.between(from, to);
+            if from < to {
+                search.between([from, to], [from, to].map(|x| pixels.profile.light(x, 0.0)));
+            }
         }
         let scale = side / grid.cos;
         let error = ERROR_X * scale.abs() + ERROR_PX;
@@ -168,66 +169,71 @@ impl Runs {
         Self { runs, middle: 0.5 * f64::from(grid.size - 1), tan: grid.sin / grid.cos }
     }
 
-    /// Draws rows. `pixel` computes the pixels that are not certain to lie in a run.
+    /// Returns the codes of a window of `size` rows. `pixel` computes the pixels that are not certain to lie in a run.
     ///
     /// Rows that the center line crosses at nearly the same place between two pixels are shifted copies of one template.
-    fn draw<'a>(&self, rows: impl Iterator<Item = (u32, &'a mut [u8])>, pixel: impl Fn(u32, u32) -> [u8; 3]) {
+    fn draw(&self, size: u32, pixel: impl Fn(u32, u32) -> [u8; 3]) -> Vec<[u8; 3]> {
+        let width = size as usize;
+        let mut codes = Vec::with_capacity(width * width);
         let mut templates: [Option<Template>; PHASES] = [const { None }; PHASES];
         let reach = self.middle * self.tan.abs();
-        for (iy, row) in rows {
-            let row = row.as_chunks_mut().0;
+        for iy in 0..size {
             let shift = self.middle - (self.middle - f64::from(iy)) * self.tan;
-            if self.tan.abs() > MAX_SHIFT_PX {
-                // The rows are shifted so far that a template would be longer than all rows together. A row crosses only a
-                // few runs, which are quickly filled.
-                for ix in self.fill(shift, 0.0, row) {
-                    row[ix] = pixel(ix as u32, iy);
-                }
-                continue;
-            }
-            let phase = ((shift - shift.floor()) * PHASES as f64) as usize;
-            // A template starts where the row that is shifted farthest to the right starts.
-            let first = (self.middle + reach).floor();
-            let template = templates[phase].get_or_insert_with(|| {
-                let mut codes = vec![[0; 3]; row.len() + 2 * reach.ceil() as usize + 1];
-                let open = self.fill(first + phase as f64 / PHASES as f64, 1.0 / PHASES as f64, &mut codes);
-                Template { codes, open }
-            });
-            let start = (first - shift.floor()) as usize;
-            row.copy_from_slice(&template.codes[start..start + row.len()]);
+            let of_row;
+            let (template, start) = if self.tan.abs() > MAX_SHIFT_PX {
+                // The rows are shifted so far that a shared template would be longer than all rows together. A row
+                // crosses only a few runs, which are quickly filled.
+                of_row = self.template(shift, 0.0, width);
+                (&of_row, 0)
+            } else {
+                let phase = ((shift - shift.floor()) * PHASES as f64) as usize;
+                // A template starts where the row that is shifted farthest to the right starts.
+                let first = (self.middle + reach).floor();
+                let template = templates[phase].get_or_insert_with(|| {
+                    let length = width + 2 * reach.ceil() as usize + 1;
+                    self.template(first + phase as f64 / PHASES as f64, 1.0 / PHASES as f64, length)
+                });
+                (&*template, (first - shift.floor()) as usize)
+            };
+            codes.extend_from_slice(&template.codes[start..start + width]);
+            let row = &mut codes[iy as usize * width..];
             for at in &template.open[template.open.partition_point(|at| *at < start)..] {
                 let Some(to) = row.get_mut(at - start) else { break };
                 *to = pixel((at - start) as u32, iy);
             }
         }
+        codes
     }
 
-    /// Fills the pixels that keep their code at every shift of the row from `shift` to `shift + slack`, and returns the
-    /// other pixels.
-    fn fill(&self, shift: f64, slack: f64, row: &mut [[u8; 3]]) -> Vec<usize> {
-        let (mut open, mut done) = (Vec::new(), 0);
+    /// Returns a row of `length` pixels, filled where a pixel keeps its code at every shift of the row from `shift` to
+    /// `shift + slack`.
+    fn template(&self, shift: f64, slack: f64, length: usize) -> Template {
+        let (mut codes, mut open, mut done) = (vec![[0; 3]; length], Vec::new(), 0);
         for run in &self.runs[self.runs.partition_point(|run| run.to + shift < 0.0)..] {
             // The cast turns negative values into 0.
             let first = ((run.from + shift + slack).ceil() as usize).max(done);
-            let end = ((run.to + shift).floor() as usize + 1).min(row.len());
-            if first >= row.len() {
+            let end = ((run.to + shift).floor() as usize + 1).min(length);
+            if first >= length {
                 break;
             }
             if first < end {
                 open.extend(done..first);
-                row[first..end].fill(run.codes);
+                // Copying four pixels takes no longer than copying one.
+                let (blocks, rest) = codes[first..end].as_chunks_mut::<4>();
+                blocks.fill([run.codes; 4]);
+                rest.fill(run.codes);
                 done = end;
             }
         }
-        open.extend(done..row.len());
-        open
+        open.extend(done..length);
+        Template { codes, open }
     }
 }
 
 /// A row that contains every row of its interval, each shifted by whole pixels.
 struct Template {
     codes: Vec<[u8; 3]>,
-    /// The pixels whose code depends on where in the interval the center line crosses.
+    /// The pixels whose code depends on where in the interval the center line crosses; they are not filled.
     open: Vec<usize>,
 }
 
@@ -241,11 +247,9 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn between(&mut self, from: f64, to: f64) {
-        if from >= to {
-            return;
-        }
-        let [least, most] = self.profile.bounds(from, to);
+    /// Searches between two positions; `light` is the light there.
+    fn between(&mut self, positions: [f64; 2], light: [[f64; 3]; 2]) {
+        let ([from, to], [least, most]) = (positions, self.profile.bounds(positions, light));
         let error = if self.level { 0.0 } else { ERROR_LIGHT };
         // An 8-bit code fits.
         let codes = |light: [f64; 3], off: f64| {
@@ -259,8 +263,9 @@ impl Search<'_> {
             }
         } else if to - from > self.shortest {
             let middle = 0.5 * (from + to);
-            self.between(from, middle);
-            self.between(middle, to);
+            let light_there = self.profile.light(middle, 0.0);
+            self.between([from, middle], [light[0], light_there]);
+            self.between([middle, to], [light_there, light[1]]);
         }
     }
 }

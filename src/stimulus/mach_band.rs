@@ -111,10 +111,10 @@ impl Profile for Ramp {
         x.abs() > 0.5 * self.width
     }
 
-    fn bounds(&self, from: f64, to: f64) -> [[f64; 3]; 2] {
+    fn bounds(&self, [from, to]: [f64; 2], light: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
         match &self.color_ramp {
             Some(color_ramp) => color_ramp.bounds(self.fraction_at(from), self.fraction_at(to)),
-            None => [from, to].map(|x| self.light_at(x)),
+            None => light,
         }
     }
 }
