@@ -22,9 +22,7 @@ use machband::{
 
 use crate::{
     common::succeeds,
-    window::{
-        Role, Window, builder, choose, click, home, press, request, take_picture, texts, type_into, value, wait_for,
-    },
+    window::{Role, Window, builder, choose, click, home, press, request, texts, type_into, value, wait_for},
 };
 
 const DEFINITION: &str = "schema = 1\nname = \"tiny\"\ntitle = \"A tiny study\"\n[stimulus]\nkind = \"mach-band\"\n\
@@ -134,7 +132,6 @@ fn assert_document(window: &mut Window, study: &Study, results: &Results) {
     assert!(document.sections.len() > 8 && figures.len() > 4);
     for section in &document.sections {
         click_and_rest(window, section.heading);
-        take_picture(window, &format!("analysis_{}", section.id));
         for block in &section.blocks {
             match block {
                 Block::Heading(text)

@@ -17,7 +17,7 @@ use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
 use super::{
     eye::matched_code,
-    window::{Window, click, home, press, take_picture, type_into, value},
+    window::{Window, click, has_graphics, home, press, type_into, value},
 };
 
 const GAMMAS: [f64; 3] = [1.9, 2.2, 2.5];
@@ -86,6 +86,9 @@ fn show_patches(csv: &Path) -> Window {
 
 #[test]
 fn patches_are_read_and_become_a_profile() {
+    if !has_graphics() {
+        return;
+    }
     let folder = tempfile::tempdir().unwrap();
     let (csv, toml) = (folder.path().join("left.csv"), folder.path().join("left.toml"));
     let mut window = show_patches(&csv);
@@ -94,7 +97,6 @@ fn patches_are_read_and_become_a_profile() {
     assert_eq!(middle(&mut window), [255, 255, 255]);
     answer(&mut window, "bright");
     window.get_by_label_contains("is not a luminance; expected cd/m²");
-    take_picture(&mut window, "display_patch");
     assert_eq!(readings::open_incomplete(&csv).unwrap(), []);
     type_into(&mut window, "gray 255 · cd/m²", "115.3");
     press_and_step(&mut window, Key::Enter);
@@ -118,7 +120,6 @@ fn patches_are_read_and_become_a_profile() {
     press_and_step(&mut window, Key::Enter);
     // After leaving and returning, the same settings resume the run.
     click(&mut window, "Pause");
-    take_picture(&mut window, "display_photometer");
     window.get_by_label_contains("Paused after 2 of");
     click(&mut window, "Back");
     click(&mut window, "Photometer");
@@ -205,13 +206,11 @@ fn a_file_of_readings_becomes_a_profile_and_a_bad_one_is_explained() {
     type_into(&mut window, "File of readings", &path("bad.csv"));
     click(&mut window, "Use this file");
     window.get_by_label_contains("red: too few levels: 3");
-    take_picture(&mut window, "display_photometer_fault");
     click(&mut window, "Back");
     for said in ["Saved as", "Replaced"] {
         type_into(&mut window, "File of readings", &path("good.csv"));
         click(&mut window, "Use this file");
         window.get_by_label_contains("Gray differs from the sum of the three channels");
-        take_picture(&mut window, "display_photometer_result");
         // The choice of model and the profile's fields come before the plots and the table.
         let top = |text: &str| window.get_by_label_contains(text).rect().top();
         let order = ["Chosen: gamma", "Name of the screen", "Luminance: readings", "Residual of each", "Largest error"];
@@ -268,7 +267,6 @@ fn an_observer_finds_the_gamma_of_the_screen_with_the_keys() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let mut window = tool("Gamma by eye", 1.0 / 30.0);
     window.get_by_label_contains("30 matches, about 5 min");
-    take_picture(&mut window, "display_by_eye");
     click(&mut window, "red, green, blue");
     window.get_by_label_contains("expected red, green, and blue, or gray");
     click(&mut window, "red, green, blue");
@@ -284,9 +282,7 @@ fn an_observer_finds_the_gamma_of_the_screen_with_the_keys() {
     press(&mut window, Key::Enter);
     for given in 0.. {
         let Some(now) = next_match(&mut window) else { break };
-        if given == 0 {
-            take_picture(&mut window, "display_match");
-        }
+        if given == 0 {}
         adjust(&mut window, now, &mut rng);
         if given == 2 {
             // After Backspace, the match is shown again with its accepted code. A pause keeps the saved matches.
@@ -304,7 +300,6 @@ fn an_observer_finds_the_gamma_of_the_screen_with_the_keys() {
     for label in ["Red: gamma", "Blue: gamma"] {
         assert!(window.get_all_by_label_contains(label).count() >= 1);
     }
-    take_picture(&mut window, "display_by_eye_result");
     click(&mut window, "Check on the screen…");
     window.get_by_label_contains("the last two fields show incorrect profiles");
     press(&mut window, Key::Escape);

@@ -22,8 +22,8 @@ use machband::{
 use super::{
     common::machband,
     window::{
-        self, Window, builder, click, has_graphics, home, press, take_picture, type_into, value, wait_for,
-        walk_to_first_trial, wrong_pixels,
+        self, Window, builder, click, has_graphics, home, press, type_into, value, wait_for, walk_to_first_trial,
+        wrong_pixels,
     },
 };
 
@@ -135,7 +135,6 @@ fn the_measured_size_of_the_screen_is_used_on_home() {
     let mut harness = home(SIZE, STEP_S);
     click(&mut harness, "Measure…");
     harness.get_by_label_contains("sRGB (srgb), assumed");
-    take_picture(&mut harness, "display_tools");
     harness.get_by_label("Size and distance").click();
     harness.run_steps(2);
     for (field, text) in [
@@ -151,7 +150,6 @@ fn the_measured_size_of_the_screen_is_used_on_home() {
     // 40° needs 2 · 57.3 · tan 20° = 41.7 cm; the shorter side has 24 cm.
     harness.get_by_label_contains("only 58 % of its width fits");
     harness.get_by_label_contains("It fits at a viewing distance of 32 cm or less");
-    take_picture(&mut harness, "display_size");
     press(&mut harness, Key::Escape);
     harness.run_steps(2);
     harness.get_by_label("Size and distance");
@@ -229,7 +227,6 @@ fn the_check_and_the_steps_can_be_seen() {
     let mut window = home(SIZE, 1.0 / 30.0);
     click(&mut window, "Measure…");
     click(&mut window, "Check the gamma");
-    take_picture(&mut window, "display_check");
     for label in
         ["gray, 1 of 4 rows", "red, 1 of 2 rows", "blue, 3 of 4 rows", "green, off by −0.2", "blue, off by +0.2"]
     {
@@ -242,7 +239,6 @@ fn the_check_and_the_steps_can_be_seen() {
     click(&mut window, "Steps of equal brightness");
     window.get_by_label_contains("A wedge of 13 uniform bars");
     window.get_by_label_contains("The black level of this screen was not measured");
-    take_picture(&mut window, "display_steps");
     type_into(&mut window, "Number of steps n", "4");
     window.get_by_label_contains("A wedge of 5 uniform bars");
     type_into(&mut window, "Lowest intensity I₀, black relative to white", "2");
@@ -310,7 +306,6 @@ fn timing_measures_reports_and_exports() {
     }
     assert!(says(&window, "16.667 ms"));
     assert!(says(&window, "Every refresh at 60.00 Hz showed a new frame: none of 600 was dropped."));
-    take_picture(&mut window, "display_timing");
     type_into(&mut window, "Export to", out.to_str().unwrap());
     click(&mut window, "Export");
     let csv = fs::read_to_string(&out).unwrap();

@@ -14,7 +14,7 @@ use machband::{
     stimulus::Renderer,
 };
 
-use crate::window::{Window, builder, choose, click, has_graphics, take_picture, type_into, value};
+use crate::window::{Window, builder, choose, click, has_graphics, type_into, value};
 
 /// The page, opened from Home, without pixels.
 fn open() -> Window {
@@ -190,7 +190,6 @@ fn dragging_rotates_the_mesh_moves_the_light_and_draws_the_line() {
     let angle = turned(&window);
     drag(&mut window, from, from + Vec2::new(60.0, 30.0), PointerButton::Primary);
     assert_eq!(turned(&window), angle, "drawing a scan line rotates nothing");
-    take_picture(&mut window, "shading scan line");
 }
 
 #[test]
@@ -256,7 +255,6 @@ fn the_exported_file_is_the_view() {
     for (i, show) in ["Split", "Difference", "Creases", "Predicted bands"].into_iter().enumerate() {
         click(&mut window, show);
         await_numbers(&mut window);
-        take_picture(&mut window, &format!("shading {show}"));
         let shown = pixels(&mut window);
         let path = folder.path().join(format!("view-{i}.png"));
         type_into(&mut window, "Export to", &path.display().to_string());

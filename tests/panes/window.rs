@@ -3,7 +3,7 @@
 // The tests of each page use only some of these functions.
 #![allow(dead_code)]
 
-use std::{path::Path, time::Duration};
+use std::{io::Write as _, path::Path, time::Duration};
 
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::{
@@ -40,7 +40,8 @@ pub fn has_graphics() -> bool {
     let found = !pollster::block_on(instance.enumerate_adapters(eframe::wgpu::Backends::all())).is_empty();
     assert!(found || std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "no graphics adapter, but one is required");
     if !found {
-        eprintln!("SKIPPED: no graphics adapter");
+        // Not with `eprintln!`, because the test harness captures it.
+        let _ = writeln!(std::io::stderr(), "SKIPPED: a test that renders the window: no graphics adapter");
     }
     found
 }
@@ -110,13 +111,6 @@ pub fn wait_for(window: &mut Window, text: &str) {
         }
     }
     panic!("{text:?} did not appear; there is {:?}", texts(window));
-}
-
-/// Saves a picture of the window for inspection if `MACHBAND_PICTURES` names a folder.
-pub fn take_picture(window: &mut Window, name: &str) {
-    if let Some(folder) = std::env::var_os("MACHBAND_PICTURES") {
-        window.render().unwrap().save(Path::new(&folder).join(format!("{name}.png"))).unwrap();
-    }
 }
 
 /// Every text on the page.
