@@ -282,7 +282,6 @@ fn an_observer_finds_the_gamma_of_the_screen_with_the_keys() {
     press(&mut window, Key::Enter);
     for given in 0.. {
         let Some(now) = next_match(&mut window) else { break };
-        if given == 0 {}
         adjust(&mut window, now, &mut rng);
         if given == 2 {
             // After Backspace, the match is shown again with its accepted code. A pause keeps the saved matches.
