@@ -9,7 +9,7 @@ mod offscreen;
 use machband::shading::{Reference, Shade, Shader};
 use offscreen::{CORNERS, TRIANGLES};
 
-/// The complete shader.
+/// The complete WGSL of *cut*, including the code for strips.
 const CUT: &str =
     concat!(include_str!("../src/shading/shaders/strips.wgsl"), include_str!("../src/shading/shaders/cut.wgsl"),);
 

@@ -24,7 +24,7 @@ import tempfile
 NAME = re.compile(r"([a-z]+-[a-zA-Z0-9]+)(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
 OFFICIAL = {"study", "site", "subject", "session", "task", "condition", "trial", "stimulus", "description"}
 REQUIRED = ["name", "description", "variableMeasured"]
-# The properties of a schema.org Dataset that are used here, and those of its PropertyValue that apply to a column.
+# The properties of a schema.org Dataset that are used here, including the properties of a PropertyValue for a column.
 DATASET = set(REQUIRED) | {
     "author", "citation", "creator", "dateCreated", "dateModified", "datePublished", "funder", "identifier", "keywords",
     "license", "privacyPolicy", "schemaVersion", "temporalCoverage", "url", "version",
@@ -205,7 +205,7 @@ class Dataset:
 
 
 def null_keys(context):
-    """The keys that the context maps to null, that is, to nothing in schema.org."""
+    """The keys that the context maps to null, so that they have no meaning in schema.org."""
     return {key: None for key, value in context.items() if value is None} if isinstance(context, dict) else {}
 
 

@@ -33,7 +33,7 @@ def angle(a, b):
 
 
 def fresnel(theta, index):
-    """Mean reflectance of the two polarizations; the index is that of the far medium divided by that of the near one."""
+    """Mean reflectance of the two polarizations; the index is n_far / n_near."""
     sine = math.sin(theta) / index
     if sine >= 1:
         return 1.0

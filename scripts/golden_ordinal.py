@@ -61,7 +61,7 @@ def unbalanced():
     rows = []
     for subject in range(23):
         intercept = 1.1 * rng.normal()
-        # Three subjects have only one rating.
+        # Three participants have only one rating.
         for _ in range(1 if subject % 8 == 5 else int(rng.integers(3, 40))):
             shader, size = shaders[rng.choice(4, p=[0.5, 0.3, 0.15, 0.05])], sizes[rng.integers(4)]
             eta = intercept + effect[shader] - 0.04 * float(size)
@@ -227,7 +227,7 @@ def statsmodels_values():
 
 
 def alpha_by_pairs(frame, factors):
-    """Ordinal alpha from every pair of ratings by different subjects, one pair at a time."""
+    """Ordinal alpha from every pair of ratings by different participants, one pair at a time."""
     ratings = sorted(frame["rating"].astype(int).unique())
     coincidences = np.zeros((len(ratings), len(ratings)))
     for _, unit in frame.groupby(factors):

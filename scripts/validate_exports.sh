@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 folder=${1:-$(mktemp -d)}
 mkdir -p "$folder"
 results=$folder/results
-# PROGRAMS names a folder with machband and tools as the tests have built them; without it, both are built.
+# PROGRAMS names a folder that contains the programs machband and tools; if it is not set, Cargo builds both.
 run() {
     local program=$1
     shift

@@ -62,9 +62,9 @@ pub fn frame() -> Frame {
     }
 }
 
-/// Draws the kite with `shader`, which uses `count` of the `constants` per triangle. `depth` is n of the strips.
-/// Returns one byte per pixel in linear light, row by row from the top, and 0 outside the kite; `None` if there is no
-/// graphics adapter.
+/// Draws the kite with `shader`, which uses `count` of the `constants` per triangle. `depth` is the continuity depth n
+/// of the strips. Returns one byte per pixel in linear light, row by row from the top, and 0 outside the kite; `None`
+/// if there is no graphics adapter.
 pub fn draw(shader: &str, depth: u8, constants: &[f32], count: usize) -> Option<Vec<u8>> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
     let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
@@ -185,6 +185,6 @@ pub fn compare(name: &str, drawn: Option<Vec<u8>>, light: impl Fn(usize, [f64; 3
             }
         }
     }
-    println!("{name}: the image is within {largest:.2} of a code of the f64 reference");
+    println!("{name}: the image is within {largest:.2} codes of the f64 reference");
     assert!(largest < 1.0, "the shader and the reference differ");
 }

@@ -85,7 +85,7 @@ fn settled_pattern(size: usize, seed: u64) -> Pattern {
 struct Pattern {
     size: usize,
     lit: Vec<bool>,
-    /// Σ over lit pixels of exp(−d²/2σ²), d the shortest distance on the torus.
+    /// Σ over lit pixels of exp(−d²/2σ²), where d is the shortest distance on the torus.
     energy: Vec<u64>,
     /// The filter, by horizontal and vertical distance.
     weights: Vec<u64>,
@@ -110,12 +110,12 @@ impl Pattern {
         }
     }
 
-    /// The most crowded lit pixel; of equals, the first.
+    /// The most crowded lit pixel; if there are several, the first.
     fn tightest_cluster(&self) -> usize {
         self.first_by(true, |a, b| a > b)
     }
 
-    /// The least crowded dark pixel; of equals, the first.
+    /// The least crowded dark pixel; if there are several, the first.
     fn largest_void(&self) -> usize {
         self.first_by(false, |a, b| a < b)
     }

@@ -68,7 +68,7 @@ pub fn coverage(coefficients: &[Parameter]) -> f64 {
 /// Prints a table for the model without a random intercept and one for the model with it (Laplace approximation).
 pub fn run(studies: u32, seed: u64) -> Result<(), Fault> {
     let all = f64::from(studies);
-    // With its binomial standard error.
+    // Formats a share with its binomial standard error.
     let share = |found: usize| {
         let share = found as f64 / all;
         format!("{share:.3} ± {:.3}", (share * (1.0 - share) / all).sqrt())

@@ -97,7 +97,7 @@ impl Open {
         let adapter = pollster::block_on(instance.request_adapter(&wanted))?;
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default()))?;
         let config = surface.get_default_config(&adapter, SIZE[0], SIZE[1]).ok_or("the surface has no format")?;
-        // The same as in machband.
+        // machband uses the same frame latency.
         surface.configure(&device, &wgpu::SurfaceConfiguration { desired_maximum_frame_latency: 1, ..config });
         Ok(Open { window, surface, device, queue })
     }

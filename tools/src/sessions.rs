@@ -83,7 +83,7 @@ fn resident_mib() -> f64 {
 
 /// Ratings before the program is killed; the middle one is corrected.
 const RATED: usize = 11;
-/// The same as in `simulate`.
+/// The default seed of `machband simulate`, so that it can resume the session.
 const SEED: u64 = 1;
 
 /// Writes the first half of an interrupted session that contains a corrected response.

@@ -184,7 +184,7 @@ pub struct OdogFilters {
 }
 
 impl OdogFilters {
-    /// The same as [`Odog::respond`], for an image of the filters' size.
+    /// Returns what [`Odog::respond`] returns, for an image of the filters' size.
     #[must_use]
     pub fn respond(&self, light: &[f32]) -> Vec<f32> {
         let (low, high) = light.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));

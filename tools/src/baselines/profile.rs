@@ -88,7 +88,7 @@ pub fn overshoots(
     sorted(marks)
 }
 
-/// `marks` in the order of their positions, without those that have no strength.
+/// Sorts `marks` by position and drops any whose strength is not positive and finite.
 pub fn sorted(mut marks: Vec<Mark>) -> Vec<Mark> {
     marks.retain(|mark| mark.strength > 0.0 && mark.strength.is_finite());
     marks.sort_by(|a, b| a.at_deg.total_cmp(&b.at_deg));
