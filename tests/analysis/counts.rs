@@ -1,4 +1,4 @@
-//! From rows to counts, and the results that need no model: means, response times and intervals over subjects.
+//! From rows to counts, and the results that need no model: means, response times and intervals over participants.
 
 use machband::{
     analysis::{
@@ -13,7 +13,7 @@ use rand::{RngExt, SeedableRng};
 
 const SCALE: [&str; 4] = ["0", "1", "2", "3"];
 
-/// Subject, width and depth, rating, and repetition.
+/// Participant, width and depth, rating, and repetition.
 const ROWS: [(&str, [&str; 2], &str, u32); 6] = [
     ("S2", ["0.4", "1"], "3", 2),
     ("S2", ["0.40", "1"], "1", 1),
@@ -145,8 +145,8 @@ fn cells_factors_and_subjects_are_described() {
     assert_eq!(by_subject(&counts).iter().map(|group| group.summary.mean).collect::<Vec<_>>(), [1.0, 1.2, 3.0]);
 }
 
-/// Over many studies, the interval of a mean covers it about as often as it claims. Percentile intervals of 20 subjects
-/// are slightly too short.
+/// Over many studies, the interval of a mean covers it about as often as it claims. Percentile intervals over 20
+/// participants are slightly too short.
 #[test]
 fn intervals_cover_the_mean() {
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
@@ -156,7 +156,7 @@ fn intervals_cover_the_mean() {
         for subject in 0..20 {
             let bias: f64 = rng.random();
             for _ in 0..10 {
-                // The mean over subjects is 1.5.
+                // The mean over participants is 1.5.
                 let rating = (3.0 * (0.5 * bias + 0.5 * rng.random::<f64>()) + 0.5).floor();
                 builder.add_counts(&subject.to_string(), &["1"], &rating.to_string(), 1).unwrap();
             }
@@ -168,8 +168,8 @@ fn intervals_cover_the_mean() {
     assert!((265..=292).contains(&covered), "{covered} of 300");
 }
 
-/// The draws for a seed must never change: with seed 3, the first sample contains the seven subjects 2, 1, 1, 0, 2, 1
-/// and 0 times. Quantiles are those of R and NumPy (type 7).
+/// The draws for a seed must never change: with seed 3, the first sample contains the seven participants 2, 1, 1, 0, 2,
+/// 1 and 0 times. Quantiles are those of R and NumPy (type 7).
 #[test]
 fn draws_for_a_seed_never_change() {
     let values = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];

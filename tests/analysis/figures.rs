@@ -60,7 +60,7 @@ fn check(figures: &[Figure]) -> BTreeSet<String> {
     texts
 }
 
-/// Analyzes the ratings of a design. `rating` computes a rating from the subject, the levels and the repetition.
+/// Analyzes the ratings of a design. `rating` computes a rating from the participant, the levels and the repetition.
 fn results(
     factors: &[(&str, &[&str])],
     subjects: usize,
@@ -184,7 +184,7 @@ fn a_study_has_every_chart_that_its_data_allow() {
                 people == 1
             );
         }
-        // Four orientations and two distances from the axes.
+        // One point for each of the four orientations and of the two distances from the axes.
         assert_eq!(circles(named(&all, "orientation"), BLUE).len(), 4 + 2);
     }
 }
@@ -435,7 +435,7 @@ fn images_are_sharp_complete_and_always_the_same() {
             let (x, y) = (index as u32 % 1600, index as u32 / 1600);
             let is_dark = color.iter().any(|channel| *channel < 160);
             dark += f64::from(u8::from(is_dark));
-            // Text at the left, as in the SVG, which requires a font.
+            // The PNG has text at the left, as the SVG does; this requires a font.
             label += u32::from(is_dark && x < 130);
             let is_edge = x < 6 || y < 6 || x + 6 >= 1600 || y + 6 >= height;
             assert!(!is_edge || color[0] == 255, "{name}: cut at the edge, {x} {y}");

@@ -22,7 +22,7 @@ fn read(name: &str) -> (Vec<String>, Vec<Vec<String>>) {
     table(&golden_path("ordinal").join(name))
 }
 
-/// Reads the ratings of a data set: subject, factors, rating and count.
+/// Reads the ratings of a data set: participant, factors, rating and count.
 fn counts(name: &str) -> Counts {
     let (header, rows) = read(&format!("data_{name}.csv"));
     let last = header.len() - 2;
@@ -166,8 +166,8 @@ fn likelihood_ratio_tests_match_r() {
     }
 }
 
-/// With more and more ratings, each subject's intercept becomes known, and the standard errors approach those of a
-/// normal sample of subjects: sd/√n for the thresholds and sd/√(2n) for the sd.
+/// With more and more ratings, each participant's intercept becomes known, and the standard errors approach the values
+/// for a normal sample of participants: sd/√n for the thresholds and sd/√(2n) for the sd.
 #[test]
 fn errors_of_many_ratings_match_a_sample_of_subjects() {
     let mut counts = counts("large");
@@ -364,7 +364,7 @@ fn eight_subjects_and_ten_pairs_cannot_reach_five_percent() {
     let found = pairs(&SubjectMeans { levels, rows, incomplete: Vec::new() });
     assert_eq!((found.pairs.len(), found.least_p), (10, 10.0 * 2.0 / 256.0));
     assert!(found.cannot_reach(0.05) && !found.cannot_reach(0.1));
-    // All subjects agree, so this is the smallest possible value.
+    // All participants agree, so this is the smallest possible value.
     assert!(found.pairs.iter().all(|pair| pair.p_holm == found.least_p));
     // `p.adjust(c(0.01, 0.04, 0.03, 0.005), "holm")`, R 4.2.2.
     let corrected = holm(&[0.01, 0.04, 0.03, 0.005]).into_iter().zip([0.03, 0.06, 0.06, 0.02]);

@@ -1,4 +1,4 @@
-//! Tests of ordinal models on data that cannot answer everything: the problem is named, and the rest is still
+//! Tests of ordinal models on data that do not determine every parameter: the problem is named, and the rest is still
 //! estimated.
 
 use machband::analysis::{
@@ -10,7 +10,7 @@ use machband::analysis::{
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// One row: subject, width, depth, rating.
+/// One row: participant, width, depth, rating.
 type Row = (String, &'static str, &'static str, u8);
 
 const WIDTHS: [&str; 3] = ["0.1", "0.2", "0.4"];
@@ -160,7 +160,7 @@ fn redundant_terms_are_named_and_dropped() {
 
 #[test]
 fn subjects_who_do_not_differ_have_no_variance() {
-    // Everyone gives the same ratings, so they differ even less than by chance.
+    // Everyone gives the same ratings, so participants differ even less than expected by chance.
     let one = rows(1, 6, 0.0, 6);
     let rows: Vec<Row> =
         (0..6).flat_map(|s| one.iter().map(move |row| (format!("S{s}"), row.1, row.2, row.3))).collect();

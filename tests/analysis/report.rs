@@ -57,7 +57,7 @@ fn noise(index: u64) -> f64 {
     ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// Adds a rating by a subject at some levels, with the repetition and the response time if they are known.
+/// Adds a rating by a participant at some levels, with the repetition and the response time if they are known.
 fn add(builder: &mut MeasuredBuilder, who: (&str, &[&str]), rating: &str, repetition: Option<u32>, time: Option<f64>) {
     let ((subject, values), place) = (who, repetition.map(|repetition| ("1", repetition)));
     builder.add(&RatingRow { subject, values, rating, count: 1, place, response_time_s: time }).unwrap();
@@ -280,7 +280,7 @@ fn one_participant_gets_a_description_without_inference() {
     let alone = "which do not generalize to other people";
     assert_parts(&one, &[alone, "machband plan"]);
     assert_parts(&one, &["In these ratings, the mean tends to fall with depth, from 1.83 at 1 to 0.00 at ∞"]);
-    // With a second person, these signs appear.
+    // With a second participant, the report draws inferences.
     assert_parts(&two, &["p <", " interval "]);
     assert!(!two.contains(alone));
 }
@@ -465,7 +465,7 @@ fn the_report_shows_the_prediction_or_says_why_there_is_none() {
     assert_eq!(figures, 4, "{text_of_three}");
     let expected = ["window 10° wide", "100 cd/m²", "45 conditions and 270 ratings", "The noise ceiling"];
     assert_parts(&text_of_three, &expected);
-    // With one person, there is no noise ceiling. The window is the one that the person actually had.
+    // With one person, there is no noise ceiling. The window has the mean of the widths that the person saw.
     let mut source = source(&FACTORS);
     let seated = |deg: f64| Sitting { viewing: Some(serde_json::json!({ "stimulus_deg": deg })), ..Sitting::default() };
     source.sessions = [4.0, 5.0].map(|deg| session(&protocol, "S001", seated(deg))).to_vec();
@@ -523,7 +523,7 @@ fn the_page_is_one_file_and_reproducible() {
     let toml = page[start..].split("</code>").next().unwrap();
     let toml = toml.replace("&quot;", "\"").replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&");
     assert_eq!(definition::parse("page", &toml).unwrap(), protocol);
-    // Equal inputs give an equal page.
+    // The same input gives the same page.
     assert_eq!(self::page(&source, &results), page);
 }
 

@@ -120,7 +120,7 @@ fn killing_and_resuming_fifty_times_changes_nothing() {
             csv.map(|path| lines(path).saturating_sub(1)).sum()
         };
         loop {
-            // Anywhere from the program's first instructions to most of a complete run.
+            // The kill comes at any point from the program's first instructions to 80 % of a complete run.
             let share = session_seed(kills * 1000 + rounds) as f64 / 2_f64.powi(32);
             let at_once = kills % 5 == 0;
             let delay = if at_once { Duration::from_secs_f64(share * 0.02) } else { whole.mul_f64(0.8 * share) };

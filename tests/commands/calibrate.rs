@@ -31,7 +31,7 @@ fn calibrate_writes_a_profile_a_plot_and_a_report() {
     let measured = "--name Left --by AB --with LS-150 --on 2026-02-03";
     let line = format!("calibrate r.csv --out left.toml {measured} --plot left.svg --report left.json");
     let output = machband(folder.path(), &split(&line));
-    // The measurement is long past, so there is a warning.
+    // The measurement is old, so there is a warning.
     let (warned, output) = (text(&output.stderr), text(&output.stdout));
     assert!(warned.starts_with("warning: left.toml: ") && warned.lines().count() == 1, "{warned}");
     for part in [
@@ -63,7 +63,7 @@ fn calibrate_writes_a_profile_a_plot_and_a_report() {
     assert!(svg.contains("Luminance (cd/m²)") && svg.contains("Encoded value"));
     let report = json(&folder.path().join("left.json"));
     assert_eq!((report["chosen"].as_str(), report["models"].as_array().map(Vec::len)), (Some("gamma"), Some(4)));
-    // With the chart as a PNG, and the table model requested.
+    // Request the table model and a chart as PNG.
     let output = succeeds(folder.path(), &split("calibrate r.csv --out left.toml --model table --plot t.png"));
     assert!(output.contains("replaced left.toml: left"), "{output}");
     assert!(profile::open(&folder.path().join("left.toml")).unwrap().transfers.has_table());
@@ -126,14 +126,14 @@ fn every_error_in_a_file_has_its_line_and_column() {
 fn decimal_commas_are_rejected() {
     let found = errors("channel,level,luminance_cd_m2\ng,0,0.3\ng,0.3750,8,4263\ng,1,2\n");
     assert_eq!(found, ["r.csv:3:1: 4 fields; expected 3 (a decimal comma?)"]);
-    // An additional column has its own field, and empty fields count.
+    // An additional column adds one field to the expected number, and empty fields count too.
     assert_eq!(
         errors("channel,level,luminance_cd_m2,note\n\ng,0.3750,8,4263,\n"),
         ["r.csv:3:1: 5 fields; expected 4 (a decimal comma?)"]
     );
     let semicolons = errors("channel;level;luminance_cd_m2\ng;0,3750;8;4263\n");
     assert_eq!(semicolons, ["r.csv:2:1: 4 fields; expected 3"]);
-    // The same applies to incomplete files. If every row is wrong, only the first ones are reported.
+    // Incomplete files give the same errors. If every row is wrong, only the first ones are reported.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("r.csv");
     let rows: String = (0..9).map(|step| format!("g,0.{step}00,{step},5\n")).collect();

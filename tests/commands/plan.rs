@@ -190,7 +190,8 @@ fn the_true_effect_is_what_the_term_adds_to_the_predictor() {
     let line = truths(&bangay, Some("num:inv_n,width"));
     assert_eq!(line[0].1.as_ref().unwrap().1, "1>inf");
     assert!((line[0].1.as_ref().unwrap().0.unwrap() - slope).abs() < 1e-8, "{line:?}, expected {slope}");
-    // Parameters are additive, so there is no interaction. A step has no band at any depth: an effect without a size.
+    // Parameters are additive, so there is no interaction. A step has no band at any depth, so with steps there is an
+    // interaction, but it has no size in logits.
     assert_eq!(truths(&bangay, Some("width*depth")), [term("width:depth", None)]);
     let steps = definition::parse("steps.toml", &DESIGN.replace("[0.1, 0.4]", "[0, 0.4]")).unwrap();
     let step = &truths(&steps, Some("width*depth"))[0];

@@ -91,7 +91,8 @@ fn no_table_has_a_formula_and_no_page_has_markup_from_data() {
             }
             "html" | "svg" => {
                 let text = String::from_utf8(content).unwrap();
-                // The last ones load something; a link that a reader may choose to follow does not.
+                // The texts in `loads` would make the page load something. Links that a reader may choose to follow do
+                // not.
                 let loads = ["src=\"http", "url(", "@import", "<link"];
                 for markup in ["<script", "<img src=x", "<svg onload", "<b>shape", "javascript:"].iter().chain(&loads) {
                     assert!(!text.contains(markup), "{shown}: {markup}");

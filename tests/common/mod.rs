@@ -45,12 +45,12 @@ pub fn pixels(path: &Path) -> (png::Info<'static>, Vec<u8>) {
     (reader.info().clone(), samples)
 }
 
-/// A JSON file.
+/// Reads and parses a JSON file.
 pub fn json(path: &Path) -> serde_json::Value {
     serde_json::from_slice(&fs::read(path).unwrap()).unwrap()
 }
 
-/// Header and rows of a CSV file, its comments left out.
+/// Reads the header and the rows of a CSV file, without comments.
 pub fn table(path: &Path) -> (Vec<String>, Vec<Vec<String>>) {
     let reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path);
     let mut reader = reader.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
@@ -58,12 +58,12 @@ pub fn table(path: &Path) -> (Vec<String>, Vec<Vec<String>>) {
     (header, reader.records().map(|row| row.unwrap().iter().map(str::to_owned).collect()).collect())
 }
 
-/// Where a file with recorded values is.
+/// The path of a file in `tests/golden`.
 pub fn golden_path(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(file)
 }
 
-/// Rows of a golden file: the text in the first column, if it is one, and the numbers.
+/// The rows of a golden file: the first column if it is text, or else an empty string, and the numbers.
 pub fn golden(file: &str) -> Vec<(String, Vec<f64>)> {
     let row = |row: Vec<String>| {
         let named = row[0].parse::<f64>().is_err();

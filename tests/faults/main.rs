@@ -1,9 +1,9 @@
 //! Injects faults into sessions wherever they can occur (the disk fails, the clock goes back, the program is killed)
-//! and checks what is on disk afterwards and what resuming does.
+//! and checks what is on disk afterward and what resuming does.
 //!
 //! The tests need Linux and `cc`. If `cc` is missing, they print `SKIPPED` and pass, unless
-//! `MACHBAND_REQUIRE_FAULTS=1`. `MACHBAND_FAULTS` is the number of sessions (1,000), and `MACHBAND_FAULT_SEED` (1)
-//! draws their faults.
+//! `MACHBAND_REQUIRE_FAULTS=1`. `MACHBAND_FAULTS` is the number of sessions (1,000), and `MACHBAND_FAULT_SEED` is
+//! the seed from which their faults are drawn (1).
 
 #![cfg(all(target_os = "linux", target_env = "gnu"))]
 

@@ -250,7 +250,7 @@ fn filters_narrow_the_analysis_and_its_export() {
     window.get_by_label("72 ratings by 4 participants.");
 }
 
-/// The empty page, a missing file, a file with an error, and the experiments in the results folder.
+/// Tests the empty page, a missing file, a file with an error, and the experiments in the results folder.
 #[test]
 fn the_empty_page_and_errors_in_files() {
     let (folder, data_set) = study(2);

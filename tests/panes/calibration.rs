@@ -171,7 +171,7 @@ fn typing_over_an_earlier_reading_replaces_it() {
     answer(&mut window, "90");
     assert_eq!((read(), patch(&window).unwrap().1), (90.0, second));
     assert_eq!(typed(&window), "", "the next patch has no reading yet");
-    // The same after the Previous button, even if a character arrives in the same frame.
+    // The Previous button does the same, even if a character arrives in the same frame.
     window.get_by_label("Previous").click();
     window.run_steps(2);
     window.event(egui::Event::Text("8".to_owned()));
@@ -189,8 +189,8 @@ fn typing_over_an_earlier_reading_replaces_it() {
     assert_eq!((read(), patch(&window).unwrap().1), (95.5, second));
 }
 
-/// A file with too few levels is explained; a good file is fitted. The message about the replaced profile stays until
-/// another profile is in use.
+/// For a file with too few levels, the page gives the reason; a good file is fitted. The message about the replaced
+/// profile stays until another profile is in use.
 #[test]
 fn a_file_of_readings_becomes_a_profile_and_a_bad_one_is_explained() {
     let folder = tempfile::tempdir().unwrap();

@@ -90,7 +90,7 @@ fn with_a_profile_the_screen_shows_what_the_command_writes() {
         let command = recipe.command();
         let mut arguments: Vec<&str> = command.split(' ').skip(1).collect();
         arguments.extend(["--display", "screen.toml"]);
-        // That the profile is old is only a warning.
+        // An old profile causes only a warning.
         let output = machband(folder.path(), &arguments);
         assert!(output.status.success(), "{arguments:?}: {output:?}");
         let written = image::read(&folder.path().join("stimulus.png")).unwrap();
@@ -144,10 +144,10 @@ fn the_measured_size_of_the_screen_is_used_on_home() {
     ] {
         type_into(&mut harness, field, text);
     }
-    // With 1000 pixels on 30 cm, viewed from 57.3 cm, a degree is a centimeter, or 33.3 pixels.
+    // With 1000 pixels across 30 cm, viewed from 57.3 cm, a degree is a centimeter, or 33.3 pixels.
     harness.get_by_label_contains("One degree is 33.3 pixels, or 1.00 cm");
     harness.get_by_label_contains("The screen is 30.0 × 24.0 cm");
-    // 40° needs 2 · 57.3 · tan 20° = 41.7 cm; the shorter side has 24 cm.
+    // 40° needs 2 · 57.3 · tan 20° = 41.7 cm; the shorter side is 24 cm long.
     harness.get_by_label_contains("only 58 % of its width fits");
     harness.get_by_label_contains("It fits at a viewing distance of 32 cm or less");
     press(&mut harness, Key::Escape);
@@ -204,7 +204,7 @@ fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
     press(&mut harness, Key::Enter);
     harness.run_steps(3);
     assert_eq!(width(&harness), "11.1");
-    // The outline has 8.56 · 420/11.1 = 324 pixels; with 20 fewer, the width is 8.56 · 420/304 = 11.8 cm.
+    // The outline is 8.56 · 420/11.1 = 324 pixels wide; with 20 fewer, the screen is 8.56 · 420/304 = 11.8 cm wide.
     click(&mut harness, "Measure with a card…");
     for _ in 0..20 {
         press(&mut harness, Key::ArrowLeft);

@@ -16,12 +16,12 @@ use machband::{
 
 use crate::window::{Window, builder, choose, click, has_graphics, type_into, value};
 
-/// The page, opened from Home, without pixels.
+/// Opens the page from Home without rendering it.
 fn open() -> Window {
     opened(builder([1000.0, 800.0], 1.0 / 60.0).build_eframe(|cc| App::new(cc, Launch::default())))
 }
 
-/// The same with pixels; `None` if there is no graphics adapter.
+/// Opens the page with rendering, drawn by the CPU; `None` if there is no graphics adapter.
 fn open_with_pixels(scale: f32) -> Option<Window> {
     if !has_graphics() {
         return None;
@@ -116,7 +116,7 @@ fn each_half_shows_exactly_the_image_of_its_shader() {
     }
 }
 
-/// Compares both whenever the window has a graphics adapter of any kind.
+/// Compares the two pictures whenever the window has a graphics adapter of any kind.
 #[test]
 fn the_card_draws_what_the_cpu_draws_within_a_code() {
     let Some(mut window) = open_with_pixels(1.0) else { return };
@@ -155,7 +155,7 @@ fn the_divider_moves() {
     let changed: Vec<usize> = (0..before.len()).filter(|i| before[*i] != after[*i]).map(|i| i % width).collect();
     assert!(changed.iter().filter(|x| (at(0.33)..at(0.47)).contains(*x)).count() > 500);
     assert_eq!(changed.iter().filter(|x| **x < at(0.27) || **x > at(0.53)).count(), 0);
-    // By keyboard, too.
+    // The keyboard moves the divider, too.
     window.get_by_label("Divider").focus();
     window.step();
     window.key_press(Key::ArrowRight);

@@ -40,7 +40,7 @@ fn each_press_is_given_once_in_its_order_and_at_its_own_time() {
     let expected = [Some((21_025.0, Some(ms(3)))), None, Some((21_075.0, Some(ms(5)))), None];
     assert_eq!([Key::Num1, Key::Num2, Key::Num1, Key::Num1].map(key), expected);
     assert_eq!(input.click().and_then(|press| press.uncertainty), Some(ms(1)));
-    // The next frame forgets the presses that nobody took.
+    // The next frame discards presses that have not been read.
     stamps.press(Pressed::Click, start + ms(2113), ms(1));
     input.frame(2.12, start + ms(2120));
     input.frame(2.13, start + ms(2130));

@@ -67,8 +67,8 @@ fn gouraud_jump_matches_the_analytic_value() {
 fn a_jump_that_changes_along_the_edge_is_averaged() {
     let frame = pair(PLACES, LIGHTS);
     let height = Frame::area2(PLACES[0], PLACES[1], PLACES[2]).abs() / PLACES[0].distance(PLACES[1]);
-    // The light is curved and steep on one side and a mere step on the other. The slope at the edge is s, which rises
-    // from 0 to ½ and falls to 0 along the edge.
+    // On one side of the edge, the light is curved and steep; on the other, it is constant and ¼ higher. The slope at
+    // the edge is s, which rises from 0 to ½ and falls to 0 along the edge.
     let creases = Creases::of_field(&frame, |t, w| {
         let s = w[1].min(w[2]) / (w[1] + w[2]);
         let far = w[0] * height;
@@ -91,7 +91,7 @@ fn a_smooth_field_has_no_crease() {
         DVec3::splat((0.2 * p.x).sin() * (0.3 * p.y).cos())
     });
     assert!(creases.max < 1e-7, "{}", creases.max);
-    // What remains is rounding error, with which nothing is compared.
+    // What remains is rounding error, so ratios to it are not computed.
     assert_eq!(creases.over(&creases), None);
     let uniform = Creases::of_field(&frame, |_, _| DVec3::ONE);
     assert_eq!((uniform.max, creases.over(&uniform)), (0.0, None));

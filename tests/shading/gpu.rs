@@ -14,8 +14,8 @@ use machband::{
 
 use crate::grid;
 
-/// Returns a device of the best card of `backends`. Returns `None` if there is no card, unless `MACHBAND_REQUIRE_GPU`
-/// requires one.
+/// Returns a device for the best card of these backends. If there is no card, returns `None`, or panics if
+/// `MACHBAND_REQUIRE_GPU` is set.
 fn device(
     backends: wgpu::Backends,
     limits: impl FnOnce(&wgpu::Adapter) -> wgpu::Limits,
@@ -36,7 +36,7 @@ fn device(
     Some((adapter.get_info().name, device, queue))
 }
 
-/// A card with everything that is needed to make images.
+/// A graphics card, with everything needed to draw images with it.
 struct Card {
     name: String,
     device: wgpu::Device,

@@ -266,7 +266,7 @@ fn encoded_lights_have_encoded_gradients() {
     let (linear, encoded) = (gradients(&frame), gradients(&encoded));
     let mut compared = 0;
     for (v, vertex) in frame.vertices.iter().enumerate() {
-        // Only lit vertices away from the rim, where the ring has an influence.
+        // Only lit vertices away from the rim, because the ring affects the gradients at the rim.
         if vertex.light.x > 0.25 && vertex.normal.z > 0.7 {
             // d√L = dL/2√L
             let expected = linear[v][0] / (2.0 * vertex.light.x.sqrt());

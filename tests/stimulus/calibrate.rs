@@ -93,8 +93,8 @@ fn offset_light(gamma: f64, k: f64) -> f64 {
 }
 
 /// If the black is the light of the offset itself, as in Berns, Motta and Gorzynski, it reveals the offset. With an
-/// offset and a separate black, γ and the offset explain much of the same variation, and the bound is met from about 17
-/// levels on. With fewer levels, the errors are those of the Cramér–Rao bound (standard error of γ 0.016 to 0.027 at 6
+/// offset and a separate black, γ and the offset explain much of the same variation, and the bound is met with about
+/// 17 levels or more. With fewer levels, the errors match the Cramér–Rao bound (standard error of γ 0.016 to 0.027 at 6
 /// levels).
 #[test]
 fn a_power_and_an_offset_are_found_within_the_bound() {

@@ -157,7 +157,7 @@ fn ignoring_gamma_shows_only_between_vertices() {
     let apart = linear.data.iter().zip(&encoded.data).map(|(a, b)| a - b).fold(0.0_f32, f32::max);
     assert!(apart > 0.005, "{apart}");
     assert!((linear.pixel(0, 0)[0] - encoded.pixel(0, 0)[0]).abs() < 1e-6);
-    // Where all vertices have the same light, so has every pixel between them.
+    // Where all vertices have the same light, so does every pixel between them.
     let mut uniform = frame.clone();
     uniform.vertices.iter_mut().for_each(|vertex| vertex.light = DVec3::splat(0.3));
     let [linear, encoded] = renderers.map(|renderer| renderer.shoot(&uniform, &transfers).emitted());

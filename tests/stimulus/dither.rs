@@ -215,7 +215,7 @@ fn every_pixel_follows_the_definition() {
     }
 }
 
-/// Light that is a rounding error away from it has no noise either.
+/// Light that is a rounding error away from a code's light has no noise either.
 #[test]
 fn the_exact_light_of_a_code_has_no_noise() {
     let eight: Vec<Quantizer> = transfers().iter().map(|transfer| Quantizer::new(transfer, Bits::Eight)).collect();

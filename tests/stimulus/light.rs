@@ -118,7 +118,8 @@ fn transfer_functions_are_inverses_and_rise() {
             (last_linear, last_encoded) = (linear, encoded);
         }
     }
-    // The constants in the standard do not quite meet. Across the gap, the encoded value stays constant.
+    // With the constants in the standard, the two parts of the curve do not quite meet. Across the gap, the encoded
+    // value stays constant.
     let knee: f64 = 0.04045 / 12.92;
     let across = [knee.next_down(), knee, knee.next_up(), knee + 1e-9, knee + 2e-9, knee + 1e-8];
     let encoded = across.map(|linear| Transfer::Srgb.encoded_from_linear(linear));

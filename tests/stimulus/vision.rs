@@ -77,7 +77,7 @@ fn visibility_is_greatest_at_one_width() {
         assert!(0 < best && best < predicted.len() - 1, "{window}° at {px}: best at {}°", widths[best]);
         for i in 1..predicted.len() {
             let change = if i <= best { predicted[i] - predicted[i - 1] } else { predicted[i - 1] - predicted[i] };
-            // How a ramp a few pixels wide is drawn depends on chance.
+            // For a ramp a few pixels wide, the result depends on where the pixels happen to fall.
             let least = match i {
                 i if i > best + 2 => 0.01,
                 i if widths[i] * px < 8.0 => 0.2,
@@ -190,7 +190,7 @@ fn bands_lie_at_the_ends_of_the_ramp_and_have_the_right_sign() {
     });
 }
 
-/// Pixels of half the size give nearly the same result if a ramp is wide enough to be drawn: 16 pixels.
+/// Halving the pixel size gives nearly the same result if a ramp is at least 16 pixels wide.
 #[test]
 fn resolution_changes_little() {
     for window in WINDOWS {

@@ -310,7 +310,7 @@ fn files_that_are_not_definitions_are_reported() {
         assert!(profile::open(Path::new(&file)).is_err() && observer::open(Path::new(&file)).is_err(), "{file}");
         assert!(soon(&file, || check(&file)).is_err(), "{file}");
     }
-    // Line ends and a byte order mark from other systems.
+    // Line endings and a byte order mark from other systems.
     let plain = definition::parse("mine.toml", BASE).unwrap();
     let windows = format!("\u{feff}{}", BASE.replace('\n', "\r\n"));
     assert_eq!(definition::open(&write("windows.toml", windows.as_bytes())).unwrap(), plain);
@@ -331,7 +331,7 @@ fn a_sidecar_preserves_the_definition_and_its_hash() {
     let timed = edited("[recovery]", "[presentation]\nduration_s = 0.5\n[recovery]");
     let others = [BASE, &timed].map(|text| definition::parse("mine.toml", text).unwrap());
     for protocol in built_in.chain(others).chain([odd]) {
-        // Via text, as in a sidecar.
+        // Write the definition as text and read it back, as a sidecar does.
         let json: serde_json::Value =
             serde_json::from_str(&serde_json::to_string(&serde_json::to_value(&protocol).unwrap()).unwrap()).unwrap();
         let back: Protocol = definition::from_json("sidecar.json", &json).unwrap_or_else(|error| panic!("{error}"));

@@ -281,7 +281,7 @@ mod interrupted {
             (latin, "3:4".into(), "not UTF-8"),
             // A foreign text, which is not an incomplete header and must not be truncated.
             (b"My notes on this participant".to_vec(), "1:1".into(), "begins with \"My notes"),
-            // Line ends of an old system make the file a single line, so no row could be appended.
+            // The line endings of an old system make the file a single line, so no row could be appended.
             (whole.replace('\n', "\r").into(), "1:1".into(), "expected the header"),
         ];
         for (content, position, part) in cases {
