@@ -5,7 +5,8 @@
     python3 scripts/golden_ordinal.py statsmodels # statsmodels.csv
     python3 scripts/golden_ordinal.py ranks       # ranks.csv: rank tests and agreement
 
-Needs numpy, pandas, scipy, statsmodels, krippendorff and scikit-learn; the headers of the files contain the versions that were used.
+Needs numpy, pandas, scipy, statsmodels, krippendorff and scikit-learn; the headers of the files contain the versions
+that were used.
 """
 
 import csv

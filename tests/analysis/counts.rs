@@ -47,7 +47,7 @@ fn counts_do_not_depend_on_the_order_or_the_split() {
         first.absorb(add(empty(), &ROWS[cut..])).unwrap();
         assert_eq!(first.finish(), whole, "cut at {cut}");
     }
-    // `0.40` equals `0.4`, so S2 has one condition. Its first two ratings are those of repetitions 1 and 2.
+    // `0.40` equals `0.4`, so S2 has one condition. Its first two ratings belong to repetitions 1 and 2.
     let pairs: Vec<_> = whole.retests.iter().map(|pair| (pair.subject, pair.first, pair.second)).collect();
     assert_eq!((whole.counts.total(), &whole.counts.subjects[..]), (6, &["S1", "S10", "S2"].map(String::from)[..]));
     assert_eq!((pairs, retests(&whole)[2].pairs()), (vec![(0, 0, 1), (2, 1, 3)], 1));
@@ -169,7 +169,7 @@ fn intervals_cover_the_mean() {
 }
 
 /// The draws for a seed must never change: with seed 3, the first sample contains the seven participants 2, 1, 1, 0, 2,
-/// 1 and 0 times. Quantiles are those of R and NumPy (type 7).
+/// 1 and 0 times. Quantiles are defined as in R and NumPy (type 7).
 #[test]
 fn draws_for_a_seed_never_change() {
     let values = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];

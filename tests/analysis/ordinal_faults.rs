@@ -52,7 +52,7 @@ fn close(found: f64, expected: f64) {
     assert!((found - expected).abs() < 1e-5 * (1.0 + expected.abs()), "{found}, expected {expected}");
 }
 
-/// Checks that the finite estimates of a model and their errors equal those of another model.
+/// Checks that the finite estimates of a model and their standard errors equal the ones in another model.
 fn same_finite_part(model: &Model, other: &Model) {
     for (threshold, expected) in model.thresholds.iter().zip(&other.thresholds) {
         close(threshold.estimate, expected.estimate);

@@ -106,7 +106,7 @@ fn patches_are_read_and_become_a_profile() {
     window.event(egui::Event::Text("1".to_owned()));
     press_and_step(&mut window, Key::Enter);
     window.get_by_label_contains("has not settled yet");
-    // A reading above that of white must be confirmed. Here it is corrected, and the user goes back one patch.
+    // A reading above the reading for white must be confirmed. Here it is corrected, and the user goes back one patch.
     let label = line(&window);
     type_into(&mut window, &label, "900");
     window.run_steps(8);

@@ -141,7 +141,8 @@ pub fn walk_to_first_trial(window: &mut Window) {
     }
 }
 
-/// Counts the pixels that differ between an image and the middle of a picture of the window, whose sides are `size`.
+/// Counts the pixels that differ between an image and the middle of a picture of the window. The picture has `size`
+/// pixels.
 pub fn wrong_pixels(size: [u32; 2], pixel: impl Fn(u32, u32) -> [u8; 4], image: &CodeImage) -> usize {
     let [left, top] = [size[0] - image.width, size[1] - image.height].map(|rest| rest / 2);
     let is_wrong = |(x, y): &(u32, u32)| {

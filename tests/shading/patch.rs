@@ -174,8 +174,8 @@ fn true_sphere(vertices: usize) -> Surface {
 }
 
 /// Returns the root mean square error of the gradients of a sphere under a distant lamp, relative to the root mean
-/// square of the true gradients. Only vertices whose normals have a cosine above `facing` with the direction of the eye
-/// count.
+/// square of the true gradients. Counts only vertices at which the cosine of the angle between the normal and the
+/// direction to the eye exceeds `facing`.
 fn gradient_error(frame: &Frame, gradients: Gradients, facing: f64) -> f64 {
     let patches = Patches::new(frame, gradients);
     let (mut error, mut size) = (0.0, 0.0);

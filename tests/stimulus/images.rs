@@ -131,8 +131,8 @@ fn palettes_and_halftones_can_be_verified() {
     fails(folder, &["stimulus", "--palette", "median-cut:0", "--out", "q.png"], 2);
 }
 
-/// `emitted` is always the light of the code. If the profile runs along a row of the image, its codes are those of the
-/// image.
+/// `emitted` is always the light of the code. If the profile runs along a row of the image, its codes equal the codes
+/// of that row.
 #[test]
 fn the_profile_matches_the_image() {
     for dither in [Dither::None, Dither::BlueNoise] {

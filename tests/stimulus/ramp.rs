@@ -13,7 +13,7 @@ fn quantizers() -> Vec<Quantizer> {
     alike.chain([Quantizer::new(dark_toe, Bits::Eight), Quantizer::new(differing, Bits::Eight)]).collect()
 }
 
-/// Checks that the codes are those of the quantized light.
+/// Checks that the codes equal the quantized light.
 fn assert_codes_are_right(stimulus: &Stimulus, size: u32, quantizer: &Quantizer) {
     let codes = stimulus.codes(size, quantizer);
     let plain = quantizer.quantize(&stimulus.linear(size));

@@ -17,7 +17,7 @@ use super::profile::{Baseline, Mark, Spectrum, gaussian, is_profile, overshoots}
 pub struct LateralInhibition {
     /// Standard deviation of the center, degrees of visual angle, above 0.
     pub center_deg: f64,
-    /// Ratio of the standard deviation of the surround to that of the center, above 1.
+    /// Standard deviation of the surround, divided by the standard deviation of the center; above 1.
     pub surround: f64,
 }
 

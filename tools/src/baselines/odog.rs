@@ -41,7 +41,7 @@ pub struct Odog {
     pub sizes: u32,
     /// Number of orientations, evenly spaced over half a turn.
     pub orientations: u32,
-    /// Ratio of the length of the surround to that of the center, along the axis of the orientation.
+    /// Length of the surround divided by the length of the center, along the axis of the orientation.
     pub surround: f64,
     /// Exponent: the weight of a filter is its frequency to this power.
     pub slope: f64,
