@@ -18,7 +18,8 @@ pub struct Alpha {
     pub units: usize,
     /// Number of ratings of these conditions.
     pub ratings: u64,
-    /// Bootstrap interval over participants. A participant drawn twice is not compared with itself.
+    /// Bootstrap interval over participants. If a participant is drawn twice, the two copies are not compared with each
+    /// other.
     pub interval: Option<Interval>,
 }
 
@@ -57,7 +58,7 @@ pub fn ordinal_alpha(counts: &Counts, bootstrap: &Bootstrap) -> Option<Alpha> {
     Some(Alpha { alpha, units: units.len(), ratings: ratings as u64, interval })
 }
 
-/// Returns α when each participant counts as often as its weight says.
+/// Returns α with each participant counted as many times as its weight.
 fn alpha(units: &[Vec<Share>], weights: &[u8], categories: usize) -> Option<f64> {
     units.first()?;
     let mut coincidences = vec![0.0; categories * categories];

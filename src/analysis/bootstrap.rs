@@ -42,7 +42,7 @@ impl Interval {
 }
 
 impl Bootstrap {
-    /// Returns, for each replicate, how often each participant was drawn; there are no replicates without participants.
+    /// Returns how often each participant was drawn in each replicate, or no replicates if there are no participants.
     /// Bytes save memory if there are many participants, and nobody is drawn 256 times.
     pub(super) fn weights(&self, subjects: usize) -> Vec<Vec<u8>> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);

@@ -18,7 +18,7 @@ pub(super) struct Frame<'a> {
     pub rows: Vec<CountRow>,
     /// Names of the participants that occur.
     pub subjects: Vec<String>,
-    /// Names of the categories that occur, the lowest first.
+    /// Names of the categories that occur, starting with the lowest.
     pub categories: Vec<String>,
     /// For each factor, the levels that occur, in natural order.
     levels: Vec<Vec<u32>>,
@@ -86,7 +86,8 @@ impl<'a> Frame<'a> {
         levels
     }
 
-    /// Returns the numbers of a factor's levels, or their reciprocals if `inverse`. Levels that do not occur have 0.
+    /// Returns the numbers of a factor's levels, or their reciprocals if `inverse`. The value is 0 for levels that do
+    /// not occur.
     pub fn numbers(&self, index: usize, inverse: bool) -> Result<Vec<f64>, ModelError> {
         let factor = &self.counts.factors[index];
         let mut values = vec![0.0; factor.levels.len()];
@@ -106,7 +107,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// Returns the factor that a variable names and whether its reciprocal is meant.
+/// Returns the index of the factor that a variable names, and true if the variable means the factor's reciprocal.
 pub(super) fn find_factor(counts: &Counts, variable: &Variable) -> Result<(usize, bool), ModelError> {
     if let Some((index, _)) = counts.factor(variable.name()) {
         return Ok((index, false));

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-/// Returns the number that the text of a level means: a decimal number, or `inf` or `-inf` in any case. `nan` and
+/// Returns the number that the text of a level represents: a decimal number, or `inf` or `-inf` in any case. `nan` and
 /// hexadecimal numbers count as other strings.
 pub fn number_of(text: &str) -> Option<f64> {
     text.trim().parse::<f64>().ok().filter(|number| !number.is_nan())

@@ -1,9 +1,9 @@
 //! Analysis: descriptive statistics, ordinal models, tests and agreement, all computed from counts of ratings.
 //!
 //! Everything works on [`counts::Counts`], the sufficient statistic participant × condition × rating, so the cost does
-//! not grow with the number of rows. The conventions follow R's `ordinal` wherever it has them:
+//! not grow with the number of rows. Where R's `ordinal` has a convention, this module follows it:
 //!
-//! - P(Y ≤ j) = F(θ_j − xβ − σu): a positive coefficient or a positive intercept of a participant means higher ratings.
+//! - P(Y ≤ j) = F(θ_j − xβ − σu): a positive coefficient or a positive participant intercept means higher ratings.
 //!   `statsmodels` uses the same signs; its threshold parameters are the first threshold and the logarithms of the
 //!   differences.
 //! - Levels and categories are in natural order: numbers in ascending order with `inf` last, other strings in byte

@@ -9,8 +9,8 @@ use super::{
     summary::category_values,
 };
 
-/// Participants' mean ratings at each level of a factor, pooled over all other factors. If all numbers of ratings are
-/// equal, the means have the same ranks as the sums.
+/// Participants' mean ratings at each level of a factor, pooled over all other factors. If all means are over the same
+/// number of ratings, they have the same ranks as the sums.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SubjectMeans {
     pub levels: Vec<String>,
@@ -149,7 +149,7 @@ pub const EXACT_DIFFERENCES: usize = 50;
 
 /// Performs Wilcoxon's signed-rank test. p is 1 if all differences are 0.
 ///
-/// The exact distribution is that of the actual ranks, with mid-ranks for ties, over all 2ⁿ assignments of signs. It is
+/// The exact distribution covers all 2ⁿ assignments of signs to the actual ranks, with mid-ranks for ties. It is
 /// computed with the shift algorithm of Streitberg & Röhmel (1986).
 pub fn wilcoxon(differences: &[f64]) -> Wilcoxon {
     // Means that differ only by rounding errors count as equal.
@@ -197,7 +197,8 @@ fn normal_probability(n: f64, ties: f64, v: f64) -> f64 {
     two_sided(distance / variance.sqrt())
 }
 
-/// Corrects probabilities for multiple testing by Holm's method (1979). The result is in the order given.
+/// Corrects probabilities for multiple testing by Holm's method (1979). The results are in the order of
+/// `probabilities`.
 pub fn holm(probabilities: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..probabilities.len()).collect();
     order.sort_by(|l, r| probabilities[*l].total_cmp(&probabilities[*r]));

@@ -18,10 +18,10 @@ use super::{
 /// What to compute.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Terms of the model. If `None`, the main effects of all factors with two or more levels.
+    /// Terms of the model. `None` means the main effects of all factors with two or more levels.
     pub terms: Option<Terms>,
     pub link: Link,
-    /// The random part. If `None`, an intercept for each participant, provided that there are two or more participants.
+    /// The random part. `None` means an intercept for each participant if there are two or more participants.
     pub random: Option<Random>,
     /// Number of quadrature nodes of a mixed model; 1 is the Laplace approximation.
     pub quadrature: usize,
@@ -108,7 +108,7 @@ impl Results {
         self.people() > 1
     }
 
-    /// Returns the model's expected ratings in each condition, or nothing if there is no model.
+    /// Returns the model's expected ratings in each condition; empty if there is no model.
     pub fn predictions(&self) -> &[Prediction] {
         self.model.as_ref().map_or(&[], |report| &report.predictions)
     }

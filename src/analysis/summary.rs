@@ -17,8 +17,8 @@ pub struct Summary {
     pub n: u64,
     /// Number of participants who gave these ratings.
     pub subjects: usize,
-    /// Mean rating. It is computed from the numbers of the categories or, if they are not numbers, from their
-    /// positions, starting at 0.
+    /// Mean rating. A category counts as its number or, if the categories are not numbers, as its position, starting at
+    /// 0.
     pub mean: f64,
     /// Median rating. For an even number of ratings, it is halfway between the two in the middle.
     pub median: f64,
@@ -38,7 +38,7 @@ pub struct Group {
     pub summary: Summary,
 }
 
-/// Returns the number that each category means.
+/// Returns the number that each category represents.
 pub fn category_values(counts: &Counts) -> Vec<f64> {
     levels::numbers_of(&counts.categories)
         .filter(|numbers| numbers.iter().all(|number| number.is_finite()))
@@ -89,7 +89,7 @@ fn groups(
     let values = category_values(counts);
     let mut tallies = vec![vec![0_u64; values.len()]; number];
     let mut shares: Vec<Vec<Share>> = vec![Vec::new(); number];
-    // Rows are sorted by participant, so a group's last share either belongs to this participant or a new share is
+    // Rows are sorted by participant, so either a group's last share belongs to this participant or a new share is
     // needed.
     for row in &counts.rows {
         let Some(group) = group_of(row) else { continue };

@@ -31,7 +31,7 @@ struct Cell {
     key: Box<[u8]>,
     /// Number of ratings, by index into [`MeasuredBuilder::ratings`].
     counts: Vec<u64>,
-    /// Response times: bin, rating and number.
+    /// Response times: bin, rating and count.
     times: Vec<(u16, u8, u64)>,
     earliest: Earliest,
 }
@@ -117,7 +117,7 @@ impl MeasuredBuilder {
     /// Adds `count` equal ratings without times. An empty text in `values` is a missing value.
     ///
     /// # Errors
-    /// The same as for [`Self::add`].
+    /// Returns the same errors as [`Self::add`].
     pub fn add_counts<S: AsRef<str>>(
         &mut self,
         subject: &str,
@@ -150,7 +150,7 @@ impl MeasuredBuilder {
         if trimmed.is_empty() {
             return Err(CountError::NoRating);
         }
-        // "2.0" and " 2" are the category "2".
+        // Both "2.0" and " 2" mean the category "2".
         let number = levels::number_of(trimmed);
         let same = |known: &String| known == trimmed || (number.is_some() && levels::number_of(known) == number);
         if let Some(index) = self.ratings.iter().position(same) {
@@ -194,7 +194,7 @@ impl MeasuredBuilder {
         Ok(())
     }
 
-    /// Returns all that was collected, in natural order.
+    /// Returns everything that was collected, in natural order.
     pub fn finish(self) -> Measured {
         let (subjects, values): (Vec<&str>, Vec<Vec<&str>>) = self.cells.iter().map(Cell::parts).unzip();
         let (subjects, subject_of) = levels::rank(&subjects.into_iter().map(Some).collect::<Vec<_>>());

@@ -1,5 +1,5 @@
 //! The data that are kept for any number of trials: counts of ratings, pairs of repeated ratings, and a histogram of
-//! response times whose bins become wider for longer times.
+//! response times with wider bins for longer times.
 
 use std::collections::BTreeSet;
 
@@ -28,7 +28,7 @@ pub struct CountRow {
     pub condition: u32,
     /// Index into [`Counts::categories`]; 0 is the lowest.
     pub rating: u8,
-    /// Number of these ratings, at least 1.
+    /// Number of equal ratings, at least 1.
     pub count: u64,
 }
 
@@ -262,7 +262,7 @@ pub struct Quartiles {
 }
 
 impl Times {
-    /// Adds a number of times to one bin.
+    /// Adds `count` response times to one bin.
     fn add(&mut self, bin: u16, count: u64) {
         self.counts.resize(usize::from(BINS), 0);
         self.counts[usize::from(bin)] += count;

@@ -343,7 +343,8 @@ pub(super) fn add_product(sum: &mut DMatrix<f64>, factor: f64, left: &DVector<f6
     }
 }
 
-/// Returns Newton's step. The curvature is raised if the likelihood is not concave or is too flat to invert.
+/// Returns Newton's step. If the likelihood is not concave or is too flat for its curvature to be inverted, the
+/// curvature is increased.
 fn newton_step(at: &Derivatives) -> DVector<f64> {
     match positive_definite(&at.information) {
         Some(factor) => factor.solve(&at.gradient),
@@ -351,8 +352,8 @@ fn newton_step(at: &Derivatives) -> DVector<f64> {
     }
 }
 
-/// Returns the Cholesky factor of a matrix. If it has none, its diagonal is raised by as little as possible. Returns
-/// `None` if an element is not a number.
+/// Returns the Cholesky factor of a matrix. If the matrix has none, its diagonal is increased by as little as possible.
+/// Returns `None` if an element is not a number.
 pub(super) fn positive_definite(matrix: &DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
     let largest = matrix.diagonal().amax().max(f64::MIN_POSITIVE);
     let mut ridge = 0.0;

@@ -34,7 +34,7 @@ pub(super) struct ClmmData {
     pub categories: usize,
     /// Location; one row per distinct condition.
     pub x: DMatrix<f64>,
-    /// All participants' observations, one participant after the other.
+    /// All observations, grouped by participant.
     pub observations: Vec<Observation>,
     /// The range of each participant's observations.
     pub subjects: Vec<Range<usize>>,
@@ -133,7 +133,7 @@ impl Subject<'_> {
                     break;
                 }
                 step /= 2.0;
-                // The limit of precision is reached. A slope that is not a number ends here as well.
+                // The limit of precision is reached, or the slope is not a number.
                 if step.is_nan() || step.abs() < 1e-13 * (1.0 + u.abs()) {
                     return slope.is_finite().then_some(u);
                 }
@@ -348,7 +348,7 @@ fn refine(mut root: f64, degree: usize) -> f64 {
     root
 }
 
-/// Returns the orthonormal Hermite functions of a degree and of the next lower degree at `x`.
+/// Returns the orthonormal Hermite functions of degrees `degree` and `degree` − 1 at `x`.
 fn hermite_function(x: f64, degree: usize) -> (f64, f64) {
     let mut before = 0.0;
     let mut value = std::f64::consts::PI.powf(-0.25) * (-x * x / 2.0).exp();

@@ -23,7 +23,7 @@ pub(crate) struct Column {
     values: Vec<f64>,
 }
 
-/// The columns of some terms.
+/// The design columns of a list of terms.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Design {
     pub terms: Terms,
@@ -176,7 +176,7 @@ pub(super) struct Standard {
 
 impl Standard {
     /// Scales the columns of a matrix, and centers them if `centered`. Columns of the scale must not be centered,
-    /// because their center would divide the thresholds as well.
+    /// because that would rescale the thresholds as well.
     pub fn of(mut x: DMatrix<f64>, centered: bool) -> (DMatrix<f64>, Self) {
         let columns = x.ncols();
         let mut standard = Self { centers: DVector::zeros(columns), scales: DVector::from_element(columns, 1.0) };

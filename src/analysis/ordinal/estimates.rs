@@ -18,8 +18,8 @@ use crate::{
 /// Fits a model.
 ///
 /// # Errors
-/// Returns a [`ModelError`] if the data or the terms allow no model. All other problems with the data become notes of
-/// the model.
+/// Returns a [`ModelError`] if the data or the terms allow no model. All other problems with the data are reported in
+/// the model's notes.
 pub fn fit(counts: &Counts, spec: &ModelSpec) -> Result<Model, ModelError> {
     Ok(report(&fit_counts(counts, spec, true)?))
 }
@@ -227,15 +227,16 @@ pub(crate) fn two_sided(z: f64) -> f64 {
     statrs::function::erf::erfc(z.abs() * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// The ratings that a model predicts for one condition. A mixed model predicts those of an average participant (u = 0).
+/// The ratings that a model predicts for one condition. A mixed model predicts the ratings of an average participant,
+/// with u = 0.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Prediction {
     /// Names of the levels, in the order of the factors; a missing value has an empty name.
     pub names: Vec<String>,
     /// Probability of each category that has ratings, in the order of [`Model::categories`].
     pub probabilities: Vec<f64>,
-    /// Mean rating. It is computed from the numbers of the categories or, if they are not numbers, from their
-    /// positions, starting at 0.
+    /// Mean rating. A category counts as its number or, if the categories are not numbers, as its position, starting at
+    /// 0.
     pub mean: f64,
     /// The 95 % interval of the mean by the delta method; `None` if a coefficient has no finite estimate.
     pub interval: Option<Interval>,

@@ -1,4 +1,4 @@
-//! Fits models to a table of counts: from the counts to the maxima of the likelihoods.
+//! Fits models to a table of counts by maximizing their likelihoods.
 
 use std::collections::HashMap;
 

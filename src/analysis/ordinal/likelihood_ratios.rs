@@ -54,7 +54,7 @@ pub struct ModelReport {
 /// Fits a model and computes its tests and predictions.
 ///
 /// # Errors
-/// The same as for [`fit`](super::fit).
+/// Returns the same errors as [`fit`](super::fit).
 pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, ModelError> {
     let full = fit_counts(counts, spec, true)?;
     let model = estimates::report(&full);
@@ -86,7 +86,7 @@ pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> 
     Ok(tests)
 }
 
-/// Returns whether both fits have a maximum, and of the same kind of likelihood.
+/// Returns whether both fits found a maximum of the same kind of likelihood.
 fn comparable(one: &Fitted, other: &Fitted) -> bool {
     let fine = |fitted: &Fitted| {
         fitted.clm.end != FitEnd::Stalled

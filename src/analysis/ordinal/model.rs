@@ -175,7 +175,7 @@ pub enum Note {
         /// Whether the estimate is +∞.
         positive: bool,
     },
-    /// A threshold diverges together with coefficients.
+    /// A threshold diverges together with some coefficients.
     #[error("the threshold {threshold} has no finite estimate because the ratings are separated")]
     SeparatedThreshold {
         /// The threshold's name, such as `0|1`.
@@ -198,7 +198,7 @@ pub enum Note {
     OneSubject,
     /// The variance between participants is 0, because ratings were not repeated within participants or because
     /// participants do not differ.
-    #[error("the estimated variance between participants is 0: the mixed model is the same as the model without it")]
+    #[error("the estimated variance between participants is 0, so the random intercept has no effect")]
     NoSubjectVariance,
     /// Each participant uses a single category, so the variance between participants, or an effect within participants,
     /// has no finite estimate.

@@ -110,8 +110,8 @@ impl<'a> Search<'a> {
         to
     }
 
-    /// Tries the full step and then repeatedly halves it. Takes the first that raises the likelihood enough and returns
-    /// the factor by which the step was shortened.
+    /// Tries the full step and then repeatedly halves it. Takes the first step that raises the likelihood enough and
+    /// returns the factor by which it was shortened.
     fn take(&mut self, step: &DVector<f64>) -> Option<f64> {
         let slope = self.free_gradient().dot(step);
         let slack = 1e-13 * self.value.loglik.abs();

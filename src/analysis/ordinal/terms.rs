@@ -17,11 +17,11 @@ pub enum Variable {
 /// A main effect or an interaction of several variables.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Term {
-    /// The variables: at least one, and none of them twice.
+    /// At least one variable, without duplicates.
     pub variables: Vec<Variable>,
 }
 
-/// The terms of a model in R's arrangement: main effects first, then interactions by order.
+/// The terms of a model in R's order: main effects first, then interactions by the number of their variables.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Terms(Vec<Term>);
 
@@ -90,7 +90,7 @@ impl Term {
 }
 
 impl Terms {
-    /// Reads a list such as `width,depth,num:inv_n,width:depth`. An empty text means the model without terms.
+    /// Reads a list such as `width,depth,num:inv_n,width:depth`. An empty text means a model without terms.
     ///
     /// # Errors
     /// Returns a [`TermError`] if a name is empty.
@@ -151,7 +151,7 @@ impl Terms {
         Self(self.0.iter().filter(|other| !other.same(term)).cloned().collect())
     }
 
-    /// Returns whether a term is part of a larger term, so that dropping it alone would not give a smaller model.
+    /// Returns whether a term is part of a larger term. If so, dropping it alone would not give a smaller model.
     pub fn is_marginal(&self, term: &Term) -> bool {
         self.0.iter().any(|other| other.variables.len() > term.variables.len() && other.contains(term))
     }

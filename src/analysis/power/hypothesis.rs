@@ -54,7 +54,7 @@ pub struct Hypothesis {
 /// probability.
 const NO_BAND: f64 = 30.0;
 
-/// Lays out the tests of some terms.
+/// Creates the tests of a list of terms.
 pub(super) struct Layout<'a> {
     scenario: &'a Scenario,
     frame: &'a Frame<'a>,
@@ -163,7 +163,7 @@ impl<'a> Layout<'a> {
         })
     }
 
-    /// Returns the space that a constant and these terms can express.
+    /// Returns the space spanned by a constant and these terms.
     fn span(&self, terms: &Terms) -> Result<Span, PlanError> {
         let design = Design::new(self.frame, terms)?.matrix(&self.scenario.conditions());
         let mut span = Span::with_constant(design.nrows());

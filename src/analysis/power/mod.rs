@@ -7,8 +7,8 @@
 //! normal intercept: if real people also differ in the size of an effect, power is lower.
 //!
 //! Random numbers come from ChaCha8, initialized with the seed, with a separate stream for each participant in each
-//! study. Results depend neither on the number of threads nor on what else is planned. A study of 12 people is the
-//! study of 8 with four more people, so that different numbers of participants are compared on the same people.
+//! study. Results depend neither on the number of threads nor on what else is planned. A study of 12 people consists of
+//! the study of 8 and four more people, so different numbers of participants are compared on the same people.
 
 mod hypothesis;
 mod plan;

@@ -22,7 +22,7 @@ use crate::{
 /// How studies are analyzed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModelChoice {
-    /// Terms of the model. If `None`, the main effects of all factors with two or more levels.
+    /// Terms of the model. `None` means the main effects of all factors with two or more levels.
     pub terms: Option<Terms>,
     pub link: Link,
     /// Number of quadrature nodes; 1 is the Laplace approximation.
@@ -88,7 +88,7 @@ impl Plan {
     /// Prepares the simulation and its tests.
     ///
     /// # Errors
-    /// Returns a [`PlanError`] if the definition does not have a term, factor or level, or if there is nothing to test.
+    /// Returns a [`PlanError`] if a term, factor or level is not in the definition, or if there is nothing to test.
     pub fn new(
         protocol: &Protocol,
         observer: &OrderedLogit,
@@ -144,8 +144,8 @@ impl Plan {
     }
 
     /// Simulates and analyzes studies for each number of participants, on all threads of the pool. After each completed
-    /// study, `progress` receives its number of participants. Friedman's test needs two participants and is omitted for
-    /// one.
+    /// study, `progress` receives its number of participants. Friedman's test needs at least two participants; with
+    /// one, it is omitted.
     pub fn run(&self, participants: &[u32], sampling: &Sampling, progress: &(dyn Fn(u64) + Sync)) -> Vec<Power> {
         let pieces: Vec<(u32, u32)> =
             participants.iter().flat_map(|people| (0..sampling.studies).map(|study| (*people, study))).collect();

@@ -1,4 +1,4 @@
-//! The conditions of a definition, and how visible the bands in each are to the observer.
+//! The conditions of a definition, and how visible the bands in each condition are to the observer.
 
 use std::collections::HashMap;
 
@@ -64,7 +64,7 @@ pub struct Shift {
 /// A definition and its observer.
 #[derive(Clone, Debug)]
 pub(super) struct Scenario {
-    /// Every condition of the definition, without participants and ratings.
+    /// Every condition of the definition, without participants or ratings.
     pub empty: Counts,
     /// The observer's linear predictor for each condition, for a participant with an intercept of 0; −∞ if there is no
     /// band.
@@ -130,8 +130,8 @@ impl Scenario {
         Counts { subjects: vec!["S".to_owned()], rows: rows.collect(), ..self.empty.clone() }
     }
 
-    /// Simulates one study. What a participant does depends only on the seed, the study and the participant's number,
-    /// so a larger study is a smaller one with more people.
+    /// Simulates one study. A participant's ratings depend only on the seed, the study and the participant's number, so
+    /// a larger study contains every smaller one.
     pub fn study(&self, people: u32, study: u32, seed: u64) -> Counts {
         let mut rows = Vec::new();
         for subject in 0..people {
