@@ -51,7 +51,8 @@ impl Channel {
     /// Checks that a profile can be made from measurements of these channels.
     ///
     /// # Errors
-    /// If `channels` contains neither gray nor all of red, green and blue, or if it contains a channel twice.
+    /// Returns an error if `channels` contains neither gray nor all of red, green and blue, or if it contains a channel
+    /// twice.
     pub fn check_for_profile(channels: &[Self]) -> Result<(), SettingsError> {
         let [red, green, blue, gray] = Self::ALL.map(|one| channels.iter().filter(|channel| **channel == one).count());
         let enough = (gray == 1 || red + green + blue == 3) && [red, green, blue, gray].iter().all(|count| *count < 2);
@@ -93,7 +94,7 @@ impl fmt::Display for Channel {
 #[error("{0}")]
 pub struct SettingsError(pub String);
 
-/// A text that names no channel.
+/// The error for a text that names no channel.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("channel {0:?} is not known; expected r, g, b or gray")]
 pub struct UnknownChannel(pub String);

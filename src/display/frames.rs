@@ -53,8 +53,9 @@ impl Refresh {
     /// Estimates the refresh of the screen from the intervals of its frames: their total time divided by the number of
     /// refreshes in it. Single late or dropped frames do not change the result, which is not rounded to a common rate.
     /// Returns `None` if there are fewer than [`MIN_ESTIMATE_INTERVALS`] intervals, if too few of them are one refresh
-    /// long, or if the rate is below 10 Hz: then the frames are not synchronized with the screen. If the frames are not
-    /// synchronized but all take equally long, the result is that time: only the window system knows better.
+    /// long, or if the rate is below 10 Hz, because the frames are then not synchronized with the screen. If the frames
+    /// are not synchronized but all take equally long, the result is that time, because only the window system could
+    /// provide a better value.
     #[must_use]
     pub fn estimate(intervals_us: &[u32]) -> Option<Self> {
         if intervals_us.len() < MIN_ESTIMATE_INTERVALS {
@@ -173,7 +174,7 @@ impl FrameTimes {
         before
     }
 
-    /// Records that a frame begins that does not follow another frame.
+    /// Records the beginning of a frame that does not follow another frame.
     pub fn begin(&mut self, now: Duration, refresh: Option<Refresh>) {
         self.last = Some((now, refresh));
     }
@@ -218,7 +219,7 @@ impl FrameTimes {
     }
 
     /// The number of refreshes without a new frame, Σ (round(interval / refresh) − 1): an interval of three refreshes
-    /// counts two. `None` if no refresh was known.
+    /// counts as two. `None` if no refresh was known.
     #[must_use]
     pub fn missed_refreshes(&self) -> Option<u64> {
         (self.judged > 0).then_some(self.missed)

@@ -59,7 +59,7 @@ impl Screen {
     /// wide.
     ///
     /// # Errors
-    /// When a side is not within 16…65536 pixels, or the width is not within 1…10000 cm.
+    /// Returns an error if a side is not within 16…65536 pixels or the width is not within 1…10000 cm.
     pub fn new(width_px: u32, height_px: u32, width_cm: f64) -> Result<Screen, GeometryError> {
         for (quantity, side) in [("screen width", width_px), ("screen height", height_px)] {
             check(quantity, side.into(), &SIDE_PX, "pixels", "the screen's physical pixels")?;
@@ -108,10 +108,10 @@ pub struct Viewing {
 }
 
 impl Viewing {
-    /// Makes a viewing of `screen` from `distance_cm` centimeters.
+    /// Creates a view of `screen` from a distance of `distance_cm` centimeters.
     ///
     /// # Errors
-    /// When the distance is not within 1…100000 cm.
+    /// Returns an error if the distance is not within 1…100000 cm.
     pub fn new(screen: Screen, distance_cm: f64) -> Result<Viewing, GeometryError> {
         let expected = "the distance from the eye to the screen";
         Ok(Viewing { screen, distance_cm: check("distance", distance_cm, &DISTANCE_CM, "cm", expected)? })
@@ -159,8 +159,8 @@ impl Viewing {
 /// [`CARD_WIDTH_CM`] covers `card_px` physical pixels.
 ///
 /// # Errors
-/// If the card covers less than one pixel or more pixels than the screen has, or if the resulting width is implausible
-/// for a screen.
+/// Returns an error if the card covers less than one pixel or more pixels than the screen has, or if the resulting
+/// width is implausible for a screen.
 pub fn width_cm_from_card(card_px: f64, screen_width_px: u32) -> Result<f64, GeometryError> {
     let screen_px = f64::from(screen_width_px);
     let expected = "the width of the card's outline on the screen";

@@ -30,7 +30,7 @@ pub struct Step {
 /// I₀).
 ///
 /// # Errors
-/// When `i0` is not strictly between 0 and 1, or `n` is 0.
+/// Returns an error if `i0` is not strictly between 0 and 1, or if `n` is 0.
 pub fn steps(profile: &DisplayProfile, i0: f64, n: usize) -> Result<Vec<Step>, TransferError> {
     let quantizer = Quantizer::new(&profile.transfers, Bits::Eight);
     let step = |(level, intensity): (usize, f64)| {

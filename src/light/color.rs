@@ -1,10 +1,10 @@
 //! Color spaces and color models: CIE XYZ, xyY, CIELAB and CIELUV (Shoaff §2.2.3 and §2.2.4), and the models that only
 //! rearrange red, green and blue: HSV, HLS, CMY and CMYK (Shoaff §2.2.5–2.2.7).
 //!
-//! Every function's name says its direction. For the CIE spaces, RGB is linear in light, 0…1 per channel, on a screen
-//! with the sRGB primaries; XYZ is relative to white, whose Y is 1. Lab and Luv are the CIE 1976 spaces as defined in
-//! CIE 15:2004, with its exact constants. The other models take RGB as given: the HSV of linear values is not the HSV
-//! of encoded values.
+//! The name of each function states the direction of the conversion. For the CIE spaces, RGB is linear in light, 0…1
+//! per channel, on a screen with the sRGB primaries; XYZ is relative to white, whose Y is 1. Lab and Luv are the CIE
+//! 1976 spaces as defined in CIE 15:2004, with its exact constants. The other models take RGB as given: the HSV of
+//! linear values is not the HSV of encoded values.
 //!
 //! Hues are angles in degrees: red is 0, green 120, blue 240. A gray has no hue; the models give it a hue of 0.
 
@@ -132,7 +132,7 @@ fn extremes([r, g, b]: [f64; 3]) -> (f64, f64) {
 }
 
 /// Returns the hue in degrees, at least 0 and less than 360. It is determined by the largest channel and the difference
-/// of the other two. `None` for a gray, Shoaff's UNDEFINED. Shoaff §2.2.6.
+/// between the other two. Returns `None` for a gray (Shoaff's UNDEFINED). Shoaff §2.2.6.
 #[must_use]
 pub fn hue(rgb: [f64; 3]) -> Option<f64> {
     let ([r, g, b], (max, min)) = (rgb, extremes(rgb));

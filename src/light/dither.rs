@@ -1,5 +1,5 @@
-//! Dither: a pixel's position decides which of the two codes that enclose a value it gets, so that the mean light of
-//! many pixels is the requested light.
+//! Dither: a value between two codes gets one or the other, depending on the pixel's position, so that the mean light
+//! of many pixels is the requested light.
 //!
 //! All kinds of dither compare in linear light. If the relative luminances L(c) and L(c + 1) of the codes c and c + 1
 //! enclose v, then p = (v − L(c)) / (L(c + 1) − L(c)) is the fraction of pixels that should have the upper code, and
@@ -27,7 +27,7 @@ pub enum Dither {
     /// The nearest code, in encoded space: no dither.
     #[default]
     None,
-    /// A small matrix, repeated. Without a matrix in the text, it is [`DitherMatrix::Bayer8`].
+    /// A small matrix, repeated. If the text names no matrix, it is [`DitherMatrix::Bayer8`].
     Ordered(DitherMatrix),
     /// The 64 × 64 mask of [`mask`], repeated.
     BlueNoise,
@@ -44,10 +44,10 @@ pub enum Dither {
 /// Why a string is not a valid [`Dither`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DitherError {
-    /// A text that names no dither.
+    /// The text is not the name of a dither.
     #[error("dither {0:?} is not known; expected none, ordered, ordered:MATRIX, blue-noise or random")]
     Unknown(String),
-    /// An ordered dither with a matrix that does not exist.
+    /// The text names a matrix that does not exist.
     #[error(transparent)]
     Matrix(#[from] DitherMatrixError),
 }
@@ -140,7 +140,7 @@ impl DitherMatrix {
         }
     }
 
-    /// Returns the rank, 0…n²−1, of the dot in column `x` and row `y`; the tile repeats without end.
+    /// Returns the rank, 0…n²−1, of the dot in column `x` and row `y`; the tile repeats indefinitely.
     ///
     /// Shoaff indexes D\[i\]\[j\] with i = x mod n and j = y mod n, so the rows as printed are columns here.
     #[must_use]
@@ -275,7 +275,7 @@ enum Source {
 }
 
 impl Thresholds {
-    /// Makes the thresholds for an image of `width` pixels per row. `None` without dither.
+    /// Makes the thresholds for an image of `width` pixels per row. Returns `None` if there is no dither.
     #[must_use]
     pub fn new(dither: &Dither, width: u32) -> Option<Self> {
         let width = width as usize;
@@ -325,13 +325,13 @@ impl Thresholds {
 pub(super) struct Levels(Vec<f32>);
 
 impl Levels {
-    /// Describes a device whose code c makes the c-th of `levels`, which rise from 0 to 1. They are rounded to f32, as
-    /// images are, so that the last bits of a machine's `powf` do not matter.
+    /// Describes a device whose code c produces the c-th of `levels`, which rise from 0 to 1. They are rounded to f32,
+    /// as images are, so that the last bits of a machine's `powf` do not matter.
     pub(super) fn new(levels: impl Iterator<Item = f64>) -> Self {
         Self(levels.map(|level| level as f32).collect())
     }
 
-    /// Returns the largest code that makes no more light than `linear`; 0 for light below 0 and for NaN.
+    /// Returns the largest code that produces no more light than `linear`; 0 for light below 0 and for NaN.
     pub(super) fn at_most(&self, linear: f32) -> u16 {
         // There are at most 2¹⁶ codes, and the first of them is dark.
         self.0.partition_point(|&level| level <= linear).saturating_sub(1) as u16

@@ -1,9 +1,9 @@
 //! Halftone: many levels of light from a device with few codes. Shoaff §2.1.2.
 //!
-//! A device with m bits makes 2^m levels on its own and n²·(2^m − 1) + 1 levels with cells of n × n dots. Level j =
+//! A device with m bits shows 2^m levels on its own and n²·(2^m − 1) + 1 levels with cells of n × n dots. Level j =
 //! c·n² + r is a cell whose first r dots, in the order of a [`DitherMatrix`], have the code c + 1, and whose other dots
-//! have the code c. From each level to the next, one dot gains one code and no dot loses any: the levels are a growth
-//! sequence.
+//! have the code c. From each level to the next, the code of one dot rises by one and no other dot changes: the levels
+//! are a growth sequence.
 //!
 //! Shoaff counts levels as if the codes were evenly spaced in light. Here, a device has a [`Transfer`], and a value
 //! gets the level whose cell has the nearest mean light, as in [`dither`](super::dither).
@@ -28,7 +28,7 @@ pub struct Screen {
     pub bits: u32,
 }
 
-/// A text that is not a [`Screen`].
+/// The error for a text that is not a [`Screen`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "{0:?} is not a halftone; expected bayer2, bayer4, bayer8, bayer16, clustered2 or clustered3, a colon and 1…8 bits, such as clustered3:1"
@@ -77,14 +77,14 @@ impl Halftone {
     }
 
     /// Returns the number of levels that a cell can show, n²·(2^m − 1) + 1. Three channels together show the cube of
-    /// that.
+    /// this number.
     #[must_use]
     pub fn level_count(&self) -> u32 {
         self.dots() * u32::from(max_code(self.screen.bits)) + 1
     }
 
     /// Returns the level, 0…[`level_count`](Halftone::level_count) − 1, whose mean light is nearest to the relative
-    /// luminance `linear` of a channel; of two equally near levels, the lower. NaN is level 0.
+    /// luminance `linear` of a channel; in a tie, the lower level. NaN gives level 0.
     #[must_use]
     pub fn level(&self, channel: usize, linear: f32) -> u32 {
         let levels = &self.levels[channel];

@@ -1,5 +1,5 @@
-//! Images: light, and the codes that represent it. Rows run from the top, pixels from the left; red, green and blue are
-//! interleaved.
+//! Images: light, and the codes that represent it. Rows run from top to bottom, and pixels from left to right; red,
+//! green and blue are interleaved.
 
 /// An image of relative luminances, 0…1, proportional to light.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,10 +32,10 @@ impl LinearImage {
         Self { width, height, data }
     }
 
-    /// Red, green and blue in column `x` and row `y`, both from 0 at the top left.
+    /// Returns the red, green and blue light in column `x` and row `y`, both counted from 0 at the top left.
     ///
     /// # Panics
-    /// When the pixel is outside the image.
+    /// Panics if the pixel is outside the image.
     #[must_use]
     pub fn pixel(&self, x: u32, y: u32) -> [f32; 3] {
         let i = sample_index(self.width, self.height, x, y);
@@ -45,7 +45,7 @@ impl LinearImage {
     /// Sets the pixel in column `x` and row `y`.
     ///
     /// # Panics
-    /// When the pixel is outside the image.
+    /// Panics if the pixel is outside the image.
     pub fn set_pixel(&mut self, x: u32, y: u32, light: [f32; 3]) {
         let i = sample_index(self.width, self.height, x, y);
         self.data[i..i + 3].copy_from_slice(&light);
@@ -59,7 +59,7 @@ pub struct CodeImage {
     pub width: u32,
     /// Number of rows.
     pub height: u32,
-    /// The codes, in [`LinearImage::data`]'s order.
+    /// The codes, in the order of [`LinearImage::data`].
     pub samples: Samples,
 }
 
@@ -82,10 +82,10 @@ impl CodeImage {
         }
     }
 
-    /// Red, green and blue codes in column `x` and row `y`, both from 0 at the top left.
+    /// Returns the red, green and blue codes in column `x` and row `y`, both counted from 0 at the top left.
     ///
     /// # Panics
-    /// When the pixel is outside the image.
+    /// Panics if the pixel is outside the image.
     #[must_use]
     pub fn pixel(&self, x: u32, y: u32) -> [u16; 3] {
         let i = sample_index(self.width, self.height, x, y);

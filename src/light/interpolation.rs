@@ -35,7 +35,7 @@ impl Depth {
     /// Makes the finite depth `n`.
     ///
     /// # Errors
-    /// When `n` is not within 1…32.
+    /// Returns an error if `n` is not within 1…32.
     pub fn finite(n: u32) -> Result<Depth, DepthError> {
         match u8::try_from(n) {
             Ok(n @ 1..=Depth::MAX_FINITE) => Ok(Depth::Finite(n)),
@@ -146,7 +146,7 @@ const fn binomial(n: usize, k: usize) -> u128 {
 /// Coefficients c_j of u^(n+j), j = 0 … n−1, of the polynomial I_N(u) on 0…1: `[3, −2]` for N = 2,
 /// `[10, −15, 6]` for N = 3.
 ///
-/// For shaders and other code that needs a plain polynomial. The terms cancel more and more as N grows;
+/// Intended for shaders and other code that needs a plain polynomial. The terms cancel more and more as N grows;
 /// [`Interpolation::value`] has no such cancellation. Does not compile for N outside 1…32.
 #[must_use]
 pub const fn coefficients<const N: usize>() -> [f64; N] {
@@ -171,7 +171,7 @@ pub struct Interpolation {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form {
-    /// n and the first n of `SUMS[n]`.
+    /// n and the first n elements of `SUMS[n]`.
     Polynomial(u8, &'static [f64]),
     Tanh {
         k: f64,

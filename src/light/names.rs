@@ -22,7 +22,7 @@ macro_rules! named {
             $($(#[$doc])* $variant,)*
         }
 
-        #[doc = concat!("A string that names no [`", stringify!($enum), "`].")]
+        #[doc = concat!("The error for a string that names no [`", stringify!($enum), "`].")]
         #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
         #[error("{0:?} is not known; expected one of {expected}", expected = $enum::NAMES.join(", "))]
         pub struct $error(String);
@@ -68,7 +68,7 @@ pub(crate) fn with_number<T: FromStr>(text: &str, range: RangeInclusive<u32>) ->
     Some((name.parse().ok()?, number.parse().ok().filter(|number| range.contains(number))?))
 }
 
-/// Makes files store these types as their text.
+/// Makes serde store these types as their text.
 macro_rules! serde_as_text {
     ($($type:ty),*) => {$(
         impl serde::Serialize for $type {

@@ -35,7 +35,7 @@ named! {
         /// color. Shoaff §2.2.10, solution 3; Heckbert 1982, *Color image quantization for frame buffer display*,
         /// Computer Graphics 16(3):297, doi:10.1145/965145.801294.
         MedianCut = "median-cut",
-        /// K-means in linear light (Celebi 2011, doi:10.1016/j.imavis.2010.10.002), started from boxes of least
+        /// K-means in linear light (Celebi 2011, doi:10.1016/j.imavis.2010.10.002), starting from boxes of least
         /// variance (Wu 1992, doi:10.1145/146443.146475, computed by the crate quantette), from median cut and from the
         /// most frequent colors; the best of the three results wins. Its rms error is never larger than the error of
         /// the other two methods.
@@ -45,7 +45,7 @@ named! {
 
 /// The image has more bits per code than a palette can hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the image has 16-bit codes; expected 8-bit codes, the only ones that palettes hold")]
+#[error("the image has 16-bit codes; expected 8-bit codes, the only ones that a palette can hold")]
 pub struct SixteenBits;
 
 /// The difference between a reduced image and the original, over all pixels and all three channels, in relative
@@ -102,7 +102,7 @@ pub struct Reduction {
     pub colors: u32,
 }
 
-/// A text that is not a [`Reduction`].
+/// The error for a text that is not a [`Reduction`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "{0:?} is not a palette; expected popularity, median-cut or k-means, a colon and 1…256 colors, such as median-cut:16"
@@ -124,13 +124,13 @@ impl FromStr for Reduction {
     }
 }
 
-/// Reduces `image`, meant for a display that `transfers` describes, to at most as many colors as `reduction` says.
-/// Numbers outside 1…256, which no valid text contains, are clamped to that range.
+/// Reduces `image`, meant for a display that `transfers` describes, to at most the number of colors that `reduction`
+/// specifies. Numbers outside 1…256, which no valid text contains, are clamped to that range.
 ///
 /// An image that already has no more colors than that keeps all of them.
 ///
 /// # Errors
-/// When the image has 16 bits.
+/// Returns an error if the image has 16 bits.
 pub fn reduce(
     image: &CodeImage,
     transfers: impl Into<Transfers>,
@@ -206,7 +206,7 @@ impl Sum {
     }
 }
 
-/// Returns the channel in which the box of codes around `tallies` is longest; of equally long channels, the first.
+/// Returns the channel in which the box of codes around `tallies` is longest; in a tie, the first channel.
 fn longest_side(tallies: &[Tally]) -> usize {
     let side = |channel: usize| {
         let codes = || tallies.iter().map(|tally| tally.codes[channel]);
@@ -220,7 +220,7 @@ fn median_cut(tallies: &[Tally], colors: usize, quantizer: &Quantizer) -> Vec<[u
     while boxes.len() < colors {
         let pixels = |tallies: &[Tally]| tallies.iter().map(|tally| u64::from(tally.count)).sum::<u64>();
         let splittable = boxes.iter().enumerate().filter(|(_, tallies)| tallies.len() > 1);
-        // Of equally full boxes, the first.
+        // In a tie, the first box.
         let Some((fullest, _)) = splittable.max_by_key(|(at, tallies)| (pixels(tallies), std::cmp::Reverse(*at)))
         else {
             break;
@@ -235,8 +235,8 @@ fn median_cut(tallies: &[Tally], colors: usize, quantizer: &Quantizer) -> Vec<[u
     boxes.iter().map(|tallies| mean_codes(tallies, quantizer)).collect()
 }
 
-/// Returns how many of the sorted `tallies` (at least 2) together hold closest to half of the pixels; at least one and
-/// never all.
+/// Returns how many of the sorted `tallies` (at least 2), counted from the first, together hold closest to half of the
+/// pixels: at least one and never all.
 fn median(tallies: &[Tally]) -> usize {
     let total: u64 = tallies.iter().map(|tally| u64::from(tally.count)).sum();
     let mut below = 0;

@@ -11,7 +11,7 @@ use super::names::named;
 use super::transfer::{Transfer, Transfers};
 
 named! {
-    /// Bits of a code.
+    /// Number of bits in a code.
     Bits, BitsError {
         /// Codes 0…255.
         Eight = "8",
@@ -59,7 +59,7 @@ pub struct ChannelQuantizer {
 
 impl ChannelQuantizer {
     /// Makes a quantizer for a channel that `transfer` describes. This takes about 0.1 ms for 8 bits and 5 ms for 16
-    /// bits, so keep the quantizer.
+    /// bits, so reuse the quantizer.
     #[must_use]
     pub fn new(transfer: &Transfer, bits: Bits) -> Self {
         let max = bits.max_code();
@@ -87,7 +87,7 @@ impl ChannelQuantizer {
         first + inside.partition_point(|&threshold| threshold <= linear) as u16
     }
 
-    /// Returns the relative luminance that `code` makes. Codes above the largest make full light.
+    /// Returns the relative luminance that `code` produces. Codes above the largest produce full light.
     #[must_use]
     pub fn linear(&self, code: u16) -> f64 {
         self.transfer.linear_from_encoded(f64::from(code) / f64::from(self.bits.max_code()))
@@ -96,7 +96,7 @@ impl ChannelQuantizer {
     /// Returns the smallest relative luminance whose code is at least `code`; 0 for code 0.
     ///
     /// # Panics
-    /// When `code` is above the largest code.
+    /// Panics if `code` is above the largest code.
     #[must_use]
     pub fn threshold(&self, code: u16) -> f32 {
         self.thresholds[usize::from(code)]
@@ -106,7 +106,7 @@ impl ChannelQuantizer {
         self.levels.get_or_init(|| Levels::new((0..=self.bits.max_code()).map(|code| self.linear(code))))
     }
 
-    /// Chooses one of the two codes that enclose `linear` by `threshold`.
+    /// Uses `threshold` to choose one of the two codes that enclose `linear`.
     fn decide(&self, linear: f32, threshold: f64) -> u16 {
         self.levels().decide(linear, threshold, self.code(linear))
     }
@@ -124,7 +124,7 @@ pub struct Quantizer {
 
 impl Quantizer {
     /// Makes a quantizer for a display that `transfers` describes. This takes about 0.1 ms for 8 bits and 5 ms for 16
-    /// bits for each channel that differs from the others, so keep the quantizer.
+    /// bits for each channel that differs from the others, so reuse the quantizer.
     #[must_use]
     pub fn new(transfers: impl Into<Transfers>, bits: Bits) -> Self {
         let transfers = transfers.into();
@@ -140,7 +140,7 @@ impl Quantizer {
         Self { transfers, bits, channels: [first, second, third] }
     }
 
-    /// Bits of the codes.
+    /// Returns the number of bits in a code.
     #[must_use]
     pub fn bits(&self) -> Bits {
         self.bits
@@ -155,21 +155,21 @@ impl Quantizer {
     /// Returns the quantizer of red (0), green (1) or blue (2).
     ///
     /// # Panics
-    /// When `channel` is above 2.
+    /// Panics if `channel` is above 2.
     #[must_use]
     #[inline]
     pub fn channel(&self, channel: usize) -> &ChannelQuantizer {
         &self.channels[channel]
     }
 
-    /// [`ChannelQuantizer::code`] of each channel.
+    /// Returns [`ChannelQuantizer::code`] for each channel.
     #[must_use]
     #[inline]
     pub fn codes(&self, linear: [f32; 3]) -> [u16; 3] {
         std::array::from_fn(|channel| self.channels[channel].code(linear[channel]))
     }
 
-    /// [`ChannelQuantizer::linear`] of each channel.
+    /// Returns [`ChannelQuantizer::linear`] for each channel.
     #[must_use]
     pub fn linear(&self, codes: [u16; 3]) -> [f64; 3] {
         std::array::from_fn(|channel| self.channels[channel].linear(codes[channel]))

@@ -1,6 +1,6 @@
 //! Transfer functions: from an encoded value to light, and from light to an encoded value. Shoaff §2.1.1.
 //!
-//! Both quantities are relative, 0…1. Every function's name says its direction.
+//! Both quantities are relative, 0…1. The name of each function states the direction of the conversion.
 
 use std::cmp::Ordering;
 use std::fmt;
@@ -37,7 +37,7 @@ pub enum Transfer {
 /// Why a string or a set of values is not a valid [`Transfer`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TransferError {
-    /// A text that names no transfer function.
+    /// The text is not a transfer function.
     #[error("transfer {0:?} is not known; expected srgb, linear, gamma:G such as gamma:2.2, or gog:GAMMA,GAIN,OFFSET")]
     Unknown(String),
     /// An exponent that is implausible for a display.
@@ -70,7 +70,7 @@ impl Transfer {
     /// Makes linear = encoded^`gamma`.
     ///
     /// # Errors
-    /// When `gamma` is not within 0.1…10.
+    /// Returns an error if `gamma` is not within 0.1…10.
     pub fn gamma(gamma: f64) -> Result<Transfer, TransferError> {
         if GAMMA_RANGE.contains(&gamma) {
             Ok(Transfer::Gamma(gamma))
@@ -82,8 +82,8 @@ impl Transfer {
     /// Makes linear ∝ max(`gain`·encoded + `offset`, 0)^`gamma`, the model of gain, offset and gamma; see [`Gog`].
     ///
     /// # Errors
-    /// When `gamma` is not within 0.1…10, `gain` not above 0 and up to 10, `offset` not within −1…1, or when gain and
-    /// offset together leave the largest code dark.
+    /// Returns an error if `gamma` is not within 0.1…10, if `gain` is not above 0 and at most 10, if `offset` is not
+    /// within −1…1, or if gain and offset together leave the largest code dark.
     pub fn gog(gamma: f64, gain: f64, offset: f64) -> Result<Transfer, TransferError> {
         if !GAMMA_RANGE.contains(&gamma) {
             return Err(TransferError::Gamma(gamma.to_string()));
@@ -95,11 +95,11 @@ impl Transfer {
         }
     }
 
-    /// Returns the encoded value, 0…1, that makes the relative luminance `linear`, which is first clamped to 0…1. NaN
-    /// stays NaN.
+    /// Returns the encoded value, 0…1, that produces the relative luminance `linear`, which is first clamped to 0…1.
+    /// NaN stays NaN.
     ///
     /// The result never decreases as `linear` rises. For sRGB, the standard's rounded constants leave a gap of 2.3e-9
-    /// at 0.00313 in the light that encoded values make; light within the gap is encoded as its lower end, 0.04045.
+    /// at 0.00313 in the light that encoded values produce; light within the gap is encoded as its lower end, 0.04045.
     /// Everywhere else, this function and [`Transfer::linear_from_encoded`] are inverses.
     #[must_use]
     pub fn encoded_from_linear(&self, linear: f64) -> f64 {
@@ -118,8 +118,8 @@ impl Transfer {
         }
     }
 
-    /// Returns the relative luminance, 0…1, that the encoded value `encoded` makes; `encoded` is first clamped to 0…1.
-    /// NaN stays NaN.
+    /// Returns the relative luminance, 0…1, that the encoded value `encoded` produces; `encoded` is first clamped to
+    /// 0…1. NaN stays NaN.
     #[must_use]
     pub fn linear_from_encoded(&self, encoded: f64) -> f64 {
         let encoded = encoded.clamp(0.0, 1.0);
@@ -214,11 +214,11 @@ pub struct TransferTable {
 }
 
 impl TransferTable {
-    /// Makes the table in which the encoded value `encoded[i]` makes the relative luminance `linear[i]`.
+    /// Creates the table in which the encoded value `encoded[i]` produces the relative luminance `linear[i]`.
     ///
     /// # Errors
-    /// When the columns differ in length or have fewer than two values, when one of them does not
-    /// rise at every step (NaN included), or when one of them does not run from 0 to 1.
+    /// Returns an error if the columns differ in length or have fewer than two values, if one of them does not rise at
+    /// every step (NaN included), or if one of them does not run from 0 to 1.
     pub fn new(encoded: Vec<f64>, linear: Vec<f64>) -> Result<Self, TransferError> {
         if encoded.len() != linear.len() || encoded.len() < 2 {
             return Err(TransferError::Table(format!(
@@ -301,13 +301,13 @@ impl Transfers {
         self.0.iter().any(|transfer| matches!(transfer, Transfer::Table(_)))
     }
 
-    /// [`Transfer::encoded_from_linear`] of each channel.
+    /// Returns [`Transfer::encoded_from_linear`] for each channel.
     #[must_use]
     pub fn encoded_from_linear(&self, linear: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|channel| self.0[channel].encoded_from_linear(linear[channel]))
     }
 
-    /// [`Transfer::linear_from_encoded`] of each channel.
+    /// Returns [`Transfer::linear_from_encoded`] for each channel.
     #[must_use]
     pub fn linear_from_encoded(&self, encoded: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|channel| self.0[channel].linear_from_encoded(encoded[channel]))
@@ -359,7 +359,7 @@ impl FromStr for Transfers {
 /// `lowest` is the lowest level relative to the highest, so 1/`lowest` is the display's dynamic range.
 ///
 /// # Errors
-/// When `lowest` is not strictly between 0 and 1, or `n` is 0.
+/// Returns an error if `lowest` is not strictly between 0 and 1, or if `n` is 0.
 pub fn equal_brightness_levels(lowest: f64, n: usize) -> Result<Vec<f64>, TransferError> {
     if !(lowest > 0.0 && lowest < 1.0 && n > 0) {
         return Err(TransferError::EqualSteps { n, lowest });
@@ -371,8 +371,8 @@ pub fn equal_brightness_levels(lowest: f64, n: usize) -> Result<Vec<f64>, Transf
 /// Returns the level j of [`equal_brightness_levels`]`(lowest, n)` that is nearest to the relative luminance `i`:
 /// ⌊log_r(i/I₀) + ½⌋, Shoaff §2.1.1.
 ///
-/// The result is clamped to 0…n. An `i` of 0 or less, or NaN, is level 0. `lowest` and `n` mean the same as in that
-/// function.
+/// The result is clamped to 0…n. An `i` of 0 or less, or NaN, gives level 0. `lowest` and `n` have the same meaning as
+/// in that function.
 #[must_use]
 pub fn nearest_equal_brightness_level(i: f64, lowest: f64, n: usize) -> usize {
     let level = (i / lowest).ln() / lowest.recip().ln() * n as f64;

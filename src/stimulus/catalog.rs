@@ -198,7 +198,7 @@ impl Stimulus {
 pub struct Entry {
     /// Name in files and commands.
     pub kind: &'static str,
-    /// Name shown to people.
+    /// Name shown to users.
     pub title: &'static str,
     /// What it shows, and who first described it.
     pub about: &'static str,
@@ -229,7 +229,7 @@ impl Entry {
     }
 }
 
-/// Returns every entry, in the order for a first tour.
+/// Returns every entry, in a good order for a first tour.
 #[must_use]
 pub fn all() -> &'static [Entry] {
     &ENTRIES

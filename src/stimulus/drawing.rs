@@ -1,8 +1,8 @@
 //! How stimuli are drawn. Most vary in one direction only: their profile gives the light of every pixel, and its code.
 //!
-//! An edge that runs along the pixels is exactly sharp. An oblique edge that a profile lists in `jumps` is anti-aliased
-//! in linear light: each pixel mixes both sides in proportion to its area on each side. A Mach band lists none: its step,
-//! the limit of narrow ramps, stays as sharp as the pixels at every orientation.
+//! An edge that runs along the pixels is perfectly sharp. An oblique edge that a profile lists in `jumps` is
+//! anti-aliased in linear light: each pixel mixes both sides in proportion to its area on each side. A Mach band lists
+//! none: its step, the limit of narrow ramps, stays as sharp as the pixels at every orientation.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -35,8 +35,8 @@ pub(super) trait Profile {
     /// Returns whether the light is constant to the last bit between the turning points on either side of `x`.
     fn is_level(&self, x: f64) -> bool;
 
-    /// Returns the minimum and the maximum of the light between two positions with no turning point between them; `light`
-    /// is the light at the two positions.
+    /// Returns the minimum and the maximum of the light between two positions that have no turning point between them;
+    /// `light` is the light at the two positions.
     fn bounds(&self, _positions: [f64; 2], light: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
         let [a, b] = light;
         [[0, 1, 2].map(|i| a[i].min(b[i])), [0, 1, 2].map(|i| a[i].max(b[i]))]
@@ -171,7 +171,8 @@ impl Runs {
 
     /// Returns the codes of a window of `size` rows. `pixel` computes the pixels that are not certain to lie in a run.
     ///
-    /// Rows that the center line crosses at nearly the same place between two pixels are shifted copies of one template.
+    /// If the center line crosses rows at nearly the same place between two pixels, the rows are shifted copies of one
+    /// template.
     fn draw(&self, size: u32, pixel: impl Fn(u32, u32) -> [u8; 3]) -> Vec<[u8; 3]> {
         let width = size as usize;
         let mut codes = Vec::with_capacity(width * width);
@@ -302,8 +303,8 @@ const QUARTER: i64 = 90_000_000_000;
 
 /// Returns cos θ and sin θ for θ = `degrees`, rounded to 1e-9°.
 ///
-/// The result for θ + 180° is exactly the negative of that for θ, and 90° − θ exactly swaps cosine and sine. Multiples
-/// of 90° and 45° are exact.
+/// The result for θ + 180° is exactly the negative of the result for θ, and the result for 90° − θ has cosine and sine
+/// exactly swapped. Multiples of 90° and 45° are exact.
 pub(super) fn cos_sin(degrees: f64) -> (f64, f64) {
     let steps = ((degrees % 360.0) * STEPS_PER_DEG).round() as i64;
     let (quarters, rest) = (steps.div_euclid(QUARTER), steps.rem_euclid(QUARTER));

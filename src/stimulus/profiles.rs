@@ -43,7 +43,7 @@ impl Profile for &Chevreul {
 
 kind! {
     /// Two areas of the same luminance with an edge between them. On each side of the edge, the luminance gradually
-    /// returns to that of the areas. Craik 1940, O'Brien 1958, Cornsweet 1970; Bangay fig. 1 g, h.
+    /// returns to the luminance of the areas. Craik 1940, O'Brien 1958, Cornsweet 1970; Bangay fig. 1 g, h.
     ///
     /// L(x) = (low + high)/2 ± (high − low)/2·(1 − |x|/width)^exponent for |x| < width, with + beyond the edge and −
     /// before it. Elsewhere, L(x) = (low + high)/2. x is the position across the edge in window sides. An exponent of 1

@@ -10,8 +10,8 @@ use crate::light::names::named;
 named! {
     /// The color space in which a ramp is a straight line.
     ///
-    /// Between two luminances of one color, `rgb` and `hsv` give the same ramp. Between two colors, they do not:
-    /// halfway from (1,0,0) to (0,1,0) lies (½,½,0) in RGB, but (1,1,0) in HSV (Shoaff §2.2.9).
+    /// Between two luminances of one color, `rgb` and `hsv` give the same ramp. Between two colors, they do not: the
+    /// color halfway from (1,0,0) to (0,1,0) is (½,½,0) in RGB but (1,1,0) in HSV (Shoaff §2.2.9).
     #[derive(Default)]
     RampSpace, RampSpaceError {
         /// Linear light. A straight line here is also straight in XYZ and CMY.
@@ -41,7 +41,7 @@ pub struct ColorRamp {
     low: [f64; 3],
     high: [f64; 3],
     space: RampSpace,
-    /// The low plateau in the space; `difference` is the difference from it to the high plateau.
+    /// The low plateau in the space; `difference` leads from it to the high plateau.
     from: [f64; 3],
     difference: [f64; 3],
 }
@@ -88,7 +88,7 @@ impl ColorRamp {
         rgb.map(|value| value.clamp(0.0, 1.0))
     }
 
-    /// Returns a lower and an upper bound on the light between two fractions of the way.
+    /// Returns a lower and an upper bound on the light between two fractions.
     pub fn bounds(&self, from: f64, to: f64) -> [[f64; 3]; 2] {
         let (half, steepness) = (0.5 * (to - from), self.steepness());
         let light = self.light_at_fraction(0.5 * (from + to));

@@ -45,8 +45,8 @@ impl Renderer {
         Renderer::new(Shade::new(Shader::Gouraud))
     }
 
-    /// Returns whether this renderer draws the same as [`Renderer::gouraud`]. Options that only other shaders use may
-    /// differ.
+    /// Returns whether this renderer draws the same image as [`Renderer::gouraud`]. Options that only other shaders use
+    /// may differ.
     #[must_use]
     pub fn is_gouraud(&self) -> bool {
         let Shade { depth, boundary, gradients, .. } = self.shade;

@@ -81,7 +81,7 @@ pub(super) fn strength(response: Complex64, lowest: f64, light: f64) -> f64 {
 }
 
 /// Returns the share of a band's strength that remains unmasked. `energy` is the energy of the band's own channel, and
-/// `finer` is that of a finer channel at the same place.
+/// `finer` is the energy of a finer channel at the same place.
 pub(super) fn unmasked(energy: f64, finer: f64) -> f64 {
     if finer <= 0.0 {
         return 1.0;

@@ -9,12 +9,13 @@ pub struct LuminanceImage<'a> {
     pub height: usize,
     /// Pixels per degree.
     pub px_per_deg: f64,
-    /// True for the pixels where bands count; as long as `light`. Without a mask, bands count everywhere.
+    /// True for the pixels where bands count; has the same length as `light`. Without a mask, bands count everywhere.
     pub mask: Option<&'a [bool]>,
 }
 
-/// A grid of places on an image: `columns` × `rows` of them, the first at the position `first`, with a spacing of
-/// `step`, all in pixels. The grid is centered on the image, so that a rotated or mirrored image has the same grid.
+/// A grid of `columns` × `rows` places on an image. The first place is at the position `first`, and neighbors are
+/// `step` apart, both in pixels. The grid is centered on the image, so that a rotated or mirrored image has the same
+/// grid.
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
     pub(super) columns: usize,

@@ -88,7 +88,7 @@ impl Line<'_> {
         next_fast_length(self.light.len() + (BEYOND_DEG * self.px_per_deg).ceil() as usize)
     }
 
-    /// Returns the same period in degrees.
+    /// Returns the length after which the padded profile repeats, degrees.
     fn repeat(&self) -> f64 {
         self.period() as f64 / self.px_per_deg
     }

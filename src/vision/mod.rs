@@ -4,7 +4,7 @@
 //! This is a local-energy model in the tradition of Morrone and Burr (1988, Proc. R. Soc. B 235:221; Ross, Morrone &
 //! Burr 1989, Vis. Res. 29:699). The eye finds lines and edges at the peaks of the energy of an even and an odd
 //! response in quadrature, and the phase at the peak tells lines from edges. At a sharp step, every channel has the
-//! phase of an edge, so there is no band. At the end of a ramp, the phase is that of a line: a band.
+//! phase of an edge, so there is no band. At the end of a ramp, the phase is the phase of a line, so there is a band.
 //!
 //! ```text
 //! light → sensitivity (optics, neurons) → channels (log-Gabor, quarter octaves): even, odd

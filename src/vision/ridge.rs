@@ -29,7 +29,7 @@ pub(super) struct Ridge {
     pub(super) frequency: f64,
 }
 
-/// What the search for a channel's ridges needs.
+/// The data for the search for a channel's ridges.
 pub(super) struct Search<'a> {
     pub(super) responses: &'a Responses,
     pub(super) channel: Channel,
@@ -153,7 +153,7 @@ impl Search<'_> {
     }
 
     /// Returns the minimum of the energy on one side of a peak, starting at a grid position and stopping near a border.
-    /// If there is no room to search, the peak does not count as falling. The search also stops when the energy has
+    /// If there is no room to search, the energy counts as not falling. The search also stops when the energy has
     /// fallen enough for a peak of height `peak` to count in full; a further fall would not matter.
     fn lowest(&self, from: [f64; 2], across: [f64; 2], shift: f64, peak: f64) -> f64 {
         let Responses { grid, energy, .. } = self.responses;

@@ -27,7 +27,7 @@ const MEAN_TOP: f64 = 2.0;
 pub(super) struct Responses {
     pub(super) grid: Grid,
     pub(super) even: Vec<f64>,
-    /// The part to the right in the real component, and the part downward in the imaginary component.
+    /// The rightward part in the real component, and the downward part in the imaginary component.
     pub(super) odd: Vec<Complex64>,
     /// Even² + odd².
     pub(super) energy: Vec<f64>,

@@ -97,17 +97,17 @@ impl ChannelGamma {
         })
     }
 
-    /// The transfer function, with γ rounded for a profile.
+    /// Returns the transfer function, with γ rounded for a profile.
     ///
     /// # Errors
-    /// When γ is implausible for a display.
+    /// Returns an error if γ is implausible for a display.
     fn transfer(&self) -> Result<Transfer, TransferError> {
         Transfer::gamma((self.gamma * 1e3).round() / 1e3)
     }
 }
 
-/// Returns the display's transfer functions: one each for red, green, and blue if all were matched, otherwise the gray
-/// one for all three. `None` if a required channel is missing or has no γ.
+/// Returns the display's transfer functions: one each for red, green, and blue if all were matched, otherwise the
+/// transfer function of gray for all three. `None` if a required channel is missing or has no γ.
 #[must_use]
 pub fn transfers(estimates: &[(Channel, Result<ChannelGamma, GammaError>)]) -> Option<Transfers> {
     let of = |wanted: Channel| {

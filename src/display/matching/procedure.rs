@@ -97,7 +97,7 @@ impl Matching {
     /// `done` contains the matches of an earlier run with the same seed.
     ///
     /// # Errors
-    /// When the settings cannot be run, or when `done` comes from other settings.
+    /// Returns an error if the settings cannot be run or if `done` comes from other settings.
     pub fn new(settings: &MatchSettings, seed: u64, done: Vec<Match>) -> Result<Self, SettingsError> {
         Channel::check_for_profile(&settings.channels)?;
         if !(2..=50).contains(&settings.matches) {

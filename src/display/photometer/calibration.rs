@@ -29,8 +29,8 @@ const BLACK_DIFFERS: f64 = 0.1;
 /// The expected squared error of a table at a level that was left out, relative to the noise: 1 from the reading
 /// itself, and 0.5 from the mean of its two neighbors.
 const TABLE_SQUARE: f64 = 1.5;
-/// The maximum error of a simpler model, relative to the smallest error. It applies whatever the standard error is,
-/// which is poorly known with few levels.
+/// The maximum error of a simpler model, relative to the smallest error. It applies regardless of the standard error,
+/// which is poorly known if there are few levels.
 const MAX_ERROR_RATIO: f64 = 1.5;
 /// Mean squared errors below this, in units of the assumed noise, count as 0.
 const EXACT: f64 = 1e-8;
@@ -78,9 +78,9 @@ pub struct FittedChannel {
     pub gamma_se: Option<f64>,
     /// R² = 1 − Σ(L − fit)²/Σ(L − mean)², with luminances in cd/m².
     pub r_squared: f64,
-    /// Largest difference of a reading from the curve, in 8-bit codes.
+    /// Largest difference between a reading and the curve, in 8-bit codes.
     pub largest_codes: f64,
-    /// Largest difference of a reading from the curve, in cd/m².
+    /// Largest difference between a reading and the curve, in cd/m².
     pub largest_cd_m2: f64,
 }
 
@@ -221,10 +221,10 @@ fn validate(sample: &Sample, fitted_to: impl Fn(&Sample) -> Vec<Curve>) -> Valid
     }
 }
 
-/// Returns the index of the model to use; `models` are sorted from the simplest. It is the simplest model whose error
-/// is within one standard error of the smallest error (Hastie, Tibshirani & Friedman 2009, The Elements of Statistical
-/// Learning, §7.10) and at most [`MAX_ERROR_RATIO`] the smallest. The standard error is the one of the difference at
-/// the same levels.
+/// Returns the index of the model to use; `models` are in order of complexity, starting with the simplest. It is the
+/// simplest model whose error is within one standard error of the smallest error (Hastie, Tibshirani & Friedman 2009,
+/// The Elements of Statistical Learning, §7.10) and at most [`MAX_ERROR_RATIO`] times the smallest. The standard error
+/// is the standard error of the difference at the same levels.
 fn simplest_of_the_best(models: &[&Validation]) -> usize {
     let Some(least) = models.iter().min_by(|a, b| mean(&a.squares).total_cmp(&mean(&b.squares))) else { return 0 };
     let bound = MAX_ERROR_RATIO.powi(2) * mean(&least.squares).max(EXACT);

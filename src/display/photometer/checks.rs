@@ -48,7 +48,8 @@ impl Readings {
     /// Checks readings, given in the order in which they were taken.
     ///
     /// # Errors
-    /// All errors of single readings. If there are none, all errors of the first check of the whole set that fails.
+    /// Returns all errors in single readings. If there are none, returns all errors from the first check of the whole
+    /// set that fails.
     pub fn new(readings: Vec<Reading>) -> Result<Self, Vec<ReadingsError>> {
         let mut errors = reading_errors(&readings);
         let readings = Self::unchecked(readings);
@@ -62,7 +63,7 @@ impl Readings {
     }
 }
 
-/// Returns the errors of single readings.
+/// Returns the errors in single readings.
 fn reading_errors(readings: &[Reading]) -> Vec<ReadingsError> {
     let codes = readings.iter().all(|one| (0.0..=255.0).contains(&one.level) && one.level.fract() == 0.0);
     let mut errors = Vec::new();

@@ -37,7 +37,7 @@ pub enum Family {
 }
 
 impl Family {
-    /// All families, the simplest first.
+    /// All families, starting with the simplest.
     pub const ALL: [Self; 4] = [Self::Srgb, Self::Gamma, Self::Gog, Self::Table];
 
     /// The name on the command line and in tables.
@@ -177,7 +177,7 @@ impl Sample {
         Self { channels: vec![channel], points: own.map(|point| Point { channel, ..*point }).collect() }
     }
 
-    /// Returns all points except those at a level.
+    /// Returns the points at all other levels.
     pub fn without(&self, level: f64) -> Self {
         let rest = self.points.iter().filter(|point| !is_same_level(point.v, level));
         Self { channels: self.channels.clone(), points: rest.copied().collect() }
@@ -191,8 +191,8 @@ impl Sample {
         levels
     }
 
-    /// Returns the mean of a channel's points at a level, and the standard error of that mean; `None` if there are
-    /// none. Black is the same patch in every channel.
+    /// Returns the mean of a channel's points at a level, and the standard error of that mean; `None` if there are no
+    /// such points. Black is the same patch in every channel.
     pub fn mean(&self, channel: Channel, level: f64) -> Option<(f64, f64)> {
         let is_wanted = |point: &&Point| is_same_level(point.v, level) && (level == 0.0 || point.channel == channel);
         let points: Vec<&Point> = self.points.iter().filter(is_wanted).collect();

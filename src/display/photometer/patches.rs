@@ -46,7 +46,7 @@ pub struct Patch {
 /// last and after every 16 patches; its change is the drift.
 ///
 /// # Errors
-/// When the settings do not lead to a profile.
+/// Returns an error if a profile cannot be made with these settings.
 pub fn patches(settings: &PatchSettings) -> Result<Vec<Patch>, SettingsError> {
     let PatchSettings { channels, levels, repeats, seed } = settings;
     Channel::check_for_profile(channels)?;

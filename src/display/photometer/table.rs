@@ -81,7 +81,7 @@ fn between(knots: &[Knot], v: f64) -> f64 {
     low.moved + (high.moved - low.moved) * (v - low.v) / (high.v - low.v)
 }
 
-/// Makes the moved values monotone by pooling adjacent knots whose moved values fall.
+/// Makes the shifted values monotone by pooling adjacent knots whose shifted values fall.
 fn make_monotone(knots: &mut [Knot]) {
     let mut blocks: Vec<(Knot, usize)> = Vec::with_capacity(knots.len());
     for knot in knots.iter() {

@@ -126,8 +126,8 @@ impl<const C: usize, R: ShaderKernel<f32, C>> WithSimd for Paint<'_, C, R> {
         let mut spans = spans.iter();
         for &triangle in band.triangles {
             let Some((_, first, end)) = band.rows(triangle) else { continue };
-            // Zeros, not uninitialized memory: the compiler may compute with the unused values, and odd values can be
-            // slow.
+            // Zeros, not uninitialized memory: the compiler may compute with the unused values, and unusual values can
+            // be slow.
             let depths = if overlap { coverage::depths(band.frame, triangle as usize) } else { Planes::ZERO };
             for y in first..end {
                 let Some(&(left, right)) = spans.next() else { return };

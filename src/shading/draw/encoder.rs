@@ -37,7 +37,7 @@ struct Table {
 }
 
 impl Encoder {
-    /// Makes an encoder for a display that `transfer` describes. This takes about 0.2 ms, so keep the encoder.
+    /// Makes an encoder for a display that `transfer` describes. This takes about 0.2 ms, so reuse the encoder.
     #[must_use]
     pub fn new(transfer: &Transfer) -> Encoder {
         let quantizer = ChannelQuantizer::new(transfer, Bits::Eight);
@@ -45,7 +45,7 @@ impl Encoder {
         Encoder { quantizer, table }
     }
 
-    /// Returns the quantizer that encodes one light at a time.
+    /// Returns the quantizer that encodes one light value at a time.
     #[must_use]
     pub fn quantizer(&self) -> &ChannelQuantizer {
         &self.quantizer

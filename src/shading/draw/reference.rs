@@ -30,7 +30,7 @@ impl<'f> Reference<'f> {
     /// Returns the linear light at the weights `w` of `triangle`.
     ///
     /// # Panics
-    /// If the frame has no such triangle.
+    /// Panics if the frame has no such triangle.
     #[must_use]
     pub fn light(&self, triangle: usize, w: [f64; 3]) -> DVec3 {
         let lights = self.frame.corners(triangle).map(|v| v.light.to_array());

@@ -11,8 +11,8 @@ pub const NONE: u32 = u32::MAX;
 
 /// Returns the triangle that each pixel shows, row by row from the top left; [`NONE`] where there is only background.
 ///
-/// A pixel belongs to the triangles whose [`Outline`]s contain it. The nearest triangle is visible; of equally near
-/// triangles, the first. Depth is affine on the screen.
+/// A pixel belongs to the triangles whose [`Outline`]s contain it. The nearest triangle is visible; in a tie, the first
+/// one is. Depth is affine on the screen.
 #[must_use]
 pub fn visible(frame: &Frame) -> Vec<u32> {
     let (width, height) = (frame.width as usize, frame.height as usize);

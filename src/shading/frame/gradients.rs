@@ -172,7 +172,7 @@ impl Equations {
         self.matrix[0] + self.matrix[2]
     }
 
-    /// Returns the gradient that fits best; it is zero along a direction about which nothing is known.
+    /// Returns the gradient that fits best; it is zero in a direction that the observations do not determine.
     fn solve(&self) -> Gradient {
         let [xx, xy, yy] = self.matrix;
         let (determinant, trace) = (xx * yy - xy * xy, xx + yy);

@@ -32,7 +32,7 @@ pub struct View {
 }
 
 impl View {
-    /// Makes a square window of `size` pixels, nine tenths of it filled, in parallel projection and without rotation.
+    /// Creates a square window of `size` pixels with a fill of 0.9, in parallel projection and without rotation.
     #[must_use]
     pub fn square(size: u32) -> View {
         View { width: size, height: size, rotation: DMat3::IDENTITY, fill: 0.9, distance: f64::INFINITY }

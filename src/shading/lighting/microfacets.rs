@@ -43,7 +43,8 @@ impl Microfacets {
         let halfway = (to_lamp + to_viewer).normalize_or_zero();
         let (nl, nv) = (normal.dot(to_lamp), normal.dot(to_viewer));
         let (nh, vh) = (normal.dot(halfway), to_viewer.dot(halfway));
-        // The negated condition makes NaN give no light. For two opposite directions, H is zero or pure rounding error.
+        // The condition is negated so that NaN gives no light. For two opposite directions, H is zero or pure rounding
+        // error.
         if !(nl > 0.0 && nv > 0.0 && vh > 0.0) {
             return DVec3::ZERO;
         }

@@ -5,7 +5,7 @@ use glam::DVec3;
 /// What happens to a ray of light at the boundary between two media.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Refraction {
-    /// The ray passes the boundary along the unit vector T, away from the surface.
+    /// The ray crosses the boundary along the unit vector T, away from the surface.
     Transmitted(DVec3),
     /// Total internal reflection: no light passes; all of it leaves along the unit vector R, the mirror image of L.
     TotalReflection(DVec3),

@@ -189,7 +189,7 @@ fn slope(h: f64, at: impl Fn(f64) -> DVec3) -> (DVec3, DVec3) {
 /// For every vertex of a drawn triangle, returns how far the light around it is from having a single slope there. The
 /// slopes along the edges and medians that begin at the vertex are compared with the gradient that fits them best; the
 /// result is the root mean square difference over these lines and over red, green and blue, in linear light per pixel.
-/// `light` is the same as for [`Creases::of_field`].
+/// `light` has the same meaning as in [`Creases::of_field`].
 #[must_use]
 pub fn at_vertices(frame: &Frame, light: impl Fn(usize, [f64; 3]) -> DVec3) -> Vec<f64> {
     let mut slopes: Vec<Vec<(DVec2, DVec3)>> = vec![Vec::new(); frame.vertices.len()];

@@ -89,7 +89,7 @@ impl Mesh {
     /// do not share normals there. With 180, every vertex is smooth; with 0, only vertices within a plane are.
     ///
     /// # Errors
-    /// [`MeshError`].
+    /// Returns a [`MeshError`] if the triangles do not form a mesh.
     pub fn new(positions: &[DVec3], triangles: &[[u32; 3]], crease_deg: f64) -> Result<Mesh, MeshError> {
         Mesh::from_polygons(positions, &Polygons::new(triangles.iter().map(|t| &t[..])), crease_deg)
     }
@@ -99,7 +99,7 @@ impl Mesh {
     /// that differ by less than 0.1° are merged, and an edge is a crease if the normals of its two sides differ.
     ///
     /// # Errors
-    /// [`MeshError`].
+    /// Returns a [`MeshError`] if the polygons do not form a mesh.
     pub fn from_polygons(positions: &[DVec3], polygons: &Polygons, crease_deg: f64) -> Result<Mesh, MeshError> {
         check(positions, polygons)?;
         let (mut triangles, mut normals, mut faces, mut given) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());

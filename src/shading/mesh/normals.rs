@@ -10,8 +10,8 @@ use super::triangles::{Edges, Mesh, Vertex};
 /// zero for a polygon without area. Shoaff §3.5. For corners that are not in one plane, it is the normal of the plane
 /// that fits them best.
 ///
-/// The corners are taken relative to the first corner and to the polygon's size because the sums as printed lose their
-/// digits far from the origin.
+/// The corners are taken relative to the first corner and to the polygon's size because the sums as printed lose
+/// precision far from the origin.
 #[must_use]
 pub fn newell(corners: &[DVec3]) -> DVec3 {
     let Some(&origin) = corners.first() else { return DVec3::ZERO };

@@ -60,7 +60,7 @@ impl Shape {
 /// the torus, whose triangles would otherwise be distorted; the cube and the pyramid always have 8.
 ///
 /// # Errors
-/// [`ShapeError`] if `vertices` is outside [`Shape::min_vertices`]…[`MAX_VERTICES`].
+/// Returns a [`ShapeError`] if `vertices` is outside [`Shape::min_vertices`]…[`MAX_VERTICES`].
 pub fn mesh(shape: Shape, vertices: usize) -> Result<Mesh, ShapeError> {
     if shape.has_vertices() && !(shape.min_vertices()..=MAX_VERTICES).contains(&vertices) {
         return Err(ShapeError { shape, vertices, least: shape.min_vertices() });
@@ -282,9 +282,9 @@ fn radius_slope(p: DVec3) -> DVec3 {
 /// Returns the triangles of the convex hull of n `points`, which must be at least 4 different points on the unit
 /// sphere. There are 2n − 4 triangles, counterclockwise as seen from outside.
 ///
-/// The projection from the last point onto a plane keeps circles on the sphere circles. The faces that do not touch the
-/// last point are therefore the Delaunay triangulation of the other points on the plane, and each side of its outline
-/// belongs to a face that does touch the last point.
+/// The projection from the last point onto a plane maps circles on the sphere to circles. The faces that do not touch
+/// the last point are therefore the Delaunay triangulation of the other points on the plane, and each side of its
+/// outline belongs to a face that does touch the last point.
 #[must_use]
 pub fn hull(points: &[DVec3]) -> Vec<[u32; 3]> {
     let Some((pole, others)) = points.split_last() else { return Vec::new() };

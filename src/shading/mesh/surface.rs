@@ -68,7 +68,7 @@ fn of_face(vertices: [&Vertex; 3]) -> Option<(DVec3, DMat3)> {
         return None;
     }
     let [a, b, c] = positions;
-    // The edges are in units of the longest, so that nothing overflows.
+    // The edges are in units of the longest edge, so that nothing overflows.
     let edges = [c - b, a - c, b - a];
     let longest = edges.iter().map(|e| e.length()).fold(0.0, f64::max);
     let u = edges[0].normalize();

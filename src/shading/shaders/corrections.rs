@@ -59,7 +59,7 @@ impl<T: Constant, const C: usize> Corrections<T, C> {
 }
 
 /// The data of a triangle for vertex shading: at each corner, the steps to the other two corners on the screen, and the
-/// lights.
+/// light values.
 #[derive(Clone, Debug)]
 struct Fans<T, const C: usize> {
     steps: [[Step<T>; 2]; 3],
@@ -165,7 +165,8 @@ impl<T: Constant, const C: usize> Fans<T, C> {
 const MIN_NORMAL_LENGTH: f64 = 1e-3;
 
 /// Bangay eq. 9 as printed: value/(|N| + (1−|N|)·I_n(t/b')), where |N| = `normal` is the length of Σ w_i·N_i and t is
-/// the smallest weight. It brightens only the strips, but including their ambient light. The divisor is at least 1e-3.
+/// the smallest weight. It brightens only the strips, but it also brightens their ambient light. The divisor is at
+/// least 1e-3.
 #[inline(always)]
 fn reweight_printed<N: Number, const C: usize>(
     value: [N; C],

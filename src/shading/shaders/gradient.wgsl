@@ -1,4 +1,4 @@
-// I_F, the light on the neighbor's far edge, Bangay eqs. 5 and 6, from the lights at the edge's ends and at the
+// I_F, the light on the neighbor's far edge, Bangay eqs. 5 and 6, from the light values at the edge's ends and at the
 // neighbor's apex.
 fn beyond_edge(i: vec3f, j: vec3f, apex: vec3f, others: vec2f) -> vec3f {
     let a = 2.0 * others.x / (others.x + others.y) - 1.0;

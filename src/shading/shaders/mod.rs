@@ -1,8 +1,9 @@
 //! The shaders, one per file. Their equations give the light at a point in a triangle from the weights w_A, w_B, w_C of
 //! the corners on the screen and from the light values I_A, I_B, I_C of the corners.
 //!
-//! Each shader is written once, for any `Number`: with f64 it is the reference, and with several pixels of f32 it
-//! draws. Its WGSL for graphics cards is next to it, or in `gpu/main.wgsl` if it is only a line or two.
+//! Each shader is written once, for any `Number`. It is the reference when it computes in f64, and it draws when it
+//! computes several pixels at once in f32. Its WGSL for graphics cards is next to it, or in `gpu/main.wgsl` if it is
+//! only a line or two.
 //!
 //! `UncorrectedShader`, below, lists the shaders.
 

@@ -8,7 +8,7 @@ use crate::{
 named! {
     /// The shaders, from flat to smooth everywhere.
     Shader, ShaderError {
-        /// One light per triangle, from its own normal.
+        /// One light value per triangle, from its own normal.
         Flat = "flat",
         /// Light interpolated between the vertices, Bangay eq. 2.
         Gouraud = "gouraud",

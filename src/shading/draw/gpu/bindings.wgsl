@@ -1,5 +1,5 @@
-// Input from the host. Lights are linear or as stored in the frame. Positions are in pixels, with x to the right and y
-// down.
+// Input from the host. Light values are linear or as stored in the frame. Positions are in pixels, with x to the right
+// and y down.
 
 struct Globals {
     // The size of the window in pixels.

@@ -58,7 +58,7 @@ impl Gpu {
     /// Prepares drawing with `device`.
     ///
     /// # Errors
-    /// When the device gives shaders too few storage buffers, or the driver rejects the shaders.
+    /// Returns an error if the device gives shaders too few storage buffers or the driver rejects the shaders.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Gpu, GpuError> {
         let storage = device.limits().max_storage_buffers_per_shader_stage;
         if storage < STORAGE_BUFFERS {
@@ -81,7 +81,8 @@ impl Gpu {
     /// drawing is complete.
     ///
     /// # Errors
-    /// If the frame, the mesh or the number of lamps is too large for the device, or if the driver fails.
+    /// Returns an error if the frame, the mesh or the number of lamps is too large for the device, or if the driver
+    /// fails.
     pub fn draw(&mut self, frame: &Frame, shade: &Shade, transfer: &Transfer) -> Result<wgpu::Texture, GpuError> {
         let limits = self.device.limits();
         let contents = pack::buffers(frame, shade, transfer);
@@ -158,7 +159,7 @@ impl Gpu {
 /// Reads back the codes of a texture that [`Gpu::draw`] made.
 ///
 /// # Errors
-/// When the driver fails.
+/// Returns an error if the driver fails.
 pub fn codes(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Result<CodeImage, GpuError> {
     let (width, height) = (texture.width(), texture.height());
     let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
