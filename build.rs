@@ -1,4 +1,4 @@
-//! Passes the commit from which the program is built to it, for the sidecar of every session.
+//! Passes the current Git commit to the program, which records it in the sidecar of every session.
 
 use std::process::Command;
 
