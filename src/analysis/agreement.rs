@@ -71,7 +71,7 @@ fn alpha(units: &[Vec<Share>], weights: &[u8], categories: usize) -> Option<f64>
     let (mut observed, mut expected) = (0.0, 0.0);
     for c in 0..categories {
         for k in c + 1..categories {
-            // The ordinal metric: the number of ratings between the two categories, plus half of the ratings in the
+            // The ordinal metric: the number of ratings between the two categories, plus half of the ratings in these
             // two.
             let between: f64 = marginals[c..=k].iter().sum::<f64>() - (marginals[c] + marginals[k]) / 2.0;
             observed += coincidences[c * categories + k] * between * between;

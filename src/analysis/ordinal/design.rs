@@ -167,7 +167,8 @@ impl Span {
     }
 }
 
-/// The number that was subtracted from each column, and the number by which it was divided. Contrasts are unchanged.
+/// The number that was subtracted from each column, and the number by which it was divided. Contrasts (columns of zeros
+/// and ones) are unchanged.
 #[derive(Clone, Debug)]
 pub(super) struct Standard {
     centers: DVector<f64>,

@@ -9,7 +9,7 @@ use super::{
 
 /// A standard deviation below this counts as 0.
 const NO_SIGMA: f64 = 1e-4;
-/// A parameter above this has no finite estimate. Columns are standardized to a size of 1.
+/// A parameter above this counts as having no finite estimate. Columns are standardized to a size of 1.
 const MAX_PARAMETER: f64 = 60.0;
 
 /// How a search ended.

@@ -287,7 +287,7 @@ fn notes(calibration: &Calibration) -> Vec<String> {
         ));
     }
     if calibration.chosen == Family::Table {
-        notes.push("no curve fits the readings within their noise: the table is used".to_owned());
+        notes.push("no curve fits the readings within their noise, so the table is used".to_owned());
     }
     let errors = calibration.model(calibration.chosen).channels.iter().filter_map(|channel| channel.gamma_se);
     let largest = errors.fold(0.0, f64::max);
