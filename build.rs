@@ -1,4 +1,4 @@
-//! Passes the current Git commit to the program, which records it in the sidecar of every session.
+//! Passes the current Git commit to the program, which records it in the sidecar of every session and in reports.
 
 use std::process::Command;
 
