@@ -92,12 +92,12 @@ fn check(arguments: &Arguments) -> Result<(), UsageError> {
     for (option, path) in outputs {
         if let Some(path) = path.filter(|path| real(path) == real(&arguments.readings)) {
             let path = path.display();
-            return Err(UsageError(format!("{option} {path}: would replace the readings; expected a different file")));
+            return Err(UsageError(format!("{option} {path} would replace the readings; expected a different file")));
         }
     }
     match &arguments.plot {
         Some(path) if !has_extension(path, "svg") && !has_extension(path, "png") => Err(UsageError(format!(
-            "--plot {}: is neither an SVG nor a PNG file; expected a name ending in .svg or .png",
+            "--plot {} is neither an SVG nor a PNG file; expected a name ending in .svg or .png",
             path.display()
         ))),
         _ => Ok(()),

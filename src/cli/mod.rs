@@ -27,7 +27,7 @@ use std::{
 
 use clap::{Parser, Subcommand};
 
-use crate::display::DisplayProfile;
+use crate::{display::DisplayProfile, report::document::numbers::count};
 
 /// Measure how visible Mach bands are.
 ///
@@ -115,7 +115,6 @@ fn print_line(line: &str) -> anyhow::Result<()> {
     }
 }
 
-/// Reports that a file was written.
 fn report_written(path: &Path) -> anyhow::Result<()> {
     print_line(&format!("wrote {}", path.display()))
 }

@@ -49,8 +49,8 @@ impl ModelOptions {
 /// How the display converts codes to light.
 #[derive(clap::Args)]
 pub(super) struct TransferOptions {
-    /// Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; separate three with / for
-    /// red, green and blue.
+    /// Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; for separate
+    /// functions for red, green and blue, join three with /.
     #[arg(long, conflicts_with = "display")]
     transfer: Option<Transfers>,
     /// Display profile written by `machband calibrate`.
@@ -179,7 +179,7 @@ impl Args for StimulusOptions {
             defaults.dedup();
             let default = match defaults.as_slice() {
                 [one] => format!(" [default: {one}]"),
-                [first, ..] => format!(" [default: {first} for {}, other kinds have their own]", kinds[0]),
+                [first, ..] => format!(" [default: {first} for {}; other kinds have their own]", kinds[0]),
                 [] => String::new(),
             };
             command.arg(

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{
-    UsageError,
+    UsageError, count,
     options::{StimulusOptions, TransferOptions},
     print_line,
 };
@@ -32,7 +32,7 @@ use crate::{
 pub(super) struct Arguments {
     /// Built-in definition or path to a .toml file; all its conditions are predicted.
     experiment: Option<String>,
-    /// Predict any opaque PNG image.
+    /// Predict the bands in this image, which can be any opaque PNG.
     #[arg(long, value_name = "FILE.png", conflicts_with = "experiment")]
     image: Option<PathBuf>,
     /// Where to write a map of the image's bands: bright bands are white, dark bands are black.
@@ -148,23 +148,20 @@ fn all(
     super::ratings::errors(&study.source)
 }
 
-fn print_comparison(comparison: &Comparison) -> anyhow::Result<()> {
+fn print_comparison(found: &Comparison) -> anyhow::Result<()> {
     let number = |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |value| format!("{value:.3}"));
-    print_line(&format!("{} ratings of {} conditions", comparison.ratings, comparison.conditions))?;
-    let [a, b, c] = comparison.criterion.thresholds;
+    print_line(&format!("{} of {}", count(found.ratings, "rating"), count(found.conditions as u64, "condition")))?;
+    let [a, b, c] = found.criterion.thresholds;
     print_line(&format!(
         "criterion: half of the ratings are above 0, 1, 2 at a visibility of {a:.3}, {b:.3}, {c:.3}; spread {:.3}",
-        comparison.criterion.spread
+        found.criterion.spread
     ))?;
-    print_line(&format!(
-        "rank correlation between visibility and mean rating: {}",
-        number(comparison.rank_correlation)
-    ))?;
-    let ceiling = comparison.ceiling.map_or_else(
+    print_line(&format!("rank correlation between visibility and mean rating: {}", number(found.rank_correlation)))?;
+    let ceiling = found.ceiling.map_or_else(
         || "noise ceiling unknown: only one participant".to_owned(),
         |[low, high]| format!("noise ceiling from agreement between participants: {low:.3} to {high:.3}"),
     );
-    print_line(&format!("mean for individual participants: {}; {ceiling}", number(comparison.with_subjects)))
+    print_line(&format!("mean for individual participants: {}; {ceiling}", number(found.with_subjects)))
 }
 
 /// Returns the criterion from the given file, or the default.

@@ -58,10 +58,10 @@ impl RatingOptions {
 pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
     let sum = |of: fn(&FileRead) -> u64| source.files.iter().map(of).sum::<u64>();
     let left_out: Vec<String> = [
-        (sum(|file| file.practice), "practice rows"),
-        (sum(|file| file.superseded), "corrected ratings"),
-        (sum(|file| file.unfinished), "ratings of unfinished sessions"),
-        (sum(|file| file.erroneous), "rows with errors"),
+        (sum(|file| file.practice), "from practice"),
+        (sum(|file| file.superseded), "superseded by a correction"),
+        (sum(|file| file.unfinished), "from unfinished sessions"),
+        (sum(|file| file.erroneous), "with errors"),
     ]
     .into_iter()
     .filter(|(rows, _)| *rows > 0)
@@ -76,7 +76,7 @@ pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
         count(source.files.len() as u64, "file")
     );
     if !left_out.is_empty() {
-        line += &format!("; left out: {}", left_out.join(", "));
+        line += &format!("; rows left out: {}", left_out.join(", "));
     }
     if unfinished > 0 {
         line += &format!("; {unfinished} of {} sessions unfinished", source.sessions.len());

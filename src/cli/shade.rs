@@ -10,7 +10,7 @@ use glam::DVec3;
 use serde_json::{Value, json};
 
 use super::{
-    UsageError,
+    UsageError, count,
     options::{TransferOptions, named},
     print_line,
 };
@@ -161,7 +161,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let several = surface.edges.edges.iter().filter(|edge| edge.kind == EdgeKind::NonManifold).count();
     if several > 0 {
         note(&format!(
-            "{}: {several} edges belong to more than two triangles, or to neighbors with opposite winding; shading is not smooth across them",
+            "{}: shading is not smooth across edges that belong to more than two triangles, or to neighbors with opposite winding ({several} found)",
             arguments.mesh
         ));
     }
@@ -171,7 +171,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         let image = shot.image();
         let clipped = image.data.chunks_exact(3).filter(|pixel| pixel.iter().any(|light| *light > 1.0)).count();
         if clipped > 0 {
-            note(&format!("{clipped} pixels are brighter than white and are clipped, which creates edges"));
+            note(&format!("light above white is clipped, which creates edges ({})", count(clipped as u64, "pixel")));
         }
         let codes = Quantizer::new(shot.transfers.clone(), arguments.bits).quantize(&image);
         store::image::write_shaded(out, &codes, &transfers, &description)?;

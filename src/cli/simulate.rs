@@ -36,7 +36,7 @@ const AT_A_TIME: usize = 32;
 pub(super) struct Arguments {
     /// Built-in definition or path to a .toml file.
     experiment: String,
-    /// Number of participants, numbered from S001.
+    /// Number of participants; their IDs start at S001.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     participants: u32,
     /// Seed of the trial order and of the observers.
@@ -61,7 +61,7 @@ pub(super) struct Arguments {
 enum ObserverKind {
     /// Follows the paper's findings
     Paper,
-    /// Presses any key
+    /// Presses keys at random
     Random,
     /// Rates the visibility that the vision model predicts
     Vision,

@@ -6,7 +6,7 @@ use indicatif::ProgressBar;
 use rayon::prelude::*;
 
 use super::{
-    UsageError,
+    UsageError, count,
     options::{ImageOptions, StimulusOptions},
     print_line, progress_style, report_written,
 };
@@ -27,12 +27,12 @@ pub(super) struct StimulusArguments {
     stimulus: StimulusOptions,
     #[command(flatten)]
     image: ImageOptions,
-    /// Reduce the image to a palette, given as method (popularity, median-cut or k-means) and maximum number of colors,
-    /// such as median-cut:16.
+    /// Reduce the image to a palette, given as the method (popularity, median-cut or k-means) and the maximum number of
+    /// colors, such as median-cut:16.
     #[arg(long, value_name = "METHOD:N", requires = "out")]
     palette: Option<String>,
-    /// Draw each pixel as a cell of dots, for devices with few codes such as printers; given as matrix and bits per
-    /// channel, such as clustered3:1.
+    /// Draw each pixel as a cell of dots, for devices with few codes such as printers; given as the matrix and the bits
+    /// per channel, such as clustered3:1.
     #[arg(long, value_name = "MATRIX:BITS", requires = "out", conflicts_with = "palette")]
     halftone: Option<String>,
     /// Where to write the image.
@@ -64,8 +64,8 @@ pub(super) fn stimulus(arguments: &StimulusArguments) -> anyhow::Result<()> {
         (Some(out), Some(reduction)) => {
             let image = store::image::write_reduced(out, &recipe, &quantizer, reduction)?;
             println!(
-                "{reduction}: {} colors, error in linear light rms {:.5}, largest {:.5}",
-                image.palette.len(),
+                "{reduction}: {}, error in linear light rms {:.5}, largest {:.5}",
+                count(image.palette.len() as u64, "color"),
                 image.error.rms,
                 image.error.max
             );
@@ -131,8 +131,8 @@ pub(super) fn stimuli(arguments: &StimuliArguments) -> anyhow::Result<()> {
     let recipes: Vec<Recipe> = conditions.iter().map(of).collect();
     let Shard { index, of } = arguments.shard;
     let manifest = Manifest::open(&arguments.out, &protocol, &conditions, &recipes, (index, of))?;
-    let (made, kept) = (manifest.missing.len(), manifest.kept);
-    let bar = ProgressBar::new(made as u64).with_style(progress_style("images"));
+    let (made, kept) = (count(manifest.missing.len() as u64, "image"), manifest.kept);
+    let bar = ProgressBar::new(manifest.missing.len() as u64).with_style(progress_style("images"));
     if let Some(first) = manifest.missing.first() {
         let quantizer = recipes[*first].quantizer();
         manifest.missing.par_iter().try_for_each(|i| {
@@ -144,7 +144,7 @@ pub(super) fn stimuli(arguments: &StimuliArguments) -> anyhow::Result<()> {
     bar.finish_and_clear();
     let whole = manifest.finish()?;
     print_line(&format!(
-        "{made} images made, {kept} kept, in {}, {:.1} s{}",
+        "{made} made, {kept} kept, in {}, {:.1} s{}",
         arguments.out.display(),
         started.elapsed().as_secs_f64(),
         if whole { "" } else { "; manifest.csv will be written when every shard is done" }

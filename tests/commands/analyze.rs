@@ -18,7 +18,7 @@ fn analyze_writes_every_documented_file() {
     let folder = study("bangay2003", 4);
     let output = succeeds(folder.path(), &split("analyze results --out a"));
     assert!(output.contains("960 ratings of 120 conditions by 4 participants"), "{output}");
-    assert!(output.contains("48 practice rows"), "{output}");
+    assert!(output.contains("48 from practice"), "{output}");
     let out = folder.path().join("a");
     let (header, cells) = table(&out.join("cells.csv"));
     let contract = "width,depth,orientation_deg,n,mean,median,p0,p1,p2,p3,ci_low,ci_high";

@@ -134,7 +134,7 @@ fn apply(
         names.push(name);
         match name.split_once(':') {
             Some(_) if value.abs() > MAX_LOGITS => {
-                return Err(error(&format!("is out of range; expected {}…{MAX_LOGITS} logits", -MAX_LOGITS)));
+                return Err(error(&format!("the value is out of range; expected {}…{MAX_LOGITS} logits", -MAX_LOGITS)));
             }
             Some((factor, level)) => {
                 shifts.push(Shift { factor: factor.trim().to_owned(), level: level.trim().to_owned(), logits: value })
