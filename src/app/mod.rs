@@ -69,7 +69,7 @@ enum Page {
 /// The program's window.
 pub struct App {
     page: Page,
-    /// The page that the analysis leads back to, if not Home.
+    /// The page to return to from the analysis, if it is not Home.
     behind: Option<Page>,
     /// Whether the window was started with a session, so that leaving the session closes the window.
     direct: bool,
@@ -91,7 +91,7 @@ impl App {
         Self::at(cc, page, direct)
     }
 
-    /// Only measures frames.
+    /// Creates the window of `machband timing`, which only measures frames.
     pub fn timing(cc: &eframe::CreationContext<'_>, request: timing::TimingRequest) -> Self {
         Self::at(cc, Page::Timing(Box::new(timing::TimingPage::new(request))), true)
     }
@@ -197,7 +197,7 @@ impl eframe::App for App {
     }
 
     /// The background of the page, or the uniform field of a trial. Clearing to this color costs nothing; without a
-    /// GPU, drawing a full-screen rectangle would be most of the work of a frame.
+    /// GPU, drawing a full-screen rectangle would take most of a frame's time.
     fn clear_color(&self, _: &egui::Visuals) -> [f32; 4] {
         let ground = match &self.page {
             Page::Session(session) => session.ground(),

@@ -221,7 +221,7 @@ fn only_a_steady_refresh_is_reported_with_the_drops() {
     let unsteady = "The frames do not follow a steady refresh, so no frame can be judged as dropped";
     let not_the_reported = "a steady refresh, not even the 60.00 Hz that the system reports";
     let every = "Every refresh at 60.00 Hz showed a new frame: none of 600 was dropped.";
-    let with_drops = "of 60.00 Hz, but 12 of 600 (2.0 %) were dropped";
+    let with_drops = "of 60.00 Hz; dropped frames: 12 of 600 (2.0 %)";
     let too_few = "29 frames are too few to judge; expected 30 or more.";
     for (intervals_us, refresh_hz, source, is_one_by_one, verdict) in [
         (scattered(), None, "unknown", Some(false), unsteady),

@@ -30,7 +30,7 @@ use crate::{
 
 /// Maximum number of listed errors.
 const MAX_ERRORS: usize = 200;
-/// In a window narrower than this, the data and filters have a separate view. Points.
+/// In a window narrower than this, in points, the data and filters have a separate view.
 const NARROW: f32 = 700.0;
 /// Address and heading of the view of data and filters.
 const DATA: (&str, &str) = ("data", "Data");

@@ -95,7 +95,7 @@ impl Method for ByEye {
     }
 }
 
-/// Says from which distance rows with this period blend.
+/// Says at what distance rows with this period blend.
 fn distance_sentence(viewing: Option<&Viewing>, period_px: u32) -> String {
     let otherwise = "If you sit closer, squint or take off your glasses until you cannot see the rows.";
     let Some(viewing) = viewing else {

@@ -27,7 +27,7 @@ pub struct MatchRun {
     /// The window's time at which the first match appears, seconds.
     start_s: Option<f64>,
     shown: Option<(Match, u32, TextureHandle)>,
-    /// Why the last match is not in the file yet, if it is not.
+    /// Why the last match could not be saved; `None` if it is in the file.
     unsaved: Option<String>,
 }
 

@@ -102,8 +102,8 @@ impl StepsPage {
             note(
                 ui,
                 format!(
-                    "8 bits are too few for these steps: {same} steps have the same code as the preceding step, and \
-                        {lost} produce light that is closer to another level."
+                    "8 bits are too few for these steps. Steps with the same code as the preceding step: {same}. Steps \
+                        whose light is closer to another level: {lost}."
                 ),
             );
         }

@@ -23,7 +23,7 @@ const SAMPLES: u32 = 1024;
 const SIZES: [u32; 4] = [256, 384, 512, 768];
 /// The choices for the dither.
 const DITHERS: [&str; 4] = ["none", "ordered", "blue-noise", "random"];
-/// In a window narrower than this, the image is below its controls. Points.
+/// In a window narrower than this, in points, the image is below its controls.
 const NARROW: f32 = 760.0;
 /// Width of the column of labels, points.
 const LABELS: f32 = 108.0;

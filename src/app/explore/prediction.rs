@@ -216,7 +216,7 @@ fn mark(bands: &mut [&Band], window_deg: f64) -> Option<Mark> {
     Some(Mark { place: finest.at_deg[0] / window_deg, polarity: finest.polarity, strength: over_channels(bands) })
 }
 
-/// The strength pooled over channels, each of which counts with its strongest peak. `bands` must be sorted by strength,
+/// The strength pooled over channels; each channel contributes its strongest peak. `bands` must be sorted by strength,
 /// strongest first.
 fn over_channels(bands: &[&Band]) -> f64 {
     let first = |i: &usize| !bands[..*i].iter().any(|earlier| earlier.frequency == bands[*i].frequency);
@@ -228,8 +228,8 @@ pub fn strongest(map: &BandMap) -> f64 {
     map.bright.iter().chain(&map.dark).copied().fold(0.0, f64::max)
 }
 
-/// Codes of black and of white in the dimmed picture under the bands, so that bands are the brightest and darkest
-/// parts.
+/// Codes of black and of white in the dimmed picture under the bands, chosen so that the bands are its brightest
+/// and darkest parts.
 const GROUND: [f64; 2] = [88.0, 148.0];
 
 /// A band map over the dimmed picture. Bands of the strength `most` are white or black.

@@ -176,7 +176,7 @@ fn path_to_the_screen(platform: &Platform) -> Vec<PreflightNote> {
                     the image. Select the native resolution."
             ),
         )),
-        (Some(false), Some([w, h]), _) => Some((true, format!("The screen is driven pixel for pixel, {w} × {h}."))),
+        (Some(false), Some([w, h]), _) => Some((true, format!("Images are shown pixel for pixel, {w} × {h}."))),
         _ => None,
     };
     notes.extend(resolution.map(|(ok, sentence)| note("resolution", ok, sentence)));

@@ -25,7 +25,7 @@ struct Press {
     what: Pressed,
     /// When the event was delivered.
     at: Instant,
-    /// How long the program had not read events before that.
+    /// Time since the program had last read events.
     unseen: Duration,
 }
 

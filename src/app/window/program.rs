@@ -12,7 +12,7 @@ use std::{
 
 use eframe::{AppCreator, CreationContext, egui, wgpu::DeviceLostReason};
 
-/// Why there is no window, or no longer one.
+/// Why no window could be opened, or why it was lost.
 #[derive(Debug, thiserror::Error)]
 pub enum WindowError {
     /// There is no display on which to open a window.
@@ -135,7 +135,7 @@ impl Shared {
         Self { program: Rc::default(), make: Rc::new(Cell::new(Some(Box::new(make)))), failure: Failure::default() }
     }
 
-    /// Says whether the window or the graphics are lost.
+    /// The failure of the window or the graphics, which is empty until they fail.
     pub fn failure(&self) -> &Failure {
         &self.failure
     }
@@ -167,7 +167,7 @@ impl Shared {
 
     /// Ends a running session; returns the path of the file with its rows.
     pub fn close(&self) -> Option<PathBuf> {
-        // The program is borrowed only while it draws, and a caught panic has ended that.
+        // The program is borrowed only while it draws, and a caught panic has ended the drawing.
         self.program.try_borrow_mut().ok()?.as_mut()?.close()
     }
 }

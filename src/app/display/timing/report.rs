@@ -94,7 +94,7 @@ impl TimingReport {
             format!("Every refresh at {hz:.2} Hz showed a new frame: none of {count} was dropped.")
         } else {
             format!(
-                "The frames follow the refresh rate of {hz:.2} Hz, but {dropped} of {count} ({percent:.1} %) were dropped. Close other programs."
+                "The frames follow the refresh rate of {hz:.2} Hz; dropped frames: {dropped} of {count} ({percent:.1} %). Close other programs."
             )
         }
     }

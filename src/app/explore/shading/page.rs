@@ -26,7 +26,8 @@ use crate::{
 
 /// Height of the plots below the picture, points.
 const PLOTS: f32 = 170.0;
-/// In a window narrower than this, the view has this height and is above the controls. Points.
+/// In a window narrower than the first value, the view has the height of the second and is above the controls; both in
+/// points.
 const NARROW: f32 = 640.0;
 const NARROW_VIEW: f32 = 560.0;
 /// Height of the numbers below the picture, points.
@@ -316,7 +317,7 @@ impl ShadingPage {
         hint(
             ui,
             format!(
-                "A visibility of 1 means just visible, when the shorter side of the picture subtends \
+                "A visibility of 1 means just visible if the shorter side of the picture subtends \
                     {SHORTER_SIDE_DEG}° of visual angle."
             ),
         );
