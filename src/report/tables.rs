@@ -117,7 +117,7 @@ pub fn tests(results: &Results) -> Table {
                 ("scale", &results.scale),
             ];
             for (name, test) in groups.iter().flat_map(|(name, tests)| tests.iter().map(move |test| (name, test))) {
-                let none = "one of the two models has no maximum, or too many parameters";
+                let none = "one of the two models has no maximum or has too many parameters";
                 let numbers = [test.lr, Some(test.df as f64), test.p, None, None];
                 let note = if test.lr.is_none() { none } else { "" };
                 rows.push(test_row([name, &test.term, "", ""], report.model.nobs, numbers, "", note));
@@ -138,7 +138,7 @@ fn rank_rows(factor: &FactorResults) -> Vec<Vec<String>> {
     let (name, mut rows) = (&factor.name, Vec::new());
     let left_out = match factor.incomplete.len() {
         0 => String::new(),
-        n => format!("{n} participants without ratings at every level are excluded"),
+        n => format!("participants excluded because they did not rate every level: {n}"),
     };
     if let Some(test) = &factor.friedman {
         let numbers = [Some(test.chi_squared), Some(test.df as f64), Some(test.p), None, Some(test.w)];
@@ -146,8 +146,8 @@ fn rank_rows(factor: &FactorResults) -> Vec<Vec<String>> {
     }
     let Some(pairs) = &factor.pairs else { return rows };
     let limit = if pairs.cannot_reach(0.05) {
-        let n = pairs.pairs.len();
-        format!("with so few participants and {n} pairs, p_holm cannot be below {:.3}", pairs.least_p)
+        let n = super::document::numbers::count(pairs.pairs.len() as u64, "pair");
+        format!("with so few participants and {n}, p_holm cannot be below {:.3}", pairs.least_p)
     } else {
         String::new()
     };

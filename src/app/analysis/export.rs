@@ -30,7 +30,6 @@ pub struct Export {
     copied: Option<String>,
 }
 
-/// The results to export.
 pub struct Exported<'a> {
     /// The data and how they were read.
     pub study: &'a Arc<Study>,

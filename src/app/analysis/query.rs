@@ -64,7 +64,7 @@ impl Filters {
         parts.join("; ")
     }
 
-    /// Draws the lists.
+    /// Draws the checklists.
     pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts) {
         let title = format!("Participants: {} of {}", self.people(), self.people.len());
         list(ui, "participants", &title, &mut self.people, |ui, people| {

@@ -176,7 +176,6 @@ const DISTINCT: f64 = 0.5;
 pub struct Mark {
     /// Signed distance from the center, in window sides.
     pub place: f64,
-    /// Bright or dark.
     pub polarity: Polarity,
     /// Strength pooled over channels, in multiples of the strength that is just visible.
     pub strength: f64,

@@ -4,7 +4,6 @@ use eframe::egui::{self, Color32, Label, Response, RichText, Role, Sense, Stroke
 
 use super::theme::{ERROR, NOTE, SECONDARY, SUCCESS};
 
-/// Secondary text.
 pub fn secondary(text: impl Into<String>) -> RichText {
     RichText::new(text).small().color(SECONDARY)
 }

@@ -73,7 +73,7 @@ pub(super) fn in_sentence(factor: &str) -> String {
     clean(names(factor)[2])
 }
 
-/// Names what the ratings measure, which is visibility if there are factors of our stimuli.
+/// Names what the ratings measure, which is visibility if any factor is a parameter of our stimuli.
 pub(super) fn rating(results: &Results) -> &'static str {
     let is_ours = |name: &str| ["width", "depth", "orientation_deg"].contains(&name);
     if results.measured.counts.factors.iter().any(|factor| is_ours(&factor.name)) {

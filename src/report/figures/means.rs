@@ -1,6 +1,6 @@
 //! Charts of mean ratings. As in Figure 4 of Bangay's paper, one chart shows the means by one factor, with one line for
 //! each level of the other factor, and a second chart shows the reverse. Both exist for the measured means and for
-//! those that the vision model predicts. Other charts show the means by orientation and by participant.
+//! the means that the vision model predicts. Other charts show the means by orientation and by participant.
 
 use std::collections::HashMap;
 

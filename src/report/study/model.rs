@@ -6,7 +6,7 @@ use crate::{
     report::{
         document::{
             Section,
-            numbers::{count, fixed, percent, probability, range, ratio, whole},
+            numbers::{count, fixed, percent, probability, range, ratio},
         },
         figures::Figure,
     },
@@ -94,7 +94,7 @@ fn sentence(results: &Results, model: &Model) -> String {
     let terms: Vec<String> = results.spec.terms.iter().map(ToString::to_string).collect();
     let terms = if terms.is_empty() { "no terms".to_owned() } else { format!("terms {}", terms.join(", ")) };
     let converged = if model.converged() {
-        format!("converged in {} iterations", whole(model.iterations as u64))
+        format!("converged in {}", count(model.iterations as u64, "iteration"))
     } else {
         "not converged".to_owned()
     };

@@ -43,7 +43,6 @@ pub enum Place {
     Center,
 }
 
-/// The flickering patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Patch {
     /// Side of the patch, physical pixels.

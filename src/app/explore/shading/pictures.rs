@@ -210,7 +210,6 @@ fn ms_since(started: Instant) -> f64 {
     started.elapsed().as_secs_f64() * 1e3
 }
 
-/// The window's graphics card.
 struct WindowGpu {
     state: RenderState,
     gpu: Gpu,
