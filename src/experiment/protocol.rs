@@ -392,7 +392,7 @@ impl Protocol {
             errors.add(
                 "response.labels",
                 format!(
-                    "the scale has {} categories; expected {expected}, one for each rating 0…{MAX_RATING}",
+                    "the number of categories is {}; expected {expected}, one for each rating 0…{MAX_RATING}",
                     categories.len()
                 ),
             );

@@ -263,8 +263,8 @@ impl Session {
         self.log.take()
     }
 
-    /// Judges frames against `frames` from the next one on, because the screen has changed or its refresh interval is
-    /// now better known.
+    /// Judges frames against `frames`, beginning with the next one. Call this when the screen has changed or when its
+    /// refresh interval is known more accurately.
     pub fn set_frame_count(&mut self, frames: FrameCount) {
         self.options.frames = frames;
     }

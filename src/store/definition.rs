@@ -245,7 +245,7 @@ fn scale(form: ResponseForm, errors: &mut DefinitionErrors) -> ResponseScale {
     let digits = || ('0'..='9').cycle();
     let keys = form.keys.unwrap_or_else(|| digits().take(count).collect());
     if keys.len() != count {
-        let message = format!("response.keys has {} keys; expected {count}, one for each label", keys.len());
+        let message = format!("response.keys has length {}; expected {count}, one for each label", keys.len());
         errors.add("response.keys", message);
     }
     // A missing key has already been reported; a digit stands in for it.

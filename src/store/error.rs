@@ -100,7 +100,7 @@ impl RowErrors {
         for (cell, count) in self.counts.into_iter().filter(|(_, count)| *count > MAX_KEPT) {
             let column = cell.and_then(|cell| columns.get(cell));
             let column = column.map_or(String::new(), |name| format!(" in {}", name.as_ref()));
-            let message = format!("{} more rows have errors{column}; expected none", count - MAX_KEPT);
+            let message = format!("further rows with errors{column}: {}; expected none", count - MAX_KEPT);
             errors.push(FileError::whole(file, message));
         }
         errors

@@ -21,7 +21,7 @@ const MAX_TEXT: u64 = 1 << 20;
 /// Reads a whole UTF-8 file of at most 1 MiB: a definition, a profile, an observer.
 ///
 /// # Errors
-/// The same as for [`read_bytes`]; or the text is not UTF-8, with the line and column.
+/// The same errors as [`read_bytes`]; or the text is not UTF-8, with the line and column.
 pub(super) fn read_text(path: &Path) -> Result<String, FileErrors> {
     String::from_utf8(read_bytes(path, MAX_TEXT, "a readable file")?).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
@@ -70,7 +70,7 @@ pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), StoreErr
     write_whole(path, &text, true)
 }
 
-/// Writes a file atomically, without waiting for the disk. For files that can be reproduced.
+/// Writes a file atomically, without waiting for the disk. Use it only for files that can be reproduced.
 ///
 /// # Errors
 /// I/O errors.
@@ -234,7 +234,7 @@ impl AppendFile {
     /// Appends rows. They are kept in memory from now on, and they are in the file when this returns without an error.
     ///
     /// # Errors
-    /// The same as for [`AppendFile::flush`].
+    /// The same errors as [`AppendFile::flush`].
     pub fn append(&mut self, rows: &[u8]) -> Result<(), StoreError> {
         self.content.extend_from_slice(rows);
         self.flush()

@@ -74,7 +74,7 @@ impl MatchFile {
     /// Records that a match no longer counts.
     ///
     /// # Errors
-    /// The same as for [`MatchFile::accept`].
+    /// The same errors as [`MatchFile::accept`].
     pub fn undo(&mut self, number: usize, found: &Match, time_s: f64) -> Result<(), StoreError> {
         self.event("taken-back", number, found, time_s)
     }

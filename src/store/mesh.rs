@@ -27,7 +27,7 @@ const MAX_FILE: u64 = 1 << 28;
 /// normal; 180 makes the whole mesh smooth.
 ///
 /// # Errors
-/// The file cannot be read or is too large; otherwise the same as for [`parse`].
+/// The file cannot be read or is too large; otherwise, the same errors as [`parse`].
 pub fn read(path: &Path, crease_deg: f64) -> Result<Mesh, FileErrors> {
     parse(&path.display().to_string(), &read_bytes(path, MAX_FILE, "an OBJ file")?, crease_deg)
 }
@@ -155,8 +155,8 @@ impl Reader {
 
     fn face(&mut self, statement: &Statement<'_>, words: &[&str]) -> Result<(), FileError> {
         if !(3..=MAX_CORNERS).contains(&words.len()) {
-            let more = if words.len() > MAX_CORNERS { "or more " } else { "" };
-            let message = format!("a face has {} {more}corners; expected 3…{MAX_CORNERS}", words.len());
+            let more = if words.len() > MAX_CORNERS { " or more" } else { "" };
+            let message = format!("the number of corners is {}{more}; expected 3…{MAX_CORNERS}", words.len());
             return Err(statement.error(statement.text.trim_ascii_start(), message));
         }
         for word in words {
@@ -252,7 +252,7 @@ impl Statement<'_> {
 
     fn three_numbers(&self, words: &[&str]) -> Result<DVec3, FileError> {
         let [x, y, z, ..] = words else {
-            let message = format!("has {} numbers; expected three", words.len());
+            let message = format!("the line has too few numbers ({}); expected three", words.len());
             return Err(self.error(self.text.trim_ascii_start(), message));
         };
         Ok(DVec3::new(self.number(x)?, self.number(y)?, self.number(z)?))

@@ -28,7 +28,7 @@ pub fn open(path: &Path) -> Result<Readings, FileErrors> {
 /// Parses the text of a readings file; `file` identifies it in messages.
 ///
 /// # Errors
-/// The same as for [`open()`].
+/// The same errors as [`open()`].
 pub fn parse(file: &str, text: &str) -> Result<Readings, FileErrors> {
     let rows = rows(file, text)?;
     Readings::new(rows.iter().map(|row| row.reading).collect()).map_err(|found| {

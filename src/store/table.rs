@@ -93,7 +93,8 @@ impl<'a> Row<'a> {
         self.content.slice(self.start.byte(), self.end)
     }
 
-    /// Returns the line and column, from 1, where a cell begins; if the cell is not text, of its first invalid byte.
+    /// Returns the line and column, from 1, of the beginning of a cell or, if the cell is not text, of its first
+    /// invalid byte.
     pub fn place(&self, cell: usize) -> (usize, usize) {
         let raw = self.raw();
         let raw = raw.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&raw);
@@ -216,7 +217,7 @@ pub(super) fn parse<T>(
                 error((cell, message));
             }
         } else if cells.len() != width {
-            error((0, format!("the row has {} cells; expected {width}", cells.len())));
+            error((0, format!("the number of cells in the row is {}; expected {width}", cells.len())));
         } else {
             match row(&cells) {
                 Ok(row) => rows.push(row),

@@ -80,8 +80,8 @@ impl<'t> Document<'t> {
         self.table.contains_key(key)
     }
 
-    /// Reports an error at a dotted path such as `factors.width.2`, or at the nearest existing parent. If the value
-    /// could not be read at all, that has already been reported and is enough.
+    /// Reports an error at a dotted path such as `factors.width.2`, or at the nearest existing parent. Does nothing
+    /// if the value could not be read, because that error has already been reported.
     pub(super) fn error(&mut self, path: &str, message: impl Into<String>) {
         let place = self.locate(path);
         if !self.unread.contains(&place) {

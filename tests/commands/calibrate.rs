@@ -140,7 +140,7 @@ fn decimal_commas_are_rejected() {
     std::fs::write(&path, format!("channel,level,luminance_cd_m2\n{rows}")).unwrap();
     let told = readings::open_incomplete(&path).unwrap_err().to_string();
     assert!(told.contains("r.csv:2:1: 4 fields; expected 3 (a decimal comma?)\n"), "{told}");
-    assert!(told.lines().count() == 6 && told.ends_with("r.csv: 4 more rows have errors; expected none"), "{told}");
+    assert!(told.lines().count() == 6 && told.ends_with("r.csv: further rows with errors: 4; expected none"), "{told}");
 }
 
 #[test]
@@ -155,14 +155,14 @@ fn only_the_first_errors_of_a_column_are_listed() {
         "{found:?}"
     );
     assert!(found[0].contains("are the columns level and luminance_cd_m2 swapped?"), "{found:?}");
-    assert_eq!(found[5], format!("r.csv: {} more rows have errors in level; expected none", outside - 5));
+    assert_eq!(found[5], format!("r.csv: further rows with errors in level: {}; expected none", outside - 5));
     // Codes in place of levels do not mean that columns were swapped, and other columns keep their own errors.
     let codes: String = (0..9).map(|step| format!("g,{},{}\n", 31 * step, 0.3 + f64::from(step * step))).collect();
     let found = errors(&format!("channel,level,luminance_cd_m2\n{codes}g,248,-1\nr,0,-2\n"));
     assert_eq!(found.len(), 8, "{found:?}");
     assert!(found[0].contains("looks like a code") && !found[0].contains("swapped"), "{found:?}");
     assert!(found[5].contains("luminance -1") && found[6].contains("luminance -2"), "{found:?}");
-    assert_eq!(found[7], "r.csv: 4 more rows have errors in level; expected none");
+    assert_eq!(found[7], "r.csv: further rows with errors in level: 4; expected none");
 }
 
 #[test]

@@ -100,7 +100,7 @@ fn a_changed_image_is_detected() {
     encoder.add_text_chunk("machband".to_owned(), image::describe(&recipe)).unwrap();
     encoder.write_header().unwrap().write_image_data(&codes).unwrap();
     let message = image::verify(&path).unwrap_err().to_string();
-    assert!(message.contains("1 pixels differ") && message.contains("(3, 3)"), "{message}");
+    assert!(message.contains("pixels that differ from the recipe: 1,") && message.contains("(3, 3)"), "{message}");
 
     for (content, expected) in
         [(&b"no image at all"[..], "not a complete PNG"), (&std::fs::read(&path).unwrap()[..200], "complete PNG")]

@@ -165,8 +165,8 @@ name = "mine" => name = "" => 2:1 => name "" is not allowed
 # Order and scale.
 order = "random" => order = "shuffled" => 19:1 => order "shuffled" | blocked:FACTOR
 order = "random" => order = "latin:color" => 19:1 => latin:color does not name a factor | width, depth
-labels = ["a", "b", "c", "d"]\nkeys = ["0", "1", "2", "3"] => labels = ["a", "b", "c"] => 28:1 => 3 categories | expected 4
-keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2"] => 29:1 => 3 keys; expected 4
+labels = ["a", "b", "c", "d"]\nkeys = ["0", "1", "2", "3"] => labels = ["a", "b", "c"] => 28:1 => categories is 3 | expected 4
+keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2"] => 29:1 => length 3; expected 4
 keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2", "1"] => 29:24 => key '1' appears twice
 keys = ["0", "1", "2", "3"] => keys = ["a", "A", "2", "3"] => 29:14 => key 'A' appears twice
 keys = ["0", "1", "2", "3"] => keys = ["a", "s", "d", "f"] => 29:14 => key 's' cannot be an answer

@@ -258,7 +258,7 @@ mod interrupted {
         let mut latin = whole.clone().into_bytes();
         latin[second + 3] = 0xff;
         let cases: Vec<(Vec<u8>, String, &str)> = vec![
-            (with(2, "garbage").into(), "3:1".into(), "1 cells; expected 29"),
+            (with(2, "garbage").into(), "3:1".into(), "cells in the row is 1; expected 29"),
             (
                 with(2, &lines[2].replacen(",mach-band,", ",mach-band,wide", 1)).into(),
                 format!("3:{}", column(lines[2], ",mach-band,") + 11),
@@ -268,7 +268,7 @@ mod interrupted {
             (
                 format!("{}\n\n\n{}\n", lines[0], with(2, "garbage").split_once('\n').unwrap().1).into(),
                 "5:1".into(),
-                "1 cells",
+                "cells in the row is 1;",
             ),
             (
                 with(0, &lines[0].replace("rating", "ratings")).into(),

@@ -122,7 +122,7 @@ fn every_error_in_a_frames_file_has_its_place() {
     let good = "1,main,2,1,stimulus,16683.350,16683 16684";
     let text = |line: &str| format!("{HEADER}\n{good}\n{line}\n");
     for (line, expected) in [
-        ("1,main,2,1,stimulus,16683.350", "f.csv:3:1: the row has 6 cells; expected 7"),
+        ("1,main,2,1,stimulus,16683.350", "f.csv:3:1: the number of cells in the row is 6; expected 7"),
         ("0,main,2,1,stimulus,16683.350,1", "f.csv:3:1: sitting is \"0\"; expected a whole number from 1"),
         ("1,mean,2,1,stimulus,16683.350,1", "f.csv:3:3: phase is \"mean\"; expected practice or main"),
         (

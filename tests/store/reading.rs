@@ -479,7 +479,7 @@ mod errors {
         assert_eq!(
             super::errors(&[folder.path()], &ReadOptions::default()),
             [
-                "z_data.csv: all its 18 rows already appear in small-one/data/subject-S1_session-1_task-smallone_data.csv; expected each session only once (this file is left out)"
+                "z_data.csv: all its rows (18) already appear in small-one/data/subject-S1_session-1_task-smallone_data.csv; expected each session only once (this file is left out)"
             ]
         );
         let (source, rows) = read(&[folder.path()], &ReadOptions::default());
@@ -495,7 +495,7 @@ mod errors {
         });
         assert_eq!((said.len(), counted), (6, 12));
         assert_eq!(said[4], "S1.csv:6:18: experiment is \"x\"; expected small-one, as in the first row");
-        assert_eq!(said[5], "S1.csv: 13 more rows have errors in experiment; expected none");
+        assert_eq!(said[5], "S1.csv: further rows with errors in experiment: 13; expected none");
     }
 
     #[test]
@@ -615,7 +615,7 @@ mod errors {
         let said = super::errors(&[folder.path()], &ReadOptions::default());
         assert!(try_read(&[folder.path()], &ReadOptions::default()).is_err());
         assert!(
-            said[0].ends_with("none of the 2 rows count: 2 from practice; expected ratings of main trials"),
+            said[0].ends_with("none of the rows (2) counts: 2 from practice; expected ratings of main trials"),
             "{said:?}"
         );
     }

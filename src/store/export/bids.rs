@@ -307,7 +307,7 @@ fn readme(experiments: &[Experiment]) -> String {
     for experiment in experiments {
         let protocol = &experiment.sessions[0].protocol;
         text += &format!(
-            "- task `{}`: {} ({} sessions of the definition `{}`)\n",
+            "- task `{}`: {} (sessions: {}; definition: `{}`)\n",
             protocol.task(),
             protocol.title,
             experiment.sessions.len(),

@@ -38,7 +38,7 @@ pub fn read_light(path: &Path, transfers: &Transfers) -> Result<LinearImage, Fil
 /// Reads the content of a PNG as light; `name` identifies it in messages.
 ///
 /// # Errors
-/// The same as for [`read_light`].
+/// The same errors as [`read_light`].
 pub fn parse_light(name: &str, content: &[u8], transfers: &Transfers) -> Result<LinearImage, FileErrors> {
     let (image, _) = decode(name, content, |_| MAX_SIDE)?;
     let encoded: Vec<f64> = match &image.samples {
@@ -161,15 +161,15 @@ fn parsed<T: FromStr<Err: std::fmt::Display>>(info: &Info<'_>, keyword: &str) ->
 /// Verifies an image by re-rendering its recipe and comparing every code. Returns a sentence that describes the image.
 ///
 /// # Errors
-/// The same as for [`read`]; or the image differs, with the number of differing pixels and the first of them.
+/// The same errors as [`read`]; or the image differs, with the number of differing pixels and the first of them.
 pub fn verify(path: &Path) -> Result<String, FileErrors> {
     verify_content(&path.display().to_string(), &content(path)?)
 }
 
-/// The same as [`verify`], for the content of an image; `name` identifies it in messages.
+/// Verifies the content of an image, like [`verify`]; `name` identifies it in messages.
 ///
 /// # Errors
-/// The same as for [`verify`].
+/// The same errors as [`verify`].
 pub fn verify_content(name: &str, content: &[u8]) -> Result<String, FileErrors> {
     let read = parse(name, content)?;
     let (image, recipe) = (&read.image, &read.recipe);
@@ -195,7 +195,7 @@ pub fn verify_content(name: &str, content: &[u8]) -> Result<String, FileErrors> 
         Some((x, y)) => {
             let (found, wanted, count) = (image.pixel(x, y), expected.pixel(x, y), differing.count());
             Err(fail(format!(
-                "{count} pixels differ from the recipe, the first at ({x}, {y}), which is {found:?}; expected {wanted:?}"
+                "pixels that differ from the recipe: {count}, the first at ({x}, {y}), which is {found:?}; expected {wanted:?}"
             )))
         }
     }

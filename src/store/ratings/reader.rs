@@ -248,7 +248,7 @@ impl FileReader<'_> {
     /// Checks whether a row of a result file counts.
     ///
     /// # Errors
-    /// The same as for [`FileReader::rating`].
+    /// The same errors as [`FileReader::rating`].
     fn check(&mut self, row: &Identity<'_>, cells: &Cells<'_>, own: &RecordColumns) -> Result<(), Option<RowError>> {
         let Some(session) = self.trials.find(row.subject, row.session, self.recent) else { return Ok(()) };
         self.recent = session;
@@ -289,7 +289,7 @@ impl FileReader<'_> {
         if rows > 0 && self.elsewhere.0 == rows {
             let other = &self.selection.inputs[self.elsewhere.1].name;
             let message = format!(
-                "all its {rows} rows already appear in {other}; expected each session only once (this file is left out)"
+                "all its rows ({rows}) already appear in {other}; expected each session only once (this file is left out)"
             );
             errors.push(FileError::whole(name, message));
         } else {
@@ -340,7 +340,7 @@ fn nothing(reports: &[FileRead]) -> FileError {
     let parts: Vec<String> = parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
     let found = match sum(|report| report.rows) {
         0 => "there are no rows".to_owned(),
-        rows => format!("none of the {rows} rows count: {}", parts.join(", ")),
+        rows => format!("none of the rows ({rows}) counts: {}", parts.join(", ")),
     };
     let among = if reports.len() > 1 { format!(" in {} files", reports.len()) } else { String::new() };
     let path = reports.first().map_or(".".to_owned(), |report| report.path.display().to_string());

@@ -143,7 +143,7 @@ pub fn parse(file: &str, text: &str) -> Result<Vec<FrameRow>, FileErrors> {
 
 fn row(cells: &[&str]) -> Result<FrameRow, CellError> {
     let &[sitting, phase, trial, attempt, state, refresh, intervals] = cells else {
-        return Err((0, format!("the row has {} cells; expected 7", cells.len())));
+        return Err((0, format!("the number of cells in the row is {}; expected 7", cells.len())));
     };
     let wrong = |index: usize, expected: &str| {
         let name = HEADER.split(',').nth(index).unwrap_or_default();

@@ -203,7 +203,7 @@ impl SessionStore {
     /// Tries again to write everything that is not on disk yet.
     ///
     /// # Errors
-    /// The same as for [`SessionStore::append`].
+    /// The same errors as [`SessionStore::append`].
     pub fn retry(&mut self) -> Result<(), StoreError> {
         self.rows.file.flush().or_else(|error| {
             // If the file was deleted and its location is usable again, write everything into a new file with the same

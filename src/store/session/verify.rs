@@ -126,7 +126,7 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
     }
     let turned_back = recorded.rows.windows(2).filter(|rows| rows[1].started_at < rows[0].started_at).count();
     if turned_back > 0 {
-        found.notes.push(format!("the wall clock was set back {turned_back} times; onset_s gives the true order"));
+        found.notes.push(format!("the wall clock was set back (times: {turned_back}); onset_s gives the true order"));
     }
 }
 
