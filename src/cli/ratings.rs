@@ -79,7 +79,7 @@ pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
         line += &format!("; rows left out: {}", left_out.join(", "));
     }
     if unfinished > 0 {
-        line += &format!("; {unfinished} of {} sessions unfinished", source.sessions.len());
+        line += &format!("; {unfinished} of {} unfinished", count(source.sessions.len() as u64, "session"));
     }
     line
 }

@@ -215,7 +215,7 @@ fn summarize(shader: Shader, own: &Measured, gouraud: &Measured, viewing: &Viewi
         None => "Gouraud has none".to_owned(),
     };
     let (rms, edges, over) = (own.creases.rms, own.creases.edges.len(), of_gouraud(|of| of.creases.rms));
-    print_line(&format!("{shader}: crease rms {rms:.3e} per pixel over {edges} edges, {over}"))?;
+    print_line(&format!("{shader}: crease rms {rms:.3e} per pixel over {}, {over}", count(edges as u64, "edge")))?;
     let (Visibility { bright, dark }, deg) = (own.visibility, viewing.window_deg);
     let (visibility, over) = (own.visibility.max(), of_gouraud(|of| of.visibility.max()));
     print_line(&format!(

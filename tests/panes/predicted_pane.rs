@@ -137,7 +137,7 @@ fn the_pages_fit_small_and_large_windows() {
             ("Gallery of stimuli…", &["Predicted visibility", "1 is just visible", "Export PNG", "Dither"][..]),
             (
                 "Shading demo…",
-                &["Predicted bands", "predicted visibility", "A visibility of 1", "triangles face the viewer", "p95"][..],
+                &["Predicted bands", "predicted visibility", "A visibility of 1", "Triangles facing", "p95"][..],
             ),
         ] {
             let window = open(page, size);

@@ -39,7 +39,7 @@ fn definition(source: &Source, protocol: &Protocol) -> Vec<(&'static str, String
     let (design, recovery, viewing) = (&protocol.design, &protocol.recovery, &protocol.viewing);
     let breaks = match design.break_every {
         0 => "none".to_owned(),
-        n => format!("after every {n} trials"),
+        n => format!("after every {}", if n == 1 { "trial".to_owned() } else { count(n.into(), "trial") }),
     };
     let field = format!("a uniform field of relative luminance {} for {} s", recovery.level, recovery.duration_s);
     let planned = format!("{} cm from the screen, stimulus {}° wide", viewing.distance_cm, viewing.window_deg);

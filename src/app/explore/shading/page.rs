@@ -331,7 +331,7 @@ impl ShadingPage {
         hint(
             ui,
             format!(
-                "{by} {triangles} triangles face the viewer. Vertices {vertices:.1} ms, left {left:.1} ms, right {right:.1} ms."
+                "{by} Triangles facing the viewer: {triangles}. Vertices {vertices:.1} ms, left {left:.1} ms, right {right:.1} ms."
             ),
         );
     }
