@@ -143,7 +143,7 @@ impl App {
         }
     }
 
-    /// The page to go back to; `None` to close the window.
+    /// Returns the page to go back to; `None` to close the window.
     fn page_behind(&mut self) -> Option<Page> {
         if let Some(page) = self.behind.take() {
             return Some(page);
@@ -196,8 +196,8 @@ impl eframe::App for App {
         self.close();
     }
 
-    /// The background of the page, or the uniform field of a trial. Clearing to this color costs nothing; without a
-    /// GPU, drawing a full-screen rectangle would take most of a frame's time.
+    /// Returns the background of the page, or the uniform field of a trial. Clearing to this color costs nothing;
+    /// without a GPU, drawing a full-screen rectangle would take most of a frame's time.
     fn clear_color(&self, _: &egui::Visuals) -> [f32; 4] {
         let ground = match &self.page {
             Page::Session(session) => session.ground(),

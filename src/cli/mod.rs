@@ -131,7 +131,7 @@ fn today() -> jiff::civil::Date {
     jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date()
 }
 
-/// The style of a progress bar; `what` names the items that are counted.
+/// Returns the style of a progress bar; `what` names the items that are counted.
 fn progress_style(what: &str) -> indicatif::ProgressStyle {
     let template = format!("{{bar:40}} {{pos}}/{{len}} {what}, {{eta}} to go");
     indicatif::ProgressStyle::with_template(&template).unwrap_or_else(|_| indicatif::ProgressStyle::default_bar())

@@ -15,7 +15,7 @@ use crate::{
     store,
 };
 
-/// A parser that accepts only one of `names`.
+/// Returns a parser that accepts only one of `names`.
 pub(super) fn named<T>(names: &'static [&'static str]) -> impl TypedValueParser<Value = T>
 where
     T: FromStr<Err: std::error::Error + Send + Sync + 'static> + Clone + Send + Sync + 'static,

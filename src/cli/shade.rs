@@ -132,7 +132,7 @@ struct Measured {
     density: f64,
 }
 
-/// A parser that accepts only numbers from `least` to `most`.
+/// Returns a parser that accepts only numbers from `least` to `most`.
 fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {
     move |text| match text.parse() {
         Ok(number) if (least..=most).contains(&number) => Ok(number),

@@ -27,12 +27,12 @@ impl std::fmt::Display for FileError {
 }
 
 impl FileError {
-    /// An error at a line and column, counted from 1.
+    /// Creates an error at a line and column, counted from 1.
     pub fn at(file: impl AsRef<Path>, position: (usize, usize), message: impl Into<String>) -> Self {
         Self { position: Some(position), ..Self::whole(file, message) }
     }
 
-    /// An error about a whole file.
+    /// Creates an error about a whole file.
     pub fn whole(file: impl AsRef<Path>, message: impl Into<String>) -> Self {
         Self { file: file.as_ref().display().to_string(), position: None, message: message.into() }
     }
@@ -50,7 +50,7 @@ pub(super) fn position(text: &str, offset: usize) -> (usize, usize) {
 pub struct FileErrors(pub Vec<FileError>);
 
 impl FileErrors {
-    /// A single error about the whole file.
+    /// Creates a single error about the whole file.
     pub fn whole(file: impl AsRef<Path>, message: impl Into<String>) -> Self {
         Self(vec![FileError::whole(file, message)])
     }
@@ -166,7 +166,7 @@ impl StoreError {
         }
     }
 
-    /// An I/O error with the path and the attempted action.
+    /// Creates an I/O error with the path and the attempted action.
     pub fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
         Self::Io { path: path.to_owned(), action, source }
     }

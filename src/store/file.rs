@@ -211,22 +211,22 @@ impl AppendFile {
         Ok(Self { path: path.to_owned(), file: Some(file), written, content, partial_line, durable })
     }
 
-    /// The path of the file, which may not exist yet.
+    /// Returns the path of the file, which may not exist yet.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Everything that belongs in the file, in complete lines.
+    /// Returns everything that belongs in the file, in complete lines.
     pub fn content(&self) -> &[u8] {
         &self.content
     }
 
-    /// The beginning of an incomplete line, if the file ended with one when it was opened.
+    /// Returns the beginning of an incomplete line, if the file ended with one when it was opened.
     pub fn partial_line(&self) -> Option<&str> {
         self.partial_line.as_deref()
     }
 
-    /// SHA-256 of everything that belongs in the file.
+    /// Returns the SHA-256 of everything that belongs in the file.
     pub fn sha256(&self) -> String {
         sha256(&self.content)
     }

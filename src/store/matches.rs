@@ -57,7 +57,7 @@ impl MatchFile {
         Ok((Self { file, seed }, counted(rows)))
     }
 
-    /// Seed of the order.
+    /// Returns the seed of the order.
     #[must_use]
     pub fn seed(&self) -> u64 {
         self.seed

@@ -28,7 +28,8 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// A form for the first CSV file among these paths; `None` if there is no such file, or if its columns are known.
+    /// Creates a form for the first CSV file among these paths; `None` if there is no such file, or if its columns are
+    /// known.
     pub fn needed(paths: &[PathBuf], read_options: &ReadOptions) -> Option<Self> {
         let form = Self::of(paths, read_options)?;
         let has = |name: &Option<String>, ours: &str| form.header.iter().any(|h| h == name.as_deref().unwrap_or(ours));
@@ -36,7 +37,7 @@ impl Columns {
         (!known).then_some(form)
     }
 
-    /// A form for the first CSV file among these paths, filled in with the previous choices.
+    /// Creates a form for the first CSV file among these paths, filled in with the previous choices.
     pub fn of(paths: &[PathBuf], read_options: &ReadOptions) -> Option<Self> {
         let file = paths.iter().find_map(|path| first_csv(path))?;
         let header = header(&file)?;
@@ -103,7 +104,7 @@ impl Columns {
     }
 }
 
-/// The file itself, or the first CSV file of a folder.
+/// Returns the file itself, or the first CSV file of a folder.
 fn first_csv(path: &Path) -> Option<PathBuf> {
     if path.is_file() {
         return Some(path.to_owned());
@@ -113,7 +114,7 @@ fn first_csv(path: &Path) -> Option<PathBuf> {
     files.filter(|path| path.is_file() && is_csv(path)).min()
 }
 
-/// The names in a file's first row; none if that row does not contain names.
+/// Returns the names in a file's first row; none if that row does not contain names.
 fn header(file: &Path) -> Option<Vec<String>> {
     let mut reader = csv::ReaderBuilder::new().flexible(true).from_path(file).ok()?;
     let names: Vec<String> = reader.headers().ok()?.iter().map(|name| name.trim().to_owned()).collect();

@@ -39,7 +39,8 @@ enum BlockView {
 }
 
 impl DocumentView {
-    /// A view of a document that has not been drawn yet. The images of `earlier` stay until the new ones are ready.
+    /// Creates a view of a document that has not been drawn yet. The images of `earlier` stay until the new ones are
+    /// ready.
     pub fn new(document: Document, earlier: Option<Self>) -> Self {
         let mut pictures: Vec<FigureView> = (earlier.into_iter())
             .flat_map(|view| view.sections)
@@ -63,7 +64,7 @@ impl DocumentView {
         Self { sections: document.sections.into_iter().map(section).collect() }
     }
 
-    /// The address (`id`) and the heading of every section.
+    /// Returns the address (`id`) and the heading of every section.
     pub fn headings(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
         self.sections.iter().map(|section| (section.id, section.heading))
     }
@@ -124,7 +125,7 @@ struct FigureView {
 }
 
 impl FigureView {
-    /// A figure that has not been drawn yet.
+    /// Creates a figure that has not been drawn yet.
     fn new(figure: Figure) -> Self {
         Self { figure, drawn: Latest::default(), canvas: Canvas::default(), shown: None }
     }

@@ -40,7 +40,7 @@ pub struct Exported<'a> {
 }
 
 impl Export {
-    /// The controls for results from these files.
+    /// Creates the controls for results from these files.
     pub fn new(paths: Vec<PathBuf>) -> Self {
         let name = paths.first().and_then(|path| path.file_stem()).filter(|name| !name.is_empty());
         let name = name.map_or("machband".into(), |name| name.to_string_lossy());
@@ -127,7 +127,8 @@ impl Export {
         self.work = Some((folder, BackgroundTask::start(ctx, move || write(&study, &results, &command, &to))));
     }
 
-    /// The `machband analyze` command for these files and options. Filters and options with default values are omitted.
+    /// Returns the `machband analyze` command for these files and options. Filters and options with default values are
+    /// omitted.
     fn command(&self, Exported { read_options, results, .. }: &Exported<'_>) -> String {
         let Options { terms, link, random, quadrature, scale, .. } = &results.options;
         let mut arguments = vec!["analyze".to_owned()];

@@ -42,7 +42,7 @@ struct Pending {
 }
 
 impl Analysis {
-    /// The page without data. It offers the experiments in a results folder and lets the user open other files.
+    /// Creates the page without data. It offers the experiments in a results folder and lets the user open other files.
     pub fn new(results: &Path) -> Self {
         let entries = results.read_dir().into_iter().flatten().flatten();
         let mut found: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| has_data(path)).collect();
@@ -59,7 +59,7 @@ impl Analysis {
         }
     }
 
-    /// The page that opens a data set.
+    /// Creates the page that opens a data set.
     pub fn of(ctx: &egui::Context, data_set: PathBuf) -> Self {
         let mut page = Self::new(data_set.parent().unwrap_or(Path::new("")));
         page.read(ctx, vec![data_set], ReadOptions::default(), false);
@@ -152,7 +152,7 @@ impl Analysis {
         }
     }
 
-    /// The page while no study is open.
+    /// Draws the page while no study is open.
     fn show_start(&mut self, ui: &mut egui::Ui) -> bool {
         let ctx = ui.ctx().clone();
         page_from(ui, 0.02, |ui| {
@@ -231,7 +231,7 @@ impl Analysis {
     }
 }
 
-/// Whether a folder is an experiment's data set with at least one session in it.
+/// Returns whether a folder is an experiment's data set with at least one session in it.
 fn has_data(path: &Path) -> bool {
     let is_session = |name: &std::ffi::OsStr| name.to_string_lossy().ends_with("_data.csv");
     (path.join("data").read_dir().into_iter().flatten().flatten()).any(|entry| is_session(&entry.file_name()))

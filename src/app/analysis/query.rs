@@ -29,17 +29,17 @@ impl Filters {
         Self { people: vec![true; counts.subjects.len()], factors: factors.collect() }
     }
 
-    /// Whether anything is excluded.
+    /// Returns whether anything is excluded.
     pub fn is_narrowed(&self) -> bool {
         self.people.contains(&false) || self.factors.iter().any(|levels| levels.contains(&false))
     }
 
-    /// Number of selected participants.
+    /// Returns the number of selected participants.
     pub fn people(&self) -> usize {
         checked(&self.people)
     }
 
-    /// The selected part of a study.
+    /// Returns the selected part of a study.
     pub fn apply(&self, measured: &Measured) -> Measured {
         let is_checked = |(levels, level): (&Vec<bool>, &Option<u32>)| {
             level.map_or(levels.last(), |level| levels.get(level as usize)) == Some(&true)
@@ -50,7 +50,7 @@ impl Filters {
         )
     }
 
-    /// The selection as a phrase; empty if nothing is excluded.
+    /// Returns the selection as a phrase; empty if nothing is excluded.
     pub fn sentence(&self, counts: &Counts) -> String {
         let mut parts = Vec::new();
         if self.people.contains(&false) {
@@ -95,12 +95,13 @@ fn checked(list: &[bool]) -> usize {
     list.iter().filter(|checked| **checked).count()
 }
 
-/// The levels of a factor, and the label for conditions without a level.
+/// Returns the levels of a factor, and the label for conditions without a level.
 fn names(factor: &Factor) -> impl Iterator<Item = &str> {
     factor.levels.iter().map(String::as_str).chain(["missing"])
 }
 
-/// A collapsible list below two buttons that select all or none. Its state belongs to `id`, so its title may change.
+/// Draws a collapsible list below two buttons that select all or none. Its state belongs to `id`, so its title may
+/// change.
 fn list(ui: &mut egui::Ui, id: &str, title: &str, list: &mut [bool], add: impl FnOnce(&mut egui::Ui, &mut [bool])) {
     CollapsingHeader::new(title).id_salt(("filter", id)).show(ui, |ui| {
         ui.horizontal(|ui| {
@@ -134,7 +135,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The requested analysis.
+    /// Returns the requested analysis.
     ///
     /// # Errors
     /// If the text is not a valid list of terms.
@@ -185,7 +186,7 @@ impl Settings {
         }
     }
 
-    /// Names in the terms that are not among these factors.
+    /// Returns the names in the terms that are not among these factors.
     pub fn missing(&self, known: &[&str]) -> Vec<String> {
         let Ok(Options { terms: Some(terms), .. }) = self.options() else { return Vec::new() };
         let mut names: Vec<String> = Vec::new();
@@ -199,7 +200,7 @@ impl Settings {
     }
 }
 
-/// Whether a model failed because of its terms. The error is then shown next to the field.
+/// Returns whether a model failed because of its terms. The error is then shown next to the field.
 fn is_about_terms(error: &ModelError) -> bool {
     matches!(error, ModelError::UnknownFactor { .. } | ModelError::NotANumber { .. } | ModelError::InfiniteDepth { .. })
 }

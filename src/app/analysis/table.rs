@@ -138,14 +138,14 @@ impl TableView {
         });
     }
 
-    /// The table as text, with tabs between cells, for spreadsheets.
+    /// Returns the table as text, with tabs between cells, for spreadsheets.
     fn text(&self) -> String {
         let line = |row: &Vec<String>| row.join("\t").replace('−', "-") + "\n";
         std::iter::once(&self.table.header).chain(&self.table.rows).map(line).collect()
     }
 }
 
-/// The number at the start of a cell; `None` for text.
+/// Returns the number at the start of a cell; `None` for text.
 fn value(cell: &str) -> Option<f64> {
     let cell = cell.trim_start_matches(['<', '>', ' ']).replace('−', "-").replace(',', "").replace('∞', "inf");
     let number = cell.split([' ', '°']).next().unwrap_or_default();

@@ -36,7 +36,7 @@ pub trait Method {
     /// Draws the settings of this method.
     fn fields(&mut self, ui: &mut Ui, viewing: Option<&Viewing>);
 
-    /// Number of items to measure, and how long that takes in seconds.
+    /// Returns the number of items to measure, and how long that takes in seconds.
     ///
     /// # Errors
     /// If a run with these settings is not possible.
@@ -54,10 +54,10 @@ pub trait Run {
     /// Draws a frame. Returns `Back` to pause, and `Next` when everything is measured.
     fn show(&mut self, ui: &mut Ui) -> Step<()>;
 
-    /// Number of measured items, and number of all items.
+    /// Returns the number of measured items and the number of all items.
     fn progress(&self) -> (usize, usize);
 
-    /// Items that must be measured again before a profile can be made.
+    /// Returns the items that must be measured again before a profile can be made.
     fn items_to_repeat(&self) -> Vec<usize> {
         Vec::new()
     }
@@ -80,10 +80,10 @@ pub trait Findings: Sized {
     /// Draws plots and tables.
     fn details(&self, ui: &mut Ui);
 
-    /// The known profile, updated with the findings; `None` if they are insufficient.
+    /// Returns the known profile, updated with the findings; `None` if they are insufficient.
     fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile>;
 
-    /// A description of the instrument, for the profile.
+    /// Returns a description of the instrument, for the profile.
     fn instrument(&self) -> String;
 }
 
@@ -122,7 +122,7 @@ pub struct Calibrate<M: Method> {
 }
 
 impl<M: Method> Calibrate<M> {
-    /// The settings page for the screen that `known` describes.
+    /// Creates the settings page for the screen that `known` describes.
     pub fn new(method: M, known: DisplayProfile, channels: [bool; 2]) -> Self {
         let name = if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() };
         let path = suggested(&name, M::ITEMS);
@@ -203,7 +203,7 @@ impl<M: Method> Calibrate<M> {
         Channel::ALL.into_iter().filter(wanted).collect()
     }
 
-    /// A note that the file already contains measurements; `None` for a new file.
+    /// Returns a note that the file already contains measurements; `None` for a new file.
     fn resume_note(&self) -> Option<String> {
         let path = Path::new(self.path.trim());
         match &self.paused {
@@ -343,7 +343,7 @@ impl ProfileForm {
         saved
     }
 
-    /// The profile with the details that the user typed.
+    /// Returns the profile with the details that the user typed.
     fn filled(&self, found: &DisplayProfile) -> DisplayProfile {
         let some = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
         let measured = Measurement { on: Some(today()), by: some(&self.by), with: some(&self.with) };
@@ -366,7 +366,7 @@ impl ProfileForm {
     }
 }
 
-/// Color and marker of a channel in plots.
+/// Returns the color and marker of a channel in plots.
 pub fn series(channel: Channel) -> (Color32, MarkerShape) {
     match channel {
         Channel::Red => (SERIES[5], MarkerShape::Square),
@@ -376,7 +376,7 @@ pub fn series(channel: Channel) -> (Color32, MarkerShape) {
     }
 }
 
-/// Default file for the measurements of a screen.
+/// Returns the default file for the measurements of a screen.
 fn suggested(name: &str, items: &str) -> String {
     format!("calibration/{}_{items}.csv", file_name(name))
 }

@@ -54,7 +54,7 @@ impl CardHelper {
         }
     }
 
-    /// Size of the outline in points.
+    /// Returns the size of the outline in points.
     fn outline(&self, ctx: &egui::Context) -> Vec2 {
         Vec2::new(self.card_px, self.card_px * CARD_ASPECT) / ctx.pixels_per_point()
     }

@@ -29,7 +29,7 @@ pub struct CheckPage {
 }
 
 impl CheckPage {
-    /// A check of this profile.
+    /// Creates a check of this profile.
     pub fn new(profile: DisplayProfile) -> Self {
         Self { profile, pairs: false, made: None }
     }

@@ -144,7 +144,7 @@ impl Run for MatchRun {
     }
 }
 
-/// The keys pressed in this frame, in order, and whether each is a repeat.
+/// Returns the keys pressed in this frame, in order, and whether each is a repeat.
 fn pressed(ui: &egui::Ui) -> Vec<(Key, bool)> {
     ui.input(|input| {
         let of = |event: &Event| match event {

@@ -192,7 +192,8 @@ impl PatchRun {
         self.unconfirmed = None;
     }
 
-    /// Why a reading may be a typing error: it is below the reading of a lower level or above that of a higher level.
+    /// Returns the reason why a reading may be a typing error: it is below the reading of a lower level or above that
+    /// of a higher level.
     fn implausible(&self, at: usize, value: f64) -> Option<String> {
         let patch = self.patches[at];
         let others = self.patches.iter().zip(&self.readings).enumerate();
@@ -236,7 +237,7 @@ impl Run for PatchRun {
         (self.readings.iter().flatten().count(), self.readings.len())
     }
 
-    /// The patches with implausible readings, according to the errors in the readings.
+    /// Returns the patches with implausible readings, according to the errors in the readings.
     fn items_to_repeat(&self) -> Vec<usize> {
         let errors = Readings::new(self.taken_readings()).err().unwrap_or_default();
         let is_named = |patch: &Patch| {
@@ -256,7 +257,7 @@ impl Run for PatchRun {
     }
 }
 
-/// The ID of the line, which is the same for all patches.
+/// Returns the ID of the line, which is the same for all patches.
 fn field_id() -> egui::Id {
     egui::Id::unique("reading of the photometer")
 }

@@ -177,7 +177,7 @@ fn cells(family: Family, channel: &FittedChannel) -> [String; 7] {
     ]
 }
 
-/// A plot over encoded values, aligned with the other plots.
+/// Creates a plot over encoded values, aligned with the other plots.
 fn plot<'a>(id: &'static str, height: f32, values: &'static str) -> Plot<'a> {
     let plot = still_plot(id).include_x(0.0).include_x(1.0).y_axis_min_width(AXIS_ROOM).height(height);
     plot.x_axis_label("encoded value").y_axis_label(values)

@@ -28,7 +28,7 @@ pub struct StepsPage {
 }
 
 impl StepsPage {
-    /// The page for a screen with this profile.
+    /// Creates the page for a screen with this profile.
     pub fn new(profile: DisplayProfile) -> Self {
         let measured = profile.luminance.map(|range| range.lowest_intensity()).filter(|i0| *i0 > 0.0);
         let i0 = format!("{:.6}", measured.unwrap_or(ASSUMED_I0));
@@ -110,7 +110,7 @@ impl StepsPage {
     }
 }
 
-/// Uniform bars of equal width, one per level, with the darkest on the left.
+/// Creates uniform bars of equal width, one per level, with the darkest on the left.
 fn wedge(steps: &[Step], width: u32, height: u32) -> CodeImage {
     let bar = (width as usize / steps.len().max(1)).max(1);
     let row: Vec<u8> = steps.iter().flat_map(|step| step.codes.repeat(bar)).collect();

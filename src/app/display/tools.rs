@@ -46,7 +46,7 @@ pub struct Display {
 }
 
 impl Display {
-    /// The page, with the values of Home's fields.
+    /// Creates the page, with the values of Home's fields.
     pub fn new(fields: ScreenFields, window_deg: f64) -> Self {
         let known = fields.profile().unwrap_or_default();
         let photometer = Calibrate::new(Photometer::default(), known.clone(), [true, true]);
@@ -55,12 +55,12 @@ impl Display {
         Self { fields, window_deg, read, tool, dialog, saved, photometer, by_eye }
     }
 
-    /// The current values of Home's fields.
+    /// Returns the current values of Home's fields.
     pub fn fields(&self) -> &ScreenFields {
         &self.fields
     }
 
-    /// The background color of the page.
+    /// Returns the background color of the page.
     pub fn ground(&self) -> Color32 {
         match &self.tool {
             Some(Tool::Timing(tool)) => tool.ground(),
@@ -95,7 +95,7 @@ impl Display {
         Step::Stay
     }
 
-    /// The profile named in Home, read once per path.
+    /// Returns the profile named in Home, read once per path.
     fn profile(&mut self) -> Result<DisplayProfile, String> {
         let path = self.fields.profile.trim().to_owned();
         if self.read.as_ref().is_none_or(|(read, _)| *read != path) {
@@ -104,7 +104,7 @@ impl Display {
         self.read.as_ref().map_or_else(|| Ok(DisplayProfile::default()), |(_, found)| found.clone())
     }
 
-    /// The viewing geometry, if the screen's width and the distance are known.
+    /// Returns the viewing geometry, if the screen's width and the distance are known.
     fn viewing(&self, monitor: &Monitor) -> Option<Viewing> {
         let width_cm = number(&self.fields.screen_width_cm)?;
         let screen = Screen::new(monitor.width_px, monitor.height_px, width_cm).ok()?;

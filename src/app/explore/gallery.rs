@@ -65,7 +65,7 @@ struct Curves {
 }
 
 impl Gallery {
-    /// The gallery for a screen described by `display`, viewed from `distance_cm` centimeters if that is known.
+    /// Creates the gallery for a screen described by `display`, viewed from `distance_cm` centimeters if that is known.
     pub fn new(display: DisplayProfile, distance_cm: Option<f64>) -> Self {
         let mut gallery = Self {
             prediction: Prediction::new(ViewingPlace::new(&display, distance_cm)),
@@ -91,7 +91,7 @@ impl Gallery {
         self.values = stimulus.parameters().iter().map(|parameter| (parameter, value(parameter.name))).collect();
     }
 
-    /// The stimulus that the controls describe, or the errors in them.
+    /// Returns the stimulus that the controls describe, or the errors in them.
     fn stimulus(&self) -> Result<Stimulus, Faults> {
         let mut stimulus = catalog::all()[self.entry].default_stimulus();
         let mut errors = Vec::new();
@@ -259,7 +259,8 @@ fn draw_mark(plot: &mut PlotUi<'_>, mark: &Mark, curve: &[[f64; 2]]) {
     plot.points(Points::new(name, vec![[mark.place, tip]]).color(BAND).shape(shape).radius(5.0).filled(true));
 }
 
-/// The lower end, upper end and step of a parameter's slider; `None` for a parameter whose values are not only numbers.
+/// Returns the lower end, upper end and step of a parameter's slider; `None` for a parameter whose values are not only
+/// numbers.
 fn slider_range(parameter: &str) -> Option<(f64, f64, f64)> {
     Some(match parameter {
         "width" | "low" | "high" | "side" => (0.0, 1.0, 0.005),
@@ -303,7 +304,7 @@ fn control(ui: &mut Ui, parameter: &'static Parameter, text: &mut String) {
     });
 }
 
-/// The color in `text`, written in every color model; empty if the parameter is not a color.
+/// Returns the color in `text`, written in every color model; empty if the parameter is not a color.
 fn color_in_models(parameter: &Parameter, text: &str) -> Vec<String> {
     let is_color = parameter.name.starts_with("color");
     text.parse::<StimulusColor>().ok().filter(|_| is_color).map_or_else(Vec::new, StimulusColor::in_models)
@@ -348,7 +349,7 @@ impl Curves {
     }
 }
 
-/// The slope between each pair of neighboring points, placed at their midpoint.
+/// Returns the slope between each pair of neighboring points, placed at their midpoint.
 pub fn slopes(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let slope = |pair: &[[f64; 2]]| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]);
     points.windows(2).map(|pair| [(pair[0][0] + pair[1][0]) / 2.0, slope(pair)]).collect()

@@ -22,7 +22,7 @@ pub struct ViewingPlace {
 }
 
 impl ViewingPlace {
-    /// The place for a screen described by `display`, viewed from `distance_cm` centimeters.
+    /// Creates the place for a screen described by `display`, viewed from `distance_cm` centimeters.
     pub fn new(display: &DisplayProfile, distance_cm: Option<f64>) -> Self {
         let viewing = || {
             let ([columns, rows], width) = (display.native_px?, display.screen_width_cm?);
@@ -32,7 +32,7 @@ impl ViewingPlace {
         Self { viewing: viewing(), white_cd_m2 }
     }
 
-    /// Size in degrees of a window of `size` pixels.
+    /// Returns the size in degrees of a window of `size` pixels.
     fn window_deg(&self, size: u32) -> f64 {
         self.viewing.map_or(WINDOW_DEG, |viewing| f64::from(size) / viewing.px_per_degree())
     }
@@ -106,7 +106,7 @@ impl Prediction {
         line.or_else(|| self.picture.get(key))
     }
 
-    /// The band map, if it is selected and available.
+    /// Returns the band map, if it is selected and available.
     pub fn texture(&mut self, ctx: &egui::Context, stimulus: &Stimulus, size: u32) -> Option<TextureHandle> {
         let key = (stimulus.clone(), size);
         let map = self.get(&key)?.as_ref().ok()?.map.as_ref().filter(|_| self.shows_map)?;
@@ -117,7 +117,7 @@ impl Prediction {
         self.texture.as_ref().map(|(_, texture)| texture.clone())
     }
 
-    /// The bands along the line.
+    /// Returns the bands along the line.
     pub fn marks(&self, stimulus: &Stimulus, size: u32) -> &[Mark] {
         match self.get(&(stimulus.clone(), size)) {
             Some(Ok(predicted)) => &predicted.marks,
@@ -181,8 +181,8 @@ pub struct Mark {
     pub strength: f64,
 }
 
-/// The visible bands of a line, each listed once. Fine channels locate a band precisely and coarse channels less so;
-/// each peak therefore joins the nearest band that finer channels have found.
+/// Returns the visible bands of a line, each listed once. Fine channels locate a band precisely and coarse channels
+/// less so; each peak therefore joins the nearest band that finer channels have found.
 fn marks(view: &LinePrediction, window_deg: f64) -> Vec<Mark> {
     let mut finest_first: Vec<&Band> = view.bands.iter().filter(|band| band.strength >= MIN_STRENGTH).collect();
     finest_first.sort_by(|a, b| b.frequency.total_cmp(&a.frequency));
@@ -206,7 +206,7 @@ fn marks(view: &LinePrediction, window_deg: f64) -> Vec<Mark> {
         .collect()
 }
 
-/// The mark for a group of peaks that form one band; `None` if there are no peaks.
+/// Returns the mark for a group of peaks that form one band; `None` if there are no peaks.
 fn mark(bands: &mut [&Band], window_deg: f64) -> Option<Mark> {
     bands.sort_by(|a, b| b.strength.total_cmp(&a.strength));
     let most = bands.first()?.strength;
@@ -215,14 +215,14 @@ fn mark(bands: &mut [&Band], window_deg: f64) -> Option<Mark> {
     Some(Mark { place: finest.at_deg[0] / window_deg, polarity: finest.polarity, strength: over_channels(bands) })
 }
 
-/// The strength pooled over channels; each channel contributes its strongest peak. `bands` must be sorted by strength,
-/// strongest first.
+/// Returns the strength pooled over channels; each channel contributes its strongest peak. `bands` must be sorted by
+/// strength, strongest first.
 fn over_channels(bands: &[&Band]) -> f64 {
     let first = |i: &usize| !bands[..*i].iter().any(|earlier| earlier.frequency == bands[*i].frequency);
     pooled((0..bands.len()).filter(first).map(|i| bands[i].strength))
 }
 
-/// The largest strength in a map.
+/// Returns the largest strength in a map.
 pub fn strongest(map: &BandMap) -> f64 {
     map.bright.iter().chain(&map.dark).copied().fold(0.0, f64::max)
 }
@@ -243,8 +243,8 @@ pub struct BandMapImage<'a> {
 }
 
 impl BandMapImage<'_> {
-    /// The drawing as a picture of `width` × `height` pixels. The map's lines are one pixel wide and become two pixels
-    /// wide.
+    /// Returns the drawing as a picture of `width` × `height` pixels. The map's lines are one pixel wide and become two
+    /// pixels wide.
     pub fn codes(&self, width: u32, height: u32) -> CodeImage {
         let scale = [self.size[0] as f64 / f64::from(width.max(1)), self.size[1] as f64 / f64::from(height.max(1))];
         let at = |x: u32, y: u32| [(f64::from(x) + 0.5) * scale[0] - 0.5, (f64::from(y) + 0.5) * scale[1] - 0.5];
@@ -253,7 +253,7 @@ impl BandMapImage<'_> {
         CodeImage { width, height, samples: Samples::Eight(codes.collect()) }
     }
 
-    /// The code at `at`, a position in map pixels from the center of the first pixel.
+    /// Returns the code at `at`, a position in map pixels from the center of the first pixel.
     fn code(&self, at: [f64; 2]) -> u8 {
         let [column, row] = at.map(|place| place.round() as isize);
         let mut strength = 0.0_f64;

@@ -72,7 +72,7 @@ fn note(check: &str, ok: bool, sentence: impl Into<String>) -> PreflightNote {
     PreflightNote { check: check.to_owned(), ok, sentence: sentence.into() }
 }
 
-/// All findings except the steps of light, which do not change. `scale` is in physical pixels per point.
+/// Returns all findings except the steps of light, which do not change. `scale` is in physical pixels per point.
 pub fn all(
     request: &Request,
     before: Option<&PreviousSitting>,
@@ -211,7 +211,7 @@ fn display_profile(display: &DisplayProfile, monitor: &Monitor, platform: &Platf
     notes
 }
 
-/// The viewing geometry, and the side of the stimulus in physical pixels; `None` if the stimulus does not fit.
+/// Returns the viewing geometry, and the side of the stimulus in physical pixels; `None` if the stimulus does not fit.
 fn geometry(
     request: &Request,
     monitor: &Monitor,
@@ -249,8 +249,8 @@ fn geometry(
     fits.then_some((viewing, size_px))
 }
 
-/// The largest change over time in the light of any channel, between the uniform field and any stimulus. Participants
-/// must tolerate it.
+/// Reports the largest change over time in the light of any channel, between the uniform field and any stimulus.
+/// Participants must tolerate it.
 pub fn light_steps(protocol: &Protocol) -> PreflightNote {
     let field = protocol.stimulus.field_light(protocol.recovery.level);
     // Cannot fail: a loaded definition always has conditions.
@@ -277,7 +277,7 @@ pub fn light_steps(protocol: &Protocol) -> PreflightNote {
 pub struct Questions(Vec<(&'static str, &'static str, bool)>);
 
 impl Questions {
-    /// The questions that the system's report leaves open.
+    /// Creates the questions that the system's report leaves open.
     pub fn new(platform: &Platform, display: &DisplayProfile) -> Self {
         let questions = [
             (
@@ -320,7 +320,7 @@ impl Questions {
         }
     }
 
-    /// The answers, for the sidecar.
+    /// Returns the answers, for the sidecar.
     pub fn notes(&self) -> impl Iterator<Item = PreflightNote> {
         self.0.iter().map(|(check, statement, confirmed)| {
             let answer = if *confirmed { "Confirmed at the screen" } else { "Not confirmed" };

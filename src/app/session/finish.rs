@@ -28,7 +28,7 @@ pub struct Finish {
 }
 
 impl Finish {
-    /// The last page of a completed or interrupted session.
+    /// Creates the last page of a completed or interrupted session.
     pub fn new(
         protocol: Protocol,
         rows: &[TrialRecord],
@@ -47,7 +47,7 @@ impl Finish {
         Self { protocol, path, complete, along, by, lines, opened: None, frames, error }
     }
 
-    /// Whether every planned trial is rated.
+    /// Returns whether every planned trial is rated.
     pub fn is_complete(&self) -> bool {
         self.complete
     }
@@ -109,7 +109,7 @@ impl Finish {
         Step::back_if(leave || entered)
     }
 
-    /// The folder with all sessions of the experiment.
+    /// Returns the folder with all sessions of the experiment.
     fn data_set(&self) -> Option<PathBuf> {
         Some(self.path.parent()?.parent()?.to_owned())
     }
@@ -145,8 +145,8 @@ impl Finish {
     }
 }
 
-/// The mean rating for each level, over the last attempts of the main trials. The horizontal position of a level is its
-/// index.
+/// Returns the mean rating for each level, over the last attempts of the main trials. The horizontal position of a
+/// level is its index.
 fn mean_lines(
     protocol: &Protocol,
     rows: &[TrialRecord],

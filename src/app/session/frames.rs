@@ -40,12 +40,12 @@ impl ScreenRefresh {
         })
     }
 
-    /// How the session counts frames.
+    /// Returns how the session counts frames.
     pub fn frames(&self) -> FrameCount {
         self.now.0.map_or(FrameCount::Frames, |refresh| FrameCount::Against(refresh.seconds()))
     }
 
-    /// The frames of a sitting in one sentence, for the experimenter; `None` if none were counted.
+    /// Returns the frames of a sitting in one sentence, for the experimenter; `None` if none were counted.
     pub fn sentence(&self, times: &FrameTimes) -> Option<String> {
         let ms = |seconds: f64| format!("{:.1} ms", seconds * 1e3);
         let (median, p99) = (ms(times.quantile(0.5)?), ms(times.quantile(0.99)?));
@@ -62,8 +62,8 @@ impl ScreenRefresh {
         Some(format!("{counted} frames, half of them within {median} and 99 % within {p99}: {verdict}."))
     }
 
-    /// The summary of a sitting's frames for the sidecar; `None` if none were counted. `file` is the name of the file
-    /// with every interval.
+    /// Returns the summary of a sitting's frames for the sidecar; `None` if none were counted. `file` is the name of
+    /// the file with every interval.
     pub fn summary(&self, times: &FrameTimes, file: Option<String>) -> Option<Value> {
         let round = |seconds: f64| (seconds * 1e6).round() / 1e6;
         let (refresh, source) = self.now;

@@ -30,7 +30,7 @@ pub struct CategoryPictures {
 }
 
 impl CategoryPictures {
-    /// The pictures with a side of `size` physical pixels.
+    /// Returns the pictures with a side of `size` physical pixels.
     fn get(&mut self, ctx: &egui::Context, protocol: &Protocol, quantizer: &Quantizer, size: u32) -> &[TextureHandle] {
         if self.size != size {
             self.size = size;
@@ -46,7 +46,7 @@ impl CategoryPictures {
     }
 }
 
-/// The session's stimulus with the width and depth of an example.
+/// Returns the session's stimulus with the width and depth of an example.
 fn drawn(protocol: &Protocol, (width, depth): (f64, Depth)) -> Stimulus {
     let mut stimulus = protocol.stimulus.clone();
     let depth = match depth {
@@ -107,7 +107,7 @@ pub fn instructions(
     })
 }
 
-/// The page before practice or before the main trials.
+/// Draws the page before practice or before the main trials.
 pub fn phase_start(ui: &mut egui::Ui, phase: Phase, texts: &Texts) -> Step<()> {
     ui::page(ui, |ui| {
         ui.label(match phase {
@@ -119,7 +119,7 @@ pub fn phase_start(ui: &mut egui::Ui, phase: Phase, texts: &Texts) -> Step<()> {
     })
 }
 
-/// The page during a break.
+/// Draws the page during a break.
 pub fn rest(ui: &mut egui::Ui, progress: &Progress, texts: &Texts) -> Step<()> {
     ui::page(ui, |ui| {
         ui.heading(&texts.pause_heading);
@@ -130,7 +130,7 @@ pub fn rest(ui: &mut egui::Ui, progress: &Progress, texts: &Texts) -> Step<()> {
     })
 }
 
-/// The pause page. `why` says that the window became too small; `None` if the participant paused.
+/// Draws the pause page. `why` says that the window became too small; `None` if the participant paused.
 pub fn paused(ui: &mut egui::Ui, texts: &Texts, why: Option<&str>) -> Step<()> {
     ui::page(ui, |ui| {
         ui.heading(&texts.paused);

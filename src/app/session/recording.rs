@@ -133,7 +133,7 @@ impl Recording {
         std::mem::take(&mut self.rows)
     }
 
-    /// Path of the file with the rows.
+    /// Returns the path of the file with the rows.
     pub fn csv(&self) -> &Path {
         self.store.csv()
     }
@@ -204,8 +204,8 @@ fn viewing(request: &Request, prepared: &Prepared) -> Value {
     })
 }
 
-/// The session time at which a resumed sitting starts. It follows the wall clock, but is never before the last recorded
-/// time, because a clock can be set back.
+/// Returns the session time at which a resumed sitting starts. It follows the wall clock, but is never before the last
+/// recorded time, because a clock can be set back.
 fn offset(elapsed_s: f64, first: Option<&TrialRecord>) -> Duration {
     let recorded = Duration::from_secs_f64(elapsed_s);
     let Some(first) = first else { return recorded };
@@ -213,7 +213,7 @@ fn offset(elapsed_s: f64, first: Option<&TrialRecord>) -> Duration {
     recorded.max(Duration::from_secs_f64(since_first.max(0.0)))
 }
 
-/// A seed that differs from session to session.
+/// Returns a seed that differs from session to session.
 fn fresh_seed() -> u64 {
     let nanoseconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_nanos() as u64);
     session_seed(nanoseconds ^ (u64::from(std::process::id()) << 32))

@@ -30,7 +30,7 @@ pub struct Request {
     pub windowed: bool,
 }
 
-/// Side of a stimulus in whole physical pixels, at least one.
+/// Returns the side of a stimulus in whole physical pixels, at least one.
 pub fn stimulus_side_px(viewing: &Viewing, window_deg: f64) -> u32 {
     viewing.px_from_deg(window_deg).round().clamp(1.0, f64::from(u32::MAX)) as u32
 }

@@ -47,12 +47,12 @@ impl Runner {
         if let Stage::Trials(trials) = &self.0 { trials.ground() } else { theme::PAGE }
     }
 
-    /// Whether every planned trial is rated.
+    /// Returns whether every planned trial is rated.
     pub fn is_complete(&self) -> bool {
         matches!(&self.0, Stage::Finish(finish) if finish.is_complete())
     }
 
-    /// Whether an answer is only in memory.
+    /// Returns whether an answer is only in memory.
     pub fn is_unsaved(&self) -> bool {
         matches!(&self.0, Stage::Trials(trials) if trials.is_unsaved())
     }

@@ -102,7 +102,7 @@ impl Trials {
         Ok(trials)
     }
 
-    /// Whether an answer is only in memory.
+    /// Returns whether an answer is only in memory.
     pub fn is_unsaved(&self) -> bool {
         self.session.is_storing()
     }
@@ -144,12 +144,12 @@ impl Trials {
         self.offset + Duration::try_from_secs_f64(window_s - self.window_start_s).unwrap_or_default()
     }
 
-    /// The phase of the current trial.
+    /// Returns the phase of the current trial.
     fn phase(&self) -> Option<Phase> {
         self.session.current().map(|trial| self.session.schedule().trials[trial].phase)
     }
 
-    /// Keys pressed since the last frame, in order: the logical and the physical key.
+    /// Returns the keys pressed since the last frame, in order: the logical and the physical key.
     fn fresh_keys(&mut self, ui: &egui::Ui) -> Vec<(Key, Key)> {
         let mut fresh = Vec::new();
         for event in ui.input(|input| input.events.clone()) {
@@ -321,7 +321,7 @@ impl Trials {
         Step::Stay
     }
 
-    /// The background color: the color of the uniform field during trials.
+    /// Returns the background color: the color of the uniform field during trials.
     pub fn ground(&self) -> Color32 {
         if self.is_trial() && self.unsaved_answer.is_none() { self.field } else { theme::PAGE }
     }
@@ -364,7 +364,7 @@ impl Trials {
         )))
     }
 
-    /// Path of the file with the rows.
+    /// Returns the path of the file with the rows.
     pub fn csv(&self) -> &Path {
         self.recording.csv()
     }

@@ -21,7 +21,7 @@ pub enum SaveChoice {
 }
 
 impl UnsavedAnswerPage {
-    /// The page for an error of the store; `what` is its message.
+    /// Creates the page for an error of the store; `what` is its message.
     pub fn new(what: String) -> Self {
         let folder = std::env::temp_dir().join("machband-results").display().to_string();
         Self { what, folder, dialog: Dialog::default() }

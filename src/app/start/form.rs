@@ -78,13 +78,13 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// The control for a field, with its error.
+    /// Creates the control for a field, with its error.
     pub fn field(&self, part: Part) -> Field<'_> {
         let error = self.errors.get(&part).map_or("", String::as_str);
         Field::new(part.label()).column(LABELS).error(error)
     }
 
-    /// Whether a field has an error.
+    /// Returns whether a field has an error.
     pub fn is_wrong(&self, part: Part) -> bool {
         self.errors.contains_key(&part)
     }
@@ -206,7 +206,8 @@ impl Form {
     }
 }
 
-/// Why results cannot be saved in this folder; `None` if no reason can be found without writing to it.
+/// Returns the reason why results cannot be saved in this folder; `None` if no reason can be found without writing to
+/// it.
 fn results_error(results: &Path) -> Option<String> {
     if results.as_os_str().is_empty() {
         return Some("no folder is given; expected a path".to_owned());

@@ -52,7 +52,7 @@ pub struct Home {
 }
 
 impl Home {
-    /// Home with the previous values of its fields.
+    /// Creates Home with the previous values of its fields.
     pub fn again(form: Form) -> Self {
         Self { form, ..Self::default() }
     }

@@ -88,7 +88,7 @@ fn pipeline(state: &RenderState) -> wgpu::RenderPipeline {
     })
 }
 
-/// The layout of egui's texture bind group: a texture, a sampler and flags.
+/// Returns the layout of egui's texture bind group: a texture, a sampler and flags.
 fn texture_entries() -> [wgpu::BindGroupLayoutEntry; 3] {
     let entry =
         |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None };
@@ -189,7 +189,7 @@ impl CallbackTrait for Blit {
 }
 
 impl Part {
-    /// The corners of a triangle strip in a window of this size.
+    /// Returns the corners of a triangle strip in a window of this size.
     fn corners(self, window: [u32; 2]) -> [[f32; 4]; 4] {
         let [width, height] = window.map(|side| side as f32);
         [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(right, down)| {

@@ -29,7 +29,7 @@ pub struct Field<'a> {
 }
 
 impl<'a> Field<'a> {
-    /// A field on one line.
+    /// Creates a field on one line.
     pub fn new(label: &'a str) -> Self {
         Self { label, name: None, hint: "", suffix: "", error: "", width: None, column: None }
     }
@@ -183,7 +183,7 @@ impl<'a> Field<'a> {
     }
 }
 
-/// A typed number; `None` if the text is not a number.
+/// Parses a typed number; `None` if the text is not a number.
 pub fn number(text: &str) -> Option<f64> {
     // Many countries use a decimal comma.
     text.trim().replace(',', ".").parse().ok().filter(|value: &f64| value.is_finite())

@@ -104,14 +104,14 @@ pub fn primary(ui: &mut Ui, text: &str, enabled: bool, hint: &str) -> bool {
     .inner
 }
 
-/// Whether a key was pressed that is meant for the page. A control with keyboard focus handles keys itself.
+/// Returns whether a key was pressed that is meant for the page. A control with keyboard focus handles keys itself.
 pub fn shortcut(ui: &Ui, key: Key) -> bool {
     let focused = ui.memory(|memory| memory.focused().is_some());
     !focused && ui.input(|input| input.key_pressed(key))
 }
 
-/// Whether Escape leaves the page. Call this before lists and dialogs are drawn, because Escape closes an open one
-/// first.
+/// Returns whether Escape leaves the page. Call this before lists and dialogs are drawn, because Escape closes an open
+/// one first.
 pub fn escaped(ui: &Ui) -> bool {
     let open = Popup::is_any_open(ui.ctx()) || !ui.memory(|memory| memory.allows_interaction(ui.layer_id()));
     !open && ui.input(|input| input.key_pressed(Key::Escape))

@@ -70,7 +70,7 @@ impl Canvas {
     }
 }
 
-/// The color of a uniform field of linear light.
+/// Returns the color of a uniform field of linear light.
 pub fn field(quantizer: &Quantizer, light: [f32; 3]) -> Color32 {
     let [r, g, b] = quantizer.codes(light).map(|code| code.min(255) as u8);
     Color32::from_rgb(r, g, b)

@@ -40,7 +40,7 @@ pub struct Platform {
 }
 
 impl Platform {
-    /// What the system reports about a monitor.
+    /// Returns what the system reports about a monitor.
     pub fn of(monitor: &Monitor) -> Self {
         let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
         match () {
@@ -92,7 +92,7 @@ impl Platform {
     }
 }
 
-/// Whether an output has the monitor's name; a monitor without a name matches every output.
+/// Returns whether an output has the monitor's name; a monitor without a name matches every output.
 fn is_it(name: &[u8], monitor: &Monitor) -> bool {
     monitor.name.as_ref().is_none_or(|wanted| wanted.as_bytes() == name)
 }
@@ -101,13 +101,13 @@ fn px(mode: &ModeInfo) -> [u32; 2] {
     [mode.width.into(), mode.height.into()]
 }
 
-/// Refreshes per second of a mode; `None` if the mode has no timing, as on virtual screens.
+/// Returns the refreshes per second of a mode; `None` if the mode has no timing, as on virtual screens.
 fn refresh_hz(mode: &ModeInfo) -> Option<f64> {
     let pixels = f64::from(mode.htotal) * f64::from(mode.vtotal);
     (mode.dot_clock > 0 && pixels > 0.0).then(|| f64::from(mode.dot_clock) / pixels)
 }
 
-/// Whether the visible part of the desktop differs in size from the mode, so that it is scaled.
+/// Returns whether the visible part of the desktop differs in size from the mode, so that it is scaled.
 pub fn is_resampled(mode: &ModeInfo, crtc: &randr::GetCrtcInfoReply) -> bool {
     let turned =
         crtc.rotation.contains(randr::Rotation::ROTATE90) || crtc.rotation.contains(randr::Rotation::ROTATE270);
@@ -115,7 +115,7 @@ pub fn is_resampled(mode: &ModeInfo, crtc: &randr::GetCrtcInfoReply) -> bool {
     (width, height) != (crtc.width, crtc.height)
 }
 
-/// Whether the driver says that the output supports variable refresh.
+/// Returns whether the driver says that the output supports variable refresh.
 fn vrr_capable(x: &RustConnection, output: randr::Output) -> Option<bool> {
     let property = x.intern_atom(true, b"vrr_capable").ok()?.reply().ok()?.atom;
     if property == x11rb::NONE {
@@ -126,8 +126,8 @@ fn vrr_capable(x: &RustConnection, output: randr::Output) -> Option<bool> {
     reply.data.first().map(|value| *value != 0)
 }
 
-/// Whether a gamma ramp leaves every code unchanged; `None` if there is no ramp. A ramp that is dark throughout, as on
-/// virtual screens, does not count.
+/// Returns whether a gamma ramp leaves every code unchanged; `None` if there is no ramp. A ramp that is dark
+/// throughout, as on virtual screens, does not count.
 fn is_straight(ramp: &[u16]) -> Option<bool> {
     let last = ramp.len().checked_sub(1).filter(|last| *last > 0 && ramp[*last] > 0)?;
     let off = |(i, value): (usize, &u16)| (f64::from(*value) - i as f64 / last as f64 * f64::from(u16::MAX)).abs();

@@ -5,7 +5,7 @@ use egui_plot::Plot;
 
 use super::text::secondary;
 
-/// A static plot. Dragging and scrolling move the page, not the plot.
+/// Creates a static plot. Dragging and scrolling move the page, not the plot.
 pub fn still_plot<'a>(id: impl AsIdSalt) -> Plot<'a> {
     Plot::new(id)
         .allow_drag(false)

@@ -37,7 +37,7 @@ pub struct Monitor {
 }
 
 impl Monitor {
-    /// The monitor that shows the window now; without a window, as in tests, a monitor of the size of the page.
+    /// Returns the monitor that shows the window now; without a window, as in tests, a monitor of the size of the page.
     pub fn current(ctx: &egui::Context, frame: &eframe::Frame) -> Self {
         if let Some(monitor) = frame.winit_window().and_then(|window| window.current_monitor()) {
             return described!(monitor);
@@ -46,13 +46,13 @@ impl Monitor {
         Self { name: None, width_px, height_px, refresh_hz: None, scale: f64::from(ctx.pixels_per_point()) }
     }
 
-    /// All monitors, in the order that [`egui::ViewportCommand::SetMonitor`] uses.
+    /// Returns all monitors, in the order that [`egui::ViewportCommand::SetMonitor`] uses.
     pub fn all(frame: &eframe::Frame) -> Vec<Self> {
         let Some(window) = frame.winit_window() else { return Vec::new() };
         window.available_monitors().map(|monitor| described!(monitor)).collect()
     }
 
-    /// Name and size, for a list to choose from.
+    /// Returns the name and size, for a list to choose from.
     pub fn title(&self) -> String {
         let size = format!("{} × {} pixels", self.width_px, self.height_px);
         match &self.name {
@@ -61,13 +61,13 @@ impl Monitor {
         }
     }
 
-    /// Width in cm if its pixels are 1/96 inch apart, as systems assume for unknown screens.
+    /// Returns the width in cm if its pixels are 1/96 inch apart, as systems assume for unknown screens.
     pub fn assumed_width_cm(&self) -> f64 {
         f64::from(self.width_px) / self.scale.max(0.1) / 96.0 * 2.54
     }
 }
 
-/// Width and height of the window's content in physical pixels.
+/// Returns the width and height of the window's content in physical pixels.
 pub fn window_px(ctx: &egui::Context) -> (u32, u32) {
     let size = ctx.content_rect().size() * ctx.pixels_per_point();
     (size.x.round() as u32, size.y.round() as u32)
@@ -96,7 +96,7 @@ impl ScreenFields {
         }
     }
 
-    /// Whether the screen's width is assumed rather than measured or typed.
+    /// Returns whether the screen's width is assumed rather than measured or typed.
     pub fn width_is_assumed(&self, monitor: &Monitor) -> bool {
         self.screen_width_cm.trim() == format!("{:.1}", monitor.assumed_width_cm())
     }

@@ -41,7 +41,7 @@ pub const MARKERS: [MarkerShape; 7] = [
 /// Colors of the left and right images in a comparison.
 pub const SIDES: [Color32; 2] = [SERIES[1], NOTE];
 
-/// Color and marker of a series. Once all colors have been used, they repeat with other markers.
+/// Returns the color and marker of a series. Once all colors have been used, they repeat with other markers.
 pub fn series(index: usize) -> (Color32, MarkerShape) {
     (SERIES[index % SERIES.len()], MARKERS[(index + index / SERIES.len()) % MARKERS.len()])
 }

@@ -76,7 +76,7 @@ impl<K: PartialEq, T: Send + 'static> Latest<K, T> {
         }
     }
 
-    /// The result for exactly this key, once it is available.
+    /// Returns the result for exactly this key, once it is available.
     pub fn get(&self, key: &K) -> Option<&Result<T, String>> {
         self.done.as_ref().filter(|(done, _)| done == key).map(|(_, result)| result)
     }

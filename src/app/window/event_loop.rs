@@ -125,7 +125,7 @@ impl<'a> Handler<'a> {
     }
 }
 
-/// The key at a position, for digits and letters only, because only these can be answers.
+/// Returns the key at a position, for digits and letters only, because only these can be answers.
 fn key(physical: PhysicalKey) -> Option<Key> {
     let PhysicalKey::Code(code) = physical else { return None };
     let name = format!("{code:?}");

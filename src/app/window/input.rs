@@ -64,7 +64,7 @@ pub struct Input {
 }
 
 impl Input {
-    /// Input with the timestamps of an event loop.
+    /// Creates input with the timestamps of an event loop.
     pub fn stamped(stamps: Stamps) -> Self {
         Self { stamps: Some(stamps), ..Self::default() }
     }
@@ -78,12 +78,12 @@ impl Input {
         self.fresh = self.stamps.as_ref().map(Stamps::take).unwrap_or_default();
     }
 
-    /// The timestamp of a key that was pressed before this frame, by position. Each is returned once, in order.
+    /// Returns the timestamp of a key that was pressed before this frame, by position. Each is returned once, in order.
     pub fn key(&mut self, place: Key) -> Option<PressTime> {
         self.find(Pressed::Key(place))
     }
 
-    /// The timestamp of the last click before this frame.
+    /// Returns the timestamp of the last click before this frame.
     pub fn click(&mut self) -> Option<PressTime> {
         let mut last = None;
         while let Some(pressed_at) = self.find(Pressed::Click) {
@@ -118,7 +118,7 @@ impl InputReport {
         }
     }
 
-    /// The summary for the sidecar.
+    /// Returns the summary for the sidecar.
     pub fn summary(&self) -> serde_json::Value {
         let mut waits = self.waits.clone();
         waits.sort_unstable();

@@ -66,7 +66,7 @@ thread_local! {
 }
 
 impl Failure {
-    /// The first reported reason.
+    /// Returns the first reported reason.
     pub fn reason(&self) -> Option<String> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -135,12 +135,12 @@ impl Shared {
         Self { program: Rc::default(), make: Rc::new(Cell::new(Some(Box::new(make)))), failure: Failure::default() }
     }
 
-    /// The failure of the window or the graphics, which is empty until they fail.
+    /// Returns the failure of the window or the graphics, which is empty until they fail.
     pub fn failure(&self) -> &Failure {
         &self.failure
     }
 
-    /// A function for eframe that creates the program.
+    /// Returns a function for eframe that creates the program.
     pub fn creator(&self) -> AppCreator<'static> {
         let shared = self.clone();
         Box::new(move |cc| {
@@ -160,7 +160,7 @@ impl Shared {
         mem::forget(AT_EXIT.take());
     }
 
-    /// Whether there has been a window.
+    /// Returns whether there has been a window.
     pub fn is_open(&self) -> bool {
         self.program.try_borrow().map_or(true, |program| program.is_some())
     }

@@ -56,7 +56,7 @@ pub struct Table {
 }
 
 impl Section {
-    /// A section without blocks.
+    /// Creates a section without blocks.
     pub fn new(id: &'static str, heading: &'static str) -> Self {
         Self { id, heading, blocks: Vec::new() }
     }

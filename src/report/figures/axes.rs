@@ -42,12 +42,12 @@ pub(super) struct Panel {
 }
 
 impl Panel {
-    /// The x coordinate at a proportion of the width, 0…1 from the left.
+    /// Returns the x coordinate at a proportion of the width, 0…1 from the left.
     pub fn x(&self, share: f64) -> f64 {
         self.left + share * self.width()
     }
 
-    /// The y coordinate of a value.
+    /// Returns the y coordinate of a value.
     pub fn y(&self, value: f64) -> f64 {
         self.bottom - (value - self.low) / (self.high - self.low) * (self.bottom - self.top)
     }
@@ -65,7 +65,7 @@ pub(super) struct Values {
 }
 
 impl Values {
-    /// An axis for the whole rating scale, even if not all of it was used.
+    /// Creates an axis for the whole rating scale, even if not all of it was used.
     pub fn ratings(counts: &Counts) -> Self {
         let values = category_values(counts);
         let (low, high) = ends(values.iter().copied()).unwrap_or((0.0, 1.0));
@@ -76,7 +76,7 @@ impl Values {
         Self { low: low - pad, high: high + pad, ticks }
     }
 
-    /// An axis from 0 to slightly above the largest value.
+    /// Creates an axis from 0 to slightly above the largest value.
     pub fn from_zero(largest: f64) -> Self {
         Self::between(0.0, if largest > 0.0 { 1.06 * largest } else { 1.0 })
     }
@@ -90,7 +90,7 @@ impl Values {
         Panel { left, right, top, bottom: top + height, low: self.low, high: self.high }
     }
 
-    /// Space that the axis and its title need to the left of the panel.
+    /// Returns the space that the axis and its title need to the left of the panel.
     pub fn margin(&self) -> f64 {
         EDGE + 1.3 * TEXT + self.widest() + TICK + 8.0
     }
@@ -147,12 +147,12 @@ impl Levels {
         Self { at, ordered, names: names.iter().map(|name| labels::level(name)).collect() }
     }
 
-    /// The smallest distance between two levels, as a proportion of the panel's width.
+    /// Returns the smallest distance between two levels, as a proportion of the panel's width.
     pub fn gap(&self) -> f64 {
         self.at.windows(2).map(|pair| pair[1] - pair[0]).fold(1.0, f64::min)
     }
 
-    /// Space that the names and a title need below a panel of this width.
+    /// Returns the space that the names and a title need below a panel of this width.
     pub fn below(&self, width: f64) -> f64 {
         below(self.labels(width).2)
     }
@@ -193,7 +193,7 @@ impl Levels {
     }
 }
 
-/// Space that names of this height and a title need below a panel.
+/// Returns the space that names of this height and a title need below a panel.
 pub(super) fn below(height: f64) -> f64 {
     TICK + 6.0 + height + 10.0 + TEXT + EDGE
 }

@@ -82,7 +82,7 @@ pub struct Series {
 }
 
 impl Series {
-    /// The style of the series with this index. No two of the first [`MAX_SERIES`] look the same, even in gray.
+    /// Returns the style of the series with this index. No two of the first [`MAX_SERIES`] look the same, even in gray.
     pub fn of(index: usize) -> Self {
         Self {
             color: ON_WHITE[index % ON_WHITE.len()],
@@ -91,7 +91,7 @@ impl Series {
         }
     }
 
-    /// The style of a chart's only series.
+    /// Returns the style of a chart's only series.
     pub fn only() -> Self {
         Self { color: BLUE, ..Self::of(0) }
     }
@@ -100,7 +100,7 @@ impl Series {
         Stroke { dash: self.dash, ..Stroke::new(self.color, 3.2) }
     }
 
-    /// The stroke of the series' intervals.
+    /// Returns the stroke of the series' intervals.
     pub fn bar(self) -> Stroke {
         Stroke::new(self.color, 2.2)
     }

@@ -31,17 +31,17 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
-    /// Name of the column with the participant ID.
+    /// Returns the name of the column with the participant ID.
     pub(super) fn subject(&self) -> &str {
         self.subject.as_deref().unwrap_or("subject_id")
     }
 
-    /// Name of the column with the response.
+    /// Returns the name of the column with the response.
     pub(super) fn response(&self) -> &str {
         self.response.as_deref().unwrap_or("rating")
     }
 
-    /// Name of the column with the count.
+    /// Returns the name of the column with the count.
     pub(super) fn count(&self) -> &str {
         self.count.as_deref().unwrap_or("count")
     }

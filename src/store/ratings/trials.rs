@@ -18,7 +18,7 @@ const RATED: u64 = 2;
 const DROPPED: u64 = 1;
 
 impl Trial {
-    /// An attempt at the trial with this number; number and attempt are both from 1 to a million.
+    /// Creates an attempt at the trial with this number; number and attempt are both from 1 to a million.
     pub fn new(phase: Phase, number: u32, attempt: u32) -> Self {
         let main = if phase == Phase::Main { MAIN } else { 0 };
         Self(main | u64::from(number) << NUMBER | u64::from(attempt) << ATTEMPT)
@@ -29,7 +29,7 @@ impl Trial {
         self.0 & MAIN != 0
     }
 
-    /// Phase, number and attempt, without the flags.
+    /// Returns the phase, number and attempt, without the flags.
     fn key(self) -> u64 {
         self.0 >> ATTEMPT
     }
@@ -131,7 +131,7 @@ impl Trials {
 }
 
 impl Session {
-    /// Index of the first file that has rows of this session.
+    /// Returns the index of the first file that has rows of this session.
     pub fn file(&self) -> usize {
         self.files[0].0
     }

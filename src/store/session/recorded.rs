@@ -67,13 +67,13 @@ impl Recorded {
         })
     }
 
-    /// The part that all file names of the session share.
+    /// Returns the part that all file names of the session share.
     pub fn stem(&self) -> String {
         let name = self.csv.file_name().unwrap_or_default().to_string_lossy();
         name.strip_suffix(DATA_FILE).unwrap_or(&name).to_owned()
     }
 
-    /// The context of the rows. Its `sitting` is a placeholder, because each row has its own.
+    /// Returns the context of the rows. Its `sitting` is a placeholder, because each row has its own.
     pub fn context(&self) -> RowContext<'_> {
         RowContext { protocol: &self.protocol, schedule: &self.schedule, identity: &self.identity, sitting: 1 }
     }

@@ -215,7 +215,7 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// The pictures for a screen: `size` pixels per side, 8 bits, no dither. None of them is hashed yet.
+    /// Creates the pictures for a screen: `size` pixels per side, 8 bits, no dither. None of them is hashed yet.
     #[must_use]
     pub fn new(protocol: &Protocol, size: u32, transfers: &Transfers, display_sha256: Option<String>) -> Self {
         let recipe = Recipe {
@@ -230,7 +230,7 @@ impl Pictures {
         Self { recipe, sha256: BTreeMap::new() }
     }
 
-    /// The pictures of a session without a screen: 256 pixels per side, sRGB. None of them is hashed yet.
+    /// Creates the pictures of a session without a screen: 256 pixels per side, sRGB. None of them is hashed yet.
     #[must_use]
     pub fn without_screen(protocol: &Protocol) -> Self {
         Self::new(protocol, SIZE_WITHOUT_SCREEN, &Transfer::Srgb.into(), None)

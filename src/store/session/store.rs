@@ -47,7 +47,7 @@ pub struct Interrupted {
 }
 
 impl Interrupted {
-    /// A session that has not shown a trial yet.
+    /// Creates a session that has not shown a trial yet.
     pub fn before_the_first_trial(schedule: Schedule) -> Self {
         let (resumed, rows) = (Resumed::default(), Vec::new());
         Self { schedule, resumed, elapsed_s: 0.0, rows, sitting: 1, partial_line: None }
@@ -170,7 +170,7 @@ impl SessionStore {
         Ok((store, interrupted))
     }
 
-    /// Path of the data file.
+    /// Returns the path of the data file.
     pub fn csv(&self) -> &Path {
         self.rows.file.path()
     }
@@ -194,7 +194,7 @@ impl SessionStore {
         }
     }
 
-    /// Name of the frames file, if it contains frames.
+    /// Returns the name of the frames file, if it contains frames.
     pub fn frames_file(&self) -> Option<String> {
         let frames = self.frames.as_ref().filter(|frames| !frames.is_empty())?;
         Some(frames.0.path().file_name()?.to_string_lossy().into_owned())

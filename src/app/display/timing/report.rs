@@ -40,13 +40,13 @@ impl TimingReport {
         Self { times, refresh, source }
     }
 
-    /// How long each frame was shown, microseconds.
+    /// Returns how long each frame was shown, in microseconds.
     #[must_use]
     pub fn intervals_us(&self) -> &[u32] {
         self.times.intervals_us()
     }
 
-    /// The findings as rows of a name and a value.
+    /// Returns the findings as rows of a name and a value.
     #[must_use]
     pub fn rows(&self) -> Vec<(&'static str, String)> {
         let ms = |p: f64| self.times.quantile(p).map_or_else(String::new, |s| format!("{:.3} ms", s * 1e3));
@@ -70,7 +70,7 @@ impl TimingReport {
         ]
     }
 
-    /// Whether there is one frame per refresh; `None` if there are too few frames to judge.
+    /// Returns whether there is one frame per refresh; `None` if there are too few frames to judge.
     #[must_use]
     pub fn is_one_by_one(&self) -> Option<bool> {
         let enough = self.intervals_us().len() >= MIN_ESTIMATE_INTERVALS;
@@ -78,7 +78,7 @@ impl TimingReport {
         enough.then_some(followed && self.times.dropped() == Some(0))
     }
 
-    /// The result in one or two sentences.
+    /// Returns the result in one or two sentences.
     #[must_use]
     pub fn verdict(&self) -> String {
         let count = self.intervals_us().len();
@@ -114,7 +114,7 @@ impl TimingReport {
         )
     }
 
-    /// Every interval as CSV: `frame` counts from 1; `dropped` is 0 or 1, or empty if unknown.
+    /// Returns every interval as CSV: `frame` counts from 1; `dropped` is 0 or 1, or empty if unknown.
     #[must_use]
     pub fn csv(&self) -> String {
         let mut text = "frame,interval_us,dropped\n".to_owned();

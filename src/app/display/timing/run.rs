@@ -81,7 +81,7 @@ pub struct TimingRun {
 }
 
 impl TimingRun {
-    /// A measurement that is ready to begin. Flicker begins only after a warning.
+    /// Creates a measurement that is ready to begin. Flicker begins only after a warning.
     pub fn new(plan: TimingPlan) -> Self {
         let quantizer = Quantizer::new(Transfer::Srgb, Bits::Eight);
         Self { plan, warned: None, frame: 0, times: FrameTimes::default(), quantizer, picture: None }
@@ -110,7 +110,7 @@ impl TimingRun {
         (measured.len() >= self.plan.frames as usize).then(|| TimingReport::new(measured, monitor))
     }
 
-    /// The background color of the page.
+    /// Returns the background color of the page.
     pub fn ground(&self) -> Color32 {
         match self.plan.scene {
             // Black, so that nothing of the warning page remains behind the patch.
@@ -137,7 +137,7 @@ impl TimingRun {
     }
 }
 
-/// A different stimulus for each trial.
+/// Returns a different stimulus for each trial.
 fn stimulus(trial: u32) -> Stimulus {
     let mut stimulus = Stimulus::MachBand(MachBand::default());
     // Cannot fail: the orientation is valid for every Mach band.
@@ -206,7 +206,7 @@ impl TimingPage {
         self.done
     }
 
-    /// The background color of the page.
+    /// Returns the background color of the page.
     pub fn ground(&self) -> Color32 {
         self.run.ground()
     }

@@ -67,7 +67,7 @@ impl TimingTool {
         Step::back_if(back)
     }
 
-    /// The background color of the page.
+    /// Returns the background color of the page.
     pub fn ground(&self) -> Color32 {
         self.run.as_ref().map_or(PAGE, TimingRun::ground)
     }

@@ -65,13 +65,13 @@ impl Default for ViewSettings {
 }
 
 impl ViewSettings {
-    /// First column of the right picture.
+    /// Returns the first column of the right picture.
     pub fn column(&self, width: u32) -> u32 {
         (self.divider.clamp(0.0, 1.0) * f64::from(width)).round() as u32
     }
 }
 
-/// The largest rectangle of whole physical pixels in `area`, and its size in pixels.
+/// Returns the largest rectangle of whole physical pixels in `area`, and its size in pixels.
 pub fn whole_pixels(ctx: &egui::Context, area: Rect) -> (Rect, [u32; 2]) {
     let scale = ctx.pixels_per_point();
     let low = (area.min.to_vec2() * scale).ceil();
@@ -145,7 +145,8 @@ fn keys(ui: &egui::Ui, response: &Response, compared: &mut Comparison, settings:
     }
 }
 
-/// Number of presses of the right and down arrow keys (left and up are negative) for the control with keyboard focus.
+/// Returns the number of presses of the right and down arrow keys (left and up are negative) for the control with
+/// keyboard focus.
 fn arrows(ui: &egui::Ui, response: &Response) -> [f64; 2] {
     let arrows = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..Default::default() };
     ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));

@@ -53,7 +53,7 @@ impl Default for Comparison {
 }
 
 impl Comparison {
-    /// The image of `frame` as the renderer `side` draws it.
+    /// Returns the image of `frame` as the renderer `side` draws it.
     pub fn shot<'f>(&self, side: &Renderer, frame: &'f crate::shading::Frame) -> Shot<'f> {
         side.shoot(frame, &(&self.transfer).into())
     }
@@ -66,7 +66,7 @@ impl Comparison {
         self.scene.rotate_deg = [x, y, z].map(f64::to_degrees);
     }
 
-    /// Direction of the light in degrees: to the right of the eye, and above it.
+    /// Returns the direction of the light in degrees: to the right of the eye, and above it.
     #[must_use]
     pub fn light_deg(&self) -> [f64; 2] {
         let toward = self.scene.light.normalize_or(DVec3::Z);
@@ -86,7 +86,7 @@ impl Comparison {
         self.set_light_deg([from_right + right, from_up + up]);
     }
 
-    /// All parameters, so that anyone can reproduce the image.
+    /// Returns all parameters, so that anyone can reproduce the image.
     #[must_use]
     pub fn describe(&self) -> Value {
         let side = |side: &Renderer| {
@@ -132,7 +132,7 @@ impl MeshChoice {
     }
 }
 
-/// The name of a renderer on the page, including the options that have an effect.
+/// Returns the name of a renderer on the page, including the options that have an effect.
 #[must_use]
 pub fn title(renderer: &Renderer) -> String {
     let shade = renderer.shade;
@@ -155,14 +155,14 @@ pub fn title(renderer: &Renderer) -> String {
     text
 }
 
-/// The name of a shader on the page: "Gradient, repaired" for "gradient-repaired".
+/// Returns the name of a shader on the page: "Gradient, repaired" for "gradient-repaired".
 pub fn shader_title(shader: Shader) -> String {
     let (first, rest) = shader.name().split_at(1);
     let printed = if matches!(shader, Shader::Fixed | Shader::Gradient) { ", as printed" } else { "" };
     format!("{}{}{printed}", first.to_uppercase(), rest.replace('-', ", "))
 }
 
-/// The continuity depth on the page.
+/// Returns the continuity depth on the page.
 pub fn depth_title(depth: Depth) -> String {
     if depth == Depth::Infinite { "∞".to_owned() } else { depth.to_string() }
 }
@@ -172,8 +172,8 @@ fn rounded(value: f64) -> f64 {
     (value * 1000.0).round() / 1000.0
 }
 
-/// The presets: the initial comparison and the figures of the paper. Each has a mesh and the shader to compare with
-/// Gouraud's. The views and lights of the paper's figures are unknown.
+/// Returns the presets: the initial comparison and the figures of the paper. Each has a mesh and the shader to compare
+/// with Gouraud's. The views and lights of the paper's figures are unknown.
 pub fn presets() -> Vec<(&'static str, MeshChoice, Shade)> {
     let fixed = |n, boundary| Shade { depth: Depth::Finite(n), boundary, ..Shade::new(Shader::Fixed) };
     let vertex = |n, b| Shade { vertex: Correction::Printed, ..fixed(n, b) };

@@ -59,8 +59,8 @@ impl Export {
     }
 }
 
-/// The parameters of the view, for the exported file. `full_scale` is the strength that is drawn lightest or darkest in
-/// a map of predicted bands.
+/// Returns the parameters of the view, for the exported file. `full_scale` is the strength that is drawn lightest or
+/// darkest in a map of predicted bands.
 pub fn parameters(
     compared: &Comparison,
     settings: &ViewSettings,
@@ -88,7 +88,7 @@ pub fn parameters(
     all
 }
 
-/// A file name that says what is compared.
+/// Returns a file name that says what is compared.
 fn suggested(compared: &Comparison) -> String {
     let mesh = compared.mesh.title();
     let [left, right] = compared.sides.map(|side| side.shade.shader);

@@ -58,12 +58,12 @@ impl Measurement {
         });
     }
 
-    /// The measurement of this version of the images, if available.
+    /// Returns the measurement of this version of the images, if available.
     pub fn get(&self, edition: u64) -> Option<&Measured> {
         self.latest.get(&edition)?.as_ref().ok()
     }
 
-    /// The maps as textures, if available.
+    /// Returns the maps as textures, if available.
     pub fn textures(&mut self, ctx: &egui::Context, edition: u64) -> Option<&[TextureHandle; 2]> {
         let Some(Ok(measured)) = self.latest.get(&edition) else { return None };
         if self.textures.as_ref().is_none_or(|(of, _)| *of != edition) {
@@ -115,8 +115,8 @@ pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 
     })
 }
 
-/// The size of the image used for predictions of images of `size` pixels. The aspect ratio is the same, but the shorter
-/// side is limited.
+/// Returns the size of the image used for predictions of images of `size` pixels. The aspect ratio is the same, but the
+/// shorter side is limited.
 #[must_use]
 pub fn predicted_size(size: [u32; 2]) -> [u32; 2] {
     let shorter = size[0].min(size[1]).max(1);
@@ -174,7 +174,7 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// The curves along the scan line, or `before` if they are up to date.
+    /// Returns the curves along the scan line, or `before` if they are up to date.
     pub fn updated(before: Option<Scan>, pictures: &Pictures, line: [Pos2; 2]) -> Scan {
         if let Some(before) = before.filter(|before| before.edition == pictures.edition && before.line == line) {
             return before;

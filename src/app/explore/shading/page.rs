@@ -261,7 +261,7 @@ impl ShadingPage {
         self.pictures = Some(pictures);
     }
 
-    /// The measurement with the maps to show; `None` if no maps are shown.
+    /// Returns the measurement with the maps to show; `None` if no maps are shown.
     fn mapped(&self) -> Option<&Measurement> {
         match self.settings.layer {
             Layer::Split | Layer::Difference => None,
@@ -336,7 +336,7 @@ impl ShadingPage {
         );
     }
 
-    /// The pixels of the view as on the screen, but without overlays.
+    /// Returns the pixels of the view as on the screen, but without overlays.
     fn pixels(&self) -> Option<CodeImage> {
         let pictures = self.pictures.as_ref()?;
         if self.settings.layer == Layer::Difference {

@@ -48,12 +48,12 @@ impl Drawer {
         Drawer { canvases: Default::default(), gpu, wanted: if is_fast { DrawnBy::Gpu } else { DrawnBy::Cpu } }
     }
 
-    /// The processor that draws.
+    /// Returns the processor that draws.
     pub fn by(&self) -> DrawnBy {
         if self.gpu.is_ok() { self.wanted } else { DrawnBy::Cpu }
     }
 
-    /// The name of the processor that draws.
+    /// Returns the name of the processor that draws.
     pub fn name(&self) -> String {
         match self.by() {
             DrawnBy::Cpu => "CPU".to_owned(),
@@ -61,7 +61,7 @@ impl Drawer {
         }
     }
 
-    /// The name of the graphics card, or the reason why it cannot draw.
+    /// Returns the name of the graphics card, or the reason why it cannot draw.
     pub fn gpu_name(&self) -> Result<String, &str> {
         self.gpu.as_ref().map(WindowGpu::name).map_err(String::as_str)
     }
@@ -104,7 +104,7 @@ enum Image {
 }
 
 impl Picture {
-    /// The picture's texture in egui.
+    /// Returns the picture's texture in egui.
     pub fn id(&self) -> TextureId {
         match &self.image {
             Image::Cpu(_, texture) => texture.id(),
@@ -112,7 +112,7 @@ impl Picture {
         }
     }
 
-    /// The picture's codes; `None` if they cannot be read back from the graphics card.
+    /// Returns the picture's codes; `None` if they cannot be read back from the graphics card.
     pub fn codes(&self) -> Option<CodeImage> {
         match &self.image {
             Image::Cpu(pixels, _) => {
@@ -143,7 +143,7 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// The pictures of `compared`, or `before` if it is up to date.
+    /// Returns the pictures of `compared`, or `before` if it is up to date.
     pub fn updated(
         ctx: &egui::Context,
         before: Option<Pictures>,
@@ -180,8 +180,8 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// The difference of `pictures` times `factor`, or `before` if it is up to date; `None` if an image cannot be read
-    /// back from the graphics card.
+    /// Returns the difference of `pictures` times `factor`, or `before` if it is up to date; `None` if an image cannot
+    /// be read back from the graphics card.
     pub fn updated(ctx: &egui::Context, before: Option<Self>, pictures: &Pictures, factor: u8) -> Option<Difference> {
         if let Some(before) = before.filter(|d| d.edition == pictures.edition && d.factor == factor) {
             return Some(before);
@@ -194,7 +194,7 @@ impl Difference {
     }
 }
 
-/// The left image up to a column and the right image from that column on, as at the divider.
+/// Returns the left image up to a column and the right image from that column on, as at the divider.
 pub fn divided([left, right]: [&CodeImage; 2], column: u32) -> CodeImage {
     combined(left, right, |x, left, right| if x < column { left } else { right })
 }
@@ -224,7 +224,7 @@ struct GpuPicture {
 }
 
 impl WindowGpu {
-    /// The card that draws the window.
+    /// Returns the card that draws the window.
     ///
     /// # Errors
     /// If its device cannot run the shaders.
@@ -233,7 +233,7 @@ impl WindowGpu {
         Ok(WindowGpu { state: state.clone(), gpu, info: state.adapter.get_info() })
     }
 
-    /// The name of the card and of its graphics interface.
+    /// Returns the name of the card and of its graphics interface.
     fn name(&self) -> String {
         format!("{}, {:?}", self.info.name, self.info.backend)
     }
