@@ -40,7 +40,7 @@ plain_cell! {
 }
 
 impl Cell for Timestamp {
-    /// Written to the millisecond.
+    /// Writes the time to the millisecond.
     fn to_cell(&self) -> String {
         format!("{self:.3}")
     }

@@ -22,7 +22,7 @@ pub struct GeometryPage {
 }
 
 impl GeometryPage {
-    /// `window_deg` is the planned stimulus size in degrees.
+    /// Creates the page; `window_deg` is the planned stimulus size in degrees.
     pub fn new(window_deg: f64) -> Self {
         Self { window_deg: window_deg.to_string(), reported_cm: None, card: None }
     }

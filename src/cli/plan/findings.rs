@@ -247,7 +247,7 @@ fn people(number: u32) -> String {
     count(number.into(), "participant")
 }
 
-/// `83.5 % (77.6–88.4 %)`.
+/// Formats a power with its interval: `83.5 % (77.6–88.4 %)`.
 fn with_interval(power: &Power) -> String {
     let interval = power.interval();
     let [low, high] = [interval.low, interval.high].map(|end| rounded(100.0 * end, 1));

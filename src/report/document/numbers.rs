@@ -94,12 +94,12 @@ pub fn percent(proportion: f64) -> String {
     format!("{}{NBSP}%", fixed(percent, decimals))
 }
 
-/// `1 session`, `2 sessions`.
+/// Formats a count with its noun, which must have a regular plural: `1 session`, `2 sessions`.
 pub fn count(number: u64, one: &str) -> String {
     if number == 1 { format!("1 {one}") } else { format!("{} {one}s", whole(number)) }
 }
 
-/// `a, b and c`.
+/// Formats a list: `a, b and c`.
 pub fn list<S: AsRef<str>>(items: &[S]) -> String {
     let items: Vec<&str> = items.iter().map(AsRef::as_ref).collect();
     match items.as_slice() {

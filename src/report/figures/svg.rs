@@ -41,12 +41,12 @@ impl Font {
         Self { bold: true, ..self }
     }
 
-    /// The text runs from bottom to top.
+    /// Makes the text run from bottom to top.
     pub const fn upright(self) -> Self {
         Self { upright: true, ..self }
     }
 
-    /// The top of the text is at its position; other text is vertically centered there.
+    /// Puts the top of the text at its position; other text is vertically centered there.
     pub const fn below(self) -> Self {
         Self { below: true, ..self }
     }

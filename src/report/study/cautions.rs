@@ -78,7 +78,7 @@ fn errors(source: &Source) -> Option<String> {
     (!source.errors.is_empty()).then(|| format!("The input has {messages} in {files}; see “Data quality”."))
 }
 
-/// Absence of evidence is not evidence of absence.
+/// Warns that a missing effect proves nothing: absence of evidence is not evidence of absence.
 fn nothing_found(results: &Results) -> Option<String> {
     let unclear: Vec<&str> = names::varied(results)
         .filter(|factor| findings::evidence(results, factor).is_some_and(|evidence| evidence.p >= ALPHA))

@@ -51,7 +51,7 @@ pub struct Patch {
 }
 
 impl Default for Patch {
-    /// Small, so that it stimulates as little of the retina as possible.
+    /// Returns a small patch, so that it stimulates as little of the retina as possible.
     fn default() -> Self {
         Self { size_px: 96, place: Place::Corner }
     }
