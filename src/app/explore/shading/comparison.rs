@@ -109,7 +109,7 @@ impl Comparison {
 }
 
 impl MeshChoice {
-    /// Its name on the page; for a file, without the folder.
+    /// Returns its name on the page; for a file, without the folder.
     #[must_use]
     pub fn title(&self) -> String {
         match self {
