@@ -126,7 +126,7 @@ fn warn(place: &str, profile: &DisplayProfile) {
     }
 }
 
-/// Today's date in UTC.
+/// Returns today's date in UTC.
 fn today() -> jiff::civil::Date {
     jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date()
 }

@@ -102,7 +102,7 @@ impl ScreenFields {
     }
 }
 
-/// Today's date, according to the system clock.
+/// Returns today's date, according to the system clock.
 pub fn today() -> jiff::civil::Date {
     jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date()
 }
