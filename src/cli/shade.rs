@@ -158,10 +158,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if frame.triangles.is_empty() {
         anyhow::bail!("{}: no triangle faces the viewer; expected at least one", arguments.mesh);
     }
-    let several = surface.edges.edges.iter().filter(|edge| edge.kind == EdgeKind::NonManifold).count();
-    if several > 0 {
+    let non_manifold = surface.edges.edges.iter().filter(|edge| edge.kind == EdgeKind::NonManifold).count();
+    if non_manifold > 0 {
         note(&format!(
-            "{}: shading is not smooth across edges that belong to more than two triangles, or to neighbors with opposite winding ({several} found)",
+            "{}: shading is not smooth across edges that belong to more than two triangles, or to neighbors with opposite winding ({non_manifold} found)",
             arguments.mesh
         ));
     }

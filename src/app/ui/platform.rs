@@ -68,7 +68,7 @@ impl Platform {
         let resources = x.randr_get_screen_resources_current(root).ok()?.reply().ok()?;
         for output in resources.outputs {
             let info = x.randr_get_output_info(output, resources.config_timestamp).ok()?.reply().ok()?;
-            if info.crtc == x11rb::NONE || !is_it(&info.name, monitor) {
+            if info.crtc == x11rb::NONE || !matches_name(&info.name, monitor) {
                 continue;
             }
             let mode = |id: u32| resources.modes.iter().find(|mode| mode.id == id);
@@ -93,7 +93,7 @@ impl Platform {
 }
 
 /// Returns whether an output has the monitor's name; a monitor without a name matches every output.
-fn is_it(name: &[u8], monitor: &Monitor) -> bool {
+fn matches_name(name: &[u8], monitor: &Monitor) -> bool {
     monitor.name.as_ref().is_none_or(|wanted| wanted.as_bytes() == name)
 }
 

@@ -94,7 +94,7 @@ pub fn read<T: Send>(
         errors.extend(wrong);
     }
     if reports.iter().all(|report| report.ratings == 0) {
-        errors.push(nothing(&reports));
+        errors.push(no_row_counts(&reports));
         return Err(in_order(errors, &files));
     }
     let errors = in_order(errors, &files).0;
@@ -329,7 +329,7 @@ fn sha256(input: &Input) -> Option<String> {
 }
 
 /// Returns the error that no row counts, with the reasons.
-fn nothing(reports: &[FileRead]) -> FileError {
+fn no_row_counts(reports: &[FileRead]) -> FileError {
     let sum = |of: fn(&FileRead) -> u64| reports.iter().map(of).sum::<u64>();
     let parts = [
         (sum(|report| report.practice), "from practice"),

@@ -203,7 +203,7 @@ pub fn draw_marks(ui: &egui::Ui, rect: Rect, compared: &Comparison, settings: &V
         let toward = compared.scene.light.normalize_or_zero();
         let radius = 0.45 * rect.width().min(rect.height());
         let at = rect.center() + Vec2::new(toward.x as f32, -toward.y as f32) * radius;
-        sun(&painter, at, toward.z >= 0.0);
+        draw_light_mark(&painter, at, toward.z >= 0.0);
     }
 }
 
@@ -228,7 +228,7 @@ fn grip(painter: &egui::Painter, at: Pos2) {
 }
 
 /// Marks the position of the light; the mark is hollow if the light is behind the surface.
-fn sun(painter: &egui::Painter, at: Pos2, before: bool) {
+fn draw_light_mark(painter: &egui::Painter, at: Pos2, before: bool) {
     let fill = if before { theme::NOTE } else { Color32::TRANSPARENT };
     painter.circle(at, 6.0, fill, Stroke::new(1.5, theme::NOTE));
     for ray in 0..8 {
