@@ -21,7 +21,8 @@
 //! | 4 | [`analysis`] | ordinal models and tests, computed from counts of ratings |
 //! | 4 | [`store`] | every file format |
 //! | 5 | [`report`] | tables, figures and study reports |
-//! | 6 | [`app`], [`cli`] | the window; the commands |
+//! | 6–11 | [`app`] | the window, whose own modules have these floors |
+//! | 11 | [`cli`] | the commands, of which `run` uses the window |
 //!
 //! Sources: Bangay, *Methods of Reducing the Visibility of Mach Bands during Gouraud Shading*; Shoaff,
 //! *Color, Illumination Models, and Shading*.

@@ -1,4 +1,4 @@
-//! Floor 6: the window and all its pages. No other floor uses it.
+//! Floors 6 to 11: the window and all its pages. No other floor uses it.
 //!
 //! | room | contents |
 //! |---|---|

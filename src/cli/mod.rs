@@ -1,4 +1,4 @@
-//! Floor 6: the commands, which do the same work as the window without opening one.
+//! Floor 11: the commands, which do the same work as the window without opening one.
 //!
 //! The exit status is 0 for success, 1 for a failure, and 2 for wrong usage. Errors go to stderr as `error: WHERE: what
 //! is wrong; what is expected`, warnings go to stderr as `warning: WHERE: …`, and data go to stdout or the named files.

@@ -2,6 +2,7 @@
 
 use std::{
     collections::BTreeMap,
+    io::ErrorKind,
     path::{Path, PathBuf},
 };
 
@@ -111,7 +112,7 @@ impl RowErrors {
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
     /// An I/O error.
-    #[error("{}: cannot {action}: {source}; expected a readable and writable path", path.display())]
+    #[error("{}: cannot {action}: {source}; expected {}", path.display(), expected(source))]
     Io {
         /// The file or folder.
         path: PathBuf,
@@ -169,6 +170,16 @@ impl StoreError {
     /// Creates an I/O error with the path and the attempted action.
     pub fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
         Self::Io { path: path.to_owned(), action, source }
+    }
+}
+
+/// Says what was expected where the system reported an error.
+fn expected(error: &std::io::Error) -> &'static str {
+    match error.kind() {
+        ErrorKind::NotFound => "a path that exists",
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "permission to do this",
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "enough free space",
+        _ => "a readable and writable path",
     }
 }
 

@@ -37,6 +37,18 @@ pub fn machband<S: AsRef<OsStr>>(folder: &Path, arguments: &[S]) -> Output {
     command(folder, arguments).output().unwrap()
 }
 
+/// Whether there is a graphics adapter. Panics if there is none and `MACHBAND_REQUIRE_GPU` is set.
+pub fn has_graphics() -> bool {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let found = !pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all())).is_empty();
+    assert!(found || std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "no graphics adapter, but one is required");
+    if !found {
+        // Not with `eprintln!`, because the test harness captures it.
+        let _ = writeln!(std::io::stderr(), "SKIPPED: a test that renders the window: no graphics adapter");
+    }
+    found
+}
+
 /// The header information and the samples of a PNG.
 pub fn pixels(path: &Path) -> (png::Info<'static>, Vec<u8>) {
     let mut reader = png::Decoder::new(std::io::BufReader::new(fs::File::open(path).unwrap())).read_info().unwrap();

@@ -17,7 +17,7 @@ use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
 use super::{
     eye::matched_code,
-    window::{Window, click, has_graphics, home, press, type_into, value},
+    window::{Window, click, home, press, type_into, value},
 };
 
 const GAMMAS: [f64; 3] = [1.9, 2.2, 2.5];
@@ -86,7 +86,7 @@ fn show_patches(csv: &Path) -> Window {
 
 #[test]
 fn patches_are_read_and_become_a_profile() {
-    if !has_graphics() {
+    if !crate::common::has_graphics() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();

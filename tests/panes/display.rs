@@ -22,8 +22,7 @@ use machband::{
 use super::{
     common::machband,
     window::{
-        self, Window, builder, click, has_graphics, home, press, type_into, value, wait_for, walk_to_first_trial,
-        wrong_pixels,
+        self, Window, builder, click, home, press, type_into, value, wait_for, walk_to_first_trial, wrong_pixels,
     },
 };
 
@@ -68,7 +67,7 @@ fn sidecar(results: &Path) -> Sidecar {
 /// At every scale, the screen shows exactly the bytes that `machband stimulus` writes with the same profile.
 #[test]
 fn with_a_profile_the_screen_shows_what_the_command_writes() {
-    if !has_graphics() {
+    if !crate::common::has_graphics() {
         return;
     }
     for scale in [1.0, 1.25, 1.5, 2.0] {

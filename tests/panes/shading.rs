@@ -14,7 +14,7 @@ use machband::{
     stimulus::Renderer,
 };
 
-use crate::window::{Window, builder, choose, click, has_graphics, type_into, value};
+use crate::window::{Window, builder, choose, click, type_into, value};
 
 /// Opens the page from Home without rendering it.
 fn open() -> Window {
@@ -23,7 +23,7 @@ fn open() -> Window {
 
 /// Opens the page with rendering, drawn by the CPU; `None` if there is no graphics adapter.
 fn open_with_pixels(scale: f32) -> Option<Window> {
-    if !has_graphics() {
+    if !crate::common::has_graphics() {
         return None;
     }
     let builder = builder([1000.0, 800.0], 1.0 / 60.0).with_pixels_per_point(scale);

@@ -3,7 +3,7 @@
 // The tests of each page use only some of these functions.
 #![allow(dead_code)]
 
-use std::{io::Write as _, path::Path, time::Duration};
+use std::{path::Path, time::Duration};
 
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::{
@@ -32,18 +32,6 @@ pub fn home(size: [f32; 2], step_s: f32) -> Window {
     window.set_render_cursor(false);
     window.run_steps(3);
     window
-}
-
-/// Whether there is a graphics adapter. Panics if there is none and `MACHBAND_REQUIRE_GPU` is set.
-pub fn has_graphics() -> bool {
-    let instance = eframe::wgpu::Instance::new(eframe::wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-    let found = !pollster::block_on(instance.enumerate_adapters(eframe::wgpu::Backends::all())).is_empty();
-    assert!(found || std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "no graphics adapter, but one is required");
-    if !found {
-        // Not with `eprintln!`, because the test harness captures it.
-        let _ = writeln!(std::io::stderr(), "SKIPPED: a test that renders the window: no graphics adapter");
-    }
-    found
 }
 
 pub fn press(window: &mut Window, key: Key) {

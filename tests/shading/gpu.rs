@@ -1,5 +1,7 @@
 //! Compares the shaders on a graphics card, often a software renderer, with the plain f64 reference.
 
+use std::io::Write as _;
+
 use glam::DVec3;
 use machband::{
     light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Transfer, TransferTable},
@@ -27,7 +29,8 @@ fn device(
         Ok(adapter) => adapter,
         Err(error) => {
             assert!(std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "{error}, and one is required");
-            println!("SKIPPED: {error}");
+            // Not with `eprintln!`, because the test harness captures it.
+            let _ = writeln!(std::io::stderr(), "SKIPPED: a test of the graphics card: {error}");
             return None;
         }
     };

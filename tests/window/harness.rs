@@ -121,6 +121,9 @@ impl Harness {
             let _ = writeln!(std::io::stderr(), "SKIPPED: a test of the window: {missing} not found");
             return None;
         }
+        if !crate::common::has_graphics() {
+            return None;
+        }
         let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
         let dir = tempfile::tempdir().unwrap();
         for folder in ["screen", "runtime", "home"] {

@@ -25,7 +25,7 @@ use crate::{
         prediction::StudyPrediction,
         study::{Parts, document},
     },
-    store::ratings::{Layout, ReadOptions, SessionRead, Source},
+    store::ratings::{ReadOptions, SessionRead, Source},
 };
 
 /// Maximum number of listed errors.
@@ -273,10 +273,7 @@ impl OpenStudy {
             if ui.button("Other data…").clicked() {
                 self.request = Some(Request::OtherData);
             }
-            let has_named = self.read_options.subject.is_some();
-            if (has_named || source.files.iter().any(|file| file.layout == Layout::Long))
-                && ui.button("Columns…").clicked()
-            {
+            if self.read_options.subject.is_some() && ui.button("Columns…").clicked() {
                 self.request = Some(Request::Columns);
             }
         });
