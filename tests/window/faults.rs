@@ -16,6 +16,8 @@ fn a_smaller_screen_pauses_the_session() {
     harness.rate(&csv, pattern(1));
     harness.stimulus();
     harness.set_mode((640, 300), 60 * 640 * 300);
+    // Until the window has followed the screen, the trial continues and a key would count.
+    harness.at_rest();
     harness.until("the pause page", |harness| harness.shown() == Shown::Page);
     harness.press("2");
     harness.press("space");
