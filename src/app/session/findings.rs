@@ -262,7 +262,7 @@ pub fn light_steps(protocol: &Protocol) -> PreflightNote {
     let warning = match gentle {
         true => "Nothing flickers.",
         false => {
-            "The definition requires this; it is not suitable for people who cannot tolerate sudden changes of \
+            "The definition requires this; it is not suitable for people who cannot tolerate sudden changes in \
             light."
         }
     };
