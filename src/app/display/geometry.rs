@@ -100,7 +100,7 @@ impl GeometryPage {
         let least = f64::from(screen.width_px().min(screen.height_px()));
         if wanted <= least {
             ui.label(format!(
-                "A {planned}° stimulus needs {wanted:.0} × {wanted:.0} pixels. It fits and spans {:.0} % of the \
+                "The {planned}° stimulus needs {wanted:.0} × {wanted:.0} pixels. It fits and spans {:.0} % of the \
                     screen's shorter side.",
                 100.0 * wanted / least
             ));
@@ -108,7 +108,7 @@ impl GeometryPage {
             show_error(
                 ui,
                 format!(
-                    "A {planned}° stimulus needs {wanted:.0} × {wanted:.0} pixels; only {:.0} % of its width fits. It \
+                    "The {planned}° stimulus needs {wanted:.0} × {wanted:.0} pixels; only {:.0} % of its width fits. It \
                         fits at a viewing distance of {:.0} cm or less.",
                     100.0 * least / wanted,
                     distance_cm(planned, screen.width_cm().min(screen.height_cm())).floor()

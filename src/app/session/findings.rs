@@ -242,7 +242,7 @@ fn geometry(
     let sentence = match fits {
         true => format!("The {deg}° stimulus is {size_px} × {size_px} pixels and fits."),
         false => format!(
-            "A {deg}° stimulus needs {size_px} × {size_px} pixels; the window has {width} × {height}. Sit closer, or use a larger screen."
+            "The {deg}° stimulus needs {size_px} × {size_px} pixels; the window has {width} × {height}. Sit closer, or use a larger screen."
         ),
     };
     notes.push(note("stimulus_fits", fits, sentence));

@@ -198,7 +198,7 @@ impl Form {
         let least = monitor.width_px.min(monitor.height_px);
         if side > least {
             let error = format!(
-                "A {deg}° stimulus needs {side} px; the screen has {least}; expected a shorter distance or a larger screen"
+                "The {deg}° stimulus needs {side} px; the screen has {least}; expected a shorter distance or a larger screen"
             );
             errors.insert(Part::Distance, error);
         }
