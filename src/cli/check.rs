@@ -88,7 +88,7 @@ fn sentence(found: &verify::Verified) -> String {
             count(*pictures as u64, "picture")
         ),
         if !errors.is_empty() {
-            count(errors.len() as u64, "ERROR")
+            count(errors.len() as u64, "error")
         } else if *sealed {
             "unchanged since it was recorded".to_owned()
         } else {
