@@ -54,7 +54,12 @@ pub(super) fn read_bytes(path: &Path, most: u64, expected: &str) -> Result<Vec<u
 
 /// Returns the SHA-256 in lowercase hexadecimal.
 pub(super) fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+/// Formats bytes in lowercase hexadecimal.
+pub(super) fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Suffix of a temporary file.

@@ -4,6 +4,7 @@ pub mod dataset;
 pub mod frames;
 pub mod recorded;
 pub mod results;
+pub mod seal;
 pub mod sidecar;
 mod store;
 pub mod verify;

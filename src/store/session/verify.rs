@@ -13,14 +13,11 @@ use super::{
     dataset::{DATA_FILE, SIDECAR_SUFFIX},
     frames,
     recorded::Recorded,
+    seal,
 };
 use crate::{
     stimulus::recipe::Recipe,
-    store::{
-        FileError, FileErrors, definition,
-        file::{TEMPORARY, sha256},
-        image,
-    },
+    store::{FileError, FileErrors, definition, file::TEMPORARY, image},
 };
 
 /// The findings about one session.
@@ -132,29 +129,15 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
 
 /// Checks that the files have not changed since the session ended.
 fn check_seal(recorded: &Recorded, found: &mut Verified) {
-    let Some(seal) = &recorded.sidecar.seal else {
+    if recorded.sidecar.seal.is_none() {
         let ended = recorded.sidecar.complete;
         let why =
             if ended { "not sealed: recorded by an earlier version" } else { "not sealed: the session did not end" };
         found.notes.push(why.to_owned());
         return;
-    };
-    found.sealed = true;
-    let mut touched = |path: &Path, is: Option<String>, was: &str| {
-        let message = match is {
-            Some(is) if is == was => return,
-            Some(is) => format!("was changed since the session ended: sha256 {is}; expected {was}"),
-            None => "no longer exists; expected the file that the session wrote".to_owned(),
-        };
-        found.errors.push(FileError::whole(path, message));
-    };
-    let of = |path: &Path| fs::read(path).ok().map(|content| sha256(&content));
-    touched(&recorded.csv, of(&recorded.csv), &seal.data_sha256);
-    touched(&recorded.sidecar_path, Some(recorded.sidecar.own_sha256()), &seal.sidecar_sha256);
-    if let Some(was) = &seal.frames_sha256 {
-        let path = recorded.csv.with_file_name(recorded.stem() + frames::SUFFIX);
-        touched(&path, of(&path), was);
     }
+    found.sealed = true;
+    found.errors.extend(seal::errors(&recorded.csv, &recorded.sidecar));
 }
 
 fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Verified) {
