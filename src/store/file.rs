@@ -4,7 +4,7 @@ use std::{
     fs::{self, File, OpenOptions, TryLockError},
     io::{Error, ErrorKind, Read as _, Seek as _, SeekFrom, Write as _},
     path::{Path, PathBuf},
-    time::Duration,
+    time::{Duration, SystemTime},
 };
 
 use sha2::{Digest as _, Sha256};
@@ -62,8 +62,16 @@ pub(super) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Suffix of a temporary file.
-pub(super) const TEMPORARY: &str = ".tmp";
+/// Beginning and end of what follows the name of a file in the name of its temporary file,
+/// `NAME.machband-RANDOM.tmp`. Temporary files of other programs lack the marker and are never touched.
+const TEMPORARY: [&str; 2] = [".machband-", ".tmp"];
+
+/// Returns the name of the file for which a temporary file of this program was made; `None` for any other name.
+pub(super) fn temporary_for(name: &str) -> Option<&str> {
+    let [marker, suffix] = TEMPORARY;
+    let (name, random) = name.strip_suffix(suffix)?.rsplit_once(marker)?;
+    (!random.is_empty() && random.bytes().all(|byte| byte.is_ascii_alphanumeric())).then_some(name)
+}
 
 /// Writes a JSON file atomically and syncs it to disk.
 ///
@@ -95,10 +103,11 @@ pub(super) fn write_whole(path: &Path, content: &[u8], durable: bool) -> Result<
 
 /// Writes a temporary file next to `path` and renames it. The temporary file is removed if anything fails.
 fn write_beside(path: &Path, content: &[u8], durable: bool) -> std::io::Result<()> {
+    let [marker, suffix] = TEMPORARY;
     let mut prefix = path.file_name().unwrap_or_default().to_owned();
-    prefix.push(".");
+    prefix.push(marker);
     let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(TEMPORARY);
+    builder.prefix(&prefix).suffix(suffix);
     // These are the permissions of a regular file; by default, only the owner could read a temporary file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -128,15 +137,19 @@ pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Removes the temporary files with this `prefix` that killed programs left in a folder. Only files older than `age`
-/// are removed, because another program may still be using newer ones. A file that cannot be removed does no harm.
-pub(super) fn remove_temporary(folder: &Path, prefix: &str, age: Duration) {
+/// Removes the temporary files that killed programs left in a folder: those for the file with this `name`, or for any
+/// file. Only regular files with the marker of this program that are older than `age` are removed, because another
+/// program may still be using newer ones. A file that cannot be removed does no harm.
+pub(super) fn remove_temporary(folder: &Path, name: Option<&str>, age: Duration) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let name = entry.file_name();
-        let is_temporary = name.to_str().is_some_and(|name| name.starts_with(prefix) && name.ends_with(TEMPORARY));
-        let modified = entry.metadata().and_then(|metadata| metadata.modified());
-        let is_old = age.is_zero() || modified.ok().and_then(|time| time.elapsed().ok()).is_some_and(|a| a > age);
-        if is_temporary && is_old {
+        let entry_name = entry.file_name();
+        let of = entry_name.to_str().and_then(temporary_for);
+        let is_ours = of.is_some_and(|of| name.is_none_or(|name| name == of));
+        // This does not follow links.
+        let metadata = entry.metadata().ok().filter(fs::Metadata::is_file);
+        let modified = metadata.and_then(|metadata| metadata.modified().ok());
+        let is_old = |time: SystemTime| age.is_zero() || time.elapsed().is_ok_and(|elapsed| elapsed > age);
+        if is_ours && modified.is_some_and(is_old) {
             let _ = fs::remove_file(entry.path());
         }
     }

@@ -187,7 +187,7 @@ impl Sweep {
             fs::remove_file(&paths.sidecar).unwrap();
         }
         if case.before.leftover {
-            let name = format!("{}.1-0.tmp", paths.sidecar.file_name().unwrap().to_str().unwrap());
+            let name = format!("{}.machband-a1b2.tmp", paths.sidecar.file_name().unwrap().to_str().unwrap());
             fs::write(paths.sidecar.with_file_name(name), "{").unwrap();
         }
         lines

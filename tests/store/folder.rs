@@ -187,7 +187,11 @@ mod rows_on_disk {
         let folder = session_of(2);
         let sidecar = paths(folder.path()).sidecar;
         for count in 0..100 {
-            let name = format!("{}.{}-{count}.tmp", sidecar.file_name().unwrap().to_str().unwrap(), std::process::id());
+            let name = format!(
+                "{}.machband-{}x{count}.tmp",
+                sidecar.file_name().unwrap().to_str().unwrap(),
+                std::process::id()
+            );
             fs::write(sidecar.with_file_name(name), "{").unwrap();
         }
         let (mut store, found) = resume(folder.path()).unwrap();

@@ -131,7 +131,7 @@ fn interrupted_sessions_cause_notes_and_stray_files_cause_errors() {
     let (_folder, csv) = recorded();
     let data = csv.parent().unwrap();
     fs::write(data.join("subject-S009_session-1_task-quick_data.json"), "{}").unwrap();
-    fs::write(data.join("subject-S001_session-1_task-quick_data.json.77-0.tmp"), "{").unwrap();
+    fs::write(data.join("subject-S001_session-1_task-quick_data.json.machband-a1b2.tmp"), "{").unwrap();
     let left = verify::unexpected_files(data.parent().unwrap());
     assert_eq!(left.len(), 2, "{left:?}");
     let mut sidecar = Sidecar::read(&csv.with_extension("json")).unwrap().unwrap();

@@ -61,7 +61,7 @@ impl SessionPaths {
         let data = self.dataset.join("data");
         make_folder(&data)?;
         // Other programs may also be writing the description.
-        remove_temporary(&self.dataset, "", Duration::from_secs(60));
+        remove_temporary(&self.dataset, None, Duration::from_secs(60));
         describe(&self.dataset, protocol)
     }
 

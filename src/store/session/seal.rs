@@ -1,9 +1,11 @@
-//! Compares the files of a session with the hashes that were recorded when it ended.
+//! Compares the files of a session with the hashes that were recorded each time a sitting ended. This is the only place
+//! that does so.
 
 use std::{
+    collections::BTreeMap,
     fs::File,
-    io::{self, Write},
-    path::Path,
+    io::{self, Read as _},
+    path::{Path, PathBuf},
 };
 
 use sha2::{Digest as _, Sha256};
@@ -11,51 +13,150 @@ use sha2::{Digest as _, Sha256};
 use super::{
     dataset::{DATA_FILE, SIDECAR_SUFFIX},
     frames,
-    sidecar::Sidecar,
+    sidecar::{Seal, Sidecar},
 };
 use crate::store::{FileError, file::hexadecimal};
 
-/// Returns an error for each file of a sealed session that differs from its seal: the data file `csv`, its frames file
-/// and its sidecar. Without a seal, returns nothing. Reads files in constant memory.
+/// A difference between a file and the seal of a sitting.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Difference {
+    /// The file that differs.
+    pub path: PathBuf,
+    /// Index of the sitting that was sealed.
+    pub sitting: usize,
+    /// Whether later sittings followed, so that the seal covers only the beginning of the file.
+    pub is_prefix: bool,
+    /// The recorded hash; `None` if the sitting has no seal.
+    pub was: Option<String>,
+    /// The hash now, or why there is none.
+    pub is: Result<String, String>,
+}
+
+impl Difference {
+    fn error(&self) -> FileError {
+        let since = match self.is_prefix {
+            true => format!("sitting {}", self.sitting + 1),
+            false => "the session".to_owned(),
+        };
+        let message = match (&self.was, &self.is) {
+            (None, _) => format!("has no seal although {since} ended; expected the hashes that this version records"),
+            (Some(was), Ok(is)) => format!("was changed since {since} ended: sha256 {is}; expected {was}"),
+            (Some(_), Err(why)) => format!("{why}; expected the file that the session wrote"),
+        };
+        FileError::whole(&self.path, message)
+    }
+}
+
+/// Returns an error for each file of a session that differs from a seal: the data file `csv`, its frames file and its
+/// sidecar. The seal of the last sitting covers the whole files, and the seals of earlier sittings cover their
+/// beginnings. A session that ended must be sealed, unless an earlier version of the program recorded it. Reads files
+/// in constant memory.
 pub fn errors(csv: &Path, sidecar: &Sidecar) -> Vec<FileError> {
-    let Some(seal) = &sidecar.seal else { return Vec::new() };
+    differences(csv, sidecar).iter().map(Difference::error).collect()
+}
+
+/// Returns every difference between the files and the seals, in the order of the sittings.
+pub(super) fn differences(csv: &Path, sidecar: &Sidecar) -> Vec<Difference> {
     let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let stem = name.strip_suffix(DATA_FILE).unwrap_or(&name);
     let [sidecar_path, frames] =
         [SIDECAR_SUFFIX, frames::SUFFIX].map(|suffix| csv.with_file_name(format!("{stem}{suffix}")));
-    let mut errors = Vec::new();
-    let mut compare = |path: &Path, is: Option<String>, was: &str| {
-        let message = match is {
-            Some(is) if is == was => return,
-            Some(is) => format!("was changed since the session ended: sha256 {is}; expected {was}"),
-            None => "no longer exists; expected the file that the session wrote".to_owned(),
+    let last = sidecar.sittings.len().saturating_sub(1);
+    let earlier =
+        sidecar.sittings.iter().enumerate().filter_map(|(i, sitting)| Some((i, true, sitting.seal.as_ref()?)));
+    let seals: Vec<_> = earlier.chain(sidecar.seal.as_ref().map(|seal| (last, false, seal))).collect();
+    let bytes =
+        |of: fn(&Seal) -> Option<u64>| seals.iter().filter(|seal| seal.1).filter_map(move |seal| of(seal.2)).collect();
+    let (of_rows, of_frames) = (
+        seals.first().map(|_| Prefixes::read(csv, bytes(|seal| seal.data_bytes))),
+        seals
+            .iter()
+            .any(|seal| seal.2.frames_sha256.is_some())
+            .then(|| Prefixes::read(&frames, bytes(|seal| seal.frames_bytes))),
+    );
+    let mut found = Vec::new();
+    for (sitting, is_prefix, seal) in seals {
+        let mut compare = |path: &Path, is: Result<String, String>, was: &str| {
+            if is.as_deref() != Ok(was) {
+                found.push(Difference { path: path.to_owned(), sitting, is_prefix, was: Some(was.to_owned()), is });
+            }
         };
-        errors.push(FileError::whole(path, message));
-    };
-    compare(csv, sha256_of(csv).ok(), &seal.data_sha256);
-    compare(&sidecar_path, Some(sidecar.own_sha256()), &seal.sidecar_sha256);
-    if let Some(was) = &seal.frames_sha256 {
-        compare(&frames, sha256_of(&frames).ok(), was);
+        let hash = |of: &Option<Prefixes>, bytes: Option<u64>| {
+            of.as_ref().map_or(Err("was not read".to_owned()), |of| of.hash(bytes.filter(|_| is_prefix)))
+        };
+        compare(csv, hash(&of_rows, seal.data_bytes), &seal.data_sha256);
+        compare(&sidecar_path, own_sha256(sidecar, sitting, is_prefix, &seal.sidecar_sha256), &seal.sidecar_sha256);
+        if let Some(was) = &seal.frames_sha256 {
+            compare(&frames, hash(&of_frames, seal.frames_bytes), was);
+        }
     }
-    errors
+    // Earlier versions, which did not record the system, may not have sealed the session. A version between them and
+    // this one removed the seal when it resumed a session, so only the last sitting is certain to have been sealed.
+    let ended = sidecar.sittings.last().filter(|sitting| sidecar.complete || sitting.ended_at.is_some());
+    if ended.is_some_and(|sitting| sitting.program.system.is_some() && sitting.seal.is_none()) && sidecar.seal.is_none()
+    {
+        let is = Err("has no seal".to_owned());
+        found.push(Difference { path: sidecar_path, sitting: last, is_prefix: false, was: None, is });
+    }
+    found
 }
 
-/// Computes the SHA-256 of a file in constant memory, in lowercase hexadecimal.
-fn sha256_of(path: &Path) -> io::Result<String> {
-    let mut hasher = Hasher(Sha256::new());
-    io::copy(&mut File::open(path)?, &mut hasher)?;
-    Ok(hexadecimal(&hasher.0.finalize()))
+/// Returns the hash of the sidecar as it was when a sitting ended. Whether all trials were rated at that time is not
+/// recorded, so if one of the two possible hashes is the recorded one, it is returned.
+fn own_sha256(sidecar: &Sidecar, sitting: usize, is_prefix: bool, was: &str) -> Result<String, String> {
+    if !is_prefix {
+        return Ok(sidecar.own_sha256());
+    }
+    let [open, complete] = [false, true].map(|complete| sidecar.at_end_of(sitting, complete).own_sha256());
+    Ok(if complete == was { complete } else { open })
 }
 
-struct Hasher(Sha256);
+/// The hashes of the beginnings of a file.
+struct Prefixes {
+    /// The hashes of the first so many bytes.
+    of: BTreeMap<u64, String>,
+    /// The hash of the whole file, or why it could not be read.
+    whole: Result<String, String>,
+}
 
-impl Write for Hasher {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.update(bytes);
-        Ok(bytes.len())
+impl Prefixes {
+    /// Reads a file once, and computes the hashes of its beginnings with these lengths in bytes.
+    fn read(path: &Path, mut lengths: Vec<u64>) -> Self {
+        lengths.sort_unstable();
+        let mut of = BTreeMap::new();
+        let whole = Self::hashes(path, lengths, &mut of).map_err(|error| match error.kind() {
+            io::ErrorKind::NotFound => "no longer exists".to_owned(),
+            _ => format!("cannot be read: {error}"),
+        });
+        Self { of, whole }
     }
 
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
+    fn hashes(path: &Path, lengths: Vec<u64>, of: &mut BTreeMap<u64, String>) -> io::Result<String> {
+        let (mut file, mut hasher, mut read) = (File::open(path)?, Sha256::new(), 0);
+        let mut buffer = vec![0; 1 << 16];
+        let mut lengths = lengths.into_iter().peekable();
+        loop {
+            while let Some(length) = lengths.next_if_eq(&read) {
+                of.insert(length, hexadecimal(&hasher.clone().finalize()));
+            }
+            let most = lengths.peek().map_or(u64::MAX, |next| next - read).min(buffer.len() as u64);
+            let count = match file.read(&mut buffer[..most as usize]) {
+                Ok(0) => return Ok(hexadecimal(&hasher.finalize())),
+                Ok(count) => count,
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+                Err(error) => return Err(error),
+            };
+            hasher.update(&buffer[..count]);
+            read += count as u64;
+        }
+    }
+
+    /// Returns the hash of the first `bytes`, or of the whole file.
+    fn hash(&self, bytes: Option<u64>) -> Result<String, String> {
+        let whole = self.whole.clone()?;
+        match bytes {
+            None => Ok(whole),
+            Some(bytes) => self.of.get(&bytes).cloned().ok_or(format!("has fewer than {bytes} bytes")),
+        }
     }
 }

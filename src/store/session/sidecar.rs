@@ -51,15 +51,22 @@ pub struct Sidecar {
     pub seal: Option<Seal>,
 }
 
-/// Hashes of a session's files when the session ended. They reveal accidents and honest manual changes, but do not
+/// Hashes of a session's files when a sitting ended. They reveal accidents and honest manual changes, but do not
 /// protect against fraud: anyone can create new hashes.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Seal {
-    /// SHA-256 of the data file.
+    /// Number of bytes of the data file; earlier versions did not record it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub data_bytes: Option<u64>,
+    /// SHA-256 of these bytes.
     pub data_sha256: String,
+    /// Number of bytes of the frames file; `None` if there is no such file, or in an earlier version.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frames_bytes: Option<u64>,
     /// SHA-256 of the frames file, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frames_sha256: Option<String>,
+    /// [`Sidecar::own_sha256`], up to and including the sitting that ended.
     pub sidecar_sha256: String,
 }
 
@@ -110,6 +117,10 @@ pub struct Sitting {
     /// Repairs, moves and other incidents.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub incidents: Vec<String>,
+    /// The seal of this sitting, if the session was resumed after it ended. It covers the beginnings of the files. The
+    /// seal of the last sitting is [`Sidecar::seal`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seal: Option<Seal>,
 }
 
 /// The program that ran a sitting.
@@ -175,6 +186,17 @@ impl Sidecar {
         let open = Self { seal: None, ..self.clone() };
         // A sidecar is plain data, so serialization cannot fail.
         sha256(&serde_json::to_vec(&open).unwrap_or_default())
+    }
+
+    /// Returns the sidecar as it was when a sitting ended, without the seal of that sitting. `sitting` is an index. The
+    /// result says that the session is `complete` if that is given.
+    pub(crate) fn at_end_of(&self, sitting: usize, complete: bool) -> Self {
+        let mut then = Self { complete, seal: None, ..self.clone() };
+        then.sittings.truncate(sitting + 1);
+        if let Some(last) = then.sittings.last_mut() {
+            last.seal = None;
+        }
+        then
     }
 
     /// Reads a sidecar; `None` if the file does not exist.

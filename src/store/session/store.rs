@@ -12,7 +12,7 @@ use crate::{
     experiment::{Identity, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns},
     store::{
         StoreError, definition,
-        file::{exists, remove_temporary},
+        file::{AppendFile, exists, remove_temporary},
     },
 };
 
@@ -141,9 +141,18 @@ impl SessionStore {
         if !finished {
             // The session is locked, so no other program is about to write its sidecar.
             let sidecar = store.paths.sidecar.file_name().unwrap_or_default().to_string_lossy();
-            remove_temporary(&store.paths.dataset.join("data"), &sidecar, Duration::ZERO);
+            remove_temporary(&store.paths.dataset.join("data"), Some(&sidecar), Duration::ZERO);
             store.sidecar.complete = false;
-            store.sidecar.seal = None;
+            // The seal stays with the sitting that it belongs to, so that its rows remain checked.
+            if let Some(mut seal) = store.sidecar.seal.take() {
+                // Earlier versions did not record the lengths.
+                seal.data_bytes.get_or_insert(store.rows.file.content().len() as u64);
+                let frames = store.frames.as_ref().filter(|_| seal.frames_sha256.is_some());
+                seal.frames_bytes = seal.frames_bytes.or(frames.map(|frames| frames.0.content().len() as u64));
+                if let Some(last) = store.sitting() {
+                    last.seal = Some(seal);
+                }
+            }
             store.sidecar.sittings.push(sitting);
             if let Some(partial_line) = &recovered.partial_line {
                 store.note(format!(
@@ -297,12 +306,21 @@ impl SessionStore {
             sitting.ended_at = Some(ended_at);
             sitting.frames = frames;
         }
-        self.sidecar.seal = Some(Seal {
-            data_sha256: self.rows.file.sha256(),
-            frames_sha256: self.frames.as_ref().filter(|frames| !frames.is_empty()).map(|frames| frames.0.sha256()),
-            sidecar_sha256: self.sidecar.own_sha256(),
-        });
+        self.sidecar.seal = Some(self.seal());
         self.sidecar.write(&self.paths.sidecar)
+    }
+
+    /// Returns the seal of the files as they are now.
+    fn seal(&self) -> Seal {
+        let rows = &self.rows.file;
+        let frames = self.frames.as_ref().filter(|frames| !frames.is_empty()).map(|frames| &frames.0);
+        Seal {
+            data_bytes: Some(rows.content().len() as u64),
+            data_sha256: rows.sha256(),
+            frames_bytes: frames.map(|frames| frames.content().len() as u64),
+            frames_sha256: frames.map(AppendFile::sha256),
+            sidecar_sha256: self.sidecar.own_sha256(),
+        }
     }
 }
 

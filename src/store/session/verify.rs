@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     stimulus::recipe::Recipe,
-    store::{FileError, FileErrors, definition, file::TEMPORARY, image},
+    store::{FileError, FileErrors, definition, file::temporary_for, image},
 };
 
 /// The findings about one session.
@@ -129,15 +129,15 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
 
 /// Checks that the files have not changed since the session ended.
 fn check_seal(recorded: &Recorded, found: &mut Verified) {
-    if recorded.sidecar.seal.is_none() {
+    let errors = seal::errors(&recorded.csv, &recorded.sidecar);
+    found.sealed = recorded.sidecar.seal.is_some();
+    if !found.sealed && errors.is_empty() {
         let ended = recorded.sidecar.complete;
         let why =
             if ended { "not sealed: recorded by an earlier version" } else { "not sealed: the session did not end" };
         found.notes.push(why.to_owned());
-        return;
     }
-    found.sealed = true;
-    found.errors.extend(seal::errors(&recorded.csv, &recorded.sidecar));
+    found.errors.extend(errors);
 }
 
 fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Verified) {
@@ -193,7 +193,7 @@ pub fn unexpected_files(dataset: &Path) -> Vec<FileError> {
         paths.sort();
         for path in paths {
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            if name.ends_with(TEMPORARY) {
+            if temporary_for(&name).is_some() {
                 errors.push(FileError::whole(&path, "was left by a killed program; expected no such file"));
             } else if let Some(stem) = name.strip_suffix(SIDECAR_SUFFIX)
                 && !path.with_file_name(format!("{stem}{DATA_FILE}")).exists()
