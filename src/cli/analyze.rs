@@ -21,7 +21,8 @@ use crate::{
 /// Analyze ratings: descriptive statistics, ordinal model, tests, figures and a report.
 ///
 /// Reads result files, folders of result files, tables of counts, or any CSV file with column names. If part of the
-/// input has errors, every error is reported, the rest is analyzed, and the exit status is 1.
+/// input has errors, every error is reported, the rest is analyzed, and the exit status is 1. Files that were changed
+/// after their session ended are analyzed with a warning.
 #[derive(clap::Args)]
 #[command(after_help = "Examples: machband analyze results/bangay2003 --out analysis\n          \
     machband analyze ratings.csv --subject id --response score --terms width,num:inv_n --out analysis")]
@@ -110,7 +111,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let report = files.iter().find(|file| file.extension().is_some_and(|extension| extension == "html"));
     let place = report.unwrap_or(&arguments.out);
     super::print_line(&format!("{} files written; see {}", files.len(), place.display()))?;
-    super::ratings::errors(&study.source)
+    super::ratings::problems(&study.source)
 }
 
 /// True if the error is in the requested model and not in the data.

@@ -80,9 +80,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         store::write_file(path, format!("{:#}\n", report(&calibration, family)).as_bytes())?;
         report_written(path)?;
     }
-    let out = arguments.out.display().to_string();
-    warn(&out, &made);
-    print_line(&format!("{done} {out}: {}", made.sentence()))
+    warn(&arguments.out, &made);
+    print_line(&format!("{done} {}: {}", arguments.out.display(), made.sentence()))
 }
 
 fn check(arguments: &Arguments) -> Result<(), UsageError> {
@@ -123,13 +122,15 @@ fn print(arguments: &Arguments, calibration: &Calibration, family: Family) -> an
         "{file}: {readings} readings of {}; repeated readings vary by {scatter:.2} %",
         channels.join(", ")
     ))?;
-    print_line(&format!("black {:.4} cd/m², white {:.2} cd/m²\n", light.black_cd_m2, light.white_cd_m2))?;
+    print_line(&format!("black {:.4} cd/m², white {:.2} cd/m²", light.black_cd_m2, light.white_cd_m2))?;
+    print_line("")?;
     let largest_error = ["largest error, codes", "cd/m²"];
     let header = [&["model", "channel", "gamma", "gain", "offset", "R²"], &largest_error[..]].concat();
     let models = || calibration.models.iter();
     let rows = models().flat_map(|model| model.channels.iter().map(|channel| cells(model.family, channel)));
     columns(&header, &rows.collect::<Vec<_>>()).iter().try_for_each(|line| print_line(line))?;
-    print_line("\nleave-one-level-out error")?;
+    print_line("")?;
+    print_line("leave-one-level-out error")?;
     let header = ["model", "rms codes", "rms cd/m²", "largest codes", "relative to noise"];
     let rows = models().map(|model| {
         let found = &model.validation;

@@ -4,7 +4,7 @@ use std::{collections::BTreeSet, path::PathBuf};
 
 use indicatif::ProgressBar;
 
-use super::{UsageError, print_line, progress_style, warn};
+use super::{print_line, progress_style, warn};
 use crate::{
     report::document::numbers::count,
     store::{self, ratings, verify},
@@ -18,21 +18,18 @@ use crate::{
 pub(super) struct CheckArguments {
     /// Files, or names of built-in definitions.
     #[arg(required = true, value_name = "FILE")]
-    files: Vec<String>,
+    files: Vec<PathBuf>,
 }
 
 pub(super) fn check(arguments: &CheckArguments) -> anyhow::Result<()> {
     let mut errors = Vec::new();
     for file in &arguments.files {
-        if file.is_empty() {
-            return Err(UsageError("a file name is empty; expected a path".to_owned()).into());
-        }
         match store::check::check(file) {
             Ok(found) => {
                 if let Some(profile) = &found.profile {
                     warn(file, profile);
                 }
-                print_line(&format!("{file}: {}", found.sentence))?;
+                print_line(&format!("{}: {}", file.display(), found.sentence))?;
             }
             Err(error) => errors.push(error.to_string()),
         }

@@ -1,16 +1,16 @@
 //! `machband export`
 
-use std::{io::Write as _, path::PathBuf};
+use std::path::PathBuf;
 
 use crate::{
     report::document::numbers::count,
-    store::export::{self, Format},
+    store::export::{self, Choice, Format},
 };
 
 /// Export recorded sessions as a data set that passes the standard's validator.
 ///
 /// Exports are all-or-nothing, and the same sessions always give the same bytes. Pictures are included only if their
-/// hashes match what was shown.
+/// hashes match what was shown. Links are never followed.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband export results --format bids --out bids")]
 pub(super) struct Arguments {
@@ -26,18 +26,18 @@ pub(super) struct Arguments {
     /// Exclude sessions with unrated trials.
     #[arg(long)]
     complete_only: bool,
+    /// Also export files that were changed after their session ended; the export then names them.
+    #[arg(long)]
+    accept_changes: bool,
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let Arguments { folder, format, out, complete_only } = arguments;
+    let &Arguments { ref folder, format, ref out, complete_only, accept_changes } = arguments;
     let waiting = super::spinner("exporting");
-    let exported = export::export(folder, out, *format, *complete_only);
+    let exported = export::export(folder, out, format, Choice { complete_only, accept_changes });
     waiting.finish_and_clear();
     let exported = exported?;
-    for note in &exported.notes {
-        // It does not matter if stderr is closed.
-        let _ = writeln!(std::io::stderr(), "warning: {note}");
-    }
+    exported.notes.iter().for_each(|note| super::message("warning", note));
     let pictures = match exported.pictures {
         0 => String::new(),
         pictures => format!(", {}", count(pictures as u64, "picture")),

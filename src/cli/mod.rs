@@ -20,6 +20,7 @@ mod stimulus;
 mod timing;
 
 use std::{
+    borrow::Cow,
     io::{ErrorKind, Write as _},
     path::Path,
     process::ExitCode,
@@ -27,7 +28,13 @@ use std::{
 
 use clap::{Parser, Subcommand};
 
-use crate::{display::DisplayProfile, report::document::numbers::count};
+use crate::{
+    display::DisplayProfile,
+    report::{
+        document::numbers::count,
+        terminal::{message, printable},
+    },
+};
 
 /// Measure how visible Mach bands are.
 ///
@@ -67,7 +74,7 @@ struct UsageError(String);
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = Arguments::try_parse().unwrap_or_else(|error| refuse(&error));
     let result = match arguments.command {
         #[cfg(feature = "window")]
         None => crate::app::open(crate::app::Launch::default()).map_err(Into::into),
@@ -96,18 +103,33 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             // One line per error, so that a search for `error:` finds all of them. Each line includes its cause.
-            for line in error.to_string().lines() {
-                // If stderr is closed, the exit status still reports the failure.
-                let _ = writeln!(std::io::stderr(), "error: {line}");
-            }
+            error.to_string().lines().for_each(|line| message("error", line));
             ExitCode::from(if error.is::<UsageError>() { 2 } else { 1 })
         }
     }
 }
 
-/// Writes one line of data to stdout. It is not an error if the reader has already closed the pipe, as `head -1` does.
+/// Ends the program with clap's message: help, or the error in the arguments. The error repeats arguments, which may
+/// contain control characters.
+fn refuse(error: &clap::Error) -> ! {
+    let text = error.render().to_string();
+    if !error.use_stderr() || text.lines().all(|line| matches!(printable(line), Cow::Borrowed(_))) {
+        error.exit();
+    }
+    for line in text.lines() {
+        let _ = writeln!(std::io::stderr(), "{}", printable(line));
+    }
+    std::process::exit(error.exit_code())
+}
+
+/// Prints one line of text to stdout.
 fn print_line(line: &str) -> anyhow::Result<()> {
-    match writeln!(std::io::stdout(), "{line}") {
+    print_data(format!("{}\n", printable(line)).as_bytes())
+}
+
+/// Writes data to stdout as they are. It is not an error if the reader has already closed the pipe, as `head -1` does.
+fn print_data(data: &[u8]) -> anyhow::Result<()> {
+    match std::io::stdout().write_all(data) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(anyhow::anyhow!("standard output: cannot write: {error}; expected enough space for the data"))
         }
@@ -120,9 +142,9 @@ fn report_written(path: &Path) -> anyhow::Result<()> {
 }
 
 /// Prints a warning if a measured profile should be measured again. `place` says where the profile comes from.
-fn warn(place: &str, profile: &DisplayProfile) {
+fn warn(place: &Path, profile: &DisplayProfile) {
     if let Some(warning) = profile.warning(today()).filter(|_| profile.measured.is_some()) {
-        let _ = writeln!(std::io::stderr(), "warning: {place}: {warning}");
+        message("warning", &format!("{}: {warning}", place.display()));
     }
 }
 

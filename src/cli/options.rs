@@ -64,7 +64,7 @@ impl TransferOptions {
         Ok(match (&self.display, &self.transfer) {
             (Some(path), _) => {
                 let profile = store::profile::open(path)?;
-                super::warn(&path.display().to_string(), &profile);
+                super::warn(path, &profile);
                 let hash = store::profile::hash(&profile);
                 (profile.transfers, Some(hash))
             }

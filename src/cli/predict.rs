@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::{
     UsageError, count,
     options::{StimulusOptions, TransferOptions},
-    print_line,
+    print_data, print_line,
 };
 use crate::{
     experiment::{Condition, Protocol, visibilities},
@@ -31,7 +31,7 @@ use crate::{
 )]
 pub(super) struct Arguments {
     /// Built-in definition or path to a .toml file; all its conditions are predicted.
-    experiment: Option<String>,
+    experiment: Option<PathBuf>,
     /// Predict the bands in this image, which can be any opaque PNG.
     #[arg(long, value_name = "FILE.png", conflicts_with = "experiment")]
     image: Option<PathBuf>,
@@ -145,7 +145,7 @@ fn all(
         write(arguments, &header, rows, &seen, &comparison.criterion, prediction::MIN_VISIBILITY)?;
     }
     print_comparison(&comparison)?;
-    super::ratings::errors(&study.source)
+    super::ratings::problems(&study.source)
 }
 
 fn print_comparison(found: &Comparison) -> anyhow::Result<()> {
@@ -190,6 +190,6 @@ fn write(
     let table = Table { header: header.iter().chain(&columns).map(|name| (*name).to_owned()).collect(), rows }.csv();
     match &arguments.out {
         Some(path) => Ok(store::write_file(path, &table)?),
-        None => print_line(String::from_utf8_lossy(&table).trim_end()),
+        None => print_data(&table),
     }
 }

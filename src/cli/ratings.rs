@@ -84,8 +84,9 @@ pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
     line
 }
 
-/// Fails with all errors in the input, if there are any.
-pub(super) fn errors(source: &Source) -> anyhow::Result<()> {
+/// Prints all warnings about the input, and fails with all errors in it, if there are any.
+pub(super) fn problems(source: &Source) -> anyhow::Result<()> {
+    source.warnings.iter().for_each(|warning| super::message("warning", &warning.to_string()));
     if source.errors.is_empty() {
         return Ok(());
     }
@@ -116,5 +117,5 @@ pub(super) fn counts(arguments: &CountsArguments) -> anyhow::Result<()> {
     progress.finish_and_clear();
     super::print_line(&sentence(&study.source, counts))?;
     super::print_line(&format!("{} in {}", count(counts.rows.len() as u64, "row"), arguments.out.display()))?;
-    errors(&study.source)
+    problems(&study.source)
 }

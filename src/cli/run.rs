@@ -18,7 +18,7 @@ use crate::{
 #[command(after_help = "Example: machband run bangay2003 --participant S001 --session 1 --seed 7")]
 pub(super) struct Arguments {
     /// Built-in definition or path to a .toml file.
-    experiment: String,
+    experiment: PathBuf,
     /// Participant ID [default: the next unused one of P001, P002, …].
     #[arg(long, value_name = "ID", value_parser = Identity::check_subject)]
     participant: Option<String>,

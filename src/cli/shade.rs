@@ -1,16 +1,12 @@
 //! `machband shade`
 
-use std::{
-    collections::HashSet,
-    io::Write as _,
-    path::{Path, PathBuf},
-};
+use std::{collections::HashSet, path::PathBuf};
 
 use glam::DVec3;
 use serde_json::{Value, json};
 
 use super::{
-    UsageError, count,
+    UsageError, count, message,
     options::{TransferOptions, named},
     print_line,
 };
@@ -38,7 +34,7 @@ use crate::{
 pub(super) struct Arguments {
     /// Mesh: cube, pyramid, sphere, torus, blob, or the path to an OBJ file.
     #[arg(long, value_name = "MESH", default_value = "blob")]
-    mesh: String,
+    mesh: PathBuf,
     /// Number of vertices of a blob; approximate for a sphere or torus.
     #[arg(long, value_name = "N", default_value_t = 313)]
     vertices: usize,
@@ -156,14 +152,17 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let surface = Surface::new(arguments.mesh()?);
     let frame = scene.frame(&surface, arguments.size, arguments.size);
     if frame.triangles.is_empty() {
-        anyhow::bail!("{}: no triangle faces the viewer; expected at least one", arguments.mesh);
+        anyhow::bail!("{}: no triangle faces the viewer; expected at least one", arguments.mesh.display());
     }
     let non_manifold = surface.edges.edges.iter().filter(|edge| edge.kind == EdgeKind::NonManifold).count();
     if non_manifold > 0 {
-        note(&format!(
-            "{}: shading is not smooth across edges that belong to more than two triangles, or to neighbors with opposite winding ({non_manifold} found)",
-            arguments.mesh
-        ));
+        message(
+            "note",
+            &format!(
+                "{}: shading is not smooth across edges that belong to more than two triangles, or to neighbors with opposite winding ({non_manifold} found)",
+                arguments.mesh.display()
+            ),
+        );
     }
     let shot = renderer.shoot(&frame, &transfers);
     let description = arguments.describe(&scene, &renderer);
@@ -171,7 +170,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         let image = shot.image();
         let clipped = image.data.chunks_exact(3).filter(|pixel| pixel.iter().any(|light| *light > 1.0)).count();
         if clipped > 0 {
-            note(&format!("light above white is clipped, which creates edges ({})", count(clipped as u64, "pixel")));
+            message(
+                "note",
+                &format!("light above white is clipped, which creates edges ({})", count(clipped as u64, "pixel")),
+            );
         }
         let codes = Quantizer::new(shot.transfers.clone(), arguments.bits).quantize(&image);
         store::image::write_shaded(out, &codes, &transfers, &description)?;
@@ -195,12 +197,6 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         store::image::write_shaded(path, &codes, &Transfer::Srgb.into(), &description)?;
     }
     Ok(())
-}
-
-/// Prints a note to stderr. A note is not an error.
-fn note(text: &str) {
-    // It does not matter if stderr is closed.
-    let _ = writeln!(std::io::stderr(), "note: {text}");
 }
 
 /// Returns `value` relative to Gouraud's; `None` if Gouraud's is only rounding error.
@@ -273,7 +269,7 @@ fn measurements(
 impl Arguments {
     /// Checks that there is an output, and that it does not overwrite the mesh or another output.
     fn check_files(&self) -> Result<(), UsageError> {
-        let mut files = vec![("--mesh", Path::new(&self.mesh))];
+        let mut files = vec![("--mesh", self.mesh.as_path())];
         for (option, path) in [("--out", &self.out), ("--metrics", &self.metrics), ("--creases", &self.creases)] {
             let Some(path) = path else { continue };
             if let Some((other, _)) = files.iter().find(|(_, other)| other == path) {
@@ -338,23 +334,26 @@ impl Arguments {
     }
 
     fn mesh(&self) -> anyhow::Result<Mesh> {
-        if let Ok(shape) = self.mesh.parse::<Shape>() {
+        let path = &self.mesh;
+        if let Some(shape) = path.to_str().and_then(|name| name.parse::<Shape>().ok()) {
             return shapes::mesh(shape, self.vertices)
                 .map_err(|error| UsageError(format!("--vertices: {error}")).into());
         }
-        let path = Path::new(&self.mesh);
         if path.extension().is_none() && !path.exists() {
             let names = Shape::NAMES.join(", ");
-            return Err(
-                UsageError(format!("--mesh: {:?} is not known; expected {names} or an OBJ file", self.mesh)).into()
-            );
+            return Err(UsageError(format!(
+                "--mesh: {:?} is not known; expected {names} or an OBJ file",
+                path.display().to_string()
+            ))
+            .into());
         }
         Ok(store::mesh::read(path, self.crease)?)
     }
 
     /// Describes all parameters of the image.
     fn describe(&self, scene: &Scene, renderer: &Renderer) -> Value {
-        let mut all = json!({ "mesh": self.mesh, "vertices": self.vertices, "crease_deg": self.crease });
+        let mut all =
+            json!({ "mesh": self.mesh.display().to_string(), "vertices": self.vertices, "crease_deg": self.crease });
         append(&mut all, renderer.describe());
         append(&mut all, describe_scene(scene));
         append(&mut all, json!({ "color": self.color.to_string(), "naive": self.naive, "size": self.size }));

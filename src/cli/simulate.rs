@@ -35,7 +35,7 @@ const AT_A_TIME: usize = 32;
 #[command(after_help = "Example: machband simulate bangay2003 --participants 8 --seed 1 --results results")]
 pub(super) struct Arguments {
     /// Built-in definition or path to a .toml file.
-    experiment: String,
+    experiment: PathBuf,
     /// Number of participants; their IDs start at S001.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     participants: u32,
@@ -122,7 +122,7 @@ fn observer(arguments: &Arguments, protocol: &Protocol) -> anyhow::Result<(Box<d
             let parameters = file.map(observer::open_vision).transpose()?.unwrap_or_default();
             let description = json!({ "observer": "vision", "vision": parameters });
             let observer = VisionObserver::new(parameters, protocol)
-                .map_err(|error| anyhow::anyhow!("{}: {error}", arguments.experiment))?;
+                .map_err(|error| anyhow::anyhow!("{}: {error}", arguments.experiment.display()))?;
             (Box::new(observer), description)
         }
         ObserverKind::Paper => {
@@ -159,7 +159,8 @@ impl Simulation<'_> {
         let Interrupted { schedule, resumed, elapsed_s, sitting, partial_line, .. } = left;
         if partial_line.is_some() {
             let file = store.csv().display();
-            bar.suspend(|| eprintln!("{file}: an incomplete last row was removed; its trial will be shown again"));
+            let text = format!("{file}: an incomplete last row was removed; its trial will be shown again");
+            bar.suspend(|| super::message("warning", &text));
         }
         bar.inc(resumed.done.len() as u64);
         if store.is_complete() {

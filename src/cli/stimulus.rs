@@ -63,12 +63,12 @@ pub(super) fn stimulus(arguments: &StimulusArguments) -> anyhow::Result<()> {
         }
         (Some(out), Some(reduction)) => {
             let image = store::image::write_reduced(out, &recipe, &quantizer, reduction)?;
-            println!(
+            print_line(&format!(
                 "{reduction}: {}, error in linear light rms {:.5}, largest {:.5}",
                 count(image.palette.len() as u64, "color"),
                 image.error.rms,
                 image.error.max
-            );
+            ))?;
         }
         (Some(out), None) => _ = store::image::write_recipe(out, &recipe, &quantizer)?,
         (None, _) => {}
@@ -91,7 +91,7 @@ fn finish(arguments: &StimulusArguments, recipe: &Recipe, quantizer: &Quantizer)
 )]
 pub(super) struct StimuliArguments {
     /// Built-in definition or path to a .toml file.
-    experiment: String,
+    experiment: PathBuf,
     /// Folder for the images.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,

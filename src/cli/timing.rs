@@ -49,7 +49,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let patch = Patch { size_px: arguments.size, place: arguments.place };
     let plan = TimingPlan { scene: arguments.scene, frames: arguments.frames, patch };
     if plan.scene == Scene::Patch {
-        eprintln!("{FLICKER_WARNING}");
+        super::message("warning", FLICKER_WARNING);
     }
     let (report, measured) = mpsc::channel();
     app::time(TimingRequest { plan, fullscreen: arguments.fullscreen, report })?;

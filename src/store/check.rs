@@ -4,7 +4,7 @@ use std::{collections::HashMap, path::Path};
 
 use super::{
     FileError, FileErrors, dataset, definition, file::read_text, frames, image, matches, observer, profile, readings,
-    recorded::Recorded, results, toml::Document,
+    recorded::Recorded, results, session::seal, sidecar::Sidecar, toml::Document,
 };
 use crate::{
     display::DisplayProfile,
@@ -31,25 +31,26 @@ impl From<String> for Checked {
 ///
 /// # Errors
 /// Returns every error in the file.
-pub fn check(name_or_path: &str) -> Result<Checked, FileErrors> {
-    if definition::BUILT_IN.iter().any(|built_in| built_in.name == name_or_path) {
-        return check_definition(definition::open(name_or_path)?).map(Checked::from);
+pub fn check(name_or_path: impl AsRef<Path>) -> Result<Checked, FileErrors> {
+    let path = name_or_path.as_ref();
+    let name = path.display().to_string();
+    if definition::BUILT_IN.iter().any(|built_in| built_in.name == path.as_os_str()) {
+        return check_definition(definition::open(path)?).map(Checked::from);
     }
-    let path = Path::new(name_or_path);
     let sentence = match path.extension().and_then(|extension| extension.to_str()) {
-        Some("csv") if name_or_path.ends_with(frames::SUFFIX) => check_frames(path),
+        Some("csv") if name.ends_with(frames::SUFFIX) => check_frames(path),
         Some("csv") => match first_column(path).as_deref() {
             Some("channel") => check_readings(path),
             Some("event") => check_matches(path),
             _ => check_results(path),
         },
         Some("png") => image::verify(path),
-        Some("toml") => return check_toml(name_or_path, &read_text(path)?),
-        _ if path.is_dir() || !path.exists() => Err(definition::open(name_or_path).err().unwrap_or_else(|| {
-            FileErrors::whole(name_or_path, "cannot be checked; expected a .toml, .csv or .png file")
-        })),
+        Some("toml") => return check_toml(&name, &read_text(path)?),
+        _ if path.is_dir() || !path.exists() => Err(definition::open(path)
+            .err()
+            .unwrap_or_else(|| FileErrors::whole(path, "cannot be checked; expected a .toml, .csv or .png file"))),
         _ => Err(FileErrors::whole(
-            name_or_path,
+            path,
             "is not a known type of file; expected a definition, display profile or observer (.toml), a result file or readings (.csv), or an image (.png)",
         )),
     };
@@ -112,7 +113,7 @@ fn check_results(path: &Path) -> Result<String, FileErrors> {
 
 fn check_session(path: &Path) -> Result<String, FileErrors> {
     let session = Recorded::open(path).map_err(|error| FileErrors(error.errors(path)))?;
-    let mut errors = session.row_errors();
+    let mut errors = [session.row_errors(), session.changed.clone()].concat();
     if let Some(partial_line) = &session.partial_line {
         let message = format!("the file ends in the middle of a row, {partial_line:?}; expected complete rows");
         errors.push(FileError::at(path, (session.rows.len() + 2, 1), message));
@@ -139,9 +140,15 @@ fn check_matches(path: &Path) -> Result<String, FileErrors> {
     Ok(format!("{} visual matches of a display", matches::open(path)?.len()))
 }
 
-/// Checks the frames file of a session, which is next to its result file.
+/// Checks the frames file of a session, which is next to its result file and sidecar.
 fn check_frames(path: &Path) -> Result<String, FileErrors> {
     let rows = frames::read(path)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let csv = path.with_file_name(format!("{}{}", name.trim_end_matches(frames::SUFFIX), dataset::DATA_FILE));
+    if let Ok(Some(sidecar)) = Sidecar::read(&csv.with_extension("json")) {
+        let is_own = |error: &FileError| error.file == path.display().to_string();
+        FileErrors::none(seal::errors(&csv, &sidecar).into_iter().filter(is_own).collect())?;
+    }
     let intervals: usize = rows.iter().map(|row| row.intervals_us.len()).sum();
     Ok(format!("frames of a session: {intervals} intervals in {} rows", rows.len()))
 }

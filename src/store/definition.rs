@@ -42,23 +42,24 @@ built_in!("quick", "bangay2003", "orientation", "shaders");
 ///
 /// # Errors
 /// Returns every error in the file, or reports that neither such a definition nor such a file exists.
-pub fn open(name_or_path: &str) -> Result<Protocol, FileErrors> {
-    if let Some(built_in) = BUILT_IN.iter().find(|built_in| built_in.name == name_or_path) {
+pub fn open(name_or_path: impl AsRef<Path>) -> Result<Protocol, FileErrors> {
+    let path = name_or_path.as_ref();
+    let name = path.display().to_string();
+    if let Some(built_in) = BUILT_IN.iter().find(|built_in| built_in.name == path.as_os_str()) {
         return parse(built_in.name, built_in.text);
     }
-    let path = Path::new(name_or_path);
     let looks_like_a_name = path.extension().is_none() && path.components().count() == 1;
     if looks_like_a_name && !path.exists() {
         let names: Vec<_> = BUILT_IN.iter().map(|built_in| built_in.name).collect();
         return Err(FileErrors::whole(
-            name_or_path,
+            path,
             format!(
                 "is neither a built-in definition nor a file; {}, or the path to a .toml file",
-                expected_one_of(name_or_path, &names)
+                expected_one_of(&name, &names)
             ),
         ));
     }
-    parse(name_or_path, &read_text(path)?)
+    parse(&name, &read_text(path)?)
 }
 
 /// Parses the text of a definition; `file` identifies it in messages.

@@ -46,6 +46,7 @@ fn source(factors: &[&str]) -> Source {
         files: Vec::new(),
         sessions: Vec::new(),
         errors: Vec::new(),
+        warnings: Vec::new(),
     }
 }
 

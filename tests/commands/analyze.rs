@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, fs};
 
-use crate::common::{fails, json, machband, split, succeeds, table, text};
+use crate::common::{change_rating, fails, json, machband, session_csv, split, succeeds, table, text};
 
 /// Returns a folder with the results of some simulated participants.
 fn study(experiment: &str, participants: u32) -> tempfile::TempDir {
@@ -214,7 +214,9 @@ fn errors_are_reported_and_the_rest_is_analyzed() {
     fs::write(&path, rows.replace(line, &cells.join(","))).unwrap();
     let output = machband(folder.path(), &split("analyze results --out a --tables-only"));
     let error = text(&output.stderr);
-    assert_eq!((output.status.code(), error.lines().count()), (Some(1), 1), "{error}");
+    // Two lines: the row, and a warning that the file was changed.
+    assert_eq!((output.status.code(), error.lines().count()), (Some(1), 2), "{error}");
+    let error = error.lines().last().unwrap();
     let place = "subject-S002_session-1_task-quick_data.csv:11:";
     assert!(error.starts_with("error: ") && error.contains(place) && error.contains("expected"), "{error}");
     let total: u64 =
@@ -226,4 +228,44 @@ fn errors_are_reported_and_the_rest_is_analyzed() {
         let error = fails(folder.path(), &["analyze", name, "--out", "b"], 1);
         assert!(error.contains(part) && error.contains("expected") && !folder.path().join("b").exists(), "{error}");
     }
+}
+
+#[test]
+fn changed_files_are_analyzed_with_a_warning() {
+    let folder = study("quick", 2);
+    change_rating(&session_csv(&folder.path().join("results"), "quick", "S002"));
+    let warned = |line: &str, expected: &str| {
+        let output = machband(folder.path(), &split(line));
+        let warnings = text(&output.stderr);
+        assert!(output.status.success(), "{line}: {warnings}");
+        assert_eq!(warnings.lines().count(), 1, "{line}: {warnings}");
+        assert!(warnings.starts_with("warning: ") && warnings.contains(expected), "{line}: {warnings}");
+    };
+    let expected = "subject-S002_session-1_task-quick_data.csv: was changed since the session ended";
+    warned("counts results --out counts.csv", expected);
+    warned("predict quick --fit results", expected);
+    warned("analyze results --out a", expected);
+    let report = fs::read_to_string(folder.path().join("a/report.html")).unwrap();
+    let quality = report.find("id=\"health\"").unwrap();
+    assert!(report[quality..].contains(expected));
+    assert!(report.contains("The input has 1 warning in 1 file; see “Data quality”."));
+}
+
+#[cfg(unix)]
+#[test]
+fn links_out_of_a_data_set_are_followed_with_a_warning() {
+    let folder = study("quick", 2);
+    let csv = session_csv(&folder.path().join("results"), "quick", "S001");
+    let outside = folder.path().join("elsewhere.csv");
+    fs::rename(&csv, &outside).unwrap();
+    std::os::unix::fs::symlink(&outside, &csv).unwrap();
+    let output = machband(folder.path(), &split("counts results --out counts.csv"));
+    let warnings = text(&output.stderr);
+    assert!(output.status.success() && warnings.lines().count() == 1, "{warnings}");
+    assert!(warnings.starts_with("warning: results/quick: ") && warnings.contains("S001"), "{warnings}");
+    // A link within the data set leads nowhere else.
+    fs::rename(&outside, csv.with_file_name("object")).unwrap();
+    fs::remove_file(&csv).unwrap();
+    std::os::unix::fs::symlink("object", &csv).unwrap();
+    succeeds(folder.path(), &split("counts results --out counts.csv"));
 }

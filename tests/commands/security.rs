@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::common::{everything, fails, succeeds};
+use crate::common::{everything, fails, machband, succeeds, text};
 
 #[cfg(unix)]
 #[test]
@@ -50,6 +50,47 @@ fn links_below_the_results_folder_are_refused() {
     symlink(folder.path().join("disk"), folder.path().join("results")).unwrap();
     succeeds(folder.path(), &["simulate", "quick"]);
     assert!(folder.path().join("disk/quick/data").is_dir());
+}
+
+/// Names of files, cells and texts in files may contain sequences that a terminal acts on.
+#[cfg(unix)]
+#[test]
+fn no_message_contains_a_control_character() {
+    let folder = tempfile::tempdir().unwrap();
+    let escape = "\u{1b}]0;title\u{7}\u{1b}[31m\u{9b}2J\u{202e}";
+    let write = |name: &str, text: String| {
+        fs::write(folder.path().join(name), text).unwrap();
+        name.to_owned()
+    };
+    let toml = write(&format!("{escape}.toml"), "schema = 1\nname = \"\\u001b[31m\"\n".to_owned());
+    let data = "subject-S001_session-1_task-quick_data.csv";
+    let rows = write(data, format!("row_id,experiment\n{escape},{escape}\n"));
+    let sidecar = write("s.csv", format!("subject_id,rating,{escape}\n\"{escape}\",9,1\n"));
+    let image = write(&format!("{escape}.png"), "no image".to_owned());
+    let mesh = write(&format!("{escape}.obj"), format!("v {escape}\n"));
+    let fine = write(&format!("fine {escape}.toml"), include_str!("../../experiments/quick.toml").to_owned());
+    let experiment = format!("neither{escape}");
+    let lines: [&[&str]; 12] = [
+        &["check", &toml, &rows, &image, &mesh, &fine],
+        &["check", &fine],
+        &["analyze", &rows, &sidecar, "--out", "out", "--factors", escape],
+        &["counts", &sidecar, "--out", &experiment, "--factors", "nothing"],
+        &["simulate", &experiment],
+        &["simulate", "quick", "--results", escape],
+        &["predict", "--image", &image],
+        &["predict", "--kind", escape],
+        &["shade", "--mesh", &mesh, "--shader", "phong", "--out", "out.png"],
+        &["export", escape, "--format", "bids", "--out", escape],
+        &["verify", escape],
+        &[escape],
+    ];
+    for line in lines {
+        let output = machband(folder.path(), line);
+        let said = text(&output.stdout) + &text(&output.stderr);
+        let acts = |c: &char| (c.is_control() && *c != '\n') || *c == '\u{202e}';
+        assert_eq!(said.chars().find(acts), None, "{line:?}: {said:?}");
+        assert!(said.contains("\\u{1b}"), "{line:?}: {said:?}");
+    }
 }
 
 /// Writes ratings with texts that a spreadsheet would treat as formulas and a browser as markup.

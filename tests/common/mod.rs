@@ -130,6 +130,16 @@ pub fn session_csv(results: &Path, experiment: &str, participant: &str) -> PathB
     results.join(format!("{experiment}/data/subject-{participant}_session-1_task-{experiment}_data.csv"))
 }
 
+/// Changes the rating in line 10 of a session's file.
+pub fn change_rating(csv: &Path) {
+    let text = fs::read_to_string(csv).unwrap();
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let mut cells: Vec<&str> = lines[9].split(',').collect();
+    cells[16] = if cells[16] == "0" { "3" } else { "0" };
+    lines[9] = cells.join(",");
+    fs::write(csv, lines.join("\n") + "\n").unwrap();
+}
+
 /// The rows of a session's file.
 pub fn rows(csv: &Path, protocol: &Protocol) -> Vec<TrialRecord> {
     let read = results::parse(csv.to_str().unwrap(), &fs::read(csv).unwrap(), &columns(protocol));

@@ -21,7 +21,7 @@ use machband::{
 };
 
 use crate::{
-    common::succeeds,
+    common::{change_rating, session_csv, succeeds},
     window::{Role, Window, builder, choose, click, home, press, request, texts, type_into, value, wait_for},
 };
 
@@ -301,6 +301,15 @@ fn the_empty_page_and_errors_in_files() {
 }
 
 /// The user says what the columns of a file from another program mean.
+#[test]
+fn a_changed_file_causes_a_warning() {
+    let (folder, data_set) = study(1);
+    change_rating(&session_csv(&folder.path().join("results"), "tiny", "S001"));
+    let window = opened(&data_set);
+    assert_has(&window, "Warnings: 1");
+    assert_has(&window, "_data.csv: was changed since the session ended");
+}
+
 #[test]
 fn the_user_identifies_the_columns_of_a_foreign_file() {
     let folder = tempfile::tempdir().unwrap();

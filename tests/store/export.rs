@@ -10,19 +10,21 @@ use std::{
 use machband::{
     experiment::columns,
     store::{
-        export::{Exported, Format, export},
+        export::{Choice, Exported, Format, export},
         image,
         ratings::data_files,
         recorded::Recorded,
+        sidecar::Sidecar,
         verify,
     },
 };
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use crate::common::{everything, json as read_json, session_csv, succeeds};
+use crate::common::{change_rating, everything, fails, json as read_json, session_csv, succeeds};
 
 const FORMATS: [Format; 2] = [Format::Bids, Format::PsychDs];
+const COMPLETE: Choice = Choice { complete_only: true, accept_changes: false };
 
 /// Simulates `study` in a new folder, and returns that folder and its results folder.
 fn simulated(study: &[&str]) -> (TempDir, PathBuf) {
@@ -42,6 +44,15 @@ fn edit_json(path: &Path, edit: impl FnOnce(&mut Value)) {
     fs::write(path, value.to_string()).unwrap();
 }
 
+/// Edits a sidecar as if the program had written it so.
+fn rewrite(path: &Path, edit: impl FnOnce(&mut Value)) {
+    edit_json(path, edit);
+    let mut sidecar = Sidecar::read(path).unwrap().unwrap();
+    let own = sidecar.own_sha256();
+    sidecar.seal.as_mut().unwrap().sidecar_sha256 = own;
+    sidecar.write(path).unwrap();
+}
+
 /// Rewrites a session as if it had been interrupted: `rows` complete rows, then a corrected response, then half a row.
 fn interrupt(results: &Path, subject: &str, rows: usize) {
     let csv = session_csv(results, "quick", subject);
@@ -55,6 +66,8 @@ fn interrupt(results: &Path, subject: &str, rows: usize) {
     edit_json(&sidecar(results, "quick", subject), |sidecar| {
         sidecar["complete"] = false.into();
         sidecar.as_object_mut().unwrap().remove("seal");
+        let last = sidecar["sittings"].as_array_mut().unwrap().last_mut().unwrap();
+        last.as_object_mut().unwrap().remove("ended_at");
     });
 }
 
@@ -74,6 +87,7 @@ fn study() -> (TempDir, PathBuf) {
         .unwrap();
     edit_json(&sidecar(&results, "shaders", "S001"), |sidecar| {
         sidecar.as_object_mut().unwrap().remove("seal");
+        sidecar["sittings"][0]["program"].as_object_mut().unwrap().remove("system");
     });
     (scratch, results)
 }
@@ -111,7 +125,7 @@ fn tables(bids: &Path) -> BTreeMap<(String, String), HashMap<String, String>> {
 }
 
 fn written(results: &Path, to: &Path, format: Format) -> Exported {
-    export(results, to, format, false).unwrap()
+    export(results, to, format, Choice::default()).unwrap()
 }
 
 #[test]
@@ -174,9 +188,11 @@ fn every_cell_and_every_picture_is_exported() {
     // With a different hash in a sidecar, the exported picture would differ from the one that was shown.
     let shown = sessions(&results)[0].sidecar.sittings[0].pictures.clone().unwrap().sha256[&1].clone();
     let path = sidecar(&results, "quick", "S001");
-    fs::write(&path, fs::read_to_string(&path).unwrap().replace(&shown, &"0".repeat(64))).unwrap();
+    rewrite(&path, |sidecar| {
+        *sidecar = serde_json::from_str(&sidecar.to_string().replace(&shown, &"0".repeat(64))).unwrap();
+    });
     let refused = scratch.path().join("refused");
-    let error = export(&results, &refused, Format::Bids, false).unwrap_err().to_string();
+    let error = export(&results, &refused, Format::Bids, Choice::default()).unwrap_err().to_string();
     assert!(error.contains("the hash of what was shown"), "{error}");
     assert!(!refused.exists());
 }
@@ -204,7 +220,7 @@ fn errors_are_reported_and_nothing_is_written() {
     let at = |name: &str| scratch.path().join(name);
     let refused = |to: &Path, expected: &str| {
         for format in FORMATS {
-            let error = export(&results, to, format, false).unwrap_err().to_string();
+            let error = export(&results, to, format, Choice::default()).unwrap_err().to_string();
             assert!(error.contains(expected), "{format:?}: {error}");
         }
     };
@@ -222,7 +238,7 @@ fn errors_are_reported_and_nothing_is_written() {
     for (path, text) in files.iter().zip(&before) {
         fs::write(path, text.replace(",yellow,", ",=1+1,")).unwrap();
     }
-    let error = export(&results, &at("out"), Format::PsychDs, false).unwrap_err().to_string();
+    let error = export(&results, &at("out"), Format::PsychDs, Choice::default()).unwrap_err().to_string();
     assert!(error.contains("S001_session") && error.contains("S002_session"), "{error}");
     assert!(error.contains("treat as a formula") && error.contains("is not planned"), "{error}");
     assert!(!at("out").exists());
@@ -244,11 +260,11 @@ fn errors_are_reported_and_nothing_is_written() {
     // Unfinished sessions can be excluded.
     interrupt(&results, "S002", 7);
     let out = scratch.path().join("out");
-    let exported = export(&results, &out, Format::Bids, true).unwrap();
+    let exported = export(&results, &out, Format::Bids, COMPLETE).unwrap();
     assert_eq!((exported.sessions, exported.rows), (1, 28));
     assert!(!everything(&out).iter().any(|(path, _)| path.to_string_lossy().contains("S002")));
     interrupt(&results, "S001", 7);
-    let error = export(&results, &scratch.path().join("none"), Format::Bids, true).unwrap_err().to_string();
+    let error = export(&results, &scratch.path().join("none"), Format::Bids, COMPLETE).unwrap_err().to_string();
     assert!(error.contains("no complete session"), "{error}");
 }
 
@@ -256,7 +272,7 @@ fn errors_are_reported_and_nothing_is_written() {
 fn screens_and_participants_are_described_in_bids_terms_and_units() {
     let (scratch, results) = simulated(&["quick"]);
     // As the window writes the sidecar for a person.
-    edit_json(&sidecar(&results, "quick", "S001"), |sidecar| {
+    rewrite(&sidecar(&results, "quick", "S001"), |sidecar| {
         let sitting = &mut sidecar["sittings"][0];
         sitting.as_object_mut().unwrap().remove("observer");
         sitting["viewing"] = json!({ "distance_cm": 57.0, "screen_width_cm": 53.1, "screen_width_measured": true });
@@ -311,4 +327,74 @@ fn sessions_with_the_same_name_may_have_different_definitions() {
         read_json(&bids.join(format!("sub-{subject}/ses-1/beh/sub-{subject}_ses-1_task-small_beh.json")))
     };
     assert!(described("S001")["tanh_k"].is_object() && described("S002")["tanh_k"].is_null());
+}
+
+#[test]
+fn a_changed_file_is_exported_only_on_request_and_the_export_names_it() {
+    let (scratch, results) = simulated(&["quick"]);
+    let csv = session_csv(&results, "quick", "S001");
+    change_rating(&csv);
+    let (name, what) = ("subject-S001_session-1_task-quick_data.csv", "was changed since the session ended: sha256");
+    let error = fails(scratch.path(), &["export", "results", "--format", "bids", "--out", "out"], 1);
+    assert!(error.contains(name) && error.contains(what) && error.contains("--accept-changes"), "{error}");
+    for format in FORMATS {
+        let to = scratch.path().join(format!("{format:?}"));
+        export(&results, &to, format, Choice::default()).unwrap_err();
+        assert!(!to.exists());
+        let accepted = Choice { accept_changes: true, ..Choice::default() };
+        let exported = export(&results, &to, format, accepted).unwrap();
+        assert!(exported.notes[0].contains(name) && exported.notes[0].contains(what), "{:?}", exported.notes);
+        let places: &[&str] = match format {
+            Format::Bids => &["README.md", "CHANGES", "sub-S001/ses-1/beh/sub-S001_ses-1_task-quick_beh.json"],
+            Format::PsychDs => &["quick/README.md", "quick/CHANGES.md"],
+        };
+        for place in places {
+            let text = fs::read_to_string(to.join(place)).unwrap();
+            assert!(text.contains(&format!("{name}: {what}")), "{format:?} {place}: {text}");
+        }
+        // The seal still reveals the change in the copy.
+        let copy = data_files(&to).unwrap().remove(0);
+        let found = verify::session(&copy, &mut verify::Renderer::default());
+        assert!(found.errors.iter().any(|error| error.message.contains(what)), "{:?}", found.errors);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn links_in_the_data_are_refused_by_name() {
+    let (scratch, results) = simulated(&["quick"]);
+    let secret = scratch.path().join("secret");
+    fs::create_dir(&secret).unwrap();
+    let data = "data/subject-S001_session-1_task-quick";
+    let files = ["LICENSE", "README.md", "CHANGES.md", ".psychdsignore", "dataset_description.json"].map(str::to_owned);
+    let of_session = ["_data.csv", "_data.json", "_frames.csv"].map(|end| format!("{data}{end}"));
+    for place in files.into_iter().chain(of_session).chain(["data".to_owned(), String::new()]) {
+        // The link leads to exactly what would otherwise be exported, so nothing else can be wrong.
+        let (path, target) = (results.join("quick").join(&place), secret.join("target"));
+        // Without the slash at its end, the path is that of the folder `quick`.
+        let path: PathBuf = path.components().collect();
+        let is_new = !path.exists();
+        if is_new {
+            fs::write(&target, "private").unwrap();
+        } else {
+            fs::rename(&path, &target).unwrap();
+        }
+        std::os::unix::fs::symlink(&target, &path).unwrap();
+        for format in FORMATS {
+            let to = scratch.path().join("out");
+            let error = export(&results, &to, format, Choice::default()).unwrap_err().to_string();
+            let expected = format!("{}: is a link to {}", path.display(), target.display());
+            assert!(error.starts_with(&expected), "{format:?} {place}: {error}");
+            assert!(!to.exists());
+        }
+        fs::remove_file(&path).unwrap();
+        if is_new {
+            fs::remove_file(&target).unwrap();
+        } else {
+            fs::rename(&target, &path).unwrap();
+        }
+    }
+    // The folder that the user names may be a link.
+    std::os::unix::fs::symlink(&results, scratch.path().join("link")).unwrap();
+    written(&scratch.path().join("link"), &scratch.path().join("out"), Format::Bids);
 }

@@ -25,10 +25,13 @@ use crate::{
         prediction::StudyPrediction,
         study::{Parts, document},
     },
-    store::ratings::{ReadOptions, SessionRead, Source},
+    store::{
+        FileError,
+        ratings::{ReadOptions, SessionRead, Source},
+    },
 };
 
-/// Maximum number of listed errors.
+/// Maximum number of listed errors, and of listed warnings.
 const MAX_ERRORS: usize = 200;
 /// In a window narrower than this, in points, the data and filters have a separate view.
 const NARROW: f32 = 700.0;
@@ -324,17 +327,21 @@ fn about(ui: &mut egui::Ui, source: &Source) {
         sessions => format!(" in {}", count(sessions, "session")),
     };
     hint(ui, format!("{}{sessions}.", count(ratings, "rating")));
-    if source.errors.is_empty() {
+    problems(ui, "Errors", &source.errors, theme::ERROR);
+    problems(ui, "Warnings", &source.warnings, theme::NOTE);
+}
+
+fn problems(ui: &mut egui::Ui, title: &str, problems: &[FileError], color: egui::Color32) {
+    if problems.is_empty() {
         return;
     }
-    let title = RichText::new(format!("Errors: {}", source.errors.len())).color(theme::ERROR);
-    CollapsingHeader::new(title).id_salt("faults").default_open(true).show(ui, |ui| {
-        ScrollArea::vertical().id_salt("faults").max_height(170.0).show(ui, |ui| {
-            for one in source.errors.iter().take(MAX_ERRORS) {
-                show_error(ui, one.to_string());
-            }
-            if let more @ 1.. = source.errors.len().saturating_sub(MAX_ERRORS) {
-                show_error(ui, format!("… and {} more", whole(more as u64)));
+    let header = RichText::new(format!("{title}: {}", problems.len())).color(color);
+    CollapsingHeader::new(header).id_salt(title).default_open(true).show(ui, |ui| {
+        ScrollArea::vertical().id_salt(title).max_height(170.0).show(ui, |ui| {
+            let more = problems.len().saturating_sub(MAX_ERRORS);
+            let shown = problems.iter().take(MAX_ERRORS).map(ToString::to_string);
+            for line in shown.chain((more > 0).then(|| format!("… and {} more", whole(more as u64)))) {
+                paragraph(ui, RichText::new(line).small().color(color));
             }
         });
     });

@@ -2,7 +2,6 @@
 
 use std::{
     collections::BTreeMap,
-    io::Write as _,
     path::Path,
     sync::mpsc::{Sender, channel},
     thread::{self, JoinHandle},
@@ -24,6 +23,7 @@ use crate::{
         session_seed,
     },
     light::CodeImage,
+    report::terminal::message,
     store::{
         StoreError,
         frames::FrameRow,
@@ -155,10 +155,7 @@ impl Recording {
         let complete = *session.state() == State::Done;
         let ended = self.store.finish(complete, Timestamp::now().to_string(), summary);
         let errors: Vec<String> = [saved, ended].into_iter().filter_map(Result::err).map(|e| e.to_string()).collect();
-        for error in &errors {
-            // If stderr is closed, nothing is lost: the error is returned too.
-            let _ = writeln!(std::io::stderr(), "error: {error}");
-        }
+        errors.iter().for_each(|error| message("error", error));
         (!errors.is_empty()).then(|| errors.join("\n"))
     }
 }

@@ -3,7 +3,6 @@
 
 use std::{
     cell::{Cell, RefCell},
-    io::Write as _,
     mem, panic,
     path::{Path, PathBuf},
     rc::Rc,
@@ -11,6 +10,8 @@ use std::{
 };
 
 use eframe::{AppCreator, CreationContext, egui, wgpu::DeviceLostReason};
+
+use crate::report::terminal::message;
 
 /// Why no window could be opened, or why it was lost.
 #[derive(Debug, thiserror::Error)]
@@ -194,7 +195,6 @@ impl Drop for AtExit {
     fn drop(&mut self) {
         let rows = self.0.close();
         let reason = self.0.failure.reason().unwrap_or_else(|| "the window system was lost".to_owned());
-        // If stderr is closed, the exit status still reports the error.
-        let _ = writeln!(std::io::stderr(), "error: {}", WindowError::Lost { reason, rows });
+        message("error", &WindowError::Lost { reason, rows }.to_string());
     }
 }

@@ -33,7 +33,7 @@ use findings::Findings;
 )]
 pub(super) struct Arguments {
     /// Built-in definition or path to a .toml file.
-    experiment: String,
+    experiment: PathBuf,
     /// Number of participants per study; give several numbers to compare them.
     #[arg(long, value_name = "N,…", required = true, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000))]
     participants: Vec<u32>,

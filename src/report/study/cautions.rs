@@ -13,7 +13,7 @@ use crate::{
         results::{FactorResults, SubjectResults},
     },
     report::document::numbers::{count, fixed, list, p_is, percent, probability, short_list, unit},
-    store::ratings::Source,
+    store::{FileError, ratings::Source},
 };
 
 /// Cohen's κ up to which agreement is at most "slight" (Landis & Koch, 1977).
@@ -34,7 +34,8 @@ pub(super) fn cautions(source: &Source, results: &Results) -> Vec<String> {
     let mut cautions = Vec::new();
     cautions.extend(simulated(source, results));
     cautions.extend(one_participant(source, results));
-    cautions.extend(errors(source));
+    cautions.extend(problems(&source.errors, "error"));
+    cautions.extend(problems(&source.warnings, "warning"));
     cautions.extend(nothing_found(results));
     cautions.extend(about_model(results));
     cautions.extend(names::varied(results).filter_map(|factor| pairs_without_power(results, factor)));
@@ -72,10 +73,10 @@ fn one_participant(source: &Source, results: &Results) -> Option<String> {
     ))
 }
 
-fn errors(source: &Source) -> Option<String> {
-    let files: BTreeSet<&str> = source.errors.iter().map(|error| error.file.as_str()).collect();
-    let (messages, files) = (count(source.errors.len() as u64, "error"), count(files.len() as u64, "file"));
-    (!source.errors.is_empty()).then(|| format!("The input has {messages} in {files}; see “Data quality”."))
+fn problems(problems: &[FileError], what: &str) -> Option<String> {
+    let files: BTreeSet<&str> = problems.iter().map(|problem| problem.file.as_str()).collect();
+    let (messages, files) = (count(problems.len() as u64, what), count(files.len() as u64, "file"));
+    (!problems.is_empty()).then(|| format!("The input has {messages} in {files}; see “Data quality”."))
 }
 
 /// Warns that a missing effect proves nothing: absence of evidence is not evidence of absence.

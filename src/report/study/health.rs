@@ -35,6 +35,17 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         section.text("Rows with errors were excluded; the rest was analyzed.");
         section.list(source.errors.iter().map(ToString::to_string).collect());
     }
+    let sealed = source.sessions.iter().filter_map(|session| session.sidecar.as_ref()?.seal.as_ref()).count() as u64;
+    if !source.warnings.is_empty() {
+        section.warning("These files were analyzed in spite of the following warnings.");
+        section.list(source.warnings.iter().map(ToString::to_string).collect());
+    } else if sealed > 0 {
+        let all = whole(source.sessions.len() as u64);
+        section.text(format!(
+            "The files of {} of {all} were compared with the hashes recorded when the session ended; none was changed.",
+            count(sealed, "session")
+        ));
+    }
     if !source.sessions.is_empty() {
         section.heading("Sessions");
         let texts = ["Participant", "Session", "State", "Ratings by"];

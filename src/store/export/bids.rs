@@ -6,15 +6,15 @@ use std::{collections::BTreeMap, path::Path};
 use serde_json::{Map, Value, json};
 
 use super::{
-    psych_ds,
-    sessions::{Experiment, dataset},
+    psych_ds::{self, changed_files},
+    sessions::{self, Experiment},
     stimuli::{self, Stimuli},
 };
 use crate::{
     experiment::{Column, Protocol, columns},
     store::{
         StoreError,
-        dataset::DESCRIPTION,
+        dataset::{self, DESCRIPTION},
         file::{make_folder, write_file, write_json},
         recorded::Recorded,
         sidecar::Sitting,
@@ -167,11 +167,14 @@ fn of_session(session: &Recorded) -> Map<String, Value> {
             ("SimulatedObserver", sitting.observer.clone()),
             ("ResponseStamp", sitting.input.clone()),
             ("StimulusPresentation", Some(presented.into())),
+            ("Incidents", (!sitting.incidents.is_empty()).then(|| sitting.incidents.clone().into())),
         ]);
         Value::from(entries)
     });
     let (rated, planned) = session.rated();
+    let changed: Vec<String> = sessions::changed(session).collect();
     keys([
+        ("ChangedFiles", (!changed.is_empty()).then(|| changed.into())),
         ("StimulusPresentation", Some(common.into())),
         ("TrialsPlanned", Some(planned.into())),
         ("TrialsRated", Some(rated.into())),
@@ -281,7 +284,7 @@ fn written(experiments: &[Experiment]) -> Vec<Value> {
     let mut files: Vec<_> = experiments
         .iter()
         .flat_map(|one| &one.sessions)
-        .filter_map(|session| Some(dataset(&session.csv)?.join(DESCRIPTION)))
+        .filter_map(|session| Some(dataset::of(&session.csv)?.join(DESCRIPTION)))
         .collect();
     files.dedup();
     files.iter().filter_map(|path| serde_json::from_slice(&std::fs::read(path).ok()?).ok()).collect()
@@ -323,7 +326,7 @@ than `TrialsPlanned`, the session is unfinished. `Sittings` describes the progra
 `stim_file` names the picture in `stimuli/`, which was re-rendered from its recipe; its hash matches what was shown.
 `sourcedata/` contains the data as recorded: a Psych-DS data set for each experiment. The JSON file next to each CSV file
 contains the definition, the display profile and a record of the session.
-"
+" + &changed_files(experiments)
 }
 
 /// Writes the change log in the form that BIDS requires: a version, the date of the last sitting, and the content.
@@ -332,7 +335,9 @@ fn changes(experiments: &[Experiment]) -> String {
     let last = sittings.filter_map(|sitting| sitting.started_at.parse::<jiff::Timestamp>().ok()).max();
     let day = last.unwrap_or_default().strftime("%Y-%m-%d").to_string();
     let version = env!("CARGO_PKG_VERSION");
-    format!("1.0.0 {day}\n  - Sessions up to this date, exported by machband {version}.\n")
+    let changed = experiments.iter().flat_map(Experiment::changed);
+    let changed: String = changed.map(|line| format!("  - Exported with --accept-changes: {line}\n")).collect();
+    format!("1.0.0 {day}\n  - Sessions up to this date, exported by machband {version}.\n{changed}")
 }
 
 /// Writes one row per participant. It contains only what is known: the number of sessions, and whether a person or a

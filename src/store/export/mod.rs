@@ -7,4 +7,4 @@ mod sessions;
 mod stimuli;
 mod write;
 
-pub use write::{Exported, Format, export};
+pub use write::{Choice, Exported, Format, export};

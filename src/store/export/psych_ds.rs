@@ -3,12 +3,12 @@
 
 use std::{fs, path::Path};
 
-use super::sessions::{Experiment, dataset};
+use super::sessions::{DESCRIBING, Experiment};
 use crate::{
     experiment::columns,
     store::{
         StoreError,
-        dataset::{DATA_FILE, DESCRIPTION, SIDECAR_SUFFIX, describe},
+        dataset::{self, DATA_FILE, SIDECAR_SUFFIX, describe},
         error::io,
         file::{make_folder, write_file},
         frames,
@@ -16,18 +16,6 @@ use crate::{
         results,
     },
 };
-
-/// Files that describe a data set as a whole. Nothing else is copied, so other files next to the data stay private.
-const OWN: [&str; 8] = [
-    DESCRIPTION,
-    "README.md",
-    "CHANGES.md",
-    ".psychds-ignore",
-    ".psychdsignore",
-    "LICENSE",
-    "LICENSE.md",
-    "CITATION.cff",
-];
 
 /// Writes a data set for each experiment into a subfolder of `to`.
 pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<String>) -> Result<(), StoreError> {
@@ -40,16 +28,48 @@ pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<Strin
                 notes.push(format!("{}: {note}", experiment.name));
             }
         }
+        for name in ["README.md", "CHANGES.md"] {
+            append(&folder.join(name), &changed_files([experiment]))?;
+        }
     }
     Ok(())
+}
+
+/// Returns a section for a README that lists the files that were changed after their session ended; empty if there are
+/// none.
+pub(super) fn changed_files<'a>(experiments: impl IntoIterator<Item = &'a Experiment>) -> String {
+    let lines: String =
+        experiments.into_iter().flat_map(Experiment::changed).map(|line| format!("- {line}\n")).collect();
+    if lines.is_empty() {
+        return lines;
+    }
+    let version = env!("CARGO_PKG_VERSION");
+    format!(
+        "
+## Changed files
+
+These files differ from what the session wrote. They were exported by machband {version} with `--accept-changes`.
+
+{lines}"
+    )
+}
+
+/// Adds text to the end of a file that was just exported.
+fn append(path: &Path, text: &str) -> Result<(), StoreError> {
+    if text.is_empty() {
+        return Ok(());
+    }
+    let mut content = fs::read(path).map_err(io(path, "read"))?;
+    content.extend_from_slice(text.as_bytes());
+    write_file(path, &content)
 }
 
 /// Copies an experiment's sessions unchanged, together with the files that describe their data set.
 pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreError> {
     let data = folder.join("data");
     make_folder(&data)?;
-    let sources = experiment.sessions.iter().filter_map(|session| dataset(&session.csv));
-    for (source, name) in sources.flat_map(|source| OWN.map(|name| (source, name))) {
+    let sources = experiment.sessions.iter().filter_map(|session| dataset::of(&session.csv));
+    for (source, name) in sources.flat_map(|source| DESCRIBING.map(|name| (source, name))) {
         let (from, to) = (source.join(name), folder.join(name));
         if from.is_file() && !to.exists() {
             copy_file(&from, &to)?;
@@ -66,20 +86,14 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreEr
     Ok(())
 }
 
-/// Removes an incomplete last row, and the seal, which is then no longer valid.
+/// Removes an incomplete last row. The seals stay: they cover complete rows only.
 fn tidy(session: &Recorded, data: &Path) -> Result<(), StoreError> {
     if session.partial_line.is_none() {
         return Ok(());
     }
     let stem = session.stem();
     let (whole, _) = results::whole(&session.csv, &columns(&session.protocol))?;
-    write_file(&data.join(format!("{stem}{DATA_FILE}")), &whole)?;
-    if session.sidecar.seal.is_some() {
-        let mut sidecar = session.sidecar.clone();
-        sidecar.seal = None;
-        sidecar.write(&data.join(format!("{stem}{SIDECAR_SUFFIX}")))?;
-    }
-    Ok(())
+    write_file(&data.join(format!("{stem}{DATA_FILE}")), &whole)
 }
 
 /// Copies only the content, so that the new file is writable even if the data set is write-protected.

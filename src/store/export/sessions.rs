@@ -1,7 +1,8 @@
 //! Reads and checks the sessions to export.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
+    fs,
     path::{Path, PathBuf},
 };
 
@@ -9,8 +10,26 @@ use rayon::{iter::Either, prelude::*};
 
 use crate::{
     experiment::{columns, name_error},
-    store::{FileError, FileErrors, recorded::Recorded, table::is_formula},
+    store::{
+        FileError, FileErrors,
+        dataset::{self, DATA_FILE, SIDECAR_SUFFIX},
+        frames,
+        recorded::Recorded,
+        table::is_formula,
+    },
 };
+
+/// Files that describe a data set as a whole. Nothing else is copied, so other files next to the data stay private.
+pub(super) const DESCRIBING: [&str; 8] = [
+    dataset::DESCRIPTION,
+    "README.md",
+    "CHANGES.md",
+    ".psychds-ignore",
+    ".psychdsignore",
+    "LICENSE",
+    "LICENSE.md",
+    "CITATION.cff",
+];
 
 /// An experiment with all its sessions.
 pub(super) struct Experiment {
@@ -25,18 +44,48 @@ impl Experiment {
     pub fn has_one_definition(&self) -> bool {
         self.sessions.iter().all(|session| session.protocol == self.sessions[0].protocol)
     }
+
+    /// Returns a line for each exported file that was changed after its session ended, with the name of the file only.
+    pub fn changed(&self) -> impl Iterator<Item = String> {
+        self.sessions.iter().flat_map(changed)
+    }
 }
 
-/// Returns the data set of a data file: the folder that contains its `data` folder.
-pub(super) fn dataset(csv: &Path) -> Option<&Path> {
-    let data = csv.parent()?;
-    (data.file_name()? == "data").then(|| data.parent())?
+/// Returns a line for each file of a session that was changed after the session ended.
+pub(super) fn changed(session: &Recorded) -> impl Iterator<Item = String> {
+    session.changed.iter().map(|error| {
+        let name = Path::new(&error.file).file_name().unwrap_or_default().to_string_lossy();
+        format!("{name}: {}", error.message)
+    })
 }
 
-/// Reads all sessions, or reports all their errors.
-pub(super) fn read(files: &[PathBuf]) -> Result<Vec<Recorded>, FileErrors> {
+/// Refuses links among the files to export and the folders that contain them. An export is published, and a link could
+/// add any file of this computer to it. `from`, which the user named, may be a link.
+///
+/// # Errors
+/// Names every link.
+pub(super) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErrors> {
+    let mut paths = BTreeSet::new();
+    for csv in files {
+        paths.extend(csv.ancestors().take_while(|path| *path != from).map(Path::to_owned));
+        let name = csv.file_name().unwrap_or_default().to_string_lossy();
+        let stem = name.strip_suffix(DATA_FILE).unwrap_or(&name);
+        paths.extend([SIDECAR_SUFFIX, frames::SUFFIX].map(|suffix| csv.with_file_name(format!("{stem}{suffix}"))));
+        paths.extend(dataset::of(csv).into_iter().flat_map(|dataset| DESCRIBING.map(|name| dataset.join(name))));
+    }
+    let links = paths.into_iter().filter_map(|path| {
+        let target = fs::read_link(&path).ok()?;
+        let expected = "expected a regular file or folder, because links are not exported";
+        Some(FileError::whole(&path, format!("is a link to {}; {expected}", target.display())))
+    });
+    FileErrors::none(links.collect())
+}
+
+/// Reads all sessions, or reports all their errors. Unless `accept_changes` is true, it is an error if a file was
+/// changed after its session ended.
+pub(super) fn read(files: &[PathBuf], accept_changes: bool) -> Result<Vec<Recorded>, FileErrors> {
     let (sessions, errors): (Vec<_>, Vec<_>) = files.par_iter().partition_map(|csv| match Recorded::open(csv) {
-        Ok(session) => match errors(&session) {
+        Ok(session) => match errors(&session, accept_changes) {
             errors if errors.is_empty() => Either::Left(session),
             errors => Either::Right(errors),
         },
@@ -47,10 +96,16 @@ pub(super) fn read(files: &[PathBuf]) -> Result<Vec<Recorded>, FileErrors> {
 }
 
 /// Returns the reasons why a readable session must not be exported.
-fn errors(session: &Recorded) -> Vec<FileError> {
+fn errors(session: &Recorded, accept_changes: bool) -> Vec<FileError> {
     // The experiment's name becomes a folder name, and a sidecar may contain any text.
     let name = name_error(&session.protocol.name).map(|message| FileError::whole(&session.sidecar_path, message));
     let mut errors: Vec<FileError> = name.into_iter().chain(session.row_errors()).collect();
+    if !accept_changes {
+        errors.extend(session.changed.iter().map(|error| {
+            let message = format!("{}, or --accept-changes", error.message);
+            FileError { message, ..error.clone() }
+        }));
+    }
     let columns = columns(&session.protocol);
     for (row, line) in session.rows.iter().zip(2..) {
         for (cell, column) in row.cells().iter().zip(&columns).filter(|(cell, _)| is_formula(cell)) {
@@ -64,11 +119,15 @@ fn errors(session: &Recorded) -> Vec<FileError> {
     errors
 }
 
-/// Notes every incomplete session, and excludes it if requested.
+/// Notes every incomplete session, and excludes it if requested. Notes every change that was accepted.
 pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &mut Vec<String>) -> Vec<Recorded> {
     sessions.retain(|session| {
         let (rated, planned) = session.rated();
-        if rated == planned && session.partial_line.is_none() {
+        let is_complete = rated == planned && session.partial_line.is_none();
+        if is_complete || !complete_only {
+            notes.extend(session.changed.iter().map(|error| format!("{error}; exported because of --accept-changes")));
+        }
+        if is_complete {
             return true;
         }
         let partial_line = if session.partial_line.is_some() { ", and the last row is incomplete" } else { "" };

@@ -8,7 +8,7 @@ use std::{
 };
 
 use super::{bids, psych_ds, sessions};
-use crate::store::{FileErrors, StoreError, error::io, file::make_folder, ratings};
+use crate::store::{FileErrors, StoreError, dataset, error::io, file::make_folder, ratings};
 
 /// Format of an export.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -17,6 +17,15 @@ pub enum Format {
     Bids,
     /// Psych-DS 1.5: one data set per experiment
     PsychDs,
+}
+
+/// Which sessions are exported.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Choice {
+    /// Excludes sessions with unrated trials.
+    pub complete_only: bool,
+    /// Includes sessions with files that were changed after the session ended. The export names these files.
+    pub accept_changes: bool,
 }
 
 /// A summary of what was exported.
@@ -33,18 +42,19 @@ pub struct Exported {
 }
 
 /// Exports the sessions in `from` (a results folder, the folder of one experiment, or its `data` folder) into the new
-/// or empty folder `to`. `complete_only` excludes sessions with unrated trials.
+/// or empty folder `to`.
 ///
 /// # Errors
-/// `to` is not empty or is inside the data; there is no session; a session cannot be read, was changed, or exists twice
-/// (every error in every such session is reported); a picture differs from the one that was shown; I/O errors. If there
-/// is an error, nothing is written.
-pub fn export(from: &Path, to: &Path, format: Format, complete_only: bool) -> Result<Exported, StoreError> {
+/// `to` is not empty or is inside the data; there is no session; a file or folder is a link; a session cannot be read,
+/// was changed, or exists twice (every error in every such session is reported); a picture differs from the one that
+/// was shown; I/O errors. If there is an error, nothing is written.
+pub fn export(from: &Path, to: &Path, format: Format, choice: Choice) -> Result<Exported, StoreError> {
     let files = ratings::data_files(from)?;
     let to = target(from, to, &files)?;
+    sessions::refuse_links(from, &files)?;
     let mut exported = Exported::default();
-    let sessions = sessions::read(&files)?;
-    let sessions = sessions::chosen(sessions, complete_only, &mut exported.notes);
+    let sessions = sessions::read(&files, choice.accept_changes)?;
+    let sessions = sessions::chosen(sessions, choice.complete_only, &mut exported.notes);
     if sessions.is_empty() {
         return Err(FileErrors::whole(from, "has no complete session; expected one, or omit --complete-only").into());
     }
@@ -74,7 +84,7 @@ fn target(from: &Path, to: &Path, files: &[PathBuf]) -> Result<PathBuf, StoreErr
         return Err(error("is not empty; expected a new or empty folder").into());
     }
     let full = full_path(to).map_err(refused)?;
-    for folder in files.iter().filter_map(|csv| sessions::dataset(csv)).chain([from]) {
+    for folder in files.iter().filter_map(|csv| dataset::of(csv)).chain([from]) {
         if full.starts_with(full_path(folder).map_err(refused)?) {
             let message = format!("is inside {}; expected a folder outside the data", folder.display());
             return Err(error(&message).into());

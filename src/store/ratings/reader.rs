@@ -2,7 +2,7 @@
 //! rows count, and pass those rows to the caller.
 
 use std::{
-    collections::{HashMap, HashSet},
+    collections::{BTreeMap, HashMap, HashSet},
     path::{Path, PathBuf},
 };
 
@@ -21,6 +21,7 @@ use crate::{
         FileError, FileErrors, dataset,
         error::RowErrors,
         file,
+        session::seal,
         table::{self, Row},
     },
 };
@@ -98,8 +99,42 @@ pub fn read<T: Send>(
         return Err(in_order(errors, &files));
     }
     let errors = in_order(errors, &files).0;
+    let warnings = warnings(&selection.inputs);
     let Selection { shape, protocol, definition_sha256, .. } = selection;
-    Ok((Source { shape, protocol, definition_sha256, files: reports, sessions, errors }, found))
+    Ok((Source { shape, protocol, definition_sha256, files: reports, sessions, errors, warnings }, found))
+}
+
+/// Returns the warnings about files that are read in spite of them. Only the files of sessions are compared with their
+/// hashes, so a large table without a sidecar is not read again.
+fn warnings(inputs: &[Input]) -> Vec<FileError> {
+    let changed = |input: &Input| match &input.sidecar {
+        Some(sidecar) => seal::errors(&input.path, sidecar),
+        None => Vec::new(),
+    };
+    let mut warnings: Vec<FileError> = inputs.par_iter().flat_map_iter(changed).collect();
+    // One warning for each data set, because a version control system may replace every file with a link.
+    let mut links: BTreeMap<&Path, Vec<PathBuf>> = BTreeMap::new();
+    for input in inputs {
+        if let Some(dataset) = dataset::of(&input.path).filter(|dataset| dataset.join(dataset::DESCRIPTION).is_file()) {
+            links.entry(dataset).or_default().extend(links_out(dataset, &input.path));
+        }
+    }
+    warnings.extend(links.into_iter().filter(|(_, paths)| !paths.is_empty()).map(|(dataset, paths)| {
+        let (first, all) = (paths[0].display(), paths.len());
+        let message = format!(
+            "some of its files are links to files outside (in total {all}, such as {first}); expected regular files (the \
+             links were followed)"
+        );
+        FileError::whole(dataset, message)
+    }));
+    warnings
+}
+
+/// Returns which of a data file and its sidecar are outside the data set once links are resolved.
+fn links_out(dataset: &Path, csv: &Path) -> Vec<PathBuf> {
+    let Ok(inside) = dataset.canonicalize() else { return Vec::new() };
+    let leads_out = |path: &PathBuf| path.canonicalize().is_ok_and(|target| !target.starts_with(&inside));
+    [csv.to_owned(), csv.with_extension("json")].into_iter().filter(leads_out).collect()
 }
 
 /// Reads the rows of all result files to determine which of them count. Errors are reported later, when the rows are

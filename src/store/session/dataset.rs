@@ -81,6 +81,12 @@ impl SessionPaths {
     }
 }
 
+/// Returns the data set of a data file: the folder that contains its `data` folder.
+pub(crate) fn of(csv: &Path) -> Option<&Path> {
+    let data = csv.parent()?;
+    (data.file_name()? == "data").then(|| data.parent())?
+}
+
 /// Returns the first of `P001`, `P002`, … that has no file in this experiment's results.
 pub fn free_participant(results: &Path, protocol: &Protocol) -> String {
     let taken: Vec<String> = fs::read_dir(results.join(&protocol.name).join("data"))

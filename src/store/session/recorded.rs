@@ -7,7 +7,7 @@ use std::{
 
 use super::{
     dataset::{DATA_FILE, SIDECAR_SUFFIX, identity},
-    frames, results,
+    frames, results, seal,
     sidecar::Sidecar,
 };
 use crate::{
@@ -35,6 +35,8 @@ pub struct Recorded {
     pub rows: Vec<TrialRecord>,
     /// An incomplete last line, if the session was interrupted and not resumed.
     pub partial_line: Option<String>,
+    /// The files that differ from what the session wrote, according to its seal.
+    pub changed: Vec<FileError>,
 }
 
 impl Recorded {
@@ -55,6 +57,7 @@ impl Recorded {
         let read = results::read(csv, &columns(&protocol))?;
         let frames = csv.with_file_name(format!("{stem}{}", frames::SUFFIX));
         Ok(Self {
+            changed: seal::errors(csv, &sidecar),
             csv: csv.to_owned(),
             sidecar_path,
             frames: frames.exists().then_some(frames),

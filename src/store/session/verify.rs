@@ -13,7 +13,6 @@ use super::{
     dataset::{DATA_FILE, SIDECAR_SUFFIX},
     frames,
     recorded::Recorded,
-    seal,
 };
 use crate::{
     stimulus::recipe::Recipe,
@@ -129,15 +128,14 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
 
 /// Checks that the files have not changed since the session ended.
 fn check_seal(recorded: &Recorded, found: &mut Verified) {
-    let errors = seal::errors(&recorded.csv, &recorded.sidecar);
     found.sealed = recorded.sidecar.seal.is_some();
-    if !found.sealed && errors.is_empty() {
+    if !found.sealed && recorded.changed.is_empty() {
         let ended = recorded.sidecar.complete;
         let why =
             if ended { "not sealed: recorded by an earlier version" } else { "not sealed: the session did not end" };
         found.notes.push(why.to_owned());
     }
-    found.errors.extend(errors);
+    found.errors.extend(recorded.changed.iter().cloned());
 }
 
 fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Verified) {

@@ -1,0 +1,28 @@
+//! Lines for a terminal.
+
+use std::{borrow::Cow, io::Write as _};
+
+/// Prints a line such as `error: …` to stderr; `kind` is the word before the colon. It does not matter if stderr is
+/// closed, because the exit status reports a failure too.
+pub fn message(kind: &str, text: &str) {
+    let _ = writeln!(std::io::stderr(), "{kind}: {}", printable(text));
+}
+
+/// Escapes the characters that a terminal would act on instead of showing them, such as those that change its colors or
+/// its title, or the direction of text. File names and the content of files may contain them.
+#[must_use]
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let acts = |c: char| c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    if !text.contains(acts) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if acts(c) {
+            shown.extend(c.escape_default());
+        } else {
+            shown.push(c);
+        }
+    }
+    Cow::Owned(shown)
+}
