@@ -88,9 +88,11 @@ fn check_definition(protocol: Protocol) -> Result<String, FileErrors> {
     ))
 }
 
-/// Checks a result file against the definition and the seed in its sidecar, if there is a sidecar.
+/// Checks a result file against the definition and the seed in its sidecar. Only outside a data set may the sidecar be
+/// missing.
 fn check_results(path: &Path) -> Result<String, FileErrors> {
-    if dataset::identity(path).is_ok() && path.with_extension("json").exists() {
+    let has_sidecar = path.with_extension("json").exists() || dataset::described(path).is_some();
+    if dataset::identity(path).is_ok() && has_sidecar {
         return check_session(path);
     }
     let content = std::fs::read(path)

@@ -249,6 +249,12 @@ fn changed_files_are_analyzed_with_a_warning() {
     let quality = report.find("id=\"health\"").unwrap();
     assert!(report[quality..].contains(expected));
     assert!(report.contains("The input has 1 warning in 1 file; see “Data quality”."));
+    // Without its sidecar, nothing shows whether a file was changed. `check` and `verify` need the sidecar.
+    let csv = session_csv(std::path::Path::new("results"), "quick", "S002");
+    fs::remove_file(folder.path().join(&csv).with_extension("json")).unwrap();
+    warned("counts results --out counts2.csv", "subject-S002_session-1_task-quick_data.csv: has no sidecar");
+    let error = fails(folder.path(), &["check", csv.to_str().unwrap()], 1);
+    assert!(error.contains("_data.json: does not exist; expected the sidecar"), "{error}");
 }
 
 #[cfg(unix)]

@@ -104,28 +104,38 @@ pub fn read<T: Send>(
     Ok((Source { shape, protocol, definition_sha256, files: reports, sessions, errors, warnings }, found))
 }
 
-/// Returns the warnings about files that are read in spite of them. Only the files of sessions are compared with their
-/// hashes, so a large table without a sidecar is not read again.
+/// Returns the warnings about files that are read in spite of them: changed files, sessions without a sidecar, and links
+/// that lead out of a data set. Only the files of sessions are compared with their hashes, so a large table without a
+/// sidecar is not read again.
 fn warnings(inputs: &[Input]) -> Vec<FileError> {
+    let beside = |input: &Input| input.path.with_extension("json");
     let changed = |input: &Input| match &input.sidecar {
         Some(sidecar) => seal::errors(&input.path, sidecar),
+        None if input.columns.record.is_some()
+            && dataset::described(&input.path).is_some()
+            && !beside(input).exists() =>
+        {
+            let message =
+                "has no sidecar, so nothing shows whether it was changed; expected the sidecar that belongs to it";
+            vec![FileError::whole(&input.path, message)]
+        }
         None => Vec::new(),
     };
     let mut warnings: Vec<FileError> = inputs.par_iter().flat_map_iter(changed).collect();
     // One warning for each data set, because a version control system may replace every file with a link.
     let mut links: BTreeMap<&Path, Vec<PathBuf>> = BTreeMap::new();
     for input in inputs {
-        if let Some(dataset) = dataset::of(&input.path).filter(|dataset| dataset.join(dataset::DESCRIPTION).is_file()) {
-            links.entry(dataset).or_default().extend(links_out(dataset, &input.path));
+        if let Some(folder) = dataset::described(&input.path) {
+            links.entry(folder).or_default().extend(links_out(folder, &input.path));
         }
     }
-    warnings.extend(links.into_iter().filter(|(_, paths)| !paths.is_empty()).map(|(dataset, paths)| {
+    warnings.extend(links.into_iter().filter(|(_, paths)| !paths.is_empty()).map(|(folder, paths)| {
         let (first, all) = (paths[0].display(), paths.len());
         let message = format!(
             "some of its files are links to files outside (in total {all}, such as {first}); expected regular files (the \
              links were followed)"
         );
-        FileError::whole(dataset, message)
+        FileError::whole(folder, message)
     }));
     warnings
 }

@@ -87,6 +87,11 @@ pub(crate) fn of(csv: &Path) -> Option<&Path> {
     (data.file_name()? == "data").then(|| data.parent())?
 }
 
+/// Returns the data set of a data file, if the file is in one: if the data set has a description.
+pub(crate) fn described(csv: &Path) -> Option<&Path> {
+    of(csv).filter(|folder| folder.join(DESCRIPTION).is_file())
+}
+
 /// Returns the first of `P001`, `P002`, … that has no file in this experiment's results.
 pub fn free_participant(results: &Path, protocol: &Protocol) -> String {
     let taken: Vec<String> = fs::read_dir(results.join(&protocol.name).join("data"))
