@@ -1,13 +1,16 @@
 //! `machband check` and `machband verify`
 
-use std::{collections::BTreeSet, path::PathBuf};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::{Path, PathBuf},
+};
 
 use indicatif::ProgressBar;
 
 use super::{print_line, progress_style, warn};
 use crate::{
     report::document::numbers::count,
-    store::{self, ratings, verify},
+    store::{self, dataset::REGISTER, ratings, register::Register, verify},
 };
 
 /// Check definitions, result files, display profiles, readings, observers and images, and report every error.
@@ -51,12 +54,32 @@ pub(super) struct VerifyArguments {
 }
 
 pub(super) fn verify(arguments: &VerifyArguments) -> anyhow::Result<()> {
-    let files = ratings::data_files(&arguments.folder)?;
+    let registers = registers(&arguments.folder);
+    // If every session was deleted, the register still lists them.
+    let files = ratings::data_files(&arguments.folder).or_else(|error| match registers.is_empty() {
+        true => Err(error),
+        false => Ok(Vec::new()),
+    })?;
     let bar = ProgressBar::new(files.len() as u64).with_style(progress_style("sessions"));
     let mut renderer = verify::Renderer::default();
     let (mut errors, mut sentences) = (Vec::new(), Vec::new());
+    let mut folders: BTreeSet<PathBuf> =
+        files.iter().filter_map(|csv| Some(csv.parent()?.parent()?.to_owned())).collect();
+    folders.extend(registers);
+    let mut listed = BTreeMap::new();
+    for folder in &folders {
+        let register = Register::read(folder).unwrap_or_else(|error| {
+            errors.push(error.to_string());
+            Register::default()
+        });
+        errors.extend(register.missing(folder).iter().map(ToString::to_string));
+        errors.extend(verify::unexpected_files(folder).iter().map(ToString::to_string));
+        listed.insert(folder, register);
+    }
+    let unlisted = Register::default();
     for csv in &files {
-        let found = verify::session(csv, &mut renderer);
+        let folder = csv.parent().and_then(Path::parent).map(Path::to_owned).unwrap_or_default();
+        let found = verify::session(csv, &mut renderer, listed.get(&folder).unwrap_or(&unlisted));
         bar.inc(1);
         sentences.push(format!("{}: {}", csv.display(), sentence(&found)));
         errors.extend(found.errors.iter().map(ToString::to_string));
@@ -65,15 +88,18 @@ pub(super) fn verify(arguments: &VerifyArguments) -> anyhow::Result<()> {
     for sentence in &sentences {
         print_line(sentence)?;
     }
-    let folders: BTreeSet<_> = files.iter().filter_map(|csv| csv.parent()?.parent()).collect();
-    for folder in folders {
-        errors.extend(verify::unexpected_files(folder).iter().map(ToString::to_string));
-    }
     if errors.is_empty() {
         print_line(&format!("{} verified; no errors", count(files.len() as u64, "session")))
     } else {
         Err(anyhow::anyhow!(errors.join("\n")))
     }
+}
+
+/// Returns the data sets that have a register: the folder itself, or the folders in it.
+fn registers(folder: &Path) -> Vec<PathBuf> {
+    let inside = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let folders = std::iter::once(folder.to_owned()).chain(inside);
+    folders.filter(|folder| folder.join(REGISTER).is_file()).collect()
 }
 
 fn sentence(found: &verify::Verified) -> String {

@@ -11,6 +11,7 @@ mod options;
 mod plan;
 mod predict;
 mod ratings;
+mod repair;
 #[cfg(feature = "window")]
 mod run;
 mod shade;
@@ -59,6 +60,7 @@ enum Command {
     Calibrate(calibrate::Arguments),
     Counts(ratings::CountsArguments),
     Export(export::Arguments),
+    Repair(repair::Arguments),
     Shade(shade::Arguments),
     Stimulus(stimulus::StimulusArguments),
     Stimuli(stimulus::StimuliArguments),
@@ -92,6 +94,7 @@ pub fn main() -> ExitCode {
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Command::Counts(arguments)) => ratings::counts(&arguments),
         Some(Command::Export(arguments)) => export::run(&arguments),
+        Some(Command::Repair(arguments)) => repair::run(&arguments),
         Some(Command::Shade(arguments)) => shade::run(&arguments),
         Some(Command::Stimulus(arguments)) => stimulus::stimulus(&arguments),
         Some(Command::Stimuli(arguments)) => stimulus::stimuli(&arguments),

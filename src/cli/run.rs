@@ -9,7 +9,7 @@ use crate::{
         StoreError,
         dataset::{SessionPaths, free_participant},
         definition, profile,
-        session::SessionStore,
+        session::{Changes, SessionStore},
     },
 };
 
@@ -44,6 +44,9 @@ pub(super) struct Arguments {
     /// Resume an interrupted session.
     #[arg(long, requires = "participant")]
     resume: bool,
+    /// Resume a session whose files were changed after they were sealed; its sidecar records the change.
+    #[arg(long, requires = "resume")]
+    accept_changes: bool,
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
@@ -63,13 +66,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let identity = Identity::new(&participant, &arguments.session)?;
     // Problems that would otherwise surface only after the preflight are reported before a window opens.
     let csv = SessionPaths::new(&arguments.results, &protocol, &identity).csv;
-    match (SessionStore::exists(&arguments.results, &protocol, &identity), arguments.resume) {
-        (Some(_), false) => return Err(StoreError::Exists(csv).into()),
-        (None, true) => return Err(StoreError::NothingToResume(csv).into()),
-        (Some(true), true) => {
+    let changes = if arguments.accept_changes { Changes::Accept } else { Changes::Refuse };
+    if arguments.resume {
+        if SessionStore::is_finished(&arguments.results, &protocol, &identity, arguments.seed, changes)? {
             return super::print_line(&format!("{}: the session is already complete", csv.display()));
         }
-        _ => {}
+    } else if csv.exists() {
+        return Err(StoreError::Exists(csv).into());
     }
     let display = arguments.display.as_deref().map(profile::open).transpose()?.unwrap_or_default();
     let request = Request {
@@ -81,6 +84,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         results: arguments.results.clone(),
         display,
         resume: arguments.resume,
+        changes,
         windowed: arguments.windowed,
     };
     app::open(Launch { request: Some(request) })?;

@@ -20,7 +20,7 @@ use crate::{
     report::document::numbers::count,
     store::{
         StoreError, definition, observer,
-        session::{Interrupted, SessionStore},
+        session::{Changes, Interrupted, SessionStore},
         sidecar::{Pictures, Sitting},
     },
 };
@@ -54,6 +54,9 @@ pub(super) struct Arguments {
     /// Resume an interrupted run; complete sessions are not changed.
     #[arg(long)]
     resume: bool,
+    /// Resume sessions whose files were changed after they were sealed; their sidecars record the changes.
+    #[arg(long, requires = "resume")]
+    accept_changes: bool,
 }
 
 /// How a simulated observer rates.
@@ -147,7 +150,9 @@ impl Simulation<'_> {
             ..Sitting::default()
         };
         let seed = arguments.seed;
-        let resume = || SessionStore::resume(&arguments.results, protocol, &identity, Some(seed), sitting.clone());
+        let changes = if arguments.accept_changes { Changes::Accept } else { Changes::Refuse };
+        let resume =
+            || SessionStore::resume(&arguments.results, protocol, &identity, Some(seed), sitting.clone(), changes);
         let (mut store, left) = match arguments.resume.then(resume) {
             None | Some(Err(StoreError::NothingToResume(_))) => {
                 let schedule = Schedule::new(protocol, &identity, seed)?;

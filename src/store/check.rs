@@ -3,8 +3,15 @@
 use std::{collections::HashMap, path::Path};
 
 use super::{
-    FileError, FileErrors, dataset, definition, file::read_text, frames, image, matches, observer, profile, readings,
-    recorded::Recorded, results, session::seal, sidecar::Sidecar, toml::Document,
+    FileError, FileErrors, dataset, definition,
+    file::read_text,
+    frames, image, matches, observer, profile, readings,
+    recorded::{Recorded, order_errors},
+    register::Register,
+    results,
+    session::seal,
+    sidecar::Sidecar,
+    toml::Document,
 };
 use crate::{
     display::DisplayProfile,
@@ -42,6 +49,7 @@ pub fn check(name_or_path: impl AsRef<Path>) -> Result<Checked, FileErrors> {
         Some("csv") => match first_column(path).as_deref() {
             Some("channel") => check_readings(path),
             Some("event") => check_matches(path),
+            Some("at") => check_register(path),
             _ => check_results(path),
         },
         Some("png") => image::verify(path),
@@ -106,7 +114,9 @@ fn check_results(path: &Path) -> Result<String, FileErrors> {
         let message = format!("row_id {} already appears in line {first}; expected every row_id once", row.row_id);
         Some(FileError::at(path, (line, 1), message))
     });
-    FileErrors::none(repeated.collect())?;
+    let mut errors: Vec<_> = repeated.collect();
+    errors.extend(order_errors(path, rows.iter().zip(2..), false));
+    FileErrors::none(errors)?;
     Ok(format!(
         "result file: {} rows; the trial order was not checked because that requires a session's file and its sidecar",
         rows.len()
@@ -142,15 +152,23 @@ fn check_matches(path: &Path) -> Result<String, FileErrors> {
     Ok(format!("{} visual matches of a display", matches::open(path)?.len()))
 }
 
+/// Checks the register of a data set.
+fn check_register(path: &Path) -> Result<String, FileErrors> {
+    Ok(format!("register of a data set: {} sessions", Register::read_file(path)?.count()))
+}
+
 /// Checks the frames file of a session, which is next to its result file and sidecar.
 fn check_frames(path: &Path) -> Result<String, FileErrors> {
-    let rows = frames::read(path)?;
+    let (mut rows, mut intervals) = (0, 0);
+    frames::each(path, |row| {
+        (rows, intervals) = (rows + 1, intervals + row.intervals_us.len());
+        Ok(())
+    })?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let csv = path.with_file_name(format!("{}{}", name.trim_end_matches(frames::SUFFIX), dataset::DATA_FILE));
     if let Ok(Some(sidecar)) = Sidecar::read(&csv.with_extension("json")) {
         let is_own = |error: &FileError| error.file == path.display().to_string();
         FileErrors::none(seal::errors(&csv, &sidecar).into_iter().filter(is_own).collect())?;
     }
-    let intervals: usize = rows.iter().map(|row| row.intervals_us.len()).sum();
-    Ok(format!("frames of a session: {intervals} intervals in {} rows", rows.len()))
+    Ok(format!("frames of a session: {intervals} intervals in {rows} rows"))
 }

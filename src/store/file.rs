@@ -205,12 +205,14 @@ pub(super) struct AppendFile {
     partial_line: Option<String>,
     /// True if rows are on disk when [`AppendFile::append`] returns. If false, a power failure may lose the last rows.
     durable: bool,
+    /// True if the open file is locked.
+    locked: bool,
 }
 
 impl AppendFile {
     /// Prepares a new file. The first write creates it, and never touches an existing file.
     pub fn new(path: &Path, durable: bool, content: Vec<u8>) -> Self {
-        Self { path: path.to_owned(), file: None, content, written: 0, partial_line: None, durable }
+        Self { path: path.to_owned(), file: None, content, written: 0, partial_line: None, durable, locked: false }
     }
 
     /// Opens, locks and reads a file. The file is not changed until the next write; if it has no complete line yet,
@@ -220,13 +222,13 @@ impl AppendFile {
     /// [`StoreError::InUse`]; I/O errors; or the file has no complete line and does not begin with `header`.
     pub fn open(path: &Path, durable: bool, header: Vec<u8>) -> Result<Self, StoreError> {
         let mut file = OpenOptions::new().read(true).write(true).open(path).map_err(io(path, "open"))?;
-        lock(&file, path)?;
+        let locked = lock(&file, path)?;
         let mut content = Vec::new();
         file.read_to_end(&mut content).map_err(io(path, "read"))?;
         let (whole, partial_line) = split_partial_line(content);
         let written = whole.len();
         let content = complete_lines_or_header(path, whole, partial_line.as_deref(), header)?;
-        Ok(Self { path: path.to_owned(), file: Some(file), written, content, partial_line, durable })
+        Ok(Self { path: path.to_owned(), file: Some(file), written, content, partial_line, durable, locked })
     }
 
     /// Returns the path of the file, which may not exist yet.
@@ -275,7 +277,7 @@ impl AppendFile {
         let locked = lock(&made, &self.path);
         self.file = Some(made);
         let synced = |this: &Self| if this.durable { sync_folder(&this.path) } else { Ok(()) };
-        let created = locked.and_then(|()| self.write()).and_then(|()| synced(self));
+        let created = locked.map(|locked| self.locked = locked).and_then(|()| self.write()).and_then(|()| synced(self));
         if created.is_err() {
             // This program has just created the file. An incomplete file must not block the next attempt.
             let _ = fs::remove_file(&self.path);
@@ -313,6 +315,20 @@ impl AppendFile {
         }
     }
 
+    /// Waits until everything in the file is on disk.
+    ///
+    /// # Errors
+    /// I/O errors.
+    pub fn sync(&self) -> Result<(), StoreError> {
+        let synced = self.file.as_ref().map_or(Ok(()), File::sync_data);
+        synced.map_err(io(&self.path, "sync"))
+    }
+
+    /// True if the system keeps other programs from opening the file. Some network shares do not support locks.
+    pub fn is_locked(&self) -> bool {
+        self.locked
+    }
+
     /// Writes everything into a new file and continues there. The old file is not changed.
     ///
     /// # Errors
@@ -333,14 +349,69 @@ impl Drop for AppendFile {
     }
 }
 
-fn lock(file: &File, path: &Path) -> Result<(), StoreError> {
+/// Locks a file against other programs; returns false if the file system does not support locks, which is no reason to
+/// refuse a session.
+fn lock(file: &File, path: &Path) -> Result<bool, StoreError> {
     match file.try_lock() {
-        Ok(()) => Ok(()),
+        Ok(()) => Ok(true),
         Err(TryLockError::WouldBlock) => Err(StoreError::InUse(path.to_owned())),
-        // Some network shares do not support locks; that is no reason to refuse the session.
-        Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => Ok(()),
+        Err(TryLockError::Error(error)) if has_no_locks(&error) => Ok(false),
         Err(TryLockError::Error(error)) => Err(io(path, "lock")(error)),
     }
+}
+
+/// True if an error means that the file system does not support locks, such as NFS without a lock daemon.
+fn has_no_locks(error: &Error) -> bool {
+    /// "No locks available".
+    const ENOLCK: i32 = if cfg!(target_os = "linux") { 37 } else { 77 };
+    error.kind() == ErrorKind::Unsupported || cfg!(unix) && error.raw_os_error() == Some(ENOLCK)
+}
+
+/// An incomplete line has fewer bytes than this.
+const MAX_PARTIAL_LINE: u64 = 1 << 16;
+
+/// Appends a line to a file that several programs share, and waits until it is on disk. A new file begins with `header`.
+/// Each program waits until the others have written their lines. An incomplete last line, which an interrupted program
+/// left, is removed.
+///
+/// # Errors
+/// I/O errors; or the file does not begin with `header`, so it belongs to another program.
+pub(super) fn append_line(path: &Path, header: &str, line: &str) -> Result<(), StoreError> {
+    let is_new = !exists(path)?;
+    let open = OpenOptions::new().read(true).append(true).create(true).open(path);
+    let mut file = open.map_err(io(path, "open"))?;
+    let mut append = || {
+        if let Err(error) = file.lock()
+            && !has_no_locks(&error)
+        {
+            return Err(error);
+        }
+        let header = format!("{header}\n");
+        let (mut head, mut tail, length) = (Vec::new(), Vec::new(), file.metadata()?.len());
+        (&file).take(header.len() as u64).read_to_end(&mut head)?;
+        if !header.as_bytes().starts_with(&head) {
+            return Err(Error::other(format!("it does not begin with {:?}", header.trim_end())));
+        }
+        let from = length.saturating_sub(MAX_PARTIAL_LINE);
+        file.seek(SeekFrom::Start(from))?;
+        file.read_to_end(&mut tail)?;
+        let whole = tail.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| from + end as u64 + 1);
+        if whole < length {
+            file.set_len(whole)?;
+        }
+        let added = if whole == 0 { format!("{header}{line}\n") } else { format!("{line}\n") };
+        file.write_all(added.as_bytes())?;
+        let (kept, expected) = (file.metadata()?.len(), whole + added.len() as u64);
+        if kept != expected {
+            return Err(Error::other(format!("it has {kept} bytes instead of {expected}")));
+        }
+        Ok(())
+    };
+    append().map_err(io(path, "append to"))?;
+    // The others need not wait for the disk.
+    let _ = file.unlock();
+    file.sync_data().map_err(io(path, "sync"))?;
+    if is_new { sync_folder(path) } else { Ok(()) }
 }
 
 /// Splits the content of a row file into its complete lines and the beginning of an incomplete line.

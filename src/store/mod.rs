@@ -33,4 +33,4 @@ mod toml;
 
 pub use error::{FileError, FileErrors, StoreError};
 pub use file::{write_file, write_json};
-pub use session::{dataset, frames, recorded, results, sidecar, verify};
+pub use session::{dataset, frames, recorded, register, results, sidecar, verify};

@@ -14,7 +14,7 @@ use std::{
 
 use machband::{
     experiment::{Protocol, TrialRecord, columns},
-    store::results,
+    store::{register::Register, results, verify},
 };
 
 pub const MACHBAND: &str = env!("CARGO_BIN_EXE_machband");
@@ -144,6 +144,12 @@ pub fn change_rating(csv: &Path) {
 pub fn rows(csv: &Path, protocol: &Protocol) -> Vec<TrialRecord> {
     let read = results::parse(csv.to_str().unwrap(), &fs::read(csv).unwrap(), &columns(protocol));
     read.unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The findings of `machband verify` about a session.
+pub fn verified(csv: &Path) -> verify::Verified {
+    let dataset = csv.parent().unwrap().parent().unwrap();
+    verify::session(csv, &mut verify::Renderer::default(), &Register::read(dataset).unwrap())
 }
 
 /// Builds the library `tests/faults/NAME.c` with `cc`, which also links Rust programs; returns whether it succeeded.

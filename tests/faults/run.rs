@@ -13,7 +13,11 @@ use machband::{
         FrameCount, Identity, OrderedLogit, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions,
         TrialRecord, simulate,
     },
-    store::{StoreError, definition, session::SessionStore, sidecar::Sitting},
+    store::{
+        StoreError, definition,
+        session::{Changes, SessionStore},
+        sidecar::Sitting,
+    },
 };
 
 use crate::common::MACHBAND;
@@ -134,7 +138,8 @@ struct Begun {
 
 fn begin(protocol: &Protocol, results: &Path, resume: bool) -> Result<Begun, StoreError> {
     if resume {
-        let (store, found) = SessionStore::resume(results, protocol, &identity(), Some(SEED), sitting())?;
+        let (store, found) =
+            SessionStore::resume(results, protocol, &identity(), Some(SEED), sitting(), Changes::Refuse)?;
         let (resumed, elapsed) = (found.resumed, Duration::from_secs_f64(found.elapsed_s));
         return Ok(Begun { store, schedule: found.schedule, resumed, elapsed, sitting: found.sitting });
     }

@@ -165,9 +165,9 @@ fn clock_back(sweep: &Sweep, rows: usize) -> Counts {
 /// folder.
 fn lasting(sweep: &Sweep, rows: usize, what: &'static str) -> Counts {
     let scene = Scene::new(sweep);
-    // The rows are the last writes, except for the end of the sidecar.
+    // The rows are the last writes, except for the end of the sidecar and of the register.
     let writes = sweep.calls(DEFINITION, None, false).iter().find(|(op, _)| op == "write").map_or(0, |(_, n)| *n);
-    let before = writes - 1 - sweep.planned(DEFINITION).len() as u64;
+    let before = writes - 2 - sweep.planned(DEFINITION).len() as u64;
     let fault = Fault { op: "write", n: before + rows as u64, what, repeated: true };
     let mut command = run::child(DEFINITION, &scene.first(), &scene.second(), false);
     let (ended, log) = shim::run_with(&mut command, &[fault], &scene.first(), &scene.folder.path().join("log"));

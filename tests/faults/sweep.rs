@@ -309,5 +309,7 @@ fn matters(hit: &Hit) -> bool {
     let hidden = hit.op == "open" && hit.what.starts_with("EACCES") && Path::new(&hit.path).extension().is_none();
     // If frames cannot be saved, the sidecar says so, and the session continues.
     let frames = hit.op == "open" && hit.path.ends_with("_frames.csv");
-    !again && !hidden && !frames && hit.what != "short" && hit.op != "unlink" && hit.op != "clock"
+    // The same holds for what only helps to check the session later or protects it a second time.
+    let beside = hit.path.ends_with("/sessions.csv") || hit.path.ends_with(".lock");
+    !again && !hidden && !frames && !beside && hit.what != "short" && hit.op != "unlink" && hit.op != "clock"
 }

@@ -15,6 +15,7 @@ use machband::{
     display::DisplayProfile,
     experiment::{Identity, Protocol},
     light::CodeImage,
+    store::session::Changes,
 };
 
 pub use eframe::egui::accesskit::Role;
@@ -117,6 +118,7 @@ pub fn request(results: &Path, protocol: Protocol) -> Request {
         distance_cm: 50.0,
         screen_width_cm: Some(30.0),
         resume: false,
+        changes: Changes::Refuse,
         windowed: true,
     }
 }

@@ -15,13 +15,12 @@ use machband::{
         ratings::data_files,
         recorded::Recorded,
         sidecar::Sidecar,
-        verify,
     },
 };
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use crate::common::{change_rating, everything, fails, json as read_json, session_csv, succeeds};
+use crate::common::{change_rating, everything, fails, json as read_json, session_csv, succeeds, verified};
 
 const FORMATS: [Format; 2] = [Format::Bids, Format::PsychDs];
 const COMPLETE: Choice = Choice { complete_only: true, accept_changes: false };
@@ -163,7 +162,7 @@ fn every_cell_and_every_picture_is_exported() {
     written(&results, &psych_ds, Format::PsychDs);
     assert_eq!(rows(&psych_ds), expected);
     for csv in data_files(&psych_ds).unwrap() {
-        let found = verify::session(&csv, &mut verify::Renderer::default());
+        let found = verified(&csv);
         assert_eq!(found.errors, [], "{}", csv.display());
         assert!(Recorded::open(&csv).unwrap().partial_line.is_none());
     }
@@ -354,7 +353,7 @@ fn a_changed_file_is_exported_only_on_request_and_the_export_names_it() {
         }
         // The seal still reveals the change in the copy.
         let copy = data_files(&to).unwrap().remove(0);
-        let found = verify::session(&copy, &mut verify::Renderer::default());
+        let found = verified(&copy);
         assert!(found.errors.iter().any(|error| error.message.contains(what)), "{:?}", found.errors);
     }
 }

@@ -11,7 +11,7 @@ use machband::{
         dataset::free_participant,
         definition,
         results::ResultFile,
-        session::{Interrupted, SessionStore},
+        session::{Changes, Interrupted, SessionStore},
         sidecar::Sidecar,
     },
 };
@@ -63,6 +63,7 @@ mod layout {
             "small-one/data/subject-S001_session-1_task-smallone_data.csv",
             "small-one/data/subject-S001_session-1_task-smallone_data.json",
             "small-one/dataset_description.json",
+            "small-one/sessions.csv",
         ];
         assert_eq!(files, expected);
         let paths = paths(folder.path());
@@ -197,7 +198,8 @@ mod rows_on_disk {
         let (mut store, found) = resume(folder.path()).unwrap();
         rate(&mut store, Some(&found), usize::MAX).unwrap();
         assert_whole(folder.path());
-        assert_eq!(everything(folder.path()).len(), 7, "rows, a sidecar, and five files that describe the data set");
+        drop(store);
+        assert_eq!(everything(folder.path()).len(), 8, "rows, a sidecar, and six files that describe the data set");
     }
 }
 
@@ -310,7 +312,8 @@ mod interrupted {
             let whole = fs::read(&csv).unwrap();
             fs::write(&csv, [&whole[..], b"S001_1_ma"].concat()).unwrap();
             let before = everything(folder.path());
-            let error = SessionStore::resume(folder.path(), protocol, &identity(), seed, sitting()).unwrap_err();
+            let error = SessionStore::resume(folder.path(), protocol, &identity(), seed, sitting(), Changes::Refuse)
+                .unwrap_err();
             assert!(matches!(error, StoreError::Mismatch { .. }), "{error}");
             assert!(error.to_string().contains(part) && error.to_string().contains("expected"), "{error}");
             assert!(everything(folder.path()) == before, "files were changed: {error}");
@@ -323,20 +326,22 @@ mod interrupted {
         // The same cases without a sidecar.
         let saved = fs::read(paths(folder.path()).sidecar).unwrap();
         fs::remove_file(paths(folder.path()).sidecar).unwrap();
-        refused(&other("0.4", "0.5"), Some(7), "not planned");
-        refused(&small(), Some(8), "not planned");
+        refused(&other("0.4", "0.5"), Some(7), "another definition");
+        refused(&small(), Some(8), "has seed 7; expected that seed or no seed, not 8");
         fs::write(paths(folder.path()).sidecar, saved).unwrap();
         let rows = fs::read_to_string(&csv).unwrap();
         fs::write(&csv, rows.replace("S001", "S002")).unwrap();
         refused(&small(), Some(7), "row S002_1_practice_0001_1 is not planned");
         fs::write(&csv, rows).unwrap();
         // Without a given seed, the session's own seed is used.
-        let (mut store, found) = SessionStore::resume(folder.path(), &small(), &identity(), None, sitting()).unwrap();
+        let (mut store, found) =
+            SessionStore::resume(folder.path(), &small(), &identity(), None, sitting(), Changes::Refuse).unwrap();
         assert_eq!((found.schedule.seed, found.sitting), (7, 2));
         rate(&mut store, Some(&found), usize::MAX).unwrap();
         assert_whole(folder.path());
         let nobody = Identity::new("S009", "1").unwrap();
-        let error = SessionStore::resume(folder.path(), &small(), &nobody, None, sitting()).unwrap_err();
+        let error =
+            SessionStore::resume(folder.path(), &small(), &nobody, None, sitting(), Changes::Refuse).unwrap_err();
         assert!(matches!(error, StoreError::NothingToResume(_)), "{error}");
     }
 
@@ -377,12 +382,15 @@ mod interrupted {
         assert!(store.is_complete() && found.resumed.done.len() == TRIALS);
         drop(store);
         assert!(everything(folder.path()) == before);
-        // A session that claims to be complete but is not can be continued.
+        // A session that claims to be complete but is not can be continued if the user accepts the change.
         let csv = paths(folder.path()).csv;
         let text = fs::read_to_string(&csv).unwrap();
         let cut = text.trim_end().rfind('\n').unwrap() + 1;
         fs::write(&csv, &text[..cut]).unwrap();
-        let (mut store, found) = resume(folder.path()).unwrap();
+        assert!(resume(folder.path()).is_err());
+        let changes = Changes::Accept;
+        let (mut store, found) =
+            SessionStore::resume(folder.path(), &small(), &identity(), None, sitting(), changes).unwrap();
         assert!(!store.is_complete() && found.resumed.done.len() == TRIALS - 1);
         rate(&mut store, Some(&found), usize::MAX).unwrap();
         assert_whole(folder.path());

@@ -9,6 +9,7 @@ mod export;
 mod folder;
 mod frame_files;
 mod fuzz_corpus;
+mod integrity;
 mod reading;
 mod recording;
 mod session;

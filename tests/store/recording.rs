@@ -12,7 +12,7 @@ use machband::{
         StoreError,
         dataset::SessionPaths,
         definition,
-        session::{Interrupted, SessionStore},
+        session::{Changes, Interrupted, SessionStore},
         sidecar::Sitting,
     },
 };
@@ -43,7 +43,7 @@ pub fn create(results: &Path) -> Result<SessionStore, StoreError> {
 }
 
 pub fn resume(results: &Path) -> Result<(SessionStore, Interrupted), StoreError> {
-    SessionStore::resume(results, &small(), &identity(), Some(SEED), sitting())
+    SessionStore::resume(results, &small(), &identity(), Some(SEED), sitting(), Changes::Refuse)
 }
 
 pub fn rows(csv: &Path) -> Vec<TrialRecord> {
@@ -78,7 +78,14 @@ pub fn rate(
         };
         append(response)?;
         if again && response.trial % 4 == 3 {
-            append(&TrialResponse { attempt: 2, rating: 3 - response.rating, ..response.clone() })?;
+            let onset = response.onset + response.response_time;
+            append(&TrialResponse {
+                attempt: 2,
+                rating: 3 - response.rating,
+                onset,
+                response_time: Duration::from_millis(10),
+                ..response.clone()
+            })?;
         }
         Ok(())
     });

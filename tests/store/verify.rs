@@ -7,7 +7,7 @@ use std::{
 
 use machband::store::{sidecar::Sidecar, verify};
 
-use crate::common::{change_rating, machband, session_csv, succeeds, text};
+use crate::common::{change_rating, machband, session_csv, succeeds, text, verified};
 
 /// Records one session of `quick` with the simulated observer.
 fn recorded() -> (tempfile::TempDir, PathBuf) {
@@ -18,7 +18,7 @@ fn recorded() -> (tempfile::TempDir, PathBuf) {
 }
 
 fn errors(csv: &Path) -> Vec<String> {
-    let found = verify::session(csv, &mut verify::Renderer::default());
+    let found = verified(csv);
     found.errors.iter().map(ToString::to_string).collect()
 }
 
@@ -32,7 +32,7 @@ fn edit(path: &Path, change: impl FnOnce(String) -> String) {
 #[test]
 fn an_unchanged_session_is_confirmed() {
     let (folder, csv) = recorded();
-    let found = verify::session(&csv, &mut verify::Renderer::default());
+    let found = verified(&csv);
     assert_eq!(found.errors, []);
     assert_eq!((found.rows, found.rated, found.sealed), (28, (28, 28), true));
     // All combinations of 4 widths, 3 depths and 2 orientations.
@@ -130,9 +130,11 @@ fn interrupted_sessions_cause_notes_and_stray_files_cause_errors() {
     assert_eq!(left.len(), 2, "{left:?}");
     let mut sidecar = Sidecar::read(&csv.with_extension("json")).unwrap().unwrap();
     (sidecar.complete, sidecar.seal) = (false, None);
+    sidecar.sittings[0].ended_at = None;
     sidecar.write(&csv.with_extension("json")).unwrap();
     edit(&csv, |text| text[..text.len() - 10].to_owned());
-    let found = verify::session(&csv, &mut verify::Renderer::default());
+    fs::remove_file(data.parent().unwrap().join("sessions.csv")).unwrap();
+    let found = verified(&csv);
     assert_eq!(found.errors, []);
     assert!(
         !found.sealed && found.notes.iter().any(|note| note.contains("line 29 is incomplete")),

@@ -73,7 +73,8 @@ impl Recording {
             ..Sitting::default()
         };
         let (store, schedule, resumed, elapsed_s, number, rows) = if request.resume {
-            let (store, found) = SessionStore::resume(results, protocol, identity, request.seed, sitting)?;
+            let (store, found) =
+                SessionStore::resume(results, protocol, identity, request.seed, sitting, request.changes)?;
             (store, found.schedule, found.resumed, found.elapsed_s, found.sitting, found.rows)
         } else {
             let seed = request.seed.unwrap_or_else(fresh_seed);

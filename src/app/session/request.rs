@@ -6,6 +6,7 @@ use super::frames::KnownRefresh;
 use crate::{
     display::{DisplayProfile, Viewing},
     experiment::{Identity, Protocol},
+    store::session::Changes,
 };
 
 /// A requested session. Everything that can be checked without knowing the screen has been checked.
@@ -26,6 +27,8 @@ pub struct Request {
     pub screen_width_cm: Option<f64>,
     /// Whether to resume an interrupted session.
     pub resume: bool,
+    /// Whether a session whose files were changed may be resumed.
+    pub changes: Changes,
     /// Whether to run in a window instead of full screen.
     pub windowed: bool,
 }

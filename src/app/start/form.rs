@@ -12,7 +12,11 @@ use crate::{
     },
     display::{DisplayProfile, Screen, Viewing},
     experiment::{Identity, Protocol, Schedule},
-    store::{dataset::free_participant, definition, session::SessionStore},
+    store::{
+        dataset::free_participant,
+        definition,
+        session::{Changes, SessionStore},
+    },
 };
 
 /// Width of the column of labels, points.
@@ -161,6 +165,7 @@ impl Form {
                 screen_width_cm: number(&self.screen.screen_width_cm)
                     .filter(|_| !self.screen.width_is_assumed(monitor)),
                 resume,
+                changes: Changes::Refuse,
                 windowed: false,
             }),
             _ => None,

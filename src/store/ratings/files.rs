@@ -10,7 +10,7 @@ use std::{
 
 use crate::store::{
     FileError, FileErrors,
-    dataset::DATA_FILE,
+    dataset::{DATA_FILE, REGISTER},
     frames,
     table::{Content, each_row},
 };
@@ -81,7 +81,7 @@ fn folder(root: &Path) -> Result<Vec<PathBuf>, String> {
             let path = entry.path();
             if path.is_dir() {
                 open.push(path);
-            } else if has_suffix(&path, ".csv") {
+            } else if has_suffix(&path, ".csv") && entry.file_name() != REGISTER {
                 files.push(path);
             }
         }

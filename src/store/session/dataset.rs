@@ -9,7 +9,7 @@ use std::{
 
 use serde_json::{Value, json};
 
-use super::frames;
+use super::{frames, lock};
 use crate::{
     experiment::{Column, Identity, Protocol, columns},
     store::{
@@ -23,6 +23,12 @@ use crate::{
 pub const DATA_FILE: &str = "_data.csv";
 /// Suffix of a sidecar.
 pub(crate) const SIDECAR_SUFFIX: &str = "_data.json";
+
+/// Suffix of a file with damaged lines of a data file, without the number that follows.
+pub(super) const DAMAGED: &str = ".damaged-";
+
+/// Name of the register of the sessions, which is next to the description of the data set.
+pub const REGISTER: &str = "sessions.csv";
 
 /// The paths of the files of one session.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -72,7 +78,8 @@ impl SessionPaths {
     /// Reports the first link.
     pub(crate) fn refuse_links(&self) -> Result<(), StoreError> {
         let data = self.dataset.join("data");
-        for path in [&self.dataset, &data, &self.csv, &self.sidecar, &self.frames] {
+        let register = self.dataset.join(REGISTER);
+        for path in [&self.dataset, &data, &self.csv, &self.sidecar, &self.frames, &register] {
             if let Ok(target) = fs::read_link(path) {
                 return Err(StoreError::Link { path: path.clone(), target });
             }
@@ -213,6 +220,7 @@ Ratings recorded with machband {version}, using the definition `{name}`.
   definition and the seed that determine the order of its trials, the program, the screen, the geometry, and the meaning
   of each column.
 - `data/…{frames}`: every frame interval, if a screen was used.
+- `{REGISTER}`: when each session started, was resumed and ended, with the hashes of its files at that time.
 
 Missing values are empty. A corrected response is a separate row with `attempt` + 1; the last attempt of a trial
 counts. Rows with the `phase` practice are not data.
@@ -232,7 +240,8 @@ Sessions are added while they are recorded and are never changed afterward. Reco
 fn ignored() -> String {
     let [by_the_text, _] = IGNORE;
     format!(
-        "# Frame intervals describe a session and are not its data.\n*{}\n# This list, under the name used in the text of the standard.\n{by_the_text}\n",
-        frames::SUFFIX
+        "# Frame intervals describe a session and are not its data.\n*{frames}\n# The events and hashes of the sessions, for machband verify.\n{REGISTER}\n# While a session runs.\n*{lock}\n# Lines that machband repair removed from a data file.\n*{DAMAGED}*\n# This list, under the name used in the text of the standard.\n{by_the_text}\n",
+        frames = frames::SUFFIX,
+        lock = lock::SUFFIX,
     )
 }

@@ -2,11 +2,15 @@
 
 pub mod dataset;
 pub mod frames;
+mod lock;
 pub mod recorded;
+pub mod register;
+mod repair;
 pub mod results;
 pub mod seal;
 pub mod sidecar;
 mod store;
 pub mod verify;
 
-pub use store::{Interrupted, SessionStore};
+pub use repair::{Repaired, repair};
+pub use store::{Changes, Interrupted, SessionStore};

@@ -11,7 +11,7 @@ use super::{
     sidecar::Sidecar,
 };
 use crate::{
-    experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord, columns},
+    experiment::{Identity, Phase, Protocol, RowContext, Schedule, TrialRecord, columns},
     store::{FileError, FileErrors, StoreError, definition},
 };
 
@@ -93,33 +93,88 @@ impl Recorded {
         (rated.len(), self.schedule.trials.len())
     }
 
-    /// Returns all errors in the rows. The definition and the seed must plan every row, attempts must be consecutive,
-    /// and times must not decrease.
+    /// True if every planned trial is rated and the last row is complete.
+    pub fn is_complete(&self) -> bool {
+        let (rated, planned) = self.rated();
+        rated == planned && self.partial_line.is_none()
+    }
+
+    /// Returns all errors in the rows. The definition and the seed must plan every row, and the rows must be in an order
+    /// in which a session records them.
     pub fn row_errors(&self) -> Vec<FileError> {
         let context = self.context();
-        let (mut attempts, mut errors) = (HashMap::new(), Vec::new());
-        let mut last = (0, f64::NEG_INFINITY);
+        let (mut planned, mut errors) = (Vec::new(), Vec::new());
         for (row, line) in self.rows.iter().zip(2..) {
-            let mut add = |message: String| errors.push(FileError::at(&self.csv, (line, 1), message));
-            let trial = match row.planned_trial(&context) {
-                Ok(trial) => trial,
-                Err(message) => {
-                    add(message);
-                    continue;
-                }
-            };
-            let expected = attempts.insert(trial, row.attempt).unwrap_or(0) + 1;
-            if row.attempt != expected {
-                add(format!("row {} is attempt {}; expected attempt {expected}", row.row_id, row.attempt));
+            match row.planned_trial(&context) {
+                Ok(_) => planned.push((row, line)),
+                Err(message) => errors.push(FileError::at(&self.csv, (line, 1), message)),
             }
-            if row.sitting < last.0 || row.onset_s.0 < last.1 {
-                add(format!(
-                    "row {} was recorded before the row above it; expected the order of recording",
-                    row.row_id
-                ));
-            }
-            last = (row.sitting, row.onset_s.0);
         }
+        let mut incidents = self.sidecar.sittings.iter().flat_map(|sitting| &sitting.incidents);
+        let is_repaired = incidents.any(|incident| incident.starts_with(REPAIRED));
+        errors.extend(order_errors(&self.csv, planned, is_repaired));
+        errors.sort_by_key(|error| error.position);
         errors
     }
+}
+
+/// How the incident of a repair begins.
+pub(super) const REPAIRED: &str = "repaired: ";
+
+/// Clocks and rounded times may differ by this much.
+const TOLERANCE_S: f64 = 0.002;
+
+/// Returns an error for each row that no session could have recorded in this place; every row comes with its line.
+/// Within a sitting, first attempts are in the planned order, practice before main; a correction directly follows the
+/// rating that it corrects; and time goes on, equally in `onset_s` and `started_at`. A repair may have removed any row.
+pub(crate) fn order_errors<'a>(
+    csv: &Path,
+    rows: impl IntoIterator<Item = (&'a TrialRecord, usize)>,
+    is_repaired: bool,
+) -> Vec<FileError> {
+    let (mut errors, mut attempts) = (Vec::new(), HashMap::new());
+    // The row above of the same session, and the last first attempt of the sitting.
+    let mut last: HashMap<(&str, &str), (&TrialRecord, (bool, u32))> = HashMap::new();
+    for (row, line) in rows {
+        let session = (&*row.subject_id, &*row.session_id);
+        let place = (row.phase == Phase::Main, row.trial);
+        let mut add = |message: String| {
+            errors.push(FileError::at(csv, (line, 1), format!("row {} {message}", row.row_id)));
+        };
+        let attempt = row.attempt;
+        let expected = attempts.insert((session, place), attempt).unwrap_or(0) + 1;
+        if attempt != expected && !(is_repaired && attempt > expected) {
+            add(format!("is attempt {attempt}; expected attempt {expected}"));
+        }
+        let mut furthest = place;
+        if let Some((above, before)) = last.get(&session) {
+            let same_sitting = row.sitting == above.sitting;
+            let since = |of: fn(&TrialRecord) -> f64| of(row) - of(above);
+            let onset = since(|row| row.onset_s.0);
+            if row.sitting < above.sitting || onset < 0.0 {
+                add("was recorded before the row above it; expected the order of recording".to_owned());
+            } else if attempt == 1 && onset < above.response_time_s.0 - TOLERANCE_S {
+                add("begins before the row above it was rated; expected the order of recording".to_owned());
+            } else if same_sitting
+                && (since(|row| row.started_at.as_millisecond() as f64 / 1e3) - onset).abs() > TOLERANCE_S
+            {
+                add("differs in onset_s and started_at; expected the same time since the row above".to_owned());
+            }
+            if attempt == 1 && same_sitting && place <= *before {
+                add("is not in the planned order; expected practice before main, and trials in ascending order"
+                    .to_owned());
+            } else if attempt > 1
+                && !is_repaired
+                && !(same_sitting && place == (above.phase == Phase::Main, above.trial))
+            {
+                add("corrects a rating that is not above it; expected a correction directly after the rating"
+                    .to_owned());
+            }
+            if same_sitting {
+                furthest = place.max(*before);
+            }
+        }
+        last.insert(session, (row, furthest));
+    }
+    errors
 }

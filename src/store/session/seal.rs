@@ -33,7 +33,7 @@ pub(super) struct Difference {
 }
 
 impl Difference {
-    fn error(&self) -> FileError {
+    pub(super) fn error(&self) -> FileError {
         let since = match self.is_prefix {
             true => format!("sitting {}", self.sitting + 1),
             false => "the session".to_owned(),
@@ -44,6 +44,16 @@ impl Difference {
             (Some(_), Err(why)) => format!("{why}; expected the file that the session wrote"),
         };
         FileError::whole(&self.path, message)
+    }
+
+    /// Says that the user accepted this difference, with both hashes.
+    pub(super) fn accepted(&self) -> String {
+        let file = self.path.file_name().unwrap_or_default().to_string_lossy();
+        match (&self.was, &self.is) {
+            (None, _) => format!("accepted that sitting {} has no seal in {file}", self.sitting + 1),
+            (Some(was), Ok(is)) => format!("accepted a change of {file}: sha256 {was} when sealed, {is} now"),
+            (Some(was), Err(why)) => format!("accepted a change of {file}: sha256 {was} when sealed; it {why}"),
+        }
     }
 }
 
@@ -99,6 +109,18 @@ pub(super) fn differences(csv: &Path, sidecar: &Sidecar) -> Vec<Difference> {
         found.push(Difference { path: sidecar_path, sitting: last, is_prefix: false, was: None, is });
     }
     found
+}
+
+/// Compares the first `bytes` of a data file with their hash, for a session whose sidecar is lost.
+pub(super) fn difference(csv: &Path, bytes: u64, was: &str) -> Option<Difference> {
+    let is = sha256_of_first(csv, bytes);
+    let found = Difference { path: csv.to_owned(), sitting: 0, is_prefix: true, was: Some(was.to_owned()), is };
+    (found.is.as_deref() != Ok(was)).then_some(found)
+}
+
+/// Returns the hash of the first `bytes` of a file, or why there is none.
+pub(super) fn sha256_of_first(path: &Path, bytes: u64) -> Result<String, String> {
+    Prefixes::read(path, vec![bytes]).hash(Some(bytes))
 }
 
 /// Returns the hash of the sidecar as it was when a sitting ended. Whether all trials were rated at that time is not

@@ -199,6 +199,17 @@ impl Sidecar {
         then
     }
 
+    /// Replaces the seals of the sittings from this index on by the seal of the files as they are now, because the user
+    /// accepted a change.
+    pub(crate) fn reseal(&mut self, from: usize, seal: &Seal) {
+        for sitting in from..self.sittings.len() {
+            if self.sittings[sitting].seal.is_some() {
+                let sidecar_sha256 = self.at_end_of(sitting, false).own_sha256();
+                self.sittings[sitting].seal = Some(Seal { sidecar_sha256, ..seal.clone() });
+            }
+        }
+    }
+
     /// Reads a sidecar; `None` if the file does not exist.
     ///
     /// # Errors

@@ -1,18 +1,21 @@
 //! A running session on disk: its rows, its sidecar, its frames and its data set.
 
-use std::{path::Path, time::Duration};
+use std::{collections::HashSet, path::Path, time::Duration};
 
 use super::{
-    dataset::SessionPaths,
+    dataset::{REGISTER, SessionPaths},
     frames::{FrameFile, FrameRow},
-    results::ResultFile,
+    lock::LockFile,
+    register::{Entry, Event, Register},
+    results::{self, Recovered, ResultFile},
+    seal::{self, Difference},
     sidecar::{Seal, Sidecar, Sitting},
 };
 use crate::{
-    experiment::{Identity, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns},
+    experiment::{Identity, Phase, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns},
     store::{
-        StoreError, definition,
-        file::{AppendFile, exists, remove_temporary},
+        FileError, FileErrors, StoreError, definition,
+        file::{exists, remove_temporary},
     },
 };
 
@@ -28,6 +31,17 @@ pub struct SessionStore {
     frames: Option<FrameFile>,
     /// True if a failure to write frames has already been noted.
     frames_refused: bool,
+    /// Tells other programs that this one is writing the session; `None` if the session is complete.
+    lock: Option<LockFile>,
+}
+
+/// What happens to a session whose files were changed after it ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Changes {
+    /// The session is not resumed.
+    Refuse,
+    /// The session is resumed, and its sidecar records the hashes of the changed files for ever.
+    Accept,
 }
 
 /// The state of an interrupted session.
@@ -77,83 +91,63 @@ impl SessionStore {
         let rows = ResultFile::create(&paths.csv, &columns(protocol))?;
         let mut sidecar = Sidecar::new(protocol, seed, sitting);
         sidecar.sittings[0].incidents.extend(undescribed);
-        if let Err(error) = sidecar.write(&paths.sidecar) {
-            // Nothing is recorded yet, so the next attempt must not find an existing session, least of all a sidecar
-            // without rows.
-            let _ = std::fs::remove_file(&paths.sidecar);
-            drop(rows);
-            let _ = std::fs::remove_file(&paths.csv);
-            return Err(error);
-        }
+        let locked = LockFile::create(&paths.csv, rows.file.is_locked()).and_then(|(lock, incidents)| {
+            sidecar.sittings[0].incidents.extend(incidents);
+            sidecar.write(&paths.sidecar)?;
+            Ok(lock)
+        });
+        let lock = match locked {
+            Ok(lock) => Some(lock),
+            Err(error) => {
+                // Nothing is recorded yet, so the next attempt must not find an existing session, least of all a
+                // sidecar without rows.
+                let _ = std::fs::remove_file(&paths.sidecar);
+                drop(rows);
+                let _ = std::fs::remove_file(&paths.csv);
+                return Err(error);
+            }
+        };
         let frames = Some(FrameFile::new(&paths.frames));
         let (protocol, identity) = (protocol.clone(), identity.clone());
-        Ok(Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false })
+        let mut store = Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false, lock };
+        store.register(Event::Started);
+        Ok(store)
     }
 
     /// Resumes an interrupted session.
     ///
     /// # Errors
     /// [`StoreError::NothingToResume`]; [`StoreError::Mismatch`] if the definition, the seed or a row does not belong
-    /// to this session; [`StoreError::InUse`]; rows that cannot be parsed. If there is an error, nothing is changed.
+    /// to this session; [`StoreError::InUse`]; rows that cannot be parsed; files that were changed after they were
+    /// sealed, unless `changes` accepts that. If there is an error, nothing is changed.
     pub fn resume(
         results: &Path,
         protocol: &Protocol,
         identity: &Identity,
         seed: Option<u64>,
         sitting: Sitting,
+        changes: Changes,
     ) -> Result<(Self, Interrupted), StoreError> {
-        let paths = SessionPaths::new(results, protocol, identity);
-        if !exists(&paths.csv)? {
-            return Err(StoreError::NothingToResume(paths.csv));
-        }
-        paths.refuse_links()?;
-        // The file is locked before anything is read, because another program may be ending this very session.
-        let columns = columns(protocol);
-        let rows = ResultFile::open(&paths.csv, &columns)?;
-        let found = Sidecar::read(&paths.sidecar)?;
-        if let Some(sidecar) = &found {
-            check_same(sidecar, protocol, seed, &paths.sidecar)?;
-        }
-        let recovered = rows.recover(&columns)?;
-        let recorded = found.as_ref().map(|sidecar| sidecar.seed);
-        let seed = recorded.or(seed).or(recovered.rows.first().map(|row| row.seed)).unwrap_or_default();
-        let mismatch = |what: String| StoreError::Mismatch { path: paths.csv.clone(), what };
-        let schedule = Schedule::new(protocol, identity, seed).map_err(|error| mismatch(error.to_string()))?;
-        let context = RowContext { protocol, schedule: &schedule, identity, sitting: 1 };
-        let mut resumed = Resumed::default();
-        for row in &recovered.rows {
-            let trial = row.planned_trial(&context).map_err(mismatch)?;
-            resumed.done.insert(trial);
-        }
-        let complete = resumed.done.len() == schedule.trials.len() && recovered.partial_line.is_none();
-        let sidecar = found.unwrap_or_else(|| {
-            let mut lost = Sidecar::new(protocol, seed, Sitting::default());
-            lost.sittings[0].incidents.push("the sidecar of the first sitting was missing on resume".to_owned());
-            lost
-        });
+        let found = Found::read(results, protocol, identity, seed, changes)?;
+        let is_finished = found.is_finished();
+        let Found { paths, rows, sidecar, differences, schedule, resumed, recovered } = found;
         let sittings = recovered.rows.last().map_or(0, |row| row.sitting).max(sidecar.sittings.len() as u32);
-        let finished = complete && sidecar.complete;
         let frames = FrameFile::resume(&paths.frames);
         let unread = frames.as_ref().err().map(ToString::to_string);
         let (protocol, identity, frames) = (protocol.clone(), identity.clone(), frames.ok());
-        let mut store = Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false };
+        let mut store = Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false, lock: None };
         // From here on, the files are changed, unless the session is complete.
-        if !finished {
+        if !is_finished {
+            let (lock, incidents) = LockFile::create(&store.paths.csv, store.rows.file.is_locked())?;
+            store.lock = Some(lock);
             // The session is locked, so no other program is about to write its sidecar.
             let sidecar = store.paths.sidecar.file_name().unwrap_or_default().to_string_lossy();
             remove_temporary(&store.paths.dataset.join("data"), Some(&sidecar), Duration::ZERO);
+            store.keep_seal(&differences);
             store.sidecar.complete = false;
-            // The seal stays with the sitting that it belongs to, so that its rows remain checked.
-            if let Some(mut seal) = store.sidecar.seal.take() {
-                // Earlier versions did not record the lengths.
-                seal.data_bytes.get_or_insert(store.rows.file.content().len() as u64);
-                let frames = store.frames.as_ref().filter(|_| seal.frames_sha256.is_some());
-                seal.frames_bytes = seal.frames_bytes.or(frames.map(|frames| frames.0.content().len() as u64));
-                if let Some(last) = store.sitting() {
-                    last.seal = Some(seal);
-                }
-            }
             store.sidecar.sittings.push(sitting);
+            incidents.into_iter().for_each(|incident| store.note(incident));
+            differences.iter().for_each(|difference| store.note(difference.accepted()));
             if let Some(partial_line) = &recovered.partial_line {
                 store.note(format!(
                     "an incomplete last row was removed, and its trial was shown again: {partial_line:?}"
@@ -166,6 +160,7 @@ impl SessionStore {
             store.prepare()?;
             store.sidecar.write(&store.paths.sidecar)?;
             store.rows.file.flush()?;
+            store.register(Event::Resumed);
         }
         let last = recovered.rows.last();
         let interrupted = Interrupted {
@@ -177,6 +172,53 @@ impl SessionStore {
             schedule,
         };
         Ok((store, interrupted))
+    }
+
+    /// Returns whether every planned trial of a session is rated, so that there is nothing to resume. The rows decide,
+    /// not the sidecar.
+    ///
+    /// # Errors
+    /// The same errors as [`SessionStore::resume`].
+    pub fn is_finished(
+        results: &Path,
+        protocol: &Protocol,
+        identity: &Identity,
+        seed: Option<u64>,
+        changes: Changes,
+    ) -> Result<bool, StoreError> {
+        Ok(Found::read(results, protocol, identity, seed, changes)?.is_finished())
+    }
+
+    /// Moves the seal to the sitting that it belongs to, so that the rows of that sitting remain checked. If the user
+    /// accepted differences, the seals that differ are replaced.
+    fn keep_seal(&mut self, accepted: &[Difference]) {
+        let seal = self.sidecar.seal.take();
+        let now = self.seal();
+        if let Some(last) = self.sidecar.sittings.last_mut() {
+            // Earlier versions did not record the lengths.
+            let (data_bytes, frames_bytes) = (now.data_bytes, now.frames_bytes);
+            let with_lengths = |seal: Seal| Seal {
+                data_bytes: seal.data_bytes.or(data_bytes),
+                frames_bytes: seal.frames_bytes.or(frames_bytes.filter(|_| seal.frames_sha256.is_some())),
+                ..seal
+            };
+            let unsealed = accepted.iter().any(|difference| difference.was.is_none());
+            last.seal = seal.map(with_lengths).or(last.seal.take()).or(unsealed.then(|| now.clone()));
+        }
+        if let Some(first) = accepted.iter().map(|difference| difference.sitting).min() {
+            self.sidecar.reseal(first, &now);
+        }
+    }
+
+    /// Appends an event to the register of the data set. A failure is noted, and the session continues. Returns whether
+    /// the event was written.
+    fn register(&mut self, event: Event) -> bool {
+        let entry = Entry::new(event, &self.paths.csv, &self.sidecar, self.seal());
+        let written = entry.append(&self.paths.dataset);
+        if let Err(error) = &written {
+            self.note(format!("the event {event:?} could not be registered: {error}"));
+        }
+        written.is_ok()
     }
 
     /// Returns the path of the data file.
@@ -222,7 +264,10 @@ impl SessionStore {
             }
             self.prepare()?;
             self.rows.file.continue_in(&self.paths.csv)?;
-            self.sidecar.write(&self.paths.sidecar)
+            self.lock_again();
+            self.sidecar.write(&self.paths.sidecar)?;
+            self.register(Event::Moved);
+            Ok(())
         })
     }
 
@@ -248,11 +293,29 @@ impl SessionStore {
         self.rows.file.continue_in(&paths.csv)?;
         if let Some(Err(error)) = self.frames.as_mut().map(|frames| frames.continue_in(&paths.frames)) {
             self.note(format!("the frames could not be moved: {error}"));
+            // The seals would miss them in the new folder.
+            let without = Seal { frames_bytes: None, frames_sha256: None, ..self.seal() };
+            self.sidecar.reseal(0, &without);
         }
         self.paths = paths;
+        self.lock_again();
         undescribed.into_iter().for_each(|what| self.note(what));
         self.note(format!("a row could not be saved; the session was moved from {from}"));
-        self.sidecar.write(&self.paths.sidecar)
+        self.sidecar.write(&self.paths.sidecar)?;
+        self.register(Event::Moved);
+        Ok(())
+    }
+
+    /// Creates a lock file where the session is now, and removes the previous one.
+    fn lock_again(&mut self) {
+        self.lock = None;
+        match LockFile::create(&self.paths.csv, self.rows.file.is_locked()) {
+            Ok((lock, incidents)) => {
+                self.lock = Some(lock);
+                incidents.into_iter().for_each(|incident| self.note(incident));
+            }
+            Err(error) => self.note(error.to_string()),
+        }
     }
 
     /// True if the session has ended with every planned trial rated.
@@ -260,10 +323,21 @@ impl SessionStore {
         self.sidecar.complete
     }
 
-    /// Returns whether a session is complete; `None` if there is no such session.
+    /// Returns whether every planned trial of a session is rated; `None` if there is no such session. The rows decide. A
+    /// session that cannot be read is not complete.
     pub fn exists(results: &Path, protocol: &Protocol, identity: &Identity) -> Option<bool> {
         let paths = SessionPaths::new(results, protocol, identity);
-        paths.csv.exists().then(|| matches!(Sidecar::read(&paths.sidecar), Ok(Some(sidecar)) if sidecar.complete))
+        let is_rated = || {
+            let read = results::read(&paths.csv, &columns(protocol)).ok().filter(|read| read.partial_line.is_none());
+            let rated: Option<HashSet<_>> =
+                read.map(|read| read.rows.iter().map(|row| (row.phase == Phase::Main, row.trial)).collect());
+            let planned = protocol.main_trials() + protocol.design.practice as usize;
+            rated.is_some_and(|rated| rated.len() == planned)
+        };
+        paths
+            .csv
+            .exists()
+            .then(|| matches!(Sidecar::read(&paths.sidecar), Ok(Some(sidecar)) if sidecar.complete) && is_rated())
     }
 
     fn sitting(&mut self) -> Option<&mut Sitting> {
@@ -306,33 +380,139 @@ impl SessionStore {
             sitting.ended_at = Some(ended_at);
             sitting.frames = frames;
         }
+        // What is sealed must survive a power failure.
+        if let Some(Err(error)) = self.frames.as_mut().map(FrameFile::sync) {
+            self.note(format!("the frames are not complete: {error}"));
+            self.frames_refused = true;
+            self.frames = None;
+        }
         self.sidecar.seal = Some(self.seal());
-        self.sidecar.write(&self.paths.sidecar)
+        self.sidecar.write(&self.paths.sidecar)?;
+        if !self.register(Event::Ended) {
+            // The incident was noted after the sidecar had been sealed.
+            self.sidecar.seal = Some(self.seal());
+            self.sidecar.write(&self.paths.sidecar)?;
+        }
+        Ok(())
     }
 
     /// Returns the seal of the files as they are now.
     fn seal(&self) -> Seal {
         let rows = &self.rows.file;
-        let frames = self.frames.as_ref().filter(|frames| !frames.is_empty()).map(|frames| &frames.0);
+        let frames = self.frames.as_ref().map(|frames| (frames, &frames.0));
+        let frames = frames.filter(|(frames, file)| !frames.is_empty() && file.path() == self.paths.frames);
         Seal {
             data_bytes: Some(rows.content().len() as u64),
             data_sha256: rows.sha256(),
-            frames_bytes: frames.map(|frames| frames.content().len() as u64),
-            frames_sha256: frames.map(AppendFile::sha256),
+            frames_bytes: frames.map(|(_, file)| file.content().len() as u64),
+            frames_sha256: frames.map(|(_, file)| file.sha256()),
             sidecar_sha256: self.sidecar.own_sha256(),
         }
     }
 }
 
-fn check_same(sidecar: &Sidecar, protocol: &Protocol, seed: Option<u64>, path: &Path) -> Result<(), StoreError> {
+/// A session on disk that may be resumed. Its data file is locked.
+struct Found {
+    paths: SessionPaths,
+    rows: ResultFile,
+    sidecar: Sidecar,
+    /// The differences between the files and their seals, which the user accepted.
+    differences: Vec<Difference>,
+    schedule: Schedule,
+    resumed: Resumed,
+    recovered: Recovered,
+}
+
+impl Found {
+    /// Reads and locks a session, and changes nothing.
+    ///
+    /// # Errors
+    /// The same errors as [`SessionStore::resume`].
+    fn read(
+        results: &Path,
+        protocol: &Protocol,
+        identity: &Identity,
+        seed: Option<u64>,
+        changes: Changes,
+    ) -> Result<Self, StoreError> {
+        let paths = SessionPaths::new(results, protocol, identity);
+        if !exists(&paths.csv)? {
+            return Err(StoreError::NothingToResume(paths.csv));
+        }
+        paths.refuse_links()?;
+        // The file is locked before anything is read, because another program may be ending this very session.
+        let columns = columns(protocol);
+        let rows = ResultFile::open(&paths.csv, &columns)?;
+        let found = Sidecar::read(&paths.sidecar)?;
+        if let Some(sidecar) = &found {
+            check_same((&sidecar.definition_sha256, sidecar.seed), protocol, seed, &paths.sidecar)?;
+        }
+        let recovered = rows.recover(&columns)?;
+        let (recorded, differences) = match &found {
+            Some(sidecar) => (Some(sidecar.seed), seal::differences(&paths.csv, sidecar)),
+            // A session without rows has recorded nothing that could belong to another definition.
+            None if recovered.rows.is_empty() => (None, Vec::new()),
+            None => {
+                let listed = Register::read(&paths.dataset)?;
+                let entry = listed.last(&paths.csv).ok_or_else(|| StoreError::Mismatch {
+                    path: paths.sidecar.clone(),
+                    what: format!(
+                        "does not exist, and {REGISTER} does not list the session; expected the sidecar, which says how the rows were recorded"
+                    ),
+                })?;
+                let register = paths.dataset.join(REGISTER);
+                check_same((&entry.definition_sha256, entry.seed), protocol, seed, &register)?;
+                let changed = seal::difference(&paths.csv, entry.data_bytes, &entry.data_sha256);
+                (Some(entry.seed), changed.into_iter().collect())
+            }
+        };
+        if changes == Changes::Refuse && !differences.is_empty() {
+            let hint = "use --accept-changes to resume all the same; the sidecar then lists the change";
+            let error = |difference: &Difference| {
+                let error = difference.error();
+                FileError { message: format!("{}; {hint}", error.message), ..error }
+            };
+            return Err(FileErrors(differences.iter().map(error).collect()).into());
+        }
+        let seed = recorded.or(seed).or(recovered.rows.first().map(|row| row.seed)).unwrap_or_default();
+        let mismatch = |what: String| StoreError::Mismatch { path: paths.csv.clone(), what };
+        let schedule = Schedule::new(protocol, identity, seed).map_err(|error| mismatch(error.to_string()))?;
+        let context = RowContext { protocol, schedule: &schedule, identity, sitting: 1 };
+        let mut resumed = Resumed::default();
+        for row in &recovered.rows {
+            let trial = row.planned_trial(&context).map_err(mismatch)?;
+            resumed.done.insert(trial);
+        }
+        let sidecar = found.unwrap_or_else(|| {
+            let mut lost = Sidecar::new(protocol, seed, Sitting::default());
+            lost.sittings[0].incidents.push("the sidecar of the first sitting was missing on resume".to_owned());
+            lost
+        });
+        Ok(Self { paths, rows, sidecar, differences, schedule, resumed, recovered })
+    }
+
+    /// True if every trial is rated and the sidecar says so too, so that there is nothing to do.
+    fn is_finished(&self) -> bool {
+        let is_rated = self.resumed.done.len() == self.schedule.trials.len() && self.recovered.partial_line.is_none();
+        is_rated && self.sidecar.complete && self.differences.is_empty()
+    }
+}
+
+/// Checks that a session was `recorded` with this definition, given as its hash, and this seed.
+fn check_same(
+    (definition_sha256, seed): (&str, u64),
+    protocol: &Protocol,
+    expected_seed: Option<u64>,
+    path: &Path,
+) -> Result<(), StoreError> {
     let hash = definition::hash(protocol);
-    let what = if sidecar.definition_sha256 != hash {
+    let what = if definition_sha256 != hash {
         format!(
-            "the session was recorded with another definition (sha256 {}); expected that one, not {} (sha256 {hash})",
-            sidecar.definition_sha256, protocol.name
+            "the session was recorded with another definition (sha256 {definition_sha256}); expected that one, not {} (sha256 {hash})",
+            protocol.name
         )
-    } else if let Some(seed) = seed.filter(|seed| *seed != sidecar.seed) {
-        format!("the session has seed {}; expected that seed or no seed, not {seed}", sidecar.seed)
+    } else if let Some(other) = expected_seed.filter(|other| *other != seed) {
+        format!("the session has seed {seed}; expected that seed or no seed, not {other}")
     } else {
         return Ok(());
     };

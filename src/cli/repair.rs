@@ -1,0 +1,45 @@
+//! `machband repair`
+
+use std::path::PathBuf;
+
+use super::print_line;
+use crate::{
+    report::document::numbers::count,
+    store::{
+        ratings,
+        session::{Repaired, repair},
+    },
+};
+
+/// Move damaged lines of a session's data file to a file next to it, so that the session can be resumed.
+///
+/// A line is damaged if it cannot be read or if the definition and the seed do not plan it. No byte is deleted: the
+/// lines go to a new file …_data.csv.damaged-N. The sidecar and sessions.csv record the repair, and machband verify
+/// lists it. When the session is resumed, it shows the trials of these lines again.
+#[derive(clap::Args)]
+#[command(after_help = "Example: machband repair results/quick/data/subject-S001_session-1_task-quick_data.csv")]
+pub(super) struct Arguments {
+    /// Data file of a session, or a folder with data files.
+    #[arg(value_name = "FILE|DIR")]
+    path: PathBuf,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let path = &arguments.path;
+    let files = if path.is_dir() { ratings::data_files(path)? } else { vec![path.clone()] };
+    let mut errors = Vec::new();
+    for csv in &files {
+        match repair(csv) {
+            Ok(Repaired { lines, moved_to: Some(moved_to), warning }) => {
+                let numbers: Vec<String> = lines.iter().map(usize::to_string).collect();
+                let moved = count(lines.len() as u64, "damaged line");
+                let (csv, moved_to) = (csv.display(), moved_to.display());
+                print_line(&format!("{csv}: {moved} moved to {moved_to}: {}", numbers.join(", ")))?;
+                errors.extend(warning);
+            }
+            Ok(_) => print_line(&format!("{}: no line is damaged", csv.display()))?,
+            Err(error) => errors.push(error.to_string()),
+        }
+    }
+    if errors.is_empty() { Ok(()) } else { Err(anyhow::anyhow!(errors.join("\n"))) }
+}

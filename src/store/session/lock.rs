@@ -1,0 +1,116 @@
+//! A file next to the rows that names the program that writes them. It protects a session on network shares where the
+//! locks of the system do not work, or work only within one computer.
+
+use std::{
+    fs::{self, OpenOptions},
+    io::{ErrorKind, Write as _},
+    path::{Path, PathBuf},
+};
+
+use crate::store::StoreError;
+
+/// Suffix that is added to the name of the data file.
+pub(super) const SUFFIX: &str = ".lock";
+
+/// The lock file of a running session, which is removed when the session ends.
+#[derive(Debug)]
+pub(super) struct LockFile {
+    /// `None` if the file could not be created.
+    path: Option<PathBuf>,
+}
+
+impl LockFile {
+    /// Creates the lock file for a data file; `is_locked` says whether the system also locks the data file. Also
+    /// returns incidents: what protects the session less than it should. A lock file that a killed program left is
+    /// replaced.
+    ///
+    /// # Errors
+    /// Another program writes this session.
+    pub fn create(csv: &Path, is_locked: bool) -> Result<(Self, Vec<String>), StoreError> {
+        let path = path(csv);
+        let mut incidents = Vec::new();
+        if !is_locked {
+            incidents.push(
+                "the file system of the results does not support locks; expected only one program to write this session"
+                    .to_owned(),
+            );
+        }
+        let refused = match Self::write(&path) {
+            Ok(()) => return Ok((Self { path: Some(path) }, incidents)),
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => match writer(&path) {
+                Some(writer) if writer.may_be_running(is_locked) => {
+                    let what = format!(
+                        "process {} on {} is writing this session; expected it to be closed first. If it no longer runs, remove this file",
+                        writer.process, writer.host
+                    );
+                    return Err(StoreError::Mismatch { path, what });
+                }
+                _ => fs::remove_file(&path).and_then(|()| Self::write(&path)).err(),
+            },
+            Err(error) => Some(error),
+        };
+        let created = refused.is_none();
+        // The session can go on without this second protection.
+        incidents.extend(refused.map(|error| format!("{}: could not be created: {error}", path.display())));
+        Ok((Self { path: created.then_some(path) }, incidents))
+    }
+
+    fn write(path: &Path) -> std::io::Result<()> {
+        let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
+        file.write_all(Writer::this().line().as_bytes())
+    }
+}
+
+impl Drop for LockFile {
+    fn drop(&mut self) {
+        if let Some(path) = &self.path
+            && writer(path) == Some(Writer::this())
+        {
+            let _ = fs::remove_file(path);
+        }
+    }
+}
+
+/// Returns the path of the lock file for a data file.
+pub(super) fn path(csv: &Path) -> PathBuf {
+    let mut name = csv.file_name().unwrap_or_default().to_owned();
+    name.push(SUFFIX);
+    csv.with_file_name(name)
+}
+
+/// The program that a lock file names.
+#[derive(Debug, PartialEq, Eq)]
+struct Writer {
+    host: String,
+    process: u32,
+}
+
+impl Writer {
+    fn this() -> Self {
+        let host = gethostname::gethostname().to_string_lossy().split_whitespace().collect::<Vec<_>>().join("-");
+        Self { host, process: std::process::id() }
+    }
+
+    fn line(&self) -> String {
+        format!("{} {}\n", self.host, self.process)
+    }
+
+    /// Whether the program may still be running. If this program holds the lock of the system, no other program on the
+    /// same computer does.
+    fn may_be_running(&self, is_locked: bool) -> bool {
+        let this = Self::this();
+        if self.host != this.host {
+            return true;
+        }
+        let is_known_to_have_ended =
+            cfg!(target_os = "linux") && !Path::new("/proc").join(self.process.to_string()).exists();
+        !is_locked && self.process != this.process && !is_known_to_have_ended
+    }
+}
+
+/// Reads a lock file; `None` if it cannot be read or names no program.
+fn writer(path: &Path) -> Option<Writer> {
+    let text = fs::read_to_string(path).ok()?;
+    let (host, process) = text.trim_end().rsplit_once(' ')?;
+    Some(Writer { host: host.to_owned(), process: process.parse().ok()? })
+}

@@ -1,0 +1,197 @@
+//! Repairs a data file whose lines are damaged, so that its session can be resumed.
+
+use std::{
+    fs::{self, OpenOptions},
+    io::{ErrorKind, Write as _},
+    path::{Path, PathBuf},
+};
+
+use super::{
+    dataset::{DAMAGED, DATA_FILE, SIDECAR_SUFFIX, identity},
+    frames,
+    lock::LockFile,
+    recorded::REPAIRED,
+    register::{Entry, Event},
+    results::{self, ResultFile},
+    seal,
+    sidecar::{Seal, Sidecar},
+};
+use crate::{
+    experiment::{Column, Identity, Protocol, RowContext, Schedule, TrialRecord, columns},
+    store::{
+        FileErrors, StoreError, definition,
+        error::io,
+        file::{sha256, sync_folder, write_whole},
+    },
+};
+
+/// The result of a repair.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Repaired {
+    /// Numbers of the damaged lines, from 1.
+    pub lines: Vec<usize>,
+    /// The file to which they were moved; `None` if no line was damaged.
+    pub moved_to: Option<PathBuf>,
+    /// What could not be recorded about the repair, if anything.
+    pub warning: Option<String>,
+}
+
+/// Moves the damaged lines of a session's data file to a new file next to it: lines that cannot be read, and rows that
+/// the definition and the seed do not plan. Every byte is kept. The sidecar and the register record the repair, and the
+/// trials of the moved lines are shown again when the session is resumed.
+///
+/// # Errors
+/// Another program writes the session; the sidecar is missing or cannot be read; no row is planned, so the sidecar
+/// belongs to another session; I/O errors. The data file is not changed before the other file is on disk.
+pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
+    let (stem, identity) = identity(csv).map_err(|message| FileErrors::whole(csv, message))?;
+    let sidecar_path = csv.with_file_name(format!("{stem}{SIDECAR_SUFFIX}"));
+    for path in [csv, &sidecar_path] {
+        if let Ok(target) = fs::read_link(path) {
+            return Err(StoreError::Link { path: path.to_owned(), target });
+        }
+    }
+    let mut sidecar = Sidecar::read(&sidecar_path)?.ok_or_else(|| {
+        FileErrors::whole(&sidecar_path, "does not exist; expected the sidecar, which says what a row contains")
+    })?;
+    let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
+    let columns = columns(&protocol);
+    // This locks the file.
+    let open = ResultFile::open(csv, &columns)?;
+    let (_lock, _) = LockFile::create(csv, open.file.is_locked())?;
+    let before = fs::read(csv).map_err(io(csv, "read"))?;
+    let Sorted { lines, damaged, kept } = sort(&before, (&protocol, &identity, sidecar.seed), &columns, csv)?;
+    if lines.is_empty() {
+        return Ok(Repaired { lines, moved_to: None, warning: None });
+    }
+    let moved_to = write_new(csv, &damaged)?;
+    write_whole(csv, &kept, true)?;
+    record(csv, &sidecar_path, &mut sidecar, (&before, &kept), &moved_to, lines.len())?;
+    let dataset =
+        csv.parent().and_then(Path::parent).filter(|_| csv.parent().is_some_and(|data| data.ends_with("data")));
+    let entry = Entry::new(Event::Repaired, csv, &sidecar, seal_of(csv, &kept, &sidecar));
+    let warning = dataset.and_then(|dataset| entry.append(dataset).err()).map(|error| error.to_string());
+    Ok(Repaired { lines, moved_to: Some(moved_to), warning })
+}
+
+/// The lines of a data file.
+struct Sorted {
+    /// Numbers of the damaged lines.
+    lines: Vec<usize>,
+    damaged: Vec<u8>,
+    /// The header and the other lines.
+    kept: Vec<u8>,
+}
+
+fn sort(
+    content: &[u8],
+    (protocol, identity, seed): (&Protocol, &Identity, u64),
+    columns: &[Column],
+    csv: &Path,
+) -> Result<Sorted, StoreError> {
+    let mismatch = |what: String| StoreError::Mismatch { path: csv.to_owned(), what };
+    let schedule = Schedule::new(protocol, identity, seed).map_err(|error| mismatch(error.to_string()))?;
+    let context = RowContext { protocol, schedule: &schedule, identity, sitting: 1 };
+    let mut all = content.split_inclusive(|byte| *byte == b'\n');
+    let header = all.next().unwrap_or_default();
+    let mut sorted = Sorted { lines: Vec::new(), damaged: Vec::new(), kept: header.to_vec() };
+    let (mut planned, mut readable) = (0, 0);
+    for (line, number) in all.zip(2..) {
+        let row: Option<TrialRecord> = if line.ends_with(b"\n") && !line.contains(&0) {
+            let parsed = results::parse("", &[header, line].concat(), columns);
+            parsed.ok().and_then(|mut rows| rows.pop())
+        } else {
+            None
+        };
+        readable += usize::from(row.is_some());
+        if row.is_some_and(|row| row.planned_trial(&context).is_ok()) {
+            planned += 1;
+            sorted.kept.extend_from_slice(line);
+        } else {
+            sorted.lines.push(number);
+            sorted.damaged.extend_from_slice(line);
+        }
+    }
+    if let Err(errors) = results::parse(&csv.display().to_string(), header, columns) {
+        return Err(errors.into());
+    }
+    if planned == 0 && readable > 0 {
+        let what = format!(
+            "no row is planned by the definition and seed {seed} in its sidecar; expected the rows and the sidecar of one session"
+        );
+        return Err(mismatch(what));
+    }
+    Ok(sorted)
+}
+
+/// Writes the damaged lines to the first `…_data.csv.damaged-N` that does not exist.
+fn write_new(csv: &Path, content: &[u8]) -> Result<PathBuf, StoreError> {
+    let mut number = 1_u32;
+    loop {
+        let mut name = csv.file_name().unwrap_or_default().to_owned();
+        name.push(format!("{DAMAGED}{number}"));
+        let path = csv.with_file_name(name);
+        let mut file = match OpenOptions::new().write(true).create_new(true).open(&path) {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+                number += 1;
+                continue;
+            }
+            opened => opened.map_err(io(&path, "create"))?,
+        };
+        file.write_all(content).and_then(|()| file.sync_all()).map_err(io(&path, "write"))?;
+        let kept = file.metadata().map_err(io(&path, "access"))?.len();
+        if kept != content.len() as u64 {
+            let what = format!("has {kept} bytes instead of {}", content.len());
+            return Err(StoreError::Changed { path, what });
+        }
+        sync_folder(&path)?;
+        return Ok(path);
+    }
+}
+
+/// Writes the incident into the sidecar, and seals the files as they are now if they were sealed.
+fn record(
+    csv: &Path,
+    path: &Path,
+    sidecar: &mut Sidecar,
+    (before, after): (&[u8], &[u8]),
+    moved_to: &Path,
+    lines: usize,
+) -> Result<(), StoreError> {
+    let name = moved_to.file_name().unwrap_or_default().to_string_lossy();
+    let incident = format!(
+        "{REPAIRED}{lines} damaged lines were moved to {name}: sha256 {} before, {} now",
+        sha256(before),
+        sha256(after)
+    );
+    let changed = seal::differences(csv, sidecar);
+    // Other changes than the damage are recorded too.
+    let others: Vec<String> =
+        changed.iter().filter(|other| other.path != csv).map(seal::Difference::accepted).collect();
+    let is_sealed = sidecar.seal.is_some();
+    sidecar.complete = false;
+    if let Some(last) = sidecar.sittings.last_mut() {
+        last.incidents.push(incident);
+        last.incidents.extend(others);
+    }
+    let now = seal_of(csv, after, sidecar);
+    if let Some(first) = changed.iter().map(|difference| difference.sitting).min() {
+        sidecar.reseal(first, &now);
+    }
+    sidecar.seal = is_sealed.then(|| seal_of(csv, after, sidecar));
+    sidecar.write(path)
+}
+
+/// Returns the seal of the files as they are now.
+fn seal_of(csv: &Path, rows: &[u8], sidecar: &Sidecar) -> Seal {
+    let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let stem = name.strip_suffix(DATA_FILE).unwrap_or(&name);
+    let frames = fs::read(csv.with_file_name(format!("{stem}{}", frames::SUFFIX))).ok();
+    Seal {
+        data_bytes: Some(rows.len() as u64),
+        data_sha256: sha256(rows),
+        frames_bytes: frames.as_ref().map(|frames| frames.len() as u64),
+        frames_sha256: frames.as_deref().map(sha256),
+        sidecar_sha256: sidecar.own_sha256(),
+    }
+}

@@ -1,0 +1,437 @@
+//! A session that was changed by hand is not passed off as unchanged, and an honest session is not called faulty.
+
+use std::{
+    fmt::Write as _,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use jiff::Timestamp;
+use machband::{
+    experiment::Protocol,
+    store::{
+        StoreError, check, definition,
+        frames::HEADER,
+        session::{Changes, Interrupted, SessionStore, repair},
+        sidecar::Sidecar,
+        verify,
+    },
+};
+
+use crate::{
+    common::{everything, fails, machband, session_csv, succeeds, text, verified},
+    recording::{self, SEED, TEXT, create, identity, paths, resume, sitting, small},
+};
+
+/// Rates up to `limit` trials, and ends the sitting.
+fn sit(store: &mut SessionStore, found: Option<&Interrupted>, limit: usize) {
+    recording::rate(store, (&small(), &identity()), found, limit, false).unwrap();
+    if !store.is_complete() {
+        store.finish(false, Timestamp::now().to_string(), None).unwrap();
+    }
+}
+
+/// A session whose first sitting ended after this many rows.
+fn ended(rows: usize) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    sit(&mut create(folder.path()).unwrap(), None, rows);
+    let csv = paths(folder.path()).csv;
+    (folder, csv)
+}
+
+fn accept(results: &Path) -> (SessionStore, Interrupted) {
+    SessionStore::resume(results, &small(), &identity(), Some(SEED), sitting(), Changes::Accept).unwrap()
+}
+
+fn edit(path: &Path, change: impl FnOnce(&str) -> String) {
+    let text = fs::read_to_string(path).unwrap();
+    let changed = change(&text);
+    assert_ne!(changed, text, "the test did not change the file");
+    fs::write(path, changed).unwrap();
+}
+
+/// Changes the first rating. The color of the stimulus has two commas.
+fn change_rating(csv: &Path) {
+    edit(csv, |text| {
+        let (header, rows) = text.split_once('\n').unwrap();
+        let mut cells: Vec<&str> = rows.split(',').collect();
+        cells[18] = if cells[18] == "0" { "3" } else { "0" };
+        format!("{header}\n{}", cells.join(","))
+    });
+}
+
+fn edit_sidecar(csv: &Path, change: impl FnOnce(&mut Sidecar)) {
+    let path = csv.with_extension("json");
+    let mut sidecar = Sidecar::read(&path).unwrap().unwrap();
+    change(&mut sidecar);
+    sidecar.write(&path).unwrap();
+}
+
+fn without_last_row(text: &str) -> String {
+    text[..=text.trim_end().rfind('\n').unwrap()].to_owned()
+}
+
+/// The errors of a session as one text.
+fn errors(csv: &Path) -> String {
+    verified(csv).errors.iter().map(|error| format!("{error}\n")).collect()
+}
+
+#[test]
+fn resuming_refuses_a_changed_session_or_records_the_change_for_ever() {
+    type Touch = fn(&Path);
+    let ways: [(&str, usize, Touch); 4] = [
+        ("a rating of an ended sitting", 3, change_rating),
+        ("a rating and the last row of a complete session", 6, |csv| {
+            change_rating(csv);
+            edit(csv, without_last_row);
+        }),
+        ("every row", 3, |csv| fs::write(csv, "").unwrap()),
+        ("the seal", 6, |csv| edit_sidecar(csv, |sidecar| sidecar.seal = None)),
+    ];
+    for (what, rows, touch) in ways {
+        let (folder, csv) = ended(rows);
+        touch(&csv);
+        let before = everything(folder.path());
+        let error = resume(folder.path()).map(|_| ()).expect_err(what).to_string();
+        assert!(error.contains("seal") || error.contains("was changed since"), "{what}: {error}");
+        assert!(error.contains("--accept-changes"), "{what}: {error}");
+        assert_eq!(everything(folder.path()), before, "{what}");
+        let (mut store, found) = accept(folder.path());
+        sit(&mut store, Some(&found), usize::MAX);
+        drop(store);
+        assert_eq!(errors(&csv), "", "{what}");
+        let notes = verified(&csv).notes.join("; ");
+        assert!(notes.contains("accepted"), "{what}: {notes}");
+        let has_hashes = notes.contains("when sealed") && notes.contains(" now");
+        assert!(has_hashes || what == "the seal", "{what}: {notes}");
+    }
+}
+
+#[test]
+fn rows_of_earlier_sittings_stay_sealed() {
+    let (folder, csv) = ended(2);
+    for limit in [2, usize::MAX] {
+        let (mut store, found) = resume(folder.path()).unwrap();
+        sit(&mut store, Some(&found), limit);
+    }
+    assert_eq!(errors(&csv), "");
+    let whole = everything(folder.path());
+    edit(&csv, |text| text.replacen(",S001,", ",S002,", 1));
+    // Even with a new seal for the session as a whole.
+    edit_sidecar(&csv, |sidecar| sidecar.seal = None);
+    let found = errors(&csv);
+    for sitting in ["sitting 1 ended", "sitting 2 ended"] {
+        assert!(found.contains(&format!("_data.csv: was changed since {sitting}")), "{found}");
+    }
+    for (path, content) in whole {
+        fs::write(path, content).unwrap();
+    }
+    edit_sidecar(&csv, |sidecar| sidecar.sittings[0].started_at = Timestamp::now().to_string());
+    assert!(errors(&csv).contains("_data.json: was changed since sitting 1 ended"));
+}
+
+/// A session of an earlier version has no seal, no register and no system in its sidecar.
+#[test]
+fn only_an_earlier_version_may_lack_a_seal_and_a_register() {
+    let (folder, csv) = ended(usize::MAX);
+    edit_sidecar(&csv, |sidecar| sidecar.seal = None);
+    assert!(errors(&csv).contains("has no seal although the session ended"), "{}", errors(&csv));
+    for rows in [3, usize::MAX] {
+        let (folder, csv) = ended(rows);
+        edit_sidecar(&csv, |sidecar| {
+            sidecar.seal = None;
+            sidecar.sittings[0].program.system = None;
+        });
+        fs::remove_file(folder.path().join("small-one/sessions.csv")).unwrap();
+        assert_eq!(errors(&csv), "");
+        let notes = verified(&csv).notes.join("; ");
+        assert!(notes.contains("not sealed") && notes.contains("not in sessions.csv"), "{notes}");
+        if rows == 3 {
+            let (mut store, found) = resume(folder.path()).unwrap();
+            sit(&mut store, Some(&found), usize::MAX);
+            assert_eq!(errors(&csv), "");
+        }
+    }
+    drop(folder);
+}
+
+#[test]
+fn the_register_reveals_deleted_and_exchanged_sessions() {
+    let folder = tempfile::tempdir().unwrap();
+    succeeds(folder.path(), &["simulate", "quick", "--participants", "2"]);
+    let dataset = folder.path().join("results/quick");
+    let events: Vec<String> = fs::read_to_string(dataset.join("sessions.csv"))
+        .unwrap()
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').nth(1).unwrap().to_owned())
+        .collect();
+    assert_eq!(events.iter().filter(|event| *event == "started").count(), 2, "{events:?}");
+    assert_eq!(events.iter().filter(|event| *event == "ended").count(), 2, "{events:?}");
+    let [first, second] = ["S001", "S002"].map(|id| session_csv(&folder.path().join("results"), "quick", id));
+    assert!(check::check(dataset.join("sessions.csv")).unwrap().sentence.contains("2 sessions"));
+
+    // A consistent forgery: other ratings under a valid seal.
+    let whole = everything(&dataset);
+    let forged = tempfile::tempdir().unwrap();
+    succeeds(forged.path(), &["simulate", "quick", "--observer", "random"]);
+    let other = session_csv(&forged.path().join("results"), "quick", "S001");
+    for (from, to) in [(&other, &first), (&other.with_extension("json"), &first.with_extension("json"))] {
+        fs::copy(from, to).unwrap();
+    }
+    let said = fails_verify(folder.path());
+    assert!(said.contains("sessions.csv lists it as ended, with sha256"), "{said}");
+    for (path, content) in whole {
+        fs::write(path, content).unwrap();
+    }
+    succeeds(folder.path(), &["verify", "results"]);
+
+    for path in [&second, &second.with_extension("json")] {
+        fs::remove_file(path).unwrap();
+    }
+    let said = fails_verify(folder.path());
+    assert!(said.contains("subject-S002") && said.contains("sessions.csv lists it as ended"), "{said}");
+    for path in [&first, &first.with_extension("json")] {
+        fs::remove_file(path).unwrap();
+    }
+    assert!(fails_verify(folder.path()).contains("subject-S001"));
+}
+
+fn fails_verify(folder: &Path) -> String {
+    let said = machband(folder, &["verify", "results"]);
+    assert_eq!(said.status.code(), Some(1));
+    text(&said.stderr)
+}
+
+#[test]
+fn only_temporary_files_of_this_program_are_removed() {
+    let (folder, _) = ended(2);
+    let dataset = paths(folder.path()).dataset;
+    let hour_ago = std::time::SystemTime::now() - std::time::Duration::from_secs(3600);
+    let ours = dataset.join("dataset_description.json.machband-Ab12Cd.tmp");
+    let others = ["field-notes.tmp", "~WRL0001.tmp", "x.machband-.tmp", "machband-1.tmp", "a.machband-a b.tmp"];
+    for path in others.map(|name| dataset.join(name)).iter().chain([&ours]) {
+        fs::write(path, "kept").unwrap();
+        fs::File::options().write(true).open(path).unwrap().set_modified(hour_ago).unwrap();
+    }
+    let inside = dataset.join("folder.machband-1.tmp");
+    fs::create_dir(&inside).unwrap();
+    let (mut store, found) = resume(folder.path()).unwrap();
+    sit(&mut store, Some(&found), usize::MAX);
+    assert!(!ours.exists() && inside.is_dir());
+    for name in others {
+        assert_eq!(fs::read_to_string(dataset.join(name)).unwrap(), "kept", "{name}");
+    }
+    assert_eq!(verify::unexpected_files(&dataset).len(), 1);
+}
+
+#[cfg(feature = "window")]
+#[test]
+fn the_rows_decide_whether_a_session_is_complete() {
+    let folder = tempfile::tempdir().unwrap();
+    succeeds(folder.path(), &["simulate", "quick"]);
+    let resume = ["run", "quick", "--participant", "S001", "--resume"];
+    assert!(succeeds(folder.path(), &resume).contains("is already complete"));
+    let csv = session_csv(&folder.path().join("results"), "quick", "S001");
+    fs::write(&csv, "").unwrap();
+    let protocol = definition::open("quick").unwrap();
+    let identity = machband::experiment::Identity::new("S001", "1").unwrap();
+    assert_eq!(SessionStore::exists(&folder.path().join("results"), &protocol, &identity), Some(false));
+    assert!(fails(folder.path(), &resume, 1).contains("was changed since the session ended"));
+}
+
+/// None of these definitions changes a row, so the rows alone cannot reveal them.
+#[test]
+fn without_a_sidecar_the_register_decides_which_definition_is_resumed() {
+    let (folder, csv) = ended(3);
+    fs::remove_file(csv.with_extension("json")).unwrap();
+    let with = |protocol: &Protocol, seed| {
+        SessionStore::resume(folder.path(), protocol, &identity(), seed, sitting(), Changes::Refuse).map(|_| ())
+    };
+    for (from, to) in [
+        ("title = \"Small\"", "title = \"Large\""),
+        ("duration_s = 0.1", "duration_s = 0.2"),
+        ("practice = 2", "practice = 2\nbreak_every = 3"),
+        ("[recovery]", "[viewing]\ndistance_cm = 70.0\n[recovery]"),
+        ("[recovery]", "[presentation]\nduration_s = 1.0\n[recovery]"),
+        ("[recovery]\n", "[recovery]\nlevel = 0.4\n"),
+    ] {
+        let other = definition::parse("small.toml", &TEXT.replacen(from, to, 1)).unwrap();
+        let error = with(&other, Some(SEED)).expect_err(to);
+        assert!(
+            error.to_string().contains("sessions.csv: the session was recorded with another definition"),
+            "{error}"
+        );
+    }
+    assert!(with(&small(), Some(8)).unwrap_err().to_string().contains("has seed 7"));
+    // The register also seals the rows.
+    let whole = fs::read(&csv).unwrap();
+    change_rating(&csv);
+    assert!(with(&small(), Some(SEED)).unwrap_err().to_string().contains("--accept-changes"));
+    fs::write(&csv, whole).unwrap();
+    let register = folder.path().join("small-one/sessions.csv");
+    let listed = fs::read(&register).unwrap();
+    fs::remove_file(&register).unwrap();
+    let error = with(&small(), None).unwrap_err();
+    assert!(matches!(&error, StoreError::Mismatch { what, .. } if what.contains("does not list")), "{error}");
+    fs::write(&register, listed).unwrap();
+    with(&small(), None).unwrap();
+}
+
+/// Edits after which every row is still planned and can be read. Each is reported, with and without the sidecar.
+#[test]
+fn rows_that_no_session_could_have_recorded_are_reported() {
+    let (_folder, csv) = ended(usize::MAX);
+    let whole = fs::read_to_string(&csv).unwrap();
+    // Exchanges the cells `from` to `to` of two rows; the other cells stay in their place.
+    let exchanged = |text: &str, a: usize, b: usize, from: usize, to: usize| {
+        let mut rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+        let (left, right) = (rows[a][from..to].to_vec(), rows[b][from..to].to_vec());
+        rows[a].splice(from..to, right);
+        rows[b].splice(from..to, left);
+        rows.iter().map(|row| row.join(",") + "\n").collect::<String>()
+    };
+    // The color has two commas, so the rating is cell 18, and the measured times follow, up to `started_at`.
+    let swapped = |a: usize, b: usize| exchanged(&whole, a, b, 0, 31);
+    let cases = [
+        (exchanged(&swapped(4, 5), 4, 5, 18, 25), "not in the planned order"),
+        (exchanged(&swapped(2, 3), 2, 3, 18, 25), "not in the planned order"),
+        (swapped(4, 5), "was recorded before the row above it"),
+        (exchanged(&whole, 4, 5, 18, 24), "was recorded before the row above it"),
+        (exchanged(&whole, 4, 6, 24, 25), "differs in onset_s and started_at"),
+        (whole.replace("_main_0003_1,", "_main_0003_0,").replace(",main,1,3,1,", ",main,1,3,0,"), "is attempt 0"),
+        (whole.replace("_main_0003_1,", "_main_0003_2,").replace(",main,1,3,1,", ",main,1,3,2,"), "is attempt 2"),
+    ];
+    for with_sidecar in [true, false] {
+        for (content, expected) in &cases {
+            assert_ne!(*content, whole, "{expected}");
+            fs::write(&csv, content).unwrap();
+            if !with_sidecar {
+                let _ = fs::remove_file(csv.with_extension("json"));
+            }
+            let error = check::check(&csv).map(|_| ()).expect_err(expected).to_string();
+            assert!(error.contains(expected), "{with_sidecar} {expected}: {error}");
+        }
+    }
+    fs::write(&csv, &whole).unwrap();
+    check::check(&csv).unwrap();
+}
+
+#[test]
+fn repair_moves_damaged_lines_and_deletes_no_byte() {
+    let (folder, csv) = ended(5);
+    let whole = fs::read_to_string(&csv).unwrap();
+    let lines: Vec<&str> = whole.split_inclusive('\n').collect();
+    // The head of row 3 is gone, and the end of row 4 too.
+    let damaged = [lines[3].split_at(40).1, lines[4].trim_end().split_at(90).0, "\n"].concat();
+    let (head, tail) = (lines[..3].concat(), lines[5..].concat());
+    fs::write(&csv, [&*head, &*damaged, &*tail].concat()).unwrap();
+    assert!(SessionStore::resume(folder.path(), &small(), &identity(), None, sitting(), Changes::Accept).is_err());
+    let said = succeeds(folder.path(), &["repair", csv.to_str().unwrap()]);
+    let aside = csv.with_file_name("subject-S001_session-1_task-smallone_data.csv.damaged-1");
+    assert!(said.contains("2 damaged lines moved") && said.contains("damaged-1: 4, 5"), "{said}");
+    assert_eq!(fs::read_to_string(&csv).unwrap(), [head, tail].concat());
+    assert_eq!(fs::read_to_string(&aside).unwrap(), damaged);
+    assert_eq!(repair(&csv).unwrap().moved_to, None);
+    assert_eq!(errors(&csv), "");
+    assert!(fs::read_to_string(folder.path().join("small-one/sessions.csv")).unwrap().contains(",repaired,"));
+    let (mut store, found) = resume(folder.path()).unwrap();
+    assert_eq!(found.resumed.done.len(), 3);
+    sit(&mut store, Some(&found), usize::MAX);
+    drop(store);
+    assert_eq!(errors(&csv), "");
+    let notes = verified(&csv).notes.join("; ");
+    assert!(notes.contains("repaired: 2 damaged lines were moved"), "{notes}");
+    check::check(&csv).unwrap();
+    // The sidecar of another session does not make every row damaged.
+    edit_sidecar(&csv, |sidecar| sidecar.seed = 8);
+    let before = everything(folder.path());
+    assert!(repair(&csv).unwrap_err().to_string().contains("no row is planned"));
+    assert_eq!(everything(folder.path()), before);
+}
+
+/// Writes a frames file, and the seal of a session that recorded it.
+fn with_frames(csv: &Path, content: &str) {
+    let frames = csv.to_str().unwrap().replace("_data.csv", "_frames.csv");
+    fs::write(frames, content).unwrap();
+}
+
+#[test]
+fn eight_hours_at_480_hz_are_verified() {
+    let (_folder, csv) = ended(usize::MAX);
+    let mut content = format!("{HEADER}\n");
+    let intervals = "2083 ".repeat(40_000);
+    for trial in 1..=4 {
+        for _ in 0..86 {
+            let _ = writeln!(content, "1,main,{trial},1,stimulus,2083.333,{}", intervals.trim_end());
+        }
+    }
+    with_frames(&csv, &content);
+    assert_eq!(errors(&csv), "");
+    let frames = csv.to_str().unwrap().replace("_data.csv", "_frames.csv");
+    let said = check::check(&frames).unwrap().sentence;
+    assert!(said.contains("13760000 intervals in 344 rows"), "{said}");
+}
+
+#[test]
+fn frames_belong_to_planned_trials_and_the_generator_is_known() {
+    let (_folder, csv) = ended(usize::MAX);
+    for (cells, expected) in [
+        ("1,main,999,1", "_frames.csv:3:8: the definition plans no main trial 999"),
+        ("1,practice,3,1", "_frames.csv:3:12: the definition plans no practice trial 3"),
+        ("1,main,2,3", "_frames.csv:3:10: attempt is 3; expected at most 2"),
+    ] {
+        let good = "1,main,2,2,recovery,2083.333,2083\n";
+        with_frames(&csv, &format!("{HEADER}\n{good}{cells},stimulus,2083.333,2083\n"));
+        assert!(errors(&csv).contains(expected), "{}", errors(&csv));
+        // An interrupted program left the last line incomplete.
+        with_frames(&csv, &format!("{HEADER}\n{good}1,main,2"));
+        assert_eq!(errors(&csv), "");
+    }
+    edit_sidecar(&csv, |sidecar| {
+        sidecar.generator = "MT19937".to_owned();
+        let own = sidecar.own_sha256();
+        sidecar.seal.as_mut().unwrap().sidecar_sha256 = own;
+    });
+    assert!(errors(&csv).contains("the generator is \"MT19937\""), "{}", errors(&csv));
+}
+
+/// The time of a simulated observer runs ahead of the wall clock, so the rows of its next sitting are earlier.
+#[test]
+fn only_a_clock_that_was_set_back_is_reported() {
+    let folder = tempfile::tempdir().unwrap();
+    succeeds(folder.path(), &["simulate", "quick"]);
+    let csv = session_csv(&folder.path().join("results"), "quick", "S001");
+    edit(&csv, without_last_row);
+    let resume = ["simulate", "quick", "--resume", "--accept-changes"];
+    succeeds(folder.path(), &resume);
+    let notes = || verified(&csv).notes.join("; ");
+    assert!(!notes().contains("clock"), "{}", notes());
+    edit_sidecar(&csv, |sidecar| sidecar.sittings[0].ended_at = Some("2999-01-01T00:00:00Z".to_owned()));
+    assert!(notes().contains("the wall clock was set back (times: 1)"), "{}", notes());
+}
+
+#[test]
+fn a_lock_file_names_the_program_that_writes_a_session() {
+    let (folder, csv) = ended(2);
+    let lock = csv.with_file_name("subject-S001_session-1_task-smallone_data.csv.lock");
+    assert!(!lock.exists(), "an ended session is not locked");
+    // A program on another computer of the network.
+    fs::write(&lock, "elsewhere 12\n").unwrap();
+    let before = everything(folder.path());
+    let error = resume(folder.path()).map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("process 12 on elsewhere is writing this session"), "{error}");
+    assert_eq!(everything(folder.path()), before);
+    fs::remove_file(&lock).unwrap();
+    // Files of killed programs on this computer do not matter.
+    let (store, _) = resume(folder.path()).unwrap();
+    let ours = fs::read_to_string(&lock).unwrap();
+    assert_eq!(ours.split_whitespace().nth(1), Some(&*std::process::id().to_string()));
+    drop(store);
+    assert!(!lock.exists());
+    for left in [&*ours, &ours.replace(&std::process::id().to_string(), "1"), "", "torn"] {
+        fs::write(&lock, left).unwrap();
+        drop(resume(folder.path()).unwrap());
+        assert!(!lock.exists(), "{left}");
+    }
+}
