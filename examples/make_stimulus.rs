@@ -5,7 +5,7 @@ use std::path::Path;
 use machband::{
     light::{Bits, Depth, Dither, Transfer},
     stimulus::{MachBand, Stimulus, StimulusColor, recipe::Recipe},
-    store::image,
+    store::{Writer, image},
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         display_sha256: None,
     };
     let path = Path::new("stimulus.png");
-    image::write_recipe(path, &recipe, &recipe.quantizer())?;
+    image::write_recipe(&Writer::new([], true), path, &recipe, &recipe.quantizer())?;
     println!("{} written; this command writes the same image:\n{}", path.display(), recipe.command());
     Ok(())
 }

@@ -1,21 +1,22 @@
 //! `machband analyze`
 
-use std::{path::PathBuf, time::Duration};
+use std::time::Duration;
 
 use super::{
-    UsageError,
+    OutPath, UsageError,
     options::{ModelOptions, named},
     ratings::RatingOptions,
 };
 use crate::{
     analysis::{ModelError, Options, Random, analyze, bootstrap::Bootstrap, numbers_of},
     report::{
-        AnalysisOutput, Provenance,
+        AnalysisOutput, Provenance, check_folder,
         prediction::{PredictionError, StudyPrediction},
         skins,
         study::{Parts, document},
         write_all,
     },
+    store::Writer,
 };
 
 /// Analyze ratings: descriptive statistics, ordinal model, tests, figures and a report.
@@ -29,9 +30,9 @@ use crate::{
 pub(super) struct Arguments {
     #[command(flatten)]
     ratings: RatingOptions,
-    /// Folder for tables, figures and report.html; replaces an earlier analysis.
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    /// Folder for tables, figures and report.html; --force replaces an earlier analysis.
+    #[arg(long, value_name = "DIR", value_hint = clap::ValueHint::DirPath)]
+    out: OutPath,
     #[command(flatten)]
     model: ModelOptions,
     /// Random intercept for each participant [default: subject if there are at least two participants].
@@ -51,7 +52,8 @@ pub(super) struct Arguments {
     tables_only: bool,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
+    check_folder(writer, &arguments.out)?;
     let terms = arguments.model.terms()?;
     let names: Vec<String> =
         terms.iter().flatten().flat_map(|term| &term.variables).map(|variable| variable.name().to_owned()).collect();
@@ -89,7 +91,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     progress.set_message(if arguments.tables_only { "writing" } else { "predicting, drawing and writing" });
     let provenance = Provenance::of_process();
     let AnalysisOutput { files, prediction } =
-        write_all(&study, &results, &provenance, &arguments.out, arguments.tables_only)?;
+        write_all(writer, &study, &results, &provenance, &arguments.out, arguments.tables_only)?;
     progress.finish_and_clear();
     super::print_line(&super::ratings::sentence(&study.source, &results.measured.counts))?;
     let document = document(&study.source, &results, Parts::default());
@@ -109,7 +111,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         super::print_line(&prediction_line(predicted, *took))?;
     }
     let report = files.iter().find(|file| file.extension().is_some_and(|extension| extension == "html"));
-    let place = report.unwrap_or(&arguments.out);
+    let place = report.map_or(&*arguments.out, |report| report);
     super::print_line(&format!("{} files written; see {}", files.len(), place.display()))?;
     super::ratings::problems(&study.source)
 }

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use jiff::civil::Date;
 use serde_json::{Value, json};
 
-use super::{UsageError, columns, print_line, report_written, today, warn};
+use super::{OutPath, UsageError, columns, print_line, report_written, today, warn};
 use crate::{
     display::{
         Measurement,
         photometer::{Calibration, Family, FittedChannel, Sum, largest},
     },
     report::figures,
-    store::{self, profile, readings},
+    store::{Writer, profile, readings},
 };
 
 /// Make a display profile from photometer readings.
@@ -32,7 +32,7 @@ pub(super) struct Arguments {
     readings: PathBuf,
     /// Display profile to write.
     #[arg(long, value_name = "PROFILE.toml")]
-    out: PathBuf,
+    out: OutPath,
     /// Name of the display [default: the profile's file name].
     #[arg(long)]
     name: Option<String>,
@@ -50,13 +50,13 @@ pub(super) struct Arguments {
     model: String,
     /// Where to write a chart of the readings, curves and errors.
     #[arg(long, value_name = "FILE.svg|FILE.png")]
-    plot: Option<PathBuf>,
+    plot: Option<OutPath>,
     /// Where to write all results as JSON.
     #[arg(long, value_name = "FILE.json")]
-    report: Option<PathBuf>,
+    report: Option<OutPath>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
     check(arguments)?;
     let readings = readings::open(&arguments.readings)?;
     let calibration = Calibration::new(&readings);
@@ -71,13 +71,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     };
     let made = calibration.profile(family, arguments.name.as_deref().unwrap_or(&stem), measured);
     let done = if arguments.out.exists() { "replaced" } else { "wrote" };
-    profile::write(&arguments.out, &made)?;
+    profile::write(writer, &arguments.out, &made)?;
     if let Some(path) = &arguments.plot {
-        plot(path, &calibration)?;
+        plot(writer, path, &calibration)?;
         report_written(path)?;
     }
     if let Some(path) = &arguments.report {
-        store::write_file(path, format!("{:#}\n", report(&calibration, family)).as_bytes())?;
+        writer.write(path, format!("{:#}\n", report(&calibration, family)).as_bytes())?;
         report_written(path)?;
     }
     warn(&arguments.out, &made);
@@ -85,15 +85,6 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 fn check(arguments: &Arguments) -> Result<(), UsageError> {
-    let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    let outputs =
-        [("--out", Some(&arguments.out)), ("--plot", arguments.plot.as_ref()), ("--report", arguments.report.as_ref())];
-    for (option, path) in outputs {
-        if let Some(path) = path.filter(|path| real(path) == real(&arguments.readings)) {
-            let path = path.display();
-            return Err(UsageError(format!("{option} {path} would replace the readings; expected a different file")));
-        }
-    }
     match &arguments.plot {
         Some(path) if !has_extension(path, "svg") && !has_extension(path, "png") => Err(UsageError(format!(
             "--plot {} is neither an SVG nor a PNG file; expected a name ending in .svg or .png",
@@ -107,10 +98,10 @@ fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
 }
 
-fn plot(path: &Path, calibration: &Calibration) -> anyhow::Result<()> {
+fn plot(writer: &Writer, path: &Path, calibration: &Calibration) -> anyhow::Result<()> {
     let figure = figures::calibration(calibration);
     let bytes = if has_extension(path, "png") { figure.png()? } else { figure.svg.into_bytes() };
-    Ok(store::write_file(path, &bytes)?)
+    Ok(writer.write(path, &bytes)?)
 }
 
 /// Prints the results as text.

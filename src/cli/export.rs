@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::NewFolder;
 use crate::{
     report::document::numbers::count,
     store::export::{self, Choice, Format},
@@ -22,7 +23,7 @@ pub(super) struct Arguments {
     format: Format,
     /// New or empty folder outside the data.
     #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    out: NewFolder,
     /// Exclude sessions with unrated trials.
     #[arg(long)]
     complete_only: bool,

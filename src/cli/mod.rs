@@ -8,6 +8,7 @@ mod calibrate;
 mod check;
 mod export;
 mod options;
+mod outputs;
 mod plan;
 mod predict;
 mod ratings;
@@ -27,14 +28,16 @@ use std::{
     process::ExitCode,
 };
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
+pub use self::outputs::{FittedPath, NewFolder, OutPath};
 use crate::{
     display::DisplayProfile,
     report::{
         document::numbers::count,
         terminal::{message, printable},
     },
+    store::{StoreError, Writer},
 };
 
 /// Measure how visible Mach bands are.
@@ -74,10 +77,33 @@ enum Command {
 #[error("{0}")]
 struct UsageError(String);
 
+/// Returns the definition of all commands and their options.
+pub fn definition() -> clap::Command {
+    outputs::with_force(Arguments::command())
+}
+
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    let arguments = Arguments::try_parse().unwrap_or_else(|error| refuse(&error));
-    let result = match arguments.command {
+    let definition = definition();
+    let matches = definition.clone().try_get_matches().unwrap_or_else(|error| refuse(&error));
+    let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| refuse(&error));
+    let called = matches.subcommand().and_then(|(name, matches)| Some((definition.find_subcommand(name)?, matches)));
+    let writer = called.map_or_else(|| Ok(Writer::default()), |(command, matches)| outputs::writer(command, matches));
+    match writer.map_err(Into::into).and_then(|writer| run(arguments, &writer)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // One line per error, so that a search for `error:` finds all of them. Each line includes its cause.
+            error.to_string().lines().for_each(|line| message("error", line));
+            let is_output =
+                matches!(error.downcast_ref(), Some(StoreError::Occupied(_) | StoreError::Protected { .. }));
+            ExitCode::from(if is_output || error.is::<UsageError>() { 2 } else { 1 })
+        }
+    }
+}
+
+/// Runs a command; `writer` writes its outputs.
+fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<()> {
+    match arguments.command {
         #[cfg(feature = "window")]
         None => crate::app::open(crate::app::Launch::default()).map_err(Into::into),
         #[cfg(not(feature = "window"))]
@@ -88,27 +114,19 @@ pub fn main() -> ExitCode {
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Check(arguments)) => check::check(&arguments),
-        Some(Command::Plan(arguments)) => plan::run(&arguments),
-        Some(Command::Predict(arguments)) => predict::run(&arguments),
-        Some(Command::Analyze(arguments)) => analyze::run(&arguments),
-        Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
-        Some(Command::Counts(arguments)) => ratings::counts(&arguments),
+        Some(Command::Plan(arguments)) => plan::run(&arguments, writer),
+        Some(Command::Predict(arguments)) => predict::run(&arguments, writer),
+        Some(Command::Analyze(arguments)) => analyze::run(&arguments, writer),
+        Some(Command::Calibrate(arguments)) => calibrate::run(&arguments, writer),
+        Some(Command::Counts(arguments)) => ratings::counts(&arguments, writer),
         Some(Command::Export(arguments)) => export::run(&arguments),
         Some(Command::Repair(arguments)) => repair::run(&arguments),
-        Some(Command::Shade(arguments)) => shade::run(&arguments),
-        Some(Command::Stimulus(arguments)) => stimulus::stimulus(&arguments),
-        Some(Command::Stimuli(arguments)) => stimulus::stimuli(&arguments),
+        Some(Command::Shade(arguments)) => shade::run(&arguments, writer),
+        Some(Command::Stimulus(arguments)) => stimulus::stimulus(&arguments, writer),
+        Some(Command::Stimuli(arguments)) => stimulus::stimuli(&arguments, writer),
         #[cfg(feature = "window")]
-        Some(Command::Timing(arguments)) => timing::run(&arguments),
+        Some(Command::Timing(arguments)) => timing::run(&arguments, writer),
         Some(Command::Verify(arguments)) => check::verify(&arguments),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            // One line per error, so that a search for `error:` finds all of them. Each line includes its cause.
-            error.to_string().lines().for_each(|line| message("error", line));
-            ExitCode::from(if error.is::<UsageError>() { 2 } else { 1 })
-        }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{
-    UsageError, count,
+    FittedPath, OutPath, UsageError, count,
     options::{StimulusOptions, TransferOptions},
     print_data, print_line,
 };
@@ -16,7 +16,7 @@ use crate::{
         tables::Table,
     },
     stimulus::ViewingConditions,
-    store::{self, definition, observer, ratings::ReadOptions},
+    store::{self, Writer, definition, observer, ratings::ReadOptions},
     vision::{Criterion, Visibility},
 };
 
@@ -37,7 +37,7 @@ pub(super) struct Arguments {
     image: Option<PathBuf>,
     /// Where to write a map of the image's bands: bright bands are white, dark bands are black.
     #[arg(long, value_name = "FILE.png", requires = "image")]
-    map: Option<PathBuf>,
+    map: Option<OutPath>,
     #[command(flatten)]
     stimulus: StimulusOptions,
     #[command(flatten)]
@@ -57,13 +57,13 @@ pub(super) struct Arguments {
     fit: Vec<PathBuf>,
     /// File with the thresholds between ratings; written with --fit, otherwise read.
     #[arg(long, value_name = "FILE.toml")]
-    criterion: Option<PathBuf>,
+    criterion: Option<FittedPath>,
     /// Where to write the table [default: standard output].
     #[arg(long, value_name = "FILE.csv")]
-    out: Option<PathBuf>,
+    out: Option<OutPath>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
     let positive = |name: &str, value: Option<f64>| match value {
         Some(value) if !(value.is_finite() && value > 0.0) => {
             Err(UsageError(format!("--{name} {value} is invalid; expected a number above 0")))
@@ -81,13 +81,21 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         let study =
             if arguments.fit.is_empty() { None } else { Some(Study::read(&arguments.fit, &ReadOptions::default())?) };
         let planned = study.as_ref().map_or(protocol.viewing.window_deg, |study| window_deg(&study.source, &protocol));
-        return all(arguments, &protocol, study.as_ref(), &viewing(window.unwrap_or(planned)));
+        return all(arguments, writer, &protocol, study.as_ref(), &viewing(window.unwrap_or(planned)));
     }
     let criterion = criterion(arguments)?;
     let viewing = viewing(window.unwrap_or(10.0));
     if let Some(path) = &arguments.image {
-        let visibility = image(arguments, path, &viewing)?;
-        return write(arguments, &["image"], vec![vec![path.display().to_string()]], &[visibility], &criterion, 0.0);
+        let visibility = image(arguments, writer, path, &viewing)?;
+        return write(
+            arguments,
+            writer,
+            &["image"],
+            vec![vec![path.display().to_string()]],
+            &[visibility],
+            &criterion,
+            0.0,
+        );
     }
     let stimulus = arguments.stimulus.stimulus()?;
     let size = arguments.size.unwrap_or_else(|| ViewingConditions::px(&stimulus));
@@ -99,10 +107,15 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         header.push(parameter.name);
         row.push(stimulus.get(parameter.name).map_or_else(String::new, |value| value.to_string()));
     }
-    write(arguments, &header, vec![row], &[seen], &criterion, 0.0)
+    write(arguments, writer, &header, vec![row], &[seen], &criterion, 0.0)
 }
 
-fn image(arguments: &Arguments, path: &Path, viewing: &ViewingConditions) -> anyhow::Result<Visibility> {
+fn image(
+    arguments: &Arguments,
+    writer: &Writer,
+    path: &Path,
+    viewing: &ViewingConditions,
+) -> anyhow::Result<Visibility> {
     let (transfers, _) = arguments.transfer.transfers()?;
     let image = store::image::read_light(path, &transfers)?;
     let view = viewing.predict_image(&image).map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))?;
@@ -113,13 +126,14 @@ fn image(arguments: &Arguments, path: &Path, viewing: &ViewingConditions) -> any
         let place = |x: u32, y: u32| y as usize * image.width as usize + x as usize;
         let drawn = LinearImage::from_fn(image.width, image.height, |x, y| [gray(place(x, y)); 3]);
         let codes = Quantizer::new(&crate::light::Transfer::Srgb, crate::light::Bits::Eight).quantize(&drawn);
-        store::image::write_codes(map, &codes)?;
+        store::image::write_codes(writer, map, &codes)?;
     }
     Ok(view.visibility)
 }
 
 fn all(
     arguments: &Arguments,
+    writer: &Writer,
     protocol: &Protocol,
     study: Option<&Study>,
     viewing: &ViewingConditions,
@@ -134,15 +148,15 @@ fn all(
     };
     let rows = conditions.iter().map(row).collect();
     let Some(study) = study else {
-        return write(arguments, &header, rows, &seen, &criterion(arguments)?, 0.0);
+        return write(arguments, writer, &header, rows, &seen, &criterion(arguments)?, 0.0);
     };
     let comparison = prediction::compare_conditions(&study.measured.counts, protocol, &conditions, &seen)
         .map_err(|error| anyhow::anyhow!("{}: {error}", arguments.fit[0].display()))?;
     if let Some(path) = &arguments.criterion {
-        observer::write_criterion(path, &comparison.criterion)?;
+        observer::write_criterion(writer, path, &comparison.criterion)?;
     }
     if arguments.out.is_some() {
-        write(arguments, &header, rows, &seen, &comparison.criterion, prediction::MIN_VISIBILITY)?;
+        write(arguments, writer, &header, rows, &seen, &comparison.criterion, prediction::MIN_VISIBILITY)?;
     }
     print_comparison(&comparison)?;
     super::ratings::problems(&study.source)
@@ -175,6 +189,7 @@ fn criterion(arguments: &Arguments) -> anyhow::Result<Criterion> {
 /// Writes the table. A band that is less visible than `least` is treated as having that visibility.
 fn write(
     arguments: &Arguments,
+    writer: &Writer,
     header: &[&str],
     mut rows: Vec<Vec<String>>,
     seen: &[Visibility],
@@ -189,7 +204,7 @@ fn write(
     let columns = ["visibility", "predicted_rating", "visibility_bright", "visibility_dark"];
     let table = Table { header: header.iter().chain(&columns).map(|name| (*name).to_owned()).collect(), rows }.csv();
     match &arguments.out {
-        Some(path) => Ok(store::write_file(path, &table)?),
+        Some(path) => Ok(writer.write(path, &table)?),
         None => print_data(&table),
     }
 }

@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
+use super::OutPath;
 use crate::{
     analysis::counts::Counts,
     report::{Study, document::numbers::count, tables},
     store::{
+        Writer,
         ratings::{FileRead, ReadOptions, Source},
-        write_file,
     },
 };
 
@@ -106,14 +107,14 @@ pub(super) struct CountsArguments {
     ratings: RatingOptions,
     /// Table to write.
     #[arg(long, value_name = "FILE.csv")]
-    out: PathBuf,
+    out: OutPath,
 }
 
-pub(super) fn counts(arguments: &CountsArguments) -> anyhow::Result<()> {
+pub(super) fn counts(arguments: &CountsArguments, writer: &Writer) -> anyhow::Result<()> {
     let progress = super::spinner("reading");
     let study = arguments.ratings.read(&[], false)?;
     let counts = &study.measured.counts;
-    write_file(&arguments.out, &tables::counts(counts, &study.source.shape).csv())?;
+    writer.write(&arguments.out, &tables::counts(counts, &study.source.shape).csv())?;
     progress.finish_and_clear();
     super::print_line(&sentence(&study.source, counts))?;
     super::print_line(&format!("{} in {}", count(counts.rows.len() as u64, "row"), arguments.out.display()))?;

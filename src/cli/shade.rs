@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde_json::{Value, json};
 
 use super::{
-    UsageError, count, message,
+    OutPath, UsageError, count, message,
     options::{TransferOptions, named},
     print_line,
 };
@@ -17,7 +17,7 @@ use crate::{
         shapes::{self, Shape},
     },
     stimulus::{Renderer, Shot, StimulusColor, Triple, ViewingConditions, describe_scene},
-    store,
+    store::{self, Writer},
     vision::{Visibility, VisionError},
 };
 
@@ -104,14 +104,14 @@ pub(super) struct Arguments {
     bits: Bits,
     /// Where to write the image.
     #[arg(long, value_name = "FILE.png")]
-    out: Option<PathBuf>,
+    out: Option<OutPath>,
     /// Where to write the measurements: the change of slope across the edges, in linear light per pixel, and the
     /// visibility and density of the bands, each also relative to Gouraud's.
     #[arg(long, value_name = "FILE.json")]
-    metrics: Option<PathBuf>,
+    metrics: Option<OutPath>,
     /// Where to write an image of the change of slope at each edge.
     #[arg(long, value_name = "FILE.png")]
-    creases: Option<PathBuf>,
+    creases: Option<OutPath>,
     /// Width of the image in degrees of visual angle, for the visibility of bands, 0.5 to 170.
     #[arg(long, value_name = "DEG", default_value_t = 10.0, value_parser = within(0.5, 170.0))]
     window: f64,
@@ -145,8 +145,11 @@ fn distance(text: &str) -> Result<f64, String> {
     }
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    arguments.check_files()?;
+pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
+    if [&arguments.out, &arguments.metrics, &arguments.creases].iter().all(|path| path.is_none()) {
+        let message = "nothing to write; expected --out FILE.png, --metrics FILE.json or --creases FILE.png";
+        return Err(UsageError(message.to_owned()).into());
+    }
     let (renderer, scene, viewing) = (arguments.renderer()?, arguments.scene()?, arguments.viewing()?);
     let (transfers, _) = arguments.transfer.transfers()?;
     let surface = Surface::new(arguments.mesh()?);
@@ -176,7 +179,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             );
         }
         let codes = Quantizer::new(shot.transfers.clone(), arguments.bits).quantize(&image);
-        store::image::write_shaded(out, &codes, &transfers, &description)?;
+        store::image::write_shaded(writer, out, &codes, &transfers, &description)?;
     }
     if let Some(path) = &arguments.metrics {
         let seen = scene.frame(&surface, ViewingConditions::PICTURE_PX, ViewingConditions::PICTURE_PX);
@@ -188,13 +191,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         let gouraud = if renderer.is_gouraud() { own.clone() } else { measured(&Renderer::gouraud())? };
         let mut metrics = description.clone();
         append(&mut metrics, measurements(&surface, &frame, &own, &gouraud, &viewing));
-        store::write_json(path, &metrics)?;
+        writer.write(path, format!("{metrics:#}\n").as_bytes())?;
         summarize(renderer.shade.shader, &own, &gouraud, &viewing)?;
     }
     if let Some(path) = &arguments.creases {
         let picture = crease::picture(&frame, &shot.creases(), Creases::of_gouraud(&frame).p95);
         let codes = Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&picture);
-        store::image::write_shaded(path, &codes, &Transfer::Srgb.into(), &description)?;
+        store::image::write_shaded(writer, path, &codes, &Transfer::Srgb.into(), &description)?;
     }
     Ok(())
 }
@@ -267,26 +270,6 @@ fn measurements(
 }
 
 impl Arguments {
-    /// Checks that there is an output, and that it does not overwrite the mesh or another output.
-    fn check_files(&self) -> Result<(), UsageError> {
-        let mut files = vec![("--mesh", self.mesh.as_path())];
-        for (option, path) in [("--out", &self.out), ("--metrics", &self.metrics), ("--creases", &self.creases)] {
-            let Some(path) = path else { continue };
-            if let Some((other, _)) = files.iter().find(|(_, other)| other == path) {
-                return Err(UsageError(format!(
-                    "{option} {} is the same file as {other}; expected a different file",
-                    path.display()
-                )));
-            }
-            files.push((option, path));
-        }
-        if files.len() == 1 {
-            let message = "nothing to write; expected --out FILE.png, --metrics FILE.json or --creases FILE.png";
-            return Err(UsageError(message.to_owned()));
-        }
-        Ok(())
-    }
-
     fn renderer(&self) -> Result<Renderer, UsageError> {
         let Self { shader, depth, vertex, reweight, gradients, naive, .. } = *self;
         let boundary = self.boundary.unwrap_or(Shade::new(shader).boundary);

@@ -6,7 +6,7 @@ use indicatif::ProgressBar;
 use rayon::prelude::*;
 
 use super::{
-    UsageError, count,
+    OutPath, UsageError, count,
     options::{ImageOptions, StimulusOptions},
     print_line, progress_style, report_written,
 };
@@ -14,7 +14,7 @@ use crate::{
     experiment::Condition,
     light::{Bits, Quantizer, halftone::Screen, palette::Reduction},
     stimulus::recipe::Recipe,
-    store::{self, definition, manifest::Manifest},
+    store::{self, Writer, definition, manifest::Manifest},
 };
 
 /// Write one stimulus as an image, and its luminance profile as a table.
@@ -37,13 +37,13 @@ pub(super) struct StimulusArguments {
     halftone: Option<String>,
     /// Where to write the image.
     #[arg(long, value_name = "FILE.png")]
-    out: Option<PathBuf>,
+    out: Option<OutPath>,
     /// Where to write the luminance profile through the center, along the orientation.
     #[arg(long, value_name = "FILE.csv")]
-    profile: Option<PathBuf>,
+    profile: Option<OutPath>,
 }
 
-pub(super) fn stimulus(arguments: &StimulusArguments) -> anyhow::Result<()> {
+pub(super) fn stimulus(arguments: &StimulusArguments, writer: &Writer) -> anyhow::Result<()> {
     if arguments.out.is_none() && arguments.profile.is_none() {
         return Err(UsageError("nothing to write; expected --out FILE.png or --profile FILE.csv".to_owned()).into());
     }
@@ -54,15 +54,15 @@ pub(super) fn stimulus(arguments: &StimulusArguments) -> anyhow::Result<()> {
     let screen = arguments.halftone.as_deref().map(str::parse::<Screen>).transpose();
     let screen = screen.map_err(|error| UsageError(format!("--halftone: {error}")))?;
     if let (Some(out), Some(screen)) = (&arguments.out, screen) {
-        store::image::write_halftone(out, &recipe, screen)?;
-        return finish(arguments, &recipe, &quantizer);
+        store::image::write_halftone(writer, out, &recipe, screen)?;
+        return finish(arguments, writer, &recipe, &quantizer);
     }
     match (&arguments.out, reduction) {
         (Some(_), Some(_)) if recipe.bits == Bits::Sixteen => {
             return Err(UsageError("--palette: a palette has 8 bits per channel; expected --bits 8".to_owned()).into());
         }
         (Some(out), Some(reduction)) => {
-            let image = store::image::write_reduced(out, &recipe, &quantizer, reduction)?;
+            let image = store::image::write_reduced(writer, out, &recipe, &quantizer, reduction)?;
             print_line(&format!(
                 "{reduction}: {}, error in linear light rms {:.5}, largest {:.5}",
                 count(image.palette.len() as u64, "color"),
@@ -70,16 +70,21 @@ pub(super) fn stimulus(arguments: &StimulusArguments) -> anyhow::Result<()> {
                 image.error.max
             ))?;
         }
-        (Some(out), None) => _ = store::image::write_recipe(out, &recipe, &quantizer)?,
+        (Some(out), None) => store::image::write_recipe(writer, out, &recipe, &quantizer)?,
         (None, _) => {}
     }
-    finish(arguments, &recipe, &quantizer)
+    finish(arguments, writer, &recipe, &quantizer)
 }
 
 /// Writes the profile if requested, and reports the files that were written.
-fn finish(arguments: &StimulusArguments, recipe: &Recipe, quantizer: &Quantizer) -> anyhow::Result<()> {
+fn finish(
+    arguments: &StimulusArguments,
+    writer: &Writer,
+    recipe: &Recipe,
+    quantizer: &Quantizer,
+) -> anyhow::Result<()> {
     if let Some(profile) = &arguments.profile {
-        store::curve::write_profile(profile, recipe, quantizer)?;
+        store::curve::write_profile(writer, profile, recipe, quantizer)?;
     }
     arguments.out.iter().chain(&arguments.profile).try_for_each(|path| report_written(path))
 }
@@ -92,9 +97,9 @@ fn finish(arguments: &StimulusArguments, recipe: &Recipe, quantizer: &Quantizer)
 pub(super) struct StimuliArguments {
     /// Built-in definition or path to a .toml file.
     experiment: PathBuf,
-    /// Folder for the images.
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    /// Folder for the images. Images that are already there are kept if they are the same.
+    #[arg(long, value_name = "DIR", value_hint = clap::ValueHint::DirPath)]
+    out: OutPath,
     /// Make only part I of N, counted from 1, to split the work among machines or the tasks of a job array.
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     shard: Shard,
@@ -122,7 +127,7 @@ impl FromStr for Shard {
     }
 }
 
-pub(super) fn stimuli(arguments: &StimuliArguments) -> anyhow::Result<()> {
+pub(super) fn stimuli(arguments: &StimuliArguments, writer: &Writer) -> anyhow::Result<()> {
     let started = Instant::now();
     let protocol = definition::open(&arguments.experiment)?;
     let conditions = protocol.conditions()?;
@@ -130,7 +135,7 @@ pub(super) fn stimuli(arguments: &StimuliArguments) -> anyhow::Result<()> {
     let of = |condition: &Condition| Recipe { stimulus: condition.stimulus.clone(), ..like.clone() };
     let recipes: Vec<Recipe> = conditions.iter().map(of).collect();
     let Shard { index, of } = arguments.shard;
-    let manifest = Manifest::open(&arguments.out, &protocol, &conditions, &recipes, (index, of))?;
+    let manifest = Manifest::open(writer, &arguments.out, &protocol, &conditions, &recipes, (index, of))?;
     let (made, kept) = (count(manifest.missing.len() as u64, "image"), manifest.kept);
     let bar = ProgressBar::new(manifest.missing.len() as u64).with_style(progress_style("images"));
     if let Some(first) = manifest.missing.first() {

@@ -1,12 +1,13 @@
 //! `machband timing`
 
-use std::{path::PathBuf, sync::mpsc};
+use std::sync::mpsc;
 
+use super::OutPath;
 use crate::{
     app,
     app::timing::{FLICKER_WARNING, Patch, Place, Scene, TimingPlan, TimingRequest},
     report::figures,
-    store,
+    store::Writer,
 };
 
 /// Measure frame intervals.
@@ -39,13 +40,13 @@ pub(super) struct Arguments {
     place: Place,
     /// Where to write every interval as CSV.
     #[arg(long, value_name = "FILE.csv")]
-    out: Option<PathBuf>,
+    out: Option<OutPath>,
     /// Where to write a chart of the intervals.
     #[arg(long, value_name = "FILE.svg")]
-    plot: Option<PathBuf>,
+    plot: Option<OutPath>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
     let patch = Patch { size_px: arguments.size, place: arguments.place };
     let plan = TimingPlan { scene: arguments.scene, frames: arguments.frames, patch };
     if plan.scene == Scene::Patch {
@@ -64,11 +65,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     super::print_line(&found.verdict())?;
     if let Some(path) = &arguments.out {
-        store::write_file(path, found.csv().as_bytes())?;
+        writer.write(path, found.csv().as_bytes())?;
         super::report_written(path)?;
     }
     if let Some(path) = &arguments.plot {
-        store::write_file(path, figures::intervals(found.intervals_us(), found.refresh).svg.as_bytes())?;
+        writer.write(path, figures::intervals(found.intervals_us(), found.refresh).svg.as_bytes())?;
         super::report_written(path)?;
     }
     Ok(())

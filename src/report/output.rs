@@ -2,7 +2,6 @@
 
 use std::{
     collections::HashSet,
-    fs,
     path::{Path, PathBuf},
     time::{Duration, Instant},
 };
@@ -18,8 +17,11 @@ use super::{
 };
 use crate::{
     analysis::Results,
-    store::{StoreError, write_file},
+    store::{StoreError, Writer},
 };
+
+/// A file that every analysis has.
+const CELLS: &str = "cells.csv";
 
 /// The files that were written, and the prediction.
 #[derive(Debug)]
@@ -30,18 +32,20 @@ pub struct AnalysisOutput {
 }
 
 /// Writes an analysis into a folder: the tables and the model and, unless `tables_only` is set, the figures and the
-/// report. Replaces the files of an earlier analysis.
+/// report. Writes nothing if one of the files cannot be written.
 ///
 /// # Errors
-/// The folder cannot be created or written.
+/// The same errors as [`Writer::write_all`].
 pub fn write_all(
+    writer: &Writer,
     study: &Study,
     results: &Results,
     provenance: &Provenance,
     folder: &Path,
     tables_only: bool,
 ) -> Result<AnalysisOutput, StoreError> {
-    fs::create_dir_all(folder).map_err(|error| StoreError::io(folder, "create the folder", error))?;
+    check_folder(writer, folder)?;
+    writer.make_folder(folder)?;
     let mut contents = tables(study, results);
     let mut prediction = None;
     if !tables_only {
@@ -56,12 +60,18 @@ pub fn write_all(
         contents.extend(pictures?.into_iter().flatten());
         prediction = Some((predicted, took));
     }
-    let write = |(name, content): (String, Vec<u8>)| {
-        let path = folder.join(name);
-        write_file(&path, &content).map(|()| path)
-    };
-    let files = contents.into_iter().map(write).collect::<Result<_, _>>()?;
-    Ok(AnalysisOutput { files, prediction })
+    let files: Vec<_> = contents.into_iter().map(|(name, content)| (folder.join(name), content)).collect();
+    writer.write_all(&files)?;
+    Ok(AnalysisOutput { files: files.into_iter().map(|(path, _)| path).collect(), prediction })
+}
+
+/// Checks before work starts that an analysis can be written into a folder, which need not exist yet.
+///
+/// # Errors
+/// The same errors as [`Writer::check`], in particular if the folder has an earlier analysis.
+pub fn check_folder(writer: &Writer, folder: &Path) -> Result<(), StoreError> {
+    writer.check_folder(folder)?;
+    if folder.exists() { writer.check([folder.join(CELLS).as_path()]) } else { Ok(()) }
 }
 
 fn pictures(figure: &Figure, folder: &Path) -> Result<[(String, Vec<u8>); 2], StoreError> {
@@ -75,7 +85,7 @@ fn tables(study: &Study, results: &Results) -> Vec<(String, Vec<u8>)> {
     let mut model = serde_json::to_vec_pretty(&tables::model(results)).unwrap_or_default();
     model.push(b'\n');
     let mut files = vec![
-        ("cells.csv".to_owned(), tables::cells(results).csv()),
+        (CELLS.to_owned(), tables::cells(results).csv()),
         ("subjects.csv".to_owned(), tables::subjects(results).csv()),
         ("tests.csv".to_owned(), tables::tests(results).csv()),
         ("agreement.csv".to_owned(), tables::agreement(results).csv()),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{StoreError, error::io};
+use super::{StoreError, Writer};
 use crate::{
     light::{Dither, LinearImage, Quantizer},
     stimulus::{place, recipe::Recipe},
@@ -48,11 +48,11 @@ pub fn samples(recipe: &Recipe, quantizer: &Quantizer) -> Vec<Sample> {
 /// Writes `x, linear, code_r, code_g, code_b, emitted`; see [`Sample`].
 ///
 /// # Errors
-/// I/O errors.
-pub fn write_profile(path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<(), StoreError> {
+/// The same errors as [`Writer::write`].
+pub fn write_profile(writer: &Writer, path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<(), StoreError> {
     let mut text = "x,linear,code_r,code_g,code_b,emitted\n".to_owned();
     for Sample { x, linear, codes: [r, g, b], emitted } in samples(recipe, quantizer) {
         text += &format!("{x},{linear},{r},{g},{b},{emitted}\n");
     }
-    std::fs::write(path, text).map_err(io(path, "write"))
+    writer.write(path, text.as_bytes())
 }

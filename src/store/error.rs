@@ -124,6 +124,17 @@ pub enum StoreError {
     /// A new session would overwrite an old one.
     #[error("{}: this session of this participant already exists; expected a different session, or --resume to continue it", .0.display())]
     Exists(PathBuf),
+    /// A file exists at the path of an output.
+    #[error("{}: already exists; expected a new file, or --force to replace it", .0.display())]
+    Occupied(PathBuf),
+    /// An output would replace or join files that no output may touch.
+    #[error("{}: {what}", path.display())]
+    Protected {
+        /// The output.
+        path: PathBuf,
+        /// What it is, and what is expected.
+        what: String,
+    },
     /// Another program is writing the same session.
     #[error("{}: another machband process is writing this session; expected it to be closed first", .0.display())]
     InUse(PathBuf),

@@ -7,6 +7,7 @@ use std::{
     time::{Duration, SystemTime},
 };
 
+use rayon::prelude::*;
 use sha2::{Digest as _, Sha256};
 
 use super::{
@@ -77,17 +78,17 @@ pub(super) fn temporary_for(name: &str) -> Option<&str> {
 ///
 /// # Errors
 /// I/O errors.
-pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), StoreError> {
+pub(super) fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), StoreError> {
     let mut text = serde_json::to_vec_pretty(value).map_err(|error| io(path, "encode")(Error::other(error)))?;
     text.push(b'\n');
     write_whole(path, &text, true)
 }
 
-/// Writes a file atomically, without waiting for the disk. Use it only for files that can be reproduced.
+/// Writes a file atomically, without waiting for the disk. Use it only for files that are synced later.
 ///
 /// # Errors
 /// I/O errors.
-pub fn write_file(path: &Path, content: &[u8]) -> Result<(), StoreError> {
+pub(super) fn write_file(path: &Path, content: &[u8]) -> Result<(), StoreError> {
     write_whole(path, content, false)
 }
 
@@ -103,6 +104,15 @@ pub(super) fn write_whole(path: &Path, content: &[u8], durable: bool) -> Result<
 
 /// Writes a temporary file next to `path` and renames it. The temporary file is removed if anything fails.
 fn write_beside(path: &Path, content: &[u8], durable: bool) -> std::io::Result<()> {
+    let temporary = temporary(path, content, durable)?;
+    fs::rename(temporary.path(), path)
+}
+
+/// Writes a temporary file next to `path`; with `durable`, it is synced. It is removed unless it is renamed.
+///
+/// # Errors
+/// I/O errors; the disk stored less than it reported.
+pub(super) fn temporary(path: &Path, content: &[u8], durable: bool) -> std::io::Result<tempfile::NamedTempFile> {
     let [marker, suffix] = TEMPORARY;
     let mut prefix = path.file_name().unwrap_or_default().to_owned();
     prefix.push(marker);
@@ -121,7 +131,7 @@ fn write_beside(path: &Path, content: &[u8], durable: bool) -> std::io::Result<(
     if kept != content.len() as u64 {
         return Err(Error::other(format!("only {kept} of {} bytes were stored", content.len())));
     }
-    fs::rename(temporary.path(), path)
+    Ok(temporary)
 }
 
 /// Creates a folder and its parents.
@@ -135,6 +145,39 @@ pub(super) fn make_folder(path: &Path) -> Result<(), StoreError> {
 /// Returns the folder that contains a file.
 pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Returns the full path, with all links resolved, of a file or folder that may not exist yet.
+///
+/// # Errors
+/// I/O errors; the path goes through a missing folder and back, as in `missing/../file`.
+pub(super) fn full_path(path: &Path) -> std::io::Result<PathBuf> {
+    let path = std::path::absolute(path)?;
+    match (path.canonicalize(), path.parent(), path.file_name()) {
+        (Err(error), Some(parent), Some(name)) if error.kind() == ErrorKind::NotFound => {
+            Ok(full_path(parent)?.join(name))
+        }
+        (canonical, ..) => canonical,
+    }
+}
+
+/// Syncs everything in a folder that is complete but not in its final place yet.
+///
+/// # Errors
+/// I/O errors.
+pub(super) fn sync_tree(folder: &Path) -> Result<(), StoreError> {
+    let entries = fs::read_dir(folder).and_then(Iterator::collect::<std::io::Result<Vec<_>>>);
+    // A disk serves several waiting threads at once.
+    entries.map_err(io(folder, "read"))?.par_iter().try_for_each(|entry| {
+        let path = entry.path();
+        if path.is_dir() {
+            return sync_tree(&path);
+        }
+        // Some systems sync only files that are open for writing.
+        let opened = OpenOptions::new().append(true).open(&path);
+        opened.and_then(|file| file.sync_all()).map_err(io(&path, "sync"))
+    })?;
+    sync_folder(&folder.join("file"))
 }
 
 /// Removes the temporary files that killed programs left in a folder: those for the file with this `name`, or for any

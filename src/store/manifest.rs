@@ -10,9 +10,9 @@ use std::{
 };
 
 use super::{
-    StoreError,
+    StoreError, Writer,
     error::io,
-    file::{make_folder, sha256, write_whole},
+    file::{sha256, sync_folder},
     image, table,
 };
 use crate::{
@@ -21,6 +21,8 @@ use crate::{
     stimulus::recipe::Recipe,
 };
 
+/// Name of the list of all images.
+const MANIFEST: &str = "manifest.csv";
 /// Maximum length of a file name without its extension.
 const MAX_NAME: usize = 120;
 
@@ -28,6 +30,7 @@ const MAX_NAME: usize = 120;
 /// image.
 #[derive(Debug)]
 pub struct Manifest<'a> {
+    writer: &'a Writer,
     folder: PathBuf,
     recipes: &'a [Recipe],
     header: Vec<String>,
@@ -47,15 +50,17 @@ impl<'a> Manifest<'a> {
     /// images already exist.
     ///
     /// # Errors
-    /// The folder cannot be created or written.
+    /// The same errors as [`Writer::write`]: a file that is neither one of these images nor a list of them is replaced
+    /// only by a writer that may do so.
     pub fn open(
+        writer: &'a Writer,
         folder: &Path,
         protocol: &Protocol,
         conditions: &[Condition],
         recipes: &'a [Recipe],
         (index, shards): (usize, usize),
     ) -> Result<Self, StoreError> {
-        make_folder(folder)?;
+        writer.make_folder(folder)?;
         let names: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
         let digits = conditions.len().to_string().len();
         let row = |(i, condition): (usize, &Condition)| {
@@ -65,35 +70,54 @@ impl<'a> Manifest<'a> {
         };
         let rows: Vec<_> = conditions.iter().enumerate().map(row).collect();
         let header = ["file", "sha256"].into_iter().chain(names.iter().copied()).chain(["bits", "transfer", "dither"]);
-        let list = folder.join(list_name(index, shards));
+        let header: Vec<String> = header.map(str::to_owned).collect();
+        let (list, whole) = (folder.join(list_name(index, shards)), folder.join(MANIFEST));
         // Hashes recorded by earlier runs.
         let mut known = HashMap::new();
-        for path in [&folder.join("manifest.csv"), &list] {
+        for path in [&whole, &list] {
             for line in fs::read_to_string(path).unwrap_or_default().lines() {
                 let mut cells = line.split(',').map(str::to_owned);
                 known.extend(cells.next().zip(cells.next()));
             }
         }
+        let is_of_recipe = |i: &usize| {
+            let text = image::recipe_text(&folder.join(&rows[*i].0));
+            text.is_some_and(|text| text == image::describe(&recipes[*i]))
+        };
         let is_intact = |i: &usize| {
-            let path = folder.join(&rows[*i].0);
-            let same_recipe = image::recipe_text(&path).is_some_and(|text| text == image::describe(&recipes[*i]));
-            same_recipe && fs::read(&path).is_ok_and(|bytes| known.get(&rows[*i].0) == Some(&sha256(&bytes)))
+            let is_known = |bytes: Vec<u8>| known.get(&rows[*i].0) == Some(&sha256(&bytes));
+            is_of_recipe(i) && fs::read(folder.join(&rows[*i].0)).is_ok_and(is_known)
         };
         let (intact, missing): (Vec<usize>, Vec<usize>) = (index - 1..rows.len()).step_by(shards).partition(is_intact);
         let kept = intact.len();
+        // A killed run may have made an image without listing it, so an image of the same recipe may stay.
+        let foreign = missing.iter().filter(|i| !is_of_recipe(i)).map(|i| folder.join(&rows[*i].0));
+        let is_of_another = |path: &Path, header: &[u8]| fs::read(path).is_ok_and(|text| !text.starts_with(header));
+        let is_of_others = fs::read_to_string(&list).is_ok_and(|text| {
+            let mut names =
+                text.split_inclusive('\n').filter(|line| line.ends_with('\n')).map(|line| line.split(',').next());
+            names.any(|name| !rows.iter().any(|(file, _)| Some(file.as_str()) == name))
+        });
+        let lists = [(is_of_another(&whole, &table::line(&header)), whole), (is_of_others, list.clone())];
+        let foreign: Vec<_> = foreign.chain(lists.into_iter().filter_map(|(is, path)| is.then_some(path))).collect();
+        writer.check(foreign.iter().map(PathBuf::as_path))?;
         let line = |i: usize| line(&rows[i], &known[&rows[i].0], &recipes[i]);
-        write_whole(&list, &intact.into_iter().flat_map(line).collect::<Vec<u8>>(), false)?;
+        writer.replacing().write(&list, &intact.into_iter().flat_map(line).collect::<Vec<u8>>())?;
         let file = OpenOptions::new().append(true).open(&list).map_err(io(&list, "open"))?;
-        let (folder, header, file) = (folder.to_owned(), header.map(str::to_owned).collect(), Mutex::new(file));
-        Ok(Self { folder, recipes, header, rows, shards, list, file, kept, missing })
+        let (folder, file) = (folder.to_owned(), Mutex::new(file));
+        Ok(Self { writer, folder, recipes, header, rows, shards, list, file, kept, missing })
     }
 
     /// Makes image `i`.
     ///
     /// # Errors
-    /// I/O errors.
+    /// The same errors as [`Writer::write`].
     pub fn make(&self, i: usize, quantizer: &Quantizer) -> Result<(), StoreError> {
-        let bytes = image::write_recipe(&self.folder.join(&self.rows[i].0), &self.recipes[i], quantizer)?;
+        let path = self.folder.join(&self.rows[i].0);
+        let bytes = image::recipe_png(&path, &self.recipes[i], quantizer)?;
+        if !fs::read(&path).is_ok_and(|found| found == bytes) {
+            self.writer.put(&path, &bytes)?;
+        }
         let line = line(&self.rows[i], &sha256(&bytes), &self.recipes[i]);
         // A panic on another thread leaves the file valid. Because each line is a single write, only the last line of a
         // killed run can be incomplete.
@@ -104,8 +128,10 @@ impl<'a> Manifest<'a> {
     /// If every image exists, joins the lists of all shards into `manifest.csv`. Returns whether it did.
     ///
     /// # Errors
-    /// I/O errors.
+    /// The same errors as [`Writer::write`].
     pub fn finish(self) -> Result<bool, StoreError> {
+        // Syncing the folder once for all images is much faster than once for each.
+        sync_folder(&self.list)?;
         let lists: Vec<PathBuf> =
             (1..=self.shards).map(|index| self.folder.join(list_name(index, self.shards))).collect();
         let texts: Vec<String> = lists.iter().map(|path| fs::read_to_string(path).unwrap_or_default()).collect();
@@ -118,7 +144,7 @@ impl<'a> Manifest<'a> {
             return Ok(false);
         }
         let manifest = [table::line(&self.header), lines.concat().into_bytes()].concat();
-        write_whole(&self.folder.join("manifest.csv"), &manifest, true)?;
+        self.writer.replacing().write(&self.folder.join(MANIFEST), &manifest)?;
         for list in lists {
             // A leftover file does no harm.
             let _ = fs::remove_file(list);

@@ -4,8 +4,8 @@
 use std::path::Path;
 
 use super::{
-    FileErrors, StoreError,
-    file::{AppendFile, folder_of, make_folder, read_text},
+    FileErrors, StoreError, Writer,
+    file::{AppendFile, folder_of, read_text},
     table::{self, exactly},
 };
 use crate::display::{
@@ -37,9 +37,11 @@ impl MatchFile {
     /// Creates the file, and its folder if necessary. Never replaces an existing file.
     ///
     /// # Errors
-    /// I/O errors.
+    /// The same errors as [`Writer::write`].
     pub fn create(path: &Path, seed: u64) -> Result<Self, StoreError> {
-        make_folder(folder_of(path))?;
+        let writer = Writer::default();
+        writer.make_folder(folder_of(path))?;
+        writer.check([path])?;
         let mut file = AppendFile::new(path, true, format!("{COLUMNS}\n").into_bytes());
         file.flush()?;
         Ok(Self { file, seed })

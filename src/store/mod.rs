@@ -11,7 +11,7 @@
 //! | photometer readings, visual matches and stimulus profiles (CSV) | [`readings`], [`mod@matches`], [`curve`] |
 //! | identifies any file and finds all errors in it | [`check`](mod@check) |
 //!
-//! Private modules provide atomic and append-only files, and readers of tables and TOML that keep track of locations.
+//! [`Writer`] writes every file that the user named. Private modules provide atomic and append-only files, and readers of tables and TOML that keep track of locations.
 
 pub mod check;
 pub mod curve;
@@ -24,6 +24,7 @@ pub mod manifest;
 pub mod matches;
 pub mod mesh;
 pub mod observer;
+mod output;
 pub mod profile;
 pub mod ratings;
 pub mod readings;
@@ -32,5 +33,5 @@ pub mod table;
 mod toml;
 
 pub use error::{FileError, FileErrors, StoreError};
-pub use file::{write_file, write_json};
+pub use output::Writer;
 pub use session::{dataset, frames, recorded, register, results, sidecar, verify};

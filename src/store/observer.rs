@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::{
-    FileErrors, StoreError,
-    file::{read_text, write_file},
+    FileErrors, StoreError, Writer,
+    file::read_text,
     toml::{self, Document},
 };
 use crate::{
@@ -70,11 +70,11 @@ pub fn parse_vision(file: &str, text: &str) -> Result<VisionRater, FileErrors> {
 /// Writes a criterion as a file for a vision observer.
 ///
 /// # Errors
-/// I/O errors.
-pub fn write_criterion(path: &Path, criterion: &Criterion) -> Result<(), StoreError> {
+/// The same errors as [`Writer::write`].
+pub fn write_criterion(writer: &Writer, path: &Path, criterion: &Criterion) -> Result<(), StoreError> {
     let [a, b, c] = criterion.thresholds;
     let text = format!("schema = 1\nthresholds = [{a:.6}, {b:.6}, {c:.6}]\nspread = {:.6}\n", criterion.spread);
-    write_file(path, text.as_bytes())
+    writer.write(path, text.as_bytes())
 }
 
 fn check_thresholds(document: &mut Document<'_>, [a, b, c]: [f64; 3], above: f64, example: &str) {

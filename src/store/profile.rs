@@ -6,9 +6,9 @@ use ::toml::Table;
 use serde::{Deserialize, Deserializer, Serialize, de};
 
 use super::{
-    FileErrors, StoreError,
+    FileErrors, StoreError, Writer,
     error::io,
-    file::{read_text, sha256, write_whole},
+    file::{read_text, sha256},
     toml::{self as toml_file, Document},
 };
 use crate::{
@@ -276,11 +276,11 @@ pub fn hash(profile: &DisplayProfile) -> String {
     sha256(canonical.as_bytes())
 }
 
-/// Writes a profile atomically; [`open`](fn@open) reads it back unchanged.
+/// Writes a profile; [`open`](fn@open) reads it back unchanged.
 ///
 /// # Errors
-/// I/O errors.
-pub fn write(path: &Path, profile: &DisplayProfile) -> Result<(), StoreError> {
+/// The same errors as [`Writer::write`].
+pub fn write(writer: &Writer, path: &Path, profile: &DisplayProfile) -> Result<(), StoreError> {
     let text = ::toml::to_string(&table(profile)).map_err(|error| io(path, "encode")(std::io::Error::other(error)))?;
-    write_whole(path, text.as_bytes(), true)
+    writer.write(path, text.as_bytes())
 }

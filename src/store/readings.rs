@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::{
-    FileError, FileErrors, StoreError,
+    FileError, FileErrors, StoreError, Writer,
     error::RowErrors,
-    file::{folder_of, make_folder, read_text, write_whole},
+    file::{folder_of, read_text},
     table::{Content, each_row},
 };
 use crate::display::{
@@ -66,17 +66,17 @@ pub fn open_incomplete(path: &Path) -> Result<Vec<Reading>, FileErrors> {
     Ok(rows.into_iter().map(|row| row.reading).collect())
 }
 
-/// Writes readings atomically and syncs them to disk.
+/// Writes readings, and creates their folder if necessary.
 ///
 /// # Errors
-/// I/O errors.
-pub fn write(path: &Path, readings: &[Reading]) -> Result<(), StoreError> {
+/// The same errors as [`Writer::write`].
+pub fn write(writer: &Writer, path: &Path, readings: &[Reading]) -> Result<(), StoreError> {
     let mut text = COLUMNS.join(",") + "\n";
     for Reading { channel, level, luminance_cd_m2 } in readings {
         text += &format!("{},{level},{luminance_cd_m2}\n", channel.key());
     }
-    make_folder(folder_of(path))?;
-    write_whole(path, text.as_bytes(), true)
+    writer.make_folder(folder_of(path))?;
+    writer.write(path, text.as_bytes())
 }
 
 /// A reading, and the line and column of each of its cells in the order of [`COLUMNS`].

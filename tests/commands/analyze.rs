@@ -175,7 +175,7 @@ fn a_single_participant_is_only_described() {
 fn terms_select_the_model() {
     let folder = study("bangay2003", 3);
     let model = |options: &str| {
-        succeeds(folder.path(), &split(&format!("analyze results --out a --tables-only {options}")));
+        succeeds(folder.path(), &split(&format!("analyze results --out a --tables-only --force {options}")));
         json(&folder.path().join("a/model.json"))
     };
     for (terms, expected) in [

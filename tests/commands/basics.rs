@@ -322,7 +322,7 @@ fn a_closed_pipe_or_a_full_disk_does_not_panic() {
 fn the_image_has_the_expected_plateaus_and_matches_the_profile() {
     let folder = tempfile::tempdir().unwrap();
     for (bits, dark, bright) in [("8", 137_u16, 225_u16), ("16", 35199, 57725)] {
-        let line = format!("stimulus --size 100 --bits {bits} --out a.png --profile a.csv");
+        let line = format!("stimulus --size 100 --bits {bits} --out a.png --profile a.csv --force");
         assert_eq!(succeeds(folder.path(), &split(&line)), "wrote a.png\nwrote a.csv\n");
         let (info, data) = pixels(&folder.path().join("a.png"));
         assert_eq!((info.width, info.height, info.color_type), (100, 100, png::ColorType::Rgb));
@@ -355,7 +355,7 @@ fn the_image_has_the_expected_plateaus_and_matches_the_profile() {
     }
     // An upward ramp that drives all channels, on a display with codes proportional to light.
     let drawn = |options: &str| {
-        succeeds(folder.path(), &split(&format!("stimulus --size 9 {options} --out b.png")));
+        succeeds(folder.path(), &split(&format!("stimulus --size 9 {options} --out b.png --force")));
         (pixels(&folder.path().join("b.png")).1, fs::read(folder.path().join("b.png")).unwrap())
     };
     let up = drawn("--orientation 90 --color gray --transfer linear");

@@ -3,7 +3,7 @@
 use machband::{
     display::{Channel, photometer::Reading},
     light::Transfer,
-    store::{profile, readings},
+    store::{Writer, profile, readings},
 };
 
 use crate::common::{fails, json, machband, split, succeeds, text};
@@ -27,7 +27,7 @@ fn errors(text: &str) -> Vec<String> {
 #[test]
 fn calibrate_writes_a_profile_a_plot_and_a_report() {
     let folder = tempfile::tempdir().unwrap();
-    readings::write(&folder.path().join("r.csv"), &good(9)).unwrap();
+    readings::write(&Writer::default(), &folder.path().join("r.csv"), &good(9)).unwrap();
     let measured = "--name Left --by AB --with LS-150 --on 2026-02-03";
     let line = format!("calibrate r.csv --out left.toml {measured} --plot left.svg --report left.json");
     let output = machband(folder.path(), &split(&line));
@@ -64,7 +64,7 @@ fn calibrate_writes_a_profile_a_plot_and_a_report() {
     let report = json(&folder.path().join("left.json"));
     assert_eq!((report["chosen"].as_str(), report["models"].as_array().map(Vec::len)), (Some("gamma"), Some(4)));
     // Request the table model and a chart as PNG.
-    let output = succeeds(folder.path(), &split("calibrate r.csv --out left.toml --model table --plot t.png"));
+    let output = succeeds(folder.path(), &split("calibrate r.csv --out left.toml --model table --plot t.png --force"));
     assert!(output.contains("replaced left.toml: left"), "{output}");
     assert!(profile::open(&folder.path().join("left.toml")).unwrap().transfers.has_table());
     assert!(std::fs::read(folder.path().join("t.png")).unwrap().starts_with(b"\x89PNG"));
@@ -76,7 +76,7 @@ fn bad_readings_are_errors_and_produce_no_profile() {
     let folder = tempfile::tempdir().unwrap();
     let mut bad = good(9);
     bad.iter_mut().filter(|one| one.level == 0.5).for_each(|one| one.luminance_cd_m2 *= 0.2);
-    readings::write(&folder.path().join("bad.csv"), &bad).unwrap();
+    readings::write(&Writer::default(), &folder.path().join("bad.csv"), &bad).unwrap();
     let error = fails(folder.path(), &split("calibrate bad.csv --out bad.toml"), 1);
     let is_error = |line: &str| line.starts_with("error: bad.csv: ") && line.contains("not monotone");
     assert!(error.lines().all(is_error), "{error}");
@@ -87,7 +87,7 @@ fn bad_readings_are_errors_and_produce_no_profile() {
 fn readings_are_never_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("r.csv");
-    readings::write(&path, &good(6)).unwrap();
+    readings::write(&Writer::default(), &path, &good(6)).unwrap();
     let before = std::fs::read(&path).unwrap();
     for options in ["--out r.csv --name x", "--out p.toml --report ./r.csv", "--out p.toml --plot p.jpg"] {
         fails(folder.path(), &split(&format!("calibrate r.csv {options}")), 2);
@@ -176,6 +176,6 @@ fn tables_from_other_programs_are_read() {
     assert_eq!(read.all(), good(6));
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("new/r.csv");
-    readings::write(&path, read.all()).unwrap();
+    readings::write(&Writer::default(), &path, read.all()).unwrap();
     assert_eq!(readings::open(&path).unwrap(), read);
 }

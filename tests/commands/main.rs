@@ -6,6 +6,7 @@ mod common;
 mod analyze;
 mod basics;
 mod calibrate;
+mod outputs;
 mod plan;
 mod predict;
 mod security;

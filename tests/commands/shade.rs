@@ -10,7 +10,7 @@ use machband::{
 use crate::common::{fails, json, pixels, split, succeeds};
 
 fn metrics(folder: &Path, options: &str) -> serde_json::Value {
-    succeeds(folder, &split(&format!("shade {options} --metrics m.json")));
+    succeeds(folder, &split(&format!("shade {options} --metrics m.json --force")));
     json(&folder.join("m.json"))
 }
 
@@ -117,7 +117,7 @@ fn every_error_has_its_own_message() {
         ("flat --rotate 1,2", 2, "three numbers"),
         ("flat --distance 0.5", 2, "outside 1.05…1000000"),
         ("phong --reweight repaired", 2, "expected off for phong"),
-        ("flat --metrics x.png", 2, "same file as --out"),
+        ("flat --metrics x.png", 2, "is another output"),
         ("flat --ambient NaN", 2, "'--ambient <L>': outside 0…1"),
         ("flat --window 0", 2, "'0' for '--window <DEG>': outside 0.5…170"),
         ("flat --white -1", 2, "'-1' for '--white <CD_M2>'"),

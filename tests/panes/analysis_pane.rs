@@ -235,8 +235,8 @@ fn filters_narrow_the_analysis_and_its_export() {
     assert!(cells.lines().skip(1).all(|line| line.contains(",9,")), "3 participants × 3 repetitions: {cells}");
     // Existing files are never overwritten without a warning.
     click(&mut window, "Export");
-    assert_has(&window, "contains files that may be replaced");
-    click_and_rest(&mut window, "Write into it");
+    assert_has(&window, "already exists");
+    click_and_rest(&mut window, "Replace");
     assert_has(&window, "files written to");
     // If the folder cannot be written to, the page says so.
     type_into(&mut window, "Export to the folder", data_set.join("dataset_description.json").to_str().unwrap());

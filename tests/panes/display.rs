@@ -16,7 +16,7 @@ use machband::{
     experiment::{Identity, Protocol, Schedule},
     light::{Bits, Dither, Transfer, TransferTable, Transfers},
     stimulus::recipe::Recipe,
-    store::{definition, image, profile, session::SessionStore, sidecar::Sidecar},
+    store::{Writer, definition, image, profile, session::SessionStore, sidecar::Sidecar},
 };
 
 use super::{
@@ -72,7 +72,7 @@ fn with_a_profile_the_screen_shows_what_the_command_writes() {
     }
     for scale in [1.0, 1.25, 1.5, 2.0] {
         let folder = tempfile::tempdir().unwrap();
-        profile::write(&folder.path().join("screen.toml"), &differing()).unwrap();
+        profile::write(&Writer::default(), &folder.path().join("screen.toml"), &differing()).unwrap();
         let builder = builder([900.0, 700.0], STEP_S).with_pixels_per_point(scale).wgpu();
         let launch = launch(folder.path());
         let mut harness = builder.build_eframe(|cc| App::new(cc, launch));

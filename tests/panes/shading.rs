@@ -274,7 +274,7 @@ fn the_exported_file_is_the_view() {
         click(&mut window, "Export PNG");
         window.get_by_label_contains("already exists");
         assert_eq!(std::fs::metadata(&path).unwrap().modified().unwrap(), before);
-        click(&mut window, "Overwrite it");
+        click(&mut window, "Replace");
         window.get_by_label_contains("Saved to");
     }
 }

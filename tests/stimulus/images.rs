@@ -5,7 +5,7 @@ use std::{path::Path, time::Duration};
 use machband::{
     light::{Bits, Dither, Transfer, Transfers},
     stimulus::{Stimulus, catalog, recipe::Recipe},
-    store::{curve, image},
+    store::{Writer, curve, image},
 };
 
 use crate::{
@@ -31,6 +31,11 @@ fn table() -> Transfer {
 
 /// For every kind, transfer, depth and dither, a written image reads back as the codes that were rendered and passes
 /// verification.
+/// A writer that may replace the file of an earlier step of a test.
+fn replacing() -> Writer {
+    Writer::new([], true)
+}
+
 #[test]
 fn images_read_back_and_can_be_verified() {
     let folder = tempfile::tempdir().unwrap();
@@ -49,7 +54,7 @@ fn images_read_back_and_can_be_verified() {
                     let (stimulus, transfers) = (stimulus.clone(), transfers.clone());
                     let recipe = Recipe { stimulus, transfers, bits, dither, seed: 7, ..recipe("mach-band") };
                     let quantizer = recipe.quantizer();
-                    image::write_recipe(&path, &recipe, &quantizer).unwrap();
+                    image::write_recipe(&replacing(), &path, &recipe, &quantizer).unwrap();
                     let read = image::read(&path).unwrap();
                     assert_eq!(read.image, recipe.codes(&quantizer), "{recipe:?}");
                     // The text of a random dither has no seed; the seed of the recipe applies.
@@ -66,7 +71,7 @@ fn an_image_file_describes_its_codes() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("image.png");
     let info = |recipe: &Recipe| {
-        image::write_recipe(&path, recipe, &recipe.quantizer()).unwrap();
+        image::write_recipe(&replacing(), &path, recipe, &recipe.quantizer()).unwrap();
         pixels(&path).0
     };
     let yellow = info(&recipe("mach-band"));
@@ -91,7 +96,7 @@ fn a_changed_image_is_detected() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("image.png");
     let recipe = recipe("kanizsa");
-    image::write_recipe(&path, &recipe, &recipe.quantizer()).unwrap();
+    image::write_recipe(&replacing(), &path, &recipe, &recipe.quantizer()).unwrap();
     // The same codes except for one, with the same recipe.
     let mut codes: Vec<u8> = recipe.codes(&recipe.quantizer()).bytes().unwrap().iter().step_by(3).copied().collect();
     codes[123] ^= 1;
@@ -120,12 +125,12 @@ fn palettes_and_halftones_can_be_verified() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     for method in ["popularity:8", "median-cut:16", "k-means:4"] {
-        let made = succeeds(folder, &["stimulus", "--size", "64", "--palette", method, "--out", "p.png"]);
+        let made = succeeds(folder, &["stimulus", "--size", "64", "--palette", method, "--out", "p.png", "--force"]);
         assert!(made.contains("error in linear light"), "{made}");
         assert!(succeeds(folder, &["check", "p.png"]).contains(method));
     }
     for screen in ["clustered3:1", "bayer4:2"] {
-        succeeds(folder, &["stimulus", "--size", "32", "--halftone", screen, "--out", "h.png"]);
+        succeeds(folder, &["stimulus", "--size", "32", "--halftone", screen, "--out", "h.png", "--force"]);
         assert!(succeeds(folder, &["check", "h.png"]).contains(screen));
     }
     fails(folder, &["stimulus", "--palette", "median-cut:0", "--out", "q.png"], 2);
@@ -168,12 +173,14 @@ fn the_copied_command_makes_the_same_image() {
         ];
         for (stimulus, (bits, dither, transfer, seed)) in entry.stimuli().into_iter().zip(settings) {
             let recipe = Recipe { stimulus, bits, dither, transfers: transfer.into(), seed, ..recipe(entry.kind) };
-            let expected =
-                image::write_recipe(&folder.path().join("expected.png"), &recipe, &recipe.quantizer()).unwrap();
+            let expected = folder.path().join("expected.png");
+            image::write_recipe(&replacing(), &expected, &recipe, &recipe.quantizer()).unwrap();
             let command = recipe.command();
             let arguments: Vec<&str> = command.split(' ').skip(1).collect();
             succeeds(folder.path(), &arguments);
-            assert!(std::fs::read(folder.path().join("stimulus.png")).unwrap() == expected, "{command}");
+            let made = folder.path().join("stimulus.png");
+            assert!(std::fs::read(&made).unwrap() == std::fs::read(&expected).unwrap(), "{command}");
+            std::fs::remove_file(made).unwrap();
         }
     }
 }
@@ -211,9 +218,11 @@ fn shards_make_up_the_whole_and_a_killed_run_can_be_resumed() {
     assert!(stimuli("whole", &[]).starts_with("0 images made, 120 kept"));
     std::fs::remove_file(folder.path().join("whole").join(&whole[5].0)).unwrap();
     std::fs::write(folder.path().join("whole").join(&whole[7].0), "touched").unwrap();
-    assert!(stimuli("whole", &[]).starts_with("2 images made, 118 kept"));
+    // The changed file is replaced only on request.
+    fails(folder.path(), &[&options[..], &["whole"]].concat(), 2);
+    assert!(stimuli("whole", &["--force"]).starts_with("2 images made, 118 kept"));
     assert!(content("whole") == whole);
     // With different options, everything is made again.
-    assert!(stimuli("whole", &["--bits", "16"]).starts_with("120 images made"));
+    assert!(stimuli("whole", &["--bits", "16", "--force"]).starts_with("120 images made"));
     fails(folder.path(), &["stimuli", "quick", "--out", "x", "--shard", "4/3"], 2);
 }

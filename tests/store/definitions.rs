@@ -12,7 +12,7 @@ use machband::{
     experiment::{Identity, MAX_RATING, Order, Phase, Protocol, Schedule, columns},
     light::Transfer,
     stimulus::KINDS,
-    store::{FileErrors, check::check, definition, observer, profile},
+    store::{FileErrors, Writer, check::check, definition, observer, profile},
 };
 
 /// A definition with every table, one key per line.
@@ -425,7 +425,7 @@ fn display_profiles_and_observers_are_validated_too() {
     for text in [good, table, full, each] {
         let read = profile::parse("p.toml", text).unwrap();
         let path = folder.path().join("profile.toml");
-        profile::write(&path, &read).unwrap();
+        profile::write(&Writer::new([], true), &path, &read).unwrap();
         let again = profile::open(&path).unwrap();
         assert_eq!((&again, profile::hash(&again)), (&read, profile::hash(&read)), "{text}");
         assert_ne!(profile::hash(&read), profile::hash(&DisplayProfile { name: "x".to_owned(), ..read }));

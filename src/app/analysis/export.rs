@@ -11,11 +11,11 @@ use jiff::Timestamp;
 use crate::{
     analysis::{Link, Options, Random, Results},
     app::ui::{
-        Dialog, FileKind, hint, outcome, secondary,
+        Dialog, FileKind, Saving, hint, secondary,
         work::{BackgroundTask, Progress},
     },
     report::{Provenance, Study, study::shell_command, write_all},
-    store::ratings::ReadOptions,
+    store::{StoreError, Writer, ratings::ReadOptions},
 };
 
 /// The folder field and the outcome of the last export.
@@ -23,10 +23,8 @@ pub struct Export {
     paths: Vec<PathBuf>,
     folder: String,
     dialog: Dialog,
-    work: Option<(PathBuf, BackgroundTask<Result<usize, String>>)>,
-    outcome: Option<Result<String, String>>,
-    /// A folder that already contains files; a second click writes to it anyway.
-    occupied: Option<PathBuf>,
+    work: Option<(PathBuf, BackgroundTask<Result<usize, StoreError>>)>,
+    saving: Saving,
     copied: Option<String>,
 }
 
@@ -49,8 +47,7 @@ impl Export {
             paths,
             dialog: Dialog::default(),
             work: None,
-            outcome: None,
-            occupied: None,
+            saving: Saving::default(),
             copied: None,
         }
     }
@@ -64,12 +61,10 @@ impl Export {
         let mut changed = field.changed();
         ui.horizontal_wrapped(|ui| {
             let folder = PathBuf::from(self.folder.trim());
-            let again = self.occupied.as_ref() == Some(&folder);
             let ready = exported.is_some() && self.work.is_none() && !folder.as_os_str().is_empty();
-            let text = if again { "Write into it" } else { "Export" };
-            let clicked = ui.add_enabled(ready, egui::Button::new(text)).clicked();
-            if let Some(exported) = exported.filter(|_| clicked) {
-                self.start(ui.ctx(), folder, again, exported);
+            let writer = self.saving.button(ui, "Export", ready, &folder, &self.paths);
+            if let Some((exported, writer)) = exported.zip(writer) {
+                self.start(ui.ctx(), folder, writer, exported);
             }
             changed |= self.dialog.browse(ui, FileKind::Folder, "Choose the folder to export to…", &mut self.folder);
             if self.work.is_some() {
@@ -78,13 +73,13 @@ impl Export {
             }
         });
         if changed {
-            (self.outcome, self.occupied) = (None, None);
+            self.saving = Saving::default();
         }
         if let Some(Exported { filter, .. }) = exported.filter(|exported| !exported.filter.is_empty()) {
             hint(ui, format!("The export includes only the data shown: {filter}."));
         }
         self.dialog.missing_error(ui);
-        outcome(ui, self.outcome.as_ref());
+        self.saving.show(ui);
         let whole = exported.filter(|exported| exported.filter.is_empty());
         let copy = ui.add_enabled(whole.is_some(), egui::Button::new("Copy as command"));
         let copy = copy.on_disabled_hover_text("The command analyzes all data; select everything first.").clicked();
@@ -100,31 +95,27 @@ impl Export {
 
     fn take_outcome(&mut self, ctx: &egui::Context) {
         let Some((folder, work)) = &self.work else { return };
-        self.outcome = Some(match work.poll() {
+        let outcome = match work.poll() {
             Progress::Running => return,
             Progress::Done(files) => files.map(|files| format!("{files} files written to {}", folder.display())),
-            Progress::Lost => Err("The export ended unexpectedly; expected files in the folder".to_owned()),
-        });
+            Progress::Lost => Err(StoreError::Protected {
+                path: folder.clone(),
+                what: "the export ended unexpectedly; expected files in the folder".to_owned(),
+            }),
+        };
+        self.saving.finish(folder, outcome);
         self.work = None;
         ctx.request_repaint();
     }
 
-    fn start(&mut self, ctx: &egui::Context, folder: PathBuf, again: bool, exported: &Exported<'_>) {
-        let has_files = folder.read_dir().is_ok_and(|mut entries| entries.next().is_some());
-        if has_files && !again {
-            let text = format!("{} contains files that may be replaced; expected a new folder", folder.display());
-            self.outcome = Some(Err(text));
-            self.occupied = Some(folder);
-            return;
-        }
-        (self.outcome, self.occupied) = (None, None);
+    fn start(&mut self, ctx: &egui::Context, folder: PathBuf, writer: Writer, exported: &Exported<'_>) {
         let (study, results, to) = (exported.study.clone(), exported.results.clone(), folder.clone());
         let mut command = self.command(exported);
         if !exported.filter.is_empty() {
             // A shell comment, because no command applies filters.
             command += &format!(" # filtered in the window: {}", exported.filter);
         }
-        self.work = Some((folder, BackgroundTask::start(ctx, move || write(&study, &results, &command, &to))));
+        self.work = Some((folder, BackgroundTask::start(ctx, move || write(&writer, &study, &results, &command, &to))));
     }
 
     /// Returns the `machband analyze` command for these files and options. Filters and options with default values are
@@ -152,10 +143,9 @@ impl Export {
 }
 
 /// Writes everything that `machband analyze` writes; returns the number of files.
-fn write(study: &Study, results: &Results, command: &str, folder: &Path) -> Result<usize, String> {
+fn write(writer: &Writer, study: &Study, results: &Results, command: &str, folder: &Path) -> Result<usize, StoreError> {
     // The report covers the ratings on which the results are based.
     let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
     let made = Provenance::new(command, Timestamp::now());
-    let written = write_all(&shown, results, &made, folder, false).map_err(|error| error.to_string())?;
-    Ok(written.files.len())
+    Ok(write_all(writer, &shown, results, &made, folder, false)?.files.len())
 }

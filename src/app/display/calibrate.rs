@@ -9,11 +9,11 @@ use egui_plot::MarkerShape;
 use super::check::CheckPage;
 use crate::{
     app::ui::{
-        Dialog, Field, FileKind, Step, hint, paragraph, primary, secondary, section, show_error, theme::SERIES, today,
-        tool_page,
+        Dialog, Field, FileKind, Saving, Step, hint, paragraph, primary, secondary, section, show_error, theme::SERIES,
+        today, tool_page,
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
-    store::profile,
+    store::{StoreError, Writer, profile},
 };
 
 /// A way to measure the light of a screen.
@@ -308,14 +308,14 @@ struct ProfileForm {
     by: String,
     with: String,
     path: String,
-    error: Option<String>,
+    saving: Saving,
 }
 
 impl ProfileForm {
     fn new(name: &str, known: &DisplayProfile, with: String) -> Self {
         let by = known.measured.clone().and_then(|measured| measured.by).unwrap_or_default();
         let path = format!("calibration/{}.toml", file_name(name));
-        Self { name: name.to_owned(), by, with, path, error: None }
+        Self { name: name.to_owned(), by, with, path, saving: Saving::default() }
     }
 
     /// Draws the fields and the button; returns the profile once it is written.
@@ -330,16 +330,17 @@ impl ProfileForm {
             Field::new(label).width(340.0).text(ui, value);
         }
         let usable = !self.path.trim().is_empty() && !self.name.trim().is_empty();
-        let exists = Path::new(self.path.trim()).exists();
-        let text = if exists { "Replace the profile" } else { "Save the profile" };
+        let path = PathBuf::from(self.path.trim());
         let mut saved = None;
-        if primary(ui, text, usable, "The program then uses this profile.") {
-            match self.write(&self.filled(found)) {
+        let caption = self.saving.caption("Save the profile", &path);
+        if primary(ui, caption, usable, "The program then uses this profile.") {
+            let writer = self.saving.writer(&path, &[]);
+            match write(&writer, &path, &self.filled(found)) {
                 Ok(written) => saved = Some(written),
-                Err(message) => self.error = Some(message),
+                Err(error) => self.saving.finish(&path, Err(error)),
             }
         }
-        self.error.iter().for_each(|message| show_error(ui, message));
+        self.saving.show(ui);
         saved
     }
 
@@ -349,21 +350,20 @@ impl ProfileForm {
         let measured = Measurement { on: Some(today()), by: some(&self.by), with: some(&self.with) };
         DisplayProfile { name: self.name.trim().to_owned(), measured: Some(measured), ..found.clone() }
     }
+}
 
-    fn write(&self, profile: &DisplayProfile) -> Result<SavedProfile, String> {
-        let path = PathBuf::from(self.path.trim());
-        if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("toml")) {
-            return Err(format!("{}: not a valid profile name; expected a name that ends in .toml", path.display()));
-        }
-        if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-            std::fs::create_dir_all(folder).map_err(|error| {
-                format!("{}: cannot be created: {error}; expected a folder with write access", folder.display())
-            })?;
-        }
-        let replaced = path.exists();
-        profile::write(&path, profile).map_err(|error| error.to_string())?;
-        Ok(SavedProfile { path, replaced })
+/// Writes a profile, and creates its folder if necessary.
+fn write(writer: &Writer, path: &Path, profile: &DisplayProfile) -> Result<SavedProfile, StoreError> {
+    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("toml")) {
+        let what = "is not a valid profile name; expected a name that ends in .toml".to_owned();
+        return Err(StoreError::Protected { path: path.to_owned(), what });
     }
+    let replaced = path.exists();
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        writer.make_folder(folder)?;
+    }
+    profile::write(writer, path, profile)?;
+    Ok(SavedProfile { path: path.to_owned(), replaced })
 }
 
 /// Returns the color and marker of a channel in plots.

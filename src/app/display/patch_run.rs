@@ -13,7 +13,7 @@ use crate::{
         ui::{Step, describe, number, theme::NOTE},
     },
     display::photometer::{ErrorLocation, Patch, Reading, Readings, is_same_level},
-    store::{StoreError, readings},
+    store::{StoreError, Writer, readings},
 };
 
 /// Height of the line at the bottom, where readings are typed, in points.
@@ -61,7 +61,8 @@ impl PatchRun {
     /// If the file belongs to other settings or cannot be written.
     pub fn begin(patches: Vec<Patch>, path: &Path, view: PatchView) -> Result<Self, StoreError> {
         let mut readings = vec![None; patches.len()];
-        if path.exists() {
+        let is_known = path.exists();
+        if is_known {
             for one in readings::open_incomplete(path)? {
                 let same = |patch: &Patch| patch.channel == one.channel && is_same_level(patch.level, one.level);
                 let free = (0..readings.len()).find(|at| readings[*at].is_none() && same(&patches[*at]));
@@ -90,7 +91,7 @@ impl PatchRun {
             unconfirmed: None,
         };
         // The file is written before the first reading, so that an unwritable file is reported now.
-        run.write()?;
+        readings::write(&Writer::new([], is_known), path, &run.taken_readings())?;
         Ok(run)
     }
 
@@ -102,7 +103,7 @@ impl PatchRun {
     }
 
     fn write(&self) -> Result<(), StoreError> {
-        readings::write(&self.path, &self.taken_readings())
+        readings::write(&Writer::new([], true), &self.path, &self.taken_readings())
     }
 
     fn line(&mut self, ui: &mut egui::Ui, at: usize, remaining_s: f64) -> Step<()> {

@@ -1,5 +1,7 @@
 //! The gallery: every stimulus of the catalog with its parameters, its luminance profile, and ways to export it.
 
+use std::path::Path;
+
 use eframe::egui::{
     self, CentralPanel, Color32, ComboBox, Frame, Panel, ScrollArea, Slider, TextEdit, TextureHandle, Ui,
 };
@@ -8,7 +10,7 @@ use egui_plot::{Corner, Legend, Line, MarkerShape, PlotUi, Points};
 use crate::{
     app::{
         explore::prediction::{self, Mark, Prediction, ViewingPlace},
-        ui::{self, Field, Step, pixels, theme},
+        ui::{self, Field, Saving, Step, pixels, theme},
     },
     display::DisplayProfile,
     light::{Bits, Dither, Quantizer},
@@ -43,7 +45,7 @@ pub struct Gallery {
     derivatives: bool,
     shown: Option<Shown>,
     out: String,
-    outcome: Option<Result<String, String>>,
+    saving: Saving,
     display: DisplayProfile,
     prediction: Prediction,
 }
@@ -76,7 +78,7 @@ impl Gallery {
             derivatives: false,
             shown: None,
             out: "stimulus.png".to_owned(),
-            outcome: None,
+            saving: Saving::default(),
             display,
         };
         gallery.choose(0);
@@ -85,7 +87,7 @@ impl Gallery {
 
     fn choose(&mut self, entry: usize) {
         self.entry = entry;
-        self.outcome = None;
+        self.saving = Saving::default();
         let stimulus = catalog::all()[entry].default_stimulus();
         let value = |name: &str| stimulus.get(name).map_or_else(String::new, |value| value.to_string());
         self.values = stimulus.parameters().iter().map(|parameter| (parameter, value(parameter.name))).collect();
@@ -156,7 +158,7 @@ impl Gallery {
         let quantizer = recipe.quantizer();
         let texture = pixels::texture_of(ctx, "gallery", &recipe.codes(&quantizer));
         let curves = Curves::new(&recipe, &quantizer);
-        self.outcome = None;
+        self.saving = Saving::default();
         self.shown = Some(Shown { recipe, texture, curves });
     }
 
@@ -197,18 +199,17 @@ impl Gallery {
         ui::hint(ui, format!("Display: {}.", self.display.sentence()));
         Field::new("Export to").width(250.0).text(ui, &mut self.out);
         ui.horizontal_wrapped(|ui| {
-            if ui.button("Export PNG").clicked() {
-                let path = std::path::PathBuf::from(self.out.trim());
-                let written = store::image::write_recipe(&path, &shown.recipe, &shown.recipe.quantizer());
-                let written = written.map(|_| format!("Saved to {}", path.display()));
-                self.outcome = Some(written.map_err(|error| error.to_string()));
+            let path = Path::new(self.out.trim());
+            if let Some(writer) = self.saving.button(ui, "Export PNG", true, path, &[]) {
+                let written = store::image::write_recipe(&writer, path, &shown.recipe, &shown.recipe.quantizer());
+                self.saving.finish(path, written.map(|()| format!("Saved to {}", path.display())));
             }
             if ui.button("Copy as command").clicked() {
                 ui.ctx().copy_text(shown.recipe.command());
-                self.outcome = Some(Ok(format!("Copied: {}", shown.recipe.command())));
+                self.saving.finish(path, Ok(format!("Copied: {}", shown.recipe.command())));
             }
         });
-        ui::outcome(ui, self.outcome.as_ref());
+        self.saving.show(ui);
     }
 
     fn picture(&mut self, ui: &mut Ui) {

@@ -8,6 +8,7 @@
 //! | [`fields`] | labeled controls; reading typed numbers |
 //! | [`dialog`] | the desktop's file dialogs, the Browse button |
 //! | [`plot`] | static plots; tables |
+//! | [`saving`] | the button that writes a file, and its question before it replaces one |
 //! | [`pixels`], [`blit`] | pictures, one pixel of the image for each pixel of the screen |
 //! | [`screen`], [`platform`] | the monitor, and what the window system reports about it |
 //! | [`work`] | long computations on separate threads |
@@ -19,6 +20,7 @@ pub mod page;
 pub mod pixels;
 pub mod platform;
 pub mod plot;
+pub mod saving;
 pub mod screen;
 pub mod text;
 pub mod theme;
@@ -28,5 +30,6 @@ pub use dialog::{Dialog, FileKind};
 pub use fields::{Field, number};
 pub use page::{Step, escaped, heading, page, page_from, primary, shortcut, tool_page};
 pub use plot::{still_plot, table};
+pub use saving::Saving;
 pub use screen::{Monitor, ScreenFields, today, window_px};
-pub use text::{describe, hint, note, outcome, paragraph, secondary, section, show_error, signed, success, tick};
+pub use text::{describe, hint, note, paragraph, secondary, section, show_error, signed, success, tick};

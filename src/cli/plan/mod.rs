@@ -6,12 +6,12 @@ use std::path::PathBuf;
 
 use indicatif::ProgressBar;
 
-use super::{UsageError, options::ModelOptions, print_line, progress_style};
+use super::{OutPath, UsageError, options::ModelOptions, print_line, progress_style};
 use crate::{
     analysis::power::{ModelChoice, Plan, Power, Sampling, Shift},
     experiment::{OrderedLogit, Protocol},
     light::names::expected_one_of,
-    store::{definition, observer, write_file},
+    store::{Writer, definition, observer},
 };
 use findings::Findings;
 
@@ -59,10 +59,10 @@ pub(super) struct Arguments {
     model: ModelOptions,
     /// Where to write the table as CSV.
     #[arg(long, value_name = "FILE.csv")]
-    out: Option<PathBuf>,
+    out: Option<OutPath>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
     let protocol = definition::open(&arguments.experiment)?;
     let (observer, name) = match &arguments.observer_file {
         Some(path) => (observer::open(path)?, path.display().to_string()),
@@ -88,7 +88,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     findings.lines().iter().try_for_each(|line| print_line(line))?;
     // Written last, so that no result is lost if the path cannot be written.
     if let Some(path) = &arguments.out {
-        write_file(path, &findings.csv())?;
+        writer.write(path, &findings.csv())?;
     }
     Ok(())
 }

@@ -15,7 +15,7 @@ use crate::{
     stimulus::recipe::Recipe,
     store::{
         FileErrors, StoreError,
-        file::make_folder,
+        file::{make_folder, write_file},
         image,
         recorded::Recorded,
         verify::{Renderer, picture_errors},
@@ -98,7 +98,8 @@ pub(super) fn write(
         make_folder(folder)?;
     }
     files.par_iter().try_for_each(|(name, (recipe, quantizer))| {
-        image::write_recipe(&folder.join(name), recipe, quantizer).map(drop)
+        let path = folder.join(name);
+        write_file(&path, &image::recipe_png(&path, recipe, quantizer)?)
     })?;
     Ok((Stimuli(shown), files.len()))
 }

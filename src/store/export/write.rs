@@ -3,12 +3,16 @@
 use std::{
     collections::HashSet,
     fs,
-    io::ErrorKind,
     path::{Path, PathBuf},
 };
 
 use super::{bids, psych_ds, sessions};
-use crate::store::{FileErrors, StoreError, dataset, error::io, file::make_folder, ratings};
+use crate::store::{
+    FileErrors, StoreError, dataset,
+    error::io,
+    file::{full_path, make_folder, sync_folder, sync_tree},
+    ratings,
+};
 
 /// Format of an export.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -93,18 +97,7 @@ fn target(from: &Path, to: &Path, files: &[PathBuf]) -> Result<PathBuf, StoreErr
     Ok(full)
 }
 
-/// Returns the full path, with all links resolved, of a file or folder that may not exist yet.
-fn full_path(path: &Path) -> std::io::Result<PathBuf> {
-    let path = std::path::absolute(path)?;
-    match (path.canonicalize(), path.parent(), path.file_name()) {
-        (Err(error), Some(parent), Some(name)) if error.kind() == ErrorKind::NotFound => {
-            Ok(full_path(parent)?.join(name))
-        }
-        (canonical, ..) => canonical,
-    }
-}
-
-/// Fills a temporary folder next to `to`, and renames it to `to` when it is complete.
+/// Fills a temporary folder next to `to`, and renames it to `to` when it is complete and synced.
 fn into_folder(to: &Path, fill: impl FnOnce(&Path) -> Result<(), StoreError>) -> Result<(), StoreError> {
     let (Some(parent), Some(name)) = (to.parent(), to.file_name()) else {
         return Err(FileErrors::whole(to, "cannot be created as a folder; expected a different path").into());
@@ -117,9 +110,11 @@ fn into_folder(to: &Path, fill: impl FnOnce(&Path) -> Result<(), StoreError>) ->
     let folder = temporary.path().join(name);
     make_folder(&folder)?;
     fill(&folder)?;
+    sync_tree(&folder)?;
     if to.exists() {
         // This fails if something was put into the folder in the meantime.
         fs::remove_dir(to).map_err(io(to, "replace"))?;
     }
-    fs::rename(&folder, to).map_err(io(to, "write"))
+    fs::rename(&folder, to).map_err(io(to, "write"))?;
+    sync_folder(to)
 }

@@ -9,11 +9,7 @@ use crate::{
         palette::{IndexedImage, Reduction, reduce},
     },
     stimulus::recipe::Recipe,
-    store::{
-        StoreError,
-        error::io,
-        file::{sha256, write_whole},
-    },
+    store::{StoreError, Writer, error::io, file::sha256},
 };
 
 /// Keyword of the text chunk that holds the recipe as JSON.
@@ -29,20 +25,30 @@ const SRGB_CHROMATICITIES: [[u32; 2]; 4] = [[31_270, 32_900], [64_000, 33_000], 
 /// Number of entries in each tone curve of an embedded profile.
 const CURVE_POINTS: u16 = 4096;
 
-/// Renders a recipe and writes it atomically as a PNG. Returns the file's bytes.
+/// Renders a recipe and writes it as a PNG.
 ///
 /// # Errors
-/// I/O errors.
-pub fn write_recipe(path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<Vec<u8>, StoreError> {
-    save(path, encode(&recipe.codes(quantizer), &recipe.transfers, &[(KEYWORD, describe(recipe))]))
+/// The same errors as [`Writer::write`].
+pub fn write_recipe(writer: &Writer, path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<(), StoreError> {
+    writer.write(path, &recipe_png(path, recipe, quantizer)?)
+}
+
+/// Renders a recipe as the content of the PNG file at `path`.
+///
+/// # Errors
+/// The image is too large for a PNG.
+pub(in crate::store) fn recipe_png(path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<Vec<u8>, StoreError> {
+    let png = encode(&recipe.codes(quantizer), &recipe.transfers, &[(KEYWORD, describe(recipe))]);
+    png.map_err(|error| failed(path, error))
 }
 
 /// Renders a recipe, reduces it to a palette and writes an indexed PNG. Returns the image with its error in linear
 /// light.
 ///
 /// # Errors
-/// The recipe has 16 bits, which a palette cannot have; I/O errors.
+/// The recipe has 16 bits, which a palette cannot have; the same errors as [`Writer::write`].
 pub fn write_reduced(
+    writer: &Writer,
     path: &Path,
     recipe: &Recipe,
     quantizer: &Quantizer,
@@ -53,25 +59,26 @@ pub fn write_reduced(
     info.color_type = png::ColorType::Indexed;
     info.palette = Some(Cow::Owned(image.palette.concat()));
     let texts = [(KEYWORD, describe(recipe)), (PALETTE_KEYWORD, reduction.to_string())];
-    save(path, with_meaning(info, &recipe.transfers, false, &texts, &image.indices))?;
+    save(writer, path, with_meaning(info, &recipe.transfers, false, &texts, &image.indices))?;
     Ok(image)
 }
 
 /// Renders a recipe as a halftone for a device with few codes, one cell of dots per pixel, and writes it.
 ///
 /// # Errors
-/// I/O errors.
-pub fn write_halftone(path: &Path, recipe: &Recipe, screen: Screen) -> Result<(), StoreError> {
+/// The same errors as [`Writer::write`].
+pub fn write_halftone(writer: &Writer, path: &Path, recipe: &Recipe, screen: Screen) -> Result<(), StoreError> {
     let image = Halftone::new(screen, &recipe.transfers).enlarged(&recipe.linear());
     let texts = [(KEYWORD, describe(recipe)), (HALFTONE_KEYWORD, screen.to_string())];
-    save(path, encode(&image, &recipe.transfers, &texts)).map(drop)
+    save(writer, path, encode(&image, &recipe.transfers, &texts))
 }
 
 /// Writes the image of a shaded mesh, together with the `parameters` it was made with.
 ///
 /// # Errors
-/// I/O errors.
+/// The same errors as [`Writer::write`].
 pub fn write_shaded(
+    writer: &Writer,
     path: &Path,
     image: &CodeImage,
     transfers: &Transfers,
@@ -83,15 +90,15 @@ pub fn write_shaded(
         if c.is_ascii() { c.to_string() } else { units(c) }
     };
     let text = parameters.to_string().chars().map(escape).collect();
-    save(path, encode(image, transfers, &[(SHADED_KEYWORD, text)])).map(drop)
+    save(writer, path, encode(image, transfers, &[(SHADED_KEYWORD, text)]))
 }
 
 /// Writes codes for a screen with the sRGB transfer function, without a recipe.
 ///
 /// # Errors
-/// I/O errors.
-pub fn write_codes(path: &Path, image: &CodeImage) -> Result<(), StoreError> {
-    save(path, encode(image, &Transfer::Srgb.into(), &[])).map(drop)
+/// The same errors as [`Writer::write`].
+pub fn write_codes(writer: &Writer, path: &Path, image: &CodeImage) -> Result<(), StoreError> {
+    save(writer, path, encode(image, &Transfer::Srgb.into(), &[]))
 }
 
 /// Returns the SHA-256 of an image's codes, in lowercase hexadecimal. The order is row by row from the top left, with
@@ -108,10 +115,8 @@ fn failed(path: &Path, error: impl Into<Box<dyn std::error::Error + Send + Sync>
     io(path, "encode")(std::io::Error::other(error))
 }
 
-fn save(path: &Path, bytes: Result<Vec<u8>, png::EncodingError>) -> Result<Vec<u8>, StoreError> {
-    let bytes = bytes.map_err(|error| failed(path, error))?;
-    write_whole(path, &bytes, false)?;
-    Ok(bytes)
+fn save(writer: &Writer, path: &Path, png: Result<Vec<u8>, png::EncodingError>) -> Result<(), StoreError> {
+    writer.write(path, &png.map_err(|error| failed(path, error))?)
 }
 
 /// Returns the recipe as the text that an image contains.

@@ -57,6 +57,11 @@ pub fn data_files(root: &Path) -> Result<Vec<PathBuf>, FileErrors> {
     Ok(files)
 }
 
+/// Returns the files that are read from a folder; none if it cannot be read.
+pub(in crate::store) fn files_in(root: &Path) -> Vec<PathBuf> {
+    folder(root).unwrap_or_default()
+}
+
 /// Returns the data files in a folder and its subfolders; if there are none, all its CSV files.
 fn folder(root: &Path) -> Result<Vec<PathBuf>, String> {
     let mut files = Vec::new();

@@ -13,5 +13,6 @@ mod source;
 mod trials;
 
 pub use files::data_files;
+pub(super) use files::files_in;
 pub use reader::read;
 pub use source::{FileRead, Layout, ReadOptions, SessionRead, Shape, Source};

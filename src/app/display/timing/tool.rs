@@ -11,12 +11,12 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Field, Monitor, Step, outcome, paragraph, primary, secondary, still_plot,
+        Field, Monitor, Saving, Step, paragraph, primary, secondary, still_plot,
         theme::{NOTE, PAGE, SECONDARY, SERIES, SUCCESS},
         tool_page,
     },
     report::figures,
-    store,
+    store::{StoreError, Writer},
 };
 
 /// The choices for the number of frames.
@@ -29,13 +29,13 @@ pub struct TimingTool {
     run: Option<TimingRun>,
     report: Option<TimingReport>,
     out: String,
-    exported: Option<Result<String, String>>,
+    saving: Saving,
 }
 
 impl Default for TimingTool {
     fn default() -> Self {
         let plan = TimingPlan { scene: Scene::Trial, frames: 600, patch: Patch::default() };
-        Self { plan, run: None, report: None, out: "timing.csv".to_owned(), exported: None }
+        Self { plan, run: None, report: None, out: "timing.csv".to_owned(), saving: Saving::default() }
     }
 }
 
@@ -56,7 +56,7 @@ impl TimingTool {
             ui.add_space(8.0);
             self.settings(ui);
             if primary(ui, "Measure", true, "Full screen. Press Esc to stop.") {
-                self.exported = None;
+                self.saving = Saving::default();
                 self.run = Some(TimingRun::new(self.plan));
                 ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(true));
                 ui.ctx().request_repaint();
@@ -105,20 +105,20 @@ impl TimingTool {
         plot(ui, report);
         Field::new("Export to").show(ui, |ui, label| {
             ui.add(egui::TextEdit::singleline(&mut self.out).desired_width(260.0)).labelled_by(label);
-            if ui.button("Export").clicked() {
-                self.exported = Some(export(report, Path::new(self.out.trim())));
+            let path = Path::new(self.out.trim());
+            if let Some(writer) = self.saving.button(ui, "Export", true, path, &[]) {
+                self.saving.finish(path, export(&writer, report, path));
             }
         });
-        outcome(ui, self.exported.as_ref());
+        self.saving.show(ui);
     }
 }
 
 /// Writes the intervals as CSV and their plot as SVG; returns a message for the user.
-fn export(report: &TimingReport, path: &Path) -> Result<String, String> {
+fn export(writer: &Writer, report: &TimingReport, path: &Path) -> Result<String, StoreError> {
     let plot = path.with_extension("svg");
     let svg = figures::intervals(report.intervals_us(), report.refresh).svg;
-    store::write_file(path, report.csv().as_bytes()).map_err(|error| error.to_string())?;
-    store::write_file(&plot, svg.as_bytes()).map_err(|error| error.to_string())?;
+    writer.write_all(&[(path.to_owned(), report.csv().into_bytes()), (plot.clone(), svg.into_bytes())])?;
     Ok(format!("Wrote {} and {}.", path.display(), plot.display()))
 }
 

@@ -11,9 +11,9 @@ use super::{
     measures::{SHORTER_SIDE_DEG, predicted_size},
 };
 use crate::{
-    app::ui::{self, Field},
+    app::ui::{Field, Saving},
     light::CodeImage,
-    store,
+    store::{self, StoreError},
 };
 
 /// The state of the export controls.
@@ -21,9 +21,7 @@ use crate::{
 pub struct Export {
     /// The name that the user typed; `None` for the suggested one.
     typed: Option<String>,
-    outcome: Option<Result<String, String>>,
-    /// An existing file that another click on the button will overwrite.
-    overwrite: Option<PathBuf>,
+    saving: Saving,
 }
 
 impl Export {
@@ -40,22 +38,18 @@ impl Export {
             *self = Self { typed: Some(name.clone()).filter(|name| !name.trim().is_empty()), ..Self::default() };
         }
         let path = PathBuf::from(name.trim());
-        let again = self.overwrite.as_ref() == Some(&path);
-        if ui.button(if again { "Overwrite it" } else { "Export PNG" }).clicked() {
-            self.overwrite = None;
-            self.outcome = Some(if path.exists() && !again {
-                self.overwrite = Some(path.clone());
-                Err(format!("{} already exists; expected a new name", path.display()))
-            } else {
-                let view = view().ok_or_else(|| "This view is not ready yet; try again in a moment.".to_owned());
-                view.and_then(|(image, parameters)| {
-                    store::image::write_shaded(&path, &image, &compared.transfer.clone().into(), &parameters)
-                        .map(|()| format!("Saved to {}", path.display()))
-                        .map_err(|error| error.to_string())
-                })
+        if let Some(writer) = self.saving.button(ui, "Export PNG", true, &path, &[]) {
+            let not_ready = || StoreError::Protected {
+                path: path.clone(),
+                what: "this view is not ready yet; expected it in a moment".to_owned(),
+            };
+            let written = view().ok_or_else(not_ready).and_then(|(image, parameters)| {
+                let transfers = compared.transfer.clone().into();
+                store::image::write_shaded(&writer, &path, &image, &transfers, &parameters)
             });
+            self.saving.finish(&path, written.map(|()| format!("Saved to {}", path.display())));
         }
-        ui::outcome(ui, self.outcome.as_ref());
+        self.saving.show(ui);
     }
 }
 

@@ -1,0 +1,63 @@
+//! The button that writes a file, and its question before it replaces one.
+
+use std::path::{Path, PathBuf};
+
+use eframe::egui::{Button, Ui};
+
+use super::text;
+use crate::store::{StoreError, Writer};
+
+/// The outcome of the last click on a button that writes a file, and whether another click replaces the file.
+#[derive(Default)]
+pub struct Saving {
+    outcome: Option<Result<String, String>>,
+    /// The path that already exists. Another click replaces it.
+    asked: Option<PathBuf>,
+}
+
+impl Saving {
+    /// Draws the button; when it is clicked, returns the writer to use. `inputs` are files that are never replaced.
+    pub fn button(
+        &mut self,
+        ui: &mut Ui,
+        caption: &str,
+        enabled: bool,
+        path: &Path,
+        inputs: &[PathBuf],
+    ) -> Option<Writer> {
+        let button = Button::new(self.caption(caption, path));
+        ui.add_enabled(enabled, button).clicked().then(|| self.writer(path, inputs))
+    }
+
+    /// Returns the text of the button: `caption`, or the question whether to replace the file.
+    pub fn caption<'a>(&self, caption: &'a str, path: &Path) -> &'a str {
+        if self.asks(path) { "Replace" } else { caption }
+    }
+
+    /// Returns the writer to use after a click.
+    pub fn writer(&mut self, path: &Path, inputs: &[PathBuf]) -> Writer {
+        let force = self.asks(path);
+        *self = Self::default();
+        Writer::new(inputs.to_vec(), force)
+    }
+
+    /// Stores the outcome: what was done, or why not.
+    pub fn finish(&mut self, path: &Path, outcome: Result<String, StoreError>) {
+        self.asked = matches!(outcome, Err(StoreError::Occupied(_))).then(|| path.to_owned());
+        self.outcome = Some(outcome.map_err(|error| match error {
+            StoreError::Occupied(file) => {
+                format!("{} already exists. Replace it, or type a different name.", file.display())
+            }
+            error => error.to_string(),
+        }));
+    }
+
+    /// Draws the outcome.
+    pub fn show(&self, ui: &mut Ui) {
+        text::outcome(ui, self.outcome.as_ref());
+    }
+
+    fn asks(&self, path: &Path) -> bool {
+        self.asked.as_deref() == Some(path)
+    }
+}

@@ -1,0 +1,106 @@
+//! Guards the inputs and outputs of every command. Both follow from the types of its options, so a new command is
+//! guarded too.
+
+use std::{any::TypeId, ffi::OsString, ops::Deref, path::Path, path::PathBuf};
+
+use clap::{
+    Arg, ArgAction, ArgMatches, Command, ValueHint,
+    builder::{MapValueParser, PathBufValueParser, TypedValueParser as _, ValueParserFactory},
+};
+
+use crate::store::{StoreError, Writer};
+
+macro_rules! output_path {
+    ($(#[$documentation:meta])* $name:ident) => {
+        $(#[$documentation])*
+        #[derive(Clone, Debug)]
+        pub struct $name(PathBuf);
+
+        impl ValueParserFactory for $name {
+            type Parser = MapValueParser<PathBufValueParser, fn(PathBuf) -> Self>;
+
+            fn value_parser() -> Self::Parser {
+                PathBufValueParser::new().map(Self)
+            }
+        }
+
+        impl Deref for $name {
+            type Target = Path;
+
+            fn deref(&self) -> &Path {
+                &self.0
+            }
+        }
+    };
+}
+
+output_path! {
+    /// A file to write, or, with the hint [`ValueHint::DirPath`], a folder to write files into. A command with such an
+    /// option also has `--force`.
+    OutPath
+}
+output_path! {
+    /// A folder to create; the command itself checks that it is new or empty.
+    NewFolder
+}
+output_path! {
+    /// A file that is written if the option [`FIT`] is present, and otherwise read.
+    FittedPath
+}
+
+/// Name of the option with which a [`FittedPath`] is written.
+const FIT: &str = "fit";
+/// Name of the option that allows to replace existing files.
+const FORCE: &str = "force";
+
+/// Adds `--force` to every command that has an [`OutPath`].
+pub(super) fn with_force(command: Command) -> Command {
+    command.mut_subcommands(|command| {
+        if !command.get_arguments().any(is_of::<OutPath>) {
+            return command;
+        }
+        let force = Arg::new(FORCE).long(FORCE).action(ArgAction::SetTrue);
+        command.arg(force.help("Replace existing files; inputs and the files of sessions are never replaced"))
+    })
+}
+
+fn is_of<T: 'static>(argument: &Arg) -> bool {
+    argument.get_value_parser().type_id() == TypeId::of::<T>()
+}
+
+/// Returns the writer for one call of a command, once all its outputs are known to be writable.
+///
+/// # Errors
+/// The same errors as [`Writer::check`].
+pub(super) fn writer(command: &Command, matches: &ArgMatches) -> Result<Writer, StoreError> {
+    let (mut inputs, mut files, mut folders) = (Vec::new(), Vec::new(), Vec::new());
+    let is_fit = command.get_arguments().any(|argument| argument.get_id() == FIT) && matches.contains_id(FIT);
+    for argument in command.get_arguments() {
+        let is_folder = argument.get_value_hint() == ValueHint::DirPath;
+        inputs.extend(values(argument, matches, PathBuf::clone));
+        // Texts such as the name of a definition or a mesh can also be paths.
+        let texts = values(argument, matches, |text: &String| PathBuf::from(text));
+        let other_texts = values(argument, matches, |text: &OsString| PathBuf::from(text));
+        inputs.extend(texts.chain(other_texts).filter(|path| path.exists()));
+        let fitted = values(argument, matches, |path: &FittedPath| path.0.clone());
+        if is_fit { &mut files } else { &mut inputs }.extend(fitted);
+        let written = values(argument, matches, |path: &OutPath| path.0.clone());
+        if is_folder { &mut folders } else { &mut files }.extend(written);
+        folders.extend(values(argument, matches, |path: &NewFolder| path.0.clone()));
+    }
+    let force = matches!(matches.try_get_one::<bool>(FORCE), Ok(Some(true)));
+    let writer = Writer::new(inputs, force);
+    folders.iter().try_for_each(|folder| writer.check_folder(folder))?;
+    writer.check(files.iter().map(PathBuf::as_path))?;
+    Ok(writer)
+}
+
+/// Returns the paths in the values of an argument, if they have this type.
+fn values<'a, T: Clone + Send + Sync + 'static>(
+    argument: &Arg,
+    matches: &'a ArgMatches,
+    path: impl Fn(&T) -> PathBuf + 'a,
+) -> impl Iterator<Item = PathBuf> + 'a {
+    let found = matches.try_get_many::<T>(argument.get_id().as_str()).ok().flatten();
+    found.into_iter().flatten().map(path)
+}

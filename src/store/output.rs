@@ -1,0 +1,204 @@
+//! Writes every file that the user named, in a command or on a page, without destroying anything.
+
+use std::{
+    collections::BTreeSet,
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+use rayon::prelude::*;
+
+use super::{
+    StoreError,
+    dataset::{DATA_FILE, DESCRIPTION, SIDECAR_SUFFIX},
+    error::io,
+    file::{folder_of, full_path, make_folder, sync_folder, temporary},
+    frames, ratings,
+};
+
+/// Writes the outputs of one command or page.
+///
+/// It never writes over an input of the same call, a file of a session, a file in a data set, or anything that is not a
+/// regular file. It replaces other files only if it is allowed to.
+#[derive(Clone, Debug, Default)]
+pub struct Writer {
+    inputs: Vec<PathBuf>,
+    force: bool,
+}
+
+impl Writer {
+    /// Creates a writer for a call that reads the files and folders `inputs`; with `force`, it replaces existing files.
+    pub fn new(inputs: impl IntoIterator<Item = PathBuf>, force: bool) -> Self {
+        Self { inputs: inputs.into_iter().collect(), force }
+    }
+
+    /// Returns a writer that replaces existing files.
+    pub(super) fn replacing(&self) -> Self {
+        Self { force: true, ..self.clone() }
+    }
+
+    /// Checks before work starts that the files can be written. Another program may still change this, so
+    /// [`Writer::write`] checks it again.
+    ///
+    /// # Errors
+    /// [`StoreError::Occupied`] for an existing file; [`StoreError::Protected`] for a file that is never replaced, or
+    /// two outputs that are the same file; I/O errors, such as a missing folder.
+    pub fn check<'a>(&self, paths: impl IntoIterator<Item = &'a Path>) -> Result<(), StoreError> {
+        let mut seen = BTreeSet::new();
+        for path in paths {
+            if !seen.insert(self.target(path)?) {
+                return Err(protected(path, "is another output of this command; expected a different file"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks before work starts that files may be written into this folder, which need not exist yet.
+    ///
+    /// # Errors
+    /// [`StoreError::Protected`] if it is an input, belongs to the data of a data set, or is not a folder; I/O errors.
+    pub fn check_folder(&self, folder: &Path) -> Result<(), StoreError> {
+        let target = full_path(folder).map_err(io(folder, "access"))?;
+        if target.exists() && !target.is_dir() {
+            return Err(protected(folder, "is not a folder; expected a folder for the files to write"));
+        }
+        if self.inputs.iter().any(|input| is_same(input, &target)) {
+            return Err(protected(folder, "is an input of this command; expected a different folder"));
+        }
+        data_set(&target).filter(|(_, is_data)| *is_data).map_or(Ok(()), |(root, _)| Err(in_data(folder, &root)))
+    }
+
+    /// Creates a folder and its parents.
+    ///
+    /// # Errors
+    /// The same errors as [`Writer::check_folder`].
+    pub fn make_folder(&self, folder: &Path) -> Result<(), StoreError> {
+        self.check_folder(folder)?;
+        make_folder(folder)
+    }
+
+    /// Writes a file. When this returns, the file survives a power failure; at any moment, the path has either its old
+    /// content or the new content.
+    ///
+    /// # Errors
+    /// The same errors as [`Writer::check`]; I/O errors.
+    pub fn write(&self, path: &Path, content: &[u8]) -> Result<(), StoreError> {
+        self.put(path, content)?;
+        sync_folder(path)
+    }
+
+    /// Writes several files like [`Writer::write`]. Writes none of them if one of them cannot be written according to
+    /// [`Writer::check`].
+    ///
+    /// # Errors
+    /// The same errors as [`Writer::write`].
+    pub fn write_all(&self, files: &[(PathBuf, Vec<u8>)]) -> Result<(), StoreError> {
+        self.check(files.iter().map(|(path, _)| path.as_path()))?;
+        // A disk serves several waiting threads at once.
+        files.par_iter().try_for_each(|(path, content)| self.put(path, content))?;
+        let one_per_folder: BTreeSet<_> = files.iter().map(|(path, _)| folder_of(path)).collect();
+        one_per_folder.into_iter().try_for_each(|folder| sync_folder(&folder.join("file")))
+    }
+
+    /// Writes and syncs a file but not its folder, whose new names a power failure may therefore lose.
+    ///
+    /// # Errors
+    /// The same errors as [`Writer::write`].
+    pub(super) fn put(&self, path: &Path, content: &[u8]) -> Result<(), StoreError> {
+        let target = self.target(path)?;
+        let temporary = temporary(&target, content, true).map_err(io(path, "write"))?;
+        let kept = if self.force { temporary.persist(&target) } else { temporary.persist_noclobber(&target) };
+        let Err(failed) = kept else { return Ok(()) };
+        if failed.error.kind() == io::ErrorKind::AlreadyExists {
+            return Err(StoreError::Occupied(path.to_owned()));
+        }
+        // Some network shares cannot rename without replacing; nothing was there a moment ago.
+        self.target(path)?;
+        failed.file.persist(&target).map(drop).map_err(|failed| io(path, "write")(failed.error))
+    }
+
+    /// Returns the file that a path leads to, all links resolved, if it can be written.
+    fn target(&self, path: &Path) -> Result<PathBuf, StoreError> {
+        let target = full_path(path).map_err(io(path, "write"))?;
+        fs::metadata(folder_of(&target)).map_err(io(path, "write"))?;
+        let found = match fs::symlink_metadata(&target) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            found => Some(found.map_err(io(path, "write"))?),
+        };
+        if let Some((root, is_data)) = data_set(&target) {
+            match &found {
+                _ if is_data => return Err(in_data(path, &root)),
+                Some(_) => {
+                    let what = format!("belongs to the data set {}; expected a new file", root.display());
+                    return Err(protected(path, what));
+                }
+                None => {}
+            }
+        }
+        if let Some(sidecar) = sidecar(&target) {
+            let sidecar = sidecar.display();
+            return Err(protected(path, format!("belongs to the session of {sidecar}; expected a different file")));
+        }
+        match found {
+            None => Ok(target),
+            Some(found) if !found.is_file() => {
+                Err(protected(path, "is not a regular file; expected a new file or an existing regular file"))
+            }
+            Some(_) if self.reads(&target) => {
+                Err(protected(path, "is an input of this command; expected a different file"))
+            }
+            Some(_) if !self.force => Err(StoreError::Occupied(path.to_owned())),
+            Some(_) => Ok(target),
+        }
+    }
+
+    /// Returns whether the file at `target` is an input or one of the files read from an input folder.
+    fn reads(&self, target: &Path) -> bool {
+        self.inputs.iter().any(|input| {
+            let is_below = || input.canonicalize().is_ok_and(|folder| target.starts_with(folder));
+            let is_listed = || ratings::files_in(input).iter().any(|file| is_same(file, target));
+            is_same(input, target) || (input.is_dir() && is_below() && is_listed())
+        })
+    }
+}
+
+fn protected(path: &Path, what: impl Into<String>) -> StoreError {
+    StoreError::Protected { path: path.to_owned(), what: what.into() }
+}
+
+fn in_data(path: &Path, root: &Path) -> StoreError {
+    let root = root.display();
+    protected(path, format!("is inside the data folder of the data set {root}; expected a path outside it"))
+}
+
+/// Returns the folder of the data set that contains `target`, and whether `target` is in its `data` folder.
+fn data_set(target: &Path) -> Option<(PathBuf, bool)> {
+    let is_root = |folder: &&Path| folder.join(DESCRIPTION).exists();
+    let mut roots = target.ancestors().skip(1).filter(is_root).map(|root| {
+        let is_data = target.strip_prefix(root).is_ok_and(|path| path.starts_with("data"));
+        (root.to_owned(), is_data)
+    });
+    let nearest = roots.next()?;
+    // One data set may contain another, as `sourcedata` in an export.
+    Some(roots.find(|(_, is_data)| *is_data && !nearest.1).unwrap_or(nearest))
+}
+
+/// Returns the sidecar of the session to which the file at `target` belongs.
+fn sidecar(target: &Path) -> Option<PathBuf> {
+    let name = target.file_name()?.to_str()?;
+    let stem = [DATA_FILE, SIDECAR_SUFFIX, frames::SUFFIX].iter().find_map(|suffix| name.strip_suffix(suffix))?;
+    Some(target.with_file_name(format!("{stem}{SIDECAR_SUFFIX}"))).filter(|sidecar| sidecar.exists())
+}
+
+/// Returns whether two paths lead to the same existing file or folder, also through links and hard links.
+fn is_same(one: &Path, other: &Path) -> bool {
+    #[cfg(unix)]
+    let identity = |path: &Path| {
+        let found = fs::metadata(path).ok()?;
+        Some((std::os::unix::fs::MetadataExt::dev(&found), std::os::unix::fs::MetadataExt::ino(&found)))
+    };
+    // Replacing one of several hard links leaves the content under the other names as it is.
+    #[cfg(not(unix))]
+    let identity = |path: &Path| path.canonicalize().ok();
+    identity(one).is_some_and(|one| Some(one) == identity(other))
+}

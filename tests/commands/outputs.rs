@@ -1,0 +1,343 @@
+//! No command destroys a file: not one of its inputs, not a file of a session, and no other file without `--force`.
+
+use std::{
+    any::TypeId,
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    path::{Path, PathBuf},
+};
+
+use clap::{
+    Arg, Command, ValueHint,
+    error::{ContextKind, ContextValue, ErrorKind},
+};
+use machband::cli::{self, FittedPath, NewFolder, OutPath};
+
+use crate::common::{everything, fails, machband, split, succeeds, text};
+
+fn is<T: 'static>(argument: &Arg) -> bool {
+    argument.get_value_parser().type_id() == TypeId::of::<T>()
+}
+
+fn is_output(argument: &Arg) -> bool {
+    is::<OutPath>(argument) || is::<NewFolder>(argument) || is::<FittedPath>(argument)
+}
+
+fn value_name(argument: &Arg) -> String {
+    argument.get_value_names().unwrap_or_default().join(" ")
+}
+
+/// Whether the values of an argument are paths, judged by the help alone.
+fn is_path(argument: &Arg) -> bool {
+    let name = value_name(argument);
+    ["FILE", "DIR", "EXPERIMENT", "MESH"].iter().any(|part| name.contains(part))
+        || name.contains(".csv")
+        || name.contains(".toml")
+}
+
+/// The words of a command line that give an argument this value.
+fn words(argument: &Arg, value: &str) -> Vec<String> {
+    let option = argument.get_long().map(|long| format!("--{long}"));
+    option.into_iter().chain(argument.get_action().takes_values().then(|| value.to_owned())).collect()
+}
+
+/// A valid value for an argument.
+fn sample(argument: &Arg) -> String {
+    let names = argument.get_possible_values();
+    match names.first() {
+        Some(name) => name.get_name().to_owned(),
+        None if argument.get_value_hint() == ValueHint::DirPath || is::<NewFolder>(argument) => "new-folder".to_owned(),
+        None if is_output(argument) => format!("new-{}", argument.get_id()),
+        None if value_name(argument) == "EXPERIMENT" => "quick".to_owned(),
+        None => "1".to_owned(),
+    }
+}
+
+/// A command line with these arguments, completed with whatever else the command requires; `None` if they conflict.
+fn line(command: &Command, given: &[(&Arg, &str)]) -> Option<Vec<String>> {
+    let mut given: Vec<(&Arg, String)> =
+        given.iter().map(|(argument, value)| (*argument, (*value).to_owned())).collect();
+    loop {
+        let (options, places): (Vec<_>, Vec<_>) = given.iter().partition(|(argument, _)| argument.get_long().is_some());
+        // Options that take several values would take the positional ones too.
+        let separator = (!places.is_empty()).then(|| "--".to_owned());
+        let (start, end): (Vec<_>, Vec<_>) = (
+            options.iter().flat_map(|(argument, value)| words(argument, value)).collect(),
+            places.iter().flat_map(|(argument, value)| words(argument, value)).collect(),
+        );
+        let line: Vec<String> =
+            [command.get_name().to_owned()].into_iter().chain(start).chain(separator).chain(end).collect();
+        let parsed = cli::definition().try_get_matches_from([&["machband".to_owned()], &line[..]].concat());
+        let Err(error) = parsed else { return Some(line) };
+        match (error.kind(), error.get(ContextKind::InvalidArg)) {
+            (ErrorKind::MissingRequiredArgument, Some(ContextValue::Strings(missing))) => {
+                let is_missing = |argument: &&Arg| missing.contains(&argument.to_string());
+                let more: Vec<_> = command.get_arguments().filter(is_missing).map(|arg| (arg, sample(arg))).collect();
+                assert!(!more.is_empty(), "{line:?}: {error}");
+                given.extend(more);
+            }
+            (ErrorKind::ArgumentConflict, _) => return None,
+            _ => panic!("{line:?}: {error}"),
+        }
+    }
+}
+
+/// Every command, with `--help` and the version left out.
+fn commands() -> Vec<Command> {
+    let mut definition = cli::definition();
+    definition.build();
+    definition.get_subcommands().filter(|command| command.get_name() != "help").cloned().collect()
+}
+
+/// The definition says which options are outputs. If it forgot one, the next test would not see that.
+#[test]
+fn every_path_is_an_input_or_an_output() {
+    let mut found = BTreeMap::<_, usize>::new();
+    for command in commands() {
+        for argument in command.get_arguments().filter(|argument| argument.get_action().takes_values()) {
+            let shown = format!("{} {argument}", command.get_name());
+            let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
+            let says_output =
+                help.starts_with("Where to write") || help.contains("to write") || argument.get_id() == "out";
+            assert_eq!(says_output || is::<FittedPath>(argument), is_output(argument), "{shown}: {help}");
+            let is_typed = is_output(argument) || is::<PathBuf>(argument) || is::<String>(argument);
+            assert!(is_typed || !is_path(argument), "{shown} is a path, but its type does not say so");
+            *found.entry((is_path(argument), is_output(argument))).or_default() += 1;
+        }
+        let has = |name: &str| command.get_arguments().any(|argument| argument.get_id() == name);
+        assert_eq!(has("force"), command.get_arguments().any(is::<OutPath>), "{}", command.get_name());
+    }
+    assert!(found[&(true, true)] >= 17 && found[&(true, false)] >= 20, "{found:?}");
+}
+
+/// Every command with each of its inputs as each of its outputs: refused before any work, and nothing changes.
+#[test]
+fn no_command_writes_over_its_inputs() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir_all(at("folder/sub")).unwrap();
+    // No command can read this, so any success or other error would show that work began.
+    fs::write(at("file"), "content").unwrap();
+    fs::write(at("folder/a.csv"), "content").unwrap();
+    let mut ways = vec!["", "./", "folder/../", "folder/sub/../../"];
+    #[cfg(unix)]
+    {
+        fs::hard_link(at("file"), at("hard-file")).unwrap();
+        std::os::unix::fs::symlink("file", at("link-file")).unwrap();
+        std::os::unix::fs::symlink("folder", at("link-folder")).unwrap();
+        ways.extend(["hard-", "link-"]);
+    }
+    let before = everything(folder.path());
+    let (mut pairs, mut together) = (BTreeSet::new(), BTreeSet::new());
+    for command in commands() {
+        let paths: Vec<&Arg> = command.get_arguments().filter(|arg| is_path(arg)).collect();
+        for output in paths.iter().filter(|argument| is_output(argument)) {
+            let name = if output.get_value_hint() == ValueHint::DirPath || is::<NewFolder>(output) {
+                "folder"
+            } else {
+                "file"
+            };
+            for other in paths.iter().filter(|other| other.get_id() != output.get_id()) {
+                for way in &ways {
+                    let path = format!("{way}{name}");
+                    if !folder.path().join(&path).exists() {
+                        continue;
+                    }
+                    let Some(mut line) = line(&command, &[(other, name), (output, &path)]) else { continue };
+                    // Even `--force` does not allow it.
+                    if command.get_arguments().any(|argument| argument.get_id() == "force") {
+                        line.insert(1, "--force".to_owned());
+                    }
+                    let error = fails(folder.path(), &line, if is::<NewFolder>(output) { 1 } else { 2 });
+                    let expected = ["is an input of this command", "is another output of this command", "is not empty"];
+                    // A folder that is an input as a whole cannot be the other output, which is a file.
+                    let is_refused =
+                        expected.iter().any(|part| error.contains(part)) || error.contains("is not a regular file");
+                    assert!(is_refused && error.contains(name), "{line:?}: {error}");
+                    assert!(everything(folder.path()) == before, "{line:?} changed something");
+                    let list = if is_output(other) { &mut together } else { &mut pairs };
+                    list.insert(format!("{} {} {}", command.get_name(), other.get_id(), output.get_id()));
+                }
+            }
+        }
+    }
+    for known in [
+        "counts paths out",
+        "predict experiment out",
+        "predict image map",
+        "plan experiment out",
+        "calibrate readings report",
+    ] {
+        assert!(pairs.contains(known), "{known} is not in {pairs:?}");
+    }
+    assert!(pairs.len() >= 30 && together.len() >= 10, "{pairs:?} {together:?}");
+}
+
+/// A mistyped `--out` cannot destroy a session, with `--force` or without, through a link or not.
+#[test]
+fn no_command_writes_over_a_session() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    succeeds(folder.path(), &split("simulate quick --results z"));
+    let stem = "z/quick/data/subject-S001_session-1_task-quick";
+    // Also a session that was copied elsewhere.
+    fs::create_dir(at("copy")).unwrap();
+    for end in ["_data.csv", "_data.json"] {
+        fs::copy(at(&format!("{stem}{end}")), at(&format!("copy/s{end}"))).unwrap();
+    }
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(at(&format!("{stem}_data.csv")), at("link.csv")).unwrap();
+    let before = everything(folder.path());
+    for (out, expected) in [
+        (format!("{stem}_data.csv"), "is inside the data folder"),
+        (format!("{stem}_data.json"), "is inside the data folder"),
+        (format!("{stem}_frames.csv"), "is inside the data folder"),
+        ("z/quick/data/new.csv".to_owned(), "is inside the data folder"),
+        ("z/quick/data/../data/new.csv".to_owned(), "is inside the data folder"),
+        ("z/quick/dataset_description.json".to_owned(), "belongs to the data set"),
+        ("z/quick/README.md".to_owned(), "belongs to the data set"),
+        ("copy/s_data.csv".to_owned(), "belongs to the session of"),
+        ("copy/s_data.json".to_owned(), "belongs to the session of"),
+        ("copy/s_frames.csv".to_owned(), "belongs to the session of"),
+        #[cfg(unix)]
+        ("link.csv".to_owned(), "is inside the data folder"),
+    ] {
+        for command in
+            ["counts z --out", "stimulus --size 8 --out", "stimulus --size 8 --profile", "predict --size 16 --out"]
+        {
+            for force in ["", " --force"] {
+                let error = fails(folder.path(), &split(&format!("{command} {out}{force}")), 2);
+                assert!(error.starts_with("error: ") && error.contains(expected), "{command} {out}: {error}");
+            }
+        }
+    }
+    for command in ["analyze z --tables-only", "stimuli quick --size 8"] {
+        let error = fails(folder.path(), &split(&format!("{command} --out z/quick/data --force")), 2);
+        assert!(error.contains("is inside the data folder"), "{error}");
+    }
+    assert!(everything(folder.path()) == before);
+}
+
+/// Other files are replaced only with `--force`; folders, devices and missing folders are refused.
+#[test]
+fn existing_files_are_replaced_only_with_force() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    succeeds(folder.path(), &split("simulate quick --participants 2 --results z"));
+    fs::write(
+        at("r.csv"),
+        "channel,level,luminance_cd_m2\ngray,0,0.3\ngray,0.25,5\ngray,0.5,22\ngray,0.75,50\ngray,1,90\n",
+    )
+    .unwrap();
+    succeeds(folder.path(), &split("stimulus --size 32 --out i.png"));
+    for (line, outputs) in [
+        ("counts z --out o", &["o"][..]),
+        ("stimulus --size 8 --out o --profile p", &["o", "p"]),
+        ("shade --shader flat --size 8 --out o --creases p", &["o", "p"]),
+        ("predict --size 16 --out o", &["o"]),
+        ("predict --image i.png --map o", &["o"]),
+        ("predict quick --size 16 --fit z --criterion o", &["o"]),
+        ("plan quick --participants 2 --studies 1 --effect oblique=1 --out o", &["o"]),
+        ("calibrate r.csv --out o --plot p.svg --report q", &["o", "p.svg", "q"]),
+    ] {
+        let run = |force: &str| machband(folder.path(), &split(&format!("{line}{force}")));
+        for output in outputs {
+            fs::write(at(output), "precious").unwrap();
+            let before = everything(folder.path());
+            let error = text(&run("").stderr);
+            assert_eq!(
+                error,
+                format!("error: {output}: already exists; expected a new file, or --force to replace it\n"),
+                "{line}"
+            );
+            assert!(everything(folder.path()) == before, "{line}");
+            fs::remove_file(at(output)).unwrap();
+        }
+        assert!(run("").status.success(), "{line}: {}", text(&run("").stderr));
+        outputs.iter().for_each(|output| fs::write(at(output), "old").unwrap());
+        assert!(run(" --force").status.success(), "{line}");
+        outputs.iter().for_each(|output| assert_ne!(fs::read(at(output)).unwrap(), b"old", "{line}"));
+        outputs.iter().for_each(|output| fs::remove_file(at(output)).unwrap());
+    }
+    // An analysis is replaced as a whole or not at all.
+    succeeds(folder.path(), &split("analyze z --tables-only --replicates 100 --out a"));
+    fs::remove_file(at("a/cells.csv")).unwrap();
+    fs::write(at("a/model.json"), "precious").unwrap();
+    let before = everything(folder.path());
+    let error = fails(folder.path(), &split("analyze z --tables-only --replicates 100 --out a"), 2);
+    assert!(error.starts_with("error: a/") && error.contains("--force"), "{error}");
+    assert!(everything(folder.path()) == before);
+    succeeds(folder.path(), &split("analyze z --tables-only --replicates 100 --out a --force"));
+    assert!(at("a/cells.csv").exists());
+    // The files of an input folder are inputs.
+    fs::create_dir(at("plain")).unwrap();
+    fs::copy(at("a/counts.csv"), at("plain/c.csv")).unwrap();
+    let before = everything(folder.path());
+    let error = fails(folder.path(), &split("counts plain --out plain/c.csv --force"), 2);
+    assert!(error.contains("is an input"), "{error}");
+    for (out, status, expected) in [
+        ("plain", 2, "is not a regular file"),
+        ("missing/o.csv", 1, "cannot write"),
+        ("missing/../o.csv", 1, "cannot write"),
+        ("i.png/o.csv", 1, "cannot write"),
+        #[cfg(unix)]
+        ("/dev/null", 2, "is not a regular file"),
+        #[cfg(unix)]
+        ("/dev/stdout", 2, "is not a regular file"),
+    ] {
+        let error = fails(folder.path(), &split(&format!("counts z --out {out} --force")), status);
+        assert!(error.starts_with(&format!("error: {out}: {expected}")), "{error}");
+    }
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("nothing", at("dangling")).unwrap();
+        assert!(fails(folder.path(), &split("counts z --out dangling --force"), 2).contains("is not a regular file"));
+        fs::remove_file(at("dangling")).unwrap();
+    }
+    assert!(everything(folder.path()) == before);
+    // A link to another file stays a link; the file is replaced.
+    #[cfg(unix)]
+    {
+        fs::write(at("target"), "old").unwrap();
+        std::os::unix::fs::symlink("target", at("link")).unwrap();
+        fails(folder.path(), &split("counts z --out link"), 2);
+        succeeds(folder.path(), &split("counts z --out link --force"));
+        assert!(at("link").is_symlink() && fs::read(at("target")).unwrap().starts_with(b"subject_id,"));
+    }
+}
+
+/// `stimuli` continues an interrupted run, but replaces nothing else.
+#[test]
+fn stimuli_keeps_the_images_of_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |options: &str| machband(folder.path(), &split(&format!("stimuli quick --size 8 --out s {options}")));
+    let refused = |options: &str, file: &str| {
+        let before = everything(folder.path());
+        let output = run(options);
+        assert_eq!(output.status.code(), Some(2), "{file}");
+        assert!(text(&output.stderr).contains(&format!("{file}: already exists")), "{}", text(&output.stderr));
+        assert!(everything(folder.path()) == before, "{file}");
+    };
+    fs::create_dir(folder.path().join("s")).unwrap();
+    for name in ["manifest.csv", "manifest-1-of-1.csv"] {
+        let path = folder.path().join("s").join(name);
+        fs::write(&path, "my,own,list\n").unwrap();
+        refused("", name);
+        fs::remove_file(path).unwrap();
+    }
+    assert!(run("").status.success() && run("").status.success());
+    let images: Vec<PathBuf> = everything(&folder.path().join("s")).into_iter().map(|(path, _)| path).collect();
+    let first = &images[0];
+    // An image that a killed run made but did not list is kept.
+    let list = folder.path().join("s/manifest.csv");
+    let lines = fs::read_to_string(&list).unwrap();
+    let whole = everything(&folder.path().join("s"));
+    fs::write(&list, lines.lines().take(1).collect::<String>() + "\n").unwrap();
+    assert!(run("").status.success());
+    assert!(everything(&folder.path().join("s")) == whole);
+    let shown = Path::new("s").join(first.file_name().unwrap()).display().to_string();
+    refused("--bits 16", &shown);
+    fs::write(first, "precious").unwrap();
+    refused("", &shown);
+    assert!(run("--force").status.success() && everything(&folder.path().join("s")) == whole);
+}
