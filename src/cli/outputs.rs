@@ -8,7 +8,7 @@ use clap::{
     builder::{MapValueParser, PathBufValueParser, TypedValueParser as _, ValueParserFactory},
 };
 
-use crate::store::{StoreError, Writer};
+use crate::store::{StoreError, Writer, ratings::with_files};
 
 macro_rules! output_path {
     ($(#[$documentation:meta])* $name:ident) => {
@@ -89,7 +89,8 @@ pub(super) fn writer(command: &Command, matches: &ArgMatches) -> Result<Writer, 
         folders.extend(values(argument, matches, |path: &NewFolder| path.0.clone()));
     }
     let force = matches!(matches.try_get_one::<bool>(FORCE), Ok(Some(true)));
-    let writer = Writer::new(inputs, force);
+    // Without `--force`, no existing file is replaced anyway.
+    let writer = Writer::new(if force { with_files(inputs) } else { inputs }, force);
     folders.iter().try_for_each(|folder| writer.check_folder(folder))?;
     writer.check(files.iter().map(PathBuf::as_path))?;
     Ok(writer)

@@ -1,7 +1,9 @@
 //! Writes every file that the user named, in a command or on a page, without destroying anything.
 
+#[cfg(unix)]
+use std::os::unix::fs::MetadataExt as _;
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeSet, HashSet},
     fs, io,
     path::{Path, PathBuf},
 };
@@ -13,7 +15,7 @@ use super::{
     dataset::{DATA_FILE, DESCRIPTION, SIDECAR_SUFFIX},
     error::io,
     file::{folder_of, full_path, make_folder, sync_folder, temporary},
-    frames, ratings,
+    frames,
 };
 
 /// Writes the outputs of one command or page.
@@ -22,14 +24,14 @@ use super::{
 /// regular file. It replaces other files only if it is allowed to.
 #[derive(Clone, Debug, Default)]
 pub struct Writer {
-    inputs: Vec<PathBuf>,
+    inputs: HashSet<Identity>,
     force: bool,
 }
 
 impl Writer {
     /// Creates a writer for a call that reads the files and folders `inputs`; with `force`, it replaces existing files.
     pub fn new(inputs: impl IntoIterator<Item = PathBuf>, force: bool) -> Self {
-        Self { inputs: inputs.into_iter().collect(), force }
+        Self { inputs: inputs.into_iter().filter_map(|path| identity(&path)).collect(), force }
     }
 
     /// Returns a writer that replaces existing files.
@@ -62,7 +64,7 @@ impl Writer {
         if target.exists() && !target.is_dir() {
             return Err(protected(folder, "is not a folder; expected a folder for the files to write"));
         }
-        if self.inputs.iter().any(|input| is_same(input, &target)) {
+        if self.reads(&target) {
             return Err(protected(folder, "is an input of this command; expected a different folder"));
         }
         data_set(&target).filter(|(_, is_data)| *is_data).map_or(Ok(()), |(root, _)| Err(in_data(folder, &root)))
@@ -152,13 +154,8 @@ impl Writer {
         }
     }
 
-    /// Returns whether the file at `target` is an input or one of the files read from an input folder.
     fn reads(&self, target: &Path) -> bool {
-        self.inputs.iter().any(|input| {
-            let is_below = || input.canonicalize().is_ok_and(|folder| target.starts_with(folder));
-            let is_listed = || ratings::files_in(input).iter().any(|file| is_same(file, target));
-            is_same(input, target) || (input.is_dir() && is_below() && is_listed())
-        })
+        identity(target).is_some_and(|found| self.inputs.contains(&found))
     }
 }
 
@@ -190,15 +187,17 @@ fn sidecar(target: &Path) -> Option<PathBuf> {
     Some(target.with_file_name(format!("{stem}{SIDECAR_SUFFIX}"))).filter(|sidecar| sidecar.exists())
 }
 
-/// Returns whether two paths lead to the same existing file or folder, also through links and hard links.
-fn is_same(one: &Path, other: &Path) -> bool {
+/// What is the same for all paths of a file or folder, through links and hard links: its device and number.
+#[cfg(unix)]
+type Identity = (u64, u64);
+/// The full path. Replacing one of several hard links leaves the content under the other names as it is.
+#[cfg(not(unix))]
+type Identity = PathBuf;
+
+/// Returns the identity of an existing file or folder.
+fn identity(path: &Path) -> Option<Identity> {
     #[cfg(unix)]
-    let identity = |path: &Path| {
-        let found = fs::metadata(path).ok()?;
-        Some((std::os::unix::fs::MetadataExt::dev(&found), std::os::unix::fs::MetadataExt::ino(&found)))
-    };
-    // Replacing one of several hard links leaves the content under the other names as it is.
+    return fs::metadata(path).ok().map(|found| (found.dev(), found.ino()));
     #[cfg(not(unix))]
-    let identity = |path: &Path| path.canonicalize().ok();
-    identity(one).is_some_and(|one| Some(one) == identity(other))
+    return path.canonicalize().ok();
 }

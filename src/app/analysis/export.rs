@@ -15,12 +15,17 @@ use crate::{
         work::{BackgroundTask, Progress},
     },
     report::{Provenance, Study, study::shell_command, write_all},
-    store::{StoreError, Writer, ratings::ReadOptions},
+    store::{
+        StoreError, Writer,
+        ratings::{ReadOptions, with_files},
+    },
 };
 
 /// The folder field and the outcome of the last export.
 pub struct Export {
     paths: Vec<PathBuf>,
+    /// The paths and the files in those that are folders. The export never replaces them.
+    inputs: Vec<PathBuf>,
     folder: String,
     dialog: Dialog,
     work: Option<(PathBuf, BackgroundTask<Result<usize, StoreError>>)>,
@@ -44,6 +49,7 @@ impl Export {
         let name = name.map_or("machband".into(), |name| name.to_string_lossy());
         Self {
             folder: format!("{name}-analysis"),
+            inputs: with_files(paths.clone()),
             paths,
             dialog: Dialog::default(),
             work: None,
@@ -62,7 +68,7 @@ impl Export {
         ui.horizontal_wrapped(|ui| {
             let folder = PathBuf::from(self.folder.trim());
             let ready = exported.is_some() && self.work.is_none() && !folder.as_os_str().is_empty();
-            let writer = self.saving.button(ui, "Export", ready, &folder, &self.paths);
+            let writer = self.saving.button(ui, "Export", ready, &folder, &self.inputs);
             if let Some((exported, writer)) = exported.zip(writer) {
                 self.start(ui.ctx(), folder, writer, exported);
             }

@@ -57,9 +57,11 @@ pub fn data_files(root: &Path) -> Result<Vec<PathBuf>, FileErrors> {
     Ok(files)
 }
 
-/// Returns the files that are read from a folder; none if it cannot be read.
-pub(in crate::store) fn files_in(root: &Path) -> Vec<PathBuf> {
-    folder(root).unwrap_or_default()
+/// Returns these paths and the files that would be read from those that are folders.
+pub fn with_files(mut paths: Vec<PathBuf>) -> Vec<PathBuf> {
+    let files: Vec<_> = paths.iter().filter(|path| path.is_dir()).filter_map(|path| folder(path).ok()).collect();
+    paths.extend(files.into_iter().flatten());
+    paths
 }
 
 /// Returns the data files in a folder and its subfolders; if there are none, all its CSV files.

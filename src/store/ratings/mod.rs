@@ -12,7 +12,6 @@ mod selection;
 mod source;
 mod trials;
 
-pub use files::data_files;
-pub(super) use files::files_in;
+pub use files::{data_files, with_files};
 pub use reader::read;
 pub use source::{FileRead, Layout, ReadOptions, SessionRead, Shape, Source};
