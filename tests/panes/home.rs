@@ -267,6 +267,13 @@ fn the_gallery_shows_every_kind_and_explains_errors() {
     click(&mut harness, "Export PNG");
     let said = machband::store::image::verify(&path).unwrap();
     assert!(said.contains("shaded-cylinder"), "{said}");
+    // An existing file is replaced only after a question.
+    std::fs::write(&path, "precious").unwrap();
+    click(&mut harness, "Export PNG");
+    harness.get_by_label_contains("already exists");
+    assert_eq!(std::fs::read(&path).unwrap(), b"precious");
+    click(&mut harness, "Replace");
+    machband::store::image::verify(&path).unwrap();
     click(&mut harness, "Copy as command");
     harness.get_by_label_contains("--shading=phong");
     press(&mut harness, Key::Escape);
