@@ -1,7 +1,11 @@
 //! Guards the inputs and outputs of every command. Both follow from the types of its options, so a new command is
 //! guarded too.
 
-use std::{any::TypeId, ffi::OsString, ops::Deref, path::Path, path::PathBuf};
+use std::{
+    any::TypeId,
+    ops::Deref,
+    path::{Path, PathBuf},
+};
 
 use clap::{
     Arg, ArgAction, ArgMatches, Command, ValueHint,
@@ -77,11 +81,12 @@ pub(super) fn writer(command: &Command, matches: &ArgMatches) -> Result<Writer, 
     let is_fit = command.get_arguments().any(|argument| argument.get_id() == FIT) && matches.contains_id(FIT);
     for argument in command.get_arguments() {
         let is_folder = argument.get_value_hint() == ValueHint::DirPath;
-        inputs.extend(values(argument, matches, PathBuf::clone));
-        // Texts such as the name of a definition or a mesh can also be paths.
-        let texts = values(argument, matches, |text: &String| PathBuf::from(text));
-        let other_texts = values(argument, matches, |text: &OsString| PathBuf::from(text));
-        inputs.extend(texts.chain(other_texts).filter(|path| path.exists()));
+        let reads_folders = argument.get_value_names().unwrap_or_default().iter().any(|name| name.contains("DIR"));
+        let paths = values(argument, matches, PathBuf::clone);
+        // Texts can also be paths.
+        let paths = paths.chain(values(argument, matches, |text: &String| PathBuf::from(text)));
+        // A built-in definition may have the same name as a folder.
+        inputs.extend(paths.filter(|path| reads_folders || path.is_file()));
         let fitted = values(argument, matches, |path: &FittedPath| path.0.clone());
         if is_fit { &mut files } else { &mut inputs }.extend(fitted);
         let written = values(argument, matches, |path: &OutPath| path.0.clone());

@@ -311,7 +311,7 @@ fn timing_measures_reports_and_exports() {
     fs::remove_file(&out).unwrap();
     fs::write(out.with_extension("svg"), "precious").unwrap();
     click(&mut window, "Export");
-    assert!(says(&window, "timing.svg already exists") && !out.exists());
+    assert!(says(&window, "frames.svg already exists") && !out.exists());
     assert_eq!(fs::read(out.with_extension("svg")).unwrap(), b"precious");
     click(&mut window, "Replace");
     let csv = fs::read_to_string(&out).unwrap();
