@@ -221,6 +221,7 @@ Ratings recorded with machband {version}, using the definition `{name}`.
   of each column.
 - `data/…{frames}`: every frame interval, if a screen was used.
 - `{REGISTER}`: when each session started, was resumed and ended, with the hashes of its files at that time.
+  It is not exported.
 
 Missing values are empty. A corrected response is a separate row with `attempt` + 1; the last attempt of a trial
 counts. Rows with the `phase` practice are not data.

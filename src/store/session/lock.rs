@@ -71,8 +71,16 @@ impl Drop for LockFile {
     }
 }
 
+/// Removes the lock file that a killed program left next to a data file that is complete.
+pub(super) fn remove_left(csv: &Path, is_locked: bool) {
+    if path(csv).exists() {
+        // Without a lock file of its own, this changes nothing.
+        let _ = LockFile::create(csv, is_locked);
+    }
+}
+
 /// Returns the path of the lock file for a data file.
-pub(super) fn path(csv: &Path) -> PathBuf {
+fn path(csv: &Path) -> PathBuf {
     let mut name = csv.file_name().unwrap_or_default().to_owned();
     name.push(SUFFIX);
     csv.with_file_name(name)

@@ -5,7 +5,7 @@ use std::{collections::HashSet, path::Path, time::Duration};
 use super::{
     dataset::{REGISTER, SessionPaths},
     frames::{FrameFile, FrameRow},
-    lock::LockFile,
+    lock::{self, LockFile},
     register::{Entry, Event, Register},
     results::{self, Recovered, ResultFile},
     seal::{self, Difference},
@@ -137,7 +137,9 @@ impl SessionStore {
         let (protocol, identity, frames) = (protocol.clone(), identity.clone(), frames.ok());
         let mut store = Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false, lock: None };
         // From here on, the files are changed, unless the session is complete.
-        if !is_finished {
+        if is_finished {
+            lock::remove_left(&store.paths.csv, store.rows.file.is_locked());
+        } else {
             let (lock, incidents) = LockFile::create(&store.paths.csv, store.rows.file.is_locked())?;
             store.lock = Some(lock);
             // The session is locked, so no other program is about to write its sidecar.
