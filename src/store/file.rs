@@ -4,7 +4,8 @@ use std::{
     fs::{self, File, OpenOptions, TryLockError},
     io::{Error, ErrorKind, Read as _, Seek as _, SeekFrom, Write as _},
     path::{Path, PathBuf},
-    time::{Duration, SystemTime},
+    thread::sleep,
+    time::{Duration, Instant, SystemTime},
 };
 
 use rayon::prelude::*;
@@ -413,6 +414,22 @@ fn has_no_locks(error: &Error) -> bool {
 /// An incomplete line has fewer bytes than this.
 const MAX_PARTIAL_LINE: u64 = 1 << 16;
 
+/// How long to wait for other programs that append a line to the same file, which takes them less than a millisecond.
+const MAX_WAIT: Duration = Duration::from_secs(10);
+
+/// Waits until a file is locked, unless the file system does not support locks.
+fn lock_in_turn(file: &File) -> std::io::Result<()> {
+    let started = Instant::now();
+    loop {
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) if started.elapsed() < MAX_WAIT => sleep(Duration::from_millis(1)),
+            Err(TryLockError::WouldBlock) => return Err(Error::other("another program keeps it locked")),
+            Err(TryLockError::Error(error)) if !has_no_locks(&error) => return Err(error),
+            _ => return Ok(()),
+        }
+    }
+}
+
 /// Appends a line to a file that several programs share, and waits until it is on disk. A new file begins with `header`.
 /// Each program waits until the others have written their lines. An incomplete last line, which an interrupted program
 /// left, is removed.
@@ -424,11 +441,7 @@ pub(super) fn append_line(path: &Path, header: &str, line: &str) -> Result<(), S
     let open = OpenOptions::new().read(true).append(true).create(true).open(path);
     let mut file = open.map_err(io(path, "open"))?;
     let mut append = || {
-        if let Err(error) = file.lock()
-            && !has_no_locks(&error)
-        {
-            return Err(error);
-        }
+        lock_in_turn(&file)?;
         let header = format!("{header}\n");
         let (mut head, mut tail, length) = (Vec::new(), Vec::new(), file.metadata()?.len());
         (&file).take(header.len() as u64).read_to_end(&mut head)?;

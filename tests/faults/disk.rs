@@ -44,6 +44,11 @@ pub fn unparsable(folder: &Path, definition: usize) -> Vec<String> {
     json.chain(rows).filter_map(|(path, fault)| Some(format!("{}: {}", path.display(), fault?))).collect()
 }
 
+/// The texts of the sidecars below a folder.
+pub fn sidecars(folder: &Path) -> Vec<String> {
+    files(folder, "_data.json").into_iter().map(|(_, text)| String::from_utf8_lossy(&text).into_owned()).collect()
+}
+
 /// The complete lines of a result file; empty if there is no file.
 pub fn lines(csv: &Path) -> Vec<String> {
     let text = String::from_utf8_lossy(&fs::read(csv).unwrap_or_default()).into_owned();

@@ -53,7 +53,13 @@ impl<'a> Scene<'a> {
 
     /// Starts a child that waits after this many rows.
     fn waiting(&self, rows: usize) -> Waiting {
+        self.waiting_with(rows, &[])
+    }
+
+    /// Starts such a child with these faults.
+    fn waiting_with(&self, rows: usize, faults: &[Fault]) -> Waiting {
         let mut command = run::child(DEFINITION, &self.first(), &self.second(), false);
+        shim::set(&mut command, faults, self.folder.path(), &self.folder.path().join("log of the child"));
         command.env("MACHBAND_CHILD_WAIT", rows.to_string());
         let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
         let mut stdout = BufReader::new(child.stdout.take().unwrap());
@@ -105,6 +111,7 @@ pub fn play(sweep: &Sweep, table: &mut Table) {
     for rows in [1, 3, 7] {
         table.line("the folder is removed during the session", removed(sweep, rows));
         table.line("two programs open the same session", two_at_once(sweep, rows));
+        table.line("two programs open the same session, without locks", without_locks(sweep, rows));
         table.line("the clock is turned back between sittings", clock_back(sweep, rows));
         for (name, what) in [("the disk becomes full", "ENOSPC"), ("the folder becomes read-only", "EROFS")] {
             table.line(name, lasting(sweep, rows, what));
@@ -144,6 +151,26 @@ fn two_at_once(sweep: &Sweep, rows: usize) -> Counts {
     assert_eq!(fs::read(scene.csv()).unwrap(), before);
     let report = waiting.end();
     assert!(report.done && report.errors.is_empty(), "{report:?}");
+    [scene.assert_kept(&report, &scene.first()), vec![("reported an error", 1)]].concat()
+}
+
+/// The file system does not support locks. The file that names the first program keeps the second one out, and the
+/// sidecar says that locks do not work.
+fn without_locks(sweep: &Sweep, rows: usize) -> Counts {
+    let scene = Scene::new(sweep);
+    let fault = Fault { op: "lock", n: 1, what: "ENOLCK", repeated: true };
+    let waiting = scene.waiting_with(rows, std::slice::from_ref(&fault));
+    let before = fs::read(scene.csv()).unwrap();
+    let mut command = run::binary(&sweep.definition(DEFINITION), &scene.first(), true);
+    let log = scene.folder.path().join("log");
+    let (second, _) = shim::run_with(&mut command, &[fault], scene.folder.path(), &log);
+    let sentence = format!("process {} on", waiting.child.id());
+    assert!(second.status.code() == Some(1) && second.stderr.contains(&sentence), "{second:?}");
+    assert_eq!(fs::read(scene.csv()).unwrap(), before);
+    let report = waiting.end();
+    assert!(report.done && report.errors.is_empty(), "{report:?}");
+    let sidecar = fs::read_to_string(disk::paths(&scene.first(), DEFINITION).sidecar).unwrap();
+    assert!(sidecar.contains("does not support locks"), "{sidecar}");
     [scene.assert_kept(&report, &scene.first()), vec![("reported an error", 1)]].concat()
 }
 

@@ -30,7 +30,8 @@ static const char *const op_names[OPS] = {"open", "read", "write", "sync", "rena
                                           "seek", "stat", "unlink", "mkdir", "lock", "clock"};
 
 static const struct { const char *name; int number; } errors[] = {
-    {"EIO", EIO}, {"ENOSPC", ENOSPC}, {"EROFS", EROFS}, {"EACCES", EACCES}, {"EMFILE", EMFILE}, {"EINTR", EINTR}};
+    {"EIO", EIO}, {"ENOSPC", ENOSPC}, {"EROFS", EROFS}, {"EACCES", EACCES}, {"EMFILE", EMFILE}, {"EINTR", EINTR},
+    {"ENOLCK", ENOLCK}};
 
 static struct { enum op op; long n; char what[16]; int from_then_on; } faults[8];
 static int fault_count;

@@ -56,14 +56,18 @@ pub struct Log {
 
 /// Runs a program with these faults, which affect only paths below `under`.
 pub fn run_with(command: &mut Command, faults: &[Fault], under: &Path, log: &Path) -> (run::ProgramResult, Log) {
+    let ended = run::ended(set(command, faults, under, log));
+    (ended, read(&std::fs::read_to_string(log).unwrap_or_default()))
+}
+
+/// Sets the environment variables for these faults.
+pub fn set<'a>(command: &'a mut Command, faults: &[Fault], under: &Path, log: &Path) -> &'a mut Command {
     let spec: Vec<String> = faults.iter().map(Fault::to_string).collect();
     command
         .env("LD_PRELOAD", library().map_or(OsStr::new(""), Path::as_os_str))
         .env("MACHBAND_FAULT", spec.join(","))
         .env("MACHBAND_FAULT_UNDER", under)
-        .env("MACHBAND_FAULT_LOG", log);
-    let ended = run::ended(command);
-    (ended, read(&std::fs::read_to_string(log).unwrap_or_default()))
+        .env("MACHBAND_FAULT_LOG", log)
 }
 
 fn read(text: &str) -> Log {
