@@ -24,7 +24,7 @@ mkdir -p "$figures"
 panel() {
     local figure=$1 label=$2
     shift 2
-    "$machband" shade --size 240 --out "$work/raw.png" "$@"
+    "$machband" shade --size 240 --force --out "$work/raw.png" "$@"
     # The label goes below the picture; the picture itself does not change.
     convert "$work/raw.png" -strip -background white -gravity south -splice 0x22 -pointsize 13 -fill black \
         -annotate +0+4 "$label" "$work/$figure-$(printf '%02d' "${#panels[@]}").png"

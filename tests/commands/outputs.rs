@@ -350,3 +350,19 @@ fn stimuli_keeps_the_images_of_others() {
     refused("", &shown);
     assert!(run("--force").status.success() && everything(&folder.path().join("s")) == whole);
 }
+
+/// No command or page writes a file itself: everything goes through the store.
+#[test]
+fn only_the_store_writes_files() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let files = everything(&source);
+    let others = files.iter().filter(|(path, _)| !path.starts_with(source.join("store")));
+    for (path, content) in others.clone() {
+        let Ok(content) = std::str::from_utf8(content) else { continue };
+        for call in ["fs::write", " File::create", "OpenOptions", "fs::rename", "fs::copy", "create_dir", "remove_file"]
+        {
+            assert!(!content.contains(call), "{}: {call}", path.display());
+        }
+    }
+    assert!(others.count() > 100);
+}

@@ -10,6 +10,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod disk;
+mod outputs;
 mod run;
 mod scenes;
 mod shim;

@@ -406,7 +406,8 @@ impl Harness {
 
     /// Checks that the screen shows, byte for byte, the image that `machband stimulus` writes, on a uniform field.
     pub fn compare_with_image(&self, row: &Row, size: u32) {
-        let mut arguments = vec!["stimulus".to_owned(), "--out=stimulus.png".to_owned(), format!("--size={size}")];
+        let mut arguments = ["stimulus", "--force", "--out=stimulus.png"].map(str::to_owned).to_vec();
+        arguments.push(format!("--size={size}"));
         for name in ["width", "depth", "orientation_deg", "low", "high", "color"] {
             arguments.push(format!("--{}={}", name.trim_end_matches("_deg"), row[name]));
         }
