@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    Link, ModelError, ModelReport, ModelSpec, Note, Prediction, Random, TermTest,
+    Link, MAX_COEFFICIENTS, ModelError, ModelReport, ModelSpec, Note, Prediction, Random, TermTest,
     agreement::{Alpha, mean_over_subjects, ordinal_alpha, retests},
     bootstrap::{Bootstrap, Interval},
     counts::{Measured, Quartiles, Times},
@@ -27,6 +27,8 @@ pub struct Options {
     pub quadrature: usize,
     /// Whether to test terms for effects on the spread of the ratings as well.
     pub scale: bool,
+    /// Maximum number of coefficients of the model.
+    pub max_coefficients: usize,
     /// The bootstrap for all intervals that do not come from the model.
     pub bootstrap: Bootstrap,
 }
@@ -39,6 +41,7 @@ impl Default for Options {
             random: None,
             quadrature: 1,
             scale: false,
+            max_coefficients: MAX_COEFFICIENTS,
             bootstrap: Bootstrap::default(),
         }
     }
@@ -176,6 +179,7 @@ fn model_spec(measured: &Measured, options: &Options) -> ModelSpec {
         link: options.link,
         random: options.random.unwrap_or(random),
         quadrature: options.quadrature,
+        max_coefficients: options.max_coefficients,
         ..ModelSpec::new(options.terms.clone().unwrap_or_else(|| Terms::factors(&varied)))
     }
 }

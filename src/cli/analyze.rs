@@ -58,7 +58,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let names: Vec<String> =
         terms.iter().flatten().flat_map(|term| &term.variables).map(|variable| variable.name().to_owned()).collect();
     let progress = super::spinner("reading");
-    let study = arguments.ratings.read(&names, true)?;
+    let study = arguments.ratings.read(&names, true, arguments.model.large)?;
     progress.set_message("analyzing");
     let categories = &study.measured.counts.categories;
     if study.source.shape.categories.is_none() && numbers_of(categories).is_none() {
@@ -76,6 +76,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         random: arguments.random,
         quadrature: arguments.model.quadrature.into(),
         scale: arguments.scale,
+        max_coefficients: arguments.model.max_coefficients(),
         bootstrap: Bootstrap {
             replicates: arguments.replicates as usize,
             seed: arguments.seed,
@@ -124,6 +125,7 @@ fn is_usage(error: &ModelError) -> bool {
             | ModelError::NotANumber { .. }
             | ModelError::InfiniteDepth { .. }
             | ModelError::Quadrature { .. }
+            | ModelError::TooManyCoefficients { .. }
     )
 }
 

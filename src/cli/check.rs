@@ -10,7 +10,7 @@ use indicatif::ProgressBar;
 use super::{print_line, progress_style, warn};
 use crate::{
     report::document::numbers::count,
-    store::{self, dataset::REGISTER, ratings, register::Register, verify},
+    store::{self, dataset::REGISTER, image::MAX_PIXELS, ratings, register::Register, verify},
 };
 
 /// Check definitions, result files, display profiles, readings, observers and images, and report every error.
@@ -22,12 +22,16 @@ pub(super) struct CheckArguments {
     /// Files, or names of built-in definitions.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
+    /// Also check images of more than 4096 × 4096 pixels, which needs more time and memory.
+    #[arg(long)]
+    large: bool,
 }
 
 pub(super) fn check(arguments: &CheckArguments) -> anyhow::Result<()> {
+    let pixels = if arguments.large { u64::MAX } else { MAX_PIXELS };
     let mut errors = Vec::new();
     for file in &arguments.files {
-        match store::check::check(file) {
+        match store::check::check_large(file, pixels) {
             Ok(found) => {
                 if let Some(profile) = &found.profile {
                     warn(file, profile);
@@ -53,6 +57,9 @@ pub(super) struct VerifyArguments {
     folder: PathBuf,
 }
 
+/// Maximum number of errors that are kept until all sessions are verified.
+const MAX_ERRORS: usize = 1000;
+
 pub(super) fn verify(arguments: &VerifyArguments) -> anyhow::Result<()> {
     let registers = registers(&arguments.folder);
     // If every session was deleted, the register still lists them.
@@ -62,7 +69,7 @@ pub(super) fn verify(arguments: &VerifyArguments) -> anyhow::Result<()> {
     })?;
     let bar = ProgressBar::new(files.len() as u64).with_style(progress_style("sessions"));
     let mut renderer = verify::Renderer::default();
-    let (mut errors, mut sentences) = (Vec::new(), Vec::new());
+    let (mut errors, mut further) = (Vec::new(), 0);
     let mut folders: BTreeSet<PathBuf> =
         files.iter().filter_map(|csv| Some(csv.parent()?.parent()?.to_owned())).collect();
     folders.extend(registers);
@@ -80,13 +87,15 @@ pub(super) fn verify(arguments: &VerifyArguments) -> anyhow::Result<()> {
     for csv in &files {
         let folder = csv.parent().and_then(Path::parent).map(Path::to_owned).unwrap_or_default();
         let found = verify::session(csv, &mut renderer, listed.get(&folder).unwrap_or(&unlisted));
+        bar.suspend(|| print_line(&format!("{}: {}", csv.display(), sentence(&found))))?;
         bar.inc(1);
-        sentences.push(format!("{}: {}", csv.display(), sentence(&found)));
-        errors.extend(found.errors.iter().map(ToString::to_string));
+        for error in &found.errors {
+            if errors.len() < MAX_ERRORS { errors.push(error.to_string()) } else { further += 1 }
+        }
     }
     bar.finish_and_clear();
-    for sentence in &sentences {
-        print_line(sentence)?;
+    if further > 0 {
+        errors.push(format!("{}: further errors: {further}; expected none", arguments.folder.display()));
     }
     if errors.is_empty() {
         print_line(&format!("{} verified; no errors", count(files.len() as u64, "session")))

@@ -9,7 +9,7 @@ use clap::{
 
 use super::UsageError;
 use crate::{
-    analysis::{Link, MAX_NODES, terms::Terms},
+    analysis::{Link, MAX_COEFFICIENTS, MAX_NODES, terms::Terms},
     light::{Bits, Dither, Transfer, Transfers},
     stimulus::{KINDS, Parameter, ParameterValue, Stimulus, catalog, recipe::Recipe},
     store,
@@ -36,9 +36,19 @@ pub(super) struct ModelOptions {
     /// Number of nodes of the adaptive Gauss–Hermite quadrature; 1 is the Laplace approximation.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=MAX_NODES as i64))]
     pub(super) quadrature: u16,
+    /// Also analyze what is larger than a usual study: more than 16 factors, 200 levels of a factor, 20,000 conditions,
+    /// 20,000 participants or 200 coefficients, or names of more than 200 bytes. The time grows with their square or
+    /// cube.
+    #[arg(long)]
+    pub(super) large: bool,
 }
 
 impl ModelOptions {
+    /// Returns the maximum number of coefficients.
+    pub(super) fn max_coefficients(&self) -> usize {
+        if self.large { usize::MAX } else { MAX_COEFFICIENTS }
+    }
+
     /// Parses the terms, if any were given.
     pub(super) fn terms(&self) -> Result<Option<Terms>, UsageError> {
         let terms = self.terms.as_deref().map(Terms::parse).transpose();

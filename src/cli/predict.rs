@@ -16,9 +16,13 @@ use crate::{
         tables::Table,
     },
     stimulus::ViewingConditions,
-    store::{self, Writer, definition, observer, ratings::ReadOptions},
+    store::{self, Writer, definition, image::MAX_PIXELS, observer, ratings::ReadOptions},
     vision::{Criterion, Visibility},
 };
+
+/// Maximum number of conditions of a definition, unless the user allows more. A prediction takes milliseconds; a study has
+/// a hundred conditions.
+const MAX_CONDITIONS: usize = 2000;
 
 /// Predict the visibility of Mach bands in one stimulus, in every condition of a definition, or in any image.
 ///
@@ -35,6 +39,10 @@ pub(super) struct Arguments {
     /// Predict the bands in this image, which can be any opaque PNG.
     #[arg(long, value_name = "FILE.png", conflicts_with = "experiment")]
     image: Option<PathBuf>,
+    /// Also accept more than 2000 conditions, an image of more than 4096 × 4096 pixels, up to 16384 per side, and ratings
+    /// beyond the limits of `analyze`. Needs more time and memory.
+    #[arg(long)]
+    large: bool,
     /// Where to write a map of the image's bands: bright bands are white, dark bands are black.
     #[arg(long, value_name = "FILE.png", requires = "image")]
     map: Option<OutPath>,
@@ -78,8 +86,11 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let viewing = |window_deg| ViewingConditions { window_deg, white_cd_m2: white };
     if let Some(experiment) = &arguments.experiment {
         let protocol = definition::open(experiment)?;
-        let study =
-            if arguments.fit.is_empty() { None } else { Some(Study::read(&arguments.fit, &ReadOptions::default())?) };
+        let study = if arguments.fit.is_empty() {
+            None
+        } else {
+            Some(Study::read(&arguments.fit, &ReadOptions { large: arguments.large, ..ReadOptions::default() })?)
+        };
         let planned = study.as_ref().map_or(protocol.viewing.window_deg, |study| window_deg(&study.source, &protocol));
         return all(arguments, writer, &protocol, study.as_ref(), &viewing(window.unwrap_or(planned)));
     }
@@ -117,7 +128,7 @@ fn image(
     viewing: &ViewingConditions,
 ) -> anyhow::Result<Visibility> {
     let (transfers, _) = arguments.transfer.transfers()?;
-    let image = store::image::read_light(path, &transfers)?;
+    let image = store::image::read_light(path, &transfers, if arguments.large { u64::MAX } else { MAX_PIXELS })?;
     let view = viewing.predict_image(&image).map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))?;
     if let Some(map) = &arguments.map {
         // The strongest band is white or black; medium gray means no band.
@@ -139,6 +150,13 @@ fn all(
     viewing: &ViewingConditions,
 ) -> anyhow::Result<()> {
     let conditions = protocol.conditions()?;
+    if conditions.len() > MAX_CONDITIONS && !arguments.large {
+        let (name, found) = (&protocol.name, conditions.len());
+        let message = format!(
+            "{name}: the number of conditions is {found}; expected at most {MAX_CONDITIONS}, or the option --large"
+        );
+        return Err(UsageError(message).into());
+    }
     let seen = visibilities(&conditions, viewing, arguments.size)
         .map_err(|error| anyhow::anyhow!("{}: {error}", protocol.stimulus.kind()))?;
     let header: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();

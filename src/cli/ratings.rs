@@ -40,7 +40,7 @@ pub(super) struct RatingOptions {
 
 impl RatingOptions {
     /// Reads the files; `also` names additional columns that a model needs.
-    pub(super) fn read(&self, also: &[String], details: bool) -> anyhow::Result<Study> {
+    pub(super) fn read(&self, also: &[String], details: bool, large: bool) -> anyhow::Result<Study> {
         let how = ReadOptions {
             subject: self.subject.clone(),
             response: self.response.clone(),
@@ -50,6 +50,7 @@ impl RatingOptions {
             also: also.to_vec(),
             complete_only: self.complete_only,
             details,
+            large,
         };
         Ok(Study::read(&self.paths, &how)?)
     }
@@ -112,7 +113,7 @@ pub(super) struct CountsArguments {
 
 pub(super) fn counts(arguments: &CountsArguments, writer: &Writer) -> anyhow::Result<()> {
     let progress = super::spinner("reading");
-    let study = arguments.ratings.read(&[], false)?;
+    let study = arguments.ratings.read(&[], false, true)?;
     let counts = &study.measured.counts;
     writer.write(&arguments.out, &tables::counts(counts, &study.source.shape).csv())?;
     progress.finish_and_clear();

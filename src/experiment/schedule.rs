@@ -142,9 +142,11 @@ fn main(
         None => (vec![all.collect()], design.break_every as usize),
         Some(factor) => {
             let levels = protocol.factors[factor].levels.len();
-            let of_level = |level| all.clone().filter(|c| conditions[*c].levels[factor] == level).collect();
+            let mut of_level = vec![Vec::new(); levels];
+            all.for_each(|c| of_level[conditions[c].levels[factor]].push(c));
             let order = block_order(&design.order, levels, identity, rng);
-            (order.into_iter().map(of_level).collect(), protocol.main_trials() / levels)
+            let blocks = order.into_iter().map(|level| std::mem::take(&mut of_level[level]));
+            (blocks.collect(), protocol.main_trials() / levels)
         }
     };
     let mut cells = Vec::with_capacity(protocol.main_trials());

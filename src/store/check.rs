@@ -1,11 +1,13 @@
 //! Identifies the type of a file and finds every error in it, not only the first.
 
-use std::{collections::HashMap, path::Path};
+use std::{collections::HashMap, io::Read as _, path::Path};
 
 use super::{
     FileError, FileErrors, dataset, definition,
-    file::read_text,
-    frames, image, matches, observer, profile, readings,
+    file::{read_bytes, read_text},
+    frames, image, matches, observer,
+    open::open_regular,
+    profile, readings,
     recorded::{Recorded, order_errors},
     register::Register,
     results,
@@ -39,6 +41,14 @@ impl From<String> for Checked {
 /// # Errors
 /// Returns every error in the file.
 pub fn check(name_or_path: impl AsRef<Path>) -> Result<Checked, FileErrors> {
+    check_large(name_or_path, image::MAX_PIXELS)
+}
+
+/// Checks a file like [`check`]; an image may have up to `pixels` pixels.
+///
+/// # Errors
+/// The same errors as [`check`].
+pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checked, FileErrors> {
     let path = name_or_path.as_ref();
     let name = path.display().to_string();
     if definition::BUILT_IN.iter().any(|built_in| built_in.name == path.as_os_str()) {
@@ -52,7 +62,7 @@ pub fn check(name_or_path: impl AsRef<Path>) -> Result<Checked, FileErrors> {
             Some("at") => check_register(path),
             _ => check_results(path),
         },
-        Some("png") => image::verify(path),
+        Some("png") => image::verify_large(path, pixels),
         Some("toml") => return check_toml(&name, &read_text(path)?),
         _ if path.is_dir() || !path.exists() => Err(definition::open(path)
             .err()
@@ -103,8 +113,7 @@ fn check_results(path: &Path) -> Result<String, FileErrors> {
     if dataset::identity(path).is_ok() && has_sidecar {
         return check_session(path);
     }
-    let content = std::fs::read(path)
-        .map_err(|error| FileErrors::whole(path, format!("cannot be read: {error}; expected a readable file")))?;
+    let content = read_bytes(path, results::MAX_FILE, "a result file")?;
     let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
     let columns = columns_by_header(String::from_utf8_lossy(header).trim_end().split(','));
     let rows = results::parse(&path.display().to_string(), &content, &columns)?;
@@ -135,10 +144,14 @@ fn check_session(path: &Path) -> Result<String, FileErrors> {
     Ok(format!("result file: {rows} rows; {rated} of {planned} planned trials of {name} rated"))
 }
 
+/// Maximum number of bytes of the name of a table's first column; longer names are of no known table.
+const MAX_NAME: u64 = 1 << 10;
+
 /// Returns the name of a table's first column; `None` if it cannot be read.
 fn first_column(path: &Path) -> Option<String> {
-    let text = std::fs::read(path).ok()?;
-    let name = text.split(|byte| b",;\r\n".contains(byte)).next()?;
+    let mut head = Vec::new();
+    open_regular(path).ok()?.take(MAX_NAME).read_to_end(&mut head).ok()?;
+    let name = head.split(|byte| b",;\r\n".contains(byte)).next()?;
     Some(String::from_utf8_lossy(name).trim_start_matches('\u{feff}').trim().to_owned())
 }
 

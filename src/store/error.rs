@@ -108,6 +108,24 @@ impl RowErrors {
     }
 }
 
+/// The reason why something cannot be read as data although the system would open it.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum NotData {
+    #[error("is a folder; expected a file")]
+    Folder,
+    #[error("is not a regular file; expected one, not a device, pipe or socket")]
+    Special,
+    #[error("has {size} bytes; expected at most {most}")]
+    TooLarge { size: u64, most: u64 },
+}
+
+impl NotData {
+    /// Returns the reason within an I/O error, if there is one.
+    pub fn of(error: &std::io::Error) -> Option<&Self> {
+        error.get_ref()?.downcast_ref()
+    }
+}
+
 /// The reasons why results could not be stored or found.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
@@ -180,6 +198,9 @@ impl StoreError {
 
     /// Creates an I/O error with the path and the attempted action.
     pub fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
+        if let Some(reason) = NotData::of(&source) {
+            return FileErrors::whole(path, reason.to_string()).into();
+        }
         Self::Io { path: path.to_owned(), action, source }
     }
 }

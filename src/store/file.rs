@@ -13,11 +13,13 @@ use sha2::{Digest as _, Sha256};
 
 use super::{
     FileError, FileErrors, StoreError,
-    error::{io, position},
+    error::{NotData, io, position},
+    open::{is_data, read_regular},
     table::shortened,
 };
 
-/// Maximum size of a text file in bytes. The largest realistic file has a few thousand bytes.
+/// Maximum size in bytes of a definition, profile, observer, or table of readings or matches. The largest realistic ones
+/// have a few thousand bytes; 1,000 readings have 30,000.
 const MAX_TEXT: u64 = 1 << 20;
 
 /// Reads a whole UTF-8 file of at most 1 MiB: a definition, a profile, an observer.
@@ -36,22 +38,19 @@ pub(super) fn read_text(path: &Path) -> Result<String, FileErrors> {
 /// Reads a whole file of at most `most` bytes; `expected` says what the file should be.
 ///
 /// # Errors
-/// The file is missing, is a folder, is too large, or is not readable.
+/// The file is missing, is not a regular file, is too large, or is not readable.
 pub(super) fn read_bytes(path: &Path, most: u64, expected: &str) -> Result<Vec<u8>, FileErrors> {
-    let fail = |message: String| FileErrors::whole(path, message);
-    let refused = |error: std::io::Error| fail(format!("cannot be opened: {error}; expected {expected}"));
-    let metadata = std::fs::metadata(path).map_err(refused)?;
-    if metadata.is_dir() {
-        return Err(fail(format!("is a folder; expected {expected}")));
-    }
-    let mut bytes = Vec::new();
-    // The limit is applied while reading, because a pipe or a device has no length.
-    File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes)).map_err(refused)?;
-    if bytes.len() as u64 > most {
-        let size = metadata.len().max(bytes.len() as u64);
-        return Err(fail(format!("has {size} bytes; expected at most {most}")));
-    }
-    Ok(bytes)
+    read_regular(path, most).map_err(|error| {
+        FileErrors::whole(
+            path,
+            match NotData::of(&error) {
+                Some(NotData::Folder) => format!("is a folder; expected {expected}"),
+                Some(NotData::Special) => format!("is not a regular file; expected {expected}"),
+                Some(too_large) => too_large.to_string(),
+                None => format!("cannot be opened: {error}; expected {expected}"),
+            },
+        )
+    })
 }
 
 /// Returns the SHA-256 in lowercase hexadecimal.
@@ -266,6 +265,7 @@ impl AppendFile {
     /// [`StoreError::InUse`]; I/O errors; or the file has no complete line and does not begin with `header`.
     pub fn open(path: &Path, durable: bool, header: Vec<u8>) -> Result<Self, StoreError> {
         let mut file = OpenOptions::new().read(true).write(true).open(path).map_err(io(path, "open"))?;
+        file.metadata().and_then(|found| is_data(&found)).map_err(io(path, "open"))?;
         let locked = lock(&file, path)?;
         let mut content = Vec::new();
         file.read_to_end(&mut content).map_err(io(path, "read"))?;

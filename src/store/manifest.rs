@@ -13,7 +13,9 @@ use super::{
     StoreError, Writer,
     error::io,
     file::{sha256, sync_folder},
-    image, table,
+    image,
+    open::read_regular,
+    table,
 };
 use crate::{
     experiment::{Condition, Protocol},
@@ -23,6 +25,9 @@ use crate::{
 
 /// Name of the list of all images.
 const MANIFEST: &str = "manifest.csv";
+/// Maximum size of a list of images in bytes: 100,000 lines of 300 bytes.
+const MAX_LIST: u64 = 64 << 20;
+
 /// Maximum length of a file name without its extension.
 const MAX_NAME: usize = 120;
 
@@ -75,7 +80,7 @@ impl<'a> Manifest<'a> {
         // Hashes recorded by earlier runs.
         let mut known = HashMap::new();
         for path in [&whole, &list] {
-            for line in fs::read_to_string(path).unwrap_or_default().lines() {
+            for line in text_of(path).lines() {
                 let mut cells = line.split(',').map(str::to_owned);
                 known.extend(cells.next().zip(cells.next()));
             }
@@ -86,13 +91,13 @@ impl<'a> Manifest<'a> {
         };
         let is_intact = |i: &usize| {
             let is_known = |bytes: Vec<u8>| known.get(&rows[*i].0) == Some(&sha256(&bytes));
-            is_of_recipe(i) && fs::read(folder.join(&rows[*i].0)).is_ok_and(is_known)
+            is_of_recipe(i) && read_regular(&folder.join(&rows[*i].0), u64::MAX - 1).is_ok_and(is_known)
         };
         let (intact, missing): (Vec<usize>, Vec<usize>) = (index - 1..rows.len()).step_by(shards).partition(is_intact);
         let kept = intact.len();
         // A killed run may have made an image without listing it, so an image of the same recipe may stay.
         let foreign = missing.iter().filter(|i| !is_of_recipe(i)).map(|i| folder.join(&rows[*i].0));
-        let is_of_another = |path: &Path, header: &[u8]| fs::read(path).is_ok_and(|text| !text.starts_with(header));
+        let is_of_another = |path: &Path, header: &[u8]| read_regular(path, MAX_LIST).is_ok_and(|text| !text.starts_with(header));
         let is_of_others = fs::read_to_string(&list).is_ok_and(|text| {
             let mut names =
                 text.split_inclusive('\n').filter(|line| line.ends_with('\n')).map(|line| line.split(',').next());
@@ -134,7 +139,7 @@ impl<'a> Manifest<'a> {
         sync_folder(&self.list)?;
         let lists: Vec<PathBuf> =
             (1..=self.shards).map(|index| self.folder.join(list_name(index, self.shards))).collect();
-        let texts: Vec<String> = lists.iter().map(|path| fs::read_to_string(path).unwrap_or_default()).collect();
+        let texts: Vec<String> = lists.iter().map(|path| text_of(path)).collect();
         // Each line begins with its image's number, so sorting restores the order. A line that another shard is still
         // writing has no line end yet and is skipped.
         let mut lines: Vec<&str> = texts.iter().flat_map(|text| text.split_inclusive('\n')).collect();
@@ -151,6 +156,11 @@ impl<'a> Manifest<'a> {
         }
         Ok(true)
     }
+}
+
+/// Returns the text of a list of images; empty if it cannot be read.
+fn text_of(path: &Path) -> String {
+    read_regular(path, MAX_LIST).ok().and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_default()
 }
 
 fn line((file, levels): &(String, Vec<String>), hash: &str, recipe: &Recipe) -> Vec<u8> {

@@ -50,8 +50,9 @@ pub fn parse(file: &str, content: &[u8], crease_deg: f64) -> Result<Mesh, FileEr
     })
 }
 
-/// Maximum number of corners of a face, because triangulation takes quadratic time.
-const MAX_CORNERS: usize = 4096;
+/// Maximum number of corners of a face, because triangulation takes quadratic time. The caps of a finely divided cylinder
+/// have a few hundred.
+const MAX_CORNERS: usize = 1024;
 
 /// Maximum number of errors reported per file.
 const MAX_ERRORS: usize = 20;

@@ -24,6 +24,7 @@ pub mod manifest;
 pub mod matches;
 pub mod mesh;
 pub mod observer;
+mod open;
 mod output;
 pub mod profile;
 pub mod ratings;

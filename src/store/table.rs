@@ -2,17 +2,20 @@
 
 use std::{
     borrow::Cow,
-    fs::File,
+    cell::Cell,
     io::{self, BufRead, Cursor, Read, Seek, SeekFrom},
     path::Path,
 };
 
 use csv::{ByteRecord, Position};
 
-use super::{FileError, FileErrors, error::RowErrors};
+use super::{FileError, FileErrors, error::RowErrors, open::open_regular};
 
-/// A row with more bytes than this must have an unclosed quote.
-const MAX_ROW: u64 = 1 << 20;
+/// Maximum number of bytes in a row. A row of a real study has a few hundred; one with more than this must have an
+/// unclosed quote, or is not a row.
+pub(super) const MAX_ROW: u64 = 1 << 20;
+/// Size of the buffer for reading rows, in bytes.
+const BUFFER: usize = 1 << 20;
 
 /// The byte order mark with which some programs begin a file.
 const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
@@ -33,7 +36,7 @@ impl<T: Read + Seek> Source for T {}
 impl<'a> Content<'a> {
     fn open(self) -> io::Result<Box<dyn Source + 'a>> {
         Ok(match self {
-            Self::File(path) => Box::new(File::open(path)?),
+            Self::File(path) => Box::new(open_regular(path)?),
             Self::Memory(content) => Box::new(Cursor::new(content)),
         })
     }
@@ -160,20 +163,49 @@ fn cell_start(row: &[u8], separator: u8, cell: usize) -> usize {
     at
 }
 
+/// A source that ends when `left` bytes have been read, so that a row without an end does not fill the memory.
+struct Limited<'a, 'c> {
+    source: Box<dyn Source + 'c>,
+    left: &'a Cell<u64>,
+}
+
+impl Read for Limited<'_, '_> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        let most = usize::try_from(self.left.get()).unwrap_or(usize::MAX).min(into.len());
+        let read = self.source.read(&mut into[..most])?;
+        self.left.set(self.left.get() - read as u64);
+        Ok(read)
+    }
+}
+
+impl Seek for Limited<'_, '_> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.source.seek(to)
+    }
+}
+
 /// Calls `take` with every row, beginning with the header. An unclosed quote affects only its own line.
 ///
 /// # Errors
-/// The content cannot be read.
+/// The content cannot be read, or a line has more than [`MAX_ROW`] bytes.
 pub(super) fn each_row(content: Content<'_>, separator: u8, mut take: impl FnMut(&Row<'_>)) -> io::Result<()> {
     let size = content.len()?;
     let mut builder = csv::ReaderBuilder::new();
-    builder.has_headers(false).flexible(true).delimiter(separator).buffer_capacity(1 << 20);
-    let mut reader = builder.from_reader(content.open()?);
+    builder.has_headers(false).flexible(true).delimiter(separator).buffer_capacity(BUFFER);
+    // What a row may take, and what is read ahead of it.
+    let most = MAX_ROW + BUFFER as u64;
+    let left = Cell::new(most);
+    let mut reader = builder.from_reader(Limited { source: content.open()?, left: &left });
     let (mut record, start) = (ByteRecord::new(), Position::new());
     while reader.read_byte_record(&mut record)? {
+        let is_cut = left.replace(most) == 0 && reader.position().byte() < size;
         let end = reader.position().byte();
         let start = record.position().unwrap_or(&start);
-        let row = Row { record: &record, content, separator, start, end, last: end >= size };
+        let row = Row { record: &record, content, separator, start, end, last: end >= size || is_cut };
+        if is_cut && !row.is_open() {
+            let line = start.line();
+            return Err(io::Error::other(format!("line {line} has more than {MAX_ROW} bytes")));
+        }
         take(&row);
         if row.is_open() {
             let next = row.next_line();

@@ -6,6 +6,8 @@ mod common;
 mod analyze;
 mod basics;
 mod calibrate;
+#[cfg(target_os = "linux")]
+mod limits;
 mod outputs;
 mod plan;
 mod predict;

@@ -39,7 +39,13 @@ fn try_read(paths: &[&Path], how: &ReadOptions) -> Result<(Source, Vec<String>),
         rows.push(format!("{subject} {} {rating} {count}{details}", values.join("|")));
         Ok(())
     };
-    ratings::read(&paths, how, |_| Vec::new(), add).map(|(source, files)| (source, files.concat()))
+    let mut rows = Vec::new();
+    let take = |_: &FileRead, file: Vec<String>| {
+        rows.extend(file);
+        Ok(())
+    };
+    let source = ratings::read(&paths, how, |_| Vec::new(), add, take)?;
+    Ok((source, rows))
 }
 
 fn read(paths: &[&Path], how: &ReadOptions) -> (Source, Vec<String>) {

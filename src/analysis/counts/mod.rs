@@ -2,6 +2,7 @@
 //! Fitting these counts costs the same for a thousand rows as for a billion.
 
 mod builder;
+mod size;
 mod table;
 
 pub use builder::MeasuredBuilder;

@@ -82,6 +82,23 @@ impl Design {
     }
 }
 
+/// Checks the number of coefficients before any column is made.
+///
+/// # Errors
+/// [`ModelError::TooManyCoefficients`].
+pub(crate) fn check_size(frame: &Frame, terms: &[&Terms], most: usize) -> Result<(), ModelError> {
+    let columns = |variable: &Variable| match variable {
+        Variable::Number(_) => 1,
+        Variable::Factor(name) => {
+            let levels = frame.counts.factor(name).map_or(0, |(index, _)| frame.levels(index).len());
+            levels.saturating_sub(1).max(1)
+        }
+    };
+    let of_term = |term: &Term| term.variables.iter().map(columns).fold(1, usize::saturating_mul);
+    let coefficients = terms.iter().flat_map(|terms| terms.iter()).map(of_term).fold(0, usize::saturating_add);
+    if coefficients > most { Err(ModelError::TooManyCoefficients { coefficients, most }) } else { Ok(()) }
+}
+
 /// One variable's part of a column: its name and its value for each condition.
 struct Part {
     name: String,

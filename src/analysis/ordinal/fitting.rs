@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use super::{
     clm::{ClmData, ClmFit, FitEnd},
     clmm::{ClmmData, MAX_NODES, Observation, gauss_hermite},
-    design::{Design, Standard},
+    design::{Design, Standard, check_size},
     link::Link,
     model::{ModelError, ModelSpec, Note, Random},
     search::{self, MixedFit},
@@ -36,6 +36,7 @@ pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool)
     }
     let mut spec = spec.clone();
     let (frame, mut notes) = Frame::new(counts, &[&spec.terms, &spec.scale])?;
+    check_size(&frame, &[&spec.terms, &spec.scale], spec.max_coefficients)?;
     if spec.random == Random::Subject && frame.subjects.len() < 2 {
         notes.push(Note::OneSubject);
         spec.random = Random::None;

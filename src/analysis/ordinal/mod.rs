@@ -24,9 +24,11 @@ pub use clmm::MAX_NODES;
 pub use estimates::{Prediction, fit};
 pub use likelihood_ratios::{ModelReport, Part, TermTest, fit_with_tests, scale_tests};
 pub use link::Link;
-pub use model::{Coefficient, Model, ModelError, ModelSpec, Note, Random, RandomEffect, SubjectMode, Threshold};
+pub use model::{
+    Coefficient, MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Note, Random, RandomEffect, SubjectMode, Threshold,
+};
 
-pub(super) use design::{Design, Span};
+pub(super) use design::{Design, Span, check_size};
 pub(super) use estimates::{dot_ignoring_zero_weights, predictors, two_sided};
 pub(super) use fitting::fit_counts;
 pub(super) use likelihood_ratios::{chi_squared_tail, without_terms};

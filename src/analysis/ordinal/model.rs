@@ -31,12 +31,25 @@ pub struct ModelSpec {
     pub random: Random,
     /// Number of quadrature nodes; 1 is the Laplace approximation.
     pub quadrature: usize,
+    /// Maximum number of coefficients; a specification with more is refused.
+    pub max_coefficients: usize,
 }
+
+/// Maximum number of coefficients of a model, unless the user allows more. The time for a fit grows with the square or
+/// the cube of their number. A full crossing of 6, 5 and 4 levels has 119.
+pub const MAX_COEFFICIENTS: usize = 200;
 
 impl ModelSpec {
     /// Specifies these terms with the logit link, without random or scale effects.
     pub fn new(terms: Terms) -> Self {
-        Self { terms, scale: Terms::default(), link: Link::Logit, random: Random::None, quadrature: 1 }
+        Self {
+            terms,
+            scale: Terms::default(),
+            link: Link::Logit,
+            random: Random::None,
+            quadrature: 1,
+            max_coefficients: MAX_COEFFICIENTS,
+        }
     }
 }
 
@@ -258,6 +271,15 @@ pub enum ModelError {
         /// Requested number of nodes.
         nodes: usize,
         /// Maximum number of nodes.
+        most: usize,
+    },
+    /// The terms need too many coefficients.
+    #[error(
+        "--terms: the model has {coefficients} coefficients; expected at most {most}: use num:FACTOR for a factor with many levels, or the option --large"
+    )]
+    TooManyCoefficients {
+        coefficients: usize,
+        /// Maximum number of coefficients.
         most: usize,
     },
     /// The likelihood is not finite at the starting values.

@@ -9,11 +9,14 @@ use super::{
 };
 use crate::{
     analysis::{
-        Link, MAX_NODES, ModelError, ModelSpec, Random,
+        Link, MAX_COEFFICIENTS, MAX_NODES, ModelError, ModelSpec, Random,
         bootstrap::Interval,
         counts::Counts,
         frame::Frame,
-        ordinal::{chi_squared_tail, dot_ignoring_zero_weights, fit_counts, predictors, terms::Terms, without_terms},
+        ordinal::{
+            check_size, chi_squared_tail, dot_ignoring_zero_weights, fit_counts, predictors, terms::Terms,
+            without_terms,
+        },
         rank_tests::{SubjectMeans, friedman},
     },
     experiment::{OrderedLogit, Protocol},
@@ -27,6 +30,8 @@ pub struct ModelChoice {
     pub link: Link,
     /// Number of quadrature nodes; 1 is the Laplace approximation.
     pub quadrature: usize,
+    /// True if the number of levels, conditions and coefficients has no limit.
+    pub large: bool,
 }
 
 /// The size of the simulation, and the criterion for finding an effect.
@@ -106,12 +111,18 @@ impl Plan {
             return Err(PlanError::NothingVaries);
         }
         let outline = scenario.outline();
+        if !model.large {
+            outline.check_size().map_err(PlanError::TooLarge)?;
+        }
+        let max_coefficients = if model.large { usize::MAX } else { MAX_COEFFICIENTS };
         let (frame, _) = Frame::new(&outline, &[&terms])?;
+        check_size(&frame, &[&terms], max_coefficients)?;
         let hypotheses = Layout::new(&scenario, &frame, &terms).hypotheses()?;
         let spec = ModelSpec {
             link: model.link,
             random: Random::Subject,
             quadrature: model.quadrature,
+            max_coefficients,
             ..ModelSpec::new(terms)
         };
         Ok(Self { scenario, spec, hypotheses })

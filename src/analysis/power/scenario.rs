@@ -45,6 +45,9 @@ pub enum PlanError {
     /// A term has no column of its own.
     #[error("--terms {term}: the term adds nothing to the other terms; expected terms that each add something")]
     Untestable { term: String },
+    /// The definition has too many levels or conditions.
+    #[error("{0}")]
+    TooLarge(String),
     /// There is no term to test.
     #[error("nothing to test; expected a definition with a factor of two levels or more, and a term in --terms")]
     NothingVaries,

@@ -70,7 +70,12 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     };
     let (observer, shifts) = apply(observer, &arguments.effects, &protocol)?;
     let options = &arguments.model;
-    let model = ModelChoice { terms: options.terms()?, link: options.link, quadrature: options.quadrature.into() };
+    let model = ModelChoice {
+        terms: options.terms()?,
+        link: options.link,
+        quadrature: options.quadrature.into(),
+        large: options.large,
+    };
     let plan = Plan::new(&protocol, &observer, &shifts, &model).map_err(|error| UsageError(error.to_string()))?;
     let sampling = Sampling { studies: arguments.studies, alpha: arguments.alpha, seed: arguments.seed };
     let mut participants = arguments.participants.clone();

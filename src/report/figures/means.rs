@@ -22,6 +22,9 @@ use crate::analysis::{
 /// Maximum width of a name in the legend.
 const MAX_NAME: f64 = 180.0;
 
+/// Maximum number of participants drawn as lines. More could not be told apart, and take long to draw.
+const MAX_LINES: usize = 300;
+
 /// A mean and its interval.
 type Mean = (f64, Option<Interval>);
 
@@ -215,10 +218,12 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
     let by = &counts.factors[factor];
     let (what, name, sample) = (labels::rating(results), labels::in_sentence(&by.name), labels::sample(results));
     let several = results.is_inferential();
+    let shown = evenly(results.people(), MAX_LINES);
     let title = format!("{what} of every participant by {name}");
     let caption = if several {
         format!(
-            "{what} by {name}: each gray line is one participant, and the thick line is the mean of all ratings; {sample}."
+            "{what} by {name}: each gray line is one participant{}, and the thick line is the mean of all ratings; {sample}.",
+            labels::some_of(shown.len(), results.people())
         )
     } else {
         format!("{what} of the only participant by {name}; {sample}.")
@@ -226,7 +231,7 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
     let (values, levels) = (Values::ratings(counts), Levels::of(by));
     let top = if several { EDGE + 1.5 * TEXT } else { EDGE };
     let panel = values.panel(values.margin(), WIDTH - EDGE, top, PANEL);
-    let people = results.people() as f64;
+    let people = shown.len() as f64;
     let thin = Stroke {
         opacity: (12.0 / people).clamp(0.25, 0.75),
         ..Stroke::new(GRAY, if people > 40.0 { 1.4 } else { 2.0 })
@@ -239,7 +244,8 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
         values.draw(svg, &panel, Some(what));
         levels.draw(svg, &panel, labels::axis(&by.name));
         if several {
-            participant_means(counts, factor).iter().for_each(|means| svg.path(&points(means), thin));
+            let means = participant_means(counts, factor);
+            shown.iter().for_each(|person| svg.path(&points(&means[*person]), thin));
             // Above the panel, where there are no ratings.
             const ONE: &str = "one participant";
             let (left, y) = (panel.left, EDGE + 0.5 * TEXT);

@@ -1,6 +1,6 @@
 //! Reads a study from files, and arranges the sections of its document.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::{
     description, health, methods, model,
@@ -36,7 +36,7 @@ impl Study {
     /// Reads files and folders of files.
     ///
     /// # Errors
-    /// There is nothing to analyze. If only part of the input has errors, they are in [`Source::errors`].
+    /// There is nothing to analyze, or the study is too large. If only part of the input has errors, they are in [`Source::errors`].
     pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Self, FileErrors> {
         let new = |shape: &Shape| {
             let mut builder = MeasuredBuilder::new(&shape.factors);
@@ -47,13 +47,21 @@ impl Study {
         };
         let add =
             |builder: &mut MeasuredBuilder, row: &RatingRow<'_>| builder.add(row).map_err(|error| error.to_string());
-        let (source, files) = ratings::read(paths, options, new, add)?;
-        let mut all = new(&source.shape);
-        for (file, read) in files.into_iter().zip(&source.files) {
-            let name = || read.path.display().to_string();
-            all.absorb(file).map_err(|error| FileErrors::whole(name(), error.to_string()))?;
+        let mut all: Option<MeasuredBuilder> = None;
+        let source = ratings::read(paths, options, new, add, |read, file| {
+            let Some(all) = &mut all else {
+                all = Some(file);
+                return Ok(());
+            };
+            all.absorb(file).map_err(|error| FileErrors::whole(&read.path, error.to_string()))
+        })?;
+        let all = all.unwrap_or_else(|| new(&source.shape));
+        let measured = all.finish();
+        if !options.large {
+            let file = source.files.first().map_or(Path::new("."), |file| &file.path);
+            measured.counts.check_size().map_err(|message| FileErrors::whole(file, message))?;
         }
-        Ok(Self { source, measured: all.finish() })
+        Ok(Self { source, measured })
     }
 }
 

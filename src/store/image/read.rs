@@ -1,7 +1,6 @@
 //! Reads PNG files: any image as light, and this program's own images to compare them with their recipes.
 
 use std::{
-    fs::File,
     io::{BufReader, Cursor},
     path::Path,
     str::FromStr,
@@ -17,36 +16,48 @@ use crate::{
         palette::{Reduction, reduce},
     },
     stimulus::recipe::{MAX_SIZE, Recipe},
-    store::{FileErrors, file::read_bytes},
+    store::{FileErrors, file::read_bytes, open::open_regular},
 };
 
+/// Maximum number of pixels of an image, unless the user allows more. A screen of 4K has 8.3 million. The prediction of
+/// visibility takes about 60 bytes per pixel.
+pub const MAX_PIXELS: u64 = 4096 * 4096;
 /// Maximum side length of an image that is read as light, in pixels.
-const MAX_SIDE: u32 = 8192;
+const MAX_SIDE: u32 = 16_384;
 /// Maximum file size in bytes; more than the largest stimulus needs without compression.
 const MAX_FILE: u64 = 2 << 30;
 /// Maximum number of bytes that one byte of PNG data can expand to; DEFLATE reaches 1032.
 const MAX_EXPANSION: usize = 1040;
 
-/// Reads any PNG (gray, color or palette) as the light that a screen with these transfer functions emits.
+/// Reads any PNG (gray, color or palette) of at most `pixels` pixels as the light that a screen with these transfer
+/// functions emits.
 ///
 /// # Errors
 /// The file is not readable, not a complete PNG, too large, or has an alpha channel, whose background is unknown.
-pub fn read_light(path: &Path, transfers: &Transfers) -> Result<LinearImage, FileErrors> {
-    parse_light(&path.display().to_string(), &content(path)?, transfers)
+pub fn read_light(path: &Path, transfers: &Transfers, pixels: u64) -> Result<LinearImage, FileErrors> {
+    light(&path.display().to_string(), &content(path)?, transfers, pixels)
 }
 
-/// Reads the content of a PNG as light; `name` identifies it in messages.
+/// Reads the content of a PNG of at most [`MAX_PIXELS`] as light; `name` identifies it in messages.
 ///
 /// # Errors
 /// The same errors as [`read_light`].
 pub fn parse_light(name: &str, content: &[u8], transfers: &Transfers) -> Result<LinearImage, FileErrors> {
-    let (image, _) = decode(name, content, |_| MAX_SIDE)?;
-    let encoded: Vec<f64> = match &image.samples {
-        Samples::Eight(codes) => codes.iter().map(|code| f64::from(*code) / 255.0).collect(),
-        Samples::Sixteen(codes) => codes.iter().map(|code| f64::from(*code) / 65535.0).collect(),
+    light(name, content, transfers, MAX_PIXELS)
+}
+
+fn light(name: &str, content: &[u8], transfers: &Transfers, pixels: u64) -> Result<LinearImage, FileErrors> {
+    let (image, _) = decode(name, content, pixels, |_| Ok(MAX_SIDE))?;
+    let light = |encoded: [f64; 3]| transfers.linear_from_encoded(encoded).map(|light| light as f32);
+    let data = match &image.samples {
+        Samples::Eight(codes) => {
+            codes.as_chunks::<3>().0.iter().flat_map(|pixel| light(pixel.map(|code| f64::from(code) / 255.0))).collect()
+        }
+        Samples::Sixteen(codes) => {
+            let pixels = codes.as_chunks::<3>().0.iter();
+            pixels.flat_map(|pixel| light(pixel.map(|code| f64::from(code) / 65535.0))).collect()
+        }
     };
-    let pixels = encoded.as_chunks::<3>().0.iter();
-    let data = pixels.flat_map(|pixel| transfers.linear_from_encoded(*pixel).map(|light| light as f32)).collect();
     Ok(LinearImage { width: image.width, height: image.height, data })
 }
 
@@ -55,21 +66,30 @@ fn content(path: &Path) -> Result<Vec<u8>, FileErrors> {
     read_bytes(path, MAX_FILE, "an image")
 }
 
-/// Decodes an opaque PNG into its codes and its other chunks. `side_max` returns the largest allowed side length.
+/// Decodes an opaque PNG of at most `pixels` pixels into its codes and its other chunks. `accept` sees the header before
+/// any pixel is decoded; it returns the largest allowed side length, or why the image is not wanted.
 fn decode(
     name: &str,
     content: &[u8],
-    side_max: impl Fn(&Info<'_>) -> u32,
+    pixels: u64,
+    accept: impl Fn(&Info<'_>) -> Result<u32, String>,
 ) -> Result<(CodeImage, Info<'static>), FileErrors> {
     let fail = |message: String| FileErrors::whole(name, message);
     let broken = |error: DecodingError| fail(format!("is not a complete PNG: {error}; expected an image"));
     let mut decoder = Decoder::new_with_limits(Cursor::new(content), Limits { bytes: 512 << 20 });
     decoder.set_transformations(Transformations::EXPAND);
+    // The color profile is not used, and may be compressed a thousandfold.
+    decoder.set_ignore_iccp_chunk(true);
     let mut reader = decoder.read_info().map_err(broken)?;
     let info = reader.info().clone();
-    let (width, height, side_max) = (info.width, info.height, side_max(&info));
+    let (width, height, side_max) = (info.width, info.height, accept(&info).map_err(fail)?);
     if width.max(height) > side_max {
         return Err(fail(format!("has {width} × {height} pixels; expected at most {side_max} per side")));
+    }
+    if u64::from(width) * u64::from(height) > pixels {
+        return Err(fail(format!(
+            "has {width} × {height} pixels; expected at most {pixels} pixels, or the option --large"
+        )));
     }
     let (color, depth) = reader.output_color_type();
     let copies = match color {
@@ -119,7 +139,7 @@ fn text(info: &Info<'_>, keyword: &str) -> Option<String> {
 
 /// Returns the recipe's text in an image file without reading the pixels; `None` if there is no recipe.
 pub(crate) fn recipe_text(path: &Path) -> Option<String> {
-    let reader = Decoder::new(BufReader::new(File::open(path).ok()?)).read_info().ok()?;
+    let reader = Decoder::new(BufReader::new(open_regular(path).ok()?)).read_info().ok()?;
     text(reader.info(), KEYWORD)
 }
 
@@ -128,29 +148,37 @@ pub(crate) fn recipe_text(path: &Path) -> Option<String> {
 /// # Errors
 /// The file is not readable, is not a PNG from this program, or is too large.
 pub fn read(path: &Path) -> Result<ReadBack, FileErrors> {
-    parse(&path.display().to_string(), &content(path)?)
+    parse(&path.display().to_string(), &content(path)?, u64::MAX)
 }
 
-fn parse(name: &str, content: &[u8]) -> Result<ReadBack, FileErrors> {
+fn parse(name: &str, content: &[u8], pixels: u64) -> Result<ReadBack, FileErrors> {
     let fail = |message: String| FileErrors::whole(name, message);
-    let side_max = |info: &Info<'_>| if text(info, HALFTONE_KEYWORD).is_some() { 16 * MAX_SIZE } else { MAX_SIZE };
-    let (image, info) = decode(name, content, side_max)?;
-    if let Some(parameters) = text(&info, SHADED_KEYWORD) {
-        return Err(fail(format!(
-            "is a shaded mesh, which cannot be verified; expected an image written by `stimulus` or `stimuli`. It was made with {parameters}"
-        )));
-    }
-    let recipe = text(&info, KEYWORD)
-        .ok_or_else(|| fail("has no text chunk `machband`; expected an image that machband wrote".to_owned()))?;
-    let recipe: Recipe = serde_json::from_str(&recipe)
-        .map_err(|error| fail(format!("its text chunk `machband` cannot be read: {error}; expected a recipe")))?;
-    if let Err(errors) = recipe.stimulus.validate() {
-        let errors: Vec<_> = errors.iter().map(ToString::to_string).collect();
-        return Err(fail(errors.join("; ")));
-    }
+    let (image, info) = decode(name, content, pixels, |info| {
+        if let Some(parameters) = text(info, SHADED_KEYWORD) {
+            return Err(format!(
+                "is a shaded mesh, which cannot be verified; expected an image written by `stimulus` or `stimuli`. It was made with {parameters}"
+            ));
+        }
+        recipe_of(info)?;
+        Ok(if text(info, HALFTONE_KEYWORD).is_some() { 16 * MAX_SIZE } else { MAX_SIZE })
+    })?;
+    let recipe = recipe_of(&info).map_err(fail)?;
     let reduction = parsed(&info, PALETTE_KEYWORD).map_err(fail)?;
     let halftone = parsed(&info, HALFTONE_KEYWORD).map_err(fail)?;
     Ok(ReadBack { recipe, reduction, halftone, image })
+}
+
+/// Returns the valid recipe in the header of an image.
+fn recipe_of(info: &Info<'_>) -> Result<Recipe, String> {
+    let recipe =
+        text(info, KEYWORD).ok_or("has no text chunk `machband`; expected an image that machband wrote".to_owned())?;
+    let recipe: Recipe = serde_json::from_str(&recipe)
+        .map_err(|error| format!("its text chunk `machband` cannot be read: {error}; expected a recipe"))?;
+    recipe.stimulus.validate().map_err(|errors| {
+        let errors: Vec<_> = errors.iter().map(ToString::to_string).collect();
+        errors.join("; ")
+    })?;
+    Ok(recipe)
 }
 
 fn parsed<T: FromStr<Err: std::fmt::Display>>(info: &Info<'_>, keyword: &str) -> Result<Option<T>, String> {
@@ -163,7 +191,15 @@ fn parsed<T: FromStr<Err: std::fmt::Display>>(info: &Info<'_>, keyword: &str) ->
 /// # Errors
 /// The same errors as [`read`]; or the image differs, with the number of differing pixels and the first of them.
 pub fn verify(path: &Path) -> Result<String, FileErrors> {
-    verify_content(&path.display().to_string(), &content(path)?)
+    verify_large(path, MAX_PIXELS)
+}
+
+/// Verifies an image of at most `pixels` pixels, like [`verify`].
+///
+/// # Errors
+/// The same errors as [`verify`].
+pub fn verify_large(path: &Path, pixels: u64) -> Result<String, FileErrors> {
+    verified(&path.display().to_string(), &content(path)?, pixels)
 }
 
 /// Verifies the content of an image, like [`verify`]; `name` identifies it in messages.
@@ -171,7 +207,11 @@ pub fn verify(path: &Path) -> Result<String, FileErrors> {
 /// # Errors
 /// The same errors as [`verify`].
 pub fn verify_content(name: &str, content: &[u8]) -> Result<String, FileErrors> {
-    let read = parse(name, content)?;
+    verified(name, content, MAX_PIXELS)
+}
+
+fn verified(name: &str, content: &[u8], pixels: u64) -> Result<String, FileErrors> {
+    let read = parse(name, content, pixels)?;
     let (image, recipe) = (&read.image, &read.recipe);
     let fail = |message: String| FileErrors::whole(name, message);
     if recipe.size == 0 || recipe.size > MAX_SIZE {

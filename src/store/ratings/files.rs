@@ -3,7 +3,6 @@
 
 use std::{
     collections::HashSet,
-    fs::File,
     io::Read as _,
     path::{Path, PathBuf},
 };
@@ -11,8 +10,10 @@ use std::{
 use crate::store::{
     FileError, FileErrors,
     dataset::{DATA_FILE, DESCRIPTION, REGISTER},
+    error::NotData,
     frames,
-    table::{Content, each_row},
+    open::open_regular,
+    table::{Content, MAX_ROW, each_row},
 };
 
 /// Returns the files to read, without duplicates and in the given order. The files of a folder are in natural order of
@@ -123,8 +124,10 @@ fn natural_parts(text: &str) -> impl Iterator<Item = (usize, &[u8])> {
     })
 }
 
-/// The header row must end within this many bytes, and the first row below it is read only up to here.
+/// Maximum number of bytes of the header row. A table with a thousand columns has about 10,000.
 const MAX_HEAD: u64 = 1 << 16;
+/// Maximum number of bytes of a file whose lines end with only a carriage return, because it is converted in memory.
+const MAX_OLD: u64 = 64 << 20;
 
 /// The head of a file.
 #[derive(Clone, Debug, Default)]
@@ -137,7 +140,7 @@ pub(super) struct Header {
     pub first: Option<Vec<String>>,
     /// Size of the file in bytes.
     pub size: u64,
-    /// The content of the file, if the file cannot be read twice or its line ends had to be converted.
+    /// The content of the file, if its line ends had to be converted.
     memory: Option<Vec<u8>>,
 }
 
@@ -148,24 +151,26 @@ impl Header {
     /// The file is not readable, is empty, or is not UTF-8 text.
     pub fn read(path: &Path) -> Result<Self, FileError> {
         let unreadable = |error: std::io::Error| {
-            FileError::whole(path, format!("cannot be read: {error}; expected a readable CSV file"))
+            let message = NotData::of(&error).map(ToString::to_string);
+            let message = message.unwrap_or_else(|| format!("cannot be read: {error}; expected a readable CSV file"));
+            FileError::whole(path, message)
         };
-        let metadata = std::fs::metadata(path).map_err(unreadable)?;
-        let mut file = File::open(path).map_err(unreadable)?;
-        let (mut head, mut rest) = (Vec::new(), Vec::new());
-        file.by_ref().take(MAX_HEAD).read_to_end(&mut head).map_err(unreadable)?;
-        let mut header = Self { size: metadata.len().max(head.len() as u64), ..Self::default() };
-        // A pipe can be read only once. Old spreadsheets end lines with only a carriage return, but lines are counted
-        // by their line feeds.
-        let is_old = head.contains(&b'\r') && !head.contains(&b'\n');
-        if is_old || !metadata.is_file() {
-            file.read_to_end(&mut rest).map_err(unreadable)?;
-            let mut all = [head.clone(), rest].concat();
-            if is_old {
-                all.iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
-                head = all[..head.len()].to_vec();
+        let mut file = open_regular(path).map_err(unreadable)?;
+        let size = file.metadata().map_err(unreadable)?.len();
+        let mut head = Vec::new();
+        file.by_ref().take(MAX_HEAD + MAX_ROW).read_to_end(&mut head).map_err(unreadable)?;
+        let mut header = Self { size, ..Self::default() };
+        // Old spreadsheets end lines with only a carriage return, but lines are counted by their line feeds.
+        if head.contains(&b'\r') && !head.contains(&b'\n') {
+            if size > MAX_OLD {
+                let message = format!("has {size} bytes and no line feeds; expected lines that end with a line feed");
+                return Err(FileError::whole(path, message));
             }
-            (header.size, header.memory) = (all.len() as u64, Some(all));
+            let mut all = head.clone();
+            file.read_to_end(&mut all).map_err(unreadable)?;
+            all.iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
+            head = all[..head.len()].to_vec();
+            header.memory = Some(all);
         }
         header.parse(&head).map_err(|(column, message)| FileError::at(path, (1, column), message))?;
         Ok(header)

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::{
     files::{self, natural},
     row::{self, Cells, RowError, is_rating},
-    selection::{Input, RecordColumns, Selection},
+    selection::{Definitions, Input, RecordColumns, Selection},
     source::{FileRead, ReadOptions, SessionRead, Shape, Source},
     trials::{Identity, Status, Trial, Trials},
 };
@@ -21,7 +21,6 @@ use crate::{
         FileError, FileErrors, dataset,
         error::RowErrors,
         file,
-        session::seal,
         table::{self, Row},
     },
 };
@@ -29,21 +28,26 @@ use crate::{
 /// Maximum size, in bytes, of a file for which a hash is reported.
 const MAX_HASHED: u64 = 64 << 20;
 
-/// Reads files and folders of files. For each file, `new` creates a `T`, and `add` adds to it every row that counts;
-/// the results are in the order of the files. If `add` fails, an error is reported at the line and column of the
+/// Number of files that are read at a time. Their results are in memory together.
+const AT_A_TIME: usize = 256;
+
+/// Reads files and folders of files. For each file, `new` creates a `T`, `add` adds to it every row that counts, and
+/// `take` receives it, in the order of the files. If `add` fails, an error is reported at the line and column of the
 /// rating, and the row is excluded.
 ///
 /// # Errors
-/// The reason why there is nothing to analyze. If only part of the input has errors, they are in [`Source::errors`],
-/// and the rest is read.
+/// The reason why there is nothing to analyze, or the first error of `take`. If only part of the input has errors, they
+/// are in [`Source::errors`], and the rest is read.
 pub fn read<T: Send>(
     paths: &[PathBuf],
     options: &ReadOptions,
     new: impl Fn(&Shape) -> T + Sync,
     add: impl Fn(&mut T, &RatingRow<'_>) -> Result<(), String> + Sync,
-) -> Result<(Source, Vec<T>), FileErrors> {
+    mut take: impl FnMut(&FileRead, T) -> Result<(), FileErrors>,
+) -> Result<Source, FileErrors> {
     let (files, mut errors) = files::files(paths);
-    let opened: Vec<_> = files.par_iter().map(|path| Input::new(path, options)).collect();
+    let definitions = Definitions::default();
+    let opened: Vec<_> = files.par_iter().map(|path| Input::new(path, options, &definitions)).collect();
     let mut inputs = Vec::new();
     for found in opened {
         match found {
@@ -68,31 +72,34 @@ pub fn read<T: Send>(
         .filter(|session| options.complete_only && session.is_unfinished())
         .map(|session| (session.subject.as_str(), session.session.as_str()))
         .collect();
-    let read: Vec<(T, FileRead, Vec<FileError>)> = (selection.inputs.par_iter().enumerate())
-        .map(|(file, input)| {
-            let mut reader = FileReader {
-                selection: &selection,
-                trials: &trials,
-                unfinished: &unfinished,
-                file,
-                input,
-                read: FileRead { path: input.path.clone(), layout: input.layout, ..FileRead::default() },
-                errors: RowErrors::default(),
-                repeated: HashSet::new(),
-                recent: 0,
-                elsewhere: (0, 0),
-            };
-            let mut found = new(&selection.shape);
-            let read = each_row(input, |row, cells| reader.take(row, cells, |rating| add(&mut found, rating)));
-            let (read, errors) = reader.finish(read.err());
-            (found, read, errors)
-        })
-        .collect();
-    let (mut found, mut reports) = (Vec::new(), Vec::new());
-    for (one, report, wrong) in read {
-        found.push(one);
-        reports.push(report);
-        errors.extend(wrong);
+    let one = |file: usize| -> (T, FileRead, Vec<FileError>) {
+        let input = &selection.inputs[file];
+        let mut reader = FileReader {
+            selection: &selection,
+            trials: &trials,
+            unfinished: &unfinished,
+            file,
+            input,
+            read: FileRead { path: input.path.clone(), layout: input.layout, ..FileRead::default() },
+            errors: RowErrors::default(),
+            repeated: HashSet::new(),
+            recent: 0,
+            elsewhere: (0, 0),
+        };
+        let mut found = new(&selection.shape);
+        let read = each_row(input, |row, cells| reader.take(row, cells, |rating| add(&mut found, rating)));
+        let (read, errors) = reader.finish(read.err());
+        (found, read, errors)
+    };
+    let mut reports = Vec::new();
+    let all = selection.inputs.len();
+    for first in (0..all).step_by(AT_A_TIME) {
+        let read: Vec<_> = (first..all.min(first + AT_A_TIME)).into_par_iter().map(one).collect();
+        for (found, report, wrong) in read {
+            take(&report, found)?;
+            reports.push(report);
+            errors.extend(wrong);
+        }
     }
     if reports.iter().all(|report| report.ratings == 0) {
         errors.push(no_row_counts(&reports));
@@ -101,16 +108,15 @@ pub fn read<T: Send>(
     let errors = in_order(errors, &files).0;
     let warnings = warnings(&selection.inputs);
     let Selection { shape, protocol, definition_sha256, .. } = selection;
-    Ok((Source { shape, protocol, definition_sha256, files: reports, sessions, errors, warnings }, found))
+    Ok(Source { shape, protocol, definition_sha256, files: reports, sessions, errors, warnings })
 }
 
 /// Returns the warnings about files that are read in spite of them: changed files, sessions without a sidecar, and links
-/// that lead out of a data set. Only the files of sessions are compared with their hashes, so a large table without a
-/// sidecar is not read again.
+/// that lead out of a data set.
 fn warnings(inputs: &[Input]) -> Vec<FileError> {
     let beside = |input: &Input| input.path.with_extension("json");
     let changed = |input: &Input| match &input.sidecar {
-        Some(sidecar) => seal::errors(&input.path, sidecar),
+        Some(_) => input.changed.clone(),
         None if input.columns.record.is_some()
             && dataset::described(&input.path).is_some()
             && !beside(input).exists() =>

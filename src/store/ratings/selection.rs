@@ -1,9 +1,12 @@
 //! Determines what each file is, which files belong together, and which of their columns are read.
 
 use std::{
-    collections::HashSet,
+    collections::{HashMap, HashSet},
     path::{Path, PathBuf},
+    sync::{Arc, Mutex, PoisonError},
 };
+
+use serde_json::{Map, Value};
 
 use super::{
     files::Header,
@@ -12,7 +15,7 @@ use super::{
 use crate::{
     experiment::{MAX_RATING, Protocol, columns_by_header},
     light::names::expected_one_of,
-    store::{FileError, StoreError, definition, sidecar::Sidecar},
+    store::{FileError, FileErrors, StoreError, definition, session::seal, sidecar::Sidecar},
 };
 
 /// Columns that a result file must have in addition to the participant's column.
@@ -29,8 +32,11 @@ pub(super) struct Input {
     pub header: Header,
     pub layout: Layout,
     pub columns: Columns,
-    pub sidecar: Option<Sidecar>,
-    pub protocol: Option<Protocol>,
+    /// The sidecar, without what only a verification needs.
+    pub sidecar: Option<Arc<Sidecar>>,
+    pub protocol: Option<Arc<Protocol>>,
+    /// Files of the session that differ from the hashes recorded when it ended.
+    pub changed: Vec<FileError>,
     /// A description of the file. Files with the same description are read together.
     kind: String,
 }
@@ -97,7 +103,7 @@ impl Selection {
             (known.into_iter()).partition(|file| chosen.contains(&file.kind) || (file.kind == UNKNOWN && with_results));
         errors.extend(others.iter().map(|file| file.left_out(&inputs)));
         let Some(first) = inputs.first() else { return (None, errors) };
-        let protocol = inputs.iter().find_map(|file| file.protocol.clone());
+        let protocol = inputs.iter().find_map(|file| file.protocol.clone()).map(Arc::unwrap_or_clone);
         let shape = shape(&inputs, first, protocol.as_ref(), options);
         let experiment = inputs.iter().find_map(|file| file.experiment().map(str::to_owned));
         let definition_sha256 = inputs.iter().find_map(|file| Some(file.sidecar.as_ref()?.definition_sha256.clone()));
@@ -118,16 +124,45 @@ impl Selection {
     }
 }
 
+/// The definitions of all sessions. Sessions with the same definition share it, because there may be thousands.
+#[derive(Debug, Default)]
+pub(super) struct Definitions(Mutex<HashMap<String, Arc<Protocol>>>);
+
+impl Definitions {
+    /// Returns the definition in a sidecar.
+    fn protocol(&self, file: &str, definition: &Value) -> Result<Arc<Protocol>, FileErrors> {
+        let key = definition.to_string();
+        let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(found) = known().get(&key) {
+            return Ok(found.clone());
+        }
+        let found = Arc::new(definition::from_json(file, definition)?);
+        known().insert(key, found.clone());
+        Ok(found)
+    }
+}
+
+/// Drops what an analysis does not use from a sidecar, because there may be thousands.
+fn shorten(sidecar: &mut Sidecar) {
+    (sidecar.context, sidecar.definition) = (Value::Null, Value::Null);
+    sidecar.columns = Map::new();
+    sidecar.sittings.iter_mut().filter_map(|sitting| sitting.pictures.as_mut()).for_each(|all| all.sha256.clear());
+}
+
 impl Input {
     /// Inspects a file. An error in its sidecar does not prevent its rows from being read.
     ///
     /// # Errors
     /// The head of the file has an error.
-    pub fn new(path: &Path, options: &ReadOptions) -> Result<(Self, Vec<FileError>), FileError> {
+    pub fn new(
+        path: &Path,
+        options: &ReadOptions,
+        definitions: &Definitions,
+    ) -> Result<(Self, Vec<FileError>), FileError> {
         let header = Header::read(path)?;
         let beside = path.with_extension("json");
         let layout = layout(&header, options, beside.is_file());
-        let (mut sidecar, mut protocol, mut errors) = (None, None, Vec::new());
+        let (mut sidecar, mut protocol, mut errors, mut changed) = (None, None, Vec::new(), Vec::new());
         if layout == Layout::Results {
             let name = beside.display().to_string();
             match Sidecar::read(&beside) {
@@ -135,14 +170,18 @@ impl Input {
                 Err(StoreError::FileErrors(found)) => errors.extend(found.0),
                 Err(error) => errors.push(FileError::whole(&name, format!("cannot be read: {error}"))),
             }
-            match sidecar.as_ref().map(|sidecar| definition::from_json(&name, &sidecar.definition)) {
-                Some(Ok(found)) => protocol = Some(found),
-                Some(Err(found)) => errors.extend(found.0),
-                None => {}
+            if let Some(sidecar) = &mut sidecar {
+                changed = seal::errors(path, sidecar);
+                match definitions.protocol(&name, &sidecar.definition) {
+                    Ok(found) => protocol = Some(found),
+                    Err(found) => errors.extend(found.0),
+                }
+                shorten(sidecar);
             }
         }
+        let sidecar = sidecar.map(Arc::new);
         let (name, columns, kind) = (path.display().to_string(), Columns::default(), String::new());
-        Ok((Self { path: path.to_owned(), name, header, layout, columns, sidecar, protocol, kind }, errors))
+        Ok((Self { path: path.to_owned(), name, header, layout, columns, sidecar, protocol, changed, kind }, errors))
     }
 
     /// Returns the number of main trials in the file's definition.
@@ -221,7 +260,8 @@ fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileError> {
     match file.layout {
         Layout::Results => {
             let details = match &file.sidecar {
-                Some(Sidecar { definition_sha256: hash, .. }) => {
+                Some(sidecar) => {
+                    let hash = &sidecar.definition_sha256;
                     format!("definition {}", hash.get(..12).unwrap_or(hash))
                 }
                 None if file.experiment().is_none() => return Ok(UNKNOWN.to_owned()),
@@ -263,7 +303,7 @@ fn without_factors(file: &Input, options: &ReadOptions) -> FileError {
 /// Assigns each session that has lost its sidecar to the definition with its experiment's name, if there is exactly
 /// one.
 fn join_lost_sidecars(files: &mut [Input]) {
-    let mut definitions: Vec<(Protocol, String)> = Vec::new();
+    let mut definitions: Vec<(Arc<Protocol>, String)> = Vec::new();
     for file in files.iter() {
         if let Some(protocol) = &file.protocol
             && !definitions.iter().any(|(_, kind)| *kind == file.kind)

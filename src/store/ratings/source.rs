@@ -1,6 +1,6 @@
 //! The options for reading ratings, and the description of what was read.
 
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::Arc};
 
 use crate::{
     experiment::Protocol,
@@ -28,6 +28,8 @@ pub struct ReadOptions {
     pub complete_only: bool,
     /// True if the session, repetition and response time of each row are also read.
     pub details: bool,
+    /// True if the size of the study has no limit.
+    pub large: bool,
 }
 
 impl ReadOptions {
@@ -134,7 +136,8 @@ pub struct SessionRead {
     pub rated: u64,
     /// Number of main trials with a dropped frame; `None` if nothing was measured.
     pub dropped: Option<u64>,
-    pub sidecar: Option<Sidecar>,
+    /// The sidecar, without its definition, its columns and the hashes of its pictures.
+    pub sidecar: Option<Arc<Sidecar>>,
 }
 
 impl SessionRead {

@@ -16,6 +16,7 @@ use crate::{
         StoreError,
         error::io,
         file::{exists, make_folder, remove_temporary, write_json, write_whole},
+        open::read_regular,
     },
 };
 
@@ -126,6 +127,9 @@ pub(crate) fn identity(csv: &Path) -> Result<(String, Identity), String> {
     Ok((stem.to_owned(), identity))
 }
 
+/// Maximum size of the description of a data set in bytes; that of one experiment has 10,000.
+const MAX_DESCRIPTION: u64 = 16 << 20;
+
 /// Name of the file that describes a data set.
 pub const DESCRIPTION: &str = "dataset_description.json";
 
@@ -155,7 +159,7 @@ pub(crate) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<Str
     if !exists(&path)? {
         return write_json(&path, &description(protocol)).map(|()| None);
     }
-    let found = fs::read(&path).map_err(io(&path, "read"))?;
+    let found = read_regular(&path, MAX_DESCRIPTION).map_err(io(&path, "read"))?;
     let mut described: Value = serde_json::from_slice(&found).unwrap_or_default();
     match add_columns(&mut described, &columns(protocol)) {
         Some(true) => write_json(&path, &described).map(|()| None),

@@ -4,7 +4,6 @@
 //! Frames describe a session but are not its data, so the session continues if this file cannot be written.
 
 use std::{
-    fs::File,
     io::{BufRead, BufReader},
     path::Path,
 };
@@ -15,6 +14,7 @@ use crate::{
     store::{
         FileErrors, StoreError,
         file::{AppendFile, exists},
+        open::open_regular,
         table::{self, CellError, shortened},
     },
 };
@@ -160,7 +160,7 @@ pub fn read(path: &Path) -> Result<Vec<FrameRow>, FileErrors> {
 /// # Errors
 /// Reports every error, with its line and column, including those that `take` returns.
 pub(crate) fn each(path: &Path, take: impl FnMut(FrameRow) -> Result<(), CellError>) -> Result<(), FileErrors> {
-    let file = File::open(path).map_err(|error| {
+    let file = open_regular(path).map_err(|error| {
         FileErrors::whole(path, format!("cannot be opened: {error}; expected the frames file of a session"))
     })?;
     each_of(&path.display().to_string(), BufReader::new(file), take)

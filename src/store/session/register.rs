@@ -3,7 +3,6 @@
 
 use std::{
     collections::BTreeMap,
-    fs::File,
     io::{BufReader, ErrorKind},
     path::Path,
 };
@@ -18,6 +17,7 @@ use super::{
 use crate::store::{
     FileError, FileErrors, StoreError,
     file::append_line,
+    open::open_regular,
     table::{self, CellError, shortened},
 };
 
@@ -141,7 +141,7 @@ impl Register {
     /// The same errors as [`Register::read`].
     pub(crate) fn read_file(path: &Path) -> Result<Self, FileErrors> {
         let mut register = Self::default();
-        let file = match File::open(path) {
+        let file = match open_regular(path) {
             Ok(file) => file,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(register),
             Err(error) => {

@@ -1,6 +1,6 @@
 //! The result file of a session: a CSV file with one row per trial. Each row is on disk before the next trial is shown.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use crate::{
     experiment::{Column, LATER_COLUMN_COUNT, TrialRecord},
@@ -8,9 +8,13 @@ use crate::{
         FileErrors, StoreError,
         error::io,
         file::{AppendFile, complete_lines_or_header, split_partial_line},
+        open::read_regular,
         table::{self, CellError, shortened},
     },
 };
+
+/// Maximum size in bytes of a session's file. The longest session has 100,000 trials; a row has about 300 bytes.
+pub(in crate::store) const MAX_FILE: u64 = 256 << 20;
 
 /// The result file of a running session.
 #[derive(Debug)]
@@ -83,7 +87,7 @@ pub fn read(path: &Path, columns: &[Column]) -> Result<Recovered, StoreError> {
 /// # Errors
 /// I/O errors; or the file has no complete line and does not begin with the header.
 pub(crate) fn whole(path: &Path, columns: &[Column]) -> Result<(Vec<u8>, Option<String>), StoreError> {
-    let (whole, partial_line) = split_partial_line(fs::read(path).map_err(io(path, "read"))?);
+    let (whole, partial_line) = split_partial_line(read_regular(path, MAX_FILE).map_err(io(path, "read"))?);
     Ok((complete_lines_or_header(path, whole, partial_line.as_deref(), header(columns))?, partial_line))
 }
 

@@ -3,7 +3,6 @@
 
 use std::{
     collections::BTreeMap,
-    fs::File,
     io::{self, Read as _},
     path::{Path, PathBuf},
 };
@@ -15,7 +14,7 @@ use super::{
     frames,
     sidecar::{Seal, Sidecar},
 };
-use crate::store::{FileError, file::hexadecimal};
+use crate::store::{FileError, file::hexadecimal, open::open_regular};
 
 /// A difference between a file and the seal of a sitting.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -154,7 +153,7 @@ impl Prefixes {
     }
 
     fn hashes(path: &Path, lengths: Vec<u64>, of: &mut BTreeMap<u64, String>) -> io::Result<String> {
-        let (mut file, mut hasher, mut read) = (File::open(path)?, Sha256::new(), 0);
+        let (mut file, mut hasher, mut read) = (open_regular(path)?, Sha256::new(), 0);
         let mut buffer = vec![0; 1 << 16];
         let mut lengths = lengths.into_iter().peekable();
         loop {

@@ -15,8 +15,13 @@ use crate::{
         error::io,
         file::{sha256, write_json},
         image,
+        open::read_regular,
     },
 };
+
+/// Maximum size in bytes of a sidecar. The largest has a hash for each of 100,000 conditions, which is 8 MB, for each
+/// sitting.
+const MAX_FILE: u64 = 64 << 20;
 
 /// Side length of the pictures in a session without a screen, in pixels.
 const SIZE_WITHOUT_SCREEN: u32 = 256;
@@ -215,7 +220,7 @@ impl Sidecar {
     /// # Errors
     /// The file is not readable, or it is not a sidecar, with the line and column.
     pub fn read(path: &Path) -> Result<Option<Self>, StoreError> {
-        let text = match std::fs::read(path) {
+        let text = match read_regular(path, MAX_FILE) {
             Ok(text) => text,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(io(path, "read")(error)),

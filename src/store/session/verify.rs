@@ -40,7 +40,19 @@ pub struct Verified {
     pub notes: Vec<String>,
 }
 
-/// Renders each picture once, regardless of how many sessions showed it.
+/// Maximum side length of a picture that is rendered again. No screen is larger.
+const MAX_SIDE: u32 = 8192;
+/// Maximum number of pixels rendered for one session. A hundred pictures for a 4K screen have half a billion, and a
+/// session may be resumed on another screen.
+const MAX_RENDERED: u64 = 2_000_000_000;
+/// Number of pixels rendered at the same time, which need about 16 bytes each, unless one picture has more.
+const AT_A_TIME: u64 = 16_000_000;
+/// Maximum number of hashes that are remembered, about 10 MB. All sessions on one screen share the pictures of their
+/// conditions; a design has a hundred.
+const MAX_KNOWN: usize = 20_000;
+
+/// Renders each picture once, regardless of how many sessions showed it. If there are very many different pictures, some
+/// are rendered again.
 #[derive(Debug, Default)]
 pub struct Renderer {
     /// Hash of the picture for each recipe, as JSON.
@@ -61,11 +73,18 @@ impl Renderer {
         if let Some(first) = wanted.values().next() {
             // All of these recipes share one table that converts light to codes.
             let quantizer = first.quantizer();
-            let made: Vec<_> =
-                wanted.into_par_iter().map(|(key, recipe)| (key, image::hash(&recipe.codes(&quantizer)))).collect();
-            self.known.extend(made);
+            let at_a_time = (AT_A_TIME / u64::from(first.size).pow(2).max(1)).max(1) as usize;
+            let wanted: Vec<(String, &Recipe)> = wanted.into_iter().collect();
+            for wanted in wanted.chunks(at_a_time) {
+                let made = wanted.par_iter().map(|(key, recipe)| (key.clone(), image::hash(&recipe.codes(&quantizer))));
+                self.known.extend(made.collect::<Vec<_>>());
+            }
         }
-        keys.iter().map(|key| self.known[key].clone()).collect()
+        let hashes = keys.iter().map(|key| self.known[key].clone()).collect();
+        if self.known.len() > MAX_KNOWN {
+            self.known.clear();
+        }
+        hashes
     }
 }
 
@@ -206,9 +225,20 @@ fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Veri
 pub(crate) fn picture_errors(recorded: &Recorded, renderer: &mut Renderer) -> Vec<FileError> {
     let (path, conditions) = (&recorded.sidecar_path, &recorded.schedule.conditions);
     let mut errors = Vec::new();
+    let mut rendered = 0;
     for (sitting, pictures) in (1..).zip(recorded.sidecar.sittings.iter().map(|sitting| &sitting.pictures)) {
         let Some(pictures) = pictures else { continue };
         let known: Vec<_> = pictures.sha256.iter().filter(|hash| (1..=conditions.len()).contains(hash.0)).collect();
+        let side = pictures.recipe.size;
+        rendered += known.len() as u64 * u64::from(side).pow(2);
+        if side > MAX_SIDE || rendered > MAX_RENDERED {
+            let message = format!(
+                "the {} pictures of sitting {sitting} have {side} × {side} pixels and were not rendered; expected at most {MAX_SIDE} per side, and {MAX_RENDERED} pixels for the session",
+                known.len()
+            );
+            errors.push(FileError::whole(path, message));
+            break;
+        }
         let recipes: Vec<Recipe> = known.iter().map(|hash| pictures.recipe_of(&conditions[hash.0 - 1])).collect();
         for ((number, expected), hash) in known.iter().zip(renderer.hashes(&recipes)) {
             if **expected != hash {

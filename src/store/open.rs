@@ -1,0 +1,46 @@
+//! Opens files to read data from them. Only regular files are data.
+
+use std::{
+    fs::{self, File},
+    io::{Error, Read as _},
+    path::Path,
+};
+
+use super::error::NotData;
+
+/// Opens a file to read data from it. Links are followed, but only a regular file is opened: a device may never end,
+/// and opening a pipe would wait for its writer.
+///
+/// # Errors
+/// [`NotData`]; I/O errors.
+pub(super) fn open_regular(path: &Path) -> std::io::Result<File> {
+    is_data(&fs::metadata(path)?)?;
+    let file = File::open(path)?;
+    // The name may lead to a different file by now.
+    is_data(&file.metadata()?)?;
+    Ok(file)
+}
+
+/// Returns the error [`NotData`] for anything but a regular file.
+pub(super) fn is_data(metadata: &fs::Metadata) -> std::io::Result<()> {
+    match metadata.file_type() {
+        found if found.is_file() => Ok(()),
+        found => Err(Error::other(if found.is_dir() { NotData::Folder } else { NotData::Special })),
+    }
+}
+
+/// Reads a whole regular file of at most `most` bytes.
+///
+/// # Errors
+/// The same errors as [`open_regular`]; [`NotData::TooLarge`].
+pub(super) fn read_regular(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
+    let file = open_regular(path)?;
+    let size = file.metadata()?.len();
+    let mut bytes = Vec::new();
+    if size <= most {
+        // The limit also holds for a file that grows, and for a system file that reports no length.
+        file.take(most + 1).read_to_end(&mut bytes)?;
+    }
+    let size = size.max(bytes.len() as u64);
+    if size > most { Err(Error::other(NotData::TooLarge { size, most })) } else { Ok(bytes) }
+}

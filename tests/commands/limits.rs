@@ -1,0 +1,385 @@
+//! Small inputs that would cost much, and things that are not files of data. Every command ends soon, in little memory.
+
+use std::{
+    fmt::Write as _,
+    fs,
+    io::Read as _,
+    os::unix::{fs::symlink, net::UnixListener},
+    path::Path,
+    process::{Command, Stdio},
+    time::{Duration, Instant},
+};
+
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use crate::common::{command, split, succeeds};
+
+/// Maximum time in seconds. The issue is seconds or hours; a build without optimization on a busy machine is slow.
+const MAX_S: u64 = 30;
+/// Maximum peak memory.
+const MAX_KIB: u64 = 1 << 20;
+
+/// Runs a command line and returns its status, its messages, and its peak memory in KiB. Panics if it takes too long or
+/// too much memory.
+fn bounded(folder: &Path, line: &str) -> (Option<i32>, String, u64) {
+    let mut command = command(folder, &split(line));
+    let started = Instant::now();
+    let messages = folder.join("messages.txt");
+    let mut child = command.stdout(Stdio::null()).stderr(fs::File::create(&messages).unwrap()).spawn().unwrap();
+    let mut peak = 0;
+    let status = loop {
+        let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+        let high_water = status.lines().find_map(|line| line.strip_prefix("VmHWM:")?.split_whitespace().next());
+        peak = high_water.and_then(|kib| kib.parse().ok()).unwrap_or(peak);
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        if peak > MAX_KIB || started.elapsed() > Duration::from_secs(MAX_S) {
+            child.kill().unwrap();
+            child.wait().unwrap();
+            panic!("{line}: {peak} KiB and {:?}", started.elapsed());
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    };
+    if std::env::var_os("MACHBAND_LIMITS").is_some() {
+        println!("| {line} | {:.2} s | {} MiB |", started.elapsed().as_secs_f64(), peak >> 10);
+    }
+    let mut text = Vec::new();
+    fs::File::open(&messages).unwrap().take(100_000).read_to_end(&mut text).unwrap();
+    (status.code(), String::from_utf8_lossy(&text).into_owned(), peak)
+}
+
+/// The commands that read a file with a given ending.
+const READERS: [(&str, &[&str]); 5] = [
+    (
+        "csv",
+        &[
+            "check {}",
+            "analyze {} --out out",
+            "counts {} --out counts.csv",
+            "calibrate {} --out made.toml",
+            "predict quick --fit {}",
+        ],
+    ),
+    (
+        "toml",
+        &[
+            "check {}",
+            "plan {} --participants 2 --studies 1",
+            "predict {}",
+            "predict --display {}",
+            "predict --criterion {}",
+            "plan quick --participants 2 --studies 1 --observer-file {}",
+            "simulate {}",
+        ],
+    ),
+    ("png", &["check {}", "predict --image {}"]),
+    ("obj", &["shade --shader gouraud --mesh {} --metrics metrics.csv"]),
+    ("json", &["analyze session.csv --out out"]),
+];
+
+/// A device, a pipe without a writer and a socket are refused at once by every command; so is a folder, except where a
+/// folder of files is expected.
+#[test]
+fn only_regular_files_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let _socket = UnixListener::bind(at("socket")).unwrap();
+    assert!(Command::new("mkfifo").arg(at("pipe")).status().unwrap().success());
+    fs::create_dir(at("folder")).unwrap();
+    let header = "subject_id,session_id,phase,trial,attempt,experiment,width,rating\nS1,1,main,1,1,x,0.1,1\n";
+    fs::write(at("session.csv"), header).unwrap();
+    for what in ["/dev/zero", "pipe", "socket", "folder"] {
+        for (ending, lines) in READERS {
+            // A link with the right ending leads to it.
+            let link = if ending == "json" { "session.json".to_owned() } else { format!("link.{ending}") };
+            let _ = fs::remove_file(at(&link));
+            symlink(what, at(&link)).unwrap();
+            for line in lines {
+                let line = line.replace("{}", &link);
+                let (status, messages, _) = bounded(folder.path(), &line);
+                // A sidecar that is a folder is no sidecar.
+                let is_expected = messages.contains("is not a regular file") || messages.contains("is a folder");
+                let is_read_as_folder = what == "folder" && (ending == "json" || messages.contains("CSV files"));
+                assert!(
+                    status == Some(1) && is_expected || is_read_as_folder || ending == "json",
+                    "{what}: {line}: {messages}"
+                );
+            }
+            fs::remove_file(at(&link)).unwrap();
+        }
+    }
+}
+
+/// A table of counts with `rows` rows by `people` participants, at random among `levels` levels of each factor.
+fn ratings(rows: usize, people: usize, factors: usize, levels: usize, ratings: usize) -> String {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut text = "subject_id,rating,count".to_owned();
+    (0..factors).for_each(|factor| write!(text, ",f{factor}").unwrap());
+    for row in 0..rows {
+        write!(text, "\nP{},{},1", row % people, rng.random_range(0..ratings)).unwrap();
+        (0..factors).for_each(|factor| {
+            // The levels of the first factor all occur.
+            let level = if factor == 0 { row / people % levels } else { rng.random_range(0..levels) };
+            write!(text, ",{level}").unwrap();
+        });
+    }
+    text + "\n"
+}
+
+fn definition(factors: &str, design: &str) -> String {
+    format!(
+        "schema = 1\nname = \"b\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\n{factors}\n[design]\nrepetitions = 1\n{design}\n"
+    )
+}
+
+fn list(count: usize, of: impl Fn(usize) -> f64) -> String {
+    (0..count).map(|i| format!("{:.6}", of(i))).collect::<Vec<_>>().join(", ")
+}
+
+/// A PNG of zeros, with an extra chunk.
+fn png(side: u32, depth: png::BitDepth, color: png::ColorType, extra: Option<([u8; 4], Vec<u8>)>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, side, side);
+    encoder.set_color(color);
+    encoder.set_depth(depth);
+    let mut writer = encoder.write_header().unwrap();
+    if let Some((name, data)) = extra {
+        writer.write_chunk(png::chunk::ChunkType(name), &data).unwrap();
+    }
+    let row = (side as usize * color.samples() * depth as usize).div_ceil(8);
+    let mut stream = writer.stream_writer().unwrap();
+    let zeros = vec![0; row];
+    (0..side).for_each(|_| std::io::Write::write_all(&mut stream, &zeros).unwrap());
+    stream.finish().unwrap();
+    drop(writer);
+    bytes
+}
+
+/// `size` equal bytes, compressed a thousandfold.
+fn bomb(prefix: &[u8], size: usize) -> Vec<u8> {
+    let mut encoder = flate2::write::ZlibEncoder::new(prefix.to_vec(), flate2::Compression::best());
+    let block = vec![b'x'; 1 << 20];
+    (0..size >> 20).for_each(|_| std::io::Write::write_all(&mut encoder, &block).unwrap());
+    encoder.finish().unwrap()
+}
+
+/// A mesh of `faces` faces with `corners` corners each, on random points.
+fn obj(points: usize, faces: usize, corners: usize) -> String {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut text = String::new();
+    for _ in 0..points {
+        let [x, y, z]: [f64; 3] = std::array::from_fn(|_| rng.random_range(-1.0..1.0));
+        writeln!(text, "v {x:.3} {y:.3} {z:.3}").unwrap();
+    }
+    for _ in 0..faces {
+        text += "f";
+        (0..corners).for_each(|_| write!(text, " {}", rng.random_range(1..=points)).unwrap());
+        text += "\n";
+    }
+    text
+}
+
+/// What a command says about an input: a part of its first message; empty if it must succeed, `*` if it may do either.
+type Case = (&'static str, Vec<u8>, Vec<(&'static str, &'static str)>);
+
+/// Inputs below 1 MB that are as expensive as possible, each with the commands that read it.
+fn cases(full: bool) -> Vec<Case> {
+    use png::{BitDepth::*, ColorType::*};
+    let analyze = "analyze {} --out out";
+    let (shade, calibrate) = ("shade --shader gouraud --mesh {} --metrics metrics.csv", "calibrate {} --out made.toml");
+    let plan = "plan {} --participants 2 --studies 1";
+    let readings = |count: usize| -> Vec<u8> {
+        let row = |i: usize| {
+            format!("gray,{0},{1}\n", i as f64 / (count - 1) as f64, 0.1 + (i as f64 / count as f64).powf(2.2))
+        };
+        format!("channel,level,luminance_cd_m2\n{}", (0..count).map(row).collect::<String>()).into_bytes()
+    };
+    let widths = |count: usize| format!("width = [{}]", list(count, |i| 0.001 + 0.99 * i as f64 / count as f64));
+    let mebibyte = 1 << 20;
+    let (many, bombs) = if full { (20_000, 400 * mebibyte) } else { (2_000, 100 * mebibyte) };
+    let long = |before: &str| format!("subject_id,rating,count,width\n{before}S1,1,1,1\nS2,2,1,2\n").into_bytes();
+    let text_bomb = |keyword: &[u8]| bomb(keyword, bombs);
+    let mut cases: Vec<Case> = vec![
+        (
+            "levels.csv",
+            ratings(2 * many, 2, 1, many, 4).into(),
+            vec![(analyze, "the number of levels of f0 is"), ("counts {} --out c.csv", "")],
+        ),
+        (
+            "cell.csv",
+            long(&format!("S1,1,1,{}\n", "x".repeat(200_000))),
+            vec![(analyze, "the number of bytes of the name"), ("counts {} --out c.csv", "")],
+        ),
+        (
+            "row.csv",
+            long(&format!("S1,1,1,{}\n", "1,".repeat(450_000))),
+            vec![("counts {} --out c.csv", "the row has")],
+        ),
+        (
+            "columns.csv",
+            ratings(2, 2, 3000, 2, 4).into(),
+            vec![(analyze, "the number of factors is"), ("check {}", "column 1")],
+        ),
+        (
+            "header.csv",
+            format!("subject_id,rating,{}\n", "y".repeat(70_000)).into(),
+            vec![(analyze, "longer than 65,000 bytes")],
+        ),
+        (
+            "people.csv",
+            ratings(60_000, 30_000, 1, 2, 4).into(),
+            vec![(analyze, "the number of participants is"), ("counts {} --out c.csv", "")],
+        ),
+        (
+            "rows.csv",
+            format!("subject_id,rating,count,width\n{}", "1\n".repeat(400_000)).into(),
+            vec![(analyze, "the row has 1 cell")],
+        ),
+        (
+            "quotes.csv",
+            format!("subject_id,rating,count,width\n{}\"", "\"a\"\"\n".repeat(100_000)).into(),
+            vec![(analyze, "*"), ("check {}", "*")],
+        ),
+        ("readings.csv", readings(many), vec![(calibrate, ""), ("check {}", "")]),
+        (
+            "blocks.toml",
+            definition(&widths(50_000), "order = \"blocked:width\"").into(),
+            vec![
+                ("check {}", ""),
+                (plan, "the number of levels of width"),
+                ("predict {}", "the number of conditions is"),
+            ],
+        ),
+        (
+            "runs.toml",
+            definition("width = [0.1, 0.2]", "order = \"random\"\nmax_run = 1")
+                .replace("repetitions = 1", "repetitions = 40000")
+                .into(),
+            vec![("check {}", "*")],
+        ),
+        (
+            "keys.toml",
+            definition(&(0..many).map(|i| format!("k{i} = [1]\n")).collect::<String>(), "").into(),
+            vec![("check {}", "unknown key")],
+        ),
+        ("deep.toml", format!("x = {}", "[".repeat(500_000)).into(), vec![("check {}", "is not valid TOML")]),
+        (
+            "number.toml",
+            definition(&format!("width = [{}]", "9".repeat(500_000)), "").into(),
+            vec![("check {}", "width")],
+        ),
+        (
+            "profile.toml",
+            format!(
+                "schema = 1\nname = \"x\"\ntransfer = \"table\"\nencoded = [{0}]\nlinear = [{0}]\n",
+                list(40_001, |i| i as f64 / 40_000.0)
+            )
+            .into(),
+            vec![("check {}", "*"), ("predict --display {}", "*")],
+        ),
+        (
+            "gray.png",
+            png(8192, Eight, Grayscale, None),
+            vec![("check {}", "no text chunk"), ("predict --image {}", "has 8192 × 8192 pixels")],
+        ),
+        (
+            "wide.png",
+            png(8192, Sixteen, Rgb, None),
+            vec![("check {}", "no text chunk"), ("predict --image {}", "has 8192 × 8192 pixels")],
+        ),
+        ("bits.png", png(8192, One, Grayscale, None), vec![("predict --image {}", "has 8192 × 8192 pixels")]),
+        (
+            "ztxt.png",
+            png(64, Eight, Grayscale, Some((*b"zTXt", text_bomb(b"machband\0\0")))),
+            vec![("check {}", "no text chunk"), ("predict --image {}", "all black")],
+        ),
+        (
+            "itxt.png",
+            png(64, Eight, Grayscale, Some((*b"iTXt", text_bomb(b"machband\0\x01\0\0\0")))),
+            vec![("check {}", "no text chunk")],
+        ),
+        (
+            "iccp.png",
+            png(64, Eight, Grayscale, Some((*b"iCCP", text_bomb(b"p\0\0")))),
+            vec![("check {}", "no text chunk"), ("predict --image {}", "all black")],
+        ),
+        ("corners.obj", obj(1024, 40, 1025).into(), vec![(shade, "the number of corners is 1025")]),
+        ("triangles.obj", obj(many / 2, many, 3).into(), vec![(shade, "*")]),
+        ("edges.obj", obj(50, 4 * many, 3).into(), vec![(shade, "*")]),
+    ];
+    if full {
+        cases.extend([
+            ("at_levels.csv", ratings(40_000, 20, 1, 200, 4).into(), vec![(analyze, "")]),
+            ("at_people.csv", ratings(60_000, 20_000, 1, 3, 4).into(), vec![(analyze, "")]),
+            ("at_factors.csv", ratings(15_000, 20, 16, 3, 4).into(), vec![(analyze, "")]),
+            ("at_coefficients.csv", ratings(20_000, 20, 6, 33, 4).into(), vec![(analyze, "")]),
+            ("at_categories.csv", ratings(50_000, 20, 1, 8, 250).into(), vec![(analyze, "")]),
+            ("at_corners.obj", obj(1024, 150, 1024).into(), vec![(shade, "*")]),
+            ("at_pixels.png", png(4096, Sixteen, Rgb, None), vec![("predict --image {}", "all black")]),
+            ("at_conditions.toml", definition(&widths(2000), "").into(), vec![("predict {}", "")]),
+            ("at_plan.toml", definition(&widths(200), "").into(), vec![(plan, "")]),
+        ] as [Case; 9]);
+    }
+    cases
+}
+
+/// No input below 1 MB takes long or much memory. `MACHBAND_LIMITS=1` also runs the inputs at the limits and prints the
+/// table of `docs/scale.md`.
+#[test]
+fn small_inputs_cost_little() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, content, lines) in cases(std::env::var_os("MACHBAND_LIMITS").is_some()) {
+        assert!(content.len() < 1 << 20, "{name}: {}", content.len());
+        fs::write(folder.path().join(name), content).unwrap();
+        for (line, expected) in lines {
+            let line = line.replace("{}", name);
+            let (status, messages, _) = bounded(folder.path(), &line);
+            match expected {
+                "*" => assert!(matches!(status, Some(0..=2)), "{line}: {status:?}: {messages}"),
+                "" => assert_eq!(status, Some(0), "{line}: {messages}"),
+                _ => {
+                    assert!(matches!(status, Some(1 | 2)), "{line}: {status:?}: {messages}");
+                    assert!(messages.starts_with("error: ") && messages.contains(expected), "{line}: {messages}");
+                }
+            }
+        }
+    }
+}
+
+/// A sidecar may claim pictures of any size and any number of sittings.
+#[test]
+fn a_sidecar_cannot_ask_for_huge_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    succeeds(folder.path(), &split("simulate quick --results results"));
+    let path = folder.path().join("results/quick/data/subject-S001_session-1_task-quick_data.json");
+    let text = fs::read_to_string(&path).unwrap();
+    let changed = text.replacen("\"size\": 256", "\"size\": 100000", 1);
+    assert_ne!(changed, text);
+    fs::write(&path, changed).unwrap();
+    let (status, messages, _) = bounded(folder.path(), "verify results");
+    assert!(status == Some(1) && messages.contains("were not rendered"), "{messages}");
+    let mut sidecar: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let sitting = sidecar["sittings"][0].clone();
+    sidecar["sittings"] = vec![sitting; 200].into();
+    fs::write(&path, sidecar.to_string()).unwrap();
+    for line in [
+        "verify results",
+        "check results/quick/data/subject-S001_session-1_task-quick_data.csv",
+        "analyze results --out out",
+    ] {
+        bounded(folder.path(), line);
+    }
+}
+
+/// The option `--large` removes the limits.
+#[test]
+fn limits_can_be_raised() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("levels.csv"), ratings(402, 2, 1, 201, 4)).unwrap();
+    let line = "analyze levels.csv --out out --tables-only --replicates 100";
+    let (status, messages, _) = bounded(folder.path(), line);
+    assert!(status == Some(1) && messages.contains("--large"), "{messages}");
+    assert_eq!(bounded(folder.path(), &format!("{line} --large --terms num:f0")).0, Some(0));
+}
