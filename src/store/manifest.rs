@@ -97,7 +97,8 @@ impl<'a> Manifest<'a> {
         let kept = intact.len();
         // A killed run may have made an image without listing it, so an image of the same recipe may stay.
         let foreign = missing.iter().filter(|i| !is_of_recipe(i)).map(|i| folder.join(&rows[*i].0));
-        let is_of_another = |path: &Path, header: &[u8]| read_regular(path, MAX_LIST).is_ok_and(|text| !text.starts_with(header));
+        let is_of_another =
+            |path: &Path, header: &[u8]| read_regular(path, MAX_LIST).is_ok_and(|text| !text.starts_with(header));
         let is_of_others = fs::read_to_string(&list).is_ok_and(|text| {
             let mut names =
                 text.split_inclusive('\n').filter(|line| line.ends_with('\n')).map(|line| line.split(',').next());
