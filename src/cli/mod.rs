@@ -23,6 +23,7 @@ mod timing;
 
 use std::{
     borrow::Cow,
+    ffi::OsString,
     io::{ErrorKind, Write as _},
     path::Path,
     process::ExitCode,
@@ -92,8 +93,8 @@ pub fn main() -> ExitCode {
     match writer.map_err(Into::into).and_then(|writer| run(arguments, &writer)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // One line per error, so that a search for `error:` finds all of them. Each line includes its cause.
-            error.to_string().lines().for_each(|line| message("error", line));
+            // Each line is an error with its cause.
+            message("error", &error.to_string());
             let is_output =
                 matches!(error.downcast_ref(), Some(StoreError::Occupied(_) | StoreError::Protected { .. }));
             ExitCode::from(if is_output || error.is::<UsageError>() { 2 } else { 1 })
@@ -133,11 +134,11 @@ fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<()> {
 /// Ends the program with clap's message: help, or the error in the arguments. The error repeats arguments, which may
 /// contain control characters.
 fn refuse(error: &clap::Error) -> ! {
-    let text = error.render().to_string();
-    if !error.use_stderr() || text.lines().all(|line| matches!(printable(line), Cow::Borrowed(_))) {
+    let is_harmless = |argument: OsString| matches!(printable(&argument.to_string_lossy()), Cow::Borrowed(_));
+    if !error.use_stderr() || std::env::args_os().all(is_harmless) {
         error.exit();
     }
-    for line in text.lines() {
+    for line in error.render().to_string().lines() {
         let _ = writeln!(std::io::stderr(), "{}", printable(line));
     }
     std::process::exit(error.exit_code())

@@ -2,10 +2,12 @@
 
 use std::{borrow::Cow, io::Write as _};
 
-/// Prints a line such as `error: …` to stderr; `kind` is the word before the colon. It does not matter if stderr is
-/// closed, because the exit status reports a failure too.
+/// Prints each line of a text to stderr, after a word such as `error`, so that a search for `error:` finds all of them.
+/// It does not matter if stderr is closed, because the exit status reports a failure too.
 pub fn message(kind: &str, text: &str) {
-    let _ = writeln!(std::io::stderr(), "{kind}: {}", printable(text));
+    for line in text.lines() {
+        let _ = writeln!(std::io::stderr(), "{kind}: {}", printable(line));
+    }
 }
 
 /// Escapes the characters that a terminal would act on instead of showing them, such as those that change its colors or

@@ -89,7 +89,7 @@ fn no_message_contains_a_control_character() {
         let said = text(&output.stdout) + &text(&output.stderr);
         let acts = |c: &char| (c.is_control() && *c != '\n') || *c == '\u{202e}';
         assert_eq!(said.chars().find(acts), None, "{line:?}: {said:?}");
-        assert!(said.contains("\\u{1b}"), "{line:?}: {said:?}");
+        assert!(said.contains("\\u{"), "{line:?}: {said:?}");
     }
 }
 

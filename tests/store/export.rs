@@ -336,6 +336,10 @@ fn a_changed_file_is_exported_only_on_request_and_the_export_names_it() {
     let (name, what) = ("subject-S001_session-1_task-quick_data.csv", "was changed since the session ended: sha256");
     let error = fails(scratch.path(), &["export", "results", "--format", "bids", "--out", "out"], 1);
     assert!(error.contains(name) && error.contains(what) && error.contains("--accept-changes"), "{error}");
+    let error = fails(scratch.path(), &["check", csv.to_str().unwrap()], 1);
+    assert!(error.contains(name) && error.contains(what), "{error}");
+    let error = fails(scratch.path(), &["simulate", "quick", "--resume"], 1);
+    assert!(error.contains(name) && error.contains("--accept-changes"), "{error}");
     for format in FORMATS {
         let to = scratch.path().join(format!("{format:?}"));
         export(&results, &to, format, Choice::default()).unwrap_err();
@@ -356,6 +360,12 @@ fn a_changed_file_is_exported_only_on_request_and_the_export_names_it() {
         let found = verified(&copy);
         assert!(found.errors.iter().any(|error| error.message.contains(what)), "{:?}", found.errors);
     }
+    // If the change was accepted when the session was resumed, the export names the incident.
+    let resumed = crate::common::machband(scratch.path(), &["simulate", "quick", "--resume", "--accept-changes"]);
+    assert!(resumed.status.success(), "{resumed:?}");
+    written(&results, &scratch.path().join("accepted"), Format::Bids);
+    let sidecar = scratch.path().join("accepted/sub-S001/ses-1/beh/sub-S001_ses-1_task-quick_beh.json");
+    assert!(fs::read_to_string(&sidecar).unwrap().contains("accepted a change of"), "{}", sidecar.display());
 }
 
 #[cfg(unix)]

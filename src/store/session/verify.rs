@@ -259,8 +259,8 @@ pub(crate) fn picture_errors(recorded: &Recorded, renderer: &mut Renderer) -> Ve
     errors
 }
 
-/// Reports files in an experiment's folder that do not belong to a session: sidecars without rows, and incomplete files
-/// that a killed program left.
+/// Reports files in an experiment's folder that do not belong to a session: sidecars and frames without rows, and
+/// incomplete files that a killed program left.
 #[must_use]
 pub fn unexpected_files(dataset: &Path) -> Vec<FileError> {
     let mut errors = Vec::new();
@@ -272,7 +272,7 @@ pub fn unexpected_files(dataset: &Path) -> Vec<FileError> {
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             if temporary_for(&name).is_some() {
                 errors.push(FileError::whole(&path, "was left by a killed program; expected no such file"));
-            } else if let Some(stem) = name.strip_suffix(SIDECAR_SUFFIX)
+            } else if let Some(stem) = name.strip_suffix(SIDECAR_SUFFIX).or(name.strip_suffix(frames::SUFFIX))
                 && !path.with_file_name(format!("{stem}{DATA_FILE}")).exists()
             {
                 errors.push(FileError::whole(&path, "has no data file next to it; expected the rows of its session"));
