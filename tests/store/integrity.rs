@@ -204,6 +204,29 @@ fn fails_verify(folder: &Path) -> String {
 }
 
 #[test]
+fn a_register_that_cannot_be_written_is_noted_and_harms_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let register = paths(folder.path()).dataset.join("sessions.csv");
+    fs::create_dir_all(register.parent().unwrap()).unwrap();
+    fs::write(&register, "participant,age\n").unwrap();
+    sit(&mut create(folder.path()).unwrap(), None, usize::MAX);
+    assert_eq!(fs::read_to_string(&register).unwrap(), "participant,age\n");
+    let sidecar = Sidecar::read(&paths(folder.path()).sidecar).unwrap().unwrap();
+    let noted = |event: &str| sidecar.sittings[0].incidents.iter().any(|incident| incident.contains(event));
+    assert!(noted("Started could not be registered") && noted("Ended could not be registered"), "{sidecar:?}");
+    fs::remove_file(&register).unwrap();
+    assert_eq!(errors(&paths(folder.path()).csv), "");
+    // An interrupted program left the last line incomplete.
+    fs::write(&register, "at,event,data_file,definition_sha256,seed,data_bytes,data_sha256,sidecar_sha256\n2026,st")
+        .unwrap();
+    let second = tempfile::tempdir().unwrap();
+    fs::create_dir(second.path().join("small-one")).unwrap();
+    fs::copy(&register, second.path().join("small-one/sessions.csv")).unwrap();
+    sit(&mut create(second.path()).unwrap(), None, usize::MAX);
+    assert!(check::check(second.path().join("small-one/sessions.csv")).unwrap().sentence.contains("1 sessions"));
+}
+
+#[test]
 fn only_temporary_files_of_this_program_are_removed() {
     let (folder, _) = ended(2);
     let dataset = paths(folder.path()).dataset;
@@ -281,7 +304,7 @@ fn without_a_sidecar_the_register_decides_which_definition_is_resumed() {
 /// Edits after which every row is still planned and can be read. Each is reported, with and without the sidecar.
 #[test]
 fn rows_that_no_session_could_have_recorded_are_reported() {
-    let (_folder, csv) = ended(usize::MAX);
+    let (folder, csv) = ended(usize::MAX);
     let whole = fs::read_to_string(&csv).unwrap();
     // Exchanges the cells `from` to `to` of two rows; the other cells stay in their place.
     let exchanged = |text: &str, a: usize, b: usize, from: usize, to: usize| {
@@ -302,15 +325,14 @@ fn rows_that_no_session_could_have_recorded_are_reported() {
         (whole.replace("_main_0003_1,", "_main_0003_0,").replace(",main,1,3,1,", ",main,1,3,0,"), "is attempt 0"),
         (whole.replace("_main_0003_1,", "_main_0003_2,").replace(",main,1,3,1,", ",main,1,3,2,"), "is attempt 2"),
     ];
-    for with_sidecar in [true, false] {
-        for (content, expected) in &cases {
-            assert_ne!(*content, whole, "{expected}");
-            fs::write(&csv, content).unwrap();
-            if !with_sidecar {
-                let _ = fs::remove_file(csv.with_extension("json"));
-            }
-            let error = check::check(&csv).map(|_| ()).expect_err(expected).to_string();
-            assert!(error.contains(expected), "{with_sidecar} {expected}: {error}");
+    // A copy of the rows has no sidecar.
+    let copy = folder.path().join("rows.csv");
+    for (content, expected) in cases {
+        assert_ne!(content, whole, "{expected}");
+        for path in [&csv, &copy] {
+            fs::write(path, &content).unwrap();
+            let error = check::check(path).map(|_| ()).expect_err(expected).to_string();
+            assert!(error.contains(expected), "{} {expected}: {error}", path.display());
         }
     }
     fs::write(&csv, &whole).unwrap();
@@ -332,7 +354,7 @@ fn repair_moves_damaged_lines_and_deletes_no_byte() {
     assert!(said.contains("2 damaged lines moved") && said.contains("damaged-1: 4, 5"), "{said}");
     assert_eq!(fs::read_to_string(&csv).unwrap(), [head, tail].concat());
     assert_eq!(fs::read_to_string(&aside).unwrap(), damaged);
-    assert_eq!(repair(&csv).unwrap().moved_to, None);
+    assert!(succeeds(folder.path(), &["repair", "small-one"]).contains("_data.csv: no line is damaged"));
     assert_eq!(errors(&csv), "");
     assert!(fs::read_to_string(folder.path().join("small-one/sessions.csv")).unwrap().contains(",repaired,"));
     let (mut store, found) = resume(folder.path()).unwrap();

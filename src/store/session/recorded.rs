@@ -133,8 +133,8 @@ pub(crate) fn order_errors<'a>(
     is_repaired: bool,
 ) -> Vec<FileError> {
     let (mut errors, mut attempts) = (Vec::new(), HashMap::new());
-    // The row above of the same session, and the last first attempt of the sitting.
-    let mut last: HashMap<(&str, &str), (&TrialRecord, (bool, u32))> = HashMap::new();
+    // For each session, the row above, and the furthest trial of its sitting.
+    let mut last = HashMap::<_, (&TrialRecord, _)>::new();
     for (row, line) in rows {
         let session = (&*row.subject_id, &*row.session_id);
         let place = (row.phase == Phase::Main, row.trial);
