@@ -313,7 +313,7 @@ fn files_that_are_not_definitions_are_reported() {
     // Line endings and a byte order mark from other systems.
     let plain = definition::parse("mine.toml", BASE).unwrap();
     let windows = format!("\u{feff}{}", BASE.replace('\n', "\r\n"));
-    assert_eq!(definition::open(&write("windows.toml", windows.as_bytes())).unwrap(), plain);
+    assert_eq!(definition::open(write("windows.toml", windows.as_bytes())).unwrap(), plain);
     let error = definition::parse("w.toml", &windows.replace("low = 0.25", "low = 7")).unwrap_err();
     assert_eq!(error.0[0].position, Some((7, 1)));
 }

@@ -136,7 +136,7 @@ fn edits(results: &Path, state: State) -> Vec<Edit> {
         keys(&json(&results.join(SIDECAR)), "", &mut edits);
         let describing = ["dataset_description.json", "README.md", "CHANGES.md", ".psychds-ignore"];
         for file in describing {
-            let make = move |results: &Path| edit_text(&results.join("small-one").join(file), |text| changed(text));
+            let make = move |results: &Path| edit_text(&results.join("small-one").join(file), changed);
             let class = "the description of the data set";
             edits.push(Edit { class, name: format!("{file} changed"), make: Box::new(make) });
         }
@@ -189,6 +189,9 @@ fn whole_file(file: &'static str, edits: &mut Vec<Edit>) {
     }
 }
 
+/// A change of the lines of a file.
+type Change = Box<dyn Fn(&mut Vec<String>)>;
+
 /// Adds edits of the rows and cells of a table.
 fn table(class: &'static str, file: &'static str, text: &str, edits: &mut Vec<Edit>) {
     type Way = fn(&mut Vec<String>);
@@ -204,7 +207,7 @@ fn table(class: &'static str, file: &'static str, text: &str, edits: &mut Vec<Ed
         ("line ends of Windows", |lines| lines.iter_mut().for_each(|line| line.push('\r'))),
         ("a byte order mark", |lines| lines[0].insert(0, '\u{feff}')),
     ];
-    let mut add = |name: String, change: Box<dyn Fn(&mut Vec<String>)>| {
+    let mut add = |name: String, change: Change| {
         let make = move |results: &Path| {
             edit_text(&results.join(file), |text| {
                 let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
