@@ -7,12 +7,13 @@ use std::{
     io::Write as _,
     path::{Path, PathBuf},
     sync::Mutex,
+    time::Duration,
 };
 
 use super::{
     StoreError, Writer,
     error::io,
-    file::{sha256, sync_folder},
+    file::{remove_temporary, sha256, sync_folder},
     image,
     open::read_regular,
     table,
@@ -23,6 +24,8 @@ use crate::{
     stimulus::recipe::Recipe,
 };
 
+/// Age of the temporary files of killed runs that are removed. Another shard may be using newer ones.
+const TEMPORARY_AGE: Duration = Duration::from_secs(60);
 /// Name of the list of all images.
 const MANIFEST: &str = "manifest.csv";
 /// Maximum size of a list of images in bytes: 100,000 lines of 300 bytes.
@@ -66,6 +69,7 @@ impl<'a> Manifest<'a> {
         (index, shards): (usize, usize),
     ) -> Result<Self, StoreError> {
         writer.make_folder(folder)?;
+        remove_temporary(folder, None, TEMPORARY_AGE);
         let names: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
         let digits = conditions.len().to_string().len();
         let row = |(i, condition): (usize, &Condition)| {

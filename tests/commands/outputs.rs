@@ -11,7 +11,11 @@ use clap::{
     Arg, Command, ValueHint,
     error::{ContextKind, ContextValue, ErrorKind},
 };
-use machband::cli::{self, FittedPath, NewFolder, OutPath};
+use machband::{
+    cli::{self, FittedPath, NewFolder, OutPath},
+    display::DisplayProfile,
+    store::{StoreError, Writer, matches::MatchFile, profile, readings},
+};
 
 use crate::common::{everything, fails, machband, split, succeeds, text};
 
@@ -221,6 +225,19 @@ fn no_command_writes_over_a_session() {
         let error = fails(folder.path(), &split(&format!("{command} --out z/quick/data --force")), 2);
         assert!(error.contains("is inside the data folder"), "{error}");
     }
+    // What the window writes on its other pages.
+    let data = at("z/quick/data");
+    for force in [false, true] {
+        let writer = Writer::new([], force);
+        for done in [
+            profile::write(&writer, &data.join("p.toml"), &DisplayProfile::default()),
+            readings::write(&writer, &data.join("r.csv"), &[]),
+            MatchFile::create(&data.join("m.csv"), 1).map(drop),
+            writer.write_all(&[(at("new.csv"), b"1".to_vec()), (data.join("i.csv"), b"2".to_vec())]),
+        ] {
+            assert!(matches!(done, Err(StoreError::Protected { .. })), "{done:?}");
+        }
+    }
     assert!(everything(folder.path()) == before);
 }
 
@@ -335,6 +352,15 @@ fn stimuli_keeps_the_images_of_others() {
     // A folder with the name of a built-in definition is not an input.
     fs::create_dir(folder.path().join("quick")).unwrap();
     assert!(machband(folder.path(), &split("stimuli quick --size 8 --out quick")).status.success());
+    // A killed run leaves temporary files. They are removed later, but nothing else is, whatever its name.
+    let old = std::time::SystemTime::now() - std::time::Duration::from_secs(3600);
+    for name in ["01.png.machband-Ab12Cd.tmp", "field-notes.tmp"] {
+        let file = fs::File::create(folder.path().join("s").join(name)).unwrap();
+        file.set_modified(old).unwrap();
+    }
+    assert!(run("").status.success());
+    assert!(!folder.path().join("s/01.png.machband-Ab12Cd.tmp").exists());
+    fs::remove_file(folder.path().join("s/field-notes.tmp")).unwrap();
     let images: Vec<PathBuf> = everything(&folder.path().join("s")).into_iter().map(|(path, _)| path).collect();
     let first = &images[0];
     // An image that a killed run made but did not list is kept.

@@ -49,7 +49,8 @@ fn every_output_is_synced() {
         }
         let before = files();
         let log = folder.path().join("log");
-        let (ended, log) = shim::run_with(&mut command(&root, &split(&line)), &[noted.clone()], &root, &log);
+        let (ended, log) =
+            shim::run_with(&mut command(&root, &split(&line)), std::slice::from_ref(&noted), &root, &log);
         assert!(ended.status.success(), "{line}: {ended:?}");
         std::fs::remove_file(root.join("log")).unwrap();
         let synced = names(log.hits.iter().map(|hit| Path::new(&hit.path)));
