@@ -167,7 +167,7 @@ fn check_matches(path: &Path) -> Result<String, FileErrors> {
 
 /// Checks the register of a data set.
 fn check_register(path: &Path) -> Result<String, FileErrors> {
-    Ok(format!("register of a data set: {} sessions", Register::read_file(path)?.count()))
+    Ok(format!("register of a data set; sessions: {}", Register::read_file(path)?.count()))
 }
 
 /// Checks the frames file of a session, which is next to its result file and sidecar.

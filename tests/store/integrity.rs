@@ -169,7 +169,7 @@ fn the_register_reveals_deleted_and_exchanged_sessions() {
     assert_eq!(events.iter().filter(|event| *event == "started").count(), 2, "{events:?}");
     assert_eq!(events.iter().filter(|event| *event == "ended").count(), 2, "{events:?}");
     let [first, second] = ["S001", "S002"].map(|id| session_csv(&folder.path().join("results"), "quick", id));
-    assert!(check::check(dataset.join("sessions.csv")).unwrap().sentence.contains("2 sessions"));
+    assert!(check::check(dataset.join("sessions.csv")).unwrap().sentence.contains("sessions: 2"));
 
     // A consistent forgery: other ratings under a valid seal.
     let whole = everything(&dataset);
@@ -223,7 +223,7 @@ fn a_register_that_cannot_be_written_is_noted_and_harms_nothing_else() {
     fs::create_dir(second.path().join("small-one")).unwrap();
     fs::copy(&register, second.path().join("small-one/sessions.csv")).unwrap();
     sit(&mut create(second.path()).unwrap(), None, usize::MAX);
-    assert!(check::check(second.path().join("small-one/sessions.csv")).unwrap().sentence.contains("1 sessions"));
+    assert!(check::check(second.path().join("small-one/sessions.csv")).unwrap().sentence.contains("sessions: 1"));
 }
 
 #[test]
@@ -355,16 +355,27 @@ fn repair_moves_damaged_lines_and_deletes_no_byte() {
     assert_eq!(fs::read_to_string(&csv).unwrap(), [head, tail].concat());
     assert_eq!(fs::read_to_string(&aside).unwrap(), damaged);
     assert!(succeeds(folder.path(), &["repair", "small-one"]).contains("_data.csv: no line is damaged"));
-    assert_eq!(errors(&csv), "");
     assert!(fs::read_to_string(folder.path().join("small-one/sessions.csv")).unwrap().contains(",repaired,"));
-    let (mut store, found) = resume(folder.path()).unwrap();
+    // The lines were sealed, so a repair alone does not pass the file off as unchanged.
+    let found = errors(&csv);
+    assert!(found.lines().count() == 1 && found.contains("_data.csv: was changed since"), "{found}");
+    assert!(resume(folder.path()).map(|_| ()).unwrap_err().to_string().contains("--accept-changes"));
+    let (mut store, found) = accept(folder.path());
     assert_eq!(found.resumed.done.len(), 3);
     sit(&mut store, Some(&found), usize::MAX);
     drop(store);
     assert_eq!(errors(&csv), "");
     let notes = verified(&csv).notes.join("; ");
-    assert!(notes.contains("repaired: 2 damaged lines were moved"), "{notes}");
+    assert!(notes.contains("repaired: damaged lines were moved"), "{notes}");
     check::check(&csv).unwrap();
+    // A session that was killed is not sealed.
+    let killed = tempfile::tempdir().unwrap();
+    recording::rate(&mut create(killed.path()).unwrap(), (&small(), &identity()), None, 3, false).unwrap();
+    let rows = paths(killed.path()).csv;
+    edit(&rows, |text| text.replacen("S001_1_practice_0002", "2", 1).replacen(",small-one,", "", 2));
+    assert!(resume(killed.path()).is_err());
+    assert_eq!(repair(&rows).unwrap().lines, [2, 3]);
+    assert_eq!(resume(killed.path()).unwrap().1.resumed.done.len(), 1);
     // The sidecar of another session does not make every row damaged.
     edit_sidecar(&csv, |sidecar| sidecar.seed = 8);
     let before = everything(folder.path());

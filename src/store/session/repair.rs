@@ -7,13 +7,11 @@ use std::{
 };
 
 use super::{
-    dataset::{DAMAGED, DATA_FILE, SIDECAR_SUFFIX, identity},
-    frames,
+    dataset::{DAMAGED, SIDECAR_SUFFIX, identity},
     lock::LockFile,
     recorded::REPAIRED,
     register::{Entry, Event},
     results::{self, ResultFile},
-    seal,
     sidecar::{Seal, Sidecar},
 };
 use crate::{
@@ -38,7 +36,7 @@ pub struct Repaired {
 
 /// Moves the damaged lines of a session's data file to a new file next to it: lines that cannot be read, and rows that
 /// the definition and the seed do not plan. Every byte is kept. The sidecar and the register record the repair, and the
-/// trials of the moved lines are shown again when the session is resumed.
+/// trials of the moved lines are shown again when the session is resumed. The seals are not renewed.
 ///
 /// # Errors
 /// Another program writes the session; the sidecar is missing or cannot be read; no row is planned, so the sidecar
@@ -66,10 +64,24 @@ pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
     }
     let moved_to = write_new(csv, &damaged)?;
     write_whole(csv, &kept, true)?;
-    record(csv, &sidecar_path, &mut sidecar, (&before, &kept), &moved_to, lines.len())?;
-    let dataset =
-        csv.parent().and_then(Path::parent).filter(|_| csv.parent().is_some_and(|data| data.ends_with("data")));
-    let entry = Entry::new(Event::Repaired, csv, &sidecar, seal_of(csv, &kept, &sidecar));
+    let name = moved_to.file_name().unwrap_or_default().to_string_lossy();
+    let [was, is] = [&before, &kept].map(|content| sha256(content));
+    let count = lines.len();
+    record(
+        format!("{REPAIRED}damaged lines were moved to {name}: {count}; sha256 {was} before, {is} now"),
+        &mut sidecar,
+    );
+    sidecar.write(&sidecar_path)?;
+    let seal = Seal {
+        data_bytes: Some(kept.len() as u64),
+        data_sha256: is,
+        frames_bytes: None,
+        frames_sha256: None,
+        sidecar_sha256: sidecar.own_sha256(),
+    };
+    let entry = Entry::new(Event::Repaired, csv, &sidecar, seal);
+    let data = csv.parent().filter(|data| data.ends_with("data"));
+    let dataset = data.and_then(Path::parent);
     let warning = dataset.and_then(|dataset| entry.append(dataset).err()).map(|error| error.to_string());
     Ok(Repaired { lines, moved_to: Some(moved_to), warning })
 }
@@ -149,49 +161,17 @@ fn write_new(csv: &Path, content: &[u8]) -> Result<PathBuf, StoreError> {
     }
 }
 
-/// Writes the incident into the sidecar, and seals the files as they are now if they were sealed.
-fn record(
-    csv: &Path,
-    path: &Path,
-    sidecar: &mut Sidecar,
-    (before, after): (&[u8], &[u8]),
-    moved_to: &Path,
-    lines: usize,
-) -> Result<(), StoreError> {
-    let name = moved_to.file_name().unwrap_or_default().to_string_lossy();
-    let incident = format!(
-        "{REPAIRED}{lines} damaged lines were moved to {name}: sha256 {} before, {} now",
-        sha256(before),
-        sha256(after)
-    );
-    let changed = seal::differences(csv, sidecar);
-    // Other changes than the damage are recorded too.
-    let others: Vec<String> =
-        changed.iter().filter(|other| other.path != csv).map(seal::Difference::accepted).collect();
-    let is_sealed = sidecar.seal.is_some();
+/// Adds the incident to the sidecar. The seals of the rows stay as they are, because a repair cannot know what the
+/// damaged lines were: if these were sealed, the user must accept the change.
+fn record(incident: String, sidecar: &mut Sidecar) {
+    let own = sidecar.own_sha256();
     sidecar.complete = false;
     if let Some(last) = sidecar.sittings.last_mut() {
         last.incidents.push(incident);
-        last.incidents.extend(others);
     }
-    let now = seal_of(csv, after, sidecar);
-    if let Some(first) = changed.iter().map(|difference| difference.sitting).min() {
-        sidecar.reseal(first, &now);
-    }
-    sidecar.seal = is_sealed.then(|| seal_of(csv, after, sidecar));
-    sidecar.write(path)
-}
-
-/// Returns the seal of the files as they are now.
-fn seal_of(csv: &Path, rows: &[u8], sidecar: &Sidecar) -> Seal {
-    let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let stem = name.strip_suffix(DATA_FILE).unwrap_or(&name);
-    let frames = fs::read(csv.with_file_name(format!("{stem}{}", frames::SUFFIX))).ok();
-    Seal {
-        data_bytes: Some(rows.len() as u64),
-        data_sha256: sha256(rows),
-        frames_bytes: frames.as_ref().map(|frames| frames.len() as u64),
-        frames_sha256: frames.as_deref().map(sha256),
-        sidecar_sha256: sidecar.own_sha256(),
+    // The incident itself is not a change by hand.
+    let now = sidecar.own_sha256();
+    if let Some(seal) = sidecar.seal.as_mut().filter(|seal| seal.sidecar_sha256 == own) {
+        seal.sidecar_sha256 = now;
     }
 }
