@@ -2,7 +2,7 @@
 //! intact are not made again.
 
 use std::{
-    collections::HashMap,
+    collections::{HashMap, HashSet},
     fs::{self, File, OpenOptions},
     io::Write as _,
     path::{Path, PathBuf},
@@ -84,7 +84,7 @@ impl<'a> Manifest<'a> {
         // Hashes recorded by earlier runs.
         let mut known = HashMap::new();
         for path in [&whole, &list] {
-            for line in text_of(path).lines() {
+            for line in text_of(path).unwrap_or_default().lines() {
                 let mut cells = line.split(',').map(str::to_owned);
                 known.extend(cells.next().zip(cells.next()));
             }
@@ -101,15 +101,7 @@ impl<'a> Manifest<'a> {
         let kept = intact.len();
         // A killed run may have made an image without listing it, so an image of the same recipe may stay.
         let foreign = missing.iter().filter(|i| !is_of_recipe(i)).map(|i| folder.join(&rows[*i].0));
-        let is_of_another =
-            |path: &Path, header: &[u8]| read_regular(path, MAX_LIST).is_ok_and(|text| !text.starts_with(header));
-        let is_of_others = fs::read_to_string(&list).is_ok_and(|text| {
-            let mut names =
-                text.split_inclusive('\n').filter(|line| line.ends_with('\n')).map(|line| line.split(',').next());
-            names.any(|name| !rows.iter().any(|(file, _)| Some(file.as_str()) == name))
-        });
-        let lists = [(is_of_another(&whole, &table::line(&header)), whole), (is_of_others, list.clone())];
-        let foreign: Vec<_> = foreign.chain(lists.into_iter().filter_map(|(is, path)| is.then_some(path))).collect();
+        let foreign: Vec<_> = foreign.chain(foreign_lists(&whole, &list, &header, &rows)).collect();
         writer.check(foreign.iter().map(PathBuf::as_path))?;
         let line = |i: usize| line(&rows[i], &known[&rows[i].0], &recipes[i]);
         writer.replacing().write(&list, &intact.into_iter().flat_map(line).collect::<Vec<u8>>())?;
@@ -125,7 +117,7 @@ impl<'a> Manifest<'a> {
     pub fn make(&self, i: usize, quantizer: &Quantizer) -> Result<(), StoreError> {
         let path = self.folder.join(&self.rows[i].0);
         let bytes = image::recipe_png(&path, &self.recipes[i], quantizer)?;
-        if !fs::read(&path).is_ok_and(|found| found == bytes) {
+        if !read_regular(&path, bytes.len() as u64).is_ok_and(|found| found == bytes) {
             self.writer.put(&path, &bytes)?;
         }
         let line = line(&self.rows[i], &sha256(&bytes), &self.recipes[i]);
@@ -144,7 +136,7 @@ impl<'a> Manifest<'a> {
         sync_folder(&self.list)?;
         let lists: Vec<PathBuf> =
             (1..=self.shards).map(|index| self.folder.join(list_name(index, self.shards))).collect();
-        let texts: Vec<String> = lists.iter().map(|path| text_of(path)).collect();
+        let texts: Vec<String> = lists.iter().filter_map(|path| text_of(path)).collect();
         // Each line begins with its image's number, so sorting restores the order. A line that another shard is still
         // writing has no line end yet and is skipped.
         let mut lines: Vec<&str> = texts.iter().flat_map(|text| text.split_inclusive('\n')).collect();
@@ -163,9 +155,22 @@ impl<'a> Manifest<'a> {
     }
 }
 
-/// Returns the text of a list of images; empty if it cannot be read.
-fn text_of(path: &Path) -> String {
-    read_regular(path, MAX_LIST).ok().and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_default()
+/// Returns which of the list of all images and the list of one shard exist but do not list these images.
+fn foreign_lists(whole: &Path, list: &Path, header: &[String], rows: &[(String, Vec<String>)]) -> Vec<PathBuf> {
+    let header = String::from_utf8_lossy(&table::line(header)).into_owned();
+    let files: HashSet<&str> = rows.iter().map(|(file, _)| file.as_str()).collect();
+    let is_ours = |line: &str| line.split(',').next().is_some_and(|name| files.contains(name));
+    // The last line of a killed run can be incomplete.
+    let lists_ours = |text: &str| text.split_inclusive('\n').all(|line| !line.ends_with('\n') || is_ours(line));
+    let whole = (whole, text_of(whole).is_some_and(|text| text.starts_with(&header)));
+    let list = (list, text_of(list).is_some_and(|text| lists_ours(&text)));
+    let foreign = [whole, list].into_iter().filter(|(path, is_ours)| !is_ours && path.exists());
+    foreign.map(|(path, _)| path.to_owned()).collect()
+}
+
+/// Returns the text of a list of images, if it can be read.
+fn text_of(path: &Path) -> Option<String> {
+    read_regular(path, MAX_LIST).ok().and_then(|bytes| String::from_utf8(bytes).ok())
 }
 
 fn line((file, levels): &(String, Vec<String>), hash: &str, recipe: &Recipe) -> Vec<u8> {

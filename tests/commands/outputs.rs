@@ -344,8 +344,10 @@ fn stimuli_keeps_the_images_of_others() {
     fs::create_dir(folder.path().join("s")).unwrap();
     for name in ["manifest.csv", "manifest-1-of-1.csv"] {
         let path = folder.path().join("s").join(name);
-        fs::write(&path, "my,own,list\n").unwrap();
-        refused("", name);
+        for content in [&b"my,own,list\n"[..], b"\xff\xfe"] {
+            fs::write(&path, content).unwrap();
+            refused("", name);
+        }
         fs::remove_file(path).unwrap();
     }
     assert!(run("").status.success() && run("").status.success());
