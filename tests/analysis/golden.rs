@@ -44,11 +44,11 @@ fn records(file: &str) -> Vec<Record> {
 fn spec(record: &Record) -> ModelSpec {
     let nodes: usize = record.get("nodes").map_or(0, |nodes| nodes.parse().unwrap());
     ModelSpec {
-        terms: Terms::parse(&record["terms"]).unwrap(),
         scale: Terms::parse(record.get("scale").map_or("", String::as_str)).unwrap(),
         link: record["link"].parse::<Link>().unwrap(),
         random: if nodes == 0 { Random::None } else { Random::Subject },
         quadrature: nodes.max(1),
+        ..ModelSpec::new(Terms::parse(&record["terms"]).unwrap())
     }
 }
 

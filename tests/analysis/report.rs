@@ -1,7 +1,7 @@
 //! Tests of `report.html`: its sentences are true and claim no more than the results do, and it is a single page that
 //! needs no network.
 
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::Arc};
 
 use machband::{
     analysis::{
@@ -307,7 +307,7 @@ fn session(protocol: &Protocol, subject: &str, sitting: Sitting) -> SessionRead 
         planned: Some(90),
         rated: 90,
         dropped: Some(0),
-        sidecar: Some(Sidecar::new(protocol, 1, sitting)),
+        sidecar: Some(Sidecar::new(protocol, 1, sitting).into()),
     }
 }
 
@@ -366,7 +366,8 @@ fn problems_with_the_data_are_reported() {
     assert!(!wrong.contains("The scale is 1.") && !wrong.contains("All 2 sessions"));
 
     for session in &mut source.sessions {
-        session.sidecar.as_mut().unwrap().sittings[0].observer = Some(serde_json::json!({ "observer": "random" }));
+        Arc::make_mut(session.sidecar.as_mut().unwrap()).sittings[0].observer =
+            Some(serde_json::json!({ "observer": "random" }));
     }
     assert_parts(&study::summary(&source, &results).cautions[0], &["the results say nothing about people"]);
     assert_parts(&text(&page(&source, &results)), &["2 simulated observers gave"]);
