@@ -12,6 +12,7 @@
 //!
 //! | floor | module | contents |
 //! |---|---|---|
+//! | 0 | [`system`] | the clock, threads, signals and folders of the operating system |
 //! | 0 | [`light`] | interpolation I_n, transfer functions, conversion of light to codes, images |
 //! | 1 | [`display`] | visual angle, cm and pixels; the properties of a screen |
 //! | 1 | [`shading`] | meshes, illumination, shaders on the CPU and the GPU, and jumps in the slope of their light |
@@ -27,6 +28,10 @@
 //! Sources: Bangay, *Methods of Reducing the Visibility of Mach Bands during Gouraud Shading*; Shoaff,
 //! *Color, Illumination Models, and Shading*.
 
+// Both panic if the stream is closed or the disk behind it is full; `report::terminal::message` and
+// `cli::print_line` do not.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 pub mod analysis;
 #[cfg(feature = "window")]
 pub mod app;
@@ -38,4 +43,5 @@ pub mod report;
 pub mod shading;
 pub mod stimulus;
 pub mod store;
+pub mod system;
 pub mod vision;

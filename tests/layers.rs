@@ -17,6 +17,7 @@ type Module = Vec<String>;
 /// The floor of every room. A room may use only rooms on lower floors. The window, which is one floor in
 /// `src/lib.rs`, is divided into several floors here.
 const FLOORS: &[(&str, u32)] = &[
+    ("system", 0),
     ("light", 0),
     ("display", 1),
     ("shading", 1),

@@ -42,7 +42,7 @@ pub struct Launch {
 /// Opens the window; returns when it is closed.
 ///
 /// # Errors
-/// [`WindowError`] if there is no display or no graphics, or if one of them is lost.
+/// [`WindowError`] if there is no display or no graphics, if one of them is lost, or if a signal ends the program.
 pub fn open(launch: Launch) -> Result<(), WindowError> {
     let fullscreen = launch.request.as_ref().is_some_and(|request| !request.windowed);
     window::open(fullscreen, |cc, input| App { input, ..App::new(cc, launch) })
@@ -51,7 +51,7 @@ pub fn open(launch: Launch) -> Result<(), WindowError> {
 /// Opens a window that measures its frame times; returns when it is closed.
 ///
 /// # Errors
-/// [`WindowError`] if there is no display or no graphics, or if one of them is lost.
+/// [`WindowError`] if there is no display or no graphics, if one of them is lost, or if a signal ends the program.
 pub fn time(request: timing::TimingRequest) -> Result<(), WindowError> {
     window::open(request.fullscreen, |cc, input| App { input, ..App::timing(cc, request) })
 }

@@ -11,6 +11,7 @@ use super::{print_line, progress_style, warn};
 use crate::{
     report::document::numbers::count,
     store::{self, dataset::REGISTER, image::MAX_PIXELS, ratings, register::Register, verify},
+    system::entries,
 };
 
 /// Check definitions, result files, display profiles, readings, observers and images, and report every error.
@@ -106,8 +107,7 @@ pub(super) fn verify(arguments: &VerifyArguments) -> anyhow::Result<()> {
 
 /// Returns the data sets that have a register: the folder itself, or the folders in it.
 fn registers(folder: &Path) -> Vec<PathBuf> {
-    let inside = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let folders = std::iter::once(folder.to_owned()).chain(inside);
+    let folders = std::iter::once(folder.to_owned()).chain(entries(folder).unwrap_or_default());
     folders.filter(|folder| folder.join(REGISTER).is_file()).collect()
 }
 

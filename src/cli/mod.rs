@@ -39,6 +39,11 @@ use crate::{
         terminal::{message, printable},
     },
     store::{StoreError, Writer},
+    system::{
+        now, run_on_thread,
+        signals::{self, Signal},
+        start_threads,
+    },
 };
 
 /// Measure how visible Mach bands are.
@@ -90,16 +95,18 @@ pub fn main() -> ExitCode {
     let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| refuse(&error));
     let called = matches.subcommand().and_then(|(name, matches)| Some((definition.find_subcommand(name)?, matches)));
     let writer = called.map_or_else(|| Ok(Writer::default()), |(command, matches)| outputs::writer(command, matches));
-    match writer.map_err(Into::into).and_then(|writer| run(arguments, &writer)) {
-        Ok(()) => ExitCode::SUCCESS,
+    let started = start_threads().map_err(Into::into).and_then(|()| Ok(writer?));
+    let status = match started.and_then(|writer| run(arguments, &writer)) {
+        Ok(()) => 0,
         Err(error) => {
             // Each line is an error with its cause.
             message("error", &error.to_string());
             let is_output =
                 matches!(error.downcast_ref(), Some(StoreError::Occupied(_) | StoreError::Protected { .. }));
-            ExitCode::from(if is_output || error.is::<UsageError>() { 2 } else { 1 })
+            if is_output || error.is::<UsageError>() { 2 } else { 1 }
         }
-    }
+    };
+    ExitCode::from(signals::received().map_or(status, Signal::status))
 }
 
 /// Runs a command; `writer` writes its outputs.
@@ -172,7 +179,7 @@ fn warn(place: &Path, profile: &DisplayProfile) {
 
 /// Returns today's date in UTC.
 fn today() -> jiff::civil::Date {
-    jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date()
+    jiff::tz::TimeZone::UTC.to_datetime(now()).date()
 }
 
 /// Returns the style of a progress bar; `what` names the items that are counted.
@@ -184,7 +191,17 @@ fn progress_style(what: &str) -> indicatif::ProgressStyle {
 /// Shows activity in the terminal when progress cannot be measured.
 fn spinner(what: &'static str) -> indicatif::ProgressBar {
     let spinner = indicatif::ProgressBar::new_spinner().with_message(what);
-    spinner.enable_steady_tick(std::time::Duration::from_millis(120));
+    let turning = spinner.clone();
+    // `enable_steady_tick` would panic if the system cannot create a thread; the text is then shown without turning.
+    let turned = run_on_thread(move || {
+        while !turning.is_finished() {
+            turning.tick();
+            std::thread::sleep(std::time::Duration::from_millis(120));
+        }
+    });
+    if turned.is_err() {
+        spinner.tick();
+    }
     spinner
 }
 

@@ -15,7 +15,7 @@ use crate::{
         prediction::{self, Comparison, window_deg},
         tables::Table,
     },
-    stimulus::ViewingConditions,
+    stimulus::{Stimulus, ViewingConditions},
     store::{self, Writer, definition, image::MAX_PIXELS, observer, ratings::ReadOptions},
     vision::{Criterion, Visibility},
 };
@@ -109,6 +109,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         );
     }
     let stimulus = arguments.stimulus.stimulus()?;
+    check_size(arguments.size, &stimulus)?;
     let size = arguments.size.unwrap_or_else(|| ViewingConditions::px(&stimulus));
     let seen =
         viewing.predict(&stimulus, size).map_err(|error| anyhow::anyhow!("{}: {error}", stimulus.kind()))?.visibility();
@@ -157,6 +158,7 @@ fn all(
         );
         return Err(UsageError(message).into());
     }
+    conditions.iter().try_for_each(|condition| check_size(arguments.size, &condition.stimulus))?;
     let seen = visibilities(&conditions, viewing, arguments.size)
         .map_err(|error| anyhow::anyhow!("{}: {error}", protocol.stimulus.kind()))?;
     let header: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
@@ -194,6 +196,18 @@ fn print_comparison(found: &Comparison) -> anyhow::Result<()> {
         |[low, high]| format!("noise ceiling from agreement between participants: {low:.3} to {high:.3}"),
     );
     print_line(&format!("mean for individual participants: {}; {ceiling}", number(found.with_subjects)))
+}
+
+/// Checks that a picture of this stimulus fits into memory.
+fn check_size(size: Option<u32>, stimulus: &Stimulus) -> Result<(), UsageError> {
+    let most = ViewingConditions::MAX_PICTURE_PX;
+    match size {
+        Some(size) if size > most && !stimulus.is_line() => Err(UsageError(format!(
+            "--size {size} is too large for {}, which varies in two directions; expected at most {most}",
+            stimulus.kind()
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// Returns the criterion from the given file, or the default.

@@ -11,6 +11,7 @@ use crate::{
         definition, profile,
         session::{Changes, SessionStore},
     },
+    system::check_clock,
 };
 
 /// Open the window and start a session.
@@ -50,6 +51,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    check_clock()?;
     let protocol = definition::open(&arguments.experiment)?;
     let protocol = match (arguments.gray, protocol.in_gray()) {
         (false, _) => protocol,

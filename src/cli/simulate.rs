@@ -3,11 +3,11 @@
 use std::{
     path::PathBuf,
     sync::OnceLock,
+    thread,
     time::{Duration, Instant},
 };
 
 use indicatif::ProgressBar;
-use jiff::Timestamp;
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -22,6 +22,11 @@ use crate::{
         StoreError, definition, observer,
         session::{Changes, Interrupted, SessionStore},
         sidecar::{Pictures, Sitting},
+    },
+    system::{
+        after, before, check_clock, now,
+        signals::{self, Ended},
+        threads,
     },
 };
 
@@ -98,7 +103,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         hashes: OnceLock::new(),
         bar: ProgressBar::new(trials as u64).with_style(progress_style("trials")),
     };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(AT_A_TIME.min(total)).build()?;
+    check_clock()?;
+    signals::watch();
+    let (threads, begin) = threads(AT_A_TIME.min(total))?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).spawn_handler(begin).build()?;
     let done = pool.install(|| (1..=total).into_par_iter().try_for_each(|number| simulation.session(number)));
     simulation.bar.finish_and_clear();
     done?;
@@ -142,9 +150,10 @@ fn observer(arguments: &Arguments, protocol: &Protocol) -> anyhow::Result<(Box<d
 impl Simulation<'_> {
     fn session(&self, number: usize) -> anyhow::Result<()> {
         let Self { arguments, protocol, bar, .. } = self;
+        signals::check(&arguments.results)?;
         let identity = Identity::new(&format!("S{number:03}"), "1")?;
         let sitting = Sitting {
-            started_at: Timestamp::now().to_string(),
+            started_at: now().to_string(),
             observer: Some(self.description.clone()),
             pictures: Some(self.pictures.clone()),
             ..Sitting::default()
@@ -171,26 +180,39 @@ impl Simulation<'_> {
         if store.is_complete() {
             return Ok(());
         }
-        let elapsed = Duration::from_secs_f64(elapsed_s);
+        let elapsed = Duration::try_from_secs_f64(elapsed_s).unwrap_or_default();
         // Simulated time continues from the recorded time. `origin` is the wall-clock time at which the session would
         // have started.
-        let origin = Timestamp::now() - elapsed;
+        let origin = before(now(), elapsed);
         let options = SessionOptions { pages: 0, frames: FrameCount::Off };
         let mut session = Session::new(protocol.clone(), schedule.clone(), &resumed, options);
         let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting };
-        simulate(&mut session, self.observer.as_ref(), &identity, elapsed, |response| {
+        let rated = simulate(&mut session, self.observer.as_ref(), &identity, elapsed, |response| {
             bar.inc(1);
-            store.append(&TrialRecord::new(&context, response, origin + response.onset))
-        })?;
-        let hashes = self.hashes.get_or_init(|| self.hash(&schedule.conditions));
-        hashes.iter().enumerate().for_each(|(condition, hash)| store.note_picture(condition, hash.clone()));
-        store.finish(true, Timestamp::now().to_string(), None)?;
-        Ok(())
+            store.append(&TrialRecord::new(&context, response, after(origin, response.onset)))?;
+            anyhow::Ok(signals::check(store.csv())?)
+        });
+        if rated.as_ref().is_err_and(|error| !error.is::<Ended>()) {
+            return rated;
+        }
+        // A signal may arrive during the last trial.
+        let complete = session.current().is_none();
+        if complete {
+            let hashes = self.hashes.get_or_init(|| self.hash(&schedule.conditions));
+            hashes.iter().enumerate().for_each(|(condition, hash)| store.note_picture(condition, hash.clone()));
+        }
+        store.finish(complete, now().to_string(), None)?;
+        rated
     }
 
     /// Renders the pictures on a separate thread, outside the pool. A pool thread could pick up another session while
     /// it renders, and that session would wait for the same hashes: a deadlock.
     fn hash(&self, conditions: &[Condition]) -> Vec<String> {
-        std::thread::scope(|scope| scope.spawn(|| self.pictures.hashes(conditions)).join()).unwrap_or_default()
+        let hash = || self.pictures.hashes(conditions);
+        // Without a thread, or after a panic, there are no hashes; `verify` then counts the pictures as unverified.
+        thread::scope(|scope| {
+            let hashed = thread::Builder::new().spawn_scoped(scope, hash).ok();
+            hashed.and_then(|hashed| hashed.join().ok()).unwrap_or_default()
+        })
     }
 }

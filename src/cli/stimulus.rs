@@ -127,6 +127,16 @@ impl FromStr for Shard {
     }
 }
 
+/// Memory for the images that are made at the same time, bytes.
+const MEMORY: u64 = 4 << 30;
+
+/// Returns how many images are made at the same time: as many as fit into [`MEMORY`], each with its light, its codes and
+/// its file.
+fn at_once(size: u32) -> usize {
+    let image = 16 * u64::from(size) * u64::from(size);
+    usize::try_from(MEMORY / image.max(1)).unwrap_or(usize::MAX).max(1)
+}
+
 pub(super) fn stimuli(arguments: &StimuliArguments, writer: &Writer) -> anyhow::Result<()> {
     let started = Instant::now();
     let protocol = definition::open(&arguments.experiment)?;
@@ -140,11 +150,13 @@ pub(super) fn stimuli(arguments: &StimuliArguments, writer: &Writer) -> anyhow::
     let bar = ProgressBar::new(manifest.missing.len() as u64).with_style(progress_style("images"));
     if let Some(first) = manifest.missing.first() {
         let quantizer = recipes[*first].quantizer();
-        manifest.missing.par_iter().try_for_each(|i| {
-            manifest.make(*i, &quantizer)?;
-            bar.inc(1);
-            anyhow::Ok(())
-        })?;
+        for together in manifest.missing.chunks(at_once(arguments.image.size)) {
+            together.par_iter().try_for_each(|i| {
+                manifest.make(*i, &quantizer)?;
+                bar.inc(1);
+                anyhow::Ok(())
+            })?;
+        }
     }
     bar.finish_and_clear();
     let whole = manifest.finish()?;

@@ -19,6 +19,9 @@ use super::transfer::{Transfer, Transfers};
 /// The maximum number of bits in a code.
 const MAX_BITS: u32 = 8;
 
+/// Maximum side of an image drawn in cells, pixels: as large as any other image that the program writes.
+pub const MAX_PX: u32 = 16_384;
+
 /// A device with few codes and the cells drawn on it. Written as the matrix and the bits per channel: `clustered3:1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Screen {
@@ -101,6 +104,13 @@ impl Halftone {
         let (code, lit) = (level / self.dots(), level % self.dots());
         // The last level has the code 2^m − 1 ≤ 255 and no dot above it.
         self.ranks.iter().map(|&rank| (code + u32::from(u32::from(rank) < lit)) as u8).collect()
+    }
+
+    /// Returns the side of the image that [`enlarged`](Halftone::enlarged) draws for `px` pixels. Check it against
+    /// [`MAX_PX`] before drawing, because a cell can have 16 × 16 dots.
+    #[must_use]
+    pub fn enlarged_px(&self, px: u32) -> u32 {
+        px.saturating_mul(self.screen.matrix.size())
     }
 
     /// Returns `image` with a cell in place of every pixel, n times as wide and n times as high, in 8 bits: code c

@@ -17,6 +17,7 @@ use super::{
     open::{is_data, read_regular},
     table::shortened,
 };
+use crate::system::entries;
 
 /// Maximum size in bytes of a definition, profile, observer, or table of readings or matches. The largest realistic ones
 /// have a few thousand bytes; 1,000 readings have 30,000.
@@ -134,12 +135,21 @@ pub(super) fn temporary(path: &Path, content: &[u8], durable: bool) -> std::io::
     Ok(temporary)
 }
 
-/// Creates a folder and its parents.
+/// Creates a folder and its parents, so that they survive a power failure: a file in a folder is lost if the name of the
+/// folder is.
 ///
 /// # Errors
 /// I/O errors.
 pub(super) fn make_folder(path: &Path) -> Result<(), StoreError> {
-    fs::create_dir_all(path).map_err(io(path, "create the folder"))
+    let mut missing = Vec::new();
+    for folder in path.ancestors().take_while(|folder| !folder.as_os_str().is_empty()) {
+        if exists(folder)? {
+            break;
+        }
+        missing.push(folder);
+    }
+    fs::create_dir_all(path).map_err(io(path, "create the folder"))?;
+    missing.into_iter().rev().try_for_each(sync_folder)
 }
 
 /// Returns the folder that contains a file.
@@ -166,10 +176,8 @@ pub(super) fn full_path(path: &Path) -> std::io::Result<PathBuf> {
 /// # Errors
 /// I/O errors.
 pub(super) fn sync_tree(folder: &Path) -> Result<(), StoreError> {
-    let entries = fs::read_dir(folder).and_then(Iterator::collect::<std::io::Result<Vec<_>>>);
     // A disk serves several waiting threads at once.
-    entries.map_err(io(folder, "read"))?.par_iter().try_for_each(|entry| {
-        let path = entry.path();
+    entries(folder).map_err(io(folder, "read"))?.into_par_iter().try_for_each(|path| {
         if path.is_dir() {
             return sync_tree(&path);
         }
@@ -180,20 +188,20 @@ pub(super) fn sync_tree(folder: &Path) -> Result<(), StoreError> {
     sync_folder(&folder.join("file"))
 }
 
-/// Removes the temporary files that killed programs left in a folder: those for the file with this `name`, or for any
-/// file. Only regular files with the marker of this program that are older than `age` are removed, because another
+/// Removes the temporary files that killed programs left in a folder, for the files whose names `are_ours`. Only regular
+/// files with the marker of this program that are older than `age` are removed, because another
 /// program may still be using newer ones. A file that cannot be removed does no harm.
-pub(super) fn remove_temporary(folder: &Path, name: Option<&str>, age: Duration) {
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let entry_name = entry.file_name();
-        let of = entry_name.to_str().and_then(temporary_for);
-        let is_ours = of.is_some_and(|of| name.is_none_or(|name| name == of));
+pub(super) fn remove_temporary(folder: &Path, are_ours: impl Fn(&str) -> bool, age: Duration) {
+    for path in entries(folder).unwrap_or_default() {
+        if !path.file_name().and_then(|name| temporary_for(name.to_str()?)).is_some_and(&are_ours) {
+            continue;
+        }
         // This does not follow links.
-        let metadata = entry.metadata().ok().filter(fs::Metadata::is_file);
+        let metadata = fs::symlink_metadata(&path).ok().filter(fs::Metadata::is_file);
         let modified = metadata.and_then(|metadata| metadata.modified().ok());
         let is_old = |time: SystemTime| age.is_zero() || time.elapsed().is_ok_and(|elapsed| elapsed > age);
-        if is_ours && modified.is_some_and(is_old) {
-            let _ = fs::remove_file(entry.path());
+        if modified.is_some_and(is_old) {
+            let _ = fs::remove_file(path);
         }
     }
 }
@@ -288,6 +296,11 @@ impl AppendFile {
     /// Returns the beginning of an incomplete line, if the file ended with one when it was opened.
     pub fn partial_line(&self) -> Option<&str> {
         self.partial_line.as_deref()
+    }
+
+    /// Returns the lines that are only in memory.
+    pub fn unsaved(&self) -> std::borrow::Cow<'_, str> {
+        String::from_utf8_lossy(&self.content[self.written..])
     }
 
     /// Returns the SHA-256 of everything that belongs in the file.

@@ -69,7 +69,7 @@ impl<'a> Manifest<'a> {
         (index, shards): (usize, usize),
     ) -> Result<Self, StoreError> {
         writer.make_folder(folder)?;
-        remove_temporary(folder, None, TEMPORARY_AGE);
+        remove_temporary(folder, |_| true, TEMPORARY_AGE);
         let names: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
         let digits = conditions.len().to_string().len();
         let row = |(i, condition): (usize, &Condition)| {

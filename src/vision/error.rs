@@ -1,5 +1,11 @@
 //! The reasons why a prediction can fail.
 
+/// Maximum number of pixels per degree: 16,384 pixels in a window of 0.01 degrees. The surround of a line needs 16
+/// degrees of samples.
+const MAX_PX_PER_DEG: f64 = 2e6;
+/// Maximum extent of an image, degrees. Wider images do not exist, and their masking would need unlimited memory.
+const MAX_DEG: f64 = 360.0;
+
 /// The reason why an image cannot be predicted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VisionError {
@@ -11,9 +17,12 @@ pub enum VisionError {
         /// Minimum number of pixels per side.
         least: usize,
     },
-    /// The number of pixels per degree is not a positive number.
-    #[error("{0} pixels per degree; expected a number above 0")]
+    /// The number of pixels per degree is not a positive number, or so large that no memory holds the surround.
+    #[error("{0:e} pixels per degree; expected a number above 0 and at most {MAX_PX_PER_DEG}")]
     Sampling(f64),
+    /// The image is wider or higher than the whole field around the eye.
+    #[error("the image extends over {0:e} degrees; expected at most {MAX_DEG}")]
+    Extent(f64),
     /// The number of samples does not match the size of the image.
     #[error("{found} samples of light; expected {expected}")]
     Count {
@@ -40,8 +49,12 @@ pub enum VisionError {
 /// Checks that `light` holds `width` × `height` valid values, that some of them are above 0, and that `px_per_deg` is
 /// positive.
 pub(super) fn check(light: &[f64], width: usize, height: usize, px_per_deg: f64) -> Result<(), VisionError> {
-    if !(px_per_deg.is_finite() && px_per_deg > 0.0) {
+    if !(px_per_deg > 0.0 && px_per_deg <= MAX_PX_PER_DEG) {
         return Err(VisionError::Sampling(px_per_deg));
+    }
+    let extent = width.max(height) as f64 / px_per_deg;
+    if extent > MAX_DEG {
+        return Err(VisionError::Extent(extent));
     }
     if light.len() != width * height {
         return Err(VisionError::Count { found: light.len(), expected: width * height });

@@ -3,6 +3,7 @@
 use std::{
     fs,
     path::{Path, PathBuf},
+    time::{Duration, SystemTime},
 };
 
 use machband::{
@@ -59,6 +60,14 @@ pub fn lines(csv: &Path) -> Vec<String> {
 /// The unfinished temporary files that a program left.
 pub fn temporary_files(folder: &Path) -> Vec<PathBuf> {
     files(folder, ".tmp").into_iter().map(|(path, _)| path).collect()
+}
+
+/// Lets an hour pass for the temporary files in a folder, so that they are old enough to be removed.
+pub fn age_temporary_files(folder: &Path) {
+    let hour_ago = SystemTime::now() - Duration::from_secs(3600);
+    for path in temporary_files(folder) {
+        fs::File::options().write(true).open(path).unwrap().set_modified(hour_ago).unwrap();
+    }
 }
 
 pub fn rows(csv: &Path, definition: usize) -> Result<Vec<TrialRecord>, String> {

@@ -2,8 +2,8 @@
 //! and checks what is on disk afterward and what resuming does.
 //!
 //! The tests need Linux and `cc`. If `cc` is missing, they print `SKIPPED` and pass, unless
-//! `MACHBAND_REQUIRE_FAULTS=1`. `MACHBAND_FAULTS` is the number of sessions (1,000), and `MACHBAND_FAULT_SEED` is
-//! the seed from which their faults are drawn (1).
+//! `MACHBAND_REQUIRE_FAULTS=1`. `MACHBAND_FAULTS` is the number of sessions (1,000), `MACHBAND_CUTS` the number
+//! of power cuts (50), and `MACHBAND_FAULT_SEED` the seed from which the faults are drawn (1).
 
 #![cfg(all(target_os = "linux", target_env = "gnu"))]
 
@@ -11,10 +11,12 @@
 mod common;
 mod disk;
 mod outputs;
+mod power;
 mod run;
 mod scenes;
 mod shim;
 mod sweep;
+mod system;
 mod table;
 
 use std::io::Write as _;
@@ -60,6 +62,22 @@ fn no_row_is_lost_when_something_happens_around_a_session() {
     let mut table = table::Table::default();
     scenes::play(&sweep::Sweep::new(1), &mut table);
     print(&table.to_string());
+}
+
+/// The power fails at any moment of a session or of a command that writes files.
+#[test]
+fn nothing_that_was_reported_is_lost_in_a_power_cut() {
+    if shim::library().is_none() {
+        return;
+    }
+    let mut table = table::Table::default();
+    let cuts = setting("MACHBAND_CUTS", 50) as usize;
+    let wrong = power::play(&sweep::Sweep::new(1), cuts, setting("MACHBAND_FAULT_SEED", 1), &mut table);
+    print(&format!("{table}\n{cuts} power cuts"));
+    for what in wrong.iter().take(20) {
+        print(what);
+    }
+    assert!(wrong.is_empty(), "{} failures", wrong.len());
 }
 
 /// Not a test: the other tests start this session in a separate process and disturb it.

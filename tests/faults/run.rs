@@ -60,8 +60,9 @@ pub struct ProgramResult {
 }
 
 impl ProgramResult {
+    /// Whether the program was killed, or gave up because it had no memory.
     pub fn was_killed(&self) -> bool {
-        std::os::unix::process::ExitStatusExt::signal(&self.status) == Some(9)
+        matches!(std::os::unix::process::ExitStatusExt::signal(&self.status), Some(6 | 9))
     }
 }
 

@@ -5,39 +5,52 @@
  * MACHBAND_FAULT        OP:N:WHAT[+], separated by commas: what the N-th call of OP does; with +, every later one too
  * MACHBAND_FAULT_LOG    a file that receives "hit OP N WHAT PATH" when a fault takes effect, "count OP N" at the end
  *
- * OP: open read write sync rename truncate seek stat unlink mkdir lock clock (clock has no path).
+ * MACHBAND_JOURNAL      a file that receives every change below the folder, in order, for simulated power cuts
+ *
+ * OP: open read write sync rename truncate seek stat unlink mkdir lock list close clock thread alloc (the last three have no
+ * path; thread is pthread_create; allocations count from the first call below the folder).
  * WHAT: the name of an errno; short (transfers half and reports half); lie (writes half and reports all); torn (writes
  * half, then fails with EIO); kill-before, kill-after, kill-torn (kills its own process with SIGKILL before, after or
- * halfway through the call); back (sets the clock back an hour from this call on). */
+ * halfway through the call); TERM, INT, HUP (sends its own process this signal before the call); back, far, ancient (from
+ * this call on, the clock is an hour back, in the year 12000, or in the year -2000). */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
+#include <dirent.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
+#include <sys/sendfile.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/types.h>
 #include <time.h>
 #include <unistd.h>
 
-enum op { OPEN, READ, WRITE, SYNC, RENAME, TRUNCATE, SEEK, STAT, UNLINK, MKDIR, LOCK, CLOCK, OPS };
+enum op {
+    OPEN, READ, WRITE, SYNC, RENAME, TRUNCATE, SEEK, STAT, UNLINK, MKDIR, LOCK, LIST, CLOSE, CLOCK, THREAD, ALLOC, OPS
+};
 static const char *const op_names[OPS] = {"open", "read", "write", "sync", "rename", "truncate",
-                                          "seek", "stat", "unlink", "mkdir", "lock", "clock"};
+                                          "seek", "stat", "unlink", "mkdir", "lock", "list", "close", "clock", "thread",
+                                          "alloc"};
 
 static const struct { const char *name; int number; } errors[] = {
     {"EIO", EIO}, {"ENOSPC", ENOSPC}, {"EROFS", EROFS}, {"EACCES", EACCES}, {"EMFILE", EMFILE}, {"EINTR", EINTR},
-    {"ENOLCK", ENOLCK}};
+    {"ENOLCK", ENOLCK}, {"EAGAIN", EAGAIN}, {"ENOMEM", ENOMEM}};
+static const struct { const char *name; int number; } signals[] = {{"TERM", SIGTERM}, {"INT", SIGINT}, {"HUP", SIGHUP}};
 
 static struct { enum op op; long n; char what[16]; int from_then_on; } faults[8];
 static int fault_count;
 static long counts[OPS];
 static char *under;
-static int log_fd = -1;
+static int log_fd = -1, journal_fd = -1;
+/* Whether a call below the folder has been made; earlier allocations belong to the test program. */
+static int begun;
 /* Paths of the open descriptors of files below the folder. */
 #define DESCRIPTORS 1024
 static char *paths[DESCRIPTORS];
@@ -48,6 +61,8 @@ __attribute__((constructor)) static void begin(void) {
     under = getenv("MACHBAND_FAULT_UNDER");
     const char *log = getenv("MACHBAND_FAULT_LOG");
     if (log) log_fd = REAL(open)(log, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+    const char *journal = getenv("MACHBAND_JOURNAL");
+    if (journal) journal_fd = REAL(open)(journal, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
     const char *spec = getenv("MACHBAND_FAULT");
     while (spec && *spec && fault_count < 8) {
         char op[16], what[16];
@@ -80,6 +95,7 @@ static const char *path_of(int fd) { return fd >= 0 && fd < DESCRIPTORS ? paths[
 
 /* What this call must do; NULL for the real call. */
 static const char *strike(enum op op, const char *path) {
+    if (op < CLOCK) begun = 1;
     long n = __atomic_add_fetch(&counts[op], 1, __ATOMIC_SEQ_CST);
     for (int i = 0; i < fault_count; i++) {
         if (faults[i].op != op || (n != faults[i].n && !(faults[i].from_then_on && n > faults[i].n))) continue;
@@ -95,11 +111,18 @@ static void die(void) {
     for (;;) pause();
 }
 
+static int is_signal(const char *what) {
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
+        if (!strcmp(what, signals[i].name)) return signals[i].number;
+    return 0;
+}
+
 /* Does what a fault requires before the call; partial reads and writes are handled elsewhere. Returns 1 if the call
  * must return -1. */
 static int refused(const char *what) {
     if (!what) return 0;
     if (!strcmp(what, "kill-before")) die();
+    if (is_signal(what)) syscall(SYS_kill, getpid(), is_signal(what));
     for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
         if (!strcmp(what, errors[i].name)) {
             errno = errors[i].number;
@@ -121,6 +144,49 @@ static int refused(const char *what) {
         return done;                                                   \
     } while (0)
 
+/* The journal. One line per change; a lock keeps the lines in the order of the changes. */
+static pthread_mutex_t journal_lock = PTHREAD_MUTEX_INITIALIZER;
+#define BEGIN int journaled = journal_fd >= 0; if (journaled) pthread_mutex_lock(&journal_lock)
+#define END do { int kept = errno; if (journaled) pthread_mutex_unlock(&journal_lock); errno = kept; } while (0)
+
+static unsigned long long inode(int fd) {
+    struct stat found;
+    return fstat(fd, &found) ? 0 : (unsigned long long)found.st_ino;
+}
+
+static unsigned long long inode_at(const char *path) {
+    struct stat found;
+    return stat(path, &found) ? 0 : (unsigned long long)found.st_ino;
+}
+
+#define NOTE(...) do { int kept = errno; if (journal_fd >= 0) dprintf(journal_fd, __VA_ARGS__); errno = kept; } while (0)
+
+/* Notes the bytes that a write has added. */
+static void note_write(int fd, const unsigned char *bytes, ssize_t size) {
+    if (journal_fd < 0 || size <= 0) return;
+    int kept = errno;
+    off_t to = REAL(lseek)(fd, 0, SEEK_CUR);
+    char *text = malloc(2 * size + 80);
+    int length = sprintf(text, "write\t%llu\t%lld\t", inode(fd), (long long)(to - size));
+    for (ssize_t i = 0; i < size; i++) length += sprintf(text + length, "%02x", bytes[i]);
+    text[length++] = '\n';
+    for (int done = 0; done < length;) done += REAL(write)(journal_fd, text + done, length - done);
+    free(text);
+    errno = kept;
+}
+
+/* Notes that a file has another name now. Some libraries rename without the C library. */
+static void note_name(int fd) {
+    char link[64], name[4096];
+    sprintf(link, "/proc/self/fd/%d", fd);
+    ssize_t length = readlink(link, name, sizeof name - 1);
+    if (journal_fd < 0 || length <= 0) return;
+    name[length] = 0;
+    size_t deleted = sizeof " (deleted)" - 1;
+    if ((size_t)length > deleted && !strcmp(name + length - deleted, " (deleted)")) return;
+    if (strcmp(name, paths[fd])) NOTE("rename\t%s\t%s\n", paths[fd], name);
+}
+
 static int opened(int fd, const char *path) {
     int kept = errno;
     if (fd >= 0 && fd < DESCRIPTORS) {
@@ -131,13 +197,20 @@ static int opened(int fd, const char *path) {
     return fd;
 }
 
+/* Notes that a file was created; machband creates files only with O_EXCL or with O_TRUNC. */
+static int made(int fd, const char *path, int flags) {
+    if (fd >= 0 && flags & O_CREAT) NOTE("create\t%llu\t%s\n", inode(fd), path);
+    if (fd >= 0 && flags & O_TRUNC) NOTE("truncate\t%llu\t0\n", inode(fd));
+    return fd;
+}
+
 #define OPEN_BODY(name, path, ...)                                     \
     va_list rest;                                                      \
     va_start(rest, flags);                                             \
     mode_t mode = flags & (O_CREAT | O_TMPFILE) ? va_arg(rest, mode_t) : 0; \
     va_end(rest);                                                      \
     if (!is_below(path)) return REAL(name)(__VA_ARGS__, mode);         \
-    CALL(int, OPEN, path, opened(REAL(name)(__VA_ARGS__, mode), path))
+    CALL(int, flags & O_DIRECTORY ? LIST : OPEN, path, opened(made(REAL(name)(__VA_ARGS__, mode), path, flags), path))
 
 int open(const char *path, int flags, ...) { OPEN_BODY(open, path, path, flags); }
 int open64(const char *path, int flags, ...) { OPEN_BODY(open64, path, path, flags); }
@@ -145,11 +218,33 @@ int openat(int at, const char *path, int flags, ...) { OPEN_BODY(openat, path, a
 int openat64(int at, const char *path, int flags, ...) { OPEN_BODY(openat64, path, at, path, flags); }
 
 int close(int fd) {
-    if (path_of(fd)) {
-        free(paths[fd]);
-        paths[fd] = NULL;
-    }
-    return REAL(close)(fd);
+    const char *path = path_of(fd);
+    if (!path) return REAL(close)(fd);
+    note_name(fd);
+    const char *what = strike(CLOSE, path);
+    paths[fd] = NULL;
+    free((char *)path);
+    int done = REAL(close)(fd);
+    return refused(what) ? -1 : done;
+}
+
+/* The standard library lists folders with this; it does not report their paths. */
+int closedir(DIR *folder) {
+    const char *what = begun ? strike(CLOSE, "-") : NULL;
+    int done = REAL(closedir)(folder);
+    return refused(what) ? -1 : done;
+}
+
+/* So that every copy is visible as reads and writes. */
+ssize_t copy_file_range(int from, off64_t *at, int to, off64_t *into, size_t size, unsigned int flags) {
+    if (journal_fd < 0) return REAL(copy_file_range)(from, at, to, into, size, flags);
+    errno = ENOSYS;
+    return -1;
+}
+ssize_t sendfile64(int to, int from, off64_t *at, size_t size) {
+    if (journal_fd < 0) return REAL(sendfile64)(to, from, at, size);
+    errno = ENOSYS;
+    return -1;
 }
 
 ssize_t read(int fd, void *to, size_t size) {
@@ -162,12 +257,17 @@ ssize_t read(int fd, void *to, size_t size) {
 
 ssize_t write(int fd, const void *from, size_t size) {
     const char *path = path_of(fd);
+    /* What a program says about its rows belongs to the journal, too. */
+    if (fd == 1 && size > 5 && !memcmp(from, "@row ", 5)) NOTE("say\t%.*s", (int)(size - 5), (const char *)from + 5);
     if (!path) return REAL(write)(fd, from, size);
     const char *what = strike(WRITE, path);
     if (refused(what)) return -1;
-    int whole = !what || !strcmp(what, "kill-after");
+    int whole = !what || !strcmp(what, "kill-after") || is_signal(what);
+    BEGIN;
     ssize_t done = REAL(write)(fd, from, whole ? size : (size + 1) / 2);
-    if (!what) return done;
+    note_write(fd, from, done);
+    END;
+    if (!what || is_signal(what)) return done;
     if (!strncmp(what, "kill", 4)) die();
     if (!strcmp(what, "torn")) {
         errno = EIO;
@@ -183,10 +283,24 @@ ssize_t write(int fd, const void *from, size_t size) {
         CALL(type, op, path, call);                                    \
     } while (0)
 
-int fsync(int fd) { ON_DESCRIPTOR(int, SYNC, fd, REAL(fsync)(fd)); }
-int fdatasync(int fd) { ON_DESCRIPTOR(int, SYNC, fd, REAL(fdatasync)(fd)); }
-int ftruncate(int fd, off_t size) { ON_DESCRIPTOR(int, TRUNCATE, fd, REAL(ftruncate)(fd, size)); }
-int ftruncate64(int fd, off64_t size) { ON_DESCRIPTOR(int, TRUNCATE, fd, REAL(ftruncate64)(fd, size)); }
+/* A change and its line in the journal, if it succeeds. */
+#define NOTED(call, ...)                                               \
+    ({                                                                 \
+        BEGIN;                                                         \
+        int done = call;                                               \
+        if (!done) NOTE(__VA_ARGS__);                                  \
+        END;                                                           \
+        done;                                                          \
+    })
+
+int fsync(int fd) { ON_DESCRIPTOR(int, SYNC, fd, NOTED(REAL(fsync)(fd), "sync\t%llu\n", inode(fd))); }
+int fdatasync(int fd) { ON_DESCRIPTOR(int, SYNC, fd, NOTED(REAL(fdatasync)(fd), "sync\t%llu\n", inode(fd))); }
+int ftruncate(int fd, off_t size) {
+    ON_DESCRIPTOR(int, TRUNCATE, fd, NOTED(REAL(ftruncate)(fd, size), "truncate\t%llu\t%lld\n", inode(fd), (long long)size));
+}
+int ftruncate64(int fd, off64_t size) {
+    ON_DESCRIPTOR(int, TRUNCATE, fd, NOTED(REAL(ftruncate64)(fd, size), "truncate\t%llu\t%lld\n", inode(fd), (long long)size));
+}
 
 /* Only seeks to an absolute position fail: Rust's read functions query the current position as a hint. */
 off_t lseek(int fd, off_t to, int from) {
@@ -209,9 +323,21 @@ int flock(int fd, int how) {
         CALL(type, op, path, call);                                    \
     } while (0)
 
-int rename(const char *from, const char *to) { ON_PATH(int, RENAME, to, REAL(rename)(from, to)); }
-int unlink(const char *path) { ON_PATH(int, UNLINK, path, REAL(unlink)(path)); }
-int mkdir(const char *path, mode_t mode) { ON_PATH(int, MKDIR, path, REAL(mkdir)(path, mode)); }
+/* An open file keeps its name up to date, so that closing it does not note the renaming again. */
+static int renamed(int done, const char *from, const char *to) {
+    for (int fd = 0; !done && fd < DESCRIPTORS; fd++)
+        if (paths[fd] && !strcmp(paths[fd], from)) opened(fd, to);
+    return done;
+}
+
+int rename(const char *from, const char *to) {
+    ON_PATH(int, RENAME, to, renamed(NOTED(REAL(rename)(from, to), "rename\t%s\t%s\n", from, to), from, to));
+}
+int unlink(const char *path) { ON_PATH(int, UNLINK, path, NOTED(REAL(unlink)(path), "remove\t%s\n", path)); }
+int rmdir(const char *path) { ON_PATH(int, UNLINK, path, NOTED(REAL(rmdir)(path), "remove\t%s\n", path)); }
+int mkdir(const char *path, mode_t mode) {
+    ON_PATH(int, MKDIR, path, NOTED(REAL(mkdir)(path, mode), "mkdir\t%llu\t%s\n", inode_at(path), path));
+}
 
 /* Only calls by name fail: Rust's read functions query the size of an open file as a hint. */
 int statx(int at, const char *path, int flags, unsigned int mask, struct statx *found) {
@@ -219,10 +345,25 @@ int statx(int at, const char *path, int flags, unsigned int mask, struct statx *
 }
 
 int clock_gettime(clockid_t id, struct timespec *now) {
-    static int back;
+    static const char *set;
     int done = REAL(clock_gettime)(id, now);
     if (done || id != CLOCK_REALTIME) return done;
-    if (strike(CLOCK, "-")) back = 1;
-    if (back) now->tv_sec -= 3600;
+    const char *what = strike(CLOCK, "-");
+    if (what) set = what;
+    if (set && !strcmp(set, "back")) now->tv_sec -= 3600;
+    if (set && !strcmp(set, "far")) now->tv_sec = 316515000000;
+    if (set && !strcmp(set, "ancient")) now->tv_sec = -125281000000;
     return done;
 }
+
+int pthread_create(pthread_t *thread, const pthread_attr_t *how, void *(*run)(void *), void *with) {
+    const char *what = strike(THREAD, "-");
+    return refused(what) ? errno : REAL(pthread_create)(thread, how, run, with);
+}
+
+/* Allocations. glibc exports its own under these names, which are needed because dlsym allocates. */
+extern void *__libc_malloc(size_t), *__libc_calloc(size_t, size_t), *__libc_realloc(void *, size_t);
+static int out_of_memory(void) { return begun && refused(strike(ALLOC, "-")); }
+void *malloc(size_t size) { return out_of_memory() ? NULL : __libc_malloc(size); }
+void *calloc(size_t n, size_t size) { return out_of_memory() ? NULL : __libc_calloc(n, size); }
+void *realloc(void *from, size_t size) { return out_of_memory() ? NULL : __libc_realloc(from, size); }

@@ -5,7 +5,6 @@ use std::{
     fs,
     path::{Path, PathBuf},
     sync::Mutex,
-    time::{Duration, SystemTime},
 };
 
 use rand_chacha::{
@@ -36,6 +35,10 @@ const KINDS: &[(&str, &[&str])] = &[
     ("unlink", &["EIO", "EROFS", "kill-before", "kill-after"]),
     ("mkdir", &["ENOSPC", "EROFS", "EACCES", "kill-before", "kill-after"]),
     ("lock", &["EIO", "kill-after"]),
+    ("list", &["EIO", "EACCES", "EMFILE", "kill-after"]),
+    ("close", &["EIO", "kill-before"]),
+    ("thread", &["EAGAIN"]),
+    ("alloc", &["ENOMEM"]),
     ("clock", &["back"]),
 ];
 
@@ -54,6 +57,8 @@ struct Before {
 /// One session with its faults.
 #[derive(Clone, Debug)]
 struct Case {
+    /// The faults of the first attempt to resume; none in most cases.
+    again: Vec<Fault>,
     definition: usize,
     before: Before,
     /// Whether to run `machband simulate` instead of the child, which reports every row.
@@ -85,6 +90,25 @@ fn pick<T: Clone>(rng: &mut ChaCha8Rng, from: &[T]) -> T {
 
 fn one_in(rng: &mut ChaCha8Rng, n: u64) -> bool {
     rng.next_u64().is_multiple_of(n)
+}
+
+/// Draws one to three faults of calls that a program makes; `binary` is false for the child.
+fn draw(rng: &mut ChaCha8Rng, calls: &[(String, u64)], binary: bool) -> Vec<Fault> {
+    let count = pick(rng, &[1, 1, 1, 2, 3]);
+    let fault = |_| {
+        let (op, whats, count) = loop {
+            let (op, whats) = pick(rng, KINDS);
+            let count = calls.iter().find(|(name, _)| name == op).map_or(0, |(_, count)| *count);
+            // The child's threads belong to the test harness.
+            if count > 0 && (binary || op != "thread") {
+                break (op, whats, count);
+            }
+        };
+        let what = pick(rng, whats);
+        let once = what.starts_with("kill") || ["EINTR", "short", "back", "ENOMEM"].contains(&what);
+        Fault { op, n: 1 + rng.next_u64() % count, what, repeated: one_in(rng, 4) && !once }
+    };
+    (0..count).map(fault).collect()
 }
 
 impl Sweep {
@@ -140,21 +164,11 @@ impl Sweep {
         };
         let binary = one_in(rng, 3);
         let calls = self.calls(definition, rows, binary);
-        let mut faults = Vec::new();
-        for _ in 0..pick(rng, &[1, 1, 1, 2, 3]) {
-            // A call that this session makes.
-            let (op, whats, count) = loop {
-                let (op, whats) = pick(rng, KINDS);
-                let count = calls.iter().find(|(name, _)| name == op).map_or(0, |(_, count)| *count);
-                if count > 0 {
-                    break (op, whats, count);
-                }
-            };
-            let what = pick(rng, whats);
-            let repeated = one_in(rng, 4) && !what.starts_with("kill") && !["EINTR", "short", "back"].contains(&what);
-            faults.push(Fault { op, n: 1 + rng.next_u64() % count, what, repeated });
-        }
-        Case { definition, before, binary, faults }
+        let faults = draw(rng, &calls, binary);
+        // A second fault, during the recovery from the first.
+        let again =
+            if one_in(rng, 3) { draw(rng, &self.calls(definition, rows.or(Some(0)), true), true) } else { Vec::new() };
+        Case { again, definition, before, binary, faults }
     }
 
     /// How often each call is made in a run without faults.
@@ -163,7 +177,7 @@ impl Sweep {
             return known.clone();
         }
         let before = Before { rows, torn: 0, sidecar_lost: false, leftover: true };
-        let case = Case { definition, before, binary, faults: Vec::new() };
+        let case = Case { again: Vec::new(), definition, before, binary, faults: Vec::new() };
         let folder = folder();
         self.prepare(&case, folder.path());
         let (ended, log) = self.disturbed(&case, folder.path());
@@ -209,6 +223,22 @@ impl Sweep {
         shim::run_with(&mut command, &case.faults, under, &folder.join("log"))
     }
 
+    /// Tries to resume, with new faults; returns every failure. The rows and the clean resume are checked afterward.
+    fn disturbed_again(&self, case: &Case, results: &Path, folder: &Path) -> Vec<String> {
+        if case.again.is_empty() {
+            return Vec::new();
+        }
+        let mut command = run::binary(&self.definition(case.definition), results, true);
+        let (ended, log) = shim::run_with(&mut command, &case.again, folder, &folder.join("log again"));
+        let report = report_of_binary(&ended);
+        let mut wrong = unreported(&ended, &report, &log, folder);
+        if report.done {
+            wrong.extend(disk::faults_of_ended(results, case.definition, &self.planned[case.definition]));
+        }
+        wrong.extend(disk::unparsable(folder, case.definition));
+        wrong.into_iter().map(|what| format!("while resuming: {what}")).collect()
+    }
+
     /// Runs one case; returns the case, the faults that took effect, the counts for the table, and every failure.
     fn run_case(&self, number: usize) -> (Case, Vec<Hit>, Counts, Vec<String>) {
         let case = self.case(number);
@@ -236,11 +266,9 @@ impl Sweep {
         let (files, mut rows_lost) = (unparsable.len(), gone.len());
         wrong.extend(unparsable.into_iter().chain(gone));
 
-        // An hour later, without faults: temporary files are then old enough to be removed.
-        let hour_ago = SystemTime::now() - Duration::from_secs(3600);
-        for path in disk::temporary_files(folder.path()) {
-            fs::File::options().write(true).open(path).unwrap().set_modified(hour_ago).unwrap();
-        }
+        wrong.extend(self.disturbed_again(&case, &results, folder.path()));
+        // An hour later, without faults.
+        disk::age_temporary_files(folder.path());
         let resumed = run::ended(&mut run::binary(&self.definition(case.definition), &results, true));
         let mut faults = Vec::new();
         if !resumed.status.success() {
@@ -251,7 +279,9 @@ impl Sweep {
         rows_lost += gone.len();
         faults.extend(gone);
         faults.extend(disk::unparsable(folder.path(), case.definition));
-        let undeletable = log.hits.iter().any(|hit| hit.op == "unlink");
+        let undeletable =
+            log.hits.iter().any(|hit| hit.op == "unlink" || hit.op == "list" || hit.path.ends_with(".tmp"))
+                || case.again.iter().any(|f| f.op == "unlink");
         let left = disk::temporary_files(&results);
         if !undeletable && !left.is_empty() {
             faults.push(format!("left behind: {left:?}"));
@@ -285,7 +315,11 @@ fn unreported(ended: &run::ProgramResult, report: &Report, log: &Log, folder: &P
     let noted = disk::sidecars(folder).iter().any(|sidecar| sidecar.contains("could not be registered"));
     let folder = folder.display().to_string();
     wrong.extend(
-        report.errors.iter().filter(|error| !error.starts_with(&folder)).map(|e| format!("names no place: {e}")),
+        report
+            .errors
+            .iter()
+            .filter(|error| !error.starts_with(&folder) && !error.starts_with("threads: "))
+            .map(|e| format!("names no place: {e}")),
     );
     if ended.was_killed() {
         return wrong;
@@ -310,8 +344,12 @@ fn matters(hit: &Hit) -> bool {
     // A folder that can be written to but not opened cannot be synced, and need not be.
     let hidden = hit.op == "open" && hit.what.starts_with("EACCES") && Path::new(&hit.path).extension().is_none();
     // If frames cannot be saved, the sidecar says so, and the session continues.
-    let frames = hit.op == "open" && hit.path.ends_with("_frames.csv");
+    let frames = ["open", "stat"].contains(&&*hit.op) && hit.path.ends_with("_frames.csv");
     // The same holds for what only helps to check the session later or protects it a second time.
     let beside = hit.path.ends_with("/sessions.csv") || hit.path.ends_with(".lock");
-    !again && !hidden && !frames && !beside && hit.what != "short" && hit.op != "unlink" && hit.op != "clock"
+    // A leftover file that cannot be found does no harm, nor does a question about the folder of the results.
+    let leftover = hit.op == "stat" && (hit.path.ends_with(".tmp") || hit.path.ends_with("/first"));
+    // Memory that was refused ends the program, or is asked for again in smaller pieces.
+    let unneeded = ["unlink", "clock", "list", "close", "thread", "alloc"].contains(&&*hit.op);
+    !again && !hidden && !frames && !beside && !leftover && hit.what != "short" && !unneeded
 }

@@ -32,6 +32,8 @@ fn kind(fault: &Fault) -> String {
         "torn" => "is short, then fails",
         "lie" => "is short but reports success",
         "back" => "goes back an hour",
+        _ if fault.op == "thread" => return "no thread can be created".to_owned(),
+        _ if fault.op == "alloc" => return "memory is refused".to_owned(),
         _ if fault.repeated => "fails repeatedly",
         _ => "fails once",
     };

@@ -116,3 +116,31 @@ fn no_answer_is_lost_when_the_graphics_card_is_lost() {
     fs::remove_file(&lost).unwrap();
     resume_to_the_end(&mut harness, &planned, 3);
 }
+
+/// A signal asks the program to end, once in the middle of a trial and once on the pause page, where the window waits
+/// for input.
+#[test]
+fn a_signal_closes_the_sitting() {
+    for (signal, number, in_trial) in [("TERM", 15, true), ("INT", 2, false), ("HUP", 1, false)] {
+        let Some((mut harness, planned, csv)) = Harness::with_session() else { return };
+        for i in 0..3 {
+            harness.rate(&csv, pattern(i));
+        }
+        harness.stimulus();
+        if !in_trial {
+            harness.press("Escape");
+            harness.until("the pause page", |harness| harness.shown() == Shown::Page);
+            harness.at_rest();
+        }
+        harness.signal(signal);
+        let status = harness.wait_for_end();
+        let stderr = harness.stderr();
+        assert_eq!(status.code(), Some(128 + number), "{stderr}");
+        assert!(
+            stderr.contains(&format!("ended by SIG{signal}; to continue")) && !stderr.contains("panicked"),
+            "{stderr}"
+        );
+        assert!(harness.sidecar("swift")["seal"].is_object(), "the session is not sealed");
+        resume_to_the_end(&mut harness, &planned, 3);
+    }
+}

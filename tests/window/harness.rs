@@ -263,6 +263,12 @@ impl Harness {
         self.until("the window to disappear", |harness| harness.shown() == Shown::Page);
     }
 
+    /// Sends the program a signal such as `TERM`.
+    pub fn signal(&self, name: &str) {
+        let program = self.window.as_ref().unwrap().id().to_string();
+        assert!(Command::new("kill").args(["-s", name, &program]).status().unwrap().success());
+    }
+
     pub fn wait_for_end(&mut self) -> ExitStatus {
         self.end_with(None)
     }

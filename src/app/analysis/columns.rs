@@ -7,6 +7,7 @@ use eframe::egui::{self, ScrollArea};
 use crate::{
     app::ui::{Field, hint, primary, section, show_error, text::name as label},
     store::ratings::ReadOptions,
+    system::entries,
 };
 
 /// Common names of participant columns; the first match is suggested.
@@ -110,8 +111,7 @@ fn first_csv(path: &Path) -> Option<PathBuf> {
         return Some(path.to_owned());
     }
     let is_csv = |path: &PathBuf| path.extension().is_some_and(|ext| ext.eq_ignore_ascii_case("csv"));
-    let files = path.read_dir().ok()?.flatten().map(|entry| entry.path());
-    files.filter(|path| path.is_file() && is_csv(path)).min()
+    entries(path).ok()?.into_iter().find(|path| path.is_file() && is_csv(path))
 }
 
 /// Returns the names in a file's first row; none if that row does not contain names.

@@ -6,7 +6,6 @@ use std::{
 };
 
 use eframe::egui;
-use jiff::Timestamp;
 
 use crate::{
     analysis::{Link, Options, Random, Results},
@@ -19,6 +18,7 @@ use crate::{
         StoreError, Writer,
         ratings::{ReadOptions, with_files},
     },
+    system::now,
 };
 
 /// The folder field and the outcome of the last export.
@@ -152,6 +152,6 @@ impl Export {
 fn write(writer: &Writer, study: &Study, results: &Results, command: &str, folder: &Path) -> Result<usize, StoreError> {
     // The report covers the ratings on which the results are based.
     let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
-    let made = Provenance::new(command, Timestamp::now());
+    let made = Provenance::new(command, now());
     Ok(write_all(writer, &shown, results, &made, folder, false)?.files.len())
 }

@@ -15,6 +15,7 @@ use crate::{
     },
     report::Study,
     store::{FileErrors, ratings::ReadOptions},
+    system::entries,
 };
 
 pub struct Analysis {
@@ -44,9 +45,8 @@ struct Pending {
 impl Analysis {
     /// Creates the page without data. It offers the experiments in a results folder and lets the user open other files.
     pub fn new(results: &Path) -> Self {
-        let entries = results.read_dir().into_iter().flatten().flatten();
-        let mut found: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| has_data(path)).collect();
-        found.sort();
+        let mut found = entries(results).unwrap_or_default();
+        found.retain(|path| has_data(path));
         Self {
             typed: String::new(),
             found,
@@ -233,6 +233,6 @@ impl Analysis {
 
 /// Returns whether a folder is an experiment's data set with at least one session in it.
 fn has_data(path: &Path) -> bool {
-    let is_session = |name: &std::ffi::OsStr| name.to_string_lossy().ends_with("_data.csv");
-    (path.join("data").read_dir().into_iter().flatten().flatten()).any(|entry| is_session(&entry.file_name()))
+    let is_session = |path: &PathBuf| path.to_string_lossy().ends_with("_data.csv");
+    entries(&path.join("data")).unwrap_or_default().iter().any(is_session)
 }

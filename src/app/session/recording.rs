@@ -31,6 +31,7 @@ use crate::{
         session::SessionStore,
         sidecar::{Pictures, PreflightNote, Sitting},
     },
+    system::{after, before, now},
 };
 
 /// The files of a sitting, open for writing.
@@ -59,7 +60,7 @@ impl Recording {
         let Request { protocol, identity, display, results, .. } = request;
         let hash = profile::hash(display);
         let sitting = Sitting {
-            started_at: Timestamp::now().to_string(),
+            started_at: now().to_string(),
             display: Some(json!({
                 "name": display.name,
                 "transfer": display.transfers.to_string(),
@@ -91,7 +92,7 @@ impl Recording {
             identity: identity.clone(),
             sitting: number,
             rows,
-            origin: Timestamp::now() - offset,
+            origin: before(now(), offset),
             input: InputReport::default(),
             hasher: Hasher::start(),
             closed: false,
@@ -108,7 +109,7 @@ impl Recording {
             identity: &self.identity,
             sitting: self.sitting,
         };
-        let row = TrialRecord::new(&context, response, self.origin + response.onset);
+        let row = TrialRecord::new(&context, response, after(self.origin, response.onset));
         let stored = self.store.append(&row);
         self.rows.push(row);
         self.store_frames(session);
@@ -154,8 +155,13 @@ impl Recording {
         }
         let summary = screen.summary(session.frame_times(), self.store.frames_file());
         let complete = *session.state() == State::Done;
-        let ended = self.store.finish(complete, Timestamp::now().to_string(), summary);
+        let ended = self.store.finish(complete, now().to_string(), summary);
         let errors: Vec<String> = [saved, ended].into_iter().filter_map(Result::err).map(|e| e.to_string()).collect();
+        // The last resort for an answer that no disk accepts.
+        for row in self.store.unsaved() {
+            let place = self.csv().display();
+            message("error", &format!("{place}: this row is not on disk; expected it at the end: {row}"));
+        }
         errors.iter().for_each(|error| message("error", error));
         (!errors.is_empty()).then(|| errors.join("\n"))
     }
@@ -205,10 +211,10 @@ fn viewing(request: &Request, prepared: &Prepared) -> Value {
 /// Returns the session time at which a resumed sitting starts. It follows the wall clock, but is never before the last
 /// recorded time, because a clock can be set back.
 fn offset(elapsed_s: f64, first: Option<&TrialRecord>) -> Duration {
-    let recorded = Duration::from_secs_f64(elapsed_s);
+    let recorded = Duration::try_from_secs_f64(elapsed_s).unwrap_or_default();
     let Some(first) = first else { return recorded };
-    let since_first = Timestamp::now().duration_since(first.started_at).as_secs_f64() + first.onset_s.0;
-    recorded.max(Duration::from_secs_f64(since_first.max(0.0)))
+    let since_first = now().duration_since(first.started_at).as_secs_f64() + first.onset_s.0;
+    recorded.max(Duration::try_from_secs_f64(since_first).unwrap_or_default())
 }
 
 /// Returns a seed that differs from session to session.

@@ -4,10 +4,16 @@ use std::path::PathBuf;
 
 use eframe::egui;
 
-use crate::app::ui::{self, Dialog, FileKind};
+use crate::{
+    app::ui::{self, Dialog, FileKind},
+    system::{data_folder, make_private_folder},
+};
 
 pub struct UnsavedAnswerPage {
     what: String,
+    /// The folder that is proposed: the user's own, which survives a restart of the machine and which nobody else can
+    /// read. `None` if the user has no home folder.
+    rescue: Option<PathBuf>,
     folder: String,
     dialog: Dialog,
 }
@@ -23,8 +29,9 @@ pub enum SaveChoice {
 impl UnsavedAnswerPage {
     /// Creates the page for an error of the store; `what` is its message.
     pub fn new(what: String) -> Self {
-        let folder = std::env::temp_dir().join("machband-results").display().to_string();
-        Self { what, folder, dialog: Dialog::default() }
+        let rescue = data_folder().map(|folder| folder.join("rescued"));
+        let folder = rescue.as_ref().map_or_else(String::new, |rescue| rescue.display().to_string());
+        Self { what, rescue, folder, dialog: Dialog::default() }
     }
 
     /// Shows the new error after a choice that did not help.
@@ -46,6 +53,9 @@ impl UnsavedAnswerPage {
                 choice = Some(SaveChoice::Retry);
             }
             ui.add_space(12.0);
+            if let Some(rescue) = &self.rescue {
+                ui.label(format!("The folder {} belongs to you, and nobody else can open it.", rescue.display()));
+            }
             let label = ui.label("Or save the entire session in another folder:");
             ui.horizontal_wrapped(|ui| {
                 ui.add(egui::TextEdit::singleline(&mut self.folder).desired_width(380.0)).labelled_by(label.id);
@@ -53,7 +63,12 @@ impl UnsavedAnswerPage {
             });
             let usable = !self.folder.trim().is_empty();
             if ui.add_enabled(usable, egui::Button::new("Save there and continue")).clicked() {
-                choice = Some(SaveChoice::ContinueIn(self.folder.trim().into()));
+                let folder = PathBuf::from(self.folder.trim());
+                if self.rescue.as_ref() == Some(&folder) {
+                    // If this fails, so does saving there, which reports why.
+                    let _ = make_private_folder(&folder);
+                }
+                choice = Some(SaveChoice::ContinueIn(folder));
             }
             choice
         })

@@ -9,6 +9,7 @@ use std::{
 use eframe::egui::{self, Role, WidgetInfo};
 
 use super::text;
+use crate::system::run_on_thread;
 
 /// The kind of file requested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,7 +51,7 @@ impl Dialog {
         }
         let (send, receive) = channel();
         let ctx = ctx.clone();
-        std::thread::spawn(move || {
+        let opened = run_on_thread(move || {
             let dialog = rfd::FileDialog::new();
             let one = |path: Option<PathBuf>| path.map(|path| vec![path]);
             let paths = match kind {
@@ -64,7 +65,7 @@ impl Dialog {
             ctx.request_repaint();
         });
         self.open = Some((receive, Instant::now()));
-        self.missing = false;
+        self.missing = opened.is_err();
     }
 
     /// Shows an error if the last dialog never opened.

@@ -104,5 +104,5 @@ impl ScreenFields {
 
 /// Returns today's date, according to the system clock.
 pub fn today() -> jiff::civil::Date {
-    jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date()
+    jiff::tz::TimeZone::UTC.to_datetime(crate::system::now()).date()
 }

@@ -4,6 +4,8 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use eframe::egui;
 
+use crate::system::run_on_thread;
+
 /// A running computation. If it is dropped before it is done, its result is lost.
 pub struct BackgroundTask<T>(Receiver<T>);
 
@@ -22,7 +24,8 @@ impl<T: Send + 'static> BackgroundTask<T> {
     pub fn start(ctx: &egui::Context, compute: impl FnOnce() -> T + Send + 'static) -> Self {
         let (send, receive) = channel();
         let ctx = ctx.clone();
-        std::thread::spawn(move || {
+        // If the system cannot create a thread, the channel is closed too, and the work counts as lost.
+        let _ = run_on_thread(move || {
             // Dropped last, even if the computation panics, so that the window then finds the channel closed.
             let _repaint = Repaint(ctx);
             let send = send;

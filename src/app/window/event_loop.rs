@@ -20,6 +20,7 @@ use super::{
     input::{Pressed, Stamps},
     program::{Failure, Shared, WindowError},
 };
+use crate::system::signals;
 
 /// If the loop wakes after at least this time, it was idle, and the events that it finds have just woken it.
 const MIN_IDLE: Duration = Duration::from_micros(500);
@@ -28,12 +29,13 @@ const MIN_IDLE: Duration = Duration::from_micros(500);
 ///
 /// # Errors
 /// [`WindowError::Refused`] with the reason that the window system or the graphics driver gave; [`WindowError::Lost`]
-/// if one of them was lost while the window was open.
+/// if one of them was lost while the window was open; [`WindowError::Ended`] after a signal.
 pub fn run(options: NativeOptions, stamps: Stamps, program: Shared) -> Result<(), WindowError> {
     let refused = |error: &dyn std::fmt::Display| WindowError::Refused(error.to_string());
     listen_to_log();
     let events = EventLoop::<UserEvent>::with_user_event().build().map_err(|error| refused(&error))?;
     let (failure, creator) = (program.failure().clone(), program.creator());
+    signals::watch();
     Failure::catch_panics();
     program.report_at_exit();
     let inner = eframe::create_native("machband", options, creator, &events);
@@ -58,7 +60,10 @@ pub fn run(options: NativeOptions, stamps: Stamps, program: Shared) -> Result<()
         let rows = handler.program.close();
         return Err(WindowError::Lost { reason, rows });
     }
-    ManuallyDrop::into_inner(handler).program.close();
+    let rows = ManuallyDrop::into_inner(handler).program.close();
+    if let Some(signal) = signals::received() {
+        return Err(WindowError::Ended { signal, rows });
+    }
     if let Ok(Err(error)) = ran {
         return Err(refused(&error));
     }
@@ -84,13 +89,14 @@ struct Handler<'a> {
 }
 
 impl<'a> Handler<'a> {
-    /// Passes an event to eframe. Once the window or the graphics are lost, closes the session and ends the loop.
+    /// Passes an event to eframe. Once the window or the graphics are lost, or a signal asks the program to end, closes
+    /// the session and ends the loop.
     fn forward(&mut self, events: &ActiveEventLoop, to: impl FnOnce(&mut EframeWinitApplication<'a>)) {
         let failure = self.program.failure();
         if failure.reason().is_none() && panic::catch_unwind(AssertUnwindSafe(|| to(&mut self.inner))).is_err() {
             failure.report_panic();
         }
-        if failure.reason().is_some() {
+        if failure.reason().is_some() || signals::received().is_some() {
             self.program.close();
             events.exit();
         }

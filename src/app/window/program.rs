@@ -11,7 +11,10 @@ use std::{
 
 use eframe::{AppCreator, CreationContext, egui, wgpu::DeviceLostReason};
 
-use crate::report::terminal::message;
+use crate::{
+    report::terminal::message,
+    system::signals::{self, Ended, Signal},
+};
 
 /// Why no window could be opened, or why it was lost.
 #[derive(Debug, thiserror::Error)]
@@ -26,6 +29,14 @@ pub enum WindowError {
         "display: no window can be opened ({0}); expected a desktop session with Vulkan or OpenGL (without one, `machband simulate` runs sessions with a simulated observer)"
     )]
     Refused(String),
+    /// The program was asked to end while the window was open.
+    #[error("{}", ended(*signal, rows.as_deref()))]
+    Ended {
+        /// What asked it to end.
+        signal: Signal,
+        /// Path of the file with the rows of the session that was running; `None` if there was no session.
+        rows: Option<PathBuf>,
+    },
     /// The window system or the graphics driver was lost while the window was open.
     #[error("{}", lost(reason, rows.as_deref()))]
     Lost {
@@ -34,6 +45,13 @@ pub enum WindowError {
         /// Path of the file with the rows of the running session; `None` if there is no session.
         rows: Option<PathBuf>,
     },
+}
+
+fn ended(signal: Signal, rows: Option<&Path>) -> String {
+    match rows {
+        Some(rows) => Ended { place: rows.display().to_string(), signal }.to_string(),
+        None => format!("window: ended by {signal}; expected it to be closed"),
+    }
 }
 
 fn lost(reason: &str, rows: Option<&Path>) -> String {
@@ -146,6 +164,8 @@ impl Shared {
         let shared = self.clone();
         Box::new(move |cc| {
             shared.failure.watch(cc);
+            let ctx = cc.egui_ctx.clone();
+            signals::wake(move || ctx.request_repaint());
             shared.program.replace(shared.make.take().map(|make| make(cc)));
             Ok(Box::new(shared))
         })

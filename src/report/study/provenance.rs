@@ -36,7 +36,7 @@ impl Provenance {
     /// arguments.
     pub fn of_process() -> Self {
         let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
-        Self::new(shell_command(arguments), Timestamp::now())
+        Self::new(shell_command(arguments), crate::system::now())
     }
 }
 

@@ -7,11 +7,14 @@ use std::{
 };
 
 use super::{bids, psych_ds, sessions};
-use crate::store::{
-    FileErrors, StoreError, dataset,
-    error::io,
-    file::{full_path, make_folder, sync_folder, sync_tree},
-    ratings,
+use crate::{
+    store::{
+        FileErrors, StoreError, dataset,
+        error::io,
+        file::{full_path, make_folder, sync_folder, sync_tree},
+        ratings,
+    },
+    system::entries,
 };
 
 /// Format of an export.
@@ -84,7 +87,7 @@ fn target(from: &Path, to: &Path, files: &[PathBuf]) -> Result<PathBuf, StoreErr
     if to.exists() && !to.is_dir() {
         return Err(error("is a file; expected a new or empty folder").into());
     }
-    if to.exists() && fs::read_dir(to).map_err(refused)?.next().is_some() {
+    if to.exists() && !entries(to).map_err(refused)?.is_empty() {
         return Err(error("is not empty; expected a new or empty folder").into());
     }
     let full = full_path(to).map_err(refused)?;

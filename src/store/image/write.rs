@@ -5,11 +5,11 @@ use std::{borrow::Cow, path::Path};
 use crate::{
     light::{
         CodeImage, Quantizer, Samples, Transfer, Transfers,
-        halftone::{Halftone, Screen},
+        halftone::{Halftone, MAX_PX, Screen},
         palette::{IndexedImage, Reduction, reduce},
     },
     stimulus::recipe::Recipe,
-    store::{StoreError, Writer, error::io, file::sha256},
+    store::{FileErrors, StoreError, Writer, error::io, file::sha256},
 };
 
 /// Keyword of the text chunk that holds the recipe as JSON.
@@ -66,9 +66,15 @@ pub fn write_reduced(
 /// Renders a recipe as a halftone for a device with few codes, one cell of dots per pixel, and writes it.
 ///
 /// # Errors
-/// The same errors as [`Writer::write`].
+/// The image would have more than [`MAX_PX`] pixels on a side; the same errors as [`Writer::write`].
 pub fn write_halftone(writer: &Writer, path: &Path, recipe: &Recipe, screen: Screen) -> Result<(), StoreError> {
-    let image = Halftone::new(screen, &recipe.transfers).enlarged(&recipe.linear());
+    let halftone = Halftone::new(screen, &recipe.transfers);
+    let side = halftone.enlarged_px(recipe.size);
+    if side > MAX_PX {
+        let message = format!("the halftone {screen} has {side} pixels on a side; expected at most {MAX_PX}");
+        return Err(FileErrors::whole(path, message).into());
+    }
+    let image = halftone.enlarged(&recipe.linear());
     let texts = [(KEYWORD, describe(recipe)), (HALFTONE_KEYWORD, screen.to_string())];
     save(writer, path, encode(&image, &recipe.transfers, &texts))
 }

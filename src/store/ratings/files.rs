@@ -7,13 +7,16 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::store::{
-    FileError, FileErrors,
-    dataset::{DATA_FILE, DESCRIPTION, REGISTER},
-    error::NotData,
-    frames,
-    open::open_regular,
-    table::{Content, MAX_ROW, each_row},
+use crate::{
+    store::{
+        FileError, FileErrors,
+        dataset::{DATA_FILE, DESCRIPTION, REGISTER},
+        error::NotData,
+        frames,
+        open::open_regular,
+        table::{Content, MAX_ROW, each_row},
+    },
+    system::entries,
 };
 
 /// Returns the files to read, without duplicates and in the given order. The files of a folder are in natural order of
@@ -76,17 +79,14 @@ fn folder(root: &Path) -> Result<Vec<PathBuf>, String> {
             continue;
         }
         let shown = folder.display();
-        let entries = std::fs::read_dir(&folder)
+        let paths = entries(&folder)
             .map_err(|error| format!("the folder {shown} cannot be read: {error}; expected a readable folder"))?;
-        for entry in entries {
-            let entry = entry
-                .map_err(|error| format!("the folder {shown} cannot be read: {error}; expected a readable folder"))?;
+        for path in paths {
             // Hidden files belong to other programs; for example, a Mac adds a file `._name.csv` for each file that it
             // writes to a disk with a foreign file system.
-            if entry.file_name().to_string_lossy().starts_with('.') {
+            if path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.')) {
                 continue;
             }
-            let path = entry.path();
             if path.is_dir() {
                 open.push(path);
             } else if has_suffix(&path, ".csv") && !is_register(&path) {

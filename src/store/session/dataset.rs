@@ -18,6 +18,7 @@ use crate::{
         file::{exists, make_folder, remove_temporary, write_json, write_whole},
         open::read_regular,
     },
+    system::entries,
 };
 
 /// Suffix of a data file in a Psych-DS data set; our result files have it too.
@@ -68,7 +69,7 @@ impl SessionPaths {
         let data = self.dataset.join("data");
         make_folder(&data)?;
         // Other programs may also be writing the description.
-        remove_temporary(&self.dataset, None, Duration::from_secs(60));
+        remove_temporary(&self.dataset, |_| true, Duration::from_secs(60));
         describe(&self.dataset, protocol)
     }
 
@@ -102,12 +103,11 @@ pub(crate) fn described(csv: &Path) -> Option<&Path> {
 
 /// Returns the first of `P001`, `P002`, … that has no file in this experiment's results.
 pub fn free_participant(results: &Path, protocol: &Protocol) -> String {
-    let taken: Vec<String> = fs::read_dir(results.join(&protocol.name).join("data"))
-        .into_iter()
-        .flatten()
-        .flatten()
-        .filter_map(|entry| {
-            let name = entry.file_name().into_string().ok()?;
+    let taken: Vec<String> = entries(&results.join(&protocol.name).join("data"))
+        .unwrap_or_default()
+        .iter()
+        .filter_map(|path| {
+            let name = path.file_name()?.to_str()?;
             Some(name.strip_prefix("subject-")?.split('_').next()?.to_ascii_uppercase())
         })
         .collect();
@@ -151,8 +151,7 @@ pub(crate) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<Str
     ] {
         let path = dataset.join(name);
         if !exists(&path)? {
-            // Not synced, because a session should wait for the disk only to save data.
-            write_whole(&path, text.as_bytes(), false)?;
+            write_whole(&path, text.as_bytes(), true)?;
         }
     }
     let path = dataset.join(DESCRIPTION);

@@ -14,11 +14,14 @@ use super::{
     seal,
     sidecar::{Seal, Sidecar},
 };
-use crate::store::{
-    FileError, FileErrors, StoreError,
-    file::append_line,
-    open::open_regular,
-    table::{self, CellError, shortened},
+use crate::{
+    store::{
+        FileError, FileErrors, StoreError,
+        file::append_line,
+        open::open_regular,
+        table::{self, CellError, shortened},
+    },
+    system::now,
 };
 
 const HEADER: &str = "at,event,data_file,definition_sha256,seed,data_bytes,data_sha256,sidecar_sha256";
@@ -82,7 +85,7 @@ impl Entry {
     /// I/O errors; or the file is not a register.
     pub fn append(&self, dataset: &Path) -> Result<(), StoreError> {
         let Self { event, data_file, definition_sha256, seed, data_bytes, data_sha256, sidecar_sha256 } = self;
-        let (at, event) = (format!("{:.3}", Timestamp::now()), event.name());
+        let (at, event) = (format!("{:.3}", now()), event.name());
         let line =
             format!("{at},{event},{data_file},{definition_sha256},{seed},{data_bytes},{data_sha256},{sidecar_sha256}");
         append_line(&dataset.join(REGISTER), HEADER, &line)

@@ -144,7 +144,7 @@ impl SessionStore {
             store.lock = Some(lock);
             // The session is locked, so no other program is about to write its sidecar.
             let sidecar = store.paths.sidecar.file_name().unwrap_or_default().to_string_lossy();
-            remove_temporary(&store.paths.dataset.join("data"), Some(&sidecar), Duration::ZERO);
+            remove_temporary(&store.paths.dataset.join("data"), |name| name == sidecar, Duration::ZERO);
             store.keep_seal(&differences);
             store.sidecar.complete = false;
             store.sidecar.sittings.push(sitting);
@@ -234,6 +234,11 @@ impl SessionStore {
     /// The write failed; see [`SessionStore::retry`] and [`SessionStore::continue_in`].
     pub fn append(&mut self, record: &TrialRecord) -> Result<(), StoreError> {
         self.rows.append(record)
+    }
+
+    /// Returns the rows that are only in memory, as they belong in the file.
+    pub fn unsaved(&self) -> Vec<String> {
+        self.rows.file.unsaved().lines().map(str::to_owned).collect()
     }
 
     /// Appends frames. A failure is noted only once; the next frames trigger another attempt, and the session

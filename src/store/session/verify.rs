@@ -3,7 +3,6 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
-    fs,
     path::Path,
 };
 
@@ -21,6 +20,7 @@ use crate::{
     experiment::{GENERATOR, Phase},
     stimulus::recipe::Recipe,
     store::{FileError, FileErrors, definition, file::temporary_for, image},
+    system::entries,
 };
 
 /// The findings about one session.
@@ -265,10 +265,7 @@ pub(crate) fn picture_errors(recorded: &Recorded, renderer: &mut Renderer) -> Ve
 pub fn unexpected_files(dataset: &Path) -> Vec<FileError> {
     let mut errors = Vec::new();
     for folder in [dataset.to_owned(), dataset.join("data")] {
-        let mut paths: Vec<_> =
-            fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
-        paths.sort();
-        for path in paths {
+        for path in entries(&folder).unwrap_or_default() {
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             if temporary_for(&name).is_some() {
                 errors.push(FileError::whole(&path, "was left by a killed program; expected no such file"));

@@ -1,0 +1,209 @@
+//! What the operating system refuses or asks: standard streams that are full, threads, the clock, folders that cannot be
+//! closed, and signals. No command panics, and no reported row is lost.
+
+use std::{
+    fs::{self, File},
+    path::Path,
+    process::{Command, Stdio},
+};
+
+use crate::{
+    common::{MACHBAND, json, split},
+    disk,
+    run::{self, ProgramResult},
+    shim::{self, Fault},
+    sweep::{self, Sweep},
+};
+
+/// The definition of the sessions; it has eight trials.
+const DEFINITION: usize = 1;
+
+fn fault(op: &'static str, n: u64, what: &'static str, repeated: bool) -> Fault {
+    Fault { op, n, what, repeated }
+}
+
+fn assert_no_panic(what: &str, ended: &ProgramResult) {
+    let code = ended.status.code();
+    assert!(code.is_some_and(|code| code != 101) && !ended.stderr.contains("panicked"), "{what}: {ended:?}");
+}
+
+/// Runs `machband simulate`, new or resumed, with faults in a folder.
+fn simulate(sweep: &Sweep, folder: &Path, faults: &[Fault], resume: bool) -> ProgramResult {
+    let mut command = run::binary(&sweep.definition(DEFINITION), &folder.join("first"), resume);
+    shim::run_with(&mut command, faults, folder, &folder.join("log")).0
+}
+
+/// Resumes without faults and checks that the session is complete and that `verify` finds nothing.
+fn assert_resumes(sweep: &Sweep, folder: &Path, what: &str) {
+    disk::age_temporary_files(folder);
+    let ended = simulate(sweep, folder, &[], true);
+    assert!(ended.status.success(), "{what}: {ended:?}");
+    let faults = disk::faults_of_ended(&folder.join("first"), DEFINITION, sweep.planned(DEFINITION));
+    assert_eq!(faults, Vec::<String>::new(), "{what}");
+    let verified = run::ended(Command::new(MACHBAND).arg("verify").arg(folder.join("first/twice")));
+    assert!(verified.status.success(), "{what}: {verified:?}");
+}
+
+#[test]
+fn no_command_panics_if_a_standard_stream_is_full() {
+    let sweep = Sweep::new(1);
+    let folder = sweep::folder();
+    let rows = run::interrupted(DEFINITION, &folder.path().join("first"), 3);
+    let csv = disk::paths(&folder.path().join("first"), DEFINITION).csv;
+    let whole = fs::read(&csv).unwrap();
+    fs::write(&csv, &whole[..whole.len() - 5]).unwrap();
+    let full = || Stdio::from(File::options().write(true).open("/dev/full").unwrap());
+    let mut resume = run::binary(&sweep.definition(DEFINITION), &folder.path().join("first"), true);
+    // The warning about the incomplete row cannot be printed, nor can the summary.
+    assert_eq!(resume.stdout(full()).stderr(full()).status().unwrap().code(), Some(1));
+    assert_eq!(disk::lines(&csv).len(), 1 + sweep.planned(DEFINITION).len());
+    assert_eq!(disk::lines(&csv)[1], rows[0]);
+    for line in [
+        "stimulus --size 16 --palette k-means:4 --out picture.png",
+        "stimulus --size 16 --width nonsense",
+        "predict --size 64",
+        "check first/twice/data",
+        "verify first/twice",
+        "counts first --out counts.csv",
+        "plan quick --participants 2 --studies 5",
+        "timing --frames 2",
+        "shade --size 16 --out shade.png",
+        "no-such-command",
+        "--help",
+    ] {
+        for stdout in [false, true] {
+            let mut command = Command::new(MACHBAND);
+            command.args(split(line)).current_dir(folder.path()).env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
+            command.stdin(Stdio::null()).stderr(full());
+            command.stdout(if stdout { full() } else { Stdio::null() });
+            let code = command.status().unwrap().code();
+            assert!(matches!(code, Some(0..=2)), "{line}: {code:?}");
+        }
+    }
+}
+
+#[test]
+fn threads_that_cannot_be_created_are_an_error_or_fewer_threads() {
+    if shim::library().is_none() {
+        return;
+    }
+    let sweep = Sweep::new(1);
+    let created = sweep.calls(DEFINITION, None, true).iter().find(|(op, _)| op == "thread").map_or(0, |(_, n)| *n);
+    assert!(created > 2, "only {created} threads");
+    for n in [1, 2, created / 2, created - 2, created - 1, created] {
+        for repeated in [false, true] {
+            let folder = sweep::folder();
+            let ended = simulate(&sweep, folder.path(), &[fault("thread", n, "EAGAIN", repeated)], false);
+            let what = format!("thread {n}, repeated {repeated}");
+            assert_no_panic(&what, &ended);
+            assert!(ended.status.success() || ended.stderr.starts_with("error: threads: "), "{what}: {ended:?}");
+            assert_resumes(&sweep, folder.path(), &what);
+        }
+    }
+    for line in ["analyze first --out report --replicates 100", "stimulus --size 64 --out a.png", "verify first/twice"]
+    {
+        for n in [1, 2, 5] {
+            let folder = sweep::folder();
+            assert!(simulate(&sweep, folder.path(), &[], false).status.success());
+            let mut command = Command::new(MACHBAND);
+            command.args(split(line)).current_dir(folder.path());
+            let faults = [fault("thread", n, "EAGAIN", true)];
+            let (ended, _) = shim::run_with(&mut command, &faults, folder.path(), &folder.path().join("log"));
+            assert_no_panic(line, &ended);
+            assert_eq!(ended.status.success(), n > 1, "{line}, thread {n}: {ended:?}");
+        }
+    }
+}
+
+#[test]
+fn a_clock_in_an_impossible_year_is_an_error_or_a_time_at_the_limit() {
+    if shim::library().is_none() {
+        return;
+    }
+    let sweep = Sweep::new(1);
+    for what in ["far", "ancient"] {
+        let folder = sweep::folder();
+        let ended = simulate(&sweep, folder.path(), &[fault("clock", 1, what, false)], false);
+        assert!(ended.status.code() == Some(1) && ended.stderr.starts_with("error: clock: "), "{what}: {ended:?}");
+        // The clock changes while the session runs.
+        for n in 2..12 {
+            let folder = sweep::folder();
+            let ended = simulate(&sweep, folder.path(), &[fault("clock", n, what, false)], false);
+            assert_no_panic(&format!("{what} at {n}"), &ended);
+            let ended = simulate(&sweep, folder.path(), &[], true);
+            assert!(ended.status.success(), "{what} at {n}: {ended:?}");
+            let faults = disk::faults_of_ended(&folder.path().join("first"), DEFINITION, sweep.planned(DEFINITION));
+            assert_eq!(faults, Vec::<String>::new(), "{what} at {n}");
+        }
+    }
+}
+
+#[test]
+fn a_folder_that_cannot_be_closed_is_no_panic() {
+    if shim::library().is_none() {
+        return;
+    }
+    let sweep = Sweep::new(1);
+    let folder = sweep::folder();
+    let close = [fault("close", 1, "EIO", true)];
+    assert!(simulate(&sweep, folder.path(), &close, false).status.success());
+    assert!(simulate(&sweep, folder.path(), &close, true).status.success());
+    for line in ["verify FOLDER/first/twice", "counts FOLDER/first --out FOLDER/counts.csv"] {
+        let line = line.replace("FOLDER", folder.path().to_str().unwrap());
+        let mut command = Command::new(MACHBAND);
+        let log = folder.path().join("log");
+        let (ended, log) = shim::run_with(command.args(split(&line)), &close, folder.path(), &log);
+        assert!(ended.status.success() && log.hits.len() > 1, "{line}: {ended:?}");
+    }
+}
+
+/// A signal arrives just before each row is written, and before the sidecar is.
+#[test]
+fn a_signal_closes_the_sitting() {
+    if shim::library().is_none() {
+        return;
+    }
+    let sweep = Sweep::new(1);
+    let trials = sweep.planned(DEFINITION).len();
+    let writes = sweep.calls(DEFINITION, None, true).iter().find(|(op, _)| op == "write").map_or(0, |(_, n)| *n);
+    let mut closed = 0;
+    for n in 1..=writes {
+        let (what, number) = [("TERM", 15), ("INT", 2), ("HUP", 1)][n as usize % 3];
+        let folder = sweep::folder();
+        let ended = simulate(&sweep, folder.path(), &[fault("write", n, what, false)], false);
+        let name = format!("SIG{what} at write {n}");
+        assert_eq!(ended.status.code(), Some(128 + number), "{name}: {ended:?}");
+        let paths = disk::paths(&folder.path().join("first"), DEFINITION);
+        let rows = disk::lines(&paths.csv).len().saturating_sub(1);
+        if paths.sidecar.exists() {
+            let sidecar = json(&paths.sidecar);
+            assert!(sidecar["sittings"][0]["ended_at"].is_string(), "{name}: {sidecar}");
+            assert!(sidecar["seal"].is_object() && sidecar["complete"] == (rows == trials), "{name}: {sidecar}");
+            closed += usize::from((1..trials).contains(&rows));
+        }
+        assert!(rows == trials || ended.stderr.contains(&format!("ended by SIG{what}")), "{name}: {ended:?}");
+        assert_resumes(&sweep, folder.path(), &name);
+
+        // The next signal ends the program at once.
+        let folder = sweep::folder();
+        let faults = [fault("write", n, what, false), fault("write", n + 1, "TERM", false)];
+        let ended = simulate(&sweep, folder.path(), &faults, false);
+        assert!(matches!(ended.status.code(), Some(code) if code == 128 + number || code == 143), "{name}: {ended:?}");
+        assert_resumes(&sweep, folder.path(), &name);
+    }
+    assert!(closed >= trials / 2, "only {closed} sittings were closed before their end");
+}
+
+/// `nohup` starts a program with SIGHUP ignored; it must stay so.
+#[test]
+fn an_ignored_signal_stays_ignored() {
+    let Some(library) = shim::library() else { return };
+    let sweep = Sweep::new(1);
+    let folder = sweep::folder();
+    let mut command = Command::new("sh");
+    command.args(["-c", "trap '' HUP; exec \"$@\"", "sh", MACHBAND, "simulate"]).arg(sweep.definition(DEFINITION));
+    command.arg("--results").arg(folder.path().join("first"));
+    command.env("LD_PRELOAD", library).env("MACHBAND_FAULT", "write:5:HUP").env("MACHBAND_FAULT_UNDER", folder.path());
+    let ended = run::ended(&mut command);
+    assert!(ended.status.success(), "{ended:?}");
+}
