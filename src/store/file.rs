@@ -454,6 +454,7 @@ pub(super) fn append_line(path: &Path, header: &str, line: &str) -> Result<(), S
     let open = OpenOptions::new().read(true).append(true).create(true).open(path);
     let mut file = open.map_err(io(path, "open"))?;
     let mut append = || {
+        is_data(&file.metadata()?)?;
         lock_in_turn(&file)?;
         let header = format!("{header}\n");
         let (mut head, mut tail, length) = (Vec::new(), Vec::new(), file.metadata()?.len());

@@ -226,6 +226,24 @@ fn a_register_that_cannot_be_written_is_noted_and_harms_nothing_else() {
     assert!(check::check(second.path().join("small-one/sessions.csv")).unwrap().sentence.contains("sessions: 1"));
 }
 
+/// Reading a pipe would wait for ever.
+#[cfg(unix)]
+#[test]
+fn pipes_next_to_a_session_do_not_stop_it() {
+    let (folder, csv) = ended(2);
+    let register = paths(folder.path()).dataset.join("sessions.csv");
+    fs::remove_file(&register).unwrap();
+    for pipe in [register, csv.with_file_name("subject-S001_session-1_task-smallone_data.csv.lock")] {
+        assert!(std::process::Command::new("mkfifo").arg(pipe).status().unwrap().success());
+    }
+    let (mut store, found) = resume(folder.path()).unwrap();
+    sit(&mut store, Some(&found), usize::MAX);
+    drop(store);
+    assert!(check::check(&csv).unwrap().sentence.contains("6 of 6"));
+    let sidecar = Sidecar::read(&csv.with_extension("json")).unwrap().unwrap();
+    assert!(sidecar.sittings[1].incidents.iter().any(|incident| incident.contains("could not be registered")));
+}
+
 #[test]
 fn only_temporary_files_of_this_program_are_removed() {
     let (folder, _) = ended(2);

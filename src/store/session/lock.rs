@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::store::StoreError;
+use crate::store::{StoreError, open::read_regular};
 
 /// Suffix that is added to the name of the data file.
 pub(super) const SUFFIX: &str = ".lock";
@@ -116,9 +116,12 @@ impl Writer {
     }
 }
 
+/// Maximum length of a lock file in bytes; the name of a computer has at most 255.
+const MAX_LENGTH: u64 = 1024;
+
 /// Reads a lock file; `None` if it cannot be read or names no program.
 fn writer(path: &Path) -> Option<Writer> {
-    let text = fs::read_to_string(path).ok()?;
+    let text = String::from_utf8(read_regular(path, MAX_LENGTH).ok()?).ok()?;
     let (host, process) = text.trim_end().rsplit_once(' ')?;
     Some(Writer { host: host.to_owned(), process: process.parse().ok()? })
 }
