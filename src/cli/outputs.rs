@@ -48,7 +48,7 @@ output_path! {
     NewFolder
 }
 output_path! {
-    /// A file that is written if the option [`FIT`] is present, and otherwise read.
+    /// A file that is written if the option `--fit` is present, and otherwise read.
     FittedPath
 }
 
