@@ -1,6 +1,8 @@
 //! The bootstrap over participants: how results would vary between samples of people. Ratings by the same person are
 //! related, so people are resampled instead of ratings.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
@@ -43,8 +45,23 @@ impl Interval {
 
 impl Bootstrap {
     /// Returns how often each participant was drawn in each replicate, or no replicates if there are no participants.
-    /// Bytes save memory if there are many participants, and nobody is drawn 256 times.
-    pub(super) fn weights(&self, subjects: usize) -> Vec<Vec<u8>> {
+    /// Bytes save memory if there are many participants, and nobody is drawn 256 times. The last draws are kept, because
+    /// every statistic of a study uses the same ones.
+    pub(super) fn weights(&self, subjects: usize) -> Arc<Vec<Vec<u8>>> {
+        type Drawn = (usize, u64, usize, Arc<Vec<Vec<u8>>>);
+        static LAST: Mutex<Option<Drawn>> = Mutex::new(None);
+        let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((replicates, seed, people, drawn)) = &*last
+            && (*replicates, *seed, *people) == (self.replicates, self.seed, subjects)
+        {
+            return drawn.clone();
+        }
+        let drawn = Arc::new(self.draw(subjects));
+        *last = Some((self.replicates, self.seed, subjects, drawn.clone()));
+        drawn
+    }
+
+    fn draw(&self, subjects: usize) -> Vec<Vec<u8>> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let replicates = if subjects == 0 { 0 } else { self.replicates };
         let mut draw = || {

@@ -103,7 +103,7 @@ fn groups(
             share.sum += n * values[row.rating as usize];
         }
     }
-    let weights = bootstrap.map_or_else(Vec::new, |bootstrap| bootstrap.weights(counts.subjects.len()));
+    let weights = bootstrap.map(|bootstrap| bootstrap.weights(counts.subjects.len())).unwrap_or_default();
     (tallies.par_iter().zip(&shares).enumerate())
         .filter(|(_, (tally, _))| tally.iter().any(|count| *count > 0))
         .map(|(group, (tally, shares))| {

@@ -195,7 +195,9 @@ impl MeasuredBuilder {
     }
 
     /// Returns everything that was collected, in natural order.
-    pub fn finish(self) -> Measured {
+    pub fn finish(mut self) -> Measured {
+        // There may be many cells, and from here on they are not looked up.
+        self.index = HashMap::new();
         let (subjects, values): (Vec<&str>, Vec<Vec<&str>>) = self.cells.iter().map(Cell::parts).unzip();
         let (subjects, subject_of) = levels::rank(&subjects.into_iter().map(Some).collect::<Vec<_>>());
         let mut conditions: Vec<Vec<Option<u32>>> = vec![Vec::new(); self.cells.len()];
@@ -211,6 +213,7 @@ impl MeasuredBuilder {
             conditions.iter_mut().zip(level_of).for_each(|(condition, level)| condition.push(level));
             factors.push(Factor { name: name.clone(), numbers: levels::numbers_of(&levels), levels });
         }
+        drop(values);
         let condition_of = conditions.clone();
         conditions.sort_unstable();
         conditions.dedup();

@@ -110,6 +110,8 @@ impl Selection {
         inputs.retain_mut(|file| match columns(file, &shape.factors, options) {
             Ok(columns) => {
                 file.columns = columns;
+                // Only whether there is a first row still matters.
+                file.header.first = file.header.first.take().map(|_| Vec::new());
                 true
             }
             Err(found) => {
@@ -145,6 +147,7 @@ impl Definitions {
 /// Drops what an analysis does not use from a sidecar, because there may be thousands.
 fn shorten(sidecar: &mut Sidecar) {
     (sidecar.context, sidecar.definition) = (Value::Null, Value::Null);
+    (sidecar.onset, sidecar.generator) = (String::new(), String::new());
     sidecar.columns = Map::new();
     sidecar.sittings.iter_mut().filter_map(|sitting| sitting.pictures.as_mut()).for_each(|all| all.sha256.clear());
 }
