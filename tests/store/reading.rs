@@ -160,6 +160,22 @@ fn long() -> ReadOptions {
     }
 }
 
+/// The experiment is found in a first row of any length, and a row without an end is an error.
+#[test]
+fn long_rows_are_read_whole_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let header = "note,subject_id,session_id,phase,trial,attempt,experiment,width,rating";
+    let text = |note: usize| {
+        format!("{header}\n{},S1,1,main,1,1,one,0.1,2\nshort,S1,1,main,2,1,two,0.1,2\n", "x".repeat(note))
+    };
+    let long = file(&folder, "long.csv", text(70_000));
+    let other = "long.csv:3:23: experiment is \"two\"; expected one, as in the first row";
+    assert_eq!(errors(&[&long], &ReadOptions::default()), [other]);
+    let endless = file(&folder, "endless.csv", text(3 << 20));
+    let found = errors(&[&endless], &ReadOptions::default()).join("\n");
+    assert!(found.contains("line 2 has more than 1048576 bytes"), "{found}");
+}
+
 mod what_counts {
     use super::*;
 
