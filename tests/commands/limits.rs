@@ -57,8 +57,8 @@ const READERS: [(&str, &[&str]); 5] = [
         &[
             "check {}",
             "analyze {} --out out",
-            "counts {} --out counts.csv",
-            "calibrate {} --out made.toml",
+            "counts {} --out {}.counts",
+            "calibrate {} --out {}.toml",
             "predict quick --fit {}",
         ],
     ),
@@ -75,7 +75,7 @@ const READERS: [(&str, &[&str]); 5] = [
         ],
     ),
     ("png", &["check {}", "predict --image {}"]),
-    ("obj", &["shade --shader gouraud --mesh {} --metrics metrics.csv"]),
+    ("obj", &["shade --shader gouraud --mesh {} --metrics {}.metrics.csv"]),
     ("json", &["analyze session.csv --out out"]),
 ];
 
@@ -188,7 +188,8 @@ type Case = (&'static str, Vec<u8>, Vec<(&'static str, &'static str)>);
 fn cases(full: bool) -> Vec<Case> {
     use png::{BitDepth::*, ColorType::*};
     let analyze = "analyze {} --out out";
-    let (shade, calibrate) = ("shade --shader gouraud --mesh {} --metrics metrics.csv", "calibrate {} --out made.toml");
+    let (shade, calibrate) =
+        ("shade --shader gouraud --mesh {} --metrics {}.metrics.csv", "calibrate {} --out {}.toml");
     let plan = "plan {} --participants 2 --studies 1";
     let readings = |count: usize| -> Vec<u8> {
         let row = |i: usize| {
@@ -205,17 +206,17 @@ fn cases(full: bool) -> Vec<Case> {
         (
             "levels.csv",
             ratings(2 * many, 2, 1, many, 4).into(),
-            vec![(analyze, "the number of levels of f0 is"), ("counts {} --out c.csv", "")],
+            vec![(analyze, "the number of levels of f0 is"), ("counts {} --out {}.csv", "")],
         ),
         (
             "cell.csv",
             long(&format!("S1,1,1,{}\n", "x".repeat(200_000))),
-            vec![(analyze, "the number of bytes of the name"), ("counts {} --out c.csv", "")],
+            vec![(analyze, "the number of bytes of the name"), ("counts {} --out {}.csv", "")],
         ),
         (
             "row.csv",
             long(&format!("S1,1,1,{}\n", "1,".repeat(450_000))),
-            vec![("counts {} --out c.csv", "the row has")],
+            vec![("counts {} --out {}.csv", "the row has")],
         ),
         (
             "columns.csv",
@@ -230,7 +231,7 @@ fn cases(full: bool) -> Vec<Case> {
         (
             "people.csv",
             ratings(60_000, 30_000, 1, 2, 4).into(),
-            vec![(analyze, "the number of participants is"), ("counts {} --out c.csv", "")],
+            vec![(analyze, "the number of participants is"), ("counts {} --out {}.csv", "")],
         ),
         (
             "rows.csv",

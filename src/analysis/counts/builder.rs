@@ -3,7 +3,7 @@
 
 use std::{
     cmp::Ordering,
-    collections::{BTreeMap, HashMap},
+    collections::{BTreeMap, BTreeSet, HashMap},
 };
 
 use super::table::{CountError, CountRow, Counts, Factor, Measured, RetestPair, TimeCount, time_bin};
@@ -214,9 +214,10 @@ impl MeasuredBuilder {
             factors.push(Factor { name: name.clone(), numbers: levels::numbers_of(&levels), levels });
         }
         drop(values);
-        let condition_of = conditions.clone();
-        conditions.sort_unstable();
-        conditions.dedup();
+        let condition_of = conditions;
+        let mut conditions: BTreeSet<&Vec<Option<u32>>> = BTreeSet::new();
+        conditions.extend(&condition_of);
+        let conditions: Vec<Vec<Option<u32>>> = conditions.into_iter().cloned().collect();
         let ratings: Vec<Option<&str>> = self.ratings.iter().map(|text| Some(text.as_str())).collect();
         let (categories, category_of) = match &self.declared {
             Some(declared) => (declared.clone(), (0..declared.len() as u32).map(Some).collect()),
@@ -227,7 +228,9 @@ impl MeasuredBuilder {
         let mut counts: BTreeMap<(u32, u32, u8), u64> = BTreeMap::new();
         let mut times: BTreeMap<(u32, u32, u8, u16), u64> = BTreeMap::new();
         let mut earliest: BTreeMap<(u32, u32), Earliest> = BTreeMap::new();
-        for ((cell, subject), levels) in self.cells.iter().zip(subject_of).zip(&condition_of) {
+        // Each cell is dropped as soon as it is counted.
+        for ((cell, subject), levels) in std::mem::take(&mut self.cells).into_iter().zip(subject_of).zip(&condition_of)
+        {
             let subject = subject.unwrap_or_default();
             let condition = conditions.partition_point(|known| known < levels) as u32;
             for (rating, &count) in cell.counts.iter().enumerate().filter(|(_, count)| **count > 0) {
@@ -279,7 +282,11 @@ impl Cell {
     fn time(&mut self, bin: u16, rating: u8, count: u64) {
         match self.times.iter_mut().find(|(b, r, _)| (*b, *r) == (bin, rating)) {
             Some((.., n)) => *n += count,
-            None => self.times.push((bin, rating, count)),
+            None => {
+                // Most cells have few times, and there may be many cells.
+                self.times.reserve_exact(1);
+                self.times.push((bin, rating, count));
+            }
         }
     }
 
