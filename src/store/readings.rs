@@ -16,6 +16,9 @@ use crate::display::{
 /// The columns, in the order in which they are written. Additional columns are ignored when reading.
 pub const COLUMNS: [&str; 3] = ["channel", "level", "luminance_cd_m2"];
 
+/// Maximum number of readings. Three at each of the 256 levels of four channels are 3,072.
+const MAX_READINGS: usize = 4000;
+
 /// Reads a complete set of readings, sufficient for a profile, in the order in which they were taken.
 ///
 /// # Errors
@@ -139,6 +142,10 @@ fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileErrors> {
     if !missing.is_empty() {
         let message = format!("the header lacks {}; expected the columns {}", missing.join(", "), COLUMNS.join(","));
         return Err(FileErrors(vec![FileError::at(file, (1, 1), message)]));
+    }
+    if rows.len() > MAX_READINGS {
+        let message = format!("the number of readings is {}; expected at most {MAX_READINGS}", rows.len());
+        return Err(FileErrors::whole(file, message));
     }
     FileErrors::none(errors.finish(file, &COLUMNS)).map(|()| rows)
 }

@@ -243,7 +243,11 @@ fn cases(full: bool) -> Vec<Case> {
             format!("subject_id,rating,count,width\n{}\"", "\"a\"\"\n".repeat(100_000)).into(),
             vec![(analyze, "*"), ("check {}", "*")],
         ),
-        ("readings.csv", readings(many), vec![(calibrate, ""), ("check {}", "")]),
+        (
+            "readings.csv",
+            readings(many.max(5000)),
+            vec![(calibrate, "the number of readings is"), ("check {}", "the number of readings is")],
+        ),
         (
             "blocks.toml",
             definition(&widths(50_000), "order = \"blocked:width\"").into(),
@@ -312,6 +316,7 @@ fn cases(full: bool) -> Vec<Case> {
     ];
     if full {
         cases.extend([
+            ("at_readings.csv", readings(4000), vec![(calibrate, "")]),
             ("at_levels.csv", ratings(40_000, 20, 1, 200, 4).into(), vec![(analyze, "")]),
             ("at_people.csv", ratings(60_000, 20_000, 1, 3, 4).into(), vec![(analyze, "")]),
             ("at_factors.csv", ratings(15_000, 20, 16, 3, 4).into(), vec![(analyze, "")]),
@@ -321,7 +326,7 @@ fn cases(full: bool) -> Vec<Case> {
             ("at_pixels.png", png(4096, Sixteen, Rgb, None), vec![("predict --image {}", "all black")]),
             ("at_conditions.toml", definition(&widths(2000), "").into(), vec![("predict {}", "")]),
             ("at_plan.toml", definition(&widths(200), "").into(), vec![(plan, "")]),
-        ] as [Case; 9]);
+        ] as [Case; 10]);
     }
     cases
 }
