@@ -56,7 +56,7 @@ const READERS: [(&str, &[&str]); 5] = [
         "csv",
         &[
             "check {}",
-            "analyze {} --out out",
+            "analyze {} --out {}.out",
             "counts {} --out {}.counts",
             "calibrate {} --out {}.toml",
             "predict quick --fit {}",
@@ -187,7 +187,7 @@ type Case = (&'static str, Vec<u8>, Vec<(&'static str, &'static str)>);
 /// Inputs below 1 MB that are as expensive as possible, each with the commands that read it.
 fn cases(full: bool) -> Vec<Case> {
     use png::{BitDepth::*, ColorType::*};
-    let analyze = "analyze {} --out out";
+    let analyze = "analyze {} --out {}.out";
     let (shade, calibrate) =
         ("shade --shader gouraud --mesh {} --metrics {}.metrics.csv", "calibrate {} --out {}.toml");
     let plan = "plan {} --participants 2 --studies 1";

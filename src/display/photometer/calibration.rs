@@ -35,10 +35,10 @@ const MAX_ERROR_RATIO: f64 = 1.5;
 /// Mean squared errors below this, in units of the assumed noise, count as 0.
 const EXACT: f64 = 1e-8;
 
-/// Maximum number of readings × fits in the validation of a model, which keeps its time constant. A set of 1,000 readings
-/// at 256 levels, such as all 8-bit levels of four channels, is within it. With more, several levels, far apart, are left
+/// Maximum number of readings × fits in the validation of a model, which keeps its time constant. One reading at
+/// each of 256 levels, or two at 50 levels of four channels, are within it. With more, several levels, far apart, are left
 /// out at once.
-const MAX_VALIDATION: usize = 300_000;
+const MAX_VALIDATION: usize = 100_000;
 
 /// How well a model predicts levels that it was not fitted to. Each level except 0 and 1 is left out in turn, because
 /// no model can predict black and white without readings.
