@@ -4,11 +4,11 @@
 use super::table::Counts;
 
 /// Maximum number of factors. A stimulus has at most ten parameters; a term is tested for each factor.
-const MAX_FACTORS: usize = 16;
+const MAX_FACTORS: usize = 10;
 /// Maximum number of levels of a factor. Factors with more, such as a response time, are measurements and not factors.
 const MAX_LEVELS: usize = 200;
-/// Maximum number of conditions.
-const MAX_CONDITIONS: usize = 20_000;
+/// Maximum number of conditions. A full crossing of 6, 5 and 4 levels has 120.
+const MAX_CONDITIONS: usize = 5000;
 /// Maximum number of participants.
 const MAX_PEOPLE: usize = 20_000;
 /// Maximum length of a name in bytes: of a participant, factor, level or category.
