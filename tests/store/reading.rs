@@ -169,7 +169,7 @@ fn long_rows_are_read_whole_or_refused() {
         format!("{header}\n{},S1,1,main,1,1,one,0.1,2\nshort,S1,1,main,2,1,two,0.1,2\n", "x".repeat(note))
     };
     let long = file(&folder, "long.csv", text(70_000));
-    let other = "long.csv:3:23: experiment is \"two\"; expected one, as in the first row";
+    let other = "long.csv:3:21: experiment is \"two\"; expected one, as in the first row";
     assert_eq!(errors(&[&long], &ReadOptions::default()), [other]);
     let endless = file(&folder, "endless.csv", text(3 << 20));
     let found = errors(&[&endless], &ReadOptions::default()).join("\n");
