@@ -321,7 +321,11 @@ fn cases(full: bool) -> Vec<Case> {
             ("at_people.csv", ratings(60_000, 20_000, 1, 3, 4).into(), vec![(analyze, "")]),
             ("at_factors.csv", ratings(5_000, 20, 10, 3, 4).into(), vec![(analyze, "")]),
             ("at_coefficients.csv", ratings(5_000, 20, 6, 33, 4).into(), vec![(analyze, "")]),
-            ("at_categories.csv", ratings(50_000, 20, 1, 8, 250).into(), vec![(analyze, "")]),
+            (
+                "at_categories.csv",
+                ratings(50_000, 20, 1, 8, 250).into(),
+                vec![("analyze {} --response rating --out {}.out", "")],
+            ),
             ("at_corners.obj", obj(1024, 150, 1024).into(), vec![(shade, "*")]),
             ("at_pixels.png", png(4096, Sixteen, Rgb, None), vec![("predict --image {}", "all black")]),
             ("at_conditions.toml", definition(&widths(2000), "").into(), vec![("predict {}", "")]),
