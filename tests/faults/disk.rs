@@ -116,7 +116,7 @@ pub fn faults_of_ended(results: &Path, definition: usize, expected: &[Vec<String
         }
     }
     let whole = format!("{0} of {0} planned", expected.len());
-    match check::check(&csv.display().to_string()) {
+    match check::check(csv.display().to_string()) {
         Ok(checked) if checked.sentence.contains(&whole) => {}
         Ok(checked) => wrong.push(format!("{}; expected {whole}", checked.sentence)),
         Err(error) => wrong.push(error.to_string()),
