@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    bootstrap::{Bootstrap, Interval},
+    bootstrap::{Bootstrap, Interval, Resamples},
     counts::{Counts, Measured},
 };
 
@@ -34,7 +34,7 @@ struct Share {
 ///
 /// With one rating per participant and condition, this is the published coefficient. Repeated ratings by a participant
 /// are all used, but they are compared only with ratings by other participants.
-pub fn ordinal_alpha(counts: &Counts, bootstrap: &Bootstrap) -> Option<Alpha> {
+pub fn ordinal_alpha(counts: &Counts, resamples: &Resamples) -> Option<Alpha> {
     let mut units: Vec<Vec<Share>> = counts.conditions.iter().map(|_| Vec::new()).collect();
     for row in &counts.rows {
         let unit = &mut units[row.condition as usize];
@@ -50,11 +50,10 @@ pub fn ordinal_alpha(counts: &Counts, bootstrap: &Bootstrap) -> Option<Alpha> {
     units.retain(|shares| shares.len() > 1);
     let everyone = vec![1; counts.subjects.len()];
     let alpha = alpha(&units, &everyone, counts.categories.len())?;
-    let weights = bootstrap.weights(counts.subjects.len());
     let replicate = |weights: &Vec<u8>| self::alpha(&units, weights, counts.categories.len()).unwrap_or(f64::NAN);
-    let values = weights.par_iter().map(replicate).collect();
+    let values = resamples.weights.par_iter().map(replicate).collect();
     let ratings: f64 = units.iter().flatten().flat_map(|share| &share.tally).map(|(_, n)| n).sum();
-    let interval = bootstrap.interval(counts.subjects.len(), values);
+    let interval = resamples.interval(counts.subjects.len(), values);
     Some(Alpha { alpha, units: units.len(), ratings: ratings as u64, interval })
 }
 
@@ -70,10 +69,12 @@ fn alpha(units: &[Vec<Share>], weights: &[u8], categories: usize) -> Option<f64>
     let n: f64 = marginals.iter().sum();
     let (mut observed, mut expected) = (0.0, 0.0);
     for c in 0..categories {
+        let mut up_to = marginals[c];
         for k in c + 1..categories {
             // The ordinal metric: the number of ratings between the two categories, plus half of the ratings in these
             // two.
-            let between: f64 = marginals[c..=k].iter().sum::<f64>() - (marginals[c] + marginals[k]) / 2.0;
+            up_to += marginals[k];
+            let between = up_to - (marginals[c] + marginals[k]) / 2.0;
             observed += coincidences[c * categories + k] * between * between;
             expected += marginals[c] * marginals[k] * between * between;
         }
@@ -112,15 +113,16 @@ fn add_coincidences(shares: &[Share], weights: &[u8], coincidences: &mut [f64], 
 }
 
 /// Returns the mean of a statistic over participants and its bootstrap interval, or `None` if there are no values.
-pub fn mean_over_subjects(values: &[f64], bootstrap: &Bootstrap) -> Option<(f64, Option<Interval>)> {
+pub fn mean_over_subjects(values: &[f64], bootstrap: Bootstrap) -> Option<(f64, Option<Interval>)> {
     if values.is_empty() {
         return None;
     }
     let mean = |weights: &[u8]| {
         values.iter().zip(weights).map(|(value, weight)| value * f64::from(*weight)).sum::<f64>() / values.len() as f64
     };
-    let resampled = bootstrap.weights(values.len()).iter().map(|weights| mean(weights)).collect();
-    Some((mean(&vec![1; values.len()]), bootstrap.interval(values.len(), resampled)))
+    let resamples = bootstrap.draw(values.len());
+    let resampled = resamples.weights.iter().map(|weights| mean(weights)).collect();
+    Some((mean(&vec![1; values.len()]), resamples.interval(values.len(), resampled)))
 }
 
 /// A table of first against second ratings: how often each pair of categories occurred.

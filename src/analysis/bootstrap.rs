@@ -1,8 +1,6 @@
 //! The bootstrap over participants: how results would vary between samples of people. Ratings by the same person are
 //! related, so people are resampled instead of ratings.
 
-use std::sync::{Arc, Mutex, PoisonError};
-
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
@@ -44,24 +42,8 @@ impl Interval {
 }
 
 impl Bootstrap {
-    /// Returns how often each participant was drawn in each replicate, or no replicates if there are no participants.
-    /// Bytes save memory if there are many participants, and nobody is drawn 256 times. The last draws are kept, because
-    /// every statistic of a study uses the same ones.
-    pub(super) fn weights(&self, subjects: usize) -> Arc<Vec<Vec<u8>>> {
-        type Drawn = (usize, u64, usize, Arc<Vec<Vec<u8>>>);
-        static LAST: Mutex<Option<Drawn>> = Mutex::new(None);
-        let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((replicates, seed, people, drawn)) = &*last
-            && (*replicates, *seed, *people) == (self.replicates, self.seed, subjects)
-        {
-            return drawn.clone();
-        }
-        let drawn = Arc::new(self.draw(subjects));
-        *last = Some((self.replicates, self.seed, subjects, drawn.clone()));
-        drawn
-    }
-
-    fn draw(&self, subjects: usize) -> Vec<Vec<u8>> {
+    /// Draws the samples of a number of participants; no samples if there are no participants.
+    pub fn draw(self, subjects: usize) -> Resamples {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let replicates = if subjects == 0 { 0 } else { self.replicates };
         let mut draw = || {
@@ -72,18 +54,29 @@ impl Bootstrap {
             }
             weights
         };
-        (0..replicates).map(|_| draw()).collect()
+        Resamples { settings: self, weights: (0..replicates).map(|_| draw()).collect() }
     }
+}
 
-    /// Returns the percentile interval of a statistic from its values in the replicates. Returns `None` if there is
-    /// only one participant or if fewer than half of the replicates have a value.
+/// The samples of a bootstrap. Every statistic of the same participants uses the same samples.
+#[derive(Clone, Debug)]
+pub struct Resamples {
+    settings: Bootstrap,
+    /// How often each participant was drawn, for each replicate. Bytes save memory if there are many participants, and
+    /// nobody is drawn 256 times.
+    pub(super) weights: Vec<Vec<u8>>,
+}
+
+impl Resamples {
+    /// Returns the percentile interval of a statistic of `subjects` participants from its values in the replicates.
+    /// Returns `None` if there is only one participant or if fewer than half of the replicates have a value.
     pub(super) fn interval(&self, subjects: usize, mut values: Vec<f64>) -> Option<Interval> {
         values.retain(|value| value.is_finite());
-        if subjects < 2 || values.is_empty() || 2 * values.len() < self.replicates {
+        if subjects < 2 || values.is_empty() || 2 * values.len() < self.settings.replicates {
             return None;
         }
         values.sort_unstable_by(f64::total_cmp);
-        let tail = (1.0 - self.level) / 2.0;
+        let tail = (1.0 - self.settings.level) / 2.0;
         Some(Interval { low: quantile(&values, tail), high: quantile(&values, 1.0 - tail) })
     }
 }

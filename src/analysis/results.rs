@@ -1,12 +1,14 @@
 //! The complete analysis of a study: descriptive statistics, model, tests and agreement.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
     Link, MAX_COEFFICIENTS, ModelError, ModelReport, ModelSpec, Note, Prediction, Random, TermTest,
     agreement::{Alpha, mean_over_subjects, ordinal_alpha, retests},
-    bootstrap::{Bootstrap, Interval},
+    bootstrap::{Bootstrap, Interval, Resamples},
     counts::{Measured, Quartiles, Times},
     fit_with_tests,
     rank_tests::{Friedman, Pairs, SubjectMeans, friedman, pairs},
@@ -52,6 +54,8 @@ pub struct Results {
     /// The ratings.
     pub measured: Measured,
     pub options: Options,
+    /// The samples of the participants, for the intervals of other statistics.
+    pub resamples: Arc<Resamples>,
     /// The ratings in each cell of the design.
     pub cells: Vec<Group>,
     pub factors: Vec<FactorResults>,
@@ -124,15 +128,15 @@ pub fn analyze(measured: Measured, options: &Options) -> Results {
     let counts = &measured.counts;
     let people = counts.subjects.len();
     let spec = model_spec(&measured, options);
-    let bootstrap = &options.bootstrap;
+    let resamples = Arc::new(options.bootstrap.draw(people));
     let ((mut model, scale), (cells, alpha, factors)) = rayon::join(
         || {
             let scale = if options.scale { scale_tests(counts, &spec).unwrap_or_default() } else { Vec::new() };
             (fit_with_tests(counts, &spec), scale)
         },
         || {
-            let factors = (0..counts.factors.len()).into_par_iter().map(|f| factor(&measured, f, bootstrap));
-            (by_cell(counts, bootstrap), ordinal_alpha(counts, bootstrap), factors.collect())
+            let factors = (0..counts.factors.len()).into_par_iter().map(|f| factor(&measured, f, &resamples));
+            (by_cell(counts, &resamples), ordinal_alpha(counts, &resamples), factors.collect())
         },
     );
     if let Ok(ModelReport { model, .. }) = &mut model
@@ -163,9 +167,10 @@ pub fn analyze(measured: Measured, options: &Options) -> Results {
         model,
         scale,
         alpha: if people > 1 { alpha } else { None },
-        kappa: mean_over_subjects(&kappas, bootstrap),
+        kappa: mean_over_subjects(&kappas, options.bootstrap),
         times,
         options: options.clone(),
+        resamples,
         measured,
     }
 }
@@ -184,11 +189,11 @@ fn model_spec(measured: &Measured, options: &Options) -> ModelSpec {
     }
 }
 
-fn factor(measured: &Measured, factor: usize, bootstrap: &Bootstrap) -> FactorResults {
+fn factor(measured: &Measured, factor: usize, resamples: &Resamples) -> FactorResults {
     let counts = &measured.counts;
     let means = SubjectMeans::new(counts, factor);
     let several = means.rows.len() > 1 && means.levels.len() > 1;
-    let levels = by_factor(counts, factor, bootstrap);
+    let levels = by_factor(counts, factor, resamples);
     let level_of = |condition: u32| counts.conditions[condition as usize][factor].map(|level| level as usize);
     let times = measured.times_by(counts.factors[factor].levels.len(), |row| level_of(row.condition));
     FactorResults {

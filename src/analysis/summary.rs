@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    bootstrap::{Bootstrap, Interval},
+    bootstrap::{Interval, Resamples},
     counts::Counts,
     levels,
 };
@@ -46,19 +46,19 @@ pub fn category_values(counts: &Counts) -> Vec<f64> {
 }
 
 /// Summarizes every cell of the design that has ratings.
-pub fn by_cell(counts: &Counts, bootstrap: &Bootstrap) -> Vec<Group> {
+pub fn by_cell(counts: &Counts, resamples: &Resamples) -> Vec<Group> {
     let name = |group: usize| -> Vec<String> {
         let levels = counts.conditions[group].iter().zip(&counts.factors);
         levels.map(|(level, factor)| level_name(&factor.levels, *level)).collect()
     };
-    groups(counts, counts.conditions.len(), |row| Some(row.condition as usize), name, Some(bootstrap))
+    groups(counts, counts.conditions.len(), |row| Some(row.condition as usize), name, Some(resamples))
 }
 
 /// Summarizes every level of a factor, pooled over all other factors.
-pub fn by_factor(counts: &Counts, factor: usize, bootstrap: &Bootstrap) -> Vec<Group> {
+pub fn by_factor(counts: &Counts, factor: usize, resamples: &Resamples) -> Vec<Group> {
     let levels = &counts.factors[factor].levels;
     let level = |condition: u32| counts.conditions[condition as usize][factor].map(|level| level as usize);
-    groups(counts, levels.len(), |row| level(row.condition), |group| vec![levels[group].clone()], Some(bootstrap))
+    groups(counts, levels.len(), |row| level(row.condition), |group| vec![levels[group].clone()], Some(resamples))
 }
 
 /// Summarizes every participant. There are no intervals, because the bootstrap resamples participants.
@@ -84,7 +84,7 @@ fn groups(
     number: usize,
     group_of: impl Fn(&super::counts::CountRow) -> Option<usize>,
     name: impl Fn(usize) -> Vec<String> + Sync,
-    bootstrap: Option<&Bootstrap>,
+    resamples: Option<&Resamples>,
 ) -> Vec<Group> {
     let values = category_values(counts);
     let mut tallies = vec![vec![0_u64; values.len()]; number];
@@ -103,12 +103,13 @@ fn groups(
             share.sum += n * values[row.rating as usize];
         }
     }
-    let weights = bootstrap.map(|bootstrap| bootstrap.weights(counts.subjects.len())).unwrap_or_default();
     (tallies.par_iter().zip(&shares).enumerate())
         .filter(|(_, (tally, _))| tally.iter().any(|count| *count > 0))
         .map(|(group, (tally, shares))| {
-            let means = || weights.iter().map(|weights| resampled_mean(shares, weights)).collect();
-            let interval = bootstrap.and_then(|bootstrap| bootstrap.interval(shares.len(), means()));
+            let interval = resamples.and_then(|resamples| {
+                let means = resamples.weights.iter().map(|weights| resampled_mean(shares, weights)).collect();
+                resamples.interval(shares.len(), means)
+            });
             Group { names: name(group), summary: summarize(tally, &values, shares.len(), interval) }
         })
         .collect()

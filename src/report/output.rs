@@ -89,7 +89,7 @@ fn tables(study: &Study, results: &Results) -> Vec<(String, Vec<u8>)> {
         ("subjects.csv".to_owned(), tables::subjects(results).csv()),
         ("tests.csv".to_owned(), tables::tests(results).csv()),
         ("agreement.csv".to_owned(), tables::agreement(results).csv()),
-        ("counts.csv".to_owned(), tables::counts(&results.measured.counts, &study.source.shape).csv()),
+        ("counts.csv".to_owned(), tables::counts(&results.measured.counts, &study.source.shape)),
         ("model.json".to_owned(), model),
     ];
     files.extend(tables::predictions(results).map(|table| ("predictions.csv".to_owned(), table.csv())));

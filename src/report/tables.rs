@@ -1,5 +1,7 @@
 //! The results as CSV and JSON. Missing values are empty, and numbers are written so that they read back exactly.
 
+use std::borrow::Cow;
+
 use serde_json::{Value, json};
 
 use crate::analysis::{
@@ -29,13 +31,17 @@ impl Table {
     /// Writes the table as CSV in UTF-8. Texts that a spreadsheet would evaluate as formulas are prefixed with an
     /// apostrophe.
     pub fn csv(&self) -> Vec<u8> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        for row in std::iter::once(&self.header).chain(&self.rows) {
-            // Writing to memory does not fail, and all rows have as many cells as the header.
-            let _ = writer.write_record(row.iter().map(|cell| inert(cell).into_owned()));
-        }
-        writer.into_inner().unwrap_or_default()
+        csv(std::iter::once(&self.header).chain(&self.rows))
     }
+}
+
+fn csv<Row: IntoIterator<Item: AsRef<str>>>(rows: impl Iterator<Item = Row>) -> Vec<u8> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        // Writing to memory does not fail, and all rows have as many cells as the header.
+        let _ = writer.write_record(row.into_iter().map(|cell| inert(cell.as_ref()).into_owned()));
+    }
+    writer.into_inner().unwrap_or_default()
 }
 
 /// Formats a number so that it reads back exactly; very small and very large numbers have an exponent.
@@ -185,19 +191,20 @@ pub fn agreement(results: &Results) -> Table {
     Table::new(["measure", "subject_id", "n", "estimate", "ci_low", "ci_high"], rows)
 }
 
-/// Lists the sufficient statistic: participant, factors, rating and count. `analyze` can read this table in place of
-/// the files, because the columns of the participant and the response keep their names.
-pub fn counts(counts: &Counts, shape: &Shape) -> Table {
+/// Lists the sufficient statistic as CSV: participant, factors, rating and count. `analyze` can read this table in place
+/// of the files, because the columns of the participant and the response keep their names. There may be millions of
+/// rows, so no [`Table`] is built.
+pub fn counts(counts: &Counts, shape: &Shape) -> Vec<u8> {
     let factors = counts.factors.iter().map(|factor| &factor.name);
-    let header =
-        [&shape.subject].into_iter().chain(factors).cloned().chain([shape.response.clone(), "count".to_owned()]);
+    let header = [&shape.subject].into_iter().chain(factors).map(Cow::from);
+    let header = header.chain([Cow::from(&shape.response), Cow::from("count")]).collect();
     let row = |row: &CountRow| {
-        let mut cells = vec![counts.subjects[row.subject as usize].clone()];
-        cells.extend(counts.level_names(row.condition).into_iter().map(str::to_owned));
-        cells.extend([counts.categories[row.rating as usize].clone(), row.count.to_string()]);
+        let mut cells = vec![Cow::from(&counts.subjects[row.subject as usize])];
+        cells.extend(counts.level_names(row.condition).into_iter().map(Cow::from));
+        cells.extend([Cow::from(&counts.categories[row.rating as usize]), row.count.to_string().into()]);
         cells
     };
-    Table::new(header, counts.rows.iter().map(row).collect())
+    csv(std::iter::once(header).chain(counts.rows.iter().map(row)))
 }
 
 /// Lists the model's expected ratings in each condition, for a typical participant.

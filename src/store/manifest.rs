@@ -95,7 +95,7 @@ impl<'a> Manifest<'a> {
         };
         let is_intact = |i: &usize| {
             let is_known = |bytes: Vec<u8>| known.get(&rows[*i].0) == Some(&sha256(&bytes));
-            is_of_recipe(i) && read_regular(&folder.join(&rows[*i].0), u64::MAX - 1).is_ok_and(is_known)
+            is_of_recipe(i) && read_regular(&folder.join(&rows[*i].0), u64::MAX).is_ok_and(is_known)
         };
         let (intact, missing): (Vec<usize>, Vec<usize>) = (index - 1..rows.len()).step_by(shards).partition(is_intact);
         let kept = intact.len();

@@ -39,7 +39,7 @@ pub(super) fn read_regular(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     if size <= most {
         // The limit also holds for a file that grows, and for a system file that reports no length.
-        file.take(most + 1).read_to_end(&mut bytes)?;
+        file.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
     }
     let size = size.max(bytes.len() as u64);
     if size > most { Err(Error::other(NotData::TooLarge { size, most })) } else { Ok(bytes) }

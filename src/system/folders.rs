@@ -2,7 +2,7 @@
 
 use std::{
     ffi::OsString,
-    fs::{DirBuilder, OpenOptions},
+    fs::{self, DirBuilder, OpenOptions},
     io,
     path::{Path, PathBuf},
 };
@@ -37,7 +37,18 @@ fn names(folder: &Path) -> io::Result<Vec<OsString>> {
 
 #[cfg(not(unix))]
 fn names(folder: &Path) -> io::Result<Vec<OsString>> {
-    std::fs::read_dir(folder)?.map(|entry| entry.map(|entry| entry.file_name())).collect()
+    fs::read_dir(folder)?.map(|entry| entry.map(|entry| entry.file_name())).collect()
+}
+
+/// Removes a folder and everything in it. Links are removed, not followed.
+///
+/// # Errors
+/// I/O errors. The standard library's function ends the program if a folder cannot be closed.
+pub fn remove_tree(folder: &Path) -> io::Result<()> {
+    for path in entries(folder)? {
+        if fs::symlink_metadata(&path)?.is_dir() { remove_tree(&path)? } else { fs::remove_file(&path)? }
+    }
+    fs::remove_dir(folder)
 }
 
 /// Returns the program's folder in the user's folder for data, which may not exist yet: `$XDG_DATA_HOME/machband` or

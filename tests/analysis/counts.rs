@@ -129,8 +129,9 @@ fn described() -> Counts {
 
 #[test]
 fn cells_factors_and_subjects_are_described() {
-    let (counts, bootstrap) = (described(), Bootstrap::default());
-    let cells = by_cell(&counts, &bootstrap);
+    let counts = described();
+    let resamples = Bootstrap::default().draw(counts.subjects.len());
+    let cells = by_cell(&counts, &resamples);
     assert_eq!((cells.len(), cells[0].names.join(",")), (4, ",1".to_owned()));
     let cell = &cells[1].summary;
     assert_eq!((cells[1].names.join(","), cell.n, cell.subjects), ("0.1,1".to_owned(), 3, 2));
@@ -139,7 +140,7 @@ fn cells_factors_and_subjects_are_described() {
     // Resampled means range from S1's 0 to S2's 2.
     assert_eq!(cell.interval, Some(Interval { low: 0.0, high: 2.0 }));
     assert_eq!(cells[3].summary.interval, None);
-    let widths = by_factor(&counts, 0, &bootstrap);
+    let widths = by_factor(&counts, 0, &resamples);
     let numbers: Vec<_> = widths.iter().map(|group| (group.names[0].as_str(), group.summary.n)).collect();
     assert_eq!((numbers, widths[0].summary.median), (vec![("0.1", 4), ("0.4", 4)], 1.0));
     assert_eq!(by_subject(&counts).iter().map(|group| group.summary.mean).collect::<Vec<_>>(), [1.0, 1.2, 3.0]);
@@ -161,8 +162,8 @@ fn intervals_cover_the_mean() {
                 builder.add_counts(&subject.to_string(), &["1"], &rating.to_string(), 1).unwrap();
             }
         }
-        let bootstrap = Bootstrap { replicates: 400, seed, level: 0.95 };
-        let interval = by_cell(&builder.finish().counts, &bootstrap)[0].summary.interval.unwrap();
+        let resamples = Bootstrap { replicates: 400, seed, level: 0.95 }.draw(20);
+        let interval = by_cell(&builder.finish().counts, &resamples)[0].summary.interval.unwrap();
         covered += usize::from(interval.low <= 1.5 && 1.5 <= interval.high);
     }
     assert!((265..=292).contains(&covered), "{covered} of 300");
@@ -174,7 +175,7 @@ fn intervals_cover_the_mean() {
 fn draws_for_a_seed_never_change() {
     let values = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
     let interval = |replicates, level, seed| {
-        let (mean, interval) = mean_over_subjects(&values, &Bootstrap { replicates, seed, level }).unwrap();
+        let (mean, interval) = mean_over_subjects(&values, Bootstrap { replicates, seed, level }).unwrap();
         assert!((mean * 7.0 - 1_111_111.0).abs() < 1e-6);
         [interval.unwrap().low, interval.unwrap().high].map(|end| end * 7.0)
     };
@@ -191,7 +192,8 @@ fn one_subject_or_one_category_has_no_agreement() {
     let alpha = |rows: &[(&str, &str)]| {
         let mut builder = MeasuredBuilder::new(&["unit"]);
         rows.iter().for_each(|(subject, rating)| builder.add_counts(subject, &["1"], rating, 2).unwrap());
-        ordinal_alpha(&builder.finish().counts, &Bootstrap::default()).map(|alpha| alpha.alpha)
+        let counts = builder.finish().counts;
+        ordinal_alpha(&counts, &Bootstrap::default().draw(counts.subjects.len())).map(|alpha| alpha.alpha)
     };
     for rows in [&[("a", "1"), ("a", "2")][..], &[("a", "1"), ("b", "1")], &[]] {
         assert_eq!(alpha(rows), None);

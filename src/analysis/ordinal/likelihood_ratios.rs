@@ -1,5 +1,6 @@
 //! Likelihood-ratio tests of each term, of proportional odds and of scale effects.
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
@@ -58,9 +59,10 @@ pub struct ModelReport {
 pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, ModelError> {
     let full = fit_counts(counts, spec, true)?;
     let model = estimates::report(&full);
+    let (terms, proportional_odds) = rayon::join(|| without_terms(&full), || nominal_tests(&full));
     Ok(ModelReport {
-        terms: without_terms(&full)?,
-        proportional_odds: nominal_tests(&full)?,
+        terms: terms?,
+        proportional_odds: proportional_odds?,
         predictions: predictions(&full, &model),
         model,
     })
@@ -69,21 +71,21 @@ pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, 
 /// Tests each term by the likelihood ratio against the model without it. A term that is part of an interaction in the
 /// model is not tested, because the model without it would be the same model (as in R's `drop1`).
 pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
-    let mut tests = Vec::new();
-    for part in [Part::Location, Part::Scale] {
-        let terms = if part == Part::Location { &full.spec.terms } else { &full.spec.scale };
-        for term in terms.iter().filter(|term| !terms.is_marginal(term)) {
-            let mut spec = full.spec.clone();
-            match part {
-                Part::Location => spec.terms = spec.terms.without(term),
-                _ => spec.scale = spec.scale.without(term),
-            }
-            let reduced = fit_terms(full.frame.clone(), spec, Vec::new(), false)?;
-            let difference = comparable(full, &reduced).then(|| full.loglik() - reduced.loglik());
-            tests.push(TermTest::new(term, part, difference, full.rank().saturating_sub(reduced.rank())));
+    let parts = [(Part::Location, &full.spec.terms), (Part::Scale, &full.spec.scale)];
+    let tested = parts.map(|(part, terms)| {
+        terms.iter().filter(|term| !terms.is_marginal(term)).map(move |term| (part, term)).collect::<Vec<_>>()
+    });
+    let without = |(part, term): (Part, &Term)| {
+        let mut spec = full.spec.clone();
+        match part {
+            Part::Location => spec.terms = spec.terms.without(term),
+            _ => spec.scale = spec.scale.without(term),
         }
-    }
-    Ok(tests)
+        let reduced = fit_terms(full.frame.clone(), spec, Vec::new(), false)?;
+        let difference = comparable(full, &reduced).then(|| full.loglik() - reduced.loglik());
+        Ok(TermTest::new(term, part, difference, full.rank().saturating_sub(reduced.rank())))
+    };
+    tested.concat().into_par_iter().map(without).collect()
 }
 
 /// Returns whether both fits found a maximum of the same kind of likelihood.
@@ -107,8 +109,7 @@ const MAX_NOMINAL: usize = 300;
 /// common effect (R's `nominal_test`). The random intercept is omitted, because this checks the scale and not the
 /// effects. A test with more than [`MAX_NOMINAL`] parameters is not performed and has no ratio.
 fn nominal_tests(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
-    let mut tests = Vec::new();
-    for term in &full.spec.terms {
+    let with_separate_effects = |term: &Term| {
         let own = Terms::new([term.clone()]);
         let nominal = Design::new(&full.frame, &own)?.independent(&full.frame);
         let x = full.x.independent_of(&nominal, &full.frame);
@@ -118,9 +119,9 @@ fn nominal_tests(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
         let feasible = thresholds * (1 + nominal.columns.len()) + x.columns.len() <= MAX_NOMINAL;
         let fit = if feasible { fit_clm(&data).ok() } else { None };
         let difference = fit.filter(|fit| fit.end != FitEnd::Stalled && full.clm.end != FitEnd::Stalled);
-        tests.push(TermTest::new(term, Part::Nominal, difference.map(|fit| fit.loglik - full.clm.loglik), df));
-    }
-    Ok(tests)
+        Ok(TermTest::new(term, Part::Nominal, difference.map(|fit| fit.loglik - full.clm.loglik), df))
+    };
+    full.spec.terms.iter().collect::<Vec<_>>().into_par_iter().map(with_separate_effects).collect()
 }
 
 /// Tests scale effects. Each location term in turn may also affect the spread of the ratings (R's `scale_test`). The

@@ -71,7 +71,7 @@ fn chosen(results: &Results) -> Vec<usize> {
 
 /// Computes the mean in every cell of these counts.
 fn means(results: &Results, counts: &Counts) -> Means {
-    let groups = by_cell(counts, &results.options.bootstrap).into_iter();
+    let groups = by_cell(counts, &results.resamples).into_iter();
     groups.map(|group| (group.names, (group.summary.mean, group.summary.interval))).collect()
 }
 

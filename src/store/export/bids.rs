@@ -16,6 +16,7 @@ use crate::{
         StoreError,
         dataset::{self, DESCRIPTION},
         file::{make_folder, write_file, write_json},
+        open::read_regular,
         recorded::Recorded,
         sidecar::Sitting,
     },
@@ -287,7 +288,10 @@ fn written(experiments: &[Experiment]) -> Vec<Value> {
         .filter_map(|session| Some(dataset::of(&session.csv)?.join(DESCRIPTION)))
         .collect();
     files.dedup();
-    files.iter().filter_map(|path| serde_json::from_slice(&std::fs::read(path).ok()?).ok()).collect()
+    files
+        .iter()
+        .filter_map(|path| serde_json::from_slice(&read_regular(path, dataset::MAX_DESCRIPTION).ok()?).ok())
+        .collect()
 }
 
 /// Returns the strings in a schema.org value, which is a string, an object with a name, or a list of these.

@@ -12,6 +12,7 @@ use crate::{
         error::io,
         file::{make_folder, write_file},
         frames,
+        open::read_regular,
         recorded::Recorded,
         results,
     },
@@ -98,6 +99,6 @@ fn tidy(session: &Recorded, data: &Path) -> Result<(), StoreError> {
 
 /// Copies only the content, so that the new file is writable even if the data set is write-protected.
 fn copy_file(from: &Path, to: &Path) -> Result<(), StoreError> {
-    let content = fs::read(from).map_err(io(from, "read"))?;
+    let content = read_regular(from, u64::MAX).map_err(io(from, "read"))?;
     write_file(to, &content)
 }

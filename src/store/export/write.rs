@@ -14,7 +14,7 @@ use crate::{
         file::{full_path, make_folder, sync_folder, sync_tree},
         ratings,
     },
-    system::entries,
+    system::{entries, remove_tree},
 };
 
 /// Format of an export.
@@ -108,16 +108,22 @@ fn into_folder(to: &Path, fill: impl FnOnce(&Path) -> Result<(), StoreError>) ->
     make_folder(parent)?;
     let prefix = format!(".{}.", name.to_string_lossy());
     let mut builder = tempfile::Builder::new();
-    let temporary = builder.prefix(&prefix).suffix(".tmp").tempdir_in(parent).map_err(io(parent, "write"))?;
-    // The folder is inside the temporary folder because only its owner can access that one.
-    let folder = temporary.path().join(name);
-    make_folder(&folder)?;
-    fill(&folder)?;
-    sync_tree(&folder)?;
-    if to.exists() {
-        // This fails if something was put into the folder in the meantime.
-        fs::remove_dir(to).map_err(io(to, "replace"))?;
-    }
-    fs::rename(&folder, to).map_err(io(to, "write"))?;
-    sync_folder(to)
+    let temporary = builder.prefix(&prefix).suffix(".tmp").tempdir_in(parent).map_err(io(parent, "write"))?.keep();
+    let export = || {
+        // The folder is inside the temporary folder because only its owner can access that one.
+        let folder = temporary.join(name);
+        make_folder(&folder)?;
+        fill(&folder)?;
+        sync_tree(&folder)?;
+        if to.exists() {
+            // This fails if something was put into the folder in the meantime.
+            fs::remove_dir(to).map_err(io(to, "replace"))?;
+        }
+        fs::rename(&folder, to).map_err(io(to, "write"))?;
+        sync_folder(to)
+    };
+    let exported = export();
+    // What remains is no part of the export, and its name says that it is temporary.
+    let _ = remove_tree(&temporary);
+    exported
 }

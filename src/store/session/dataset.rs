@@ -127,8 +127,8 @@ pub(crate) fn identity(csv: &Path) -> Result<(String, Identity), String> {
     Ok((stem.to_owned(), identity))
 }
 
-/// Maximum size of the description of a data set in bytes; that of one experiment has 10,000.
-const MAX_DESCRIPTION: u64 = 16 << 20;
+/// Maximum size of the description of a data set in bytes; a typical one has 10,000 bytes.
+pub(in crate::store) const MAX_DESCRIPTION: u64 = 16 << 20;
 
 /// Name of the file that describes a data set.
 pub const DESCRIPTION: &str = "dataset_description.json";

@@ -20,6 +20,7 @@ use crate::{
         FileErrors, StoreError, definition,
         error::io,
         file::{sha256, sync_folder, write_whole},
+        open::read_regular,
     },
 };
 
@@ -57,7 +58,7 @@ pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
     // This locks the file.
     let open = ResultFile::open(csv, &columns)?;
     let (_lock, _) = LockFile::create(csv, open.file.is_locked())?;
-    let before = fs::read(csv).map_err(io(csv, "read"))?;
+    let before = read_regular(csv, results::MAX_FILE).map_err(io(csv, "read"))?;
     let Sorted { lines, damaged, kept } = sort(&before, (&protocol, &identity, sidecar.seed), &columns, csv)?;
     if lines.is_empty() {
         return Ok(Repaired { lines, moved_to: None, warning: None });
