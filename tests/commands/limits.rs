@@ -1,6 +1,7 @@
 //! Small inputs that would cost much, and things that are not files of data. Every command ends soon, in little memory.
 
 use std::{
+    ffi::OsString,
     fmt::Write as _,
     fs,
     io::Read as _,
@@ -12,21 +13,39 @@ use std::{
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
-use crate::common::{command, split, succeeds};
+use crate::common::{
+    attacks::{FILES, HANGS, PANICS, withstood},
+    command, split, succeeds,
+};
 
-/// Maximum time in seconds. The issue is seconds or hours; a build without optimization on a busy machine is slow.
-const MAX_S: u64 = 30;
+/// Maximum time in seconds for an input below 1 MB.
+const MAX_S: f64 = 5.0;
+/// The program that `MACHBAND_LIMITS` names is timed. Without it, this is the tests' own build, which is slower than a
+/// release build and may run on a busy machine, so that only an input that hangs is found.
+const MAX_S_OF_TESTS: f64 = 30.0;
 /// Maximum peak memory.
 const MAX_KIB: u64 = 1 << 20;
 
-/// Runs a command line and returns its status, its messages, and its peak memory in KiB. Panics if it takes too long or
-/// too much memory.
-fn bounded(folder: &Path, line: &str) -> (Option<i32>, String, u64) {
+/// A release build of the program, to be measured.
+fn measured() -> Option<OsString> {
+    std::env::var_os("MACHBAND_LIMITS")
+}
+
+/// Runs a command line and returns its status, its messages, and its time and peak memory. Panics if it takes too long or too much memory, or if it
+/// ends in a way in which no command should end.
+fn bounded(folder: &Path, line: &str) -> (Option<i32>, String, String) {
     let mut command = command(folder, &split(line));
+    let mut max_s = MAX_S_OF_TESTS;
+    if let Some(program) = measured() {
+        command = Command::new(program);
+        command.args(split(line)).current_dir(folder).stdin(Stdio::null());
+        max_s = MAX_S;
+    }
     let started = Instant::now();
-    let messages = folder.join("messages.txt");
-    let mut child = command.stdout(Stdio::null()).stderr(fs::File::create(&messages).unwrap()).spawn().unwrap();
+    let messages = tempfile::NamedTempFile::new().unwrap();
+    let mut child = command.stdout(Stdio::null()).stderr(messages.reopen().unwrap()).spawn().unwrap();
     let mut peak = 0;
     let status = loop {
         let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
@@ -35,19 +54,19 @@ fn bounded(folder: &Path, line: &str) -> (Option<i32>, String, u64) {
         if let Some(status) = child.try_wait().unwrap() {
             break status;
         }
-        if peak > MAX_KIB || started.elapsed() > Duration::from_secs(MAX_S) {
+        if peak > MAX_KIB || started.elapsed().as_secs_f64() > max_s {
             child.kill().unwrap();
             child.wait().unwrap();
             panic!("{line}: {peak} KiB and {:?}", started.elapsed());
         }
         std::thread::sleep(Duration::from_millis(2));
     };
-    if std::env::var_os("MACHBAND_LIMITS").is_some() {
-        println!("| {line} | {:.2} s | {} MiB |", started.elapsed().as_secs_f64(), peak >> 10);
-    }
+    let cost = format!("{:.2} s | {} MiB", started.elapsed().as_secs_f64(), peak >> 10);
     let mut text = Vec::new();
-    fs::File::open(&messages).unwrap().take(100_000).read_to_end(&mut text).unwrap();
-    (status.code(), String::from_utf8_lossy(&text).into_owned(), peak)
+    messages.reopen().unwrap().take(100_000).read_to_end(&mut text).unwrap();
+    let text = String::from_utf8_lossy(&text).into_owned();
+    assert!(matches!(status.code(), Some(0..=2)) && !text.contains("panicked"), "{line}: {status}: {text}");
+    (status.code(), text, cost)
 }
 
 /// The commands that read a file with a given ending.
@@ -76,7 +95,7 @@ const READERS: [(&str, &[&str]); 5] = [
     ),
     ("png", &["check {}", "predict --image {}"]),
     ("obj", &["shade --shader gouraud --mesh {} --metrics {}.metrics.csv"]),
-    ("json", &["analyze session.csv --out out"]),
+    ("json", &["analyze session.csv --out out", "check session.csv"]),
 ];
 
 /// A device, a pipe without a writer and a socket are refused at once by every command; so is a folder, except where a
@@ -90,6 +109,7 @@ fn only_regular_files_are_read() {
     fs::create_dir(at("folder")).unwrap();
     let header = "subject_id,session_id,phase,trial,attempt,experiment,width,rating\nS1,1,main,1,1,x,0.1,1\n";
     fs::write(at("session.csv"), header).unwrap();
+    let mut runs = 0;
     for what in ["/dev/zero", "pipe", "socket", "folder"] {
         for (ending, lines) in READERS {
             // A link with the right ending leads to it.
@@ -99,6 +119,7 @@ fn only_regular_files_are_read() {
             for line in lines {
                 let line = line.replace("{}", &link);
                 let (status, messages, _) = bounded(folder.path(), &line);
+                runs += 1;
                 // A sidecar that is a folder is no sidecar.
                 let is_expected = messages.contains("is not a regular file") || messages.contains("is a folder");
                 let is_read_as_folder = what == "folder" && (ending == "json" || messages.contains("CSV files"));
@@ -110,6 +131,7 @@ fn only_regular_files_are_read() {
             fs::remove_file(at(&link)).unwrap();
         }
     }
+    withstood("devices, pipes, sockets and folders as data", runs, &[PANICS, HANGS]);
 }
 
 /// A table of counts with `rows` rows by `people` participants, at random among `levels` levels of each factor.
@@ -317,10 +339,10 @@ fn cases(full: bool) -> Vec<Case> {
     if full {
         cases.extend([
             ("at_readings.csv", readings(4000), vec![(calibrate, "")]),
-            ("at_levels.csv", ratings(40_000, 20, 1, 200, 4).into(), vec![(analyze, "")]),
+            ("at_levels.csv", ratings(40_000, 20, 1, 120, 4).into(), vec![(analyze, "")]),
             ("at_people.csv", ratings(60_000, 20_000, 1, 3, 4).into(), vec![(analyze, "")]),
             ("at_factors.csv", ratings(5_000, 20, 10, 3, 4).into(), vec![(analyze, "")]),
-            ("at_coefficients.csv", ratings(5_000, 20, 6, 33, 4).into(), vec![(analyze, "")]),
+            ("at_coefficients.csv", ratings(5_000, 20, 6, 20, 4).into(), vec![(analyze, "")]),
             (
                 "at_categories.csv",
                 ratings(50_000, 20, 1, 8, 250).into(),
@@ -329,25 +351,30 @@ fn cases(full: bool) -> Vec<Case> {
             ("at_corners.obj", obj(1024, 150, 1024).into(), vec![(shade, "*")]),
             ("at_pixels.png", png(4096, Sixteen, Rgb, None), vec![("predict --image {}", "all black")]),
             ("at_conditions.toml", definition(&widths(2000), "").into(), vec![("predict {}", "")]),
-            ("at_plan.toml", definition(&widths(200), "").into(), vec![(plan, "")]),
+            ("at_plan.toml", definition(&widths(120), "").into(), vec![(plan, "")]),
         ] as [Case; 10]);
     }
     cases
 }
 
-/// No input below 1 MB takes long or much memory. `MACHBAND_LIMITS=1` also runs the inputs at the limits and prints the
-/// table of `docs/scale.md`.
+/// No input below 1 MB takes long or much memory. `MACHBAND_LIMITS=PROGRAM` also runs the inputs at the limits, measures
+/// this release build, and prints the table of `docs/scale.md`.
 #[test]
 fn small_inputs_cost_little() {
     let folder = tempfile::tempdir().unwrap();
-    for (name, content, lines) in cases(std::env::var_os("MACHBAND_LIMITS").is_some()) {
+    let mut runs = 0;
+    for (name, content, lines) in cases(measured().is_some()) {
         assert!(content.len() < 1 << 20, "{name}: {}", content.len());
         fs::write(folder.path().join(name), content).unwrap();
         for (line, expected) in lines {
             let line = line.replace("{}", name);
-            let (status, messages, _) = bounded(folder.path(), &line);
+            let (status, messages, cost) = bounded(folder.path(), &line);
+            runs += 1;
+            if measured().is_some() {
+                println!("| {line} | {cost} |");
+            }
             match expected {
-                "*" => assert!(matches!(status, Some(0..=2)), "{line}: {status:?}: {messages}"),
+                "*" => {}
                 "" => assert_eq!(status, Some(0), "{line}: {messages}"),
                 _ => {
                     assert!(matches!(status, Some(1 | 2)), "{line}: {status:?}: {messages}");
@@ -356,6 +383,7 @@ fn small_inputs_cost_little() {
             }
         }
     }
+    withstood("small files that ask for much work", runs, &[PANICS, HANGS]);
 }
 
 /// A sidecar may claim pictures of any size and any number of sittings.
@@ -387,9 +415,112 @@ fn a_sidecar_cannot_ask_for_huge_pictures() {
 #[test]
 fn limits_can_be_raised() {
     let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("levels.csv"), ratings(402, 2, 1, 201, 4)).unwrap();
+    fs::write(folder.path().join("levels.csv"), ratings(242, 2, 1, 121, 4)).unwrap();
     let line = "analyze levels.csv --out out --tables-only --replicates 100";
     let (status, messages, _) = bounded(folder.path(), line);
     assert!(status == Some(1) && messages.contains("--large"), "{messages}");
     assert_eq!(bounded(folder.path(), &format!("{line} --large --terms num:f0")).0, Some(0));
+}
+
+/// A valid file for each ending in [`READERS`].
+fn valid_files(folder: &Path) -> Vec<(&'static str, Vec<u8>)> {
+    for line in [
+        "simulate quick --results results",
+        "counts results --out counts.csv",
+        "stimulus --size 32 --out image.png",
+        "predict quick --size 64 --fit results --criterion criterion.toml",
+    ] {
+        succeeds(folder, &split(line));
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let levels = (0..=8).map(|i| f64::from(i) / 8.0);
+    let readings: String = levels.map(|v| format!("gray,{v},{}\n", 0.3 + 90.0 * v.powf(2.2))).collect();
+    let cube = (0..8).map(|i| format!("v {} {} {}\n", i & 1, i >> 1 & 1, i >> 2)).collect::<String>()
+        + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    let at = |name: &str| fs::read(folder.join(name)).unwrap();
+    let session = "results/quick/data/subject-S001_session-1_task-quick_data";
+    fs::copy(folder.join(format!("{session}.csv")), folder.join("session.csv")).unwrap();
+    vec![
+        ("csv", at("session.csv")),
+        ("csv", at("counts.csv")),
+        ("csv", format!("channel,level,luminance_cd_m2\n{readings}").into()),
+        ("toml", fs::read(root.join("experiments/bangay2003.toml")).unwrap()),
+        ("toml", fs::read(root.join("experiments/observers/vision.toml")).unwrap()),
+        ("toml", b"schema = 1\nname = \"x\"\ntransfer = \"gamma\"\ngamma = 2.2\nwhite_cd_m2 = 100\n".to_vec()),
+        ("toml", at("criterion.toml")),
+        ("png", at("image.png")),
+        ("obj", cube.into()),
+        ("json", at(&format!("{session}.json"))),
+    ]
+}
+
+/// Changes a few bytes, numbers or lines at random, or repeats a part until the file has up to 1 MB.
+fn mutated(content: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
+    let mut bytes = content.to_vec();
+    for _ in 0..rng.random_range(1..4) {
+        let at = rng.random_range(0..=bytes.len());
+        let end = (at + rng.random_range(0..40)).min(bytes.len());
+        match rng.random_range(0..6) {
+            0 => bytes.truncate(at),
+            1 => drop(bytes.drain(at..end)),
+            2 => bytes[at..end].iter_mut().for_each(|byte| *byte = rng.random()),
+            3 => {
+                let few = bytes[at..end].to_vec();
+                let count = rng.random_range(0..1 << 20) / few.len().max(1);
+                bytes.splice(at..at, few.repeat(count));
+            }
+            // A number or a word that means something.
+            _ => {
+                let odd: [&[u8]; 12] = [
+                    b"0",
+                    b"-1",
+                    b"1e308",
+                    b"-1e-308",
+                    b"nan",
+                    b"inf",
+                    b"18446744073709551616",
+                    b"\"",
+                    b",",
+                    b"\n",
+                    b"\0",
+                    b"\xff",
+                ];
+                let number = bytes[at..].iter().position(u8::is_ascii_digit).map_or(at, |digit| at + digit);
+                let digits = bytes[number..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+                bytes.splice(number..number + digits, odd[rng.random_range(0..odd.len())].iter().copied());
+            }
+        }
+    }
+    bytes.truncate(1 << 20);
+    bytes
+}
+
+/// Files that were damaged at random end every command that reads them soon, without a panic, and stay as they are.
+/// `MACHBAND_FUZZ` is the number of damaged files for each command and valid file (2).
+#[test]
+fn damaged_files_end_every_command_soon() {
+    let folder = tempfile::tempdir().unwrap();
+    let count: u64 = std::env::var("MACHBAND_FUZZ").map_or(2, |value| value.parse().unwrap());
+    let files = valid_files(folder.path());
+    let readers = |ending: &str| READERS.iter().find(|(own, _)| *own == ending).unwrap().1;
+    let attacks: Vec<_> = files
+        .iter()
+        .flat_map(|(ending, content)| readers(ending).iter().map(move |line| (*ending, content, *line)))
+        // The time of a simulation is proportional to the trials for which a definition asks.
+        .filter(|(.., line)| !line.starts_with("simulate"))
+        .flat_map(|attack| (0..count).map(move |number| (attack, number)))
+        .collect();
+    attacks.par_iter().enumerate().for_each(|(seed, ((ending, content, line), number))| {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed as u64 + 1000 * number);
+        let content = mutated(content, &mut rng);
+        let own = tempfile::tempdir_in(folder.path()).unwrap();
+        if *ending == "json" {
+            fs::copy(folder.path().join("session.csv"), own.path().join("session.csv")).unwrap();
+        }
+        let name = format!("session.{ending}");
+        fs::write(own.path().join(&name), &content).unwrap();
+        bounded(own.path(), &line.replace("{}", &name));
+        assert!(fs::read(own.path().join(&name)).unwrap() == content, "seed {seed}: {line} changed its input");
+    });
+    withstood("damaged files", attacks.len(), &[FILES, PANICS, HANGS]);
 }

@@ -17,7 +17,10 @@ use machband::{
     store::{StoreError, Writer, matches::MatchFile, profile, readings},
 };
 
-use crate::common::{everything, fails, machband, split, succeeds, text};
+use crate::common::{
+    attacks::{FILES, PANICS, ROWS, withstood},
+    everything, fails, machband, split, succeeds, text,
+};
 
 fn is<T: 'static>(argument: &Arg) -> bool {
     argument.get_value_parser().type_id() == TypeId::of::<T>()
@@ -134,7 +137,7 @@ fn no_command_writes_over_its_inputs() {
         ways.extend(["hard-", "link-"]);
     }
     let before = everything(folder.path());
-    let (mut pairs, mut together) = (BTreeSet::new(), BTreeSet::new());
+    let (mut pairs, mut together, mut runs) = (BTreeSet::new(), BTreeSet::new(), 0);
     for command in commands() {
         let named = |name: &str| command.get_arguments().find(|argument| argument.get_id() == name);
         let paths: Vec<&Arg> = command.get_arguments().filter(|arg| is_path(arg)).collect();
@@ -164,6 +167,7 @@ fn no_command_writes_over_its_inputs() {
                 // Even `--force` does not allow it.
                 line.splice(1..1, named("force").map(|_| "--force".to_owned()));
                 let error = fails(folder.path(), &line, 2);
+                runs += 1;
                 assert!(error.contains(expected), "{line:?}: {error}");
                 assert!(everything(folder.path()) == before, "{line:?} changed something");
                 let list = if is_written { &mut together } else { &mut pairs };
@@ -181,6 +185,7 @@ fn no_command_writes_over_its_inputs() {
         assert!(pairs.contains(known), "{known} is not in {pairs:?}");
     }
     assert!(pairs.len() >= 31 && together.len() >= 19, "{pairs:?} {together:?}");
+    withstood("an input or another output as an output", runs, &[FILES, PANICS]);
 }
 
 /// A mistyped `--out` cannot destroy a session, with `--force` or without, through a link or not.
@@ -198,6 +203,7 @@ fn no_command_writes_over_a_session() {
     #[cfg(unix)]
     std::os::unix::fs::symlink(at(&format!("{stem}_data.csv")), at("link.csv")).unwrap();
     let before = everything(folder.path());
+    let mut runs = 0;
     for (out, expected) in [
         (format!("{stem}_data.csv"), "is inside the data folder"),
         (format!("{stem}_data.json"), "is inside the data folder"),
@@ -218,6 +224,7 @@ fn no_command_writes_over_a_session() {
             for force in ["", " --force"] {
                 let error = fails(folder.path(), &split(&format!("{command} {out}{force}")), 2);
                 assert!(error.starts_with("error: ") && error.contains(expected), "{command} {out}: {error}");
+                runs += 1;
             }
         }
     }
@@ -236,9 +243,11 @@ fn no_command_writes_over_a_session() {
             writer.write_all(&[(at("new.csv"), b"1".to_vec()), (data.join("i.csv"), b"2".to_vec())]),
         ] {
             assert!(matches!(done, Err(StoreError::Protected { .. })), "{done:?}");
+            runs += 1;
         }
     }
     assert!(everything(folder.path()) == before);
+    withstood("a file of a session as an output", runs, &[ROWS, FILES, PANICS]);
 }
 
 /// Other files are replaced only with `--force`; folders, devices and missing folders are refused.

@@ -3,6 +3,8 @@
 // Each test program uses only some of these functions.
 #![allow(dead_code)]
 
+pub mod attacks;
+
 use std::{
     ffi::OsStr,
     fmt::Debug,

@@ -21,6 +21,8 @@ mod table;
 
 use std::io::Write as _;
 
+use common::attacks::{ALL, withstood};
+
 fn setting(name: &str, default: u64) -> u64 {
     std::env::var(name)
         .map_or(default, |value| value.parse().unwrap_or_else(|_| panic!("{name} is {value}; expected a number")))
@@ -50,6 +52,7 @@ fn no_row_is_lost_in_a_thousand_sessions_with_faults() {
     assert_eq!(total, [0, 0, 0, cases]);
     let [struck, injected] = ["took effect", "injected"].map(|column| table.total(column));
     assert!(struck >= cases, "only {struck} of {injected} faults took effect");
+    withstood("sessions with faults in system calls, also while they recover", cases, &ALL);
 }
 
 /// The disk is permanently full or read-only, the folder is removed, a second program opens the session, the clock is
@@ -62,6 +65,7 @@ fn no_row_is_lost_when_something_happens_around_a_session() {
     let mut table = table::Table::default();
     scenes::play(&sweep::Sweep::new(1), &mut table);
     print(&table.to_string());
+    withstood("faults around a session", table.total("sessions"), &ALL);
 }
 
 /// The power fails at any moment of a session or of a command that writes files.
@@ -78,6 +82,7 @@ fn nothing_that_was_reported_is_lost_in_a_power_cut() {
         print(what);
     }
     assert!(wrong.is_empty(), "{} failures", wrong.len());
+    withstood("power cuts", cuts, &ALL);
 }
 
 /// Not a test: the other tests start this session in a separate process and disturb it.

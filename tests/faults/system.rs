@@ -8,7 +8,11 @@ use std::{
 };
 
 use crate::{
-    common::{MACHBAND, json, split},
+    common::{
+        MACHBAND,
+        attacks::{ALL, withstood},
+        json, split,
+    },
     disk,
     run::{self, ProgramResult},
     shim::{self, Fault},
@@ -54,6 +58,7 @@ fn no_command_panics_if_a_standard_stream_is_full() {
     fs::write(&csv, &whole[..whole.len() - 5]).unwrap();
     let full = || Stdio::from(File::options().write(true).open("/dev/full").unwrap());
     let mut resume = run::binary(&sweep.definition(DEFINITION), &folder.path().join("first"), true);
+    let mut runs = 1;
     // The warning about the incomplete row cannot be printed, nor can the summary.
     assert_eq!(resume.stdout(full()).stderr(full()).status().unwrap().code(), Some(1));
     assert_eq!(disk::lines(&csv).len(), 1 + sweep.planned(DEFINITION).len());
@@ -78,8 +83,10 @@ fn no_command_panics_if_a_standard_stream_is_full() {
             command.stdout(if stdout { full() } else { Stdio::null() });
             let code = command.status().unwrap().code();
             assert!(matches!(code, Some(0..=2)), "{line}: {code:?}");
+            runs += 1;
         }
     }
+    withstood("standard streams that are full", runs, &ALL);
 }
 
 #[test]
@@ -90,6 +97,7 @@ fn threads_that_cannot_be_created_are_an_error_or_fewer_threads() {
     let sweep = Sweep::new(1);
     let created = sweep.calls(DEFINITION, None, true).iter().find(|(op, _)| op == "thread").map_or(0, |(_, n)| *n);
     assert!(created > 2, "only {created} threads");
+    let mut runs = 0;
     for n in [1, 2, created / 2, created - 2, created - 1, created] {
         for repeated in [false, true] {
             let folder = sweep::folder();
@@ -98,6 +106,7 @@ fn threads_that_cannot_be_created_are_an_error_or_fewer_threads() {
             assert_no_panic(&what, &ended);
             assert!(ended.status.success() || ended.stderr.starts_with("error: threads: "), "{what}: {ended:?}");
             assert_resumes(&sweep, folder.path(), &what);
+            runs += 1;
         }
     }
     for line in ["analyze first --out report --replicates 100", "stimulus --size 64 --out a.png", "verify first/twice"]
@@ -111,8 +120,10 @@ fn threads_that_cannot_be_created_are_an_error_or_fewer_threads() {
             let (ended, _) = shim::run_with(&mut command, &faults, folder.path(), &folder.path().join("log"));
             assert_no_panic(line, &ended);
             assert_eq!(ended.status.success(), n > 1, "{line}, thread {n}: {ended:?}");
+            runs += 1;
         }
     }
+    withstood("threads that cannot be created", runs, &ALL);
 }
 
 #[test]
@@ -136,6 +147,7 @@ fn a_clock_in_an_impossible_year_is_an_error_or_a_time_at_the_limit() {
             assert_eq!(faults, Vec::<String>::new(), "{what} at {n}");
         }
     }
+    withstood("clocks in impossible years", 22, &ALL);
 }
 
 #[test]
@@ -148,13 +160,20 @@ fn a_folder_that_cannot_be_closed_is_no_panic() {
     let close = [fault("close", 1, "EIO", true)];
     assert!(simulate(&sweep, folder.path(), &close, false).status.success());
     assert!(simulate(&sweep, folder.path(), &close, true).status.success());
-    for line in ["verify FOLDER/first/twice", "counts FOLDER/first --out FOLDER/counts.csv"] {
+    let lines = [
+        "verify FOLDER/first/twice",
+        "counts FOLDER/first --out FOLDER/counts.csv",
+        "export FOLDER/first --format bids --out FOLDER/bids",
+        "export FOLDER/first --format psych-ds --out FOLDER/psych-ds",
+    ];
+    for line in lines {
         let line = line.replace("FOLDER", folder.path().to_str().unwrap());
         let mut command = Command::new(MACHBAND);
         let log = folder.path().join("log");
         let (ended, log) = shim::run_with(command.args(split(&line)), &close, folder.path(), &log);
         assert!(ended.status.success() && log.hits.len() > 1, "{line}: {ended:?}");
     }
+    withstood("folders that cannot be closed", 2 + lines.len(), &ALL);
 }
 
 /// A signal arrives just before each row is written, and before the sidecar is.
@@ -192,6 +211,7 @@ fn a_signal_closes_the_sitting() {
         assert_resumes(&sweep, folder.path(), &name);
     }
     assert!(closed >= trials / 2, "only {closed} sittings were closed before their end");
+    withstood("signals, once and twice", 2 * writes as usize, &ALL);
 }
 
 /// `nohup` starts a program with SIGHUP ignored; it must stay so.

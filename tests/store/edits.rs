@@ -23,6 +23,7 @@ use machband::{
 use serde_json::Value;
 
 use crate::{
+    common::attacks::{LIES, withstood},
     common::{everything, json},
     recording::{SEED, identity, rate, sitting, small},
 };
@@ -409,7 +410,7 @@ fn every_edit_is_seen_by_everyone_who_looks() {
     let mut renderer = verify::Renderer::default();
     let mut table =
         format!("| session | edits of | edits | {} |\n|---|---|--:|--:|--:|--:|--:|--:|\n", WHO.join(" | "));
-    let (mut reasons, mut wrong) = (vec![0; STATED.len()], Vec::new());
+    let (mut reasons, mut wrong, mut sealed) = (vec![0; STATED.len()], Vec::new(), 0);
     for state in [State::Complete, State::Interrupted, State::Killed] {
         let original = folder.path().join(format!("{state:?}"));
         record(&original, state);
@@ -426,6 +427,7 @@ fn every_edit_is_seen_by_everyone_who_looks() {
             let mut counts = [0; WHO.len()];
             for Edit { name, make, .. } in edits {
                 let said = seen_by(make);
+                sealed += if state == State::Killed { 0 } else { WHO.len() };
                 said.iter().zip(&mut counts).for_each(|(said, count)| *count += usize::from(*said));
                 let is = |part: &&str| part.strip_prefix('*').map_or(name == part, |end| name.ends_with(end));
                 let stated = STATED.iter().position(|(names, ..)| state != State::Killed && names.iter().any(is));
@@ -453,5 +455,6 @@ fn every_edit_is_seen_by_everyone_who_looks() {
     }
     println!("{table}");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    withstood("edits of a sealed session, with five commands", sealed, &[LIES]);
     assert!(include_str!("../../docs/faults.md").contains(&table), "docs/faults.md has another table");
 }

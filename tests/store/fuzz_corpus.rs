@@ -4,6 +4,8 @@ use std::{collections::BTreeMap, fs::File, io::Read as _};
 
 use flate2::read::GzDecoder;
 
+use crate::common::attacks::{HANGS, PANICS, withstood};
+
 #[path = "../../fuzz/targets.rs"]
 mod targets;
 
@@ -26,6 +28,7 @@ fn every_corpus_file_is_accepted_or_rejected() {
         target(&content);
         *counts.entry(folder.to_owned()).or_default() += 1;
     }
+    withstood("files that fuzzers found", counts.values().sum::<u32>() as usize, &[PANICS, HANGS]);
     for (name, _) in targets::ALL {
         assert!(counts.get(*name).is_some_and(|count| *count >= 30), "{name}: the corpus has lost files: {counts:?}");
     }

@@ -1,9 +1,12 @@
 //! The monitor, the display server, or the graphics card is lost in the middle of a trial.
 
-use std::{ffi::OsString, fs, path::Path, time::Duration};
+use std::{ffi::OsString, fs, io::Write as _, path::Path, time::Duration};
 
 use super::{
-    common::{c_library, skip_faults},
+    common::{
+        attacks::{ALL, withstood},
+        c_library, skip_faults,
+    },
     harness::{Harness, Row, SCREEN, Shown, assert_complete, pattern, rows},
 };
 
@@ -34,6 +37,7 @@ fn a_smaller_screen_pauses_the_session() {
     }
     harness.complete("swift");
     assert_complete(&csv, &planned);
+    withstood("the screen becomes too small", 1, &ALL);
 }
 
 /// The program's message after the window or the graphics are lost: exactly one error of its own, and no panic.
@@ -84,6 +88,7 @@ fn no_answer_is_lost_when_the_display_server_ends() {
         harness.start_servers();
         resume_to_the_end(&mut harness, &planned, 3);
     }
+    withstood("the display server ends", 2, &ALL);
 }
 
 /// The graphics card stops responding.
@@ -115,13 +120,14 @@ fn no_answer_is_lost_when_the_graphics_card_is_lost() {
     assert!(error.contains("the graphics card was lost"), "{error}");
     fs::remove_file(&lost).unwrap();
     resume_to_the_end(&mut harness, &planned, 3);
+    withstood("the graphics card is lost", 1, &ALL);
 }
 
 /// A signal asks the program to end, once in the middle of a trial and once on the pause page, where the window waits
 /// for input.
 #[test]
 fn a_signal_closes_the_sitting() {
-    for (signal, number, in_trial) in [("TERM", 15, true), ("INT", 2, false), ("HUP", 1, false)] {
+    for (signal, number, in_trial) in [("TERM", 15, true), ("HUP", 1, false)] {
         let Some((mut harness, planned, csv)) = Harness::with_session() else { return };
         for i in 0..3 {
             harness.rate(&csv, pattern(i));
@@ -143,4 +149,42 @@ fn a_signal_closes_the_sitting() {
         assert!(harness.sidecar("swift")["seal"].is_object(), "the session is not sealed");
         resume_to_the_end(&mut harness, &planned, 3);
     }
+    withstood("signals in the window", 2, &ALL);
+}
+
+/// The disk refuses an answer, and a signal asks the program to end. The row is printed; appended to the file, it agrees
+/// with the seal.
+#[test]
+fn an_answer_that_no_disk_accepts_is_printed() {
+    let Some(mut harness) = Harness::new() else { return };
+    let library = harness.dir.path().join("faults.so");
+    if !c_library("shim", &library) {
+        return;
+    }
+    let (definition, csv) = (harness.swift(), harness.csv("swift"));
+    let planned = harness.planned(&definition);
+    // The header and two rows are written before.
+    harness.environment = vec![
+        ("LD_PRELOAD", library.into()),
+        ("MACHBAND_FAULT", "write:4:ENOSPC+".into()),
+        ("MACHBAND_FAULT_UNDER", csv.clone().into()),
+    ];
+    harness.run(&definition, &["--seed", "7"]);
+    harness.rate(&csv, pattern(0));
+    harness.rate(&csv, pattern(1));
+    harness.stimulus();
+    harness.press(pattern(2));
+    harness.until("the page for an answer that is not saved", |harness| harness.shown() == Shown::Page);
+    harness.at_rest();
+    harness.signal("INT");
+    assert_eq!(harness.wait_for_end().code(), Some(128 + 2), "{}", harness.stderr());
+    let stderr = harness.stderr();
+    let (_, row) =
+        stderr.split_once("this row is not on disk; expected it at the end: ").unwrap_or_else(|| panic!("{stderr}"));
+    assert_eq!(rows(&csv).len(), 2);
+    let mut file = fs::File::options().append(true).open(&csv).unwrap();
+    writeln!(file, "{}", row.lines().next().unwrap()).unwrap();
+    harness.environment.clear();
+    resume_to_the_end(&mut harness, &planned, 3);
+    withstood("signals while an answer cannot be saved", 1, &ALL);
 }

@@ -6,7 +6,7 @@ use super::table::Counts;
 /// Maximum number of factors. A stimulus has at most ten parameters; a term is tested for each factor.
 const MAX_FACTORS: usize = 10;
 /// Maximum number of levels of a factor. Factors with more, such as a response time, are measurements and not factors.
-const MAX_LEVELS: usize = 200;
+const MAX_LEVELS: usize = 120;
 /// Maximum number of conditions. A full crossing of 6, 5 and 4 levels has 120.
 const MAX_CONDITIONS: usize = 5000;
 /// Maximum number of participants.
@@ -15,8 +15,7 @@ const MAX_PEOPLE: usize = 20_000;
 const MAX_NAME: usize = 200;
 
 impl Counts {
-    /// Checks that the study is small enough to be analyzed within seconds. The exceptions are as large as a user allows
-    /// who asks for it.
+    /// Checks that the study is small enough to be analyzed within seconds.
     ///
     /// # Errors
     /// What is too large, and what is expected.

@@ -37,7 +37,7 @@ pub struct ModelSpec {
 
 /// Maximum number of coefficients of a model, unless the user allows more. The time for a fit grows with the square or
 /// the cube of their number. A full crossing of 6, 5 and 4 levels has 119.
-pub const MAX_COEFFICIENTS: usize = 200;
+pub const MAX_COEFFICIENTS: usize = 120;
 
 impl ModelSpec {
     /// Specifies these terms with the logit link, without random or scale effects.

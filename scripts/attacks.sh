@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# Makes every attack of docs/faults.md and prints the table of classes. With a file, only adds up the lines in it that
+# the tests printed. Takes about half an hour on two cores.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+if [ $# -eq 1 ]; then
+    log=$1
+else
+    log=$(mktemp)
+    trap 'rm -f "$log"' EXIT
+    export MACHBAND_FAULTS=${MACHBAND_FAULTS:-20000} MACHBAND_CUTS=${MACHBAND_CUTS:-1000} MACHBAND_FUZZ=${MACHBAND_FUZZ:-100}
+    export MACHBAND_REQUIRE_GPU=1 MACHBAND_REQUIRE_DISPLAY=1 MACHBAND_REQUIRE_FAULTS=1
+    cargo build --release
+    export MACHBAND_LIMITS=${CARGO_TARGET_DIR:-$PWD/target}/release/machband
+    cargo test --test faults --test commands --test store --test window 2>&1 | tee "$log"
+fi
+
+printf '\n| class of attack | attacks | rows lost | files destroyed | silent lies | panics | hangs |\n|---|--:|--:|--:|--:|--:|--:|\n'
+# A line may follow the name of a test that has not ended.
+sed -n 's/.*ATTACKS //p' "$log" | sort
+sed -n 's/.*ATTACKS //p' "$log" | awk -F ' *[|] *' '
+    { attacks += $3; for (i = 4; i <= 8; i++) if ($i != "–") sum[i] += $i }
+    END { printf "| all | %d | %d | %d | %d | %d | %d |\n", attacks, sum[4], sum[5], sum[6], sum[7], sum[8] }'
