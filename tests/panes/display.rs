@@ -16,7 +16,11 @@ use machband::{
     experiment::{Identity, Protocol, Schedule},
     light::{Bits, Dither, Transfer, TransferTable, Transfers},
     stimulus::recipe::Recipe,
-    store::{Writer, definition, image, profile, session::SessionStore, sidecar::Sidecar},
+    store::{
+        StoreError, Writer, definition, image, profile,
+        session::{Changes, SessionStore},
+        sidecar::Sidecar,
+    },
 };
 
 use super::{
@@ -379,6 +383,7 @@ fn an_experiment_in_gray_has_its_own_name() {
     let folder = tempfile::tempdir().unwrap();
     let identity = Identity::new("P1", "1").unwrap();
     SessionStore::create(folder.path(), &gray, &identity, 1, Default::default()).unwrap();
-    assert_eq!(SessionStore::exists(folder.path(), &gray, &identity), Some(false));
-    assert_eq!(SessionStore::exists(folder.path(), &quick, &identity), None);
+    let is_finished = |protocol| SessionStore::is_finished(folder.path(), protocol, &identity, None, Changes::Refuse);
+    assert!(!is_finished(&gray).unwrap());
+    assert!(matches!(is_finished(&quick), Err(StoreError::NothingToResume(_))));
 }

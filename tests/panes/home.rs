@@ -235,6 +235,23 @@ fn home_shows_errors_next_to_their_fields() {
     type_into(&mut harness, "Viewing distance, cm", "50");
     type_into(&mut harness, "Display profile", "/nowhere.toml");
     harness.get_by_label_contains("cannot be opened");
+    type_into(&mut harness, "Display profile", "");
+    // A complete session, and the same one without its last row.
+    let folder = tempfile::tempdir().unwrap();
+    common::succeeds(folder.path(), &["simulate", "quick"]);
+    let results = folder.path().join("results");
+    type_into(&mut harness, "Participant", "S001");
+    type_into(&mut harness, "Results folder", results.to_str().unwrap());
+    harness.get_by_label_contains("has already completed session 1");
+    let csv = common::session_csv(&results, "quick", "S001");
+    let text = std::fs::read_to_string(&csv).unwrap();
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines.pop();
+    std::fs::write(&csv, lines.join("\n") + "\n").unwrap();
+    type_into(&mut harness, "Session", "2");
+    type_into(&mut harness, "Session", "1");
+    harness.get_by_label_contains("was changed since the session ended");
+    harness.get_by_label_contains("Something above needs attention");
 }
 
 #[test]

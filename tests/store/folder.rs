@@ -42,7 +42,7 @@ fn assert_whole(results: &Path) {
     assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), TRIALS, "{ids:?}");
     let said = check::check(csv.to_str().unwrap()).unwrap().sentence;
     assert!(said.contains(&format!("{TRIALS} of {TRIALS} planned")), "{said}");
-    assert_eq!(SessionStore::exists(results, &small(), &identity()), Some(true));
+    assert!(SessionStore::is_finished(results, &small(), &identity(), None, Changes::Refuse).unwrap());
 }
 
 mod layout {

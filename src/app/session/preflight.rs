@@ -34,6 +34,8 @@ pub struct Preflight {
     light_steps: PreflightNote,
     /// Why the session could not begin, if it could not.
     refused: Option<String>,
+    /// Whether the page is about to scroll to that reason.
+    reveal: bool,
 }
 
 impl Preflight {
@@ -42,7 +44,7 @@ impl Preflight {
         let before = if request.resume { PreviousSitting::read(&request) } else { None };
         let light_steps = findings::light_steps(&request.protocol);
         let frames = FrameTimes::default();
-        Self { request, before, since: None, frames, platform: None, light_steps, refused: None }
+        Self { request, before, since: None, frames, platform: None, light_steps, refused: None, reveal: false }
     }
 
     pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Step<Box<Trials>> {
@@ -73,6 +75,7 @@ impl Preflight {
             findings::all(&self.request, self.before.as_ref(), monitor, &platform, &self.frames, window, scale);
         notes.push(self.light_steps.clone());
         let (begin, back) = self.draw(ui, &notes, &mut questions, prepared.is_some());
+        self.reveal = false;
         notes.extend(questions.notes());
         self.platform = Some((platform, questions));
         if back {
@@ -82,7 +85,7 @@ impl Preflight {
         match Trials::begin(ui.ctx(), &self.request, &prepared, notes, monitor) {
             Ok(trials) => Step::Next(Box::new(trials)),
             Err(error) => {
-                self.refused = Some(error.to_string());
+                (self.refused, self.reveal) = (Some(error.to_string()), true);
                 Step::Stay
             }
         }
@@ -131,6 +134,9 @@ impl Preflight {
                 ui.label(ui::secondary("Esc"));
                 back
             });
+            if self.reveal {
+                ui.scroll_to_cursor(None);
+            }
             (begin || proceed, back.inner || escaped)
         })
     }

@@ -13,6 +13,7 @@ use crate::{
     display::{DisplayProfile, Screen, Viewing},
     experiment::{Identity, Protocol, Schedule},
     store::{
+        StoreError,
         dataset::free_participant,
         definition,
         session::{Changes, SessionStore},
@@ -139,15 +140,17 @@ impl Form {
         }
         let mut resume = false;
         if let (Some(protocol), Some(identity)) = (&protocol, &identity) {
-            match SessionStore::exists(&results, protocol, identity) {
-                Some(true) => {
+            match SessionStore::is_finished(&results, protocol, identity, None, Changes::Refuse) {
+                Ok(true) => {
                     let (subject, session) = (identity.subject(), identity.session());
                     let error = format!(
                         "{subject} has already completed session {session}; expected another session or participant"
                     );
                     errors.insert(Part::Session, error);
                 }
-                unfinished => resume = unfinished.is_some(),
+                Ok(false) => resume = true,
+                Err(StoreError::NothingToResume(_)) => {}
+                Err(error) => drop(errors.insert(Part::Session, error.to_string())),
             }
             if let Err(error) = Schedule::new(protocol, identity, 1) {
                 errors.insert(Part::Experiment, error.to_string());

@@ -50,7 +50,7 @@ impl LockFile {
             Err(error) => Some(error),
         };
         let created = refused.is_none();
-        // The session can go on without this second protection.
+        // The session can continue without this second protection.
         incidents.extend(refused.map(|error| format!("{}: could not be created: {error}", path.display())));
         Ok((Self { path: created.then_some(path) }, incidents))
     }

@@ -126,7 +126,7 @@ const TOLERANCE_S: f64 = 0.002;
 
 /// Returns an error for each row that no session could have recorded in this place; every row comes with its line.
 /// Within a sitting, first attempts are in the planned order, practice before main; a correction directly follows the
-/// rating that it corrects; and time goes on, equally in `onset_s` and `started_at`. A repair may have removed any row.
+/// rating that it corrects; and time advances equally in `onset_s` and `started_at`. A repair may have removed any row.
 pub(crate) fn order_errors<'a>(
     csv: &Path,
     rows: impl IntoIterator<Item = (&'a TrialRecord, usize)>,

@@ -1,18 +1,18 @@
 //! A running session on disk: its rows, its sidecar, its frames and its data set.
 
-use std::{collections::HashSet, path::Path, time::Duration};
+use std::{path::Path, time::Duration};
 
 use super::{
     dataset::{REGISTER, SessionPaths},
     frames::{FrameFile, FrameRow},
     lock::{self, LockFile},
     register::{Entry, Event, Register},
-    results::{self, Recovered, ResultFile},
+    results::{Recovered, ResultFile},
     seal::{self, Difference},
     sidecar::{Seal, Sidecar, Sitting},
 };
 use crate::{
-    experiment::{Identity, Phase, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns},
+    experiment::{Identity, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns},
     store::{
         FileError, FileErrors, StoreError, definition,
         file::{exists, remove_temporary},
@@ -330,23 +330,6 @@ impl SessionStore {
         self.sidecar.complete
     }
 
-    /// Returns whether every planned trial of a session is rated; `None` if there is no such session. The rows decide. A
-    /// session that cannot be read is not complete.
-    pub fn exists(results: &Path, protocol: &Protocol, identity: &Identity) -> Option<bool> {
-        let paths = SessionPaths::new(results, protocol, identity);
-        let is_rated = || {
-            let read = results::read(&paths.csv, &columns(protocol)).ok().filter(|read| read.partial_line.is_none());
-            let rated: Option<HashSet<_>> =
-                read.map(|read| read.rows.iter().map(|row| (row.phase == Phase::Main, row.trial)).collect());
-            let planned = protocol.main_trials() + protocol.design.practice as usize;
-            rated.is_some_and(|rated| rated.len() == planned)
-        };
-        paths
-            .csv
-            .exists()
-            .then(|| matches!(Sidecar::read(&paths.sidecar), Ok(Some(sidecar)) if sidecar.complete) && is_rated())
-    }
-
     fn sitting(&mut self) -> Option<&mut Sitting> {
         self.sidecar.sittings.last_mut()
     }
@@ -474,7 +457,7 @@ impl Found {
             }
         };
         if changes == Changes::Refuse && !differences.is_empty() {
-            let hint = "use --accept-changes to resume all the same; the sidecar then lists the change";
+            let hint = "use --accept-changes to resume anyway; the sidecar then lists the change";
             let error = |difference: &Difference| {
                 let error = difference.error();
                 FileError { message: format!("{}; {hint}", error.message), ..error }
