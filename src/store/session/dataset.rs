@@ -68,9 +68,18 @@ impl SessionPaths {
         self.refuse_links()?;
         let data = self.dataset.join("data");
         make_folder(&data)?;
-        // Other programs may also be writing the description.
-        remove_temporary(&self.dataset, |_| true, Duration::from_secs(60));
+        self.remove_temporary(false);
         describe(&self.dataset, protocol)
+    }
+
+    /// Removes the temporary files that killed programs left. Another program may be writing the description of the data
+    /// set, but not the sidecar if the session is locked.
+    pub fn remove_temporary(&self, is_locked: bool) {
+        if is_locked {
+            let sidecar = self.sidecar.file_name().unwrap_or_default().to_string_lossy();
+            remove_temporary(&self.dataset.join("data"), |name| name == sidecar, Duration::ZERO);
+        }
+        remove_temporary(&self.dataset, |_| true, Duration::from_secs(60));
     }
 
     /// Refuses links inside the results folder. Nothing in it may lead out of it, because anyone who puts a link there

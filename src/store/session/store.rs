@@ -1,6 +1,6 @@
 //! A running session on disk: its rows, its sidecar, its frames and its data set.
 
-use std::{path::Path, time::Duration};
+use std::path::Path;
 
 use super::{
     dataset::{REGISTER, SessionPaths},
@@ -13,10 +13,7 @@ use super::{
 };
 use crate::{
     experiment::{Identity, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns},
-    store::{
-        FileError, FileErrors, StoreError, definition,
-        file::{exists, remove_temporary},
-    },
+    store::{FileError, FileErrors, StoreError, definition, file::exists},
 };
 
 /// The files of a running session.
@@ -136,15 +133,13 @@ impl SessionStore {
         let unread = frames.as_ref().err().map(ToString::to_string);
         let (protocol, identity, frames) = (protocol.clone(), identity.clone(), frames.ok());
         let mut store = Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false, lock: None };
+        store.paths.remove_temporary(true);
         // From here on, the files are changed, unless the session is complete.
         if is_finished {
             lock::remove_left(&store.paths.csv, store.rows.file.is_locked());
         } else {
             let (lock, incidents) = LockFile::create(&store.paths.csv, store.rows.file.is_locked())?;
             store.lock = Some(lock);
-            // The session is locked, so no other program is about to write its sidecar.
-            let sidecar = store.paths.sidecar.file_name().unwrap_or_default().to_string_lossy();
-            remove_temporary(&store.paths.dataset.join("data"), |name| name == sidecar, Duration::ZERO);
             store.keep_seal(&differences);
             store.sidecar.complete = false;
             store.sidecar.sittings.push(sitting);
