@@ -106,8 +106,8 @@ fn check_definition(protocol: Protocol) -> Result<String, FileErrors> {
     ))
 }
 
-/// Checks a result file against the definition and the seed in its sidecar. Only outside a data set may the sidecar be
-/// missing.
+/// Checks a result file against the definition and the seed in its sidecar. The sidecar may be missing only outside a
+/// data set.
 fn check_results(path: &Path) -> Result<String, FileErrors> {
     let has_sidecar = path.with_extension("json").exists() || dataset::described(path).is_some();
     if dataset::identity(path).is_ok() && has_sidecar {
@@ -144,7 +144,7 @@ fn check_session(path: &Path) -> Result<String, FileErrors> {
     Ok(format!("result file: {rows} rows; {rated} of {planned} planned trials of {name} rated"))
 }
 
-/// Maximum number of bytes of the name of a table's first column; longer names are of no known table.
+/// Maximum length in bytes of the name of a table's first column. No known table has a longer one.
 const MAX_NAME: u64 = 1 << 10;
 
 /// Returns the name of a table's first column; `None` if it cannot be read.

@@ -108,7 +108,7 @@ impl RowErrors {
     }
 }
 
-/// The reason why something cannot be read as data although the system would open it.
+/// Why a path cannot be read as data, although the system would open it.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum NotData {
     #[error("is a folder; expected a file")]
@@ -145,12 +145,12 @@ pub enum StoreError {
     /// A file exists at the path of an output.
     #[error("{}: already exists; expected a new file, or --force to replace it", .0.display())]
     Occupied(PathBuf),
-    /// An output would replace or join files that no output may touch.
+    /// An output must not be written to this path, for example because it would replace a file of a session.
     #[error("{}: {what}", path.display())]
     Protected {
         /// The output.
         path: PathBuf,
-        /// What it is, and what is expected.
+        /// What is wrong with the path, and what is expected.
         what: String,
     },
     /// Another program is writing the same session.

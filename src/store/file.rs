@@ -19,8 +19,8 @@ use super::{
 };
 use crate::system::entries;
 
-/// Maximum size in bytes of a definition, profile, observer, or table of readings or matches. The largest realistic ones
-/// have a few thousand bytes; 1,000 readings have 30,000.
+/// Maximum size in bytes of a definition, profile, observer, or table of readings or matches. The largest realistic
+/// ones have a few thousand bytes; 1,000 readings have 30,000.
 const MAX_TEXT: u64 = 1 << 20;
 
 /// Reads a whole UTF-8 file of at most 1 MiB: a definition, a profile, an observer.
@@ -64,7 +64,7 @@ pub(super) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Beginning and end of what follows the name of a file in the name of its temporary file,
+/// The marker and the suffix in the name of a temporary file: the temporary file for `NAME` is
 /// `NAME.machband-RANDOM.tmp`. Temporary files of other programs lack the marker and are never touched.
 const TEMPORARY: [&str; 2] = [".machband-", ".tmp"];
 
@@ -109,7 +109,7 @@ fn write_beside(path: &Path, content: &[u8], durable: bool) -> std::io::Result<(
     fs::rename(temporary.path(), path)
 }
 
-/// Writes a temporary file next to `path`; with `durable`, it is synced. It is removed unless it is renamed.
+/// Writes a temporary file next to `path`, and syncs it if `durable` is true. The file is removed unless it is renamed.
 ///
 /// # Errors
 /// I/O errors; the disk stored less than it reported.
@@ -135,8 +135,8 @@ pub(super) fn temporary(path: &Path, content: &[u8], durable: bool) -> std::io::
     Ok(temporary)
 }
 
-/// Creates a folder and its parents, so that they survive a power failure: a file in a folder is lost if the name of the
-/// folder is.
+/// Creates a folder and its parents, and syncs them so that they survive a power failure: if the name of a folder is
+/// lost, so are the files in it.
 ///
 /// # Errors
 /// I/O errors.
@@ -171,7 +171,7 @@ pub(super) fn full_path(path: &Path) -> std::io::Result<PathBuf> {
     }
 }
 
-/// Syncs everything in a folder that is complete but not in its final place yet.
+/// Syncs everything in a folder that is complete but not yet in its final place.
 ///
 /// # Errors
 /// I/O errors.
@@ -188,9 +188,9 @@ pub(super) fn sync_tree(folder: &Path) -> Result<(), StoreError> {
     sync_folder(&folder.join("file"))
 }
 
-/// Removes the temporary files that killed programs left in a folder, for the files whose names `are_ours`. Only regular
-/// files with the marker of this program that are older than `age` are removed, because another
-/// program may still be using newer ones. A file that cannot be removed does no harm.
+/// Removes the temporary files that killed programs left in a folder, if they belong to files whose names `are_ours`.
+/// Only regular files with the marker of this program that are older than `age` are removed, because another program
+/// may still be using newer ones. A file that cannot be removed does no harm.
 pub(super) fn remove_temporary(folder: &Path, are_ours: impl Fn(&str) -> bool, age: Duration) {
     for path in entries(folder).unwrap_or_default() {
         if !path.file_name().and_then(|name| temporary_for(name.to_str()?)).is_some_and(&are_ours) {
@@ -406,7 +406,7 @@ impl Drop for AppendFile {
     }
 }
 
-/// Locks a file against other programs; returns false if the file system does not support locks, which is no reason to
+/// Locks a file against other programs; returns false if the file system does not support locks. That is no reason to
 /// refuse a session.
 fn lock(file: &File, path: &Path) -> Result<bool, StoreError> {
     match file.try_lock() {
@@ -427,10 +427,10 @@ fn has_no_locks(error: &Error) -> bool {
 /// An incomplete line has fewer bytes than this.
 const MAX_PARTIAL_LINE: u64 = 1 << 16;
 
-/// How long to wait for other programs that append a line to the same file, which takes them less than a millisecond.
+/// How long to wait for other programs that are appending a line to the same file. Each needs less than a millisecond.
 const MAX_WAIT: Duration = Duration::from_secs(10);
 
-/// Waits until a file is locked, unless the file system does not support locks.
+/// Locks a file, waiting for other programs if necessary. Does nothing if the file system does not support locks.
 fn lock_in_turn(file: &File) -> std::io::Result<()> {
     let started = Instant::now();
     loop {
@@ -443,9 +443,9 @@ fn lock_in_turn(file: &File) -> std::io::Result<()> {
     }
 }
 
-/// Appends a line to a file that several programs share, and waits until it is on disk. A new file begins with `header`.
-/// Each program waits until the others have written their lines. An incomplete last line, which an interrupted program
-/// left, is removed.
+/// Appends a line to a file that several programs share, and waits until it is on disk. A new file begins with
+/// `header`. Each program waits until the others have written their lines. An incomplete last line, which an
+/// interrupted program left, is removed.
 ///
 /// # Errors
 /// I/O errors; or the file does not begin with `header`, so it belongs to another program.
@@ -478,7 +478,7 @@ pub(super) fn append_line(path: &Path, header: &str, line: &str) -> Result<(), S
         Ok(())
     };
     append().map_err(io(path, "append to"))?;
-    // The others need not wait for the disk.
+    // Other programs need not wait for the disk.
     let _ = file.unlock();
     file.sync_data().map_err(io(path, "sync"))?;
     if is_new { sync_folder(path) } else { Ok(()) }

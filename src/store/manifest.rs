@@ -24,7 +24,8 @@ use crate::{
     stimulus::recipe::Recipe,
 };
 
-/// Age of the temporary files of killed runs that are removed. Another shard may be using newer ones.
+/// Minimum age of the temporary files that are removed because a killed run left them. Another shard may be using newer
+/// ones.
 const TEMPORARY_AGE: Duration = Duration::from_secs(60);
 /// Name of the list of all images.
 const MANIFEST: &str = "manifest.csv";
@@ -132,7 +133,7 @@ impl<'a> Manifest<'a> {
     /// # Errors
     /// The same errors as [`Writer::write`].
     pub fn finish(self) -> Result<bool, StoreError> {
-        // Syncing the folder once for all images is much faster than once for each.
+        // Syncing the folder once for all images is much faster than once per image.
         sync_folder(&self.list)?;
         let lists: Vec<PathBuf> =
             (1..=self.shards).map(|index| self.folder.join(list_name(index, self.shards))).collect();
@@ -155,7 +156,7 @@ impl<'a> Manifest<'a> {
     }
 }
 
-/// Returns which of the list of all images and the list of one shard exist but do not list these images.
+/// Returns those of the two lists (of all images, and of one shard) that exist but do not list these images.
 fn foreign_lists(whole: &Path, list: &Path, header: &[String], rows: &[(String, Vec<String>)]) -> Vec<PathBuf> {
     let header = String::from_utf8_lossy(&table::line(header)).into_owned();
     let files: HashSet<&str> = rows.iter().map(|(file, _)| file.as_str()).collect();

@@ -50,8 +50,8 @@ pub fn parse(file: &str, content: &[u8], crease_deg: f64) -> Result<Mesh, FileEr
     })
 }
 
-/// Maximum number of corners of a face, because triangulation takes quadratic time. The caps of a finely divided cylinder
-/// have a few hundred.
+/// Maximum number of corners of a face, because triangulation takes quadratic time. The caps of a finely divided
+/// cylinder have a few hundred.
 const MAX_CORNERS: usize = 1024;
 
 /// Maximum number of errors reported per file.

@@ -11,8 +11,8 @@
 //! | photometer readings, visual matches and stimulus profiles (CSV) | [`readings`], [`mod@matches`], [`curve`] |
 //! | identifies any file and finds all errors in it | [`check`](mod@check) |
 //!
-//! [`Writer`] writes every file that the user named. Private modules provide atomic and append-only files, and readers of
-//! tables and TOML that keep track of locations.
+//! [`Writer`] writes every file that the user named. Private modules provide atomic and append-only files, and readers
+//! of tables and TOML that keep track of locations.
 
 pub mod check;
 pub mod curve;

@@ -102,7 +102,7 @@ impl Writer {
         one_per_folder.into_iter().try_for_each(|folder| sync_folder(&folder.join("file")))
     }
 
-    /// Writes and syncs a file but not its folder, whose new names a power failure may therefore lose.
+    /// Writes and syncs a file but not its folder, so a power failure may lose the name of a new file.
     ///
     /// # Errors
     /// The same errors as [`Writer::write`].
@@ -114,12 +114,12 @@ impl Writer {
         if failed.error.kind() == io::ErrorKind::AlreadyExists {
             return Err(StoreError::Occupied(path.to_owned()));
         }
-        // Some network shares cannot rename without replacing; nothing was there a moment ago.
+        // Some network shares cannot rename without replacing; nothing was at this path a moment ago.
         self.target(path)?;
         failed.file.persist(&target).map(drop).map_err(|failed| io(path, "write")(failed.error))
     }
 
-    /// Returns the file that a path leads to, all links resolved, if it can be written.
+    /// Returns the file that a path leads to, with all links resolved, if it can be written.
     fn target(&self, path: &Path) -> Result<PathBuf, StoreError> {
         let target = full_path(path).map_err(io(path, "write"))?;
         fs::metadata(folder_of(&target)).map_err(io(path, "write"))?;
@@ -176,7 +176,7 @@ fn data_set(target: &Path) -> Option<(PathBuf, bool)> {
         (root.to_owned(), is_data)
     });
     let nearest = roots.next()?;
-    // One data set may contain another, as `sourcedata` in an export.
+    // One data set may contain another, as an export does in `sourcedata`.
     Some(roots.find(|(_, is_data)| *is_data && !nearest.1).unwrap_or(nearest))
 }
 
@@ -187,10 +187,11 @@ fn sidecar(target: &Path) -> Option<PathBuf> {
     Some(target.with_file_name(format!("{stem}{SIDECAR_SUFFIX}"))).filter(|sidecar| sidecar.exists())
 }
 
-/// What is the same for all paths of a file or folder, through links and hard links: its device and number.
+/// Identifies a file or folder by its device and inode number, which are the same for all paths that lead to it,
+/// including links and hard links.
 #[cfg(unix)]
 type Identity = (u64, u64);
-/// The full path. Replacing one of several hard links leaves the content under the other names as it is.
+/// The full path. Replacing one of several hard links does not change the content under the other names.
 #[cfg(not(unix))]
 type Identity = PathBuf;
 

@@ -11,8 +11,8 @@ use csv::{ByteRecord, Position};
 
 use super::{FileError, FileErrors, error::RowErrors, open::open_regular};
 
-/// Maximum number of bytes in a row. A row of a real study has a few hundred; one with more than this must have an
-/// unclosed quote, or is not a row.
+/// Maximum number of bytes in a row. A row of a real study has a few hundred; one with more than this has an unclosed
+/// quote or is not a row.
 pub(super) const MAX_ROW: u64 = 1 << 20;
 /// Size of the buffer for reading rows, in bytes.
 const BUFFER: usize = 1 << 20;
@@ -192,7 +192,7 @@ pub(super) fn each_row(content: Content<'_>, separator: u8, mut take: impl FnMut
     let size = content.len()?;
     let mut builder = csv::ReaderBuilder::new();
     builder.has_headers(false).flexible(true).delimiter(separator).buffer_capacity(BUFFER);
-    // What a row may take, and what is read ahead of it.
+    // The longest row, plus the bytes that may be read ahead of it.
     let most = MAX_ROW + BUFFER as u64;
     let left = Cell::new(most);
     let mut reader = builder.from_reader(Limited { source: content.open()?, left: &left });
@@ -265,13 +265,13 @@ pub(super) fn parse<T>(
     if errors.is_empty() { Ok(rows) } else { Err(FileErrors(errors)) }
 }
 
-/// Maximum length of a line in bytes for [`each_line`]. The frame intervals of a single trial that lasts 8 hours at
-/// 480 Hz have 70 MB.
+/// Maximum length of a line in bytes for [`each_line`]. The frame intervals of a single trial that lasts 8 hours at 480
+/// Hz take up 70 MB.
 const MAX_LINE: u64 = 128 << 20;
 
-/// Reads a table that this program wrote without quotes, line by line, so that memory does not grow with the file. The
-/// first line must be `header`. An incomplete last line, which an interrupted program left, is ignored. `take` gets the
-/// cells of each row.
+/// Reads a table that this program wrote without quotes, line by line, so that memory use does not grow with the file.
+/// The first line must be `header`. An incomplete last line, which an interrupted program left, is ignored. `take` gets
+/// the cells of each row.
 ///
 /// # Errors
 /// Reports every error, with its line and column. A long list is shortened.

@@ -87,7 +87,7 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreEr
     Ok(())
 }
 
-/// Removes an incomplete last row. The seals stay: they cover complete rows only.
+/// Removes an incomplete last row. The seals are kept, because they cover only complete rows.
 fn tidy(session: &Recorded, data: &Path) -> Result<(), StoreError> {
     if session.partial_line.is_none() {
         return Ok(());

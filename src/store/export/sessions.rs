@@ -45,7 +45,7 @@ impl Experiment {
         self.sessions.iter().all(|session| session.protocol == self.sessions[0].protocol)
     }
 
-    /// Returns a line for each exported file that was changed after its session ended, with the name of the file only.
+    /// Returns a line for each exported file that was changed after its session ended, with only the name of the file.
     pub fn changed(&self) -> impl Iterator<Item = String> {
         self.sessions.iter().flat_map(changed)
     }
@@ -63,7 +63,7 @@ pub(super) fn changed(session: &Recorded) -> impl Iterator<Item = String> {
 /// add any file of this computer to it. `from`, which the user named, may be a link.
 ///
 /// # Errors
-/// Names every link.
+/// Reports every link.
 pub(super) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErrors> {
     let mut paths = BTreeSet::new();
     for csv in files {

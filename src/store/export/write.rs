@@ -123,7 +123,7 @@ fn into_folder(to: &Path, fill: impl FnOnce(&Path) -> Result<(), StoreError>) ->
         sync_folder(to)
     };
     let exported = export();
-    // What remains is no part of the export, and its name says that it is temporary.
+    // Anything that remains is not part of the export, and its name says that it is temporary.
     let _ = remove_tree(&temporary);
     exported
 }

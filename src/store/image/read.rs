@@ -19,7 +19,7 @@ use crate::{
     store::{FileErrors, file::read_bytes, open::open_regular},
 };
 
-/// Maximum number of pixels of an image, unless the user allows more. A screen of 4K has 8.3 million. The prediction of
+/// Maximum number of pixels of an image, unless the user allows more. A 4K screen has 8.3 million. The prediction of
 /// visibility takes about 60 bytes per pixel.
 pub const MAX_PIXELS: u64 = 4096 * 4096;
 /// Maximum side length of an image that is read as light, in pixels.
@@ -66,8 +66,8 @@ fn content(path: &Path) -> Result<Vec<u8>, FileErrors> {
     read_bytes(path, MAX_FILE, "an image")
 }
 
-/// Decodes an opaque PNG of at most `pixels` pixels into its codes and its other chunks. `accept` sees the header before
-/// any pixel is decoded; it returns the largest allowed side length, or why the image is not wanted.
+/// Decodes an opaque PNG of at most `pixels` pixels into its codes and its other chunks. `accept` sees the header
+/// before any pixel is decoded; it returns the largest allowed side length, or the reason why the image is refused.
 fn decode(
     name: &str,
     content: &[u8],
@@ -78,7 +78,7 @@ fn decode(
     let broken = |error: DecodingError| fail(format!("is not a complete PNG: {error}; expected an image"));
     let mut decoder = Decoder::new_with_limits(Cursor::new(content), Limits { bytes: 512 << 20 });
     decoder.set_transformations(Transformations::EXPAND);
-    // The color profile is not used, and may be compressed a thousandfold.
+    // The color profile is not used, and it may expand a thousandfold when it is decompressed.
     decoder.set_ignore_iccp_chunk(true);
     let mut reader = decoder.read_info().map_err(broken)?;
     let info = reader.info().clone();

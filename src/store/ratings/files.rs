@@ -61,7 +61,7 @@ pub fn data_files(root: &Path) -> Result<Vec<PathBuf>, FileErrors> {
     Ok(files)
 }
 
-/// Returns these paths and the files that would be read from those that are folders.
+/// Returns these paths and, for each one that is a folder, the files that would be read from it.
 pub fn with_files(mut paths: Vec<PathBuf>) -> Vec<PathBuf> {
     let files: Vec<_> = paths.iter().filter(|path| path.is_dir()).filter_map(|path| folder(path).ok()).collect();
     paths.extend(files.into_iter().flatten());

@@ -28,7 +28,7 @@ use crate::{
 /// Maximum size, in bytes, of a file for which a hash is reported.
 const MAX_HASHED: u64 = 64 << 20;
 
-/// Number of files that are read at a time. Their results are in memory together.
+/// Number of files that are read at the same time. Their results are all in memory at once.
 const AT_A_TIME: usize = 256;
 
 /// Reads files and folders of files. For each file, `new` creates a `T`, `add` adds to it every row that counts, and
@@ -111,8 +111,8 @@ pub fn read<T: Send>(
     Ok(Source { shape, protocol, definition_sha256, files: reports, sessions, errors, warnings })
 }
 
-/// Returns the warnings about files that are read in spite of them: changed files, sessions without a sidecar, and links
-/// that lead out of a data set.
+/// Returns the warnings about files that are read anyway: changed files, sessions without a sidecar, and links that
+/// lead out of a data set.
 fn warnings(inputs: &[Input]) -> Vec<FileError> {
     let beside = |input: &Input| input.path.with_extension("json");
     let changed = |input: &Input| match &input.sidecar {
@@ -146,7 +146,7 @@ fn warnings(inputs: &[Input]) -> Vec<FileError> {
     warnings
 }
 
-/// Returns which of a data file and its sidecar are outside the data set once links are resolved.
+/// Returns those of a data file and its sidecar that are outside the data set once links are resolved.
 fn links_out(dataset: &Path, csv: &Path) -> Vec<PathBuf> {
     let Ok(inside) = dataset.canonicalize() else { return Vec::new() };
     let leads_out = |path: &PathBuf| path.canonicalize().is_ok_and(|target| !target.starts_with(&inside));

@@ -32,7 +32,7 @@ pub(super) struct Input {
     pub header: Header,
     pub layout: Layout,
     pub columns: Columns,
-    /// The sidecar, without what only a verification needs.
+    /// The sidecar, without the parts that only a verification needs.
     pub sidecar: Option<Arc<Sidecar>>,
     pub protocol: Option<Arc<Protocol>>,
     /// Files of the session that differ from the hashes recorded when it ended.
@@ -110,7 +110,7 @@ impl Selection {
         inputs.retain_mut(|file| match columns(file, &shape.factors, options) {
             Ok(columns) => {
                 file.columns = columns;
-                // Only whether there is a first row still matters.
+                // From here on, it only matters whether there is a first row.
                 file.header.first = file.header.first.take().map(|_| Vec::new());
                 true
             }
@@ -126,7 +126,8 @@ impl Selection {
     }
 }
 
-/// The definitions of all sessions. Sessions with the same definition share it, because there may be thousands.
+/// The definitions of all sessions. Sessions with the same definition share it, because there may be thousands of
+/// sessions.
 #[derive(Debug, Default)]
 pub(super) struct Definitions(Mutex<HashMap<String, Arc<Protocol>>>);
 
@@ -144,7 +145,7 @@ impl Definitions {
     }
 }
 
-/// Drops what an analysis does not use from a sidecar, because there may be thousands.
+/// Drops the parts of a sidecar that an analysis does not use, because there may be thousands of sidecars.
 fn shorten(sidecar: &mut Sidecar) {
     (sidecar.context, sidecar.definition) = (Value::Null, Value::Null);
     (sidecar.onset, sidecar.generator) = (String::new(), String::new());

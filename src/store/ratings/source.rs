@@ -80,8 +80,8 @@ pub struct Source {
     /// All errors, in the order of the files. If a file has many similar errors, only the first ones are listed,
     /// followed by the number of others.
     pub errors: Vec<FileError>,
-    /// Warnings about files that were read in spite of them: files that were changed after their session ended, sessions
-    /// without a sidecar, and links that lead out of a data set.
+    /// Warnings about files that were read anyway: files that were changed after their session ended, sessions without
+    /// a sidecar, and links that lead out of a data set.
     pub warnings: Vec<FileError>,
 }
 

@@ -26,7 +26,7 @@ pub const DATA_FILE: &str = "_data.csv";
 /// Suffix of a sidecar.
 pub(crate) const SIDECAR_SUFFIX: &str = "_data.json";
 
-/// Suffix of a file with damaged lines of a data file, without the number that follows.
+/// Suffix of a file that contains the damaged lines of a data file. A number follows it.
 pub(super) const DAMAGED: &str = ".damaged-";
 
 /// Name of the register of the sessions, which is next to the description of the data set.
@@ -105,7 +105,7 @@ pub(crate) fn of(csv: &Path) -> Option<&Path> {
     (data.file_name()? == "data").then(|| data.parent())?
 }
 
-/// Returns the data set of a data file, if the file is in one: if the data set has a description.
+/// Returns the data set of a data file; `None` if its folder has no description of a data set.
 pub(crate) fn described(csv: &Path) -> Option<&Path> {
     of(csv).filter(|folder| folder.join(DESCRIPTION).is_file())
 }
@@ -253,7 +253,7 @@ Sessions are added while they are recorded and are never changed afterward. Reco
 fn ignored() -> String {
     let [by_the_text, _] = IGNORE;
     format!(
-        "# Frame intervals describe a session and are not its data.\n*{frames}\n# The events and hashes of the sessions, for machband verify.\n{REGISTER}\n# While a session runs.\n*{lock}\n# Lines that machband repair removed from a data file.\n*{DAMAGED}*\n# This list, under the name used in the text of the standard.\n{by_the_text}\n",
+        "# Frame intervals describe a session and are not its data.\n*{frames}\n# The events and hashes of the sessions, for machband verify.\n{REGISTER}\n# Exists only while a session runs.\n*{lock}\n# Lines that machband repair removed from a data file.\n*{DAMAGED}*\n# This list, under the name used in the text of the standard.\n{by_the_text}\n",
         frames = frames::SUFFIX,
         lock = lock::SUFFIX,
     )

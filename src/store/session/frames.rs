@@ -154,8 +154,8 @@ pub fn read(path: &Path) -> Result<Vec<FrameRow>, FileErrors> {
     Ok(rows)
 }
 
-/// Calls `take` with every row of a frames file. Memory does not grow with the file, which has 70 MB after a session of
-/// 8 hours at 480 Hz.
+/// Calls `take` with every row of a frames file. Memory use does not grow with the file, which reaches 70 MB in a
+/// session of 8 hours at 480 Hz.
 ///
 /// # Errors
 /// Reports every error, with its line and column, including those that `take` returns.

@@ -1,5 +1,5 @@
-//! A file next to the rows that names the program that writes them. It protects a session on network shares where the
-//! locks of the system do not work, or work only within one computer.
+//! A file next to the rows that names the program that is writing them. It protects a session on network shares where
+//! the locks of the operating system do not work, or work only within one computer.
 
 use std::{
     fs::{self, OpenOptions},
@@ -20,12 +20,12 @@ pub(super) struct LockFile {
 }
 
 impl LockFile {
-    /// Creates the lock file for a data file; `is_locked` says whether the system also locks the data file. Also
-    /// returns incidents: what protects the session less than it should. A lock file that a killed program left is
-    /// replaced.
+    /// Creates the lock file for a data file; `is_locked` says whether the operating system also locks the data file.
+    /// Replaces a lock file that a killed program left. Also returns incidents, which say which protection of the
+    /// session does not work.
     ///
     /// # Errors
-    /// Another program writes this session.
+    /// Another program is writing this session.
     pub fn create(csv: &Path, is_locked: bool) -> Result<(Self, Vec<String>), StoreError> {
         let path = path(csv);
         let mut incidents = Vec::new();
@@ -40,7 +40,7 @@ impl LockFile {
             Err(error) if error.kind() == ErrorKind::AlreadyExists => match writer(&path) {
                 Some(writer) if writer.may_be_running(is_locked) => {
                     let what = format!(
-                        "process {} on {} is writing this session; expected it to be closed first. If it no longer runs, remove this file",
+                        "process {} on {} is writing this session; expected it to be closed first. If it is no longer running, remove this file",
                         writer.process, writer.host
                     );
                     return Err(StoreError::Mismatch { path, what });
@@ -74,7 +74,7 @@ impl Drop for LockFile {
 /// Removes the lock file that a killed program left next to a data file that is complete.
 pub(super) fn remove_left(csv: &Path, is_locked: bool) {
     if path(csv).exists() {
-        // Without a lock file of its own, this changes nothing.
+        // Creating and dropping a lock replaces the leftover file and removes it. The result does not matter.
         let _ = LockFile::create(csv, is_locked);
     }
 }
@@ -103,8 +103,8 @@ impl Writer {
         format!("{} {}\n", self.host, self.process)
     }
 
-    /// Whether the program may still be running. If this program holds the lock of the system, no other program on the
-    /// same computer does.
+    /// True if the program may still be running. If this program holds the operating system's lock, no other program on
+    /// the same computer is writing the session.
     fn may_be_running(&self, is_locked: bool) -> bool {
         let this = Self::this();
         if self.host != this.host {
@@ -116,7 +116,7 @@ impl Writer {
     }
 }
 
-/// Maximum length of a lock file in bytes; the name of a computer has at most 255.
+/// Maximum length of a lock file in bytes; the name of a computer has at most 255 bytes.
 const MAX_LENGTH: u64 = 1024;
 
 /// Reads a lock file; `None` if it cannot be read or names no program.

@@ -99,8 +99,8 @@ impl Recorded {
         rated == planned && self.partial_line.is_none()
     }
 
-    /// Returns all errors in the rows. The definition and the seed must plan every row, and the rows must be in an order
-    /// in which a session records them.
+    /// Returns all errors in the rows. The definition and the seed must plan every row, and the rows must be in an
+    /// order in which a session records them.
     pub fn row_errors(&self) -> Vec<FileError> {
         let context = self.context();
         let (mut planned, mut errors) = (Vec::new(), Vec::new());
@@ -118,13 +118,13 @@ impl Recorded {
     }
 }
 
-/// How the incident of a repair begins.
+/// The beginning of the incident that records a repair.
 pub(super) const REPAIRED: &str = "repaired: ";
 
-/// Clocks and rounded times may differ by this much.
+/// Times may differ by this much, because they are rounded and come from different clocks.
 const TOLERANCE_S: f64 = 0.002;
 
-/// Returns an error for each row that no session could have recorded in this place; every row comes with its line.
+/// Returns an error for each row that no session could have recorded in this place; each row is given with its line.
 /// Within a sitting, first attempts are in the planned order, practice before main; a correction directly follows the
 /// rating that it corrects; and time advances equally in `onset_s` and `started_at`. A repair may have removed any row.
 pub(crate) fn order_errors<'a>(
@@ -167,7 +167,7 @@ pub(crate) fn order_errors<'a>(
                 && !is_repaired
                 && !(same_sitting && place == (above.phase == Phase::Main, above.trial))
             {
-                add("corrects a rating that is not above it; expected a correction directly after the rating"
+                add("corrects a rating that is not directly above it; expected a correction directly after the rating"
                     .to_owned());
             }
             if same_sitting {

@@ -200,7 +200,7 @@ impl Register {
         expect(&path, "the seed", sidecar.seed.to_string(), entry.seed.to_string());
         let is = seal::sha256_of_first(csv, entry.data_bytes).unwrap_or_else(|why| format!("a file that {why}"));
         expect(csv, "sha256", is, entry.data_sha256.clone());
-        // A sitting that could not be listed may have followed.
+        // Another sitting may have followed that could not be listed.
         let sealed = |seal: &Seal| seal.sidecar_sha256 == entry.sidecar_sha256;
         let is_resumed = sidecar.sittings.iter().any(|sitting| sitting.seal.as_ref().is_some_and(sealed));
         if entry.event == Event::Ended && !is_resumed {

@@ -27,7 +27,7 @@ use crate::{
 /// The result of a repair.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Repaired {
-    /// Numbers of the damaged lines, from 1.
+    /// Numbers of the damaged lines, counted from 1.
     pub lines: Vec<usize>,
     /// The file to which they were moved; `None` if no line was damaged.
     pub moved_to: Option<PathBuf>,
@@ -40,7 +40,7 @@ pub struct Repaired {
 /// trials of the moved lines are shown again when the session is resumed. The seals are not renewed.
 ///
 /// # Errors
-/// Another program writes the session; the sidecar is missing or cannot be read; no row is planned, so the sidecar
+/// Another program is writing the session; the sidecar is missing or cannot be read; no row is planned, so the sidecar
 /// belongs to another session; I/O errors. The data file is not changed before the other file is on disk.
 pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
     let (stem, identity) = identity(csv).map_err(|message| FileErrors::whole(csv, message))?;
@@ -163,14 +163,14 @@ fn write_new(csv: &Path, content: &[u8]) -> Result<PathBuf, StoreError> {
 }
 
 /// Adds the incident to the sidecar. The seals of the rows stay as they are, because a repair cannot know what the
-/// damaged lines were: if these were sealed, the user must accept the change.
+/// damaged lines contained: if they were sealed, the user must accept the change.
 fn record(incident: String, sidecar: &mut Sidecar) {
     let own = sidecar.own_sha256();
     sidecar.complete = false;
     if let Some(last) = sidecar.sittings.last_mut() {
         last.incidents.push(incident);
     }
-    // The incident itself is not a change by hand.
+    // The incident itself is not a manual change.
     let now = sidecar.own_sha256();
     if let Some(seal) = sidecar.seal.as_mut().filter(|seal| seal.sidecar_sha256 == own) {
         seal.sidecar_sha256 = now;

@@ -23,7 +23,7 @@ pub(super) struct Difference {
     pub path: PathBuf,
     /// Index of the sitting that was sealed.
     pub sitting: usize,
-    /// Whether later sittings followed, so that the seal covers only the beginning of the file.
+    /// True if later sittings followed, so that the seal covers only the beginning of the file.
     pub is_prefix: bool,
     /// The recorded hash; `None` if the sitting has no seal.
     pub was: Option<String>,
@@ -45,7 +45,7 @@ impl Difference {
         FileError::whole(&self.path, message)
     }
 
-    /// Says that the user accepted this difference, with both hashes.
+    /// Returns a message that the user accepted this difference, with both hashes.
     pub(super) fn accepted(&self) -> String {
         let file = self.path.file_name().unwrap_or_default().to_string_lossy();
         match (&self.was, &self.is) {
@@ -110,14 +110,14 @@ pub(super) fn differences(csv: &Path, sidecar: &Sidecar) -> Vec<Difference> {
     found
 }
 
-/// Compares the first `bytes` of a data file with their hash, for a session whose sidecar is lost.
+/// Compares the first `bytes` bytes of a data file with their hash, for a session whose sidecar is lost.
 pub(super) fn difference(csv: &Path, bytes: u64, was: &str) -> Option<Difference> {
     let is = sha256_of_first(csv, bytes);
     let found = Difference { path: csv.to_owned(), sitting: 0, is_prefix: true, was: Some(was.to_owned()), is };
     (found.is.as_deref() != Ok(was)).then_some(found)
 }
 
-/// Returns the hash of the first `bytes` of a file, or why there is none.
+/// Returns the hash of the first `bytes` bytes of a file, or why there is none.
 pub(super) fn sha256_of_first(path: &Path, bytes: u64) -> Result<String, String> {
     Prefixes::read(path, vec![bytes]).hash(Some(bytes))
 }
@@ -134,7 +134,7 @@ fn own_sha256(sidecar: &Sidecar, sitting: usize, is_prefix: bool, was: &str) -> 
 
 /// The hashes of the beginnings of a file.
 struct Prefixes {
-    /// The hashes of the first so many bytes.
+    /// The hash of each beginning of the file, by its length in bytes.
     of: BTreeMap<u64, String>,
     /// The hash of the whole file, or why it could not be read.
     whole: Result<String, String>,
@@ -172,7 +172,7 @@ impl Prefixes {
         }
     }
 
-    /// Returns the hash of the first `bytes`, or of the whole file.
+    /// Returns the hash of the first `bytes` bytes, or of the whole file if `bytes` is `None`.
     fn hash(&self, bytes: Option<u64>) -> Result<String, String> {
         let whole = self.whole.clone()?;
         match bytes {

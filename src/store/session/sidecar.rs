@@ -19,7 +19,7 @@ use crate::{
     },
 };
 
-/// Maximum size in bytes of a sidecar. The largest has a hash for each of 100,000 conditions, which is 8 MB, for each
+/// Maximum size in bytes of a sidecar. The largest has a hash for each of 100,000 conditions, 8 MB in all, for each
 /// sitting.
 const MAX_FILE: u64 = 64 << 20;
 
@@ -65,7 +65,8 @@ pub struct Seal {
     pub data_bytes: Option<u64>,
     /// SHA-256 of these bytes.
     pub data_sha256: String,
-    /// Number of bytes of the frames file; `None` if there is no such file, or in an earlier version.
+    /// Number of bytes of the frames file; `None` if there is no such file, or if an earlier version sealed the
+    /// session.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frames_bytes: Option<u64>,
     /// SHA-256 of the frames file, if there is one.
@@ -193,8 +194,8 @@ impl Sidecar {
         sha256(&serde_json::to_vec(&open).unwrap_or_default())
     }
 
-    /// Returns the sidecar as it was when a sitting ended, without the seal of that sitting. `sitting` is an index. The
-    /// result says that the session is `complete` if that is given.
+    /// Returns the sidecar as it was when a sitting ended, without the seal of that sitting. `sitting` is an index.
+    /// `complete` says whether all trials were rated at that time.
     pub(crate) fn at_end_of(&self, sitting: usize, complete: bool) -> Self {
         let mut then = Self { complete, seal: None, ..self.clone() };
         then.sittings.truncate(sitting + 1);
@@ -204,8 +205,8 @@ impl Sidecar {
         then
     }
 
-    /// Replaces the seals of the sittings from this index on by the seal of the files as they are now, because the user
-    /// accepted a change.
+    /// Replaces the seals of the sittings from this index on with the seal of the files as they are now, because the
+    /// user accepted a change.
     pub(crate) fn reseal(&mut self, from: usize, seal: &Seal) {
         for sitting in from..self.sittings.len() {
             if self.sittings[sitting].seal.is_some() {

@@ -37,7 +37,7 @@ pub struct SessionStore {
 pub enum Changes {
     /// The session is not resumed.
     Refuse,
-    /// The session is resumed, and its sidecar records the hashes of the changed files for ever.
+    /// The session is resumed, and its sidecar permanently records the hashes of the changed files.
     Accept,
 }
 
@@ -186,8 +186,8 @@ impl SessionStore {
         Ok(Found::read(results, protocol, identity, seed, changes)?.is_finished())
     }
 
-    /// Moves the seal to the sitting that it belongs to, so that the rows of that sitting remain checked. If the user
-    /// accepted differences, the seals that differ are replaced.
+    /// Moves the seal to the sitting that it belongs to, so that the rows of that sitting continue to be checked. If
+    /// the user accepted differences, the seals that differ are replaced.
     fn keep_seal(&mut self, accepted: &[Difference]) {
         let seal = self.sidecar.seal.take();
         let now = self.seal();
@@ -231,7 +231,7 @@ impl SessionStore {
         self.rows.append(record)
     }
 
-    /// Returns the rows that are only in memory, as they belong in the file.
+    /// Returns the rows that are only in memory, in the format of the file.
     pub fn unsaved(&self) -> Vec<String> {
         self.rows.file.unsaved().lines().map(str::to_owned).collect()
     }
@@ -295,7 +295,7 @@ impl SessionStore {
         self.rows.file.continue_in(&paths.csv)?;
         if let Some(Err(error)) = self.frames.as_mut().map(|frames| frames.continue_in(&paths.frames)) {
             self.note(format!("the frames could not be moved: {error}"));
-            // The seals would miss them in the new folder.
+            // Seals that include the frames would report them as missing in the new folder.
             let without = Seal { frames_bytes: None, frames_sha256: None, ..self.seal() };
             self.sidecar.reseal(0, &without);
         }
@@ -365,7 +365,7 @@ impl SessionStore {
             sitting.ended_at = Some(ended_at);
             sitting.frames = frames;
         }
-        // What is sealed must survive a power failure.
+        // Sealed data must survive a power failure.
         if let Some(Err(error)) = self.frames.as_mut().map(FrameFile::sync) {
             self.note(format!("the frames are not complete: {error}"));
             self.frames_refused = true;
@@ -409,7 +409,7 @@ struct Found {
 }
 
 impl Found {
-    /// Reads and locks a session, and changes nothing.
+    /// Reads and locks a session without changing anything.
     ///
     /// # Errors
     /// The same errors as [`SessionStore::resume`].

@@ -45,14 +45,14 @@ const MAX_SIDE: u32 = 8192;
 /// Maximum number of pixels rendered for one session. A hundred pictures for a 4K screen have half a billion, and a
 /// session may be resumed on another screen.
 const MAX_RENDERED: u64 = 2_000_000_000;
-/// Number of pixels rendered at the same time, which need about 16 bytes each, unless one picture has more.
+/// Number of pixels rendered at the same time, unless a single picture has more. Each pixel needs about 16 bytes.
 const AT_A_TIME: u64 = 16_000_000;
 /// Maximum number of hashes that are remembered, about 10 MB. All sessions on one screen share the pictures of their
 /// conditions; a design has a hundred.
 const MAX_KNOWN: usize = 20_000;
 
-/// Renders each picture once, regardless of how many sessions showed it. If there are very many different pictures, some
-/// are rendered again.
+/// Renders each picture once, regardless of how many sessions showed it. If there are very many different pictures,
+/// some are rendered again.
 #[derive(Debug, Default)]
 pub struct Renderer {
     /// Hash of the picture for each recipe, as JSON.
@@ -183,8 +183,8 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
 }
 
 /// Returns how often the wall clock was set back between sittings. Within a sitting, `started_at` is computed from the
-/// session's own time, which never goes back. The time of a simulated observer runs ahead of the wall clock, so the rows
-/// of two sittings are not compared.
+/// session's own time, which never goes back. The time of a simulated observer runs ahead of the wall clock, so the
+/// rows of two sittings are not compared.
 fn turned_back(sidecar: &Sidecar) -> usize {
     let time = |text: &str| text.parse::<Timestamp>().ok();
     let pairs = sidecar.sittings.windows(2).filter_map(|pair| {
