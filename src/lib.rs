@@ -28,8 +28,8 @@
 //! Sources: Bangay, *Methods of Reducing the Visibility of Mach Bands during Gouraud Shading*; Shoaff,
 //! *Color, Illumination Models, and Shading*.
 
-// Both panic if the stream is closed or the disk behind it is full; `report::terminal::message` and
-// `cli::print_line` do not.
+// Both panic if the stream is closed or the disk behind it is full; `report::terminal::message` and `cli::print_line`
+// do not.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod analysis;

@@ -156,7 +156,7 @@ fn print_line(line: &str) -> anyhow::Result<()> {
     print_data(format!("{}\n", printable(line)).as_bytes())
 }
 
-/// Writes data to stdout as they are. It is not an error if the reader has already closed the pipe, as `head -1` does.
+/// Writes data to stdout unchanged. It is not an error if the reader has already closed the pipe, as `head -1` does.
 fn print_data(data: &[u8]) -> anyhow::Result<()> {
     match std::io::stdout().write_all(data) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -192,7 +192,8 @@ fn progress_style(what: &str) -> indicatif::ProgressStyle {
 fn spinner(what: &'static str) -> indicatif::ProgressBar {
     let spinner = indicatif::ProgressBar::new_spinner().with_message(what);
     let turning = spinner.clone();
-    // `enable_steady_tick` would panic if the system cannot create a thread; the text is then shown without turning.
+    // `enable_steady_tick` would panic if the system cannot create a thread; the text is then shown without the moving
+    // spinner.
     let turned = run_on_thread(move || {
         while !turning.is_finished() {
             turning.tick();

@@ -36,7 +36,7 @@ pub(super) struct ModelOptions {
     /// Number of nodes of the adaptive Gauss–Hermite quadrature; 1 is the Laplace approximation.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=MAX_NODES as i64))]
     pub(super) quadrature: u16,
-    /// Also analyze what is larger than a usual study: more than 10 factors, 120 levels of a factor, 5,000 conditions,
+    /// Also analyze a study that is larger than usual: more than 10 factors, 120 levels of a factor, 5,000 conditions,
     /// 20,000 participants or 120 coefficients, or names of more than 200 bytes. The time grows with their square or
     /// cube.
     #[arg(long)]

@@ -52,9 +52,9 @@ output_path! {
     FittedPath
 }
 
-/// Name of the option with which a [`FittedPath`] is written.
+/// Name of the option that makes a [`FittedPath`] an output.
 const FIT: &str = "fit";
-/// Name of the option that allows to replace existing files.
+/// Name of the option that allows a command to replace existing files.
 const FORCE: &str = "force";
 
 /// Adds `--force` to every command that has an [`OutPath`].
@@ -83,7 +83,7 @@ pub(super) fn writer(command: &Command, matches: &ArgMatches) -> Result<Writer, 
         let is_folder = argument.get_value_hint() == ValueHint::DirPath;
         let reads_folders = argument.get_value_names().unwrap_or_default().iter().any(|name| name.contains("DIR"));
         let paths = values(argument, matches, PathBuf::clone);
-        // Texts can also be paths.
+        // Text arguments can also be paths.
         let paths = paths.chain(values(argument, matches, |text: &String| PathBuf::from(text)));
         // A built-in definition may have the same name as a folder.
         inputs.extend(paths.filter(|path| reads_folders || path.is_file()));

@@ -20,8 +20,8 @@ use crate::{
     vision::{Criterion, Visibility},
 };
 
-/// Maximum number of conditions of a definition, unless the user allows more. A prediction takes milliseconds; a study has
-/// a hundred conditions.
+/// Maximum number of conditions of a definition, unless the user allows more. A prediction takes milliseconds; a study
+/// has a hundred conditions.
 const MAX_CONDITIONS: usize = 2000;
 
 /// Predict the visibility of Mach bands in one stimulus, in every condition of a definition, or in any image.
@@ -39,8 +39,8 @@ pub(super) struct Arguments {
     /// Predict the bands in this image, which can be any opaque PNG.
     #[arg(long, value_name = "FILE.png", conflicts_with = "experiment")]
     image: Option<PathBuf>,
-    /// Also accept more than 2000 conditions, an image of more than 4096 × 4096 pixels, up to 16384 per side, and ratings
-    /// beyond the limits of `analyze`. Needs more time and memory.
+    /// Also accept more than 2000 conditions, an image of more than 4096 × 4096 pixels (up to 16384 per side), and
+    /// ratings beyond the limits of `analyze`. This needs more time and memory.
     #[arg(long)]
     large: bool,
     /// Where to write a map of the image's bands: bright bands are white, dark bands are black.

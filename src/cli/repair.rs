@@ -15,9 +15,8 @@ use crate::{
 ///
 /// A line is damaged if it cannot be read or if the definition and the seed do not plan it. No byte is deleted: the
 /// lines go to a new file …_data.csv.damaged-N. The sidecar and sessions.csv record the repair, and machband verify
-/// lists it. When the session is resumed, it shows the trials of these lines again. If the lines were
-/// damaged after their sitting ended, machband verify reports that the file was changed, and resuming needs
-/// --accept-changes.
+/// lists it. When the session is resumed, it shows the trials of these lines again. If the lines were damaged after
+/// their sitting ended, machband verify reports that the file was changed, and resuming needs --accept-changes.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband repair results/quick/data/subject-S001_session-1_task-quick_data.csv")]
 pub(super) struct Arguments {

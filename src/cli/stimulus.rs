@@ -127,11 +127,11 @@ impl FromStr for Shard {
     }
 }
 
-/// Memory for the images that are made at the same time, bytes.
+/// Memory in bytes for the images that are made at the same time.
 const MEMORY: u64 = 4 << 30;
 
-/// Returns how many images are made at the same time: as many as fit into [`MEMORY`], each with its light, its codes and
-/// its file.
+/// Returns how many images are made at the same time: as many as fit into [`MEMORY`], each with its light, its codes
+/// and its file.
 fn at_once(size: u32) -> usize {
     let image = 16 * u64::from(size) * u64::from(size);
     usize::try_from(MEMORY / image.max(1)).unwrap_or(usize::MAX).max(1)

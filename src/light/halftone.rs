@@ -19,7 +19,7 @@ use super::transfer::{Transfer, Transfers};
 /// The maximum number of bits in a code.
 const MAX_BITS: u32 = 8;
 
-/// Maximum side of an image drawn in cells, pixels: as large as any other image that the program writes.
+/// Maximum side in pixels of an image drawn in cells, the same as for any other image that the program writes.
 pub const MAX_PX: u32 = 16_384;
 
 /// A device with few codes and the cells drawn on it. Written as the matrix and the bits per channel: `clustered3:1`.

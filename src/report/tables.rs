@@ -191,9 +191,9 @@ pub fn agreement(results: &Results) -> Table {
     Table::new(["measure", "subject_id", "n", "estimate", "ci_low", "ci_high"], rows)
 }
 
-/// Lists the sufficient statistic as CSV: participant, factors, rating and count. `analyze` can read this table in place
-/// of the files, because the columns of the participant and the response keep their names. There may be millions of
-/// rows, so no [`Table`] is built.
+/// Lists the sufficient statistic as CSV: participant, factors, rating and count. `analyze` can read this table in
+/// place of the files, because the columns of the participant and the response keep their names. There may be millions
+/// of rows, so no [`Table`] is built.
 pub fn counts(counts: &Counts, shape: &Shape) -> Vec<u8> {
     let factors = counts.factors.iter().map(|factor| &factor.name);
     let header = [&shape.subject].into_iter().chain(factors).map(Cow::from);

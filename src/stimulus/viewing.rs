@@ -50,7 +50,7 @@ impl ViewingConditions {
     /// A sufficient side for any other stimulus, pixels. It is smaller because the time grows with the area.
     pub const PICTURE_PX: u32 = 512;
 
-    /// Maximum side of a picture, pixels: the model keeps tens of numbers for each pixel. A line has no such limit.
+    /// Maximum side of a picture in pixels: the model keeps dozens of numbers for each pixel. A line has no such limit.
     pub const MAX_PICTURE_PX: u32 = 4096;
 
     /// Creates a window of this many degrees on a typical screen.

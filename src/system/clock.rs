@@ -9,7 +9,7 @@ const FIRST: Timestamp = Timestamp::constant(-62_167_219_200, 0);
 /// The beginning of the year 9999: a session that begins then still ends before the year 10000.
 const LAST: Timestamp = Timestamp::constant(253_370_764_800, 0);
 
-/// The time of the clock; `None` if it is not in the years 0 to 9998.
+/// Returns the time of the clock; `None` if it is not in the years 0 to 9998.
 fn read() -> Option<Timestamp> {
     Timestamp::try_from(SystemTime::now()).ok().filter(|now| (FIRST..=LAST).contains(now))
 }

@@ -58,7 +58,7 @@ pub fn data_folder() -> Option<PathBuf> {
     choose_native_strategy().ok().map(|user| user.data_dir().join("machband"))
 }
 
-/// Creates a folder and its parents. Only the user can open those that it creates (mode 700).
+/// Creates a folder and its parents. Only the user can open the folders that it creates (mode 700).
 ///
 /// # Errors
 /// I/O errors.

@@ -1,5 +1,5 @@
-//! Floor 0: what the operating system provides: the clock, threads, signals and folders. Each of them can fail, and none
-//! of these functions panics then.
+//! Floor 0: the clock, threads, signals and folders of the operating system. Any of them can fail, but these functions
+//! never panic.
 
 mod clock;
 mod folders;

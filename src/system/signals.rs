@@ -15,7 +15,7 @@ use std::{
 pub struct Signal(u8);
 
 impl Signal {
-    /// Returns the exit status of a program that this signal ended, by the custom of shells.
+    /// Returns the exit status that shells report for a program that this signal ended.
     #[must_use]
     pub fn status(self) -> u8 {
         self.0.saturating_add(128)
@@ -36,8 +36,8 @@ impl fmt::Display for Signal {
 /// The last signal; 0 before the first. Empty until signals are watched.
 static RECEIVED: OnceLock<Arc<AtomicUsize>> = OnceLock::new();
 
-/// From now on, the first signal is only noted, for [`received`]; the next one ends the program at once. A signal that
-/// cannot be watched ends the program, as before.
+/// Starts to watch for signals. The first one is only noted, for [`received`]; the next one ends the program at once. A
+/// signal that cannot be watched ends the program, as before.
 #[cfg(unix)]
 pub fn watch() {
     use signal_hook::flag;
@@ -67,8 +67,8 @@ pub fn wake(wake: impl Fn() + Send + 'static) {
 #[cfg(not(unix))]
 pub fn wake(_: impl Fn() + Send + 'static) {}
 
-/// The signals to watch. One that the program was started to ignore, as by `nohup`, stays ignored where the system tells
-/// (Linux).
+/// The signals to watch. If the program was started with a signal ignored, for example by `nohup`, that signal stays
+/// ignored on systems that report this (Linux).
 #[cfg(unix)]
 fn watched() -> impl Iterator<Item = i32> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};

@@ -16,8 +16,8 @@ pub fn run_on_thread(work: impl FnOnce() + Send + 'static) -> io::Result<()> {
     Builder::new().spawn(work).map(drop)
 }
 
-/// Creates up to `most` threads for a pool; returns their number, and a function that gives each of them its work in the
-/// pool.
+/// Creates up to `most` threads for a pool; returns their number, and a function that gives each of them its work in
+/// the pool.
 ///
 /// # Errors
 /// The system cannot create even one thread.

@@ -17,7 +17,8 @@ pub enum VisionError {
         /// Minimum number of pixels per side.
         least: usize,
     },
-    /// The number of pixels per degree is not a positive number, or so large that no memory holds the surround.
+    /// The number of pixels per degree is not a positive number, or is so large that the surround does not fit into
+    /// memory.
     #[error("{0:e} pixels per degree; expected a number above 0 and at most {MAX_PX_PER_DEG}")]
     Sampling(f64),
     /// The image is wider or higher than the whole field around the eye.

@@ -1,4 +1,5 @@
-//! Small inputs that would cost much, and things that are not files of data. Every command ends soon, in little memory.
+//! Small inputs that ask for much time or memory, and paths that are not data files. Every command ends soon and uses
+//! little memory.
 
 use std::{
     ffi::OsString,
@@ -25,7 +26,7 @@ const MAX_S: f64 = 5.0;
 /// The program that `MACHBAND_LIMITS` names is timed. Without it, this is the tests' own build, which is slower than a
 /// release build and may run on a busy machine, so that only an input that hangs is found.
 const MAX_S_OF_TESTS: f64 = 30.0;
-/// Maximum peak memory.
+/// Maximum peak memory in KiB.
 const MAX_KIB: u64 = 1 << 20;
 
 /// A release build of the program, to be measured.
@@ -33,8 +34,8 @@ fn measured() -> Option<OsString> {
     std::env::var_os("MACHBAND_LIMITS")
 }
 
-/// Runs a command line and returns its status, its messages, and its time and peak memory. Panics if it takes too long or too much memory, or if it
-/// ends in a way in which no command should end.
+/// Runs a command line and returns its status, its messages, and its time and peak memory. Panics if the command takes
+/// too long, uses too much memory, or ends in a way that no command should.
 fn bounded(folder: &Path, line: &str) -> (Option<i32>, String, String) {
     let mut command = command(folder, &split(line));
     let mut max_s = MAX_S_OF_TESTS;
@@ -120,7 +121,7 @@ fn only_regular_files_are_read() {
                 let line = line.replace("{}", &link);
                 let (status, messages, _) = bounded(folder.path(), &line);
                 runs += 1;
-                // A sidecar that is a folder is no sidecar.
+                // A folder with the name of the sidecar does not count as a sidecar.
                 let is_expected = messages.contains("is not a regular file") || messages.contains("is a folder");
                 let is_read_as_folder = what == "folder" && (ending == "json" || messages.contains("CSV files"));
                 assert!(
@@ -179,7 +180,7 @@ fn png(side: u32, depth: png::BitDepth, color: png::ColorType, extra: Option<([u
     bytes
 }
 
-/// `size` equal bytes, compressed a thousandfold.
+/// Returns `size` equal bytes, compressed a thousandfold.
 fn bomb(prefix: &[u8], size: usize) -> Vec<u8> {
     let mut encoder = flate2::write::ZlibEncoder::new(prefix.to_vec(), flate2::Compression::best());
     let block = vec![b'x'; 1 << 20];
@@ -203,7 +204,8 @@ fn obj(points: usize, faces: usize, corners: usize) -> String {
     text
 }
 
-/// What a command says about an input: a part of its first message; empty if it must succeed, `*` if it may do either.
+/// What a command says about an input: a part of its first message; empty if it must succeed, or `*` if it may succeed
+/// or fail.
 type Case = (&'static str, Vec<u8>, Vec<(&'static str, &'static str)>);
 
 /// Inputs below 1 MB that are as expensive as possible, each with the commands that read it.
@@ -357,8 +359,8 @@ fn cases(full: bool) -> Vec<Case> {
     cases
 }
 
-/// No input below 1 MB takes long or much memory. `MACHBAND_LIMITS=PROGRAM` also runs the inputs at the limits, measures
-/// this release build, and prints the table of `docs/scale.md`.
+/// No input below 1 MB takes long or much memory. `MACHBAND_LIMITS=PROGRAM` also runs the inputs at the limits,
+/// measures this release build, and prints the table of `docs/scale.md`.
 #[test]
 fn small_inputs_cost_little() {
     let folder = tempfile::tempdir().unwrap();
@@ -469,7 +471,7 @@ fn mutated(content: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
                 let count = rng.random_range(0..1 << 20) / few.len().max(1);
                 bytes.splice(at..at, few.repeat(count));
             }
-            // A number or a word that means something.
+            // A number or word that has a meaning in such files.
             _ => {
                 let odd: [&[u8]; 12] = [
                     b"0",
@@ -495,10 +497,10 @@ fn mutated(content: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
     bytes
 }
 
-/// Files that were damaged at random end every command that reads them soon, without a panic, and stay as they are.
-/// `MACHBAND_FUZZ` is the number of damaged files for each command and valid file (2).
+/// Every command that reads a randomly damaged file ends soon, does not panic, and leaves the file unchanged.
+/// `MACHBAND_FUZZ` is the number of damaged files for each command and valid file (2 by default).
 #[test]
-fn damaged_files_end_every_command_soon() {
+fn every_command_ends_soon_on_damaged_files() {
     let folder = tempfile::tempdir().unwrap();
     let count: u64 = std::env::var("MACHBAND_FUZZ").map_or(2, |value| value.parse().unwrap());
     let files = valid_files(folder.path());

@@ -34,7 +34,7 @@ fn value_name(argument: &Arg) -> String {
     argument.get_value_names().unwrap_or_default().join(" ")
 }
 
-/// Whether the values of an argument are paths, judged by the help alone.
+/// True if the values of an argument are paths, judged by the help alone.
 fn is_path(argument: &Arg) -> bool {
     let name = value_name(argument);
     ["FILE", "DIR", "EXPERIMENT", "MESH"].iter().any(|part| name.contains(part))
@@ -98,7 +98,7 @@ fn commands() -> Vec<Command> {
     definition.get_subcommands().filter(|command| command.get_name() != "help").cloned().collect()
 }
 
-/// The definition says which options are outputs. If it forgot one, the next test would not see that.
+/// The types of the options say which ones are outputs. The next test would not notice an output with a wrong type.
 #[test]
 fn every_path_is_an_input_or_an_output() {
     let mut found = BTreeMap::<_, usize>::new();
@@ -154,7 +154,7 @@ fn no_command_writes_over_its_inputs() {
             };
             for way in &ways {
                 let path = format!("{way}{name}");
-                // Two hard links are replaced independently, so both outputs exist afterwards.
+                // Two hard links are replaced independently, so both outputs exist afterward.
                 let are_both_written = *way == "hard-" && is_written;
                 if are_both_written || !folder.path().join(&path).exists() {
                     continue;
@@ -188,7 +188,7 @@ fn no_command_writes_over_its_inputs() {
     withstood("an input or another output as an output", runs, &[FILES, PANICS]);
 }
 
-/// A mistyped `--out` cannot destroy a session, with `--force` or without, through a link or not.
+/// A mistyped `--out` cannot destroy a session, with or without `--force`, and with or without a link.
 #[test]
 fn no_command_writes_over_a_session() {
     let folder = tempfile::tempdir().unwrap();
@@ -232,7 +232,7 @@ fn no_command_writes_over_a_session() {
         let error = fails(folder.path(), &split(&format!("{command} --out z/quick/data --force")), 2);
         assert!(error.contains("is inside the data folder"), "{error}");
     }
-    // What the window writes on its other pages.
+    // The files that the window writes on its other pages.
     let data = at("z/quick/data");
     for force in [false, true] {
         let writer = Writer::new([], force);
@@ -363,7 +363,7 @@ fn stimuli_keeps_the_images_of_others() {
     // A folder with the name of a built-in definition is not an input.
     fs::create_dir(folder.path().join("quick")).unwrap();
     assert!(machband(folder.path(), &split("stimuli quick --size 8 --out quick")).status.success());
-    // A killed run leaves temporary files. They are removed later, but nothing else is, whatever its name.
+    // A killed run leaves temporary files. They are removed later. No other file is removed, whatever its name.
     let old = std::time::SystemTime::now() - std::time::Duration::from_secs(3600);
     for name in ["01.png.machband-Ab12Cd.tmp", "field-notes.tmp"] {
         let file = fs::File::create(folder.path().join("s").join(name)).unwrap();

@@ -10,8 +10,8 @@ pub const PANICS: &str = "panics";
 pub const HANGS: &str = "hangs";
 pub const ALL: [&str; 5] = [ROWS, FILES, LIES, PANICS, HANGS];
 
-/// Prints how many attacks of a class were made. A test calls this after its assertions, so that the attacks caused none
-/// of what was `checked`.
+/// Prints how many attacks of a class were made. A test calls this after its assertions, so that the attacks caused
+/// none of what was `checked`.
 pub fn withstood(class: &str, attacks: usize, checked: &[&str]) {
     let cells = ALL.map(|what| if checked.contains(&what) { "0" } else { "–" });
     // Not with `println!`, because the test harness captures it.

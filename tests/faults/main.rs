@@ -2,8 +2,8 @@
 //! and checks what is on disk afterward and what resuming does.
 //!
 //! The tests need Linux and `cc`. If `cc` is missing, they print `SKIPPED` and pass, unless
-//! `MACHBAND_REQUIRE_FAULTS=1`. `MACHBAND_FAULTS` is the number of sessions (1,000), `MACHBAND_CUTS` the number
-//! of power cuts (50), and `MACHBAND_FAULT_SEED` the seed from which the faults are drawn (1).
+//! `MACHBAND_REQUIRE_FAULTS=1`. `MACHBAND_FAULTS` is the number of sessions (1,000), `MACHBAND_CUTS` the number of
+//! power cuts (50), and `MACHBAND_FAULT_SEED` the seed from which the faults are drawn (1).
 
 #![cfg(all(target_os = "linux", target_env = "gnu"))]
 
@@ -68,7 +68,7 @@ fn no_row_is_lost_when_something_happens_around_a_session() {
     withstood("faults around a session", table.total("sessions"), &ALL);
 }
 
-/// The power fails at any moment of a session or of a command that writes files.
+/// The power fails at any moment during a session or a command that writes files.
 #[test]
 fn nothing_that_was_reported_is_lost_in_a_power_cut() {
     if shim::library().is_none() {

@@ -1,5 +1,5 @@
-//! Every file that a command leaves was synced, and so was its folder. Otherwise, a power failure soon afterward leaves
-//! an empty file, or none.
+//! Every file that a command leaves was synced, and so was its folder. Otherwise, a power failure soon afterward could
+//! leave an empty file or no file.
 
 use std::{
     collections::{BTreeSet, HashSet},

@@ -1,6 +1,7 @@
-//! Power cuts. The library journals every change that a program makes. From the journal, a disk is simulated that loses
-//! at some moment what was not synced: the content of a file is what was last synced, or more, and possibly torn; a name
-//! is certain only once its folder is synced, and later names may survive without earlier ones.
+//! Power cuts. The library journals every change that a program makes. From the journal, the test simulates a disk that
+//! loses unsynced changes at some moment. The content of a file that was last synced survives; later writes may survive
+//! too, possibly torn. A name is certain only once its folder is synced, and later names may survive without earlier
+//! ones.
 
 use std::{
     collections::HashMap,
@@ -82,8 +83,8 @@ struct Content {
 }
 
 impl Content {
-    /// The content after the first `count` changes since the last sync. With `torn`, the last of them is incomplete: half
-    /// of its bytes are missing, or all are zero.
+    /// The content after the first `count` changes since the last sync. With `torn`, the last of them is incomplete:
+    /// half of its bytes are missing, or all are zero.
     fn after(&self, count: usize, torn: Option<bool>) -> Vec<u8> {
         let mut content = self.synced.clone();
         for (i, (at, bytes)) in self.since[..count].iter().enumerate() {
@@ -107,14 +108,14 @@ impl Content {
 /// The name of a file in a folder: the folder's inode and the name.
 type Name = (u64, String);
 
-/// A disk, with what would survive a power cut now.
+/// A disk, including what would survive if the power failed now.
 #[derive(Clone, Default)]
 struct Disk {
     root: (PathBuf, u64),
     files: HashMap<u64, Content>,
     now: HashMap<Name, u64>,
     certain: HashMap<Name, u64>,
-    /// Changes of names that are not certain yet. The changes in one of them happen together.
+    /// Changes of names that are not certain yet. The changes in each entry happen together.
     pending: Vec<Vec<(Name, Option<u64>)>>,
 }
 
@@ -198,8 +199,8 @@ impl Disk {
         }
     }
 
-    /// Writes what survives a power cut into a folder. Of what is not certain, a random part survives; with no random
-    /// numbers, nothing does.
+    /// Writes what survives a power cut into a folder. A random part of the uncertain changes survives; without random
+    /// numbers, none of them does.
     fn cut(&self, mut rng: Option<&mut ChaCha8Rng>, to: &Path) {
         let mut names = self.certain.clone();
         for changes in &self.pending {
@@ -265,7 +266,7 @@ impl Recorded {
         disk
     }
 
-    /// Cuts the power at a random moment, or, in one case of eight, after the end, with nothing but what is certain;
+    /// Cuts the power at a random moment or, in one of eight cases, after the end, and then keeps only what is certain;
     /// returns the folder after the cut, and whether the program had ended.
     fn cut(&self, rng: &mut ChaCha8Rng) -> (tempfile::TempDir, usize) {
         let folder = sweep::folder();
@@ -391,8 +392,8 @@ impl Study {
     }
 }
 
-/// Cuts the power during a command: every file under its final name is whole, and once the command has ended, all are
-/// there.
+/// Cuts the power during a command: every file under its final name is complete, and once the command has ended, all
+/// files exist.
 fn output_after(recorded: &Recorded, rng: &mut ChaCha8Rng) -> (String, usize, Vec<String>) {
     let (folder, count) = recorded.cut(rng);
     let files = |root: &Path| -> Vec<(PathBuf, Vec<u8>)> {
@@ -411,7 +412,7 @@ fn output_after(recorded: &Recorded, rng: &mut ChaCha8Rng) -> (String, usize, Ve
         }
     }
     let lost: Vec<_> = whole.iter().filter(|file| !kept.contains(file)).map(|(path, _)| path.display()).collect();
-    // A file that was removed, such as a lock, may be there again.
+    // A file that was removed, such as a lock, may exist again.
     if count == recorded.changes.len() && !lost.is_empty() {
         wrong.push(format!("not whole after the end: {lost:?}"));
     }

@@ -60,7 +60,7 @@ pub struct ProgramResult {
 }
 
 impl ProgramResult {
-    /// Whether the program was killed, or gave up because it had no memory.
+    /// True if the program was killed, or gave up because it had no memory.
     pub fn was_killed(&self) -> bool {
         matches!(std::os::unix::process::ExitStatusExt::signal(&self.status), Some(6 | 9))
     }

@@ -347,9 +347,10 @@ fn matters(hit: &Hit) -> bool {
     let hidden = hit.op == "open" && hit.what.starts_with("EACCES") && Path::new(&hit.path).extension().is_none();
     // If frames cannot be saved, the sidecar says so, and the session continues.
     let frames = ["open", "stat"].contains(&&*hit.op) && hit.path.ends_with("_frames.csv");
-    // The same holds for what only helps to check the session later or protects it a second time.
+    // The same holds for files that only help to check the session later or protect it a second time.
     let beside = hit.path.ends_with("/sessions.csv") || hit.path.ends_with(".lock");
-    // A leftover file that cannot be found does no harm, nor does a question about the folder of the results.
+    // If `stat` fails, a leftover file that is not found does no harm, nor does a failed query about the results
+    // folder.
     let leftover = hit.op == "stat" && (hit.path.ends_with(".tmp") || hit.path.ends_with("/first"));
     // Memory that was refused ends the program, or is asked for again in smaller pieces.
     let unneeded = ["unlink", "clock", "list", "close", "thread", "alloc"].contains(&&*hit.op);

@@ -1,5 +1,5 @@
-//! What the operating system refuses or asks: standard streams that are full, threads, the clock, folders that cannot be
-//! closed, and signals. No command panics, and no reported row is lost.
+//! The operating system refuses or demands something: full standard streams, threads that cannot be created, an
+//! impossible clock, folders that cannot be closed, and signals. No command panics, and no reported row is lost.
 
 use std::{
     fs::{self, File},
@@ -151,7 +151,7 @@ fn a_clock_in_an_impossible_year_is_an_error_or_a_time_at_the_limit() {
 }
 
 #[test]
-fn a_folder_that_cannot_be_closed_is_no_panic() {
+fn a_folder_that_cannot_be_closed_causes_no_panic() {
     if shim::library().is_none() {
         return;
     }
@@ -176,7 +176,7 @@ fn a_folder_that_cannot_be_closed_is_no_panic() {
     withstood("folders that cannot be closed", 2 + lines.len(), &ALL);
 }
 
-/// A signal arrives just before each row is written, and before the sidecar is.
+/// In each run, a signal arrives just before a different write, such as the one of a row or of the sidecar.
 #[test]
 fn a_signal_closes_the_sitting() {
     if shim::library().is_none() {
@@ -214,7 +214,7 @@ fn a_signal_closes_the_sitting() {
     withstood("signals, once and twice", 2 * writes as usize, &ALL);
 }
 
-/// `nohup` starts a program with SIGHUP ignored; it must stay so.
+/// `nohup` starts a program with SIGHUP ignored; it must stay ignored.
 #[test]
 fn an_ignored_signal_stays_ignored() {
     let Some(library) = shim::library() else { return };
@@ -228,7 +228,7 @@ fn an_ignored_signal_stays_ignored() {
     assert!(ended.status.success(), "{ended:?}");
 }
 
-/// Sizes that no memory holds are refused before any work, with the limit.
+/// Sizes that do not fit into memory are refused before any work begins, and the message states the limit.
 #[test]
 fn sizes_are_checked_before_work_begins() {
     let folder = sweep::folder();

@@ -29,13 +29,13 @@ fn table() -> Transfer {
     transfers().pop().unwrap()
 }
 
-/// For every kind, transfer, depth and dither, a written image reads back as the codes that were rendered and passes
-/// verification.
-/// A writer that may replace the file of an earlier step of a test.
+/// Returns a writer that may replace the file of an earlier step of a test.
 fn replacing() -> Writer {
     Writer::new([], true)
 }
 
+/// For every kind, transfer, depth and dither, a written image reads back as the codes that were rendered and passes
+/// verification.
 #[test]
 fn images_read_back_and_can_be_verified() {
     let folder = tempfile::tempdir().unwrap();

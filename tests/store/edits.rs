@@ -1,4 +1,5 @@
-//! Edits of a recorded session, made by rule, and who sees each of them. `docs/faults.md` contains the resulting table.
+//! Edits recorded sessions by rule, and tests which commands notice each edit. `docs/faults.md` contains the resulting
+//! table.
 
 use std::{
     fmt::Write as _,
@@ -28,7 +29,7 @@ use crate::{
     recording::{SEED, identity, rate, sitting, small},
 };
 
-/// Who looks at a session. The analysis page shows the same errors and warnings as `analyze`.
+/// The commands that look at a session. The analysis page shows the same errors and warnings as `analyze`.
 const WHO: [&str; 5] = ["verify", "check", "resume", "analyze", "export"];
 
 /// How the session was left before it was edited.
@@ -315,7 +316,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// Returns which of [`WHO`] say something about these results. Resuming comes last because it may change them.
+/// Returns which of [`WHO`] report something about these results. Resuming comes last because it may change them.
 fn seen(results: &Path, renderer: &mut verify::Renderer) -> [bool; 5] {
     let files = data_files(results).unwrap_or_default();
     let data_set = results.join("small-one");
@@ -341,8 +342,8 @@ fn seen(results: &Path, renderer: &mut verify::Renderer) -> [bool; 5] {
     [verified, checked, resumed, analyzed, exported]
 }
 
-/// The edits that someone does not see: their names (after an asterisk, how the names end), who does not see them, and
-/// why that is right. Without a seal, other rules apply; see [`PLANNED`].
+/// The edits that some command does not notice: their names (after an asterisk, the end of the names), the commands
+/// that do not notice them, and why that is right. Without a seal, other rules apply; see [`PLANNED`].
 const STATED: [(&[&str], &[&str], &str); 9] = [
     (
         &["data.json without its last byte", "data.json with another line end"],
@@ -405,7 +406,7 @@ const STATED: [(&[&str], &[&str], &str); 9] = [
 ];
 
 #[test]
-fn every_edit_is_seen_by_everyone_who_looks() {
+fn every_command_notices_every_edit_except_those_listed() {
     let folder = tempfile::tempdir().unwrap();
     let mut renderer = verify::Renderer::default();
     let mut table =
@@ -456,5 +457,5 @@ fn every_edit_is_seen_by_everyone_who_looks() {
     println!("{table}");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     withstood("edits of a sealed session, with five commands", sealed, &[LIES]);
-    assert!(include_str!("../../docs/faults.md").contains(&table), "docs/faults.md has another table");
+    assert!(include_str!("../../docs/faults.md").contains(&table), "docs/faults.md has a different table");
 }

@@ -43,7 +43,7 @@ fn edit_json(path: &Path, edit: impl FnOnce(&mut Value)) {
     fs::write(path, value.to_string()).unwrap();
 }
 
-/// Edits a sidecar as if the program had written it so.
+/// Edits a sidecar as if the program had written it that way.
 fn rewrite(path: &Path, edit: impl FnOnce(&mut Value)) {
     edit_json(path, edit);
     let mut sidecar = Sidecar::read(path).unwrap().unwrap();
@@ -380,7 +380,7 @@ fn links_in_the_data_are_refused_by_name() {
     for place in files.into_iter().chain(of_session).chain(["data".to_owned(), String::new()]) {
         // The link leads to exactly what would otherwise be exported, so nothing else can be wrong.
         let (path, target) = (results.join("quick").join(&place), secret.join("target"));
-        // Without the slash at its end, the path is that of the folder `quick`.
+        // Without its trailing slash, this is the path of the folder `quick`.
         let path: PathBuf = path.components().collect();
         let is_new = !path.exists();
         if is_new {

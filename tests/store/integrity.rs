@@ -77,7 +77,7 @@ fn errors(csv: &Path) -> String {
 }
 
 #[test]
-fn resuming_refuses_a_changed_session_or_records_the_change_for_ever() {
+fn resuming_refuses_a_changed_session_or_records_the_change_permanently() {
     type Touch = fn(&Path);
     let ways: [(&str, usize, Touch); 4] = [
         ("a rating of an ended sitting", 3, change_rating),
@@ -226,7 +226,7 @@ fn a_register_that_cannot_be_written_is_noted_and_harms_nothing_else() {
     assert!(check::check(second.path().join("small-one/sessions.csv")).unwrap().sentence.contains("sessions: 1"));
 }
 
-/// Reading a pipe would wait for ever.
+/// Reading a pipe would wait forever.
 #[cfg(unix)]
 #[test]
 fn pipes_next_to_a_session_do_not_stop_it() {
@@ -316,7 +316,8 @@ fn without_a_sidecar_the_register_decides_which_definition_is_resumed() {
     with(&small(), None).unwrap();
 }
 
-/// Edits after which every row is still planned and can be read. Each is reported, with and without the sidecar.
+/// After each of these edits, every row is still planned and can be read. Every edit is reported, with and without the
+/// sidecar.
 #[test]
 fn rows_that_no_session_could_have_recorded_are_reported() {
     let (folder, csv) = ended(usize::MAX);
@@ -359,7 +360,7 @@ fn repair_moves_damaged_lines_and_deletes_no_byte() {
     let (folder, csv) = ended(5);
     let whole = fs::read_to_string(&csv).unwrap();
     let lines: Vec<&str> = whole.split_inclusive('\n').collect();
-    // The head of row 3 is gone, and the end of row 4 too.
+    // The beginning of row 3 and the end of row 4 are gone.
     let damaged = [lines[3].split_at(40).1, lines[4].trim_end().split_at(90).0, "\n"].concat();
     let (head, tail) = (lines[..3].concat(), lines[5..].concat());
     fs::write(&csv, [&*head, &*damaged, &*tail].concat()).unwrap();

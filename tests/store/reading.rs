@@ -160,7 +160,7 @@ fn long() -> ReadOptions {
     }
 }
 
-/// The experiment is found in a first row of any length, and a row without an end is an error.
+/// The experiment is found in a first row of any length, and an endless row is an error.
 #[test]
 fn long_rows_are_read_whole_or_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -152,8 +152,8 @@ fn a_signal_closes_the_sitting() {
     withstood("signals in the window", 2, &ALL);
 }
 
-/// The disk refuses an answer, and a signal asks the program to end. The row is printed; appended to the file, it agrees
-/// with the seal.
+/// The disk refuses an answer, and a signal asks the program to end. The row is printed; appended to the file, it
+/// agrees with the seal.
 #[test]
 fn an_answer_that_no_disk_accepts_is_printed() {
     let Some(mut harness) = Harness::new() else { return };
@@ -179,8 +179,7 @@ fn an_answer_that_no_disk_accepts_is_printed() {
     harness.signal("INT");
     assert_eq!(harness.wait_for_end().code(), Some(128 + 2), "{}", harness.stderr());
     let stderr = harness.stderr();
-    let (_, row) =
-        stderr.split_once("this row is not on disk; expected it at the end: ").unwrap_or_else(|| panic!("{stderr}"));
+    let (_, row) = stderr.split_once("expected it at the end of the file: ").unwrap_or_else(|| panic!("{stderr}"));
     assert_eq!(rows(&csv).len(), 2);
     let mut file = fs::File::options().append(true).open(&csv).unwrap();
     writeln!(file, "{}", row.lines().next().unwrap()).unwrap();

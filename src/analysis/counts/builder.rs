@@ -196,7 +196,7 @@ impl MeasuredBuilder {
 
     /// Returns everything that was collected, in natural order.
     pub fn finish(mut self) -> Measured {
-        // There may be many cells, and from here on they are not looked up.
+        // The index is no longer needed, and there may be many cells.
         self.index = HashMap::new();
         let (subjects, values): (Vec<&str>, Vec<Vec<&str>>) = self.cells.iter().map(Cell::parts).unzip();
         let (subjects, subject_of) = levels::rank(&subjects.into_iter().map(Some).collect::<Vec<_>>());
@@ -283,7 +283,7 @@ impl Cell {
         match self.times.iter_mut().find(|(b, r, _)| (*b, *r) == (bin, rating)) {
             Some((.., n)) => *n += count,
             None => {
-                // Most cells have few times, and there may be many cells.
+                // There may be many cells, and most of them have few times.
                 self.times.reserve_exact(1);
                 self.times.push((bin, rating, count));
             }

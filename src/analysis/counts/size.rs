@@ -11,14 +11,14 @@ const MAX_LEVELS: usize = 120;
 const MAX_CONDITIONS: usize = 5000;
 /// Maximum number of participants.
 const MAX_PEOPLE: usize = 20_000;
-/// Maximum length of a name in bytes: of a participant, factor, level or category.
+/// Maximum length in bytes of the name of a participant, factor, level or category.
 const MAX_NAME: usize = 200;
 
 impl Counts {
     /// Checks that the study is small enough to be analyzed within seconds.
     ///
     /// # Errors
-    /// What is too large, and what is expected.
+    /// Says what is too large, and what is expected.
     pub fn check_size(&self) -> Result<(), String> {
         let at_most = |what: &str, found: usize, most: usize| match found > most {
             true => Err(format!("the number of {what} is {found}; expected at most {most}, or the option --large")),

@@ -34,7 +34,7 @@ pub struct Preflight {
     light_steps: PreflightNote,
     /// Why the session could not begin, if it could not.
     refused: Option<String>,
-    /// Whether the page is about to scroll to that reason.
+    /// True if the page is about to scroll to that reason.
     reveal: bool,
 }
 

@@ -160,7 +160,7 @@ impl Recording {
         // The last resort for an answer that no disk accepts.
         for row in self.store.unsaved() {
             let place = self.csv().display();
-            message("error", &format!("{place}: this row is not on disk; expected it at the end: {row}"));
+            message("error", &format!("{place}: this row is not on disk; expected it at the end of the file: {row}"));
         }
         errors.iter().for_each(|error| message("error", error));
         (!errors.is_empty()).then(|| errors.join("\n"))

@@ -27,7 +27,7 @@ pub struct Request {
     pub screen_width_cm: Option<f64>,
     /// Whether to resume an interrupted session.
     pub resume: bool,
-    /// Whether a session whose files were changed may be resumed.
+    /// True if a session whose files were changed may be resumed.
     pub changes: Changes,
     /// Whether to run in a window instead of full screen.
     pub windowed: bool,

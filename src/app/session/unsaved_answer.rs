@@ -65,7 +65,7 @@ impl UnsavedAnswerPage {
             if ui.add_enabled(usable, egui::Button::new("Save there and continue")).clicked() {
                 let folder = PathBuf::from(self.folder.trim());
                 if self.rescue.as_ref() == Some(&folder) {
-                    // If this fails, so does saving there, which reports why.
+                    // If this fails, saving there fails too and reports why.
                     let _ = make_private_folder(&folder);
                 }
                 choice = Some(SaveChoice::ContinueIn(folder));

@@ -32,7 +32,7 @@ pub enum WindowError {
     /// The program was asked to end while the window was open.
     #[error("{}", ended(*signal, rows.as_deref()))]
     Ended {
-        /// What asked it to end.
+        /// The signal that asked it to end.
         signal: Signal,
         /// Path of the file with the rows of the session that was running; `None` if there was no session.
         rows: Option<PathBuf>,
@@ -50,7 +50,7 @@ pub enum WindowError {
 fn ended(signal: Signal, rows: Option<&Path>) -> String {
     match rows {
         Some(rows) => Ended { place: rows.display().to_string(), signal }.to_string(),
-        None => format!("window: ended by {signal}; expected it to be closed"),
+        None => format!("window: ended by {signal}; expected the user to close it"),
     }
 }
 

@@ -35,9 +35,9 @@ const MAX_ERROR_RATIO: f64 = 1.5;
 /// Mean squared errors below this, in units of the assumed noise, count as 0.
 const EXACT: f64 = 1e-8;
 
-/// Maximum number of readings × fits in the validation of a model, which keeps its time constant. One reading at
-/// each of 256 levels, or two at 50 levels of four channels, are within it. With more, several levels, far apart, are left
-/// out at once.
+/// Maximum number of readings × fits in the validation of a model, which keeps its time constant. One reading at each
+/// of 256 levels, or two at 50 levels of four channels, stay within this limit. With more readings, several levels that
+/// are far apart are left out at once.
 const MAX_VALIDATION: usize = 100_000;
 
 /// How well a model predicts levels that it was not fitted to. Each level except 0 and 1 is left out in turn, because
@@ -205,8 +205,8 @@ fn fitted(family: Family, shared: bool, sample: &Sample, start: Option<&Fit>) ->
     fit
 }
 
-/// Leaves out one level at a time, or several if there are very many, and predicts it; `fitted_to` fits the model to the
-/// rest.
+/// Leaves out one level at a time, or several if there are very many, and predicts it; `fitted_to` fits the model to
+/// the rest.
 fn validate(sample: &Sample, fitted_to: impl Fn(&Sample) -> Vec<Curve>) -> Validation {
     let (mut codes, mut cd_m2, mut squares) = (Vec::new(), Vec::new(), Vec::new());
     let levels = sample.inner_levels();

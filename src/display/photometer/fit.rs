@@ -180,7 +180,7 @@ impl Sample {
     /// Returns the points at all other levels.
     pub fn without(&self, levels: &[f64]) -> Self {
         let is_left_out = |v: f64| {
-            // A level that is the same but for rounding is next to its place in the order.
+            // A level that differs only by rounding is next to its place in the order.
             let at = levels.partition_point(|level| *level < v);
             levels[at.saturating_sub(1)..levels.len().min(at + 1)].iter().any(|level| is_same_level(v, *level))
         };

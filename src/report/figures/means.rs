@@ -22,7 +22,7 @@ use crate::analysis::{
 /// Maximum width of a name in the legend.
 const MAX_NAME: f64 = 180.0;
 
-/// Maximum number of participants drawn as lines. More could not be told apart, and take long to draw.
+/// Maximum number of participants drawn as lines. More lines could not be told apart and would take long to draw.
 const MAX_LINES: usize = 300;
 
 /// A mean and its interval.

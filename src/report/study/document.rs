@@ -36,7 +36,8 @@ impl Study {
     /// Reads files and folders of files.
     ///
     /// # Errors
-    /// There is nothing to analyze, or the study is too large. If only part of the input has errors, they are in [`Source::errors`].
+    /// There is nothing to analyze, or the study is too large. If only part of the input has errors, they are in
+    /// [`Source::errors`].
     pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Self, FileErrors> {
         let new = |shape: &Shape| {
             let mut builder = MeasuredBuilder::new(&shape.factors);

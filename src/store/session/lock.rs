@@ -74,7 +74,8 @@ impl Drop for LockFile {
 /// Removes the lock file that a killed program left next to a data file that is complete.
 pub(super) fn remove_left(csv: &Path, is_locked: bool) {
     if path(csv).exists() {
-        // Creating and dropping a lock replaces the leftover file and removes it. The result does not matter.
+        // Creating the lock replaces the leftover file, and dropping it removes the file. If its program may still be
+        // running, nothing changes.
         let _ = LockFile::create(csv, is_locked);
     }
 }

@@ -41,7 +41,7 @@ impl Export {
         if let Some(writer) = self.saving.button(ui, "Export PNG", true, &path, &[]) {
             let not_ready = || StoreError::Protected {
                 path: path.clone(),
-                what: "this view is not ready yet; expected it in a moment".to_owned(),
+                what: "this view is not ready yet; try again in a moment".to_owned(),
             };
             let written = view().ok_or_else(not_ready).and_then(|(image, parameters)| {
                 let transfers = compared.transfer.clone().into();
