@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes every attack of docs/faults.md and prints the table of classes. With a file, only adds up the lines in it that
-# the tests printed. Takes about half an hour on two cores.
+# Runs every attack of docs/faults.md and prints the table of classes. With a log file as its argument, it only adds up
+# the lines that the tests printed into this file. A full run takes about half an hour on two cores.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -17,7 +17,7 @@ else
 fi
 
 printf '\n| class of attack | attacks | rows lost | files destroyed | silent lies | panics | hangs |\n|---|--:|--:|--:|--:|--:|--:|\n'
-# A line may follow the name of a test that has not ended.
+# A printed line may follow, on the same line, the name of a test that has not ended.
 sed -n 's/.*ATTACKS //p' "$log" | sort
 sed -n 's/.*ATTACKS //p' "$log" | awk -F ' *[|] *' '
     { attacks += $3; for (i = 4; i <= 8; i++) if ($i != "–") sum[i] += $i }

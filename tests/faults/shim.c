@@ -7,8 +7,8 @@
  *
  * MACHBAND_JOURNAL      a file that receives every change below the folder, in order, for simulated power cuts
  *
- * OP: open read write sync rename truncate seek stat unlink mkdir lock list close clock thread alloc (the last three have no
- * path; thread is pthread_create; allocations count from the first call below the folder).
+ * OP: open read write sync rename truncate seek stat unlink mkdir lock list close clock thread alloc (the last three
+ * have no path; thread is pthread_create; allocations count from the first call below the folder).
  * WHAT: the name of an errno; short (transfers half and reports half); lie (writes half and reports all); torn (writes
  * half, then fails with EIO); kill-before, kill-after, kill-torn (kills its own process with SIGKILL before, after or
  * halfway through the call); TERM, INT, HUP (sends its own process this signal before the call); back, far, ancient (from
@@ -49,7 +49,7 @@ static int fault_count;
 static long counts[OPS];
 static char *under;
 static int log_fd = -1, journal_fd = -1;
-/* Whether a call below the folder has been made; earlier allocations belong to the test program. */
+/* True once a call below the folder has been made; earlier allocations belong to the test program. */
 static int begun;
 /* Paths of the open descriptors of files below the folder. */
 #define DESCRIPTORS 1024
@@ -175,7 +175,7 @@ static void note_write(int fd, const unsigned char *bytes, ssize_t size) {
     errno = kept;
 }
 
-/* Notes that a file has another name now. Some libraries rename without the C library. */
+/* Notes that a file has a new name. Some libraries rename without the C library. */
 static void note_name(int fd) {
     char link[64], name[4096];
     sprintf(link, "/proc/self/fd/%d", fd);
@@ -235,7 +235,7 @@ int closedir(DIR *folder) {
     return refused(what) ? -1 : done;
 }
 
-/* So that every copy is visible as reads and writes. */
+/* These fail, so that every copy is made by reads and writes, which the journal records. */
 ssize_t copy_file_range(int from, off64_t *at, int to, off64_t *into, size_t size, unsigned int flags) {
     if (journal_fd < 0) return REAL(copy_file_range)(from, at, to, into, size, flags);
     errno = ENOSYS;
@@ -257,7 +257,7 @@ ssize_t read(int fd, void *to, size_t size) {
 
 ssize_t write(int fd, const void *from, size_t size) {
     const char *path = path_of(fd);
-    /* What a program says about its rows belongs to the journal, too. */
+    /* The journal also records what a program says about its rows. */
     if (fd == 1 && size > 5 && !memcmp(from, "@row ", 5)) NOTE("say\t%.*s", (int)(size - 5), (const char *)from + 5);
     if (!path) return REAL(write)(fd, from, size);
     const char *what = strike(WRITE, path);
@@ -323,7 +323,7 @@ int flock(int fd, int how) {
         CALL(type, op, path, call);                                    \
     } while (0)
 
-/* An open file keeps its name up to date, so that closing it does not note the renaming again. */
+/* Updates the names of open files, so that closing one does not note the renaming again. */
 static int renamed(int done, const char *from, const char *to) {
     for (int fd = 0; !done && fd < DESCRIPTORS; fd++)
         if (paths[fd] && !strcmp(paths[fd], from)) opened(fd, to);

@@ -37,7 +37,7 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
     }
     let sealed = source.sessions.iter().filter_map(|session| session.sidecar.as_ref()?.seal.as_ref()).count() as u64;
     if !source.warnings.is_empty() {
-        section.warning("These files were analyzed in spite of the following warnings.");
+        section.warning("These files were analyzed despite the following warnings.");
         section.list(source.warnings.iter().map(ToString::to_string).collect());
     } else if sealed > 0 {
         let all = whole(source.sessions.len() as u64);
