@@ -125,58 +125,52 @@ pub fn mean_over_subjects(values: &[f64], bootstrap: Bootstrap) -> Option<(f64, 
     Some((mean(&vec![1; values.len()]), resamples.interval(values.len(), resampled)))
 }
 
-/// A table of first against second ratings: how often each pair of categories occurred.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// First and second ratings of the same conditions, as the sums that κ needs. A table of all pairs of categories would
+/// be large for a scale of many steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Retest {
-    categories: usize,
-    counts: Vec<u64>,
+    pairs: u64,
+    /// Sums of the first and the second ratings.
+    sums: [u64; 2],
+    /// Sums of their squares.
+    squares: [u64; 2],
+    /// Sum of the squared differences.
+    differences: u64,
 }
 
 impl Retest {
-    /// Creates an empty table for a number of categories.
-    pub fn new(categories: usize) -> Self {
-        Self { categories, counts: vec![0; categories * categories] }
-    }
-
-    /// Adds the first and the second rating of a condition as categories counted from 0. Returns false if one of them
-    /// is outside the table.
-    pub fn add(&mut self, first: usize, second: usize) -> bool {
-        let inside = first < self.categories && second < self.categories;
-        if inside {
-            self.counts[first * self.categories + second] += 1;
+    /// Adds the first and the second rating of a condition as categories counted from 0.
+    pub fn add(&mut self, first: u8, second: u8) {
+        let both = [first, second].map(u64::from);
+        self.pairs += 1;
+        for (i, rating) in both.into_iter().enumerate() {
+            self.sums[i] += rating;
+            self.squares[i] += rating * rating;
         }
-        inside
+        self.differences += both[0].abs_diff(both[1]).pow(2);
     }
 
-    /// Returns the number of pairs in the table.
+    /// Returns the number of pairs.
     pub fn pairs(&self) -> u64 {
-        self.counts.iter().sum()
+        self.pairs
     }
 
     /// Returns Cohen's κ (1968) with quadratic weights: 1 is perfect agreement, 0 is chance agreement. Returns `None`
     /// if there are no pairs or all ratings are in the same category.
     pub fn kappa(&self) -> Option<f64> {
-        let k = self.categories;
-        let row = |i: usize| self.counts[i * k..(i + 1) * k].iter().sum::<u64>() as f64;
-        let column = |j: usize| (0..k).map(|i| self.counts[i * k + j]).sum::<u64>() as f64;
-        let n = self.pairs() as f64;
-        let (mut observed, mut expected) = (0.0, 0.0);
-        for i in 0..k {
-            for j in 0..k {
-                let weight = (i.abs_diff(j) as f64).powi(2);
-                observed += weight * self.counts[i * k + j] as f64;
-                expected += weight * row(i) * column(j) / n;
-            }
-        }
+        let [n, observed] = [self.pairs, self.differences].map(|count| count as f64);
+        let ([first, second], [squares, other]) = (self.sums.map(|sum| sum as f64), self.squares.map(|sum| sum as f64));
+        // Σᵢⱼ (i − j)² rᵢ cⱼ / n, for rᵢ first ratings i and cⱼ second ratings j.
+        let expected = squares + other - 2.0 * first * second / n;
         (expected > 0.0).then(|| 1.0 - observed / expected)
     }
 }
 
-/// Returns each participant's table of first against second ratings.
+/// Returns each participant's first and second ratings.
 pub fn retests(measured: &Measured) -> Vec<Retest> {
-    let mut retests = vec![Retest::new(measured.counts.categories.len()); measured.counts.subjects.len()];
+    let mut retests = vec![Retest::default(); measured.counts.subjects.len()];
     for pair in &measured.retests {
-        retests[pair.subject as usize].add(pair.first.into(), pair.second.into());
+        retests[pair.subject as usize].add(pair.first, pair.second);
     }
     retests
 }

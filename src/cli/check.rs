@@ -82,6 +82,9 @@ pub(super) fn verify(arguments: &VerifyArguments) -> anyhow::Result<()> {
         });
         errors.extend(register.missing(folder).iter().map(ToString::to_string));
         errors.extend(verify::unexpected_files(folder).iter().map(ToString::to_string));
+        for path in verify::temporary_files(folder) {
+            print_line(&format!("note: {}: was left by a killed program; it can be deleted", path.display()))?;
+        }
         listed.insert(folder, register);
     }
     let unlisted = Register::default();

@@ -12,8 +12,9 @@ use crate::{
     light::{LinearImage, Quantizer},
     report::{
         Study,
-        prediction::{self, Comparison, window_deg},
+        prediction::{self, Comparison, MAX_PICTURES, window_deg},
         tables::Table,
+        terminal::printable,
     },
     stimulus::{Stimulus, ViewingConditions},
     store::{self, Writer, definition, image::MAX_PIXELS, observer, ratings::ReadOptions},
@@ -39,7 +40,7 @@ pub(super) struct Arguments {
     /// Predict the bands in this image, which can be any opaque PNG.
     #[arg(long, value_name = "FILE.png", conflicts_with = "experiment")]
     image: Option<PathBuf>,
-    /// Also accept more than 2000 conditions, an image of more than 4096 × 4096 pixels (up to 16384 per side), and
+    /// Also accept more than 2000 conditions (100 if each has a rendered picture), an image of more than 4096 × 4096 pixels (up to 16384 per side), and
     /// ratings beyond the limits of `analyze`. This needs more time and memory.
     #[arg(long)]
     large: bool,
@@ -102,7 +103,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
             arguments,
             writer,
             &["image"],
-            vec![vec![path.display().to_string()]],
+            vec![vec![printable(&path.display().to_string()).into_owned()]],
             &[visibility],
             &criterion,
             0.0,
@@ -151,10 +152,12 @@ fn all(
     viewing: &ViewingConditions,
 ) -> anyhow::Result<()> {
     let conditions = protocol.conditions()?;
-    if conditions.len() > MAX_CONDITIONS && !arguments.large {
+    let is_line = protocol.stimulus.is_line();
+    let (most, kind) = if is_line { (MAX_CONDITIONS, "") } else { (MAX_PICTURES, " with a rendered picture") };
+    if conditions.len() > most && !arguments.large {
         let (name, found) = (&protocol.name, conditions.len());
         let message = format!(
-            "{name}: the number of conditions is {found}; expected at most {MAX_CONDITIONS}, or the option --large"
+            "{name}: the number of conditions{kind} is {found}; expected at most {most}, or the option --large"
         );
         return Err(UsageError(message).into());
     }

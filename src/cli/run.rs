@@ -7,9 +7,9 @@ use crate::{
     experiment::Identity,
     store::{
         StoreError,
-        dataset::{SessionPaths, free_participant},
+        dataset::SessionPaths,
         definition, profile,
-        session::{Changes, SessionStore},
+        session::{Changes, SessionStore, register::free_participant},
     },
     system::check_clock,
 };

@@ -24,7 +24,7 @@ pub const MIN_VISIBILITY: f64 = 0.5;
 /// Maximum number of conditions that a report predicts; each takes about a millisecond.
 const MAX_CONDITIONS: usize = 5000;
 /// The same maximum if each condition needs a rendered picture, which takes a few tenths of a second.
-const MAX_PICTURES: usize = 100;
+pub const MAX_PICTURES: usize = 100;
 
 /// A prediction compared with ratings.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,9 +9,8 @@ use super::{
     open::open_regular,
     profile, readings,
     recorded::{Recorded, order_errors},
-    register::Register,
+    register::{self, Register},
     results,
-    session::seal,
     sidecar::Sidecar,
     toml::Document,
 };
@@ -181,7 +180,7 @@ fn check_frames(path: &Path) -> Result<String, FileErrors> {
     let csv = path.with_file_name(format!("{}{}", name.trim_end_matches(frames::SUFFIX), dataset::DATA_FILE));
     if let Ok(Some(sidecar)) = Sidecar::read(&csv.with_extension("json")) {
         let is_own = |error: &FileError| error.file == path.display().to_string();
-        FileErrors::none(seal::errors(&csv, &sidecar).into_iter().filter(is_own).collect())?;
+        FileErrors::none(register::errors(&csv, &sidecar).into_iter().filter(is_own).collect())?;
     }
     Ok(format!("frames of a session: {intervals} intervals in {rows} rows"))
 }

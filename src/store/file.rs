@@ -14,14 +14,14 @@ use sha2::{Digest as _, Sha256};
 use super::{
     FileError, FileErrors, StoreError,
     error::{NotData, io, position},
-    open::{is_data, read_regular},
+    open::{is_data, read_at_most, read_regular},
     table::shortened,
 };
 use crate::system::entries;
 
 /// Maximum size in bytes of a definition, profile, observer, or table of readings or matches. The largest realistic
 /// ones have a few thousand bytes; 1,000 readings have 30,000.
-const MAX_TEXT: u64 = 1 << 20;
+pub(super) const MAX_TEXT: u64 = 1 << 20;
 
 /// Reads a whole UTF-8 file of at most 1 MiB: a definition, a profile, an observer.
 ///
@@ -67,12 +67,14 @@ pub(super) fn hexadecimal(bytes: &[u8]) -> String {
 /// The marker and the suffix in the name of a temporary file: the temporary file for `NAME` is
 /// `NAME.machband-RANDOM.tmp`. Temporary files of other programs lack the marker and are never touched.
 const TEMPORARY: [&str; 2] = [".machband-", ".tmp"];
+/// Length of the random part; no name that people invent has it.
+const RANDOM: usize = 16;
 
 /// Returns the name of the file for which a temporary file of this program was made; `None` for any other name.
 pub(super) fn temporary_for(name: &str) -> Option<&str> {
     let [marker, suffix] = TEMPORARY;
     let (name, random) = name.strip_suffix(suffix)?.rsplit_once(marker)?;
-    (!random.is_empty() && random.bytes().all(|byte| byte.is_ascii_alphanumeric())).then_some(name)
+    (random.len() == RANDOM && random.bytes().all(|byte| byte.is_ascii_alphanumeric())).then_some(name)
 }
 
 /// Writes a JSON file atomically and syncs it to disk.
@@ -118,7 +120,7 @@ pub(super) fn temporary(path: &Path, content: &[u8], durable: bool) -> std::io::
     let mut prefix = path.file_name().unwrap_or_default().to_owned();
     prefix.push(marker);
     let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(suffix);
+    builder.prefix(&prefix).suffix(suffix).rand_bytes(RANDOM);
     // These are the permissions of a regular file; by default, only the owner could read a temporary file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -271,12 +273,11 @@ impl AppendFile {
     ///
     /// # Errors
     /// [`StoreError::InUse`]; I/O errors; or the file has no complete line and does not begin with `header`.
-    pub fn open(path: &Path, durable: bool, header: Vec<u8>) -> Result<Self, StoreError> {
+    pub fn open(path: &Path, durable: bool, header: Vec<u8>, most: u64) -> Result<Self, StoreError> {
         let mut file = OpenOptions::new().read(true).write(true).open(path).map_err(io(path, "open"))?;
         file.metadata().and_then(|found| is_data(&found)).map_err(io(path, "open"))?;
         let locked = lock(&file, path)?;
-        let mut content = Vec::new();
-        file.read_to_end(&mut content).map_err(io(path, "read"))?;
+        let content = read_at_most(&mut file, most).map_err(io(path, "read"))?;
         let (whole, partial_line) = split_partial_line(content);
         let written = whole.len();
         let content = complete_lines_or_header(path, whole, partial_line.as_deref(), header)?;

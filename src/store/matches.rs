@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::{
     FileErrors, StoreError, Writer,
-    file::{AppendFile, folder_of, read_text},
+    file::{AppendFile, MAX_TEXT, folder_of, read_text},
     table::{self, exactly},
 };
 use crate::display::{
@@ -53,7 +53,7 @@ impl MatchFile {
     /// # Errors
     /// Another program is writing the file, or it is not a file of matches.
     pub fn resume(path: &Path) -> Result<(Self, Vec<Match>), StoreError> {
-        let file = AppendFile::open(path, true, format!("{COLUMNS}\n").into_bytes())?;
+        let file = AppendFile::open(path, true, format!("{COLUMNS}\n").into_bytes(), MAX_TEXT)?;
         let rows = rows(&path.display().to_string(), file.content())?;
         let seed = rows.last().map_or(0, |row| row.seed);
         Ok((Self { file, seed }, counted(rows)))

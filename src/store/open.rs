@@ -34,7 +34,14 @@ pub(super) fn is_data(metadata: &fs::Metadata) -> std::io::Result<()> {
 /// # Errors
 /// The same errors as [`open_regular`]; [`NotData::TooLarge`].
 pub(super) fn read_regular(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
-    let file = open_regular(path)?;
+    read_at_most(&mut open_regular(path)?, most)
+}
+
+/// Reads a whole open file of at most `most` bytes.
+///
+/// # Errors
+/// [`NotData::TooLarge`]; I/O errors.
+pub(super) fn read_at_most(file: &mut File, most: u64) -> std::io::Result<Vec<u8>> {
     let size = file.metadata()?.len();
     let mut bytes = Vec::new();
     if size <= most {

@@ -4,7 +4,8 @@
 use std::os::unix::fs::MetadataExt as _;
 use std::{
     collections::{BTreeSet, HashSet},
-    fs, io,
+    fs,
+    io::{self, Read as _},
     path::{Path, PathBuf},
 };
 
@@ -12,10 +13,12 @@ use rayon::prelude::*;
 
 use super::{
     StoreError,
-    dataset::{DATA_FILE, DESCRIPTION, SIDECAR_SUFFIX},
+    dataset::{DATA_FILE, DESCRIPTION, REGISTER, SIDECAR_SUFFIX, identity},
     error::io,
     file::{folder_of, full_path, make_folder, sync_folder, temporary},
     frames,
+    open::open_regular,
+    register::HEADER,
 };
 
 /// Writes the outputs of one command or page.
@@ -31,7 +34,7 @@ pub struct Writer {
 impl Writer {
     /// Creates a writer for a call that reads the files and folders `inputs`; with `force`, it replaces existing files.
     pub fn new(inputs: impl IntoIterator<Item = PathBuf>, force: bool) -> Self {
-        Self { inputs: inputs.into_iter().filter_map(|path| identity(&path)).collect(), force }
+        Self { inputs: inputs.into_iter().filter_map(|path| inode(&path)).collect(), force }
     }
 
     /// Returns a writer that replaces existing files.
@@ -137,9 +140,12 @@ impl Writer {
                 None => {}
             }
         }
-        if let Some(sidecar) = sidecar(&target) {
-            let sidecar = sidecar.display();
-            return Err(protected(path, format!("belongs to the session of {sidecar}; expected a different file")));
+        if let Some(session) = session_of(&target) {
+            let session = session.display();
+            return Err(protected(path, format!("belongs to the session of {session}; expected a different file")));
+        }
+        if found.is_some() && is_register(&target) {
+            return Err(protected(path, "lists the sessions of a data set; expected a different file"));
         }
         match found {
             None => Ok(target),
@@ -155,7 +161,7 @@ impl Writer {
     }
 
     fn reads(&self, target: &Path) -> bool {
-        identity(target).is_some_and(|found| self.inputs.contains(&found))
+        inode(target).is_some_and(|found| self.inputs.contains(&found))
     }
 }
 
@@ -180,11 +186,21 @@ fn data_set(target: &Path) -> Option<(PathBuf, bool)> {
     Some(roots.find(|(_, is_data)| *is_data && !nearest.1).unwrap_or(nearest))
 }
 
-/// Returns the sidecar of the session to which the file at `target` belongs.
-fn sidecar(target: &Path) -> Option<PathBuf> {
+/// Returns the file of a session next to which `target` belongs: its sidecar or, if `target` is named like a file of a
+/// session, any of its files.
+fn session_of(target: &Path) -> Option<PathBuf> {
     let name = target.file_name()?.to_str()?;
-    let stem = [DATA_FILE, SIDECAR_SUFFIX, frames::SUFFIX].iter().find_map(|suffix| name.strip_suffix(suffix))?;
-    Some(target.with_file_name(format!("{stem}{SIDECAR_SUFFIX}"))).filter(|sidecar| sidecar.exists())
+    let suffixes = [SIDECAR_SUFFIX, DATA_FILE, frames::SUFFIX];
+    let stem = suffixes.iter().find_map(|suffix| name.strip_suffix(suffix))?;
+    let [sidecar, csv, frames] = suffixes.map(|suffix| target.with_file_name(format!("{stem}{suffix}")));
+    let is_named = identity(&csv).is_ok();
+    [sidecar].into_iter().chain([csv, frames].into_iter().filter(|_| is_named)).find(|path| path.exists())
+}
+
+fn is_register(target: &Path) -> bool {
+    let mut head = vec![0; HEADER.len()];
+    target.file_name().is_some_and(|name| name == REGISTER)
+        && open_regular(target).is_ok_and(|mut file| file.read_exact(&mut head).is_ok() && head == HEADER.as_bytes())
 }
 
 /// Identifies a file or folder by its device and inode number, which are the same for all paths that lead to it,
@@ -196,7 +212,7 @@ type Identity = (u64, u64);
 type Identity = PathBuf;
 
 /// Returns the identity of an existing file or folder.
-fn identity(path: &Path) -> Option<Identity> {
+fn inode(path: &Path) -> Option<Identity> {
     #[cfg(unix)]
     return fs::metadata(path).ok().map(|found| (found.dev(), found.ino()));
     #[cfg(not(unix))]

@@ -1,5 +1,5 @@
 //! Signals that ask the program to end: SIGTERM, SIGINT and SIGHUP. A sitting then ends as if its window had been
-//! closed. A second signal ends the program at once. Only Unix has these signals.
+//! closed. A second SIGTERM or SIGINT ends the program at once. Only Unix has these signals.
 
 use std::{
     fmt,
@@ -40,14 +40,17 @@ static RECEIVED: OnceLock<Arc<AtomicUsize>> = OnceLock::new();
 /// signal that cannot be watched ends the program, as before.
 #[cfg(unix)]
 pub fn watch() {
-    use signal_hook::flag;
+    use signal_hook::{consts::SIGHUP, flag};
 
     let (received, again) = (RECEIVED.get_or_init(Arc::default), Arc::default());
     for signal in watched() {
-        // The order matters: the first signal arms the second.
-        let _ = flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&again))
-            .and_then(|_| flag::register(signal, Arc::clone(&again)))
-            .and_then(|_| flag::register_usize(signal, Arc::clone(received), signal.unsigned_abs() as usize));
+        // The order matters: the first signal arms the second. SIGHUP does neither, because a system that shuts down may
+        // send it together with SIGTERM.
+        if signal != SIGHUP {
+            let _ = flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&again))
+                .and_then(|_| flag::register(signal, Arc::clone(&again)));
+        }
+        let _ = flag::register_usize(signal, Arc::clone(received), signal.unsigned_abs() as usize);
     }
 }
 

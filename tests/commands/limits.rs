@@ -343,6 +343,11 @@ fn cases(full: bool) -> Vec<Case> {
             ("at_readings.csv", readings(4000), vec![(calibrate, "")]),
             ("at_levels.csv", ratings(40_000, 20, 1, 120, 4).into(), vec![(analyze, "")]),
             ("at_people.csv", ratings(60_000, 20_000, 1, 3, 4).into(), vec![(analyze, "")]),
+            (
+                "at_people_and_categories.csv",
+                ratings(48_000, 12_000, 2, 10, 250).into(),
+                vec![("analyze {} --response rating --terms f0 --out {}.out", "")],
+            ),
             ("at_factors.csv", ratings(5_000, 20, 10, 3, 4).into(), vec![(analyze, "")]),
             ("at_coefficients.csv", ratings(5_000, 20, 6, 20, 4).into(), vec![(analyze, "")]),
             (
@@ -354,7 +359,7 @@ fn cases(full: bool) -> Vec<Case> {
             ("at_pixels.png", png(4096, Sixteen, Rgb, None), vec![("predict --image {}", "all black")]),
             ("at_conditions.toml", definition(&widths(2000), "").into(), vec![("predict {}", "")]),
             ("at_plan.toml", definition(&widths(120), "").into(), vec![(plan, "")]),
-        ] as [Case; 10]);
+        ] as [Case; 11]);
     }
     cases
 }
@@ -386,6 +391,27 @@ fn small_inputs_cost_little() {
         }
     }
     withstood("small files that ask for much work", runs, &[PANICS, HANGS]);
+}
+
+/// A data file may claim to be huge without taking any space.
+#[test]
+fn huge_files_are_refused_before_they_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    succeeds(folder.path(), &split("simulate quick --results results"));
+    let csv = "results/quick/data/subject-S001_session-1_task-quick_data.csv";
+    fs::File::options().write(true).open(folder.path().join(csv)).unwrap().set_len(10 << 30).unwrap();
+    for line in [
+        "check {}",
+        "verify results",
+        "repair {}",
+        "simulate quick --results results --resume",
+        "analyze results --out out",
+        "counts results --out c.csv",
+        "export results --format bids --out bids",
+    ] {
+        let (status, messages, _) = bounded(folder.path(), &line.replace("{}", csv));
+        assert!(status == Some(1) && messages.contains("error: "), "{line}: {messages}");
+    }
 }
 
 /// A sidecar may claim pictures of any size and any number of sittings.

@@ -200,6 +200,9 @@ fn no_command_writes_over_a_session() {
     for end in ["_data.csv", "_data.json"] {
         fs::copy(at(&format!("{stem}{end}")), at(&format!("copy/s{end}"))).unwrap();
     }
+    // Rows whose sidecar is lost, and a register without the description of its data set.
+    fs::copy(at(&format!("{stem}_data.csv")), at("copy/subject-S1_session-1_task-q_data.csv")).unwrap();
+    fs::copy(at("z/quick/sessions.csv"), at("copy/sessions.csv")).unwrap();
     #[cfg(unix)]
     std::os::unix::fs::symlink(at(&format!("{stem}_data.csv")), at("link.csv")).unwrap();
     let before = everything(folder.path());
@@ -215,6 +218,8 @@ fn no_command_writes_over_a_session() {
         ("copy/s_data.csv".to_owned(), "belongs to the session of"),
         ("copy/s_data.json".to_owned(), "belongs to the session of"),
         ("copy/s_frames.csv".to_owned(), "belongs to the session of"),
+        ("copy/subject-S1_session-1_task-q_data.csv".to_owned(), "belongs to the session of"),
+        ("copy/sessions.csv".to_owned(), "lists the sessions of a data set"),
         #[cfg(unix)]
         ("link.csv".to_owned(), "is inside the data folder"),
     ] {
@@ -365,12 +370,12 @@ fn stimuli_keeps_the_images_of_others() {
     assert!(machband(folder.path(), &split("stimuli quick --size 8 --out quick")).status.success());
     // A killed run leaves temporary files. They are removed later. No other file is removed, whatever its name.
     let old = std::time::SystemTime::now() - std::time::Duration::from_secs(3600);
-    for name in ["01.png.machband-Ab12Cd.tmp", "field-notes.tmp"] {
+    for name in ["01.png.machband-Ab12Cd34Ef56Gh78.tmp", "field-notes.tmp"] {
         let file = fs::File::create(folder.path().join("s").join(name)).unwrap();
         file.set_modified(old).unwrap();
     }
     assert!(run("").status.success());
-    assert!(!folder.path().join("s/01.png.machband-Ab12Cd.tmp").exists());
+    assert!(!folder.path().join("s/01.png.machband-Ab12Cd34Ef56Gh78.tmp").exists());
     fs::remove_file(folder.path().join("s/field-notes.tmp")).unwrap();
     let images: Vec<PathBuf> = everything(&folder.path().join("s")).into_iter().map(|(path, _)| path).collect();
     let first = &images[0];

@@ -70,7 +70,9 @@ fn no_message_contains_a_control_character() {
     let mesh = write(&format!("{escape}.obj"), format!("v {escape}\n"));
     let fine = write(&format!("fine {escape}.toml"), include_str!("../../experiments/quick.toml").to_owned());
     let experiment = format!("neither{escape}");
-    let lines: [&[&str]; 12] = [
+    let picture = format!("picture {escape}.png");
+    succeeds(folder.path(), &["stimulus", "--size", "32", "--out", &picture]);
+    let lines: [&[&str]; 13] = [
         &["check", &toml, &rows, &image, &mesh, &fine],
         &["check", &fine],
         &["analyze", &rows, &sidecar, "--out", "out", "--factors", escape],
@@ -78,6 +80,7 @@ fn no_message_contains_a_control_character() {
         &["simulate", &experiment],
         &["simulate", "quick", "--results", escape],
         &["predict", "--image", &image],
+        &["predict", "--image", &picture],
         &["predict", "--kind", escape],
         &["shade", "--mesh", &mesh, "--shader", "phong", "--out", "out.png"],
         &["export", escape, "--format", "bids", "--out", escape],

@@ -226,11 +226,13 @@ fn cut(sweep: &Sweep, table: &mut Table) {
     let scene = Scene::new(sweep);
     run::interrupted(DEFINITION, &scene.first(), 5);
     let sidecar = disk::paths(&scene.first(), DEFINITION).sidecar;
-    let (whole, saved) = (fs::read(scene.csv()).unwrap(), fs::read(&sidecar).unwrap());
+    let register = scene.first().join("twice/sessions.csv");
+    let [whole, saved, listed] = [&scene.csv(), &sidecar, &register].map(|path| fs::read(path).unwrap());
     let ends: Vec<usize> = (0..whole.len()).filter(|i| whole[*i] == b'\n').map(|i| i + 1).collect();
     for length in ends[ends.len() - 3]..whole.len() {
         fs::write(scene.csv(), &whole[..length]).unwrap();
         fs::write(&sidecar, &saved).unwrap();
+        fs::write(&register, &listed).unwrap();
         let kept = disk::lines(&scene.csv()).split_off(1);
         let resumed = scene.resume(&scene.first());
         let torn = !ends.contains(&length);

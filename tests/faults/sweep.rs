@@ -201,7 +201,8 @@ impl Sweep {
             fs::remove_file(&paths.sidecar).unwrap();
         }
         if case.before.leftover {
-            let name = format!("{}.machband-a1b2.tmp", paths.sidecar.file_name().unwrap().to_str().unwrap());
+            let name =
+                format!("{}.machband-a1b2C3d4E5f6G7h8.tmp", paths.sidecar.file_name().unwrap().to_str().unwrap());
             fs::write(paths.sidecar.with_file_name(name), "{").unwrap();
         }
         lines

@@ -203,7 +203,15 @@ fn a_signal_closes_the_sitting() {
         assert!(rows == trials || ended.stderr.contains(&format!("ended by SIG{what}")), "{name}: {ended:?}");
         assert_resumes(&sweep, folder.path(), &name);
 
-        // The next signal ends the program at once.
+        // A system that shuts down may send SIGHUP right after SIGTERM.
+        let folder = sweep::folder();
+        let faults = [fault("write", n, "TERM", false), fault("write", n + 1, "HUP", false)];
+        let ended = simulate(&sweep, folder.path(), &faults, false);
+        assert!(matches!(ended.status.code(), Some(143 | 129)), "{name}, then SIGHUP: {ended:?}");
+        let sidecar = disk::paths(&folder.path().join("first"), DEFINITION).sidecar;
+        assert!(!sidecar.exists() || json(&sidecar)["seal"].is_object(), "{name}, then SIGHUP: {ended:?}");
+
+        // The next SIGTERM ends the program at once.
         let folder = sweep::folder();
         let faults = [fault("write", n, what, false), fault("write", n + 1, "TERM", false)];
         let ended = simulate(&sweep, folder.path(), &faults, false);
@@ -211,7 +219,7 @@ fn a_signal_closes_the_sitting() {
         assert_resumes(&sweep, folder.path(), &name);
     }
     assert!(closed >= trials / 2, "only {closed} sittings were closed before their end");
-    withstood("signals, once and twice", 2 * writes as usize, &ALL);
+    withstood("signals, once and twice", 3 * writes as usize, &ALL);
 }
 
 /// `nohup` starts a program with SIGHUP ignored; it must stay ignored.

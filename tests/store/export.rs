@@ -62,6 +62,12 @@ fn interrupt(results: &Path, subject: &str, rows: usize) {
     cells[0] = cells[0].strip_suffix("_1").unwrap().to_owned() + "_2";
     cells[7] = "2".to_owned();
     fs::write(&csv, lines[..=rows].concat() + &cells.join(",") + "\nS001_1_ma").unwrap();
+    // The register lists the end as its last event.
+    let register = results.join("quick/sessions.csv");
+    let listed = fs::read_to_string(&register).unwrap();
+    let is_end = |line: &&str| line.contains(",ended,") && line.contains(&format!("subject-{subject}_"));
+    let without_end = listed.split_inclusive('\n').filter(|line| !is_end(line)).collect::<String>();
+    fs::write(&register, without_end).unwrap();
     edit_json(&sidecar(results, "quick", subject), |sidecar| {
         sidecar["complete"] = false.into();
         sidecar.as_object_mut().unwrap().remove("seal");
@@ -81,6 +87,7 @@ fn study() -> (TempDir, PathBuf) {
     assert!(crate::common::machband(scratch.path(), &resumed).status.success());
     interrupt(&results, "S002", 7);
     let older = session_csv(&results, "shaders", "S001");
+    fs::remove_file(results.join("shaders/sessions.csv")).unwrap();
     let text = fs::read_to_string(&older).unwrap();
     fs::write(&older, text.lines().map(|line| line.rsplit_once(',').unwrap().0.to_owned() + "\n").collect::<String>())
         .unwrap();

@@ -12,7 +12,7 @@ use machband::{
     store::{
         StoreError, check, definition,
         frames::HEADER,
-        session::{Changes, Interrupted, SessionStore, repair},
+        session::{Changes, Interrupted, SessionStore, register::free_participant, repair},
         sidecar::Sidecar,
         verify,
     },
@@ -79,7 +79,11 @@ fn errors(csv: &Path) -> String {
 #[test]
 fn resuming_refuses_a_changed_session_or_records_the_change_permanently() {
     type Touch = fn(&Path);
-    let ways: [(&str, usize, Touch); 4] = [
+    fn without_end(sidecar: &mut Sidecar) {
+        (sidecar.complete, sidecar.seal) = (false, None);
+        sidecar.sittings.last_mut().unwrap().ended_at = None;
+    }
+    let ways: [(&str, usize, Touch); 6] = [
         ("a rating of an ended sitting", 3, change_rating),
         ("a rating and the last row of a complete session", 6, |csv| {
             change_rating(csv);
@@ -87,11 +91,24 @@ fn resuming_refuses_a_changed_session_or_records_the_change_permanently() {
         }),
         ("every row", 3, |csv| fs::write(csv, "").unwrap()),
         ("the seal", 6, |csv| edit_sidecar(csv, |sidecar| sidecar.seal = None)),
+        // Only the register still knows that the session ended.
+        ("a rating and every trace of the end", 6, |csv| {
+            change_rating(csv);
+            edit_sidecar(csv, without_end);
+        }),
+        ("a rating and the end of the last sitting", 6, |csv| {
+            change_rating(csv);
+            edit_sidecar(csv, |sidecar| {
+                without_end(sidecar);
+                sidecar.sittings.push(sitting());
+            });
+        }),
     ];
     for (what, rows, touch) in ways {
         let (folder, csv) = ended(rows);
         touch(&csv);
         let before = everything(folder.path());
+        assert!(check::check(&csv).is_err(), "{what}");
         let error = resume(folder.path()).map(|_| ()).expect_err(what).to_string();
         assert!(error.contains("seal") || error.contains("was changed since"), "{what}: {error}");
         assert!(error.contains("--accept-changes"), "{what}: {error}");
@@ -180,7 +197,7 @@ fn the_register_reveals_deleted_and_exchanged_sessions() {
         fs::copy(from, to).unwrap();
     }
     let said = fails_verify(folder.path());
-    assert!(said.contains("sessions.csv lists it as ended, with sha256"), "{said}");
+    assert!(said.contains("_data.csv: was changed since sessions.csv listed it as ended: sha256"), "{said}");
     for (path, content) in whole {
         fs::write(path, content).unwrap();
     }
@@ -195,6 +212,23 @@ fn the_register_reveals_deleted_and_exchanged_sessions() {
         fs::remove_file(path).unwrap();
     }
     assert!(fails_verify(folder.path()).contains("subject-S001"));
+
+    // A new session under the same name would hide the deletion.
+    let before = everything(&dataset);
+    let said = fails(folder.path(), &["simulate", "quick"], 1);
+    assert!(said.contains("no longer exists, but sessions.csv lists it as ended; expected another"), "{said}");
+    assert_eq!(everything(&dataset), before);
+    let protocol = definition::open("quick").unwrap();
+    edit(&dataset.join("sessions.csv"), |text| text.replace("subject-S00", "subject-P00"));
+    assert_eq!(free_participant(&folder.path().join("results"), &protocol), "P003");
+}
+
+#[test]
+fn a_sidecar_lists_a_sitting() {
+    let (folder, csv) = ended(3);
+    edit_sidecar(&csv, |sidecar| sidecar.sittings.clear());
+    assert!(resume(folder.path()).map(|_| ()).unwrap_err().to_string().contains("lists no sitting"));
+    assert!(errors(&csv).contains("lists no sitting"));
 }
 
 fn fails_verify(folder: &Path) -> String {
@@ -249,13 +283,20 @@ fn only_temporary_files_of_this_program_are_removed() {
     let (folder, _) = ended(2);
     let dataset = paths(folder.path()).dataset;
     let hour_ago = std::time::SystemTime::now() - std::time::Duration::from_secs(3600);
-    let ours = dataset.join("dataset_description.json.machband-Ab12Cd.tmp");
-    let others = ["field-notes.tmp", "~WRL0001.tmp", "x.machband-.tmp", "machband-1.tmp", "a.machband-a b.tmp"];
+    let ours = dataset.join("dataset_description.json.machband-Ab12Cd34Ef56Gh78.tmp");
+    let others = [
+        "notes.machband-draft1.tmp",
+        "field-notes.tmp",
+        "~WRL0001.tmp",
+        "x.machband-.tmp",
+        "machband-1.tmp",
+        "a.machband-a b.tmp",
+    ];
     for path in others.map(|name| dataset.join(name)).iter().chain([&ours]) {
         fs::write(path, "kept").unwrap();
         fs::File::options().write(true).open(path).unwrap().set_modified(hour_ago).unwrap();
     }
-    let inside = dataset.join("folder.machband-1.tmp");
+    let inside = dataset.join("folder.machband-Ab12Cd34Ef56Gh78.tmp");
     fs::create_dir(&inside).unwrap();
     let (mut store, found) = resume(folder.path()).unwrap();
     sit(&mut store, Some(&found), usize::MAX);
@@ -263,7 +304,7 @@ fn only_temporary_files_of_this_program_are_removed() {
     for name in others {
         assert_eq!(fs::read_to_string(dataset.join(name)).unwrap(), "kept", "{name}");
     }
-    assert_eq!(verify::unexpected_files(&dataset).len(), 1);
+    assert_eq!(verify::temporary_files(&dataset), [inside]);
 }
 
 #[cfg(feature = "window")]
@@ -392,6 +433,30 @@ fn repair_moves_damaged_lines_and_deletes_no_byte() {
     assert!(resume(killed.path()).is_err());
     assert_eq!(repair(&rows).unwrap().lines, [2, 3]);
     assert_eq!(resume(killed.path()).unwrap().1.resumed.done.len(), 1);
+    // A header that is damaged or gone follows from the rows; a repeated or misplaced row is moved.
+    let whole = fs::read_to_string(&csv).unwrap();
+    let lines: Vec<&str> = whole.split_inclusive('\n').collect();
+    let rows = &lines[1..];
+    let moved = |damaged: &[&str]| {
+        fs::write(&csv, damaged.concat()).unwrap();
+        let before = repair(&csv).unwrap().lines;
+        (before, fs::read_to_string(&csv).unwrap())
+    };
+    for header in [&["row_id,subj\n"][..], &["\0\0\0\n"], &[]] {
+        assert_eq!(moved(&[header, rows].concat()), (if header.is_empty() { vec![] } else { vec![1] }, whole.clone()));
+    }
+    let repeated = [&lines[..3], &lines[2..]].concat();
+    assert_eq!(moved(&repeated), (vec![4], whole.clone()));
+    let mut swapped = lines.clone();
+    swapped.swap(2, 3);
+    fs::write(&csv, swapped.concat()).unwrap();
+    let error = SessionStore::resume(folder.path(), &small(), &identity(), None, sitting(), Changes::Accept);
+    assert!(error.map(|_| ()).unwrap_err().to_string().contains("machband repair moves such rows"));
+    assert_eq!(moved(&swapped).0, [4]);
+    let reversed: Vec<&str> = lines[..1].iter().chain(rows.iter().rev()).copied().collect();
+    fs::write(&csv, reversed.concat()).unwrap();
+    assert!(repair(&csv).unwrap_err().to_string().contains("are not in the order"));
+    fs::write(&csv, &whole).unwrap();
     // The sidecar of another session does not make every row damaged.
     edit_sidecar(&csv, |sidecar| sidecar.seed = 8);
     let before = everything(folder.path());

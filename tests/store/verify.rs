@@ -125,9 +125,12 @@ fn interrupted_sessions_cause_notes_and_stray_files_cause_errors() {
     let (_folder, csv) = recorded();
     let data = csv.parent().unwrap();
     fs::write(data.join("subject-S009_session-1_task-quick_data.json"), "{}").unwrap();
-    fs::write(data.join("subject-S001_session-1_task-quick_data.json.machband-a1b2.tmp"), "{").unwrap();
+    fs::write(data.join("subject-S001_session-1_task-quick_data.json.machband-a1b2C3d4E5f6G7h8.tmp"), "{").unwrap();
+    fs::write(data.join("subject-S001_session-1_task-quick_data (conflicted copy).csv"), "").unwrap();
+    fs::write(data.join(".DS_Store"), "").unwrap();
     let left = verify::unexpected_files(data.parent().unwrap());
     assert_eq!(left.len(), 2, "{left:?}");
+    assert_eq!(verify::temporary_files(data.parent().unwrap()).len(), 1);
     let mut sidecar = Sidecar::read(&csv.with_extension("json")).unwrap().unwrap();
     (sidecar.complete, sidecar.seal) = (false, None);
     sidecar.sittings[0].ended_at = None;

@@ -13,10 +13,8 @@ use crate::{
     display::{DisplayProfile, Screen, Viewing},
     experiment::{Identity, Protocol, Schedule},
     store::{
-        StoreError,
-        dataset::free_participant,
-        definition,
-        session::{Changes, SessionStore},
+        StoreError, definition,
+        session::{Changes, SessionStore, register::free_participant},
     },
 };
 

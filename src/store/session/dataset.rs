@@ -18,7 +18,6 @@ use crate::{
         file::{exists, make_folder, remove_temporary, write_json, write_whole},
         open::read_regular,
     },
-    system::entries,
 };
 
 /// Suffix of a data file in a Psych-DS data set; our result files have it too.
@@ -108,19 +107,6 @@ pub(crate) fn of(csv: &Path) -> Option<&Path> {
 /// Returns the data set of a data file; `None` if its folder has no description of a data set.
 pub(crate) fn described(csv: &Path) -> Option<&Path> {
     of(csv).filter(|folder| folder.join(DESCRIPTION).is_file())
-}
-
-/// Returns the first of `P001`, `P002`, … that has no file in this experiment's results.
-pub fn free_participant(results: &Path, protocol: &Protocol) -> String {
-    let taken: Vec<String> = entries(&results.join(&protocol.name).join("data"))
-        .unwrap_or_default()
-        .iter()
-        .filter_map(|path| {
-            let name = path.file_name()?.to_str()?;
-            Some(name.strip_prefix("subject-")?.split('_').next()?.to_ascii_uppercase())
-        })
-        .collect();
-    (1..).map(|number| format!("P{number:03}")).find(|id| !taken.contains(id)).unwrap_or_default()
 }
 
 /// Returns the part of a data file's name before `_data.csv`, and the participant and session that it names.

@@ -24,6 +24,9 @@ pub const HEADER: &str = "sitting,phase,trial,attempt,state,refresh_us,intervals
 /// Suffix of a frames file.
 pub const SUFFIX: &str = "_frames.csv";
 
+/// Maximum size of a frames file that a session continues, in bytes. Frames of 8 hours at 480 Hz have half of it.
+const MAX_FILE: u64 = 2 << 30;
+
 /// One row: consecutive frames with the same content.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameRow {
@@ -78,7 +81,7 @@ impl FrameFile {
         if !exists(path)? {
             return Ok(Self::new(path));
         }
-        let file = AppendFile::open(path, false, header())?;
+        let file = AppendFile::open(path, false, header(), MAX_FILE)?;
         if !file.content().starts_with(&header()) {
             let message = format!("is not a frames file; expected the header {HEADER}");
             return Err(FileErrors::whole(path, message).into());

@@ -7,7 +7,7 @@ use std::{
 
 use super::{
     dataset::{DATA_FILE, SIDECAR_SUFFIX, identity},
-    frames, results, seal,
+    frames, register, results,
     sidecar::Sidecar,
 };
 use crate::{
@@ -57,7 +57,7 @@ impl Recorded {
         let read = results::read(csv, &columns(&protocol))?;
         let frames = csv.with_file_name(format!("{stem}{}", frames::SUFFIX));
         Ok(Self {
-            changed: seal::errors(csv, &sidecar),
+            changed: register::errors(csv, &sidecar),
             csv: csv.to_owned(),
             sidecar_path,
             frames: frames.exists().then_some(frames),
@@ -110,71 +110,96 @@ impl Recorded {
                 Err(message) => errors.push(FileError::at(&self.csv, (line, 1), message)),
             }
         }
-        let mut incidents = self.sidecar.sittings.iter().flat_map(|sitting| &sitting.incidents);
-        let is_repaired = incidents.any(|incident| incident.starts_with(REPAIRED));
-        errors.extend(order_errors(&self.csv, planned, is_repaired));
+        errors.extend(order_errors(&self.csv, planned, self.sidecar.is_repaired()));
         errors.sort_by_key(|error| error.position);
         errors
     }
 }
 
-/// The beginning of the incident that records a repair.
-pub(super) const REPAIRED: &str = "repaired: ";
-
 /// Times may differ by this much, because they are rounded and come from different clocks.
 const TOLERANCE_S: f64 = 0.002;
 
 /// Returns an error for each row that no session could have recorded in this place; each row is given with its line.
-/// Within a sitting, first attempts are in the planned order, practice before main; a correction directly follows the
-/// rating that it corrects; and time advances equally in `onset_s` and `started_at`. A repair may have removed any row.
 pub(crate) fn order_errors<'a>(
     csv: &Path,
     rows: impl IntoIterator<Item = (&'a TrialRecord, usize)>,
     is_repaired: bool,
 ) -> Vec<FileError> {
-    let (mut errors, mut attempts) = (Vec::new(), HashMap::new());
-    // For each session, the row above, and the furthest trial of its sitting.
-    let mut last = HashMap::<_, (&TrialRecord, _)>::new();
+    let mut order = Order::new(is_repaired);
+    let mut errors = Vec::new();
     for (row, line) in rows {
-        let session = (&*row.subject_id, &*row.session_id);
-        let place = (row.phase == Phase::Main, row.trial);
-        let mut add = |message: String| {
-            errors.push(FileError::at(csv, (line, 1), format!("row {} {message}", row.row_id)));
-        };
-        let attempt = row.attempt;
-        let expected = attempts.insert((session, place), attempt).unwrap_or(0) + 1;
-        if attempt != expected && !(is_repaired && attempt > expected) {
-            add(format!("is attempt {attempt}; expected attempt {expected}"));
-        }
-        let mut furthest = place;
-        if let Some((above, before)) = last.get(&session) {
-            let same_sitting = row.sitting == above.sitting;
-            let since = |of: fn(&TrialRecord) -> f64| of(row) - of(above);
-            let onset = since(|row| row.onset_s.0);
-            if row.sitting < above.sitting || onset < 0.0 {
-                add("was recorded before the row above it; expected the order of recording".to_owned());
-            } else if attempt == 1 && onset < above.response_time_s.0 - TOLERANCE_S {
-                add("begins before the row above it was rated; expected the order of recording".to_owned());
-            } else if same_sitting
-                && (since(|row| row.started_at.as_millisecond() as f64 / 1e3) - onset).abs() > TOLERANCE_S
-            {
-                add("differs in onset_s and started_at; expected the same time since the row above".to_owned());
-            }
-            if attempt == 1 && same_sitting && place <= *before {
-                add("is not in the planned order; expected practice before main, and trials in ascending order"
-                    .to_owned());
-            } else if attempt > 1
-                && !is_repaired
-                && !(same_sitting && place == (above.phase == Phase::Main, above.trial))
-            {
-                add("corrects a rating that is not directly above it; expected a correction directly after the rating"
-                    .to_owned());
-            }
-            if same_sitting {
-                furthest = place.max(*before);
-            }
-        }
-        last.insert(session, (row, furthest));
+        let error = |what: String| FileError::at(csv, (line, 1), format!("row {} {what}", row.row_id));
+        errors.extend(order.errors(row).into_iter().map(error));
+        order.add(row);
     }
     errors
+}
+
+/// Phase (true for main) and number of a trial.
+type Place = (bool, u32);
+
+/// The order in which a session records rows. Within a sitting, first attempts are in the planned order, practice before
+/// main; a correction directly follows the rating that it corrects; and time advances equally in `onset_s` and
+/// `started_at`. A repair may have removed any row.
+pub(super) struct Order<'a> {
+    is_repaired: bool,
+    /// The last attempt of each trial of a session.
+    attempts: HashMap<((&'a str, &'a str), Place), u32>,
+    /// The last row of each session, and the furthest trial of its sitting.
+    last: HashMap<(&'a str, &'a str), (&'a TrialRecord, Place)>,
+}
+
+impl<'a> Order<'a> {
+    pub fn new(is_repaired: bool) -> Self {
+        Self { is_repaired, attempts: HashMap::new(), last: HashMap::new() }
+    }
+
+    /// Returns the reasons why a row cannot follow the rows so far.
+    pub fn errors(&self, row: &'a TrialRecord) -> Vec<String> {
+        let (session, place, attempt) = (session_of(row), place_of(row), row.attempt);
+        let mut errors = Vec::new();
+        let expected = self.attempts.get(&(session, place)).copied().unwrap_or(0) + 1;
+        if attempt != expected && !(self.is_repaired && attempt > expected) {
+            errors.push(format!("is attempt {attempt}; expected attempt {expected}"));
+        }
+        let Some((above, furthest)) = self.last.get(&session) else { return errors };
+        let same_sitting = row.sitting == above.sitting;
+        let since = |of: fn(&TrialRecord) -> f64| of(row) - of(above);
+        let onset = since(|row| row.onset_s.0);
+        if row.sitting < above.sitting || onset < 0.0 {
+            errors.push("was recorded before the row above it; expected the order of recording".to_owned());
+        } else if attempt == 1 && onset < above.response_time_s.0 - TOLERANCE_S {
+            errors.push("begins before the row above it was rated; expected the order of recording".to_owned());
+        } else if same_sitting
+            && (since(|row| row.started_at.as_millisecond() as f64 / 1e3) - onset).abs() > TOLERANCE_S
+        {
+            errors.push("differs in onset_s and started_at; expected the same time since the row above".to_owned());
+        }
+        if attempt == 1 && same_sitting && place <= *furthest {
+            let message = "is not in the planned order; expected practice before main, and trials in ascending order";
+            errors.push(message.to_owned());
+        } else if attempt > 1 && !self.is_repaired && !(same_sitting && place == place_of(above)) {
+            let message =
+                "corrects a rating that is not directly above it; expected a correction directly after the rating";
+            errors.push(message.to_owned());
+        }
+        errors
+    }
+
+    /// Adds a row as the last one.
+    pub fn add(&mut self, row: &'a TrialRecord) {
+        let (session, place) = (session_of(row), place_of(row));
+        self.attempts.insert((session, place), row.attempt);
+        let before = self.last.get(&session).filter(|(above, _)| above.sitting == row.sitting);
+        let furthest = before.map_or(place, |(_, furthest)| place.max(*furthest));
+        self.last.insert(session, (row, furthest));
+    }
+}
+
+fn session_of(row: &TrialRecord) -> (&str, &str) {
+    (&row.subject_id, &row.session_id)
+}
+
+fn place_of(row: &TrialRecord) -> Place {
+    (row.phase == Phase::Main, row.trial)
 }

@@ -2,7 +2,8 @@
 //! files at that time. It reveals deleted and exchanged sessions. Lines are only ever appended.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, HashSet},
+    fs,
     io::{BufReader, ErrorKind},
     path::Path,
 };
@@ -10,21 +11,23 @@ use std::{
 use jiff::Timestamp;
 
 use super::{
-    dataset::{DATA_FILE, REGISTER},
-    seal,
+    dataset::{self, DATA_FILE, REGISTER},
+    seal::{self, Difference},
     sidecar::{Seal, Sidecar},
 };
 use crate::{
+    experiment::Protocol,
     store::{
         FileError, FileErrors, StoreError,
         file::append_line,
         open::open_regular,
         table::{self, CellError, shortened},
     },
-    system::now,
+    system::{entries, now},
 };
 
-const HEADER: &str = "at,event,data_file,definition_sha256,seed,data_bytes,data_sha256,sidecar_sha256";
+pub(in crate::store) const HEADER: &str =
+    "at,event,data_file,definition_sha256,seed,data_bytes,data_sha256,sidecar_sha256";
 
 /// What happened to a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,7 +48,7 @@ impl Event {
         (Self::Repaired, "repaired"),
     ];
 
-    fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         Self::ALL.into_iter().find(|(event, _)| *event == self).map_or("", |(_, name)| name)
     }
 }
@@ -89,6 +92,35 @@ impl Entry {
         let line =
             format!("{at},{event},{data_file},{definition_sha256},{seed},{data_bytes},{data_sha256},{sidecar_sha256}");
         append_line(&dataset.join(REGISTER), HEADER, &line)
+    }
+
+    /// Returns the differences between the files of a session and this event; without a sidecar, only those of the data
+    /// file. After the end of a session, the files must be as they were; after any other event, the rows that were
+    /// there must still be there.
+    pub fn differences(&self, csv: &Path, sidecar: Option<&Sidecar>) -> Vec<Difference> {
+        // A sitting that could not be listed may have followed.
+        let sealed = |seal: &Seal| seal.sidecar_sha256 == self.sidecar_sha256;
+        let is_resumed =
+            |sidecar: &&Sidecar| sidecar.sittings.iter().any(|sitting| sitting.seal.as_ref().is_some_and(sealed));
+        let ended = sidecar.filter(|sidecar| self.event == Event::Ended && !is_resumed(sidecar));
+        let rows = seal::sha256_of(csv, ended.is_none().then_some(self.data_bytes));
+        let mut compared = vec![(csv.to_owned(), rows, &self.data_sha256)];
+        compared.extend(ended.map(|own| (csv.with_extension("json"), Ok(own.own_sha256()), &self.sidecar_sha256)));
+        let sitting = sidecar.map_or(0, |sidecar| sidecar.sittings.len().saturating_sub(1));
+        let (is_prefix, listed) = (ended.is_none(), Some(self.event.name()));
+        // A session without rows may have lost its header; nothing is missing then.
+        let is_short = fs::metadata(csv).is_ok_and(|found| found.len() < self.data_bytes);
+        let is_lost = |is: &Result<_, _>| is.is_err() && is_short && self.event == Event::Started;
+        compared.retain(|(_, is, was)| is.as_ref() != Ok(*was) && !is_lost(is));
+        let difference = |(path, is, was): (_, _, &String)| Difference {
+            path,
+            sitting,
+            is_prefix,
+            listed,
+            was: Some(was.clone()),
+            is,
+        };
+        compared.into_iter().map(difference).collect()
     }
 
     fn parse(cells: &[&str]) -> Result<Self, CellError> {
@@ -145,6 +177,8 @@ impl Register {
     pub(crate) fn read_file(path: &Path) -> Result<Self, FileErrors> {
         let mut register = Self::default();
         let file = match open_regular(path) {
+            // A program that was killed may leave the file without a line.
+            Ok(file) if file.metadata().is_ok_and(|found| found.len() <= HEADER.len() as u64) => return Ok(register),
             Ok(file) => file,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(register),
             Err(error) => {
@@ -188,26 +222,38 @@ impl Register {
             let note = format!("not in {REGISTER}: copied here, or recorded by an earlier version");
             return (Vec::new(), Some(note));
         };
-        let listed = format!("{REGISTER} lists it as {}", entry.event.name());
         let mut errors = Vec::new();
-        let mut expect = |path: &Path, what: &str, is: String, was: String| {
+        let mut expect = |what: &str, is: &str, was: &str| {
             if is != was {
-                errors.push(FileError::whole(path, format!("{listed}, with {what} {was}; expected that, not {is}")));
+                let event = entry.event.name();
+                let message = format!("{REGISTER} lists it as {event}, with {what} {was}; expected that, not {is}");
+                errors.push(FileError::whole(csv.with_extension("json"), message));
             }
         };
-        let path = csv.with_extension("json");
-        expect(&path, "the definition", sidecar.definition_sha256.clone(), entry.definition_sha256.clone());
-        expect(&path, "the seed", sidecar.seed.to_string(), entry.seed.to_string());
-        let is = seal::sha256_of_first(csv, entry.data_bytes).unwrap_or_else(|why| format!("a file that {why}"));
-        expect(csv, "sha256", is, entry.data_sha256.clone());
-        // Another sitting may have followed that could not be listed.
-        let sealed = |seal: &Seal| seal.sidecar_sha256 == entry.sidecar_sha256;
-        let is_resumed = sidecar.sittings.iter().any(|sitting| sitting.seal.as_ref().is_some_and(sealed));
-        if entry.event == Event::Ended && !is_resumed {
-            let bytes = std::fs::metadata(csv).map_or(0, |metadata| metadata.len());
-            expect(csv, "this number of bytes:", bytes.to_string(), entry.data_bytes.to_string());
-            expect(&path, "sha256", sidecar.own_sha256(), entry.sidecar_sha256.clone());
-        }
+        expect("the definition", &sidecar.definition_sha256, &entry.definition_sha256);
+        expect("the seed", &sidecar.seed.to_string(), &entry.seed.to_string());
+        errors.extend(entry.differences(csv, Some(sidecar)).iter().map(Difference::error));
         (errors, None)
     }
+}
+
+/// Returns an error for each file of a session that differs from what the session wrote, according to the seals in its
+/// sidecar. If the last sitting has no seal, the register of the data set decides, because whoever removes a seal could
+/// have changed the rows.
+pub fn errors(csv: &Path, sidecar: &Sidecar) -> Vec<FileError> {
+    let mut found = seal::differences(csv, sidecar);
+    let register = dataset::of(csv).filter(|_| sidecar.seal.is_none()).and_then(|dataset| Register::read(dataset).ok());
+    found.extend(register.iter().filter_map(|all| all.last(csv)).flat_map(|last| last.differences(csv, Some(sidecar))));
+    found.iter().map(Difference::error).collect()
+}
+
+/// Returns the first of `P001`, `P002`, … that has no file in this experiment's results and never had a session there.
+pub fn free_participant(results: &Path, protocol: &Protocol) -> String {
+    let dataset = results.join(&protocol.name);
+    let listed = Register::read(&dataset).unwrap_or_default().last.into_keys();
+    let files = entries(&dataset.join("data")).unwrap_or_default();
+    let names = files.iter().filter_map(|path| Some(path.file_name()?.to_str()?.to_owned())).chain(listed);
+    let participant = |name: String| Some(name.strip_prefix("subject-")?.split('_').next()?.to_ascii_uppercase());
+    let taken: HashSet<String> = names.filter_map(participant).collect();
+    (1..).map(|number| format!("P{number:03}")).find(|id| !taken.contains(id)).unwrap_or_default()
 }

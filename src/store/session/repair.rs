@@ -9,13 +9,13 @@ use std::{
 use super::{
     dataset::{DAMAGED, SIDECAR_SUFFIX, identity},
     lock::LockFile,
-    recorded::REPAIRED,
-    register::{Entry, Event},
+    recorded::Order,
+    register::{Entry, Event, Register},
     results::{self, ResultFile},
-    sidecar::{Seal, Sidecar},
+    sidecar::{REPAIRED, Seal, Sidecar},
 };
 use crate::{
-    experiment::{Column, Identity, Protocol, RowContext, Schedule, TrialRecord, columns},
+    experiment::{Column, Identity, LATER_COLUMN_COUNT, Protocol, RowContext, Schedule, TrialRecord, columns},
     store::{
         FileErrors, StoreError, definition,
         error::io,
@@ -36,7 +36,8 @@ pub struct Repaired {
 }
 
 /// Moves the damaged lines of a session's data file to a new file next to it: lines that cannot be read, and rows that
-/// the definition and the seed do not plan. Every byte is kept. The sidecar and the register record the repair, and the
+/// the definition and the seed do not plan, or that no session could have recorded in their place. A damaged header is
+/// replaced. Every byte is kept. The sidecar and the register record the repair, and the
 /// trials of the moved lines are shown again when the session is resumed. The seals are not renewed.
 ///
 /// # Errors
@@ -60,18 +61,22 @@ pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
     let (_lock, _) = LockFile::create(csv, open.file.is_locked())?;
     let before = read_regular(csv, results::MAX_FILE).map_err(io(csv, "read"))?;
     let Sorted { lines, damaged, kept } = sort(&before, (&protocol, &identity, sidecar.seed), &columns, csv)?;
-    if lines.is_empty() {
+    if kept == before {
         return Ok(Repaired { lines, moved_to: None, warning: None });
     }
     let moved_to = write_new(csv, &damaged)?;
+    let data = csv.parent().filter(|data| data.ends_with("data"));
+    let dataset = data.and_then(Path::parent);
+    // Without a seal, only the register knows what the file was.
+    let register = dataset.filter(|_| sidecar.seal.is_none()).and_then(|dataset| Register::read(dataset).ok());
+    let listed = register.iter().filter_map(|all| all.last(csv)).flat_map(|last| last.differences(csv, Some(&sidecar)));
+    let mut incidents: Vec<String> = listed.map(|difference| difference.accepted()).collect();
     write_whole(csv, &kept, true)?;
     let name = moved_to.file_name().unwrap_or_default().to_string_lossy();
     let [was, is] = [&before, &kept].map(|content| sha256(content));
     let count = lines.len();
-    record(
-        format!("{REPAIRED}damaged lines were moved to {name}: {count}; sha256 {was} before, {is} now"),
-        &mut sidecar,
-    );
+    incidents.push(format!("{REPAIRED}damaged lines were moved to {name}: {count}; sha256 {was} before, {is} now"));
+    record(incidents, &mut sidecar);
     sidecar.write(&sidecar_path)?;
     let seal = Seal {
         data_bytes: Some(kept.len() as u64),
@@ -81,8 +86,6 @@ pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
         sidecar_sha256: sidecar.own_sha256(),
     };
     let entry = Entry::new(Event::Repaired, csv, &sidecar, seal);
-    let data = csv.parent().filter(|data| data.ends_with("data"));
-    let dataset = data.and_then(Path::parent);
     let warning = dataset.and_then(|dataset| entry.append(dataset).err()).map(|error| error.to_string());
     Ok(Repaired { lines, moved_to: Some(moved_to), warning })
 }
@@ -105,28 +108,41 @@ fn sort(
     let mismatch = |what: String| StoreError::Mismatch { path: csv.to_owned(), what };
     let schedule = Schedule::new(protocol, identity, seed).map_err(|error| mismatch(error.to_string()))?;
     let context = RowContext { protocol, schedule: &schedule, identity, sitting: 1 };
-    let mut all = content.split_inclusive(|byte| *byte == b'\n');
-    let header = all.next().unwrap_or_default();
-    let mut sorted = Sorted { lines: Vec::new(), damaged: Vec::new(), kept: header.to_vec() };
-    let (mut planned, mut readable) = (0, 0);
-    for (line, number) in all.zip(2..) {
-        let row: Option<TrialRecord> = if line.ends_with(b"\n") && !line.contains(&0) {
-            let parsed = results::parse("", &[header, line].concat(), columns);
-            parsed.ok().and_then(|mut rows| rows.pop())
-        } else {
-            None
-        };
-        readable += usize::from(row.is_some());
-        if row.is_some_and(|row| row.planned_trial(&context).is_ok()) {
-            planned += 1;
+    let mut lines: Vec<&[u8]> = content.split_inclusive(|byte| *byte == b'\n').collect();
+    let mut number = 1;
+    let header = match lines.first() {
+        Some(first) if results::parse("", first, columns).is_ok() => {
+            number = 2;
+            lines.remove(0).to_vec()
+        }
+        // The header is damaged or gone. The columns are those with which most of the lines are rows.
+        _ => {
+            let widths = (columns.len().saturating_sub(LATER_COLUMN_COUNT)..=columns.len()).rev();
+            let headers = widths.map(|width| results::header(&columns[..width]));
+            let rows = |header: &Vec<u8>| lines.iter().filter(|line| row(header, line, columns).is_some()).count();
+            headers.rev().max_by_key(rows).unwrap_or_default()
+        }
+    };
+    let rows: Vec<Option<TrialRecord>> = lines.iter().map(|line| row(&header, line, columns)).collect();
+    let readable = rows.iter().flatten().count();
+    let (mut planned, mut order) = (0, Order::new(true));
+    let mut sorted = Sorted { lines: Vec::new(), damaged: Vec::new(), kept: header };
+    for ((line, row), number) in lines.iter().zip(&rows).zip(number..) {
+        let row = row.as_ref().filter(|row| row.planned_trial(&context).is_ok());
+        planned += usize::from(row.is_some());
+        if let Some(row) = row.filter(|row| order.errors(row).is_empty()) {
+            order.add(row);
             sorted.kept.extend_from_slice(line);
         } else {
             sorted.lines.push(number);
             sorted.damaged.extend_from_slice(line);
         }
     }
-    if let Err(errors) = results::parse(&csv.display().to_string(), header, columns) {
-        return Err(errors.into());
+    let moved = sorted.lines.len() - (lines.len() - planned);
+    if 2 * moved > planned {
+        return Err(mismatch(format!(
+            "{moved} of {planned} rows are not in the order in which a session records them; expected few, and the other rows in order"
+        )));
     }
     if planned == 0 && readable > 0 {
         let what = format!(
@@ -135,6 +151,14 @@ fn sort(
         return Err(mismatch(what));
     }
     Ok(sorted)
+}
+
+/// Parses one line of a data file with this header; `None` if it is not a row.
+fn row(header: &[u8], line: &[u8], columns: &[Column]) -> Option<TrialRecord> {
+    if !line.ends_with(b"\n") || line.contains(&0) {
+        return None;
+    }
+    results::parse("", &[header, line].concat(), columns).ok()?.pop()
 }
 
 /// Writes the damaged lines to the first `…_data.csv.damaged-N` that does not exist.
@@ -162,13 +186,13 @@ fn write_new(csv: &Path, content: &[u8]) -> Result<PathBuf, StoreError> {
     }
 }
 
-/// Adds the incident to the sidecar. The seals of the rows stay as they are, because a repair cannot know what the
+/// Adds the incidents to the sidecar. The seals of the rows stay as they are, because a repair cannot know what the
 /// damaged lines contained: if they were sealed, the user must accept the change.
-fn record(incident: String, sidecar: &mut Sidecar) {
+fn record(incidents: Vec<String>, sidecar: &mut Sidecar) {
     let own = sidecar.own_sha256();
     sidecar.complete = false;
     if let Some(last) = sidecar.sittings.last_mut() {
-        last.incidents.push(incident);
+        last.incidents.extend(incidents);
     }
     // The incident itself is not a manual change.
     let now = sidecar.own_sha256();

@@ -50,7 +50,7 @@ impl ResultFile {
     /// # Errors
     /// [`StoreError::InUse`]; I/O errors; or the file has no complete line and does not begin with the header.
     pub fn open(path: &Path, columns: &[Column]) -> Result<Self, StoreError> {
-        let file = AppendFile::open(path, true, header(columns))?;
+        let file = AppendFile::open(path, true, header(columns), MAX_FILE)?;
         let width = columns_of(file.content(), columns).len();
         Ok(Self { file, width })
     }
@@ -91,7 +91,7 @@ pub(crate) fn whole(path: &Path, columns: &[Column]) -> Result<(Vec<u8>, Option<
     Ok((complete_lines_or_header(path, whole, partial_line.as_deref(), header(columns))?, partial_line))
 }
 
-fn header(columns: &[Column]) -> Vec<u8> {
+pub(super) fn header(columns: &[Column]) -> Vec<u8> {
     table::line(columns.iter().map(|column| &column.name))
 }
 

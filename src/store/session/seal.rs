@@ -10,11 +10,14 @@ use std::{
 use sha2::{Digest as _, Sha256};
 
 use super::{
-    dataset::{DATA_FILE, SIDECAR_SUFFIX},
+    dataset::{DATA_FILE, REGISTER, SIDECAR_SUFFIX},
     frames,
     sidecar::{Seal, Sidecar},
 };
-use crate::store::{FileError, file::hexadecimal, open::open_regular};
+use crate::store::{FileError, error::NotData, file::hexadecimal, open::open_regular};
+
+/// Maximum size of a file that is compared with a seal, in bytes. Frames of 8 hours at 480 Hz have a quarter of it.
+const MAX_HASHED: u64 = 4 << 30;
 
 /// A difference between a file and the seal of a sitting.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -25,6 +28,8 @@ pub(super) struct Difference {
     pub sitting: usize,
     /// True if later sittings followed, so that the seal covers only the beginning of the file.
     pub is_prefix: bool,
+    /// The event in the register with this hash, if the hash is not from a seal.
+    pub listed: Option<&'static str>,
     /// The recorded hash; `None` if the sitting has no seal.
     pub was: Option<String>,
     /// The hash now, or why there is none.
@@ -33,13 +38,14 @@ pub(super) struct Difference {
 
 impl Difference {
     pub(super) fn error(&self) -> FileError {
-        let since = match self.is_prefix {
-            true => format!("sitting {}", self.sitting + 1),
-            false => "the session".to_owned(),
+        let since = match (self.listed, self.is_prefix) {
+            (Some(event), _) => format!("{REGISTER} listed it as {event}"),
+            (None, true) => format!("sitting {} ended", self.sitting + 1),
+            (None, false) => "the session ended".to_owned(),
         };
         let message = match (&self.was, &self.is) {
-            (None, _) => format!("has no seal although {since} ended; expected the hashes that this version records"),
-            (Some(was), Ok(is)) => format!("was changed since {since} ended: sha256 {is}; expected {was}"),
+            (None, _) => format!("has no seal although {since}; expected the hashes that this version records"),
+            (Some(was), Ok(is)) => format!("was changed since {since}: sha256 {is}; expected {was}"),
             (Some(_), Err(why)) => format!("{why}; expected the file that the session wrote"),
         };
         FileError::whole(&self.path, message)
@@ -56,15 +62,10 @@ impl Difference {
     }
 }
 
-/// Returns an error for each file of a session that differs from a seal: the data file `csv`, its frames file and its
-/// sidecar. The seal of the last sitting covers the whole files, and the seals of earlier sittings cover their
-/// beginnings. A session that ended must be sealed, unless an earlier version of the program recorded it. Reads files
-/// in constant memory.
-pub fn errors(csv: &Path, sidecar: &Sidecar) -> Vec<FileError> {
-    differences(csv, sidecar).iter().map(Difference::error).collect()
-}
-
-/// Returns every difference between the files and the seals, in the order of the sittings.
+/// Returns every difference between the files of a session and a seal, in the order of the sittings: the data file `csv`,
+/// its frames file and its sidecar. The seal of the last sitting covers the whole files, and the seals of earlier
+/// sittings cover their beginnings. A session that ended must be sealed, unless an earlier version of the program
+/// recorded it. Reads files in constant memory.
 pub(super) fn differences(csv: &Path, sidecar: &Sidecar) -> Vec<Difference> {
     let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let stem = name.strip_suffix(DATA_FILE).unwrap_or(&name);
@@ -87,7 +88,8 @@ pub(super) fn differences(csv: &Path, sidecar: &Sidecar) -> Vec<Difference> {
     for (sitting, is_prefix, seal) in seals {
         let mut compare = |path: &Path, is: Result<String, String>, was: &str| {
             if is.as_deref() != Ok(was) {
-                found.push(Difference { path: path.to_owned(), sitting, is_prefix, was: Some(was.to_owned()), is });
+                let (path, was) = (path.to_owned(), Some(was.to_owned()));
+                found.push(Difference { path, sitting, is_prefix, listed: None, was, is });
             }
         };
         let hash = |of: &Option<Prefixes>, bytes: Option<u64>| {
@@ -105,21 +107,14 @@ pub(super) fn differences(csv: &Path, sidecar: &Sidecar) -> Vec<Difference> {
     if ended.is_some_and(|sitting| sitting.program.system.is_some() && sitting.seal.is_none()) && sidecar.seal.is_none()
     {
         let is = Err("has no seal".to_owned());
-        found.push(Difference { path: sidecar_path, sitting: last, is_prefix: false, was: None, is });
+        found.push(Difference { path: sidecar_path, sitting: last, is_prefix: false, listed: None, was: None, is });
     }
     found
 }
 
-/// Compares the first `bytes` bytes of a data file with their hash, for a session whose sidecar is lost.
-pub(super) fn difference(csv: &Path, bytes: u64, was: &str) -> Option<Difference> {
-    let is = sha256_of_first(csv, bytes);
-    let found = Difference { path: csv.to_owned(), sitting: 0, is_prefix: true, was: Some(was.to_owned()), is };
-    (found.is.as_deref() != Ok(was)).then_some(found)
-}
-
-/// Returns the hash of the first `bytes` bytes of a file, or why there is none.
-pub(super) fn sha256_of_first(path: &Path, bytes: u64) -> Result<String, String> {
-    Prefixes::read(path, vec![bytes]).hash(Some(bytes))
+/// Returns the hash of a file, or of its first `bytes`, or why there is none.
+pub(super) fn sha256_of(path: &Path, bytes: Option<u64>) -> Result<String, String> {
+    Prefixes::read(path, bytes.into_iter().collect()).hash(bytes)
 }
 
 /// Returns the hash of the sidecar as it was when a sitting ended. Whether all trials were rated at that time is not
@@ -154,6 +149,10 @@ impl Prefixes {
 
     fn hashes(path: &Path, lengths: Vec<u64>, of: &mut BTreeMap<u64, String>) -> io::Result<String> {
         let (mut file, mut hasher, mut read) = (open_regular(path)?, Sha256::new(), 0);
+        let size = file.metadata()?.len();
+        if size > MAX_HASHED {
+            return Err(io::Error::other(NotData::TooLarge { size, most: MAX_HASHED }));
+        }
         let mut buffer = vec![0; 1 << 16];
         let mut lengths = lengths.into_iter().peekable();
         loop {

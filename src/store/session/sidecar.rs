@@ -26,6 +26,9 @@ const MAX_FILE: u64 = 64 << 20;
 /// Side length of the pictures in a session without a screen, in pixels.
 const SIZE_WITHOUT_SCREEN: u32 = 256;
 
+/// The beginning of the incident that records a repair.
+pub(super) const REPAIRED: &str = "repaired: ";
+
 /// The definition of an onset, for readers of the data.
 const ONSET: &str = "Start of the frame that presents the stimulus, according to the program's monotonic clock. The graphics system does not report presentation times: the light appears later, after the latency of the compositor and the screen. The `input` entry of each sitting describes how ratings are timestamped and the maximum delay.";
 
@@ -216,6 +219,11 @@ impl Sidecar {
         }
     }
 
+    /// True if damaged lines were moved from the data file.
+    pub(super) fn is_repaired(&self) -> bool {
+        self.sittings.iter().flat_map(|sitting| &sitting.incidents).any(|incident| incident.starts_with(REPAIRED))
+    }
+
     /// Reads a sidecar; `None` if the file does not exist.
     ///
     /// # Errors
@@ -226,11 +234,14 @@ impl Sidecar {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(io(path, "read")(error)),
         };
-        serde_json::from_slice(&text).map(Some).map_err(|error| {
+        let read: Self = serde_json::from_slice(&text).map_err(|error| {
             let message = format!("is not a sidecar of a session: {error}");
-            let error = FileError::at(path, (error.line(), error.column()), message);
-            StoreError::FileErrors(FileErrors(vec![error]))
-        })
+            FileErrors(vec![FileError::at(path, (error.line(), error.column()), message)])
+        })?;
+        if read.sittings.is_empty() {
+            return Err(FileErrors::whole(path, "lists no sitting; expected at least one").into());
+        }
+        Ok(Some(read))
     }
 
     /// Writes the sidecar atomically.

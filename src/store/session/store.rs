@@ -6,6 +6,7 @@ use super::{
     dataset::{REGISTER, SessionPaths},
     frames::{FrameFile, FrameRow},
     lock::{self, LockFile},
+    recorded::order_errors,
     register::{Entry, Event, Register},
     results::{Recovered, ResultFile},
     seal::{self, Difference},
@@ -69,7 +70,8 @@ impl SessionStore {
     /// Creates the files of a new session.
     ///
     /// # Errors
-    /// [`StoreError::Exists`], or an I/O error.
+    /// [`StoreError::Exists`]; [`StoreError::Mismatch`] if the register lists this session, whose files are gone; or an
+    /// I/O error.
     pub fn create(
         results: &Path,
         protocol: &Protocol,
@@ -83,6 +85,14 @@ impl SessionStore {
             if exists(taken)? {
                 return Err(StoreError::Exists(taken.clone()));
             }
+        }
+        // A register that cannot be read must not prevent a session; `verify` reports it.
+        if let Some(last) = Register::read(&paths.dataset).unwrap_or_default().last(&paths.csv) {
+            let what = format!(
+                "no longer exists, but {REGISTER} lists it as {}; expected another participant or session, or a register without this one",
+                last.event.name()
+            );
+            return Err(StoreError::Mismatch { path: paths.csv, what });
         }
         let undescribed = paths.prepare(protocol)?;
         let rows = ResultFile::create(&paths.csv, &columns(protocol))?;
@@ -127,10 +137,10 @@ impl SessionStore {
     ) -> Result<(Self, Interrupted), StoreError> {
         let found = Found::read(results, protocol, identity, seed, changes)?;
         let is_finished = found.is_finished();
-        let Found { paths, rows, sidecar, differences, schedule, resumed, recovered } = found;
+        let Found { paths, rows, sidecar, differences, schedule, resumed, recovered, unread } = found;
         let sittings = recovered.rows.last().map_or(0, |row| row.sitting).max(sidecar.sittings.len() as u32);
         let frames = FrameFile::resume(&paths.frames);
-        let unread = frames.as_ref().err().map(ToString::to_string);
+        let without_frames = frames.as_ref().err().map(ToString::to_string);
         let (protocol, identity, frames) = (protocol.clone(), identity.clone(), frames.ok());
         let mut store = Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false, lock: None };
         store.paths.remove_temporary(true);
@@ -150,8 +160,11 @@ impl SessionStore {
                     "an incomplete last row was removed, and its trial was shown again: {partial_line:?}"
                 ));
             }
-            if let Some(error) = unread {
+            if let Some(error) = without_frames {
                 store.note(format!("the frames of this sitting are not saved: {error}"));
+            }
+            if let Some(error) = unread {
+                store.note(format!("the files were not compared with the register: {error}"));
             }
             // An earlier version of the program may have described fewer columns.
             store.prepare()?;
@@ -377,6 +390,8 @@ impl SessionStore {
             // The incident was noted after the sidecar had been sealed.
             self.sidecar.seal = Some(self.seal());
             self.sidecar.write(&self.paths.sidecar)?;
+            // The event may be listed in spite of the error, with the previous hash.
+            let _ = Entry::new(Event::Ended, &self.paths.csv, &self.sidecar, self.seal()).append(&self.paths.dataset);
         }
         Ok(())
     }
@@ -406,6 +421,8 @@ struct Found {
     schedule: Schedule,
     resumed: Resumed,
     recovered: Recovered,
+    /// Why the register could not be read, if it could not.
+    unread: Option<String>,
 }
 
 impl Found {
@@ -433,8 +450,24 @@ impl Found {
             check_same((&sidecar.definition_sha256, sidecar.seed), protocol, seed, &paths.sidecar)?;
         }
         let recovered = rows.recover(&columns)?;
+        let mut unread = None;
         let (recorded, differences) = match &found {
-            Some(sidecar) => (Some(sidecar.seed), seal::differences(&paths.csv, sidecar)),
+            Some(sidecar) => {
+                let mut differences = seal::differences(&paths.csv, sidecar);
+                match Register::read(&paths.dataset) {
+                    // At the start there were no rows, and the header was checked above.
+                    Ok(listed) => differences.extend(
+                        listed
+                            .last(&paths.csv)
+                            .filter(|last| last.event != Event::Started)
+                            .into_iter()
+                            .flat_map(|last| last.differences(&paths.csv, Some(sidecar))),
+                    ),
+                    // It must not prevent a session; `verify` reports it as long as it is damaged.
+                    Err(errors) => unread = errors.0.first().map(ToString::to_string),
+                }
+                (Some(sidecar.seed), differences)
+            }
             // A session without rows has recorded nothing that could belong to another definition.
             None if recovered.rows.is_empty() => (None, Vec::new()),
             None => {
@@ -447,8 +480,7 @@ impl Found {
                 })?;
                 let register = paths.dataset.join(REGISTER);
                 check_same((&entry.definition_sha256, entry.seed), protocol, seed, &register)?;
-                let changed = seal::difference(&paths.csv, entry.data_bytes, &entry.data_sha256);
-                (Some(entry.seed), changed.into_iter().collect())
+                (Some(entry.seed), entry.differences(&paths.csv, None))
             }
         };
         if changes == Changes::Refuse && !differences.is_empty() {
@@ -468,12 +500,18 @@ impl Found {
             let trial = row.planned_trial(&context).map_err(mismatch)?;
             resumed.done.insert(trial);
         }
+        let is_repaired = found.as_ref().is_some_and(Sidecar::is_repaired);
+        let mut errors = order_errors(&paths.csv, recovered.rows.iter().zip(2..), is_repaired);
+        if !errors.is_empty() {
+            errors.iter_mut().for_each(|error| error.message += "; machband repair moves such rows to another file");
+            return Err(FileErrors(errors).into());
+        }
         let sidecar = found.unwrap_or_else(|| {
             let mut lost = Sidecar::new(protocol, seed, Sitting::default());
             lost.sittings[0].incidents.push("the sidecar of the first sitting was missing on resume".to_owned());
             lost
         });
-        Ok(Self { paths, rows, sidecar, differences, schedule, resumed, recovered })
+        Ok(Self { paths, rows, sidecar, differences, schedule, resumed, recovered, unread })
     }
 
     /// True if every trial is rated and the sidecar says so too, so that there is nothing to do.

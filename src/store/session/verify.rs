@@ -3,14 +3,14 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 use jiff::Timestamp;
 use rayon::prelude::*;
 
 use super::{
-    dataset::{DATA_FILE, SIDECAR_SUFFIX},
+    dataset::{DATA_FILE, SIDECAR_SUFFIX, identity},
     frames::{self, FrameRow},
     recorded::Recorded,
     register::Register,
@@ -259,22 +259,35 @@ pub(crate) fn picture_errors(recorded: &Recorded, renderer: &mut Renderer) -> Ve
     errors
 }
 
-/// Reports files in an experiment's folder that do not belong to a session: sidecars and frames without rows, and
-/// incomplete files that a killed program left.
+/// Reports the tables and sidecars in the `data` folder of a data set that do not belong to a session: sidecars and
+/// frames without rows, and files with other names, such as the conflicted copies of a cloud service.
 #[must_use]
 pub fn unexpected_files(dataset: &Path) -> Vec<FileError> {
-    let mut errors = Vec::new();
-    for folder in [dataset.to_owned(), dataset.join("data")] {
-        for path in entries(&folder).unwrap_or_default() {
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            if temporary_for(&name).is_some() {
-                errors.push(FileError::whole(&path, "was left by a killed program; expected no such file"));
-            } else if let Some(stem) = name.strip_suffix(SIDECAR_SUFFIX).or(name.strip_suffix(frames::SUFFIX))
-                && !path.with_file_name(format!("{stem}{DATA_FILE}")).exists()
-            {
-                errors.push(FileError::whole(&path, "has no data file next to it; expected the rows of its session"));
-            }
+    let error = |path: PathBuf| {
+        let name = path.file_name()?.to_string_lossy().into_owned();
+        let is_text = [".csv", ".json"].iter().any(|extension| name.to_ascii_lowercase().ends_with(extension));
+        if name.starts_with('.') || !is_text {
+            return None;
         }
-    }
-    errors
+        let stem = [DATA_FILE, SIDECAR_SUFFIX, frames::SUFFIX].iter().find_map(|suffix| name.strip_suffix(suffix));
+        let csv = stem.map(|stem| path.with_file_name(format!("{stem}{DATA_FILE}")));
+        match csv.filter(|csv| identity(csv).is_ok()) {
+            None => Some(FileError::whole(&path, "is not named like a file of a session; expected only such files")),
+            Some(csv) if !csv.exists() => {
+                Some(FileError::whole(&path, "has no data file next to it; expected the rows of its session"))
+            }
+            Some(_) => None,
+        }
+    };
+    entries(&dataset.join("data")).unwrap_or_default().into_iter().filter_map(error).collect()
+}
+
+/// Returns the incomplete files in a data set that a killed program left. They do no harm; the program removes them when
+/// it writes there again.
+#[must_use]
+pub fn temporary_files(dataset: &Path) -> Vec<PathBuf> {
+    let folders = [dataset.to_owned(), dataset.join("data")];
+    let mut files: Vec<PathBuf> = folders.iter().flat_map(|folder| entries(folder).unwrap_or_default()).collect();
+    files.retain(|path| path.file_name().and_then(|name| temporary_for(name.to_str()?)).is_some());
+    files
 }
