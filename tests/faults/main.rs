@@ -10,6 +10,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod disk;
+mod ext4;
 mod outputs;
 mod power;
 mod run;
@@ -83,6 +84,22 @@ fn nothing_that_was_reported_is_lost_in_a_power_cut() {
     }
     assert!(wrong.is_empty(), "{} failures", wrong.len());
     withstood("power cuts", cuts, &ALL);
+}
+
+/// The power fails during a session on a real file system. Needs root and loop devices; elsewhere, it prints why it is not
+/// run.
+#[test]
+fn no_row_is_lost_in_a_power_cut_of_ext4() {
+    let cuts = setting("MACHBAND_CUTS", 50) / 10;
+    let mut table = table::Table::default();
+    match ext4::play(&sweep::Sweep::new(1), cuts, setting("MACHBAND_FAULT_SEED", 1), &mut table) {
+        Err(why) => print(&format!("no power cuts of ext4: {why}")),
+        Ok(wrong) => {
+            print(&format!("{table}\n{cuts} power cuts of ext4"));
+            assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+            withstood("power cuts of ext4", cuts as usize, &ALL);
+        }
+    }
 }
 
 /// Not a test: the other tests start this session in a separate process and disturb it.

@@ -3,6 +3,7 @@
  *
  * MACHBAND_FAULT_UNDER  the folder
  * MACHBAND_FAULT        OP:N:WHAT[+], separated by commas: what the N-th call of OP does; with +, every later one too
+ * MACHBAND_SHUTDOWN    a mounted ext4 file system to shut down at once, as a power failure would (EXT4_IOC_SHUTDOWN)
  * MACHBAND_FAULT_LOG    a file that receives "hit OP N WHAT PATH" when a fault takes effect, "count OP N" at the end
  *
  * MACHBAND_JOURNAL      a file that receives every change below the folder, in order, for simulated power cuts
@@ -23,8 +24,10 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <stdint.h>
 #include <string.h>
 #include <sys/file.h>
+#include <sys/ioctl.h>
 #include <sys/sendfile.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -58,6 +61,12 @@ static char *paths[DESCRIPTORS];
 #define REAL(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
 
 __attribute__((constructor)) static void begin(void) {
+    const char *shutdown = getenv("MACHBAND_SHUTDOWN");
+    if (shutdown) {
+        uint32_t without_flushing_the_journal = 2;
+        int fd = REAL(open)(shutdown, O_RDONLY | O_CLOEXEC);
+        if (ioctl(fd, _IOR('X', 125, uint32_t), &without_flushing_the_journal)) _exit(1);
+    }
     under = getenv("MACHBAND_FAULT_UNDER");
     const char *log = getenv("MACHBAND_FAULT_LOG");
     if (log) log_fd = REAL(open)(log, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
