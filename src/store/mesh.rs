@@ -13,7 +13,7 @@
 //! average normal of the faces around it. Normals from the file create creases where they differ; averaged normals
 //! create creases where faces meet at more than the crease angle.
 
-use std::{borrow::Cow, collections::HashMap, path::Path};
+use std::{borrow::Cow, collections::HashMap, f64::consts::PI, path::Path};
 
 use glam::DVec3;
 
@@ -40,15 +40,27 @@ pub fn read(path: &Path, crease_deg: f64) -> Result<Mesh, FileErrors> {
 /// also an error if the file has no faces, or if none of its faces has an area.
 pub fn parse(file: &str, content: &[u8], crease_deg: f64) -> Result<Mesh, FileErrors> {
     let (positions, polygons) = polygons(file, content)?;
-    Mesh::from_polygons(&positions, &polygons, crease_deg).map_err(|error| {
+    let mesh = Mesh::from_polygons(&positions, &polygons, crease_deg).map_err(|error| {
         let message = match error {
             MeshError::NoTriangles => "has no faces; expected at least one line \"f 1 2 3\"".to_owned(),
             MeshError::NoArea(_) => "has no face with a nonzero area; expected at least one".to_owned(),
             error => error.to_string(),
         };
         FileErrors::whole(file, message)
-    })
+    })?;
+    let area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length() / 2.0;
+    let (area, (_, radius)) = ((0..mesh.triangles.len()).map(|i| area(mesh.corners(i))).sum::<f64>(), mesh.bounds());
+    let layers = area / (PI * radius * radius);
+    if layers > MAX_LAYERS {
+        let message = format!("its triangles cover its outline {layers:.0} times; expected at most {MAX_LAYERS} times");
+        return Err(FileErrors::whole(file, message));
+    }
+    Ok(mesh)
 }
+
+/// Maximum area of the triangles, relative to the disk around the mesh, because every layer is drawn. Surfaces have less
+/// than ten.
+const MAX_LAYERS: f64 = 10_000.0;
 
 /// Maximum number of corners of a face, because triangulation takes quadratic time. The caps of a finely divided
 /// cylinder have a few hundred.

@@ -13,12 +13,11 @@ use rayon::prelude::*;
 
 use super::{
     StoreError,
-    dataset::{DATA_FILE, DESCRIPTION, REGISTER, SIDECAR_SUFFIX, identity},
+    dataset::{DATA_FILE, DESCRIPTION, REGISTER, REGISTER_HEADER, SIDECAR_SUFFIX, identity},
     error::io,
     file::{folder_of, full_path, make_folder, sync_folder, temporary},
     frames,
     open::open_regular,
-    register::HEADER,
 };
 
 /// Writes the outputs of one command or page.
@@ -198,9 +197,10 @@ fn session_of(target: &Path) -> Option<PathBuf> {
 }
 
 fn is_register(target: &Path) -> bool {
-    let mut head = vec![0; HEADER.len()];
+    let mut head = vec![0; REGISTER_HEADER.len()];
     target.file_name().is_some_and(|name| name == REGISTER)
-        && open_regular(target).is_ok_and(|mut file| file.read_exact(&mut head).is_ok() && head == HEADER.as_bytes())
+        && open_regular(target)
+            .is_ok_and(|mut file| file.read_exact(&mut head).is_ok() && head == REGISTER_HEADER.as_bytes())
 }
 
 /// Identifies a file or folder by its device and inode number, which are the same for all paths that lead to it,

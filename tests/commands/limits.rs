@@ -335,6 +335,11 @@ fn cases(full: bool) -> Vec<Case> {
             vec![("check {}", "no text chunk"), ("predict --image {}", "all black")],
         ),
         ("corners.obj", obj(1024, 40, 1025).into(), vec![(shade, "the number of corners is 1025")]),
+        (
+            "layers.obj",
+            format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}", "f 1 2 3\n".repeat(110_000)).into(),
+            vec![(shade, "cover its outline")],
+        ),
         ("triangles.obj", obj(many / 2, many, 3).into(), vec![(shade, "*")]),
         ("edges.obj", obj(50, 4 * many, 3).into(), vec![(shade, "*")]),
     ];

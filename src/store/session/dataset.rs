@@ -30,6 +30,9 @@ pub(super) const DAMAGED: &str = ".damaged-";
 
 /// Name of the register of the sessions, which is next to the description of the data set.
 pub const REGISTER: &str = "sessions.csv";
+/// The first line of the register.
+pub(in crate::store) const REGISTER_HEADER: &str =
+    "at,event,data_file,definition_sha256,seed,data_bytes,data_sha256,sidecar_sha256";
 
 /// The paths of the files of one session.
 #[derive(Clone, Debug, PartialEq, Eq)]

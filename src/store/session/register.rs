@@ -11,7 +11,7 @@ use std::{
 use jiff::Timestamp;
 
 use super::{
-    dataset::{self, DATA_FILE, REGISTER},
+    dataset::{self, DATA_FILE, REGISTER, REGISTER_HEADER as HEADER},
     seal::{self, Difference},
     sidecar::{Seal, Sidecar},
 };
@@ -25,9 +25,6 @@ use crate::{
     },
     system::{entries, now},
 };
-
-pub(in crate::store) const HEADER: &str =
-    "at,event,data_file,definition_sha256,seed,data_bytes,data_sha256,sidecar_sha256";
 
 /// What happened to a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
