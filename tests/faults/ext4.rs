@@ -90,15 +90,16 @@ fn session(sweep: &Sweep, library: &Path, cut: Option<Duration>, table: &mut Tab
     let results = file_system.root().join("first");
     let mut command = run::child(DEFINITION, &results, &file_system.root().join("second"), false);
     let mut child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+    let mut done = Ok(());
     if let Some(cut) = cut {
         std::thread::sleep(cut);
-        let done = file_system.cut_power(library);
+        done = file_system.cut_power(library);
         child.kill().unwrap();
-        done?;
     }
     let mut said = String::new();
     child.stdout.take().unwrap().read_to_string(&mut said).unwrap();
     child.wait().unwrap();
+    done?;
     if cut.is_none() {
         return Ok(Vec::new());
     }
