@@ -67,6 +67,8 @@ __attribute__((constructor)) static void begin(void) {
         int fd = REAL(open)(shutdown, O_RDONLY | O_CLOEXEC);
         if (ioctl(fd, _IOR('X', 125, uint32_t), &without_flushing_the_journal)) _exit(1);
     }
+    /* A shell that starts a program in the background makes it ignore this signal. */
+    signal(SIGINT, SIG_DFL);
     under = getenv("MACHBAND_FAULT_UNDER");
     const char *log = getenv("MACHBAND_FAULT_LOG");
     if (log) log_fd = REAL(open)(log, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
