@@ -460,7 +460,8 @@ pub(super) fn append_line(path: &Path, header: &str, line: &str) -> Result<(), S
         let header = format!("{header}\n");
         let (mut head, mut tail, length) = (Vec::new(), Vec::new(), file.metadata()?.len());
         (&file).take(header.len() as u64).read_to_end(&mut head)?;
-        if !header.as_bytes().starts_with(&head) {
+        // A power failure during the first line may leave zero bytes.
+        if !header.as_bytes().starts_with(&head) && head.iter().any(|byte| *byte != 0) {
             return Err(Error::other(format!("it does not begin with {:?}", header.trim_end())));
         }
         let from = length.saturating_sub(MAX_PARTIAL_LINE);

@@ -352,7 +352,8 @@ fn matters(hit: &Hit) -> bool {
     let beside = hit.path.ends_with("/sessions.csv") || hit.path.ends_with(".lock");
     // If `stat` fails, a leftover file that is not found does no harm, nor does a failed query about the results
     // folder.
-    let leftover = hit.op == "stat" && (hit.path.ends_with(".tmp") || hit.path.ends_with("/first"));
+    let leftover = hit.op == "stat"
+        && (hit.path.ends_with(".tmp") || ["/first", "/second"].iter().any(|end| hit.path.ends_with(end)));
     // Memory that was refused ends the program, or is asked for again in smaller pieces.
     let unneeded = ["unlink", "clock", "list", "close", "thread", "alloc"].contains(&&*hit.op);
     !again && !hidden && !frames && !beside && !leftover && hit.what != "short" && !unneeded

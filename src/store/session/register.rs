@@ -4,7 +4,7 @@
 use std::{
     collections::{BTreeMap, HashSet},
     fs,
-    io::{BufReader, ErrorKind},
+    io::{BufRead as _, BufReader, ErrorKind},
     path::Path,
 };
 
@@ -106,8 +106,8 @@ impl Entry {
         let sitting = sidecar.map_or(0, |sidecar| sidecar.sittings.len().saturating_sub(1));
         let (is_prefix, listed) = (ended.is_none(), Some(self.event.name()));
         // A session without rows may have lost its header; nothing is missing then.
-        let is_short = fs::metadata(csv).is_ok_and(|found| found.len() < self.data_bytes);
-        let is_lost = |is: &Result<_, _>| is.is_err() && is_short && self.event == Event::Started;
+        let is_short = || fs::metadata(csv).is_ok_and(|found| found.len() < self.data_bytes);
+        let is_lost = |is: &Result<_, _>| is.is_err() && self.event == Event::Started && is_short();
         compared.retain(|(_, is, was)| is.as_ref() != Ok(*was) && !is_lost(is));
         let difference = |(path, is, was): (_, _, &String)| Difference {
             path,
@@ -174,8 +174,6 @@ impl Register {
     pub(crate) fn read_file(path: &Path) -> Result<Self, FileErrors> {
         let mut register = Self::default();
         let file = match open_regular(path) {
-            // A program that was killed may leave the file without a line.
-            Ok(file) if file.metadata().is_ok_and(|found| found.len() <= HEADER.len() as u64) => return Ok(register),
             Ok(file) => file,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(register),
             Err(error) => {
@@ -183,7 +181,13 @@ impl Register {
                 return Err(FileErrors::whole(path, message));
             }
         };
-        table::each_line(&path.display().to_string(), BufReader::new(file), HEADER, |cells| {
+        let mut reader = BufReader::new(file);
+        // A power failure during the first event may leave the beginning of the header, or zero bytes.
+        let is_begun = |head: &[u8]| head.len() > HEADER.len() && head.iter().any(|byte| *byte != 0);
+        if reader.fill_buf().is_ok_and(|head| !is_begun(head)) {
+            return Ok(register);
+        }
+        table::each_line(&path.display().to_string(), reader, HEADER, |cells| {
             let entry = Entry::parse(cells)?;
             register.last.insert(entry.data_file.clone(), entry);
             Ok(())
