@@ -71,6 +71,20 @@ impl Drop for FileSystem {
     }
 }
 
+/// Stops a process between two system calls. A sync that is in progress when the file system is shut down may report
+/// success although the kernel drops it, for any program, which no power failure does.
+fn stop(process: u32) {
+    let _ = Command::new("kill").args(["-s", "STOP", &process.to_string()]).status();
+    let is_running = |task: PathBuf| {
+        fs::read_to_string(task.join("stat")).is_ok_and(|stat| ![") T", ") Z"].iter().any(|state| stat.contains(state)))
+    };
+    let tasks = || fs::read_dir(format!("/proc/{process}/task")).into_iter().flatten().flatten();
+    let patience = Instant::now();
+    while tasks().any(|task| is_running(task.path())) && patience.elapsed() < Duration::from_secs(5) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
 /// Runs sessions and cuts the power during each; returns every failure, or why this system cannot do it.
 pub fn play(sweep: &Sweep, cuts: u64, seed: u64, table: &mut Table) -> Result<Vec<String>, String> {
     let library = shim::library().ok_or("no library")?;
@@ -93,6 +107,7 @@ fn session(sweep: &Sweep, library: &Path, cut: Option<Duration>, table: &mut Tab
     let mut done = Ok(());
     if let Some(cut) = cut {
         std::thread::sleep(cut);
+        stop(child.id());
         done = file_system.cut_power(library);
         child.kill().unwrap();
     }

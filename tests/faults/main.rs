@@ -87,9 +87,8 @@ fn nothing_that_was_reported_is_lost_in_a_power_cut() {
 }
 
 /// The power fails during a session on a real file system. Needs root and loop devices; elsewhere, it prints why it is not
-/// run. Of 100 cuts, two lost the last reported row, for a reason that is not known yet.
+/// run.
 #[test]
-#[ignore = "about 2 % of the cuts lose the last reported row"]
 fn no_row_is_lost_in_a_power_cut_of_ext4() {
     let cuts = setting("MACHBAND_CUTS", 50) / 10;
     let mut table = table::Table::default();
