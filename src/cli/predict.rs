@@ -40,8 +40,8 @@ pub(super) struct Arguments {
     /// Predict the bands in this image, which can be any opaque PNG.
     #[arg(long, value_name = "FILE.png", conflicts_with = "experiment")]
     image: Option<PathBuf>,
-    /// Also accept more than 2000 conditions (100 if each has a rendered picture), an image of more than 4096 × 4096 pixels (up to 16384 per side), and
-    /// ratings beyond the limits of `analyze`. This needs more time and memory.
+    /// Also accept more than 2000 conditions (100 if each has a rendered picture), an image of more than 4096 × 4096
+    /// pixels (up to 16384 per side), and ratings beyond the limits of `analyze`. This needs more time and memory.
     #[arg(long)]
     large: bool,
     /// Where to write a map of the image's bands: bright bands are white, dark bands are black.

@@ -37,8 +37,8 @@ pub struct Repaired {
 
 /// Moves the damaged lines of a session's data file to a new file next to it: lines that cannot be read, and rows that
 /// the definition and the seed do not plan, or that no session could have recorded in their place. A damaged header is
-/// replaced. Every byte is kept. The sidecar and the register record the repair, and the
-/// trials of the moved lines are shown again when the session is resumed. The seals are not renewed.
+/// replaced. Every byte is kept. The sidecar and the register record the repair, and the trials of the moved lines are
+/// shown again when the session is resumed. The seals are not renewed.
 ///
 /// # Errors
 /// Another program is writing the session; the sidecar is missing or cannot be read; no row is planned, so the sidecar
