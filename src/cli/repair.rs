@@ -14,9 +14,10 @@ use crate::{
 /// Move damaged lines of a session's data file to a file next to it, so that the session can be resumed.
 ///
 /// A line is damaged if it cannot be read, if the definition and the seed do not plan it, or if it repeats a row or is
-/// not in the order of recording. A damaged header is replaced. No byte is deleted: the lines go to a new file …_data.csv.damaged-N. The sidecar and sessions.csv record the repair, and machband verify
-/// lists it. When the session is resumed, it shows the trials of these lines again. If the lines were damaged after
-/// their sitting ended, machband verify reports that the file was changed, and resuming needs --accept-changes.
+/// not in the order of recording. A damaged header is replaced. No byte is deleted: the lines go to a new file
+/// …_data.csv.damaged-N. The sidecar and sessions.csv record the repair, and machband verify lists it. When the session
+/// is resumed, it shows the trials of these lines again. If the lines were damaged after their sitting ended, machband
+/// verify reports that the file was changed, and resuming needs --accept-changes.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband repair results/quick/data/subject-S001_session-1_task-quick_data.csv")]
 pub(super) struct Arguments {
