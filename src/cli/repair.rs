@@ -32,14 +32,18 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut errors = Vec::new();
     for csv in &files {
         match repair(csv) {
-            Ok(Repaired { lines, moved_to: Some(moved_to), warning }) => {
+            Ok(Repaired { lines, moved_to, header_restored, warning }) => {
                 let numbers: Vec<String> = lines.iter().map(usize::to_string).collect();
-                let moved = count(lines.len() as u64, "damaged line");
-                let (csv, moved_to) = (csv.display(), moved_to.display());
-                print_line(&format!("{csv}: {moved} moved to {moved_to}: {}", numbers.join(", ")))?;
+                let moved = moved_to.map(|path| {
+                    let moved = count(lines.len() as u64, "damaged line");
+                    format!("{moved} moved to {}: {}", path.display(), numbers.join(", "))
+                });
+                let header = header_restored.then(|| "the header was restored".to_owned());
+                let done: Vec<String> = moved.into_iter().chain(header).collect();
+                let done = if done.is_empty() { "no line is damaged".to_owned() } else { done.join("; ") };
+                print_line(&format!("{}: {done}", csv.display()))?;
                 errors.extend(warning);
             }
-            Ok(_) => print_line(&format!("{}: no line is damaged", csv.display()))?,
             Err(error) => errors.push(error.to_string()),
         }
     }

@@ -445,6 +445,12 @@ fn repair_moves_damaged_lines_and_deletes_no_byte() {
     for header in [&["row_id,subj\n"][..], &["\0\0\0\n"], &[]] {
         assert_eq!(moved(&[header, rows].concat()), (if header.is_empty() { vec![] } else { vec![1] }, whole.clone()));
     }
+    let files = || fs::read_dir(csv.parent().unwrap()).unwrap().count();
+    let before = files();
+    fs::write(&csv, rows.concat()).unwrap();
+    let said = succeeds(folder.path(), &["repair", csv.to_str().unwrap()]);
+    assert!(said.ends_with("_data.csv: the header was restored\n"), "{said}");
+    assert_eq!((files(), fs::read_to_string(&csv).unwrap()), (before, whole.clone()));
     let repeated = [&lines[..3], &lines[2..]].concat();
     assert_eq!(moved(&repeated), (vec![4], whole.clone()));
     let mut swapped = lines.clone();

@@ -239,13 +239,19 @@ impl Register {
 }
 
 /// Returns an error for each file of a session that differs from what the session wrote, according to the seals in its
-/// sidecar. If the last sitting has no seal, the register of the data set decides, because whoever removes a seal could
-/// have changed the rows.
+/// sidecar, and to the register if the last sitting has no seal.
 pub fn errors(csv: &Path, sidecar: &Sidecar) -> Vec<FileError> {
-    let mut found = seal::differences(csv, sidecar);
-    let register = dataset::of(csv).filter(|_| sidecar.seal.is_none()).and_then(|dataset| Register::read(dataset).ok());
-    found.extend(register.iter().filter_map(|all| all.last(csv)).flat_map(|last| last.differences(csv, Some(sidecar))));
-    found.iter().map(Difference::error).collect()
+    let found = seal::differences(csv, sidecar).into_iter().chain(unsealed_differences(csv, sidecar));
+    found.map(|difference| difference.error()).collect()
+}
+
+/// Returns the differences between a session and the register of its data set, unless the last sitting has a seal.
+/// Without one, only the register knows what the files were: whoever removes a seal could have changed the rows.
+pub(super) fn unsealed_differences(csv: &Path, sidecar: &Sidecar) -> Vec<Difference> {
+    let dataset = dataset::of(csv).filter(|_| sidecar.seal.is_none());
+    let register = dataset.and_then(|dataset| Register::read(dataset).ok());
+    let last = register.as_ref().and_then(|register| register.last(csv));
+    last.map_or_else(Vec::new, |last| last.differences(csv, Some(sidecar)))
 }
 
 /// Returns the first of `P001`, `P002`, … that has no file in this experiment's results and never had a session there.

@@ -7,11 +7,12 @@ use std::{
 };
 
 use super::{
-    dataset::{DAMAGED, SIDECAR_SUFFIX, identity},
+    dataset::{self, DAMAGED, SIDECAR_SUFFIX, identity},
     lock::LockFile,
     recorded::Order,
-    register::{Entry, Event, Register},
+    register::{self, Entry, Event},
     results::{self, ResultFile},
+    seal::Difference,
     sidecar::{REPAIRED, Seal, Sidecar},
 };
 use crate::{
@@ -31,6 +32,8 @@ pub struct Repaired {
     pub lines: Vec<usize>,
     /// The file to which they were moved; `None` if no line was damaged.
     pub moved_to: Option<PathBuf>,
+    /// True if the header was damaged or gone and was written again.
+    pub header_restored: bool,
     /// What could not be recorded about the repair, if anything.
     pub warning: Option<String>,
 }
@@ -60,22 +63,23 @@ pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
     let open = ResultFile::open(csv, &columns)?;
     let (_lock, _) = LockFile::create(csv, open.file.is_locked())?;
     let before = read_regular(csv, results::MAX_FILE).map_err(io(csv, "read"))?;
-    let Sorted { lines, damaged, kept } = sort(&before, (&protocol, &identity, sidecar.seed), &columns, csv)?;
+    let Sorted { header_restored, lines, damaged, kept } =
+        sort(&before, (&protocol, &identity, sidecar.seed), &columns, csv)?;
     if kept == before {
-        return Ok(Repaired { lines, moved_to: None, warning: None });
+        return Ok(Repaired { lines, moved_to: None, header_restored: false, warning: None });
     }
-    let moved_to = write_new(csv, &damaged)?;
-    let data = csv.parent().filter(|data| data.ends_with("data"));
-    let dataset = data.and_then(Path::parent);
-    // Without a seal, only the register knows what the file was.
-    let register = dataset.filter(|_| sidecar.seal.is_none()).and_then(|dataset| Register::read(dataset).ok());
-    let listed = register.iter().filter_map(|all| all.last(csv)).flat_map(|last| last.differences(csv, Some(&sidecar)));
-    let mut incidents: Vec<String> = listed.map(|difference| difference.accepted()).collect();
+    let moved_to = (!damaged.is_empty()).then(|| write_new(csv, &damaged)).transpose()?;
+    let mut incidents: Vec<String> =
+        register::unsealed_differences(csv, &sidecar).iter().map(Difference::accepted).collect();
     write_whole(csv, &kept, true)?;
-    let name = moved_to.file_name().unwrap_or_default().to_string_lossy();
+    let name = moved_to.as_ref().and_then(|path| path.file_name()).unwrap_or_default().to_string_lossy();
     let [was, is] = [&before, &kept].map(|content| sha256(content));
-    let count = lines.len();
-    incidents.push(format!("{REPAIRED}damaged lines were moved to {name}: {count}; sha256 {was} before, {is} now"));
+    let what = match (lines.len(), header_restored) {
+        (0, _) => "the header was restored".to_owned(),
+        (count, false) => format!("damaged lines were moved to {name}: {count}"),
+        (count, true) => format!("damaged lines were moved to {name}: {count}; the header was restored"),
+    };
+    incidents.push(format!("{REPAIRED}{what}; sha256 {was} before, {is} now"));
     record(incidents, &mut sidecar);
     sidecar.write(&sidecar_path)?;
     let seal = Seal {
@@ -86,12 +90,13 @@ pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
         sidecar_sha256: sidecar.own_sha256(),
     };
     let entry = Entry::new(Event::Repaired, csv, &sidecar, seal);
-    let warning = dataset.and_then(|dataset| entry.append(dataset).err()).map(|error| error.to_string());
-    Ok(Repaired { lines, moved_to: Some(moved_to), warning })
+    let warning = dataset::of(csv).and_then(|dataset| entry.append(dataset).err()).map(|error| error.to_string());
+    Ok(Repaired { lines, moved_to, header_restored, warning })
 }
 
 /// The lines of a data file.
 struct Sorted {
+    header_restored: bool,
     /// Numbers of the damaged lines.
     lines: Vec<usize>,
     damaged: Vec<u8>,
@@ -126,7 +131,8 @@ fn sort(
     let rows: Vec<Option<TrialRecord>> = lines.iter().map(|line| row(&header, line, columns)).collect();
     let readable = rows.iter().flatten().count();
     let (mut planned, mut order) = (0, Order::new(true));
-    let mut sorted = Sorted { lines: Vec::new(), damaged: Vec::new(), kept: header };
+    let header_restored = number == 1;
+    let mut sorted = Sorted { header_restored, lines: Vec::new(), damaged: Vec::new(), kept: header };
     for ((line, row), number) in lines.iter().zip(&rows).zip(number..) {
         let row = row.as_ref().filter(|row| row.planned_trial(&context).is_ok());
         planned += usize::from(row.is_some());
