@@ -6,9 +6,14 @@ use std::str::FromStr;
 /// Returns "expected one of …", followed by "; did you mean …?" if a known name is similar to `name`.
 pub(crate) fn expected_one_of<S: AsRef<str>>(name: &str, known: &[S]) -> String {
     let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
-    let near = |candidate: &&str| strsim::damerau_levenshtein(name, candidate);
-    let best = known.iter().min_by_key(|candidate| (near(candidate), **candidate));
-    let best = best.filter(|candidate| near(candidate) <= 2.max(candidate.chars().count() / 2));
+    let length = name.chars().count();
+    let near = |candidate: &&&str| {
+        let (other, most) = (candidate.chars().count(), 2.max(candidate.chars().count() / 2));
+        // A name may have megabytes. It is at least as far away as the lengths differ.
+        let distance = || strsim::damerau_levenshtein(name, candidate);
+        (length.abs_diff(other) <= most).then(distance).filter(|distance| *distance <= most)
+    };
+    let best = known.iter().filter_map(|candidate| Some((near(&candidate)?, candidate))).min().map(|(_, best)| best);
     let question = best.map_or_else(String::new, |candidate| format!("; did you mean {candidate}?"));
     format!("expected one of {}{question}", known.join(", "))
 }

@@ -17,13 +17,22 @@ pub struct FileError {
     pub message: String,
 }
 
+/// Maximum length of a message that is shown whole, bytes. A single value of a file may have megabytes.
+const MAX_MESSAGE: usize = 2000;
+
 impl std::fmt::Display for FileError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}", self.file)?;
         if let Some((line, column)) = self.position {
             write!(f, ":{line}:{column}")?;
         }
-        write!(f, ": {}", self.message)
+        let message = &self.message;
+        if message.len() <= MAX_MESSAGE {
+            return write!(f, ": {message}");
+        }
+        let first = &message[..message.floor_char_boundary(MAX_MESSAGE / 2)];
+        let last = &message[message.ceil_char_boundary(message.len() - MAX_MESSAGE / 2)..];
+        write!(f, ": {first} … {last}")
     }
 }
 

@@ -44,6 +44,8 @@ fn bounded(folder: &Path, line: &str) -> (Option<i32>, String, String) {
         command.args(split(line)).current_dir(folder).stdin(Stdio::null());
         max_s = MAX_S;
     }
+    // The test itself may be limited to one thread, so that a single command runs at a time.
+    command.env_remove("RAYON_NUM_THREADS");
     let started = Instant::now();
     let messages = tempfile::NamedTempFile::new().unwrap();
     let mut child = command.stdout(Stdio::null()).stderr(messages.reopen().unwrap()).spawn().unwrap();
@@ -58,7 +60,7 @@ fn bounded(folder: &Path, line: &str) -> (Option<i32>, String, String) {
         if peak > MAX_KIB || started.elapsed().as_secs_f64() > max_s {
             child.kill().unwrap();
             child.wait().unwrap();
-            panic!("{line}: {peak} KiB and {:?}", started.elapsed());
+            panic!("{line} in {}: {peak} KiB and {:?}", folder.display(), started.elapsed());
         }
         std::thread::sleep(Duration::from_millis(2));
     };
@@ -341,6 +343,16 @@ fn cases(full: bool) -> Vec<Case> {
             vec![(shade, "cover its outline")],
         ),
         ("triangles.obj", obj(many / 2, many, 3).into(), vec![(shade, "*")]),
+        (
+            "words.toml",
+            format!(
+                "schema = 1\nname = \"b\"\n{}= 1\n[stimulus]\nkind = \"{}\"\n",
+                "a".repeat(500_000),
+                "b".repeat(500_000)
+            )
+            .into(),
+            vec![("check {}", "aaaa … aaaa"), ("predict {}", "aaaa … aaaa")],
+        ),
         ("edges.obj", obj(50, 4 * many, 3).into(), vec![(shade, "*")]),
     ];
     if full {
@@ -546,7 +558,8 @@ fn every_command_ends_soon_on_damaged_files() {
     attacks.par_iter().enumerate().for_each(|(seed, ((ending, content, line), number))| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed as u64 + 1000 * number);
         let content = mutated(content, &mut rng);
-        let own = tempfile::tempdir_in(folder.path()).unwrap();
+        let prefix = format!("seed-{seed}-number-{number}-");
+        let own = tempfile::Builder::new().prefix(&prefix).tempdir_in(folder.path()).unwrap();
         if *ending == "json" {
             fs::copy(folder.path().join("session.csv"), own.path().join("session.csv")).unwrap();
         }
