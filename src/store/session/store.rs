@@ -107,10 +107,12 @@ impl SessionStore {
             Ok(lock) => Some(lock),
             Err(error) => {
                 // Nothing is recorded yet, so the next attempt must not find an existing session, least of all a
-                // sidecar without rows.
-                let _ = std::fs::remove_file(&paths.sidecar);
+                // sidecar without rows. If the sidecar cannot be removed, the session can still be resumed.
+                let removed = std::fs::remove_file(&paths.sidecar);
                 drop(rows);
-                let _ = std::fs::remove_file(&paths.csv);
+                if removed.is_ok() || !exists(&paths.sidecar).unwrap_or(true) {
+                    let _ = std::fs::remove_file(&paths.csv);
+                }
                 return Err(error);
             }
         };
