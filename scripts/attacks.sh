@@ -13,9 +13,11 @@ else
     export MACHBAND_REQUIRE_GPU=1 MACHBAND_REQUIRE_DISPLAY=1 MACHBAND_REQUIRE_FAULTS=1
     cargo build --release
     export MACHBAND_LIMITS=${CARGO_TARGET_DIR:-$PWD/target}/release/machband
-    cargo test --test faults --test store --test window 2>&1 | tee "$log"
+    # A program that `nohup` started ignores a signal that the tests send.
+    test=(env --default-signal=HUP,INT cargo test)
+    "${test[@]}" --test faults --test store --test window 2>&1 | tee "$log"
     # Each command is measured alone.
-    RAYON_NUM_THREADS=1 cargo test --test commands -- --test-threads=1 2>&1 | tee -a "$log"
+    RAYON_NUM_THREADS=1 "${test[@]}" --test commands -- --test-threads=1 2>&1 | tee -a "$log"
 fi
 
 printf '\n| class of attack | attacks | rows lost | files destroyed | silent lies | panics | hangs |\n|---|--:|--:|--:|--:|--:|--:|\n'
