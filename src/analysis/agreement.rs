@@ -57,59 +57,55 @@ pub fn ordinal_alpha(counts: &Counts, resamples: &Resamples) -> Option<Alpha> {
     Some(Alpha { alpha, units: units.len(), ratings: ratings as u64, interval })
 }
 
-/// Returns α with each participant counted as many times as its weight.
+/// Returns α with each participant counted as many times as its weight. The ordinal metric between two categories is the
+/// difference of their mean ranks, so the sums over pairs of categories follow from sums over categories.
 fn alpha(units: &[Vec<Share>], weights: &[u8], categories: usize) -> Option<f64> {
-    units.first()?;
-    let mut coincidences = vec![0.0; categories * categories];
-    let (mut total, mut own) = (vec![0.0; categories], vec![0.0; categories * categories]);
-    for shares in units {
-        add_coincidences(shares, weights, &mut coincidences, &mut total, &mut own);
-    }
-    let marginals: Vec<f64> = coincidences.chunks(categories).map(|row| row.iter().sum()).collect();
-    let n: f64 = marginals.iter().sum();
-    let (mut observed, mut expected) = (0.0, 0.0);
-    for c in 0..categories {
-        let mut up_to = marginals[c];
-        for k in c + 1..categories {
-            // The ordinal metric: the number of ratings between the two categories, plus half of the ratings in these
-            // two.
-            up_to += marginals[k];
-            let between = up_to - (marginals[c] + marginals[k]) / 2.0;
-            observed += coincidences[c * categories + k] * between * between;
-            expected += marginals[c] * marginals[k] * between * between;
+    let weight = |share: &Share| f64::from(weights[share.subject]);
+    let ratings = |share: &Share| share.tally.iter().map(|(_, n)| n).sum::<f64>();
+    // Number of ratings in a unit, divided by the number of pairs of ratings by different participants.
+    let factors: Vec<(f64, f64)> = units
+        .iter()
+        .map(|shares| {
+            let own = shares.iter().map(|share| weight(share) * ratings(share));
+            let (size, own_pairs) = own.fold((0.0, 0.0), |(size, pairs), n| (size + n, pairs + n * n));
+            let pairs = size * size - own_pairs;
+            (size, if pairs > 0.0 { size / pairs } else { 0.0 })
+        })
+        .collect();
+    let mut marginals = vec![0.0; categories];
+    for (shares, (size, factor)) in units.iter().zip(&factors) {
+        for share in shares {
+            let others = factor * weight(share) * (size - weight(share) * ratings(share));
+            share.tally.iter().for_each(|&(c, n)| marginals[c] += others * n);
         }
     }
-    (expected > 0.0).then(|| 1.0 - (n - 1.0) * observed / expected)
-}
-
-/// Adds a unit's pairs of ratings by different participants. Their total weight is the number of ratings in the unit.
-/// `total` and `own` are scratch space.
-fn add_coincidences(shares: &[Share], weights: &[u8], coincidences: &mut [f64], total: &mut [f64], own: &mut [f64]) {
-    let categories = total.len();
-    total.fill(0.0);
-    own.fill(0.0);
-    let (mut size, mut own_pairs) = (0.0, 0.0);
-    for share in shares.iter().filter(|share| weights[share.subject] > 0) {
-        let weight = f64::from(weights[share.subject]);
-        let ratings: f64 = share.tally.iter().map(|(_, n)| n).sum();
-        size += weight * ratings;
-        own_pairs += (weight * ratings).powi(2);
-        for &(c, first) in &share.tally {
-            total[c] += weight * first;
-            for &(k, second) in &share.tally {
-                own[c * categories + k] += weight * weight * first * second;
-            }
+    let mut below = 0.0;
+    let ranks: Vec<f64> = marginals
+        .iter()
+        .map(|n| {
+            below += n;
+            below - n / 2.0
+        })
+        .collect();
+    // Sums of n, n·rank and n·rank², and the sum of squared differences of rank over pairs.
+    let sums = |tally: &[(usize, f64)]| {
+        tally.iter().fold([0.0; 3], |[a, b, c], &(k, n)| [a + n, b + n * ranks[k], c + n * ranks[k] * ranks[k]])
+    };
+    let spread = |[n, first, second]: [f64; 3]| n * second - first * first;
+    let mut observed = 0.0;
+    for (shares, (_, factor)) in units.iter().zip(&factors) {
+        let (mut all, mut own) = ([0.0; 3], 0.0);
+        for share in shares {
+            let sums = sums(&share.tally).map(|sum| weight(share) * sum);
+            all.iter_mut().zip(sums).for_each(|(all, sum)| *all += sum);
+            own += spread(sums);
         }
+        observed += factor * (spread(all) - own);
     }
-    let pairs = size * size - own_pairs;
-    if pairs <= 0.0 {
-        return;
-    }
-    for c in (0..categories).filter(|&c| total[c] > 0.0) {
-        for k in 0..categories {
-            coincidences[c * categories + k] += (total[c] * total[k] - own[c * categories + k]) * size / pairs;
-        }
-    }
+    let marginals: Vec<(usize, f64)> = marginals.into_iter().enumerate().collect();
+    let expected = spread(sums(&marginals));
+    // Rounding leaves a little even if all ratings are the same.
+    (expected > 1e-12 * below.powi(4)).then(|| 1.0 - (below - 1.0) * observed / expected)
 }
 
 /// Returns the mean of a statistic over participants and its bootstrap interval, or `None` if there are no values.
