@@ -17,13 +17,16 @@ use crate::{
         terminal::printable,
     },
     stimulus::{Stimulus, ViewingConditions},
-    store::{self, Writer, definition, image::MAX_PIXELS, observer, ratings::ReadOptions},
+    store::{self, Writer, definition, observer, ratings::ReadOptions},
     vision::{Criterion, Visibility},
 };
 
 /// Maximum number of conditions of a definition, unless the user allows more. A prediction takes milliseconds; a study
 /// has a hundred conditions.
 const MAX_CONDITIONS: usize = 2000;
+
+/// Maximum number of pixels of an image, unless the user allows more: those of a 4K screen. Each takes about 110 bytes.
+const MAX_PIXELS: u64 = 3840 * 2160;
 
 /// Predict the visibility of Mach bands in one stimulus, in every condition of a definition, or in any image.
 ///
@@ -40,7 +43,7 @@ pub(super) struct Arguments {
     /// Predict the bands in this image, which can be any opaque PNG.
     #[arg(long, value_name = "FILE.png", conflicts_with = "experiment")]
     image: Option<PathBuf>,
-    /// Also accept more than 2000 conditions (100 if each has a rendered picture), an image of more than 4096 × 4096
+    /// Also accept more than 2000 conditions (100 if each has a rendered picture), an image of more than 3840 × 2160
     /// pixels (up to 16384 per side), and ratings beyond the limits of `analyze`. This needs more time and memory.
     #[arg(long)]
     large: bool,

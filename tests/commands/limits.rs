@@ -373,7 +373,7 @@ fn cases(full: bool) -> Vec<Case> {
                 vec![("analyze {} --response rating --out {}.out", "")],
             ),
             ("at_corners.obj", obj(1024, 150, 1024).into(), vec![(shade, "*")]),
-            ("at_pixels.png", png(4096, Sixteen, Rgb, None), vec![("predict --image {}", "all black")]),
+            ("at_pixels.png", png(4096, Sixteen, Rgb, None), vec![("check {}", "no text chunk")]),
             ("at_conditions.toml", definition(&widths(2000), "").into(), vec![("predict {}", "")]),
             ("at_plan.toml", definition(&widths(120), "").into(), vec![(plan, "")]),
         ] as [Case; 11]);
@@ -405,6 +405,13 @@ fn small_inputs_cost_little() {
                     assert!(messages.starts_with("error: ") && messages.contains(expected), "{line}: {messages}");
                 }
             }
+        }
+    }
+    if measured().is_some() {
+        for line in ["stimulus --size 2880 --out at_picture.png", "predict --image at_picture.png"] {
+            let (status, messages, cost) = bounded(folder.path(), line);
+            assert_eq!(status, Some(0), "{line}: {messages}");
+            println!("| {line} | {cost} |");
         }
     }
     withstood("small files that ask for much work", runs, &[PANICS, HANGS]);

@@ -19,8 +19,7 @@ use crate::{
     store::{FileErrors, file::read_bytes, open::open_regular},
 };
 
-/// Maximum number of pixels of an image, unless the user allows more. A 4K screen has 8.3 million. The prediction of
-/// visibility takes about 60 bytes per pixel.
+/// Maximum number of pixels of an image, unless the user allows more. A 4K screen has 8.3 million.
 pub const MAX_PIXELS: u64 = 4096 * 4096;
 /// Maximum side length of an image that is read as light, in pixels.
 const MAX_SIDE: u32 = 16_384;
