@@ -1,12 +1,6 @@
 //! The monitor, the display server, or the graphics card is lost in the middle of a trial.
 
-use std::{
-    ffi::OsString,
-    fs,
-    io::Write as _,
-    path::{Path, PathBuf},
-    time::Duration,
-};
+use std::{ffi::OsString, fs, io::Write as _, path::Path, time::Duration};
 
 use super::{
     common::{
@@ -73,7 +67,7 @@ fn resume_to_the_end(harness: &mut Harness, planned: &[Row], done: usize) {
 }
 
 /// Starts a session and rates three trials. It then shows the fourth, or the pause page.
-fn interrupted_after_three(in_trial: bool) -> Option<(Harness, Vec<Row>, PathBuf)> {
+fn interrupted_after_three(in_trial: bool) -> Option<(Harness, Vec<Row>)> {
     let (mut harness, planned, csv) = Harness::with_session()?;
     for i in 0..3 {
         harness.rate(&csv, pattern(i));
@@ -84,14 +78,14 @@ fn interrupted_after_three(in_trial: bool) -> Option<(Harness, Vec<Row>, PathBuf
         harness.until("the pause page", |harness| harness.shown() == Shown::Page);
         harness.at_rest();
     }
-    Some((harness, planned, csv))
+    Some((harness, planned))
 }
 
 /// The display server ends, once during a trial and once on the pause page.
 #[test]
 fn no_answer_is_lost_when_the_display_server_ends() {
     for in_trial in [true, false] {
-        let Some((mut harness, planned, csv)) = interrupted_after_three(in_trial) else { return };
+        let Some((mut harness, planned)) = interrupted_after_three(in_trial) else { return };
         for mut server in harness.servers.drain(..) {
             server.kill().unwrap();
             server.wait().unwrap();
@@ -140,7 +134,7 @@ fn no_answer_is_lost_when_the_graphics_card_is_lost() {
 #[test]
 fn a_signal_closes_the_sitting() {
     for (signal, number, in_trial) in [("TERM", 15, true), ("HUP", 1, false)] {
-        let Some((mut harness, planned, csv)) = interrupted_after_three(in_trial) else { return };
+        let Some((mut harness, planned)) = interrupted_after_three(in_trial) else { return };
         harness.signal(signal);
         let status = harness.wait_for_end();
         let stderr = harness.stderr();
