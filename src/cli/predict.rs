@@ -18,7 +18,7 @@ use crate::{
     },
     stimulus::{Stimulus, ViewingConditions},
     store::{self, Writer, definition, observer, ratings::ReadOptions},
-    vision::{Criterion, Visibility},
+    vision::{Criterion, PicturePrediction, Visibility},
 };
 
 /// Maximum number of conditions of a definition, unless the user allows more. A prediction takes milliseconds; a study
@@ -30,9 +30,9 @@ const MAX_PIXELS: u64 = 3840 * 2160;
 
 /// Predict the visibility of Mach bands in one stimulus, in every condition of a definition, or in any image.
 ///
-/// Visibility is contrast times sensitivity, pooled over all channels: 0 means no band, 1 means a band that is just
-/// visible. No observer is needed; --fit compares the prediction with ratings and estimates the thresholds between
-/// ratings.
+/// Visibility 0 means no band; 1 means a band that is just visible, like a thin line at its threshold. Detection is how
+/// many times the contrast of the whole picture stands above an average person's threshold. No observer is needed;
+/// --fit compares the prediction with ratings and estimates the thresholds between ratings.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples: machband predict --width 0.1 --depth 3\n          machband predict bangay2003 --out predicted.csv\n          machband predict --image render.png --window 20 --map bands.png\n          machband predict bangay2003 --fit results --criterion lab.toml"
@@ -73,6 +73,10 @@ pub(super) struct Arguments {
     /// Where to write the table [default: standard output].
     #[arg(long, value_name = "FILE.csv")]
     out: Option<OutPath>,
+    /// Write JSON instead: an object for one stimulus or image, otherwise a list with an object per condition; with
+    /// --fit, the comparison.
+    #[arg(long)]
+    json: bool,
 }
 
 pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
@@ -101,29 +105,44 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let criterion = criterion(arguments)?;
     let viewing = viewing(window.unwrap_or(10.0));
     if let Some(path) = &arguments.image {
-        let visibility = image(arguments, writer, path, &viewing)?;
-        return write(
-            arguments,
-            writer,
-            &["image"],
-            vec![vec![printable(&path.display().to_string()).into_owned()]],
-            &[visibility],
-            &criterion,
-            0.0,
-        );
+        let (seen, view) = image(arguments, writer, path, &viewing)?;
+        let name = printable(&path.display().to_string()).into_owned();
+        let mut table = table(&["image"], vec![vec![name]], &[seen], &criterion, 0.0);
+        if arguments.json {
+            let pair = |Visibility { bright, dark }| serde_json::json!({ "bright": bright, "dark": dark });
+            let mut object = objects(&table).swap_remove(0);
+            object.insert("bands".to_owned(), pair(view.visibility));
+            object.insert("lines".to_owned(), pair(view.lines));
+            return put(arguments, writer, &json(&object)?);
+        }
+        let lines = view.lines.max();
+        table.header.push("lines".to_owned());
+        table.rows[0].push(format!("{lines:.4}"));
+        return put(arguments, writer, &table.csv());
     }
     let stimulus = arguments.stimulus.stimulus()?;
     check_size(arguments.size, &stimulus)?;
     let size = arguments.size.unwrap_or_else(|| ViewingConditions::px(&stimulus));
-    let seen =
-        viewing.predict(&stimulus, size).map_err(|error| anyhow::anyhow!("{}: {error}", stimulus.kind()))?.visibility();
+    let wrong = |error| anyhow::anyhow!("{}: {error}", stimulus.kind());
+    let visibility = viewing.predict(&stimulus, size).map_err(wrong)?.visibility();
+    let seen = Seen { visibility, detection: viewing.detection(&stimulus).map_err(wrong)? };
     let mut header = vec!["stimulus"];
     let mut row = vec![stimulus.kind().to_owned()];
     for parameter in stimulus.parameters() {
         header.push(parameter.name);
         row.push(stimulus.get(parameter.name).map_or_else(String::new, |value| value.to_string()));
     }
-    write(arguments, writer, &header, vec![row], &[seen], &criterion, 0.0)
+    let table = table(&header, vec![row], &[seen], &criterion, 0.0);
+    let one = || json(&objects(&table).swap_remove(0));
+    put(arguments, writer, &if arguments.json { one()? } else { table.csv() })
+}
+
+/// What is predicted for one stimulus.
+#[derive(Clone, Copy)]
+struct Seen {
+    visibility: Visibility,
+    /// How many times the contrast of the picture stands above an average person's threshold.
+    detection: f64,
 }
 
 fn image(
@@ -131,10 +150,12 @@ fn image(
     writer: &Writer,
     path: &Path,
     viewing: &ViewingConditions,
-) -> anyhow::Result<Visibility> {
+) -> anyhow::Result<(Seen, PicturePrediction)> {
     let (transfers, _) = arguments.transfer.transfers()?;
     let image = store::image::read_light(path, &transfers, if arguments.large { u64::MAX } else { MAX_PIXELS })?;
-    let view = viewing.predict_image(&image).map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))?;
+    let wrong = |error| anyhow::anyhow!("{}: {error}", path.display());
+    let view = viewing.predict_image(&image).map_err(wrong)?;
+    let detection = viewing.detection_of_image(&image).map_err(wrong)?;
     if let Some(map) = &arguments.map {
         // The strongest band is white or black; medium gray means no band.
         let most = view.map.bright.iter().chain(&view.map.dark).copied().fold(1e-9, f64::max);
@@ -144,7 +165,7 @@ fn image(
         let codes = Quantizer::new(&crate::light::Transfer::Srgb, crate::light::Bits::Eight).quantize(&drawn);
         store::image::write_codes(writer, map, &codes)?;
     }
-    Ok(view.visibility)
+    Ok((Seen { visibility: view.visibility, detection }, view))
 }
 
 fn all(
@@ -165,26 +186,44 @@ fn all(
         return Err(UsageError(message).into());
     }
     conditions.iter().try_for_each(|condition| check_size(arguments.size, &condition.stimulus))?;
-    let seen = visibilities(&conditions, viewing, arguments.size)
-        .map_err(|error| anyhow::anyhow!("{}: {error}", protocol.stimulus.kind()))?;
+    let wrong = |error| anyhow::anyhow!("{}: {error}", protocol.stimulus.kind());
+    let found = visibilities(&conditions, viewing, arguments.size).map_err(wrong)?;
     let header: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
     let row = |condition: &Condition| -> Vec<String> {
         let levels = protocol.factors.iter().zip(&condition.levels);
         levels.map(|(factor, level)| factor.levels[*level].to_string()).collect()
     };
     let rows = conditions.iter().map(row).collect();
-    let Some(study) = study else {
-        return write(arguments, writer, &header, rows, &seen, &criterion(arguments)?, 0.0);
+    let all = |criterion: &Criterion, least: f64| {
+        let detections = conditions.iter().map(|condition| viewing.detection(&condition.stimulus));
+        let detections = detections.collect::<Result<Vec<f64>, _>>().map_err(wrong)?;
+        let seen = found.iter().zip(detections).map(|(visibility, detection)| Seen { visibility: *visibility, detection });
+        let table = table(&header, rows, &seen.collect::<Vec<_>>(), criterion, least);
+        put(arguments, writer, &if arguments.json { json(&objects(&table))? } else { table.csv() })
     };
-    let comparison = prediction::compare_conditions(&study.measured.counts, protocol, &conditions, &seen)
+    let Some(study) = study else {
+        return all(&criterion(arguments)?, 0.0);
+    };
+    let comparison = prediction::compare_conditions(&study.measured.counts, protocol, &conditions, &found)
         .map_err(|error| anyhow::anyhow!("{}: {error}", arguments.fit[0].display()))?;
     if let Some(path) = &arguments.criterion {
         observer::write_criterion(writer, path, &comparison.criterion)?;
     }
     if arguments.out.is_some() {
-        write(arguments, writer, &header, rows, &seen, &comparison.criterion, prediction::MIN_VISIBILITY)?;
+        all(&comparison.criterion, prediction::MIN_VISIBILITY)?;
     }
-    print_comparison(&comparison)?;
+    if arguments.json {
+        print_data(&json(&serde_json::json!({
+            "ratings": comparison.ratings,
+            "conditions": comparison.conditions,
+            "criterion": comparison.criterion,
+            "rank_correlation": comparison.rank_correlation,
+            "rank_correlation_with_participants": comparison.with_subjects,
+            "noise_ceiling": comparison.ceiling,
+        }))?)?;
+    } else {
+        print_comparison(&comparison)?;
+    }
     super::ratings::problems(&study.source)
 }
 
@@ -224,25 +263,35 @@ fn criterion(arguments: &Arguments) -> anyhow::Result<Criterion> {
     }
 }
 
-/// Writes the table. A band that is less visible than `least` is treated as having that visibility.
-fn write(
-    arguments: &Arguments,
-    writer: &Writer,
-    header: &[&str],
-    mut rows: Vec<Vec<String>>,
-    seen: &[Visibility],
-    criterion: &Criterion,
-    least: f64,
-) -> anyhow::Result<()> {
-    for (row, visibility) in rows.iter_mut().zip(seen) {
+/// Returns the table. A band that is less visible than `least` is rated as if it had that visibility.
+fn table(header: &[&str], mut rows: Vec<Vec<String>>, seen: &[Seen], criterion: &Criterion, least: f64) -> Table {
+    for (row, Seen { visibility, detection }) in rows.iter_mut().zip(seen) {
         let strongest = visibility.max();
-        let numbers = [strongest, criterion.mean(strongest.max(least)), visibility.bright, visibility.dark];
+        let rating = criterion.mean(strongest.max(least));
+        let numbers = [strongest, *detection, rating, visibility.bright, visibility.dark];
         row.extend(numbers.map(|number| format!("{number:.4}")));
     }
-    let columns = ["visibility", "predicted_rating", "visibility_bright", "visibility_dark"];
-    let table = Table { header: header.iter().chain(&columns).map(|name| (*name).to_owned()).collect(), rows }.csv();
+    let columns = ["visibility", "detection", "predicted_rating", "visibility_bright", "visibility_dark"];
+    Table { header: header.iter().chain(&columns).map(|name| (*name).to_owned()).collect(), rows }
+}
+
+/// Returns an object for each row; numbers are numbers.
+fn objects(table: &Table) -> Vec<serde_json::Map<String, serde_json::Value>> {
+    let value = |cell: &String| cell.parse::<f64>().map_or_else(|_| cell.clone().into(), serde_json::Value::from);
+    let object = |row: &Vec<String>| table.header.iter().cloned().zip(row.iter().map(value)).collect();
+    table.rows.iter().map(object).collect()
+}
+
+fn json(value: &impl serde::Serialize) -> anyhow::Result<Vec<u8>> {
+    let mut text = serde_json::to_vec_pretty(value)?;
+    text.push(b'\n');
+    Ok(text)
+}
+
+/// Writes to the file that was asked for, otherwise to standard output.
+fn put(arguments: &Arguments, writer: &Writer, data: &[u8]) -> anyhow::Result<()> {
     match &arguments.out {
-        Some(path) => Ok(writer.write(path, &table)?),
-        None => print_data(&table),
+        Some(path) => Ok(writer.write(path, data)?),
+        None => print_data(data),
     }
 }

@@ -5,7 +5,7 @@ use crate::{
     light::LinearImage,
     shading::{Frame, coverage},
     vision::{
-        Border, Eye, Line, LinePrediction, LuminanceImage, PicturePrediction, Visibility, VisionError, luminance,
+        self, Border, Eye, Line, LinePrediction, LuminanceImage, PicturePrediction, Visibility, VisionError, luminance,
         luminances,
     },
 };
@@ -106,14 +106,35 @@ impl ViewingConditions {
 
     fn predict_within(&self, image: &LinearImage, mask: Option<&[bool]>) -> Result<PicturePrediction, VisionError> {
         let light = luminances(image);
+        LuminanceImage { mask, ..self.luminance_image(image, &light) }.predict(&self.eye(&light))
+    }
+
+    /// Returns how many times the contrast of a stimulus that fills the window stands above the threshold of an average
+    /// person, who looks at its middle; see [`vision::detection`].
+    ///
+    /// # Errors
+    /// Returns a [`VisionError`] if the window is all black.
+    pub fn detection(&self, stimulus: &Stimulus) -> Result<f64, VisionError> {
+        self.detection_of_image(&stimulus.linear(Self::PICTURE_PX))
+    }
+
+    /// Returns the same for an image that fills the window's width.
+    ///
+    /// # Errors
+    /// Returns a [`VisionError`] if the image is all black.
+    pub fn detection_of_image(&self, image: &LinearImage) -> Result<f64, VisionError> {
+        let light = luminances(image);
+        vision::detection(&self.luminance_image(image, &light), &self.eye(&light))
+    }
+
+    fn luminance_image<'a>(&self, image: &LinearImage, light: &'a [f64]) -> LuminanceImage<'a> {
         let (width, height) = (image.width as usize, image.height as usize);
-        LuminanceImage { light: &light, width, height, px_per_deg: self.px_per_deg(image.width), mask }
-            .predict(&self.eye(&light))
+        LuminanceImage { light, width, height, px_per_deg: self.px_per_deg(image.width), mask: None }
     }
 
     fn eye(&self, light: &[f64]) -> Eye {
         let mean = light.iter().sum::<f64>() / light.len().max(1) as f64;
-        Eye { luminance: (self.white_cd_m2 * mean).max(MIN_CD_M2), field_deg: self.window_deg }
+        Eye::adapted_to((self.white_cd_m2 * mean).max(MIN_CD_M2))
     }
 
     fn px_per_deg(&self, px: u32) -> f64 {

@@ -2,7 +2,8 @@
 
 use std::{cell::RefCell, sync::Arc};
 
-use rustfft::{Fft, FftPlanner};
+use rayon::prelude::*;
+use rustfft::{Fft, FftPlanner, num_complex::Complex64};
 
 thread_local! {
     static PLANNER: RefCell<FftPlanner<f64>> = RefCell::new(FftPlanner::new());
@@ -33,4 +34,29 @@ pub fn next_fast_length(least: usize) -> usize {
         n == 1
     };
     (least.max(1)..).find(|n| is_smooth(*n)).unwrap_or(least)
+}
+
+/// Performs an unnormalized two-dimensional Fourier transform in place.
+pub(super) fn transform(values: &mut [Complex64], columns: usize, rows: usize) {
+    let (across, down) = (forward(columns), forward(rows));
+    values.par_chunks_exact_mut(columns).for_each(|row| across.process(row));
+    let mut turned = vec![Complex64::default(); values.len()];
+    transpose(values, &mut turned, columns, 0, [columns, rows]);
+    turned.par_chunks_exact_mut(rows).for_each(|column| down.process(column));
+    transpose(&turned, values, rows, 0, [rows, columns]);
+}
+
+/// Turns columns into rows. It takes the `columns` that start at `left` from rows that are `stride` long, and works in
+/// tiles that fit in the processor's cache.
+pub(super) fn transpose(from: &[Complex64], to: &mut [Complex64], stride: usize, left: usize, [columns, rows]: [usize; 2]) {
+    const TILE: usize = 16;
+    for top in (0..rows).step_by(TILE) {
+        for first in (0..columns).step_by(TILE) {
+            for y in top..(top + TILE).min(rows) {
+                for x in first..(first + TILE).min(columns) {
+                    to[x * rows + y] = from[y * stride + left + x];
+                }
+            }
+        }
+    }
 }

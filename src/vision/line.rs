@@ -2,22 +2,27 @@
 
 use std::f64::consts::PI;
 
+use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
 use super::{
-    band::{Band, FALL_PERIODS, Polarity, Visibility, peak, strength, unmasked},
+    band::{Band, Polarity, Visibility, crest, vertex},
+    channel::{Answer, Channel, Fields, SAMPLES_PER_PERIOD, SLOPE_PERIODS, pooled},
     error::{VisionError, check},
-    eye::{ADAPTATION_DEG, Border, Channel, Eye, REACH},
+    eye::{ADAPTATION_DEG, Border, Eye},
     fft::{self, next_fast_length},
+    image::Grid,
 };
 
 /// Padding beyond the end of a profile, degrees: one period of the coarsest channel, so that the two ends of the
 /// periodic profile do not affect each other.
 const BEYOND_DEG: f64 = 16.0;
-/// Number of samples of a channel's response per period of the channel.
-const SAMPLES_PER_PERIOD: f64 = 16.0;
-/// Number of cells per degree for the mean light and the masking energy.
-const COARSE_PER_DEG: f64 = 16.0;
+/// A channel's response is computed this far beyond the ends of the profile, in periods of the channel.
+const BEYOND_PERIODS: f64 = 2.5;
+/// Number of cells per degree for the mean light.
+const CELLS_PER_DEG: f64 = 16.0;
+/// Number of places per degree at which bands are sought.
+const PLACES_PER_DEG: f64 = 32.0;
 
 /// A profile in linear light.
 #[derive(Clone, Copy, Debug)]
@@ -30,13 +35,23 @@ pub struct Line<'a> {
     pub border: Border,
 }
 
+/// One frequency of a line's spectrum.
+struct Frequency {
+    /// Natural logarithm of the frequency in cycles per degree.
+    log: f64,
+    /// The slope's amplitude and phase.
+    slope: Complex64,
+}
+
 /// The prediction for a line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LinePrediction {
-    /// The bands of all channels, sorted by descending strength.
+    /// The bands, sorted by descending strength.
     pub bands: Vec<Band>,
-    /// Visibility pooled over all channels.
+    /// Visibility of the strongest bands.
     pub visibility: Visibility,
+    /// Visibility of the strongest lines that are in the light itself.
+    pub lines: Visibility,
 }
 
 impl Line<'_> {
@@ -50,32 +65,25 @@ impl Line<'_> {
         if self.light.len() < 2 {
             return Err(VisionError::TooSmall { width: self.light.len(), height: 1, least: 2 });
         }
-        let spectrum = self.spectrum(eye);
-        let mean = self.mean();
-        let mut finer = vec![0.0; self.cells()];
-        let mut prediction = LinePrediction::default();
-        let mut channels = Vec::new();
-        // The finest channels come first because they mask the others.
-        for channel in Channel::all().rev() {
-            let response = self.response(channel, &spectrum);
-            let mut strongest = Visibility::default();
-            for (mut band, energy) in self.bands(channel, &response, &mean) {
-                let cell = ((band.at_deg[0] + self.length() / 2.0) * COARSE_PER_DEG).round().max(0.0) as usize;
-                band.strength *= unmasked(energy, finer[cell.min(finer.len() - 1)]);
-                strongest.raise_to(band.polarity, band.strength);
-                if band.strength > 0.0 {
-                    prediction.bands.push(band);
-                }
-            }
-            channels.push(strongest);
-            let step = response.len() as f64 / self.repeat() / COARSE_PER_DEG;
-            for (i, energy) in finer.iter_mut().enumerate() {
-                *energy = f64::max(*energy, response[(i as f64 * step).round() as usize % response.len()].norm());
-            }
-        }
-        prediction.bands.sort_by(|a, b| b.strength.total_cmp(&a.strength));
-        prediction.visibility = Visibility::over(&channels);
-        Ok(prediction)
+        let (spectrum, mean, half) = (self.spectrum(), self.mean(), 0.5 * self.length());
+        let answer = |channel: Channel| {
+            let mean = |[x, _]: [f64; 2]| between(&mean, (x + half) * CELLS_PER_DEG);
+            let weight = |[x, _]: [f64; 2]| self.border.weight((half - x.abs()) * channel.frequency);
+            self.respond(channel, &spectrum).answer(channel, 1.0, eye, mean, weight)
+        };
+        let channels: Vec<Channel> = Channel::all().collect();
+        let answers: Vec<Answer> = channels.into_par_iter().rev().map(answer).collect();
+        let columns = (self.length() * PLACES_PER_DEG).ceil() as usize + 1;
+        let step = self.length() / (columns - 1) as f64;
+        let places = Grid { columns, rows: 1, first: [-half, 0.0], step: [step; 2] };
+        let [map, lines] = pooled(&answers, &places);
+        let mut bands: Vec<Band> = [(Polarity::Bright, &map.bright), (Polarity::Dark, &map.dark)]
+            .into_iter()
+            .flat_map(|(polarity, map)| peaks(map).map(move |(at, strength)| Band { at_deg: at * step - half, polarity, strength }))
+            .collect();
+        bands.sort_by(|a, b| b.strength.total_cmp(&a.strength));
+        let [visibility, lines] = [&map, &lines].map(|map| Visibility::strongest(map, columns));
+        Ok(LinePrediction { bands, visibility, lines })
     }
 
     /// Returns the length of the profile, degrees.
@@ -93,21 +101,16 @@ impl Line<'_> {
         self.period() as f64 / self.px_per_deg
     }
 
-    /// Returns the number of cells for the mean light and the masking energy.
+    /// Returns the number of cells for the mean light.
     fn cells(&self) -> usize {
-        (self.length() * COARSE_PER_DEG).ceil() as usize + 1
+        (self.length() * CELLS_PER_DEG).ceil() as usize + 1
     }
 
-    /// Returns the index of the highest frequency of the spectrum that a channel passes.
-    fn last_place(&self, channel: Channel) -> usize {
-        ((channel.frequency * REACH * self.repeat()).floor() as usize).max(1)
-    }
-
-    /// Returns the spectrum of the eye's response to the jumps in light from pixel to pixel: pixels are squares, so
-    /// their light is a staircase. Beyond a [`Border::Cut`], the jumps are mirrored and fade out, so that light and
-    /// slope continue.
-    fn spectrum(&self, eye: &Eye) -> Vec<Complex64> {
-        let (n, period, repeat) = (self.light.len(), self.period(), self.repeat());
+    /// Returns the spectrum of the light's slope up to the highest frequency that any channel needs. The slope consists
+    /// of jumps from pixel to pixel: pixels are squares, so their light is a staircase. Beyond a [`Border::Cut`], the
+    /// jumps are mirrored and fade out, so that light and slope continue.
+    fn spectrum(&self) -> Vec<Frequency> {
+        let (n, period) = (self.light.len(), self.period());
         let mut jumps = vec![Complex64::default(); period];
         for (i, pair) in self.light.windows(2).enumerate() {
             jumps[i + 1].re = pair[1] - pair[0];
@@ -121,78 +124,71 @@ impl Line<'_> {
             }
         }
         fft::forward(period).process(&mut jumps);
-        let response = |j: usize| {
+        let repeat = self.repeat();
+        // The first place is half a period before the middle of the profile.
+        let first = 0.5 * (self.length() - repeat);
+        let last = Channel::all().map(|channel| self.samples(channel) / 2).max().unwrap_or(0);
+        let frequency = |j: usize| {
             let f = j as f64 / repeat;
-            // Dividing by 2πif turns jumps into light. The factor of 2 makes up for the negative frequencies, which are
-            // dropped.
-            let weight = if j > 0 { eye.sensitivity(f) / (PI * f * repeat) } else { 0.0 };
-            jumps[j % period] * Complex64::new(0.0, -weight)
+            Frequency { log: f.ln(), slope: jumps[j % period] * Complex64::cis(2.0 * PI * f * first) / repeat }
         };
-        let last = Channel::all().map(|channel| self.last_place(channel)).max().unwrap_or(0);
-        (0..=last).map(response).collect()
+        (0..last).map(frequency).collect()
     }
 
-    /// Returns a channel's response, even + i·odd, over one period of the padded profile.
-    fn response(&self, channel: Channel, spectrum: &[Complex64]) -> Vec<Complex64> {
-        let (frequency, repeat, last) = (channel.frequency, self.repeat(), self.last_place(channel));
-        let first = ((frequency / REACH * repeat).ceil() as usize).max(1);
-        let samples = next_fast_length((SAMPLES_PER_PERIOD * frequency * repeat).ceil() as usize).max(last + 1);
-        let mut response = vec![Complex64::default(); samples];
-        for j in first..=last {
-            response[j] = spectrum[j] * channel.passes_log((j as f64 / repeat).ln() - frequency.ln());
+    /// Returns the number of samples of a channel's responses over one period of the padded profile, which is even.
+    fn samples(&self, channel: Channel) -> usize {
+        2 * next_fast_length((0.5 * SAMPLES_PER_PERIOD * channel.frequency * self.repeat()).ceil() as usize)
+    }
+
+    /// Returns a channel's responses on a grid in degrees from the middle of the profile.
+    fn respond(&self, channel: Channel, spectrum: &[Frequency]) -> Fields {
+        let (frequency, repeat, samples) = (channel.frequency, self.repeat(), self.samples(channel));
+        let (step, middle) = (repeat / samples as f64, samples / 2);
+        let (own, coarse) = (frequency.ln(), channel.octave_below().frequency.ln());
+        let [mut pair, mut others] = [0; 2].map(|_| vec![Complex64::default(); samples]);
+        for (j, Frequency { log, slope }) in spectrum.iter().enumerate().take(middle).skip(1) {
+            let f = j as f64 / repeat;
+            // Dividing by 2πif turns slope into light.
+            let light = slope * Complex64::new(0.0, -0.5 / (PI * f));
+            let even = light * channel.passes_log(log - own);
+            let coarse = light * channel.octave_below().passes_log(log - coarse);
+            let slope = slope * (-0.5 * (2.0 * PI * SLOPE_PERIODS * f / frequency).powi(2)).exp();
+            // Without the negative frequencies, the transform is even + i·odd. The factor of 2 makes up for them.
+            pair[j] = even * 2.0;
+            // A real field in the real part plus i times another.
+            others[j] = coarse + slope * Complex64::i();
+            others[samples - j] = coarse.conj() + slope.conj() * Complex64::i();
         }
-        fft::inverse(samples).process(&mut response);
-        response
-    }
-
-    /// Returns the bands at the peaks of a channel's energy within the profile, each with the height of its peak.
-    fn bands(&self, channel: Channel, response: &[Complex64], mean: &[f64]) -> Vec<(Band, f64)> {
-        let (n, length, frequency) = (response.len(), self.length(), channel.frequency);
-        let step = self.repeat() / n as f64;
-        let margin = self.border.margin_deg(frequency);
-        let fall = ((FALL_PERIODS / frequency / step) as usize).min(n / 2);
-        // The search for the fall stops where a border already distorts the response.
-        let unusable = self.border.unusable_deg(frequency);
-        let free = |deg: f64| match self.border {
-            Border::Continues => fall,
-            Border::Cut => (((deg - unusable) / step).max(0.0) as usize).min(fall),
-        };
-        let energy: Vec<f64> = response.iter().map(|value| value.norm_sqr()).collect();
-        let first = (margin / step).ceil() as usize;
-        let end = (((length - margin) / step).floor().max(0.0) as usize + 1).min(n);
-        let band = |i: usize| {
-            let at = |offset: usize| (i + n + offset) % n;
-            let (before, after) = (at(n - 1), at(1));
-            if energy[i] <= energy[before] || energy[i] < energy[after] {
-                return None;
-            }
-            let (shift, value) = peak([response[before], response[i], response[after]]);
-            let place = (i as f64 + shift) * step;
-            let least = |far: usize, toward: &dyn Fn(usize) -> usize| {
-                (1..=far).map(|k| energy[toward(k)]).fold(f64::MAX, f64::min)
-            };
-            let before = least(free(place), &|k| at(n - k));
-            let lowest = before.max(least(free(length - place), &|k| at(k))).sqrt();
-            let strength = strength(value, lowest, between(mean, place * COARSE_PER_DEG));
-            let polarity = if value.re > 0.0 { Polarity::Bright } else { Polarity::Dark };
-            let at_deg = [place - length / 2.0, 0.0];
-            let band = Band { at_deg, orientation_deg: 0.0, polarity, strength, frequency };
-            (strength > 0.0).then_some((band, value.norm()))
-        };
-        (first..end).filter_map(band).collect()
+        let inverse = fft::inverse(samples);
+        inverse.process(&mut pair);
+        inverse.process(&mut others);
+        let beyond = 0.5 * self.length() + BEYOND_PERIODS / frequency;
+        let reach = ((beyond / step).ceil() as usize).min(middle - 1);
+        let part = middle - reach..=middle + reach;
+        let (pair, others) = (&pair[part.clone()], &others[part]);
+        let grid =
+            Grid { columns: pair.len(), rows: 1, first: [-(reach as f64) * step, 0.0], step: [step; 2] };
+        let each = |of: fn(&Complex64, &Complex64) -> Complex64| pair.iter().zip(others).map(|(a, b)| of(a, b)).collect();
+        Fields {
+            grid,
+            even: each(|pair, others| Complex64::new(pair.re, others.re)),
+            odd: each(|pair, _| pair.im.into()),
+            straight: each(|pair, _| pair.re.into()),
+            slope: each(|_, others| others.im.into()),
+        }
     }
 
     /// Returns the mean light to which the eye adapts, one value per cell.
     fn mean(&self) -> Vec<f64> {
         // Each cell has at least one pixel.
         let pixels = |i: usize| {
-            let place = |half: f64| ((i as f64 + half) / COARSE_PER_DEG * self.px_per_deg).max(0.0) as usize;
+            let place = |half: f64| ((i as f64 + half) / CELLS_PER_DEG * self.px_per_deg).max(0.0) as usize;
             let first = place(-0.5).min(self.light.len() - 1);
             &self.light[first..place(0.5).clamp(first + 1, self.light.len())]
         };
         let mean = |pixels: &[f64]| pixels.iter().sum::<f64>() / pixels.len() as f64;
         let coarse: Vec<f64> = (0..self.cells()).map(|i| mean(pixels(i))).collect();
-        let sigma = ADAPTATION_DEG * COARSE_PER_DEG;
+        let sigma = ADAPTATION_DEG * CELLS_PER_DEG;
         let reach = (3.0 * sigma) as isize;
         let weights: Vec<f64> = (-reach..=reach).map(|k| (-0.5 * (k as f64 / sigma).powi(2)).exp()).collect();
         let total: f64 = weights.iter().sum();
@@ -211,4 +207,12 @@ fn between(values: &[f64], at: f64) -> f64 {
     let i = (at as usize).min(values.len().saturating_sub(2));
     let part = at - i as f64;
     values[i] * (1.0 - part) + values.get(i + 1).unwrap_or(&values[i]) * part
+}
+
+/// Returns the position and the height of each peak of a map.
+fn peaks(map: &[f64]) -> impl Iterator<Item = (f64, f64)> {
+    map.windows(3).enumerate().filter_map(|(i, neighbors)| {
+        let [a, b, c] = *neighbors else { return None };
+        (b > a && b >= c).then(|| ((i + 1) as f64 + vertex(a, b, c), b + crest(a, b, c)))
+    })
 }

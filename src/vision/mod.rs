@@ -1,33 +1,38 @@
-//! Floor 1: a model of vision, which predicts where people see bright and dark bands in an image, and how visible they
-//! are.
+//! Floor 1: a model of vision, which predicts whether people detect a picture, where they see bright and dark bands in
+//! it, and how visible the bands are.
 //!
-//! This is a local-energy model in the tradition of Morrone and Burr (1988, Proc. R. Soc. B 235:221; Ross, Morrone &
-//! Burr 1989, Vis. Res. 29:699). The eye finds lines and edges at the peaks of the energy of an even and an odd
-//! response in quadrature, and the phase at the peak tells lines from edges. At a sharp step, every channel has the
-//! phase of an edge, so there is no band. At the end of a ramp, the phase is the phase of a line, so there is a band.
+//! The model of bands stands in the tradition of Morrone and Burr (1988, Proc. R. Soc. B 235:221; Ross, Morrone & Burr
+//! 1989, Vis. Res. 29:699): the eye sees a line where the even response of a channel outweighs the odd response. At a
+//! sharp step, no channel's even response does, so there is no band. At the end of a ramp, it does, so there is a band.
+//! It is an illusion if the light itself only rises or only falls there; otherwise it is a line of the picture.
 //!
 //! ```text
-//! light → sensitivity (optics, neurons) → channels (log-Gabor, quarter octaves): even, odd
-//!       → energy peaks that stand out on both sides → (even − odd share) / mean light → pooled over channels
+//! light → channels (log-Gabor, thirds of octaves): even, odd → even beyond the nearby odd → sensitivity / mean light
+//!       → smoothed along and across the band → pooled over channels
 //! ```
 //!
-//! Strengths are contrast times sensitivity: at a strength of 1, a grating of that contrast would be just visible. The
-//! source of every constant is cited where it is defined. [`Line`] is for stimuli that vary in one direction, and
+//! The unit is measured: a band of visibility 1 has the response of a thin line at its detection threshold. The source
+//! of every constant is cited where it is defined. [`Line`] is for stimuli that vary in one direction, and
 //! [`LuminanceImage`] is for images; the two agree.
 
 mod band;
+mod blur;
+mod channel;
+mod detection;
 mod error;
 mod eye;
 pub mod fft;
 mod image;
 mod line;
 mod picture;
-mod ridge;
+mod sensitivity;
 mod spectrum;
 
-pub use band::{Band, Criterion, Polarity, Visibility, pooled, vertex};
+pub use detection::{ContrastSpectrum, detection};
+pub use band::{Band, BandMap, Criterion, Polarity, Visibility, vertex};
 pub use error::VisionError;
 pub use eye::{Border, Eye, luminance, luminances};
 pub use image::LuminanceImage;
 pub use line::{Line, LinePrediction};
-pub use picture::{BandMap, PicturePrediction};
+pub use picture::PicturePrediction;
+pub use sensitivity::Sensitivity;

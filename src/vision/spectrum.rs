@@ -6,39 +6,19 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
 use super::{
-    eye::{ADAPTATION_DEG, Channel, Eye},
-    fft::{self, next_fast_length},
+    channel::{Channel, Fields, SAMPLES_PER_PERIOD, SLOPE_PERIODS},
+    eye::ADAPTATION_DEG,
+    fft::{self, next_fast_length, transform, transpose},
     image::{Field, Grid, LuminanceImage},
 };
 
-/// A channel is computed up to at least this multiple of its preferred frequency, beyond which it passes less than a
-/// hundredth.
-const REACH: f64 = 4.0;
-/// The multiple for coarse channels. It is higher because their energy has flat peaks, which cannot be located exactly
-/// with few samples.
-const COARSE_REACH: f64 = 8.0;
-/// [`COARSE_REACH`] applies only up to this frequency, cycles per degree. Beyond it, the higher multiple would take
-/// most of the time and change little.
-const COARSE_TOP: f64 = 10.0;
 /// Highest frequency of the mean light, cycles per degree.
 const MEAN_TOP: f64 = 2.0;
 
-/// A channel's responses on a grid.
-pub(super) struct Responses {
-    pub(super) grid: Grid,
-    pub(super) even: Vec<f64>,
-    /// The rightward part in the real component, and the downward part in the imaginary component.
-    pub(super) odd: Vec<Complex64>,
-    /// Even² + odd².
-    pub(super) energy: Vec<f64>,
-}
-
 /// The spectrum of an image, including its continuation beyond the edges.
 pub(super) struct Spectrum {
-    /// Spectrum of the light, from which the mean light is computed.
+    /// Spectrum of the light.
     light: Vec<Complex64>,
-    /// Spectrum of the eye's response.
-    response: Vec<Complex64>,
     columns: usize,
     rows: usize,
     /// Width and height of the image, pixels.
@@ -72,7 +52,7 @@ struct Place {
 }
 
 impl Spectrum {
-    pub(super) fn new(picture: &LuminanceImage, eye: &Eye) -> Spectrum {
+    pub(super) fn new(picture: &LuminanceImage) -> Spectrum {
         let side = picture.width.min(picture.height);
         // At least half a period of the coarsest channel, since the shorter side has room for at least two of its
         // periods.
@@ -87,24 +67,22 @@ impl Spectrum {
         let squares: Vec<f64> = (0..across).map(|k| square(k, columns)).collect();
         // No channel passes the constant part.
         let mut frequencies = vec![Frequency { log: f64::NEG_INFINITY, direction: [0.0; 2] }; across * down];
-        let mut sensitivity = vec![0.0; across * down];
-        frequencies.par_chunks_mut(across).zip(sensitivity.par_chunks_mut(across)).enumerate().for_each(
-            |(row, (to, sensitivity))| {
-                let fy = row as f64 * px_per_deg / rows as f64;
-                for (column, (to, sensitivity)) in to.iter_mut().zip(sensitivity).enumerate() {
-                    let fx = column as f64 * px_per_deg / columns as f64;
-                    let f = fx.hypot(fy);
-                    if f > 0.0 {
-                        *to = Frequency { log: f.ln(), direction: [fx / f, fy / f] };
-                        *sensitivity = eye.sensitivity(f) * squares[column] * square(row, rows);
-                    }
+        frequencies.par_chunks_mut(across).enumerate().for_each(|(row, to)| {
+            let fy = row as f64 * px_per_deg / rows as f64;
+            for (column, to) in to.iter_mut().enumerate() {
+                let fx = column as f64 * px_per_deg / columns as f64;
+                let f = fx.hypot(fy);
+                if f > 0.0 {
+                    *to = Frequency { log: f.ln(), direction: [fx / f, fy / f] };
                 }
-            },
-        );
+            }
+        });
         let mirrored = |k: usize, n: usize| k.min(n - k);
-        let gain = |i: usize| sensitivity[mirrored(i / columns, rows) * across + mirrored(i % columns, columns)];
-        let response = light.par_iter().enumerate().map(|(i, value)| value * gain(i)).collect();
-        Spectrum { light, response, columns, rows, size: [picture.width, picture.height], px_per_deg, frequencies }
+        light.par_chunks_mut(columns).enumerate().for_each(|(row, light)| {
+            let square = square(mirrored(row, rows), rows);
+            light.iter_mut().enumerate().for_each(|(column, value)| *value *= square * squares[mirrored(column, columns)]);
+        });
+        Spectrum { light, columns, rows, size: [picture.width, picture.height], px_per_deg, frequencies }
     }
 
     /// Returns a grid over the whole periodic image with enough samples for frequencies up to `top`.
@@ -143,28 +121,39 @@ impl Spectrum {
         }
     }
 
-    /// Computes a channel's even and odd responses with the monogenic signal (Felsberg & Sommer 2001, IEEE Trans.
-    /// Signal Process. 49:3136). Its odd part is a vector `[right, down]`: the response of the quadrature pair oriented
-    /// across the local structure. All orientations are therefore treated alike, and none has to be sampled.
-    pub(super) fn respond(&self, channel: Channel) -> Responses {
-        let own = channel.frequency;
-        let grid = self.grid((COARSE_REACH * own).min(COARSE_TOP).max(REACH * own));
-        let (log, whole) = (own.ln(), self.columns / 2 + 1);
+    /// Computes a channel's responses with the Riesz transform (Felsberg & Sommer 2001, IEEE Trans. Signal Process.
+    /// 49:3136). The odd part is a vector: the response of the quadrature pair oriented across the local structure. All
+    /// orientations are therefore treated alike, and none has to be sampled.
+    pub(super) fn respond(&self, channel: Channel) -> Fields {
+        let grid = self.grid(SAMPLES_PER_PERIOD / 2.0 * channel.frequency);
+        let whole = self.columns / 2 + 1;
+        let coarse = channel.octave_below();
+        let logs = [channel, coarse].map(|channel| channel.frequency.ln());
         let scale = 1.0 / (self.columns * self.rows) as f64;
-        let [mut even, mut odd] = [0; 2].map(|_| vec![Complex64::default(); grid.columns * grid.rows]);
-        self.each(&grid, &self.response, |row, column, to, value| {
+        // e^(−½(2πσν)²), where σ is given in periods of the channel.
+        let blur = -0.5 * (2.0 * PI * SLOPE_PERIODS / channel.frequency).powi(2);
+        let [mut even, mut odd, mut straight, mut slope] =
+            [0; 4].map(|_| vec![Complex64::default(); grid.columns * grid.rows]);
+        self.each(&grid, &self.light, |row, column, to, value| {
             let frequency = &self.frequencies[row.size * whole + column.size];
-            let value = value * (channel.passes_log(frequency.log - log) * scale);
-            even[to] = value;
+            if frequency.log == f64::NEG_INFINITY {
+                return;
+            }
+            let value = value * scale;
+            let of = |k: usize, channel: Channel| value * channel.passes_log(frequency.log - logs[k]);
+            let (own, coarse) = (of(0, channel), of(1, coarse));
             let [right, down] = [column.sign * frequency.direction[0], row.sign * frequency.direction[1]];
-            // Multiplied by down − i·right.
-            odd[to] = Complex64::new(value.re * down + value.im * right, value.im * down - value.re * right);
+            let direction = Complex64::new(right, down);
+            // A real field in the real part plus i times another.
+            even[to] = own + coarse * Complex64::i();
+            odd[to] = own * direction * -Complex64::i();
+            straight[to] = own * direction * direction;
+            let length = frequency.log.exp();
+            slope[to] = value * direction * Complex64::i() * (length * (blur * length * length).exp());
         });
         let cropped = self.cropped(&grid);
-        let even = inverse(even, &grid, &cropped, |value| value.re);
-        let odd: Vec<Complex64> = inverse(odd, &grid, &cropped, |value| value);
-        let energy = even.iter().zip(&odd).map(|(even, odd)| even * even + odd.norm_sqr()).collect();
-        Responses { grid: cropped.grid, even, odd, energy }
+        let [even, odd, straight, slope] = [even, odd, straight, slope].map(|field| inverse(field, &grid, &cropped));
+        Fields { grid: cropped.grid, even, odd, straight, slope }
     }
 
     /// Computes the mean light to which the eye is adapted.
@@ -182,7 +171,7 @@ impl Spectrum {
             mean[to] = value * (across[column.size] * down[row.size] * scale);
         });
         let cropped = self.cropped(&grid);
-        let values = inverse(mean, &grid, &cropped, |value| value.re);
+        let values = inverse(mean, &grid, &cropped).into_iter().map(|value| value.re).collect();
         Field { grid: cropped.grid, values }
     }
 
@@ -242,51 +231,14 @@ fn padding_value(k: usize, gap: usize, n: usize, value: impl Fn(usize) -> f64) -
     after + (before - after) * fade
 }
 
-/// Performs an unnormalized two-dimensional Fourier transform in place.
-fn transform(values: &mut [Complex64], columns: usize, rows: usize) {
-    let (across, down) = (fft::forward(columns), fft::forward(rows));
-    values.par_chunks_exact_mut(columns).for_each(|row| across.process(row));
-    let mut turned = vec![Complex64::default(); values.len()];
-    transpose(values, &mut turned, columns, 0, [columns, rows], |value| value);
-    turned.par_chunks_exact_mut(rows).for_each(|column| down.process(column));
-    transpose(&turned, values, rows, 0, [rows, columns], |value| value);
-}
-
 /// Returns the part within `crop` of the inverse transform of `transformed`, which lies on `grid`.
-fn inverse<T: Copy>(
-    mut transformed: Vec<Complex64>,
-    grid: &Grid,
-    crop: &Crop,
-    value: impl Fn(Complex64) -> T,
-) -> Vec<T> {
+fn inverse(mut transformed: Vec<Complex64>, grid: &Grid, crop: &Crop) -> Vec<Complex64> {
     fft::inverse(grid.columns).process(&mut transformed);
     let wanted = crop.grid.columns;
     let mut turned = vec![Complex64::default(); wanted * grid.rows];
-    transpose(&transformed, &mut turned, grid.columns, crop.left, [wanted, grid.rows], |value| value);
+    transpose(&transformed, &mut turned, grid.columns, crop.left, [wanted, grid.rows]);
     fft::inverse(grid.rows).process(&mut turned);
-    let mut values = vec![value(Complex64::default()); wanted * crop.grid.rows];
-    transpose(&turned, &mut values, grid.rows, crop.top, [crop.grid.rows, wanted], value);
+    let mut values = vec![Complex64::default(); wanted * crop.grid.rows];
+    transpose(&turned, &mut values, grid.rows, crop.top, [crop.grid.rows, wanted]);
     values
-}
-
-/// Turns columns into rows. It takes the `columns` that start at `left` from rows that are `stride` long, and works in
-/// tiles that fit in the processor's cache.
-fn transpose<T>(
-    from: &[Complex64],
-    to: &mut [T],
-    stride: usize,
-    left: usize,
-    [columns, rows]: [usize; 2],
-    value: impl Fn(Complex64) -> T,
-) {
-    const TILE: usize = 16;
-    for top in (0..rows).step_by(TILE) {
-        for first in (0..columns).step_by(TILE) {
-            for y in top..(top + TILE).min(rows) {
-                for x in first..(first + TILE).min(columns) {
-                    to[x * rows + y] = value(from[y * stride + left + x]);
-                }
-            }
-        }
-    }
 }

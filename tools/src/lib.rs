@@ -4,3 +4,4 @@
 pub mod baselines;
 pub mod blue_noise;
 pub mod coverage;
+pub mod thresholds;

@@ -23,6 +23,15 @@ enum Tool {
     Creases,
     /// Print the table of docs/predict.md: which known facts about Mach bands each model reproduces.
     Facts,
+    /// Print the tables of docs/predict.md that hold the detection model against measured thresholds of people.
+    Thresholds {
+        /// Also fit the parameters, from round numbers; takes minutes.
+        #[arg(long)]
+        fit: bool,
+        /// Also print the error of each stimulus.
+        #[arg(long)]
+        verbose: bool,
+    },
     /// Print how well the ordinal models recover known effects in simulated studies: bias, standard errors, coverage of
     /// the 95 % intervals, type I error.
     Coverage {
@@ -81,6 +90,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             facts::run();
             Ok(())
         }
+        Tool::Thresholds { fit, verbose } => tools::thresholds::run(fit, verbose),
         Tool::Coverage { studies, seed } => tools::coverage::run(studies, seed).map_err(|fault| fault as _),
         Tool::Odog { size, px_per_deg, file } => peers::odog(size, px_per_deg, file.as_deref()),
         Tool::Picture { size, px_per_deg } => peers::picture(size, px_per_deg),

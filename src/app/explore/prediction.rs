@@ -8,7 +8,7 @@ use crate::{
     display::{DisplayProfile, Screen, Viewing},
     light::{CodeImage, Samples, Transfer},
     stimulus::{Stimulus, StimulusPrediction, ViewingConditions},
-    vision::{Band, BandMap, Criterion, LinePrediction, Polarity, Visibility, luminances, pooled},
+    vision::{BandMap, Criterion, LinePrediction, Polarity, Visibility, luminances},
 };
 
 /// Assumed size of the window in degrees if the size of the screen is unknown; the same as in `machband predict`.
@@ -161,65 +161,25 @@ pub fn description(marks: &[Mark]) -> String {
     format!("predicted bands: {}", marks.iter().map(one).collect::<Vec<_>>().join(", "))
 }
 
-/// Peaks of two channels are one band if they are no farther apart than this many periods of the coarser channel.
-const ONE_BAND_PERIODS: f64 = 0.5;
 /// Strength of a band that is just visible; weaker bands are not shown.
 const JUST_VISIBLE: f64 = 1.0;
 
-/// Peaks weaker than this are noise, not bands that a peak of a coarser channel could join.
-const MIN_STRENGTH: f64 = 0.25;
-/// A band is located by the finest channel whose peak reaches this share of the strongest peak.
-const DISTINCT: f64 = 0.5;
-
-/// One band along a line, over all channels.
+/// A visible band along a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
     /// Signed distance from the center, in window sides.
     pub place: f64,
     pub polarity: Polarity,
-    /// Strength pooled over channels, in multiples of the strength that is just visible.
+    /// Visibility; 1 is just visible.
     pub strength: f64,
 }
 
-/// Returns the visible bands of a line, each listed once. Fine channels locate a band precisely and coarse channels
-/// less so; each peak therefore joins the nearest band that finer channels have found.
+/// Returns the visible bands of a line.
 fn marks(view: &LinePrediction, window_deg: f64) -> Vec<Mark> {
-    let mut finest_first: Vec<&Band> = view.bands.iter().filter(|band| band.strength >= MIN_STRENGTH).collect();
-    finest_first.sort_by(|a, b| b.frequency.total_cmp(&a.frequency));
-    let mut clusters: Vec<Vec<&Band>> = Vec::new();
-    for band in finest_first {
-        let apart = |cluster: &Vec<&Band>| {
-            cluster.iter().map(|other| (other.at_deg[0] - band.at_deg[0]).abs()).fold(f64::INFINITY, f64::min)
-        };
-        let is_one = |cluster: &&mut Vec<&Band>| {
-            cluster[0].polarity == band.polarity && apart(cluster) <= ONE_BAND_PERIODS / band.frequency
-        };
-        match clusters.iter_mut().filter(is_one).min_by(|a, b| apart(a).total_cmp(&apart(b))) {
-            Some(cluster) => cluster.push(band),
-            None => clusters.push(vec![band]),
-        }
-    }
-    clusters
-        .iter_mut()
-        .filter_map(|cluster| mark(cluster, window_deg))
-        .filter(|mark| mark.strength >= JUST_VISIBLE)
+    let visible = view.bands.iter().filter(|band| band.strength >= JUST_VISIBLE);
+    visible
+        .map(|band| Mark { place: band.at_deg / window_deg, polarity: band.polarity, strength: band.strength })
         .collect()
-}
-
-/// Returns the mark for a group of peaks that form one band; `None` if there are no peaks.
-fn mark(bands: &mut [&Band], window_deg: f64) -> Option<Mark> {
-    bands.sort_by(|a, b| b.strength.total_cmp(&a.strength));
-    let most = bands.first()?.strength;
-    let distinct = bands.iter().filter(|band| band.strength >= DISTINCT * most);
-    let finest = distinct.max_by(|a, b| a.frequency.total_cmp(&b.frequency))?;
-    Some(Mark { place: finest.at_deg[0] / window_deg, polarity: finest.polarity, strength: over_channels(bands) })
-}
-
-/// Returns the strength pooled over channels; each channel contributes its strongest peak. `bands` must be sorted by
-/// strength, strongest first.
-fn over_channels(bands: &[&Band]) -> f64 {
-    let first = |i: &usize| !bands[..*i].iter().any(|earlier| earlier.frequency == bands[*i].frequency);
-    pooled((0..bands.len()).filter(first).map(|i| bands[i].strength))
 }
 
 /// Returns the largest strength in a map.
@@ -243,41 +203,28 @@ pub struct BandMapImage<'a> {
 }
 
 impl BandMapImage<'_> {
-    /// Returns the drawing as a picture of `width` × `height` pixels. The map's lines are one pixel wide and become two
-    /// pixels wide.
+    /// Returns the drawing as a picture of `width` × `height` pixels.
     pub fn codes(&self, width: u32, height: u32) -> CodeImage {
-        let scale = [self.size[0] as f64 / f64::from(width.max(1)), self.size[1] as f64 / f64::from(height.max(1))];
-        let at = |x: u32, y: u32| [(f64::from(x) + 0.5) * scale[0] - 0.5, (f64::from(y) + 0.5) * scale[1] - 0.5];
+        let from = |place: u32, side: u32, values: usize| {
+            ((f64::from(place) + 0.5) * values as f64 / f64::from(side.max(1))) as usize
+        };
+        let index = |x: u32, y: u32| from(y, height, self.size[1]) * self.size[0] + from(x, width, self.size[0]);
         let codes =
-            (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).flat_map(|(x, y)| [self.code(at(x, y)); 3]);
+            (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).flat_map(|(x, y)| [self.code(index(x, y)); 3]);
         CodeImage { width, height, samples: Samples::Eight(codes.collect()) }
     }
 
-    /// Returns the code at `at`, a position in map pixels from the center of the first pixel.
-    fn code(&self, at: [f64; 2]) -> u8 {
-        let [column, row] = at.map(|place| place.round() as isize);
-        let mut strength = 0.0_f64;
-        for (x, y) in (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (column + dx, row + dy))) {
-            let Some(i) = self.index(x, y) else { continue };
-            let far = (at[0] - x as f64).abs().max((at[1] - y as f64).abs());
-            let here = (self.map.bright[i] - self.map.dark[i]) * (1.5 - far).clamp(0.0, 1.0);
-            strength = if here.abs() > strength.abs() { here } else { strength };
-        }
+    /// Returns the code at the place `i` of the map.
+    fn code(&self, i: usize) -> u8 {
+        let strength = self.map.bright[i] - self.map.dark[i];
         let share = if strength.abs() < JUST_VISIBLE {
             0.0
         } else {
             (strength / self.full_scale.max(JUST_VISIBLE)).clamp(-1.0, 1.0)
         };
-        let clamped = |place: isize, side: usize| place.clamp(0, side.saturating_sub(1) as isize);
-        let light =
-            self.index(clamped(column, self.size[0]), clamped(row, self.size[1])).map_or(0.0, |i| self.light[i]);
-        let ground = GROUND[0] + (GROUND[1] - GROUND[0]) * Transfer::Srgb.encoded_from_linear(light.clamp(0.0, 1.0));
+        let ground =
+            GROUND[0] + (GROUND[1] - GROUND[0]) * Transfer::Srgb.encoded_from_linear(self.light[i].clamp(0.0, 1.0));
         let end = if share > 0.0 { 255.0 } else { 0.0 };
         (ground + (end - ground) * share.abs()).round() as u8
-    }
-
-    fn index(&self, x: isize, y: isize) -> Option<usize> {
-        let [width, height] = self.size.map(|side| side as isize);
-        ((0..width).contains(&x) && (0..height).contains(&y)).then(|| (y * width + x) as usize)
     }
 }

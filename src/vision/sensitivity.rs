@@ -1,0 +1,92 @@
+//! Contrast sensitivity: the parameters of the average observer.
+
+/// Luminance at which the shape of the filter is defined, cd/m²: that of ModelFest.
+const STANDARD_CD_M2: f64 = 30.0;
+/// The oblique effect begins above this frequency, cycles per degree (Watson & Ahumada 2005, J. Vision 5(9):6).
+const OBLIQUE_ABOVE: f64 = 3.48;
+/// Its frequency constant, cycles per degree (same source).
+const OBLIQUE_SCALE: f64 = 13.57;
+
+/// The detection model of an average observer: a filter, a fall-off with eccentricity, and pooling over space. The form
+/// follows Watson & Ahumada 2005 (J. Vision 5(9):6).
+///
+/// Every value is fitted to thresholds of people; `cargo run --release -p tools -- thresholds --fit` repeats the fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensitivity {
+    /// Gain of the filter before pooling over space.
+    pub gain: f64,
+    /// Frequency that scales the fall toward fine detail, cycles per degree, at 30 cd/m².
+    pub fine_cpd: f64,
+    /// Exponent of that fall.
+    pub fine_power: f64,
+    /// Frequency that scales the fall toward coarse structure, cycles per degree.
+    pub coarse_cpd: f64,
+    /// Exponent of that fall.
+    pub coarse_power: f64,
+    /// The part of the gain that remains at a frequency of 0.
+    pub floor: f64,
+    /// Exponent with which responses are pooled over space.
+    pub pooling: f64,
+    /// Eccentricity that scales the fall-off of sensitivity, degrees.
+    pub fovea_deg: f64,
+    /// Exponent of that fall-off.
+    pub fovea_power: f64,
+    /// Luminance up to which more light makes finer detail visible, cd/m².
+    pub bright_cd_m2: f64,
+    /// Exponent of that effect.
+    pub bright_power: f64,
+    /// Bandwidth within which noise masks, cycles per degree.
+    pub masking_cpd: f64,
+}
+
+impl Default for Sensitivity {
+    fn default() -> Self {
+        Self {
+            gain: 1621.0,
+            fine_cpd: 1.867,
+            fine_power: 0.6418,
+            coarse_cpd: 5.547,
+            coarse_power: 1.534,
+            floor: 0.01859,
+            pooling: 2.259,
+            fovea_deg: 0.2669,
+            fovea_power: 0.4545,
+            bright_cd_m2: 185.7,
+            bright_power: 0.2536,
+            masking_cpd: 2.4,
+        }
+    }
+}
+
+impl Sensitivity {
+    /// Returns the gain of the filter for a horizontal or vertical grating of `frequency` cycles per degree, on a field
+    /// of `luminance` cd/m². This is a response per unit of contrast; the threshold also depends on the grating's area.
+    #[must_use]
+    pub fn at(&self, frequency: f64, luminance: f64) -> f64 {
+        let bright = |luminance: f64| luminance / (luminance + self.bright_cd_m2);
+        let finest = self.fine_cpd * (bright(luminance) / bright(STANDARD_CD_M2)).powf(self.bright_power);
+        let fine = 1.0 / (frequency / finest).powf(self.fine_power).cosh();
+        let coarse = (frequency / self.coarse_cpd).powf(self.coarse_power);
+        self.gain * fine * (self.floor + coarse) / (1.0 + coarse)
+    }
+
+    /// Returns the factor for an oblique grating. `across` is the unit vector across its bars.
+    #[must_use]
+    pub fn oblique(frequency: f64, across: [f64; 2]) -> f64 {
+        let most = -(-(frequency - OBLIQUE_ABOVE).max(0.0) / OBLIQUE_SCALE).exp_m1();
+        1.0 - most * (2.0 * across[0] * across[1]).powi(2)
+    }
+
+    /// Returns the factor for a place at `deg` degrees from the center of gaze.
+    #[must_use]
+    pub fn eccentric(&self, deg: f64) -> f64 {
+        (1.0 + (deg / self.fovea_deg).powi(2)).powf(-0.5 * self.fovea_power)
+    }
+
+    /// Returns the factor by which noise reduces `sensitivity` at `frequency`. `power` is the noise's power density at
+    /// that frequency, in contrast² per (cycle/degree)².
+    #[must_use]
+    pub fn masked(&self, sensitivity: f64, frequency: f64, power: f64) -> f64 {
+        (1.0 + power * sensitivity * sensitivity * self.masking_cpd * frequency).powf(-0.5)
+    }
+}

@@ -1,0 +1,523 @@
+//! The detection model, held against measured thresholds of people: the fit of its parameters and the tables of
+//! `docs/predict.md`.
+
+use std::{
+    error::Error,
+    f64::consts::{PI, TAU},
+    path::Path,
+};
+
+use machband::{
+    vision::{Border, ContrastSpectrum, Eye, Line, Sensitivity},
+};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use serde::Deserialize;
+use sha2::{Digest, Sha256};
+
+/// Names, as in [`Sensitivity`], of the parameters that are fitted without noise.
+pub const NAMES: [&str; 11] = [
+    "gain", "fine_cpd", "fine_power", "coarse_cpd", "coarse_power", "floor", "pooling", "fovea_deg", "fovea_power",
+    "bright_cd_m2", "bright_power",
+];
+/// Weight of a residual: of ModelFest, whose values are means of 16 observers, relative to a threshold of one paper.
+const MODELFEST_WEIGHT: f64 = 1.3;
+/// Weight of the two edges without noise.
+const EDGE_WEIGHT: f64 = 3.0;
+/// Luminances and areas that the model covers, cd/m² and degrees².
+const LUMINANCES: [f64; 2] = [1.0, 1000.0];
+const AREAS: [f64; 2] = [0.01, 100.0];
+/// Lapse rate of the psychometric function of an observer, and the share of correct responses at threshold.
+const LAPSES: f64 = 0.01;
+const AT_THRESHOLD: f64 = 0.84;
+/// Root mean square contrast of the noise.
+const NOISE_RMS: f64 = 0.2;
+/// Pixels per degree, and side in degrees, of the pictures of edges.
+const EDGE_PX_PER_DEG: f64 = 44.0;
+const EDGE_DEG: f64 = 4.0;
+
+/// A stimulus whose threshold was measured.
+pub struct Measured {
+    /// `modelfest`, `edges`, or the name of a data set of contrast sensitivity.
+    pub set: String,
+    /// Describes the stimulus.
+    pub label: String,
+    /// log10 of the measured contrast sensitivity.
+    pub log_sensitivity: f64,
+    luminance: f64,
+    spectrum: ContrastSpectrum,
+}
+
+/// An edge in noise, and the responses of people.
+pub struct Edge {
+    /// `none`, `white` or `pink`.
+    pub noise: String,
+    /// Width of the ramps on both sides, degrees.
+    pub width_deg: f64,
+    /// Contrast, number of correct responses and number of trials.
+    pub counts: Vec<[f64; 3]>,
+    spectrum: ContrastSpectrum,
+}
+
+/// All measurements.
+pub struct People {
+    /// The stimuli without noise.
+    pub measured: Vec<Measured>,
+    /// The edges, with and without noise.
+    pub edges: Vec<Edge>,
+}
+
+#[derive(Deserialize)]
+struct ModelFestRow {
+    id: String,
+    kind: String,
+    frequency_cpd: Option<f64>,
+    frequency2_cpd: Option<f64>,
+    sigma_across_bars_deg: f64,
+    sigma_along_bars_deg: f64,
+    orientation: String,
+    mean_log10_sensitivity: f64,
+}
+
+#[derive(Deserialize)]
+struct CsfRow {
+    dataset: String,
+    frequency_cpd: f64,
+    luminance_cd_m2: f64,
+    sigma_deg: f64,
+    area_deg2: f64,
+    log10_sensitivity: f64,
+}
+
+#[derive(Deserialize)]
+struct EdgeRow {
+    noise: String,
+    ramp_width_deg: f64,
+    rms_contrast: f64,
+    correct: f64,
+    trials: f64,
+}
+
+/// The folder with the measurements.
+fn folder() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/golden/human"))
+}
+
+const FILES: [&str; 3] = ["modelfest.csv", "csf.csv", "edges.csv"];
+
+fn rows<T: serde::de::DeserializeOwned>(file: &str) -> Result<Vec<T>, Box<dyn Error>> {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(folder().join(file))?;
+    Ok(reader.deserialize().collect::<Result<_, _>>()?)
+}
+
+/// Samples a pattern of contrast on `side` × `side` pixels; positions are in degrees from the middle, right and up.
+fn sampled(side: usize, px_per_deg: f64, pattern: impl Fn(f64, f64) -> f64 + Sync) -> Vec<f64> {
+    // The middle is a pixel: ModelFest's line is one pixel wide.
+    let at = |i: usize| (i as f64 - (side / 2) as f64) / px_per_deg;
+    (0..side * side).into_par_iter().map(|i| pattern(at(i % side), -at(i / side))).collect()
+}
+
+/// The value of a Gaussian of peak 1.
+fn gauss(x: f64, sigma: f64) -> f64 {
+    (-0.5 * (x / sigma).powi(2)).exp()
+}
+
+/// Pixels per side and per degree of ModelFest's pictures.
+const MODELFEST: (usize, f64) = (256, 120.0);
+
+fn modelfest(row: &ModelFestRow) -> Result<Measured, Box<dyn Error>> {
+    let wave = |frequency: Option<f64>, x: f64| (TAU * frequency.unwrap_or(0.0) * x).cos();
+    let (f, f2) = (row.frequency_cpd, row.frequency2_cpd);
+    let (across, along) = (row.sigma_across_bars_deg, row.sigma_along_bars_deg);
+    let (side, px_per_deg) = MODELFEST;
+    let window = |x: f64, y: f64| gauss(y, across) * gauss(x, along);
+    let of = |pattern: &(dyn Fn(f64, f64) -> f64 + Sync)| sampled(side, px_per_deg, pattern);
+    let mut contrast = match (row.kind.as_str(), row.orientation.as_str()) {
+        ("gabor", "horizontal bars") => of(&|x, y| window(x, y) * wave(f, y)),
+        ("gabor", "vertical bars") => of(&|x, y| window(y, x) * wave(f, x)),
+        ("compound gabor", _) => of(&|x, y| window(x, y) * 0.5 * (wave(f, y) + wave(f2, y))),
+        ("gaussian", _) => of(&window),
+        ("edge", _) => of(&|x, y| window(x, y) * if y >= 0.0 { 1.0 } else { -1.0 }),
+        ("line", _) => of(&|x, y| if y.abs() < 0.5 / px_per_deg { gauss(x, along) } else { 0.0 }),
+        ("gabor string", _) => of(&|x, y| {
+            (-2..=2).map(|k| gauss(x - 5.0 * along * f64::from(k), along)).sum::<f64>() * gauss(y, across) * wave(f, y)
+        }),
+        ("plaid", "0 and 90 degrees") => of(&|x, y| window(x, y) * 0.5 * (wave(f, x) + wave(f, y))),
+        ("plaid", _) => of(&|x, y| window(x, y) * 0.5 * (wave(f, (x + y) / 2_f64.sqrt()) + wave(f, y))),
+        ("checkerboard", _) => of(&|x, y| {
+            // The fundamental runs along the diagonals.
+            let sign = |x: f64| (PI * 2_f64.sqrt() * f.unwrap_or(0.0) * x + 1e-9).sin().signum();
+            window(x, y) * sign(x) * sign(y)
+        }),
+        (kind, orientation) => return Err(format!("{kind}, {orientation}: unknown stimulus").into()),
+    };
+    // The threshold is that of the picture with its own mean, as `machband predict --image` sees it.
+    let mean = contrast.iter().sum::<f64>() / contrast.len() as f64;
+    contrast.iter_mut().for_each(|value| *value -= mean);
+    Ok(Measured {
+        set: "modelfest".into(),
+        label: format!("{} {}", row.id, row.kind),
+        log_sensitivity: row.mean_log10_sensitivity,
+        luminance: 30.0,
+        spectrum: ContrastSpectrum::of(&contrast, [side; 2], px_per_deg),
+    })
+}
+
+/// A stimulus of a data set of contrast sensitivity. Gabors are in sine phase, so that their mean is that of the field;
+/// gratings fill a square and have whole cycles.
+fn csf(row: &CsfRow) -> Measured {
+    let CsfRow { frequency_cpd: f, sigma_deg, area_deg2, .. } = *row;
+    let (side_deg, px_per_deg, pattern): (f64, f64, Box<dyn Fn(f64, f64) -> f64 + Sync>) = match row.dataset.as_str() {
+        "hdr_csf_disc" => {
+            let radius = (area_deg2 / PI).sqrt();
+            let px_per_deg = (64.0 / radius).clamp(24.0, 60.0);
+            (2.2 * radius, px_per_deg, Box::new(move |x, y| ((radius - x.hypot(y)) * px_per_deg + 0.5).clamp(0.0, 1.0)))
+        }
+        "hdr_csf" => {
+            let pattern = move |x: f64, y: f64| gauss(x.hypot(y), sigma_deg) * (TAU * f * y).sin();
+            (7.0 * sigma_deg, (8.0 * f).max(16.0).max(6.0 / sigma_deg), Box::new(pattern))
+        }
+        _ => {
+            let side = area_deg2.sqrt();
+            let px_per_deg = (6.0 * f).max(12.0).max(8.0 / side);
+            // Half a pixel, because the square is centered between pixels.
+            (side, px_per_deg, Box::new(move |_, y| (TAU * f * (y - 0.5 / px_per_deg)).sin()))
+        }
+    };
+    let side = 2 * ((0.5 * side_deg * px_per_deg).round() as usize).max(4);
+    Measured {
+        set: row.dataset.clone(),
+        label: format!("{f} c/°, {} cd/m², {area_deg2} deg²", row.luminance_cd_m2),
+        log_sensitivity: row.log10_sensitivity,
+        luminance: row.luminance_cd_m2,
+        spectrum: ContrastSpectrum::of(&sampled(side, px_per_deg, pattern), [side; 2], px_per_deg),
+    }
+}
+
+/// The spectrum of an edge of this width, half a degree above the middle, with a root mean square contrast of 1.
+fn edge(width_deg: f64) -> ContrastSpectrum {
+    let side = (EDGE_DEG * EDGE_PX_PER_DEG) as usize;
+    let mut contrast = sampled(side, EDGE_PX_PER_DEG, |_, y| {
+        let y = y - 0.5 / EDGE_PX_PER_DEG - 0.5;
+        if y.abs() < width_deg { y.signum() * (1.0 - y.abs() / width_deg) } else { 0.0 }
+    });
+    let rms = (contrast.iter().map(|value| value * value).sum::<f64>() / contrast.len() as f64).sqrt();
+    contrast.iter_mut().for_each(|value| *value /= rms);
+    ContrastSpectrum::of(&contrast, [side; 2], EDGE_PX_PER_DEG)
+}
+
+impl Edge {
+    /// Power density of the noise at a frequency, contrast² per (cycle/degree)².
+    fn power(&self, frequency: f64) -> f64 {
+        let white = (NOISE_RMS / EDGE_PX_PER_DEG).powi(2);
+        match self.noise.as_str() {
+            "white" => white,
+            // The amplitude is that of the nearest frequency of the picture, so the power has no pole.
+            "pink" => pink(white) / frequency.max(1.0 / EDGE_DEG).powi(2),
+            _ => 0.0,
+        }
+    }
+
+    /// The detection for an edge with a root mean square contrast of 1.
+    fn detection(&self, eye: &Eye) -> f64 {
+        self.spectrum.detection(eye, |frequency| self.power(frequency))
+    }
+
+    /// Twice the difference in log likelihood between the best curve for the measured shares and the curve for this
+    /// threshold, with the observers' own slope: 0 if the threshold is theirs.
+    fn deviance(&self, threshold: f64, slope: f64) -> f64 {
+        let log_likelihood = |share: &dyn Fn(f64, f64) -> f64| {
+            let each = self.counts.iter().map(|[contrast, correct, trials]| {
+                let p = share(*contrast, correct / trials).clamp(1e-9, 1.0 - 1e-9);
+                correct * p.ln() + (trials - correct) * (1.0 - p).ln()
+            });
+            each.sum::<f64>()
+        };
+        2.0 * (log_likelihood(&|_, share| share) - log_likelihood(&|contrast, _| correct(contrast, threshold, slope)))
+    }
+
+    /// The observers' threshold and slope: those with the smallest deviance.
+    fn observed(&self) -> (f64, f64) {
+        let of = |k: i32| 1e-3 * 10_f64.powf(f64::from(k) / 500.0);
+        let slopes = (10..=60).map(|k| 0.1 * f64::from(k));
+        let all = slopes.flat_map(|slope| (0..1000).map(move |k| (of(k), slope)));
+        let deviance = |(threshold, slope): &(f64, f64)| self.deviance(*threshold, *slope);
+        all.min_by(|a, b| deviance(a).total_cmp(&deviance(b))).unwrap_or((1.0, 3.0))
+    }
+}
+
+/// The power density of pink noise at 1 cycle per degree, where that of white noise of the same total is `white`.
+fn pink(white: f64) -> f64 {
+    let side = (EDGE_DEG * EDGE_PX_PER_DEG) as i32;
+    let frequencies = (0..side * side).map(|i| [i % side, i / side].map(|k| f64::from(if 2 * k > side { k - side } else { k }) / EDGE_DEG));
+    let squares = frequencies.map(|[x, y]| x * x + y * y).filter(|square| *square > 0.0);
+    white * f64::from(side * side) / squares.map(|square| 1.0 / square).sum::<f64>()
+}
+
+/// The share of correct responses in a choice between two: a Weibull function.
+fn correct(contrast: f64, threshold: f64, slope: f64) -> f64 {
+    let most = 0.5 - LAPSES;
+    let at_threshold = -(1.0 - (AT_THRESHOLD - 0.5) / most).ln();
+    0.5 + most * -(-at_threshold * (contrast / threshold).powf(slope)).exp_m1()
+}
+
+impl People {
+    /// Reads the measurements and draws the stimuli.
+    ///
+    /// # Errors
+    /// Returns an error if a file cannot be read or contains an unknown stimulus.
+    pub fn read() -> Result<People, Box<dyn Error>> {
+        let mut measured = rows::<ModelFestRow>(FILES[0])?.iter().map(modelfest).collect::<Result<Vec<_>, _>>()?;
+        let within = |value: f64, [low, high]: [f64; 2]| (low..=high).contains(&value);
+        let covered = |row: &CsfRow| within(row.luminance_cd_m2, LUMINANCES) && within(row.area_deg2, AREAS);
+        measured.extend(rows::<CsfRow>(FILES[1])?.iter().filter(|row| covered(row)).map(csf));
+        let mut edges: Vec<Edge> = Vec::new();
+        for row in rows::<EdgeRow>(FILES[2])? {
+            let counts = [row.rms_contrast, row.correct, row.trials];
+            match edges.iter_mut().find(|edge| edge.noise == row.noise && edge.width_deg == row.ramp_width_deg) {
+                Some(edge) => edge.counts.push(counts),
+                None => edges.push(Edge {
+                    noise: row.noise,
+                    width_deg: row.ramp_width_deg,
+                    counts: vec![counts],
+                    spectrum: edge(row.ramp_width_deg),
+                }),
+            }
+        }
+        for edge in edges.iter().filter(|edge| edge.noise == "none") {
+            measured.push(Measured {
+                set: "edges".into(),
+                label: format!("edge of {}°", edge.width_deg),
+                log_sensitivity: -edge.observed().0.log10(),
+                luminance: 100.0,
+                spectrum: self::edge(edge.width_deg),
+            });
+        }
+        Ok(People { measured, edges })
+    }
+
+    /// The differences between predicted and measured log10 sensitivity. Each data set of contrast sensitivity has a
+    /// gain of its own; ModelFest and the edges have none.
+    #[must_use]
+    pub fn errors(&self, sensitivity: &Sensitivity) -> Vec<f64> {
+        let error = |measured: &Measured| {
+            let eye = Eye { luminance: measured.luminance, sensitivity: *sensitivity };
+            measured.spectrum.detection(&eye, |_| 0.0).log10() - measured.log_sensitivity
+        };
+        let mut errors: Vec<f64> = self.measured.iter().map(error).collect();
+        for set in CSF {
+            let own = || self.measured.iter().enumerate().filter(|(_, measured)| measured.set == set).map(|(i, _)| i);
+            let gain = own().map(|i| errors[i]).sum::<f64>() / own().count() as f64;
+            own().for_each(|i| errors[i] -= gain);
+        }
+        errors
+    }
+
+    /// The root mean square of the errors of these data sets.
+    #[must_use]
+    pub fn rms(&self, errors: &[f64], sets: &[&str]) -> f64 {
+        let own = self.measured.iter().zip(errors).filter(|(measured, _)| sets.contains(&measured.set.as_str()));
+        let squares: Vec<f64> = own.map(|(_, error)| error * error).collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    }
+
+    /// The errors, each with its weight in the fit.
+    fn weighted(&self, sensitivity: &Sensitivity) -> DVector<f64> {
+        let weight = |measured: &Measured| match measured.set.as_str() {
+            "modelfest" => MODELFEST_WEIGHT,
+            "edges" => EDGE_WEIGHT,
+            _ => 1.0,
+        };
+        let errors = self.errors(sensitivity);
+        DVector::from_iterator(errors.len(), errors.iter().zip(&self.measured).map(|(error, of)| error * weight(of)))
+    }
+
+    /// The derivatives of the weighted errors with respect to the logarithms of the parameters.
+    fn derivatives(&self, sensitivity: &Sensitivity) -> DMatrix<f64> {
+        const STEP: f64 = 1e-3;
+        let column = |k: usize| {
+            let [before, after] = [-STEP, STEP].map(|step| {
+                let mut moved = parameters(sensitivity);
+                moved[k] *= step.exp();
+                self.weighted(&with(sensitivity, &moved))
+            });
+            (after - before) / (2.0 * STEP)
+        };
+        DMatrix::from_columns(&(0..NAMES.len()).map(column).collect::<Vec<_>>())
+    }
+
+    /// Fits the parameters with the method of Levenberg and Marquardt, starting from `start`.
+    #[must_use]
+    pub fn fit(&self, start: &Sensitivity) -> Sensitivity {
+        let (mut best, mut damping) = (*start, 1e-3);
+        let mut errors = self.weighted(&best);
+        for _ in 0..30 {
+            let derivatives = self.derivatives(&best);
+            let (normal, slope) = (derivatives.tr_mul(&derivatives), derivatives.tr_mul(&errors));
+            let before = errors.norm_squared();
+            for _ in 0..8 {
+                let damped = &normal + DMatrix::from_diagonal(&(normal.diagonal() * damping));
+                let Some(step) = damped.lu().solve(&slope) else { break };
+                let moved: Vec<f64> =
+                    parameters(&best).iter().zip(step.iter()).map(|(value, step)| value * (-step).exp()).collect();
+                let tried = with(&best, &moved);
+                let found = self.weighted(&tried);
+                if found.norm_squared() < before {
+                    (best, errors, damping) = (tried, found, damping * 0.1);
+                    break;
+                }
+                damping *= 10.0;
+            }
+            if errors.norm_squared() > before * (1.0 - 1e-7) {
+                break;
+            }
+        }
+        best
+    }
+
+    /// The root mean square error of ModelFest if each stimulus is predicted by a fit to all the others, to first order:
+    /// the error divided by one minus its leverage.
+    #[must_use]
+    pub fn leave_one_out(&self, sensitivity: &Sensitivity) -> f64 {
+        let derivatives = self.derivatives(sensitivity);
+        let Some(inverse) = derivatives.tr_mul(&derivatives).try_inverse() else { return f64::NAN };
+        let leverage = |i: usize| (derivatives.row(i) * &inverse * derivatives.row(i).transpose())[0];
+        let errors = self.errors(sensitivity);
+        let all: Vec<f64> = errors.iter().enumerate().map(|(i, error)| error / (1.0 - leverage(i))).collect();
+        self.rms(&all, &["modelfest"])
+    }
+
+    /// log10 of the predicted threshold divided by the observers', and the deviance, for each edge.
+    #[must_use]
+    pub fn edges(&self, sensitivity: &Sensitivity) -> Vec<(f64, f64)> {
+        let eye = Eye { luminance: 100.0, sensitivity: *sensitivity };
+        let each = self.edges.iter().map(|edge| {
+            let (observed, slope) = edge.observed();
+            let threshold = 1.0 / edge.detection(&eye);
+            ((threshold / observed).log10(), edge.deviance(threshold, slope))
+        });
+        each.collect()
+    }
+
+    /// Fits the masking by noise, the one parameter that the edges in noise determine.
+    #[must_use]
+    pub fn fit_masking(&self, sensitivity: &Sensitivity) -> f64 {
+        let error = |masking_cpd: f64| {
+            let errors = self.edges(&Sensitivity { masking_cpd, ..*sensitivity });
+            errors.iter().map(|(error, _)| error * error).sum::<f64>()
+        };
+        let (mut low, mut high) = (0.1_f64.ln(), 10_f64.ln());
+        while high - low > 1e-3 {
+            let [a, b] = [1.0, 2.0].map(|k: f64| low + (high - low) * k / 3.0);
+            if error(a.exp()) < error(b.exp()) { high = b } else { low = a }
+        }
+        (0.5 * (low + high)).exp()
+    }
+}
+
+/// The data sets of contrast sensitivity.
+pub const CSF: [&str; 3] = ["rovamo1993", "hdr_csf", "hdr_csf_disc"];
+
+/// The fitted parameters in the order of [`NAMES`].
+#[must_use]
+pub fn parameters(of: &Sensitivity) -> [f64; NAMES.len()] {
+    [
+        of.gain, of.fine_cpd, of.fine_power, of.coarse_cpd, of.coarse_power, of.floor, of.pooling, of.fovea_deg,
+        of.fovea_power, of.bright_cd_m2, of.bright_power,
+    ]
+}
+
+fn with(of: &Sensitivity, values: &[f64]) -> Sensitivity {
+    Sensitivity {
+        gain: values[0],
+        fine_cpd: values[1],
+        fine_power: values[2],
+        coarse_cpd: values[3],
+        coarse_power: values[4],
+        floor: values[5],
+        pooling: values[6],
+        fovea_deg: values[7],
+        fovea_power: values[8],
+        bright_cd_m2: values[9],
+        bright_power: values[10],
+        ..*of
+    }
+}
+
+/// A start far from the result: round numbers.
+const START: Sensitivity = Sensitivity {
+    gain: 1000.0,
+    fine_cpd: 3.0,
+    fine_power: 0.8,
+    coarse_cpd: 5.0,
+    coarse_power: 1.5,
+    floor: 0.02,
+    pooling: 2.5,
+    fovea_deg: 0.3,
+    fovea_power: 0.5,
+    bright_cd_m2: 100.0,
+    bright_power: 0.2,
+    masking_cpd: 1.0,
+};
+
+/// The visibility of a thin line at its threshold, which is 1 by definition: ModelFest's line, in the response of the
+/// model of bands to lines that are in the light.
+///
+/// # Errors
+/// Returns an error if the measurements have no line.
+pub fn unit(people: &People) -> Result<f64, Box<dyn Error>> {
+    let line = people.measured.iter().find(|of| of.label.ends_with(" line")).ok_or("no line")?;
+    let px_per_deg = MODELFEST.1;
+    let mut light = vec![0.5; (8.0 * px_per_deg) as usize];
+    let middle = light.len() / 2;
+    light[middle] *= 1.0 + 10_f64.powf(-line.log_sensitivity);
+    let line = Line { light: &light, px_per_deg, border: Border::Continues };
+    Ok(line.predict(&Eye::adapted_to(30.0))?.lines.bright)
+}
+
+/// Prints the tables; with `fit`, fits the parameters first.
+///
+/// # Errors
+/// Returns an error if the measurements cannot be read.
+pub fn run(fit: bool, verbose: bool) -> Result<(), Box<dyn Error>> {
+    let people = People::read()?;
+    println!("Inputs, with SHA-256:\n");
+    for file in FILES {
+        let digest = Sha256::digest(std::fs::read(folder().join(file))?);
+        println!("- {file}: {}", digest.iter().map(|byte| format!("{byte:02x}")).collect::<String>());
+    }
+    let held = Sensitivity::default();
+    println!("\n| parameter | in the code |{}", if fit { " fitted from round numbers |" } else { "" });
+    println!("|---|---|{}", if fit { "---|" } else { "" });
+    let fitted = fit.then(|| {
+        let mut fitted = people.fit(&START);
+        fitted.masking_cpd = people.fit_masking(&fitted);
+        fitted
+    });
+    let row = |name: &str, held: f64, fitted: Option<f64>| {
+        println!("| {name} | {held} |{}", fitted.map_or_else(String::new, |value| format!(" {value:.5} |")));
+    };
+    for (k, name) in NAMES.iter().enumerate() {
+        row(name, parameters(&held)[k], fitted.map(|fitted| parameters(&fitted)[k]));
+    }
+    row("masking_cpd", held.masking_cpd, fitted.map(|fitted| fitted.masking_cpd));
+    println!("\nVisibility of ModelFest's line at its threshold: {:.3}", unit(&people)?);
+    let errors = people.errors(&held);
+    if verbose {
+        for (measured, error) in people.measured.iter().zip(&errors) {
+            println!("{:12} {:40} {error:+.3}", measured.set, measured.label);
+        }
+    }
+    println!("\n| data | root mean square error, log10 units |\n|---|---|");
+    println!("| ModelFest, 30 stimuli | {:.3} |", people.rms(&errors, &["modelfest"]));
+    println!("| ModelFest, leave-one-out | {:.3} |", people.leave_one_out(&held));
+    for set in CSF {
+        println!("| {set}, with one gain | {:.3} |", people.rms(&errors, &[set]));
+    }
+    println!("| all three | {:.3} |", people.rms(&errors, &CSF));
+    println!("\n| noise | ramp width | log10 (predicted / measured threshold) | deviance |\n|---|---|---|---|");
+    for (edge, (ratio, deviance)) in people.edges.iter().zip(people.edges(&held)) {
+        println!("| {} | {}° | {ratio:+.3} | {deviance:.1} |", edge.noise, edge.width_deg);
+    }
+    Ok(())
+}
