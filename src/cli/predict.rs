@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
+
 use super::{
     FittedPath, OutPath, UsageError, count,
     options::{StimulusOptions, TransferOptions},
@@ -23,7 +25,7 @@ use crate::{
 
 /// Maximum number of conditions of a definition, unless the user allows more. A prediction takes milliseconds; a study
 /// has a hundred conditions.
-const MAX_CONDITIONS: usize = 2000;
+const MAX_CONDITIONS: usize = 500;
 
 /// Maximum number of pixels of an image, unless the user allows more: those of a 4K screen. Each takes about 110 bytes.
 const MAX_PIXELS: u64 = 3840 * 2160;
@@ -43,7 +45,7 @@ pub(super) struct Arguments {
     /// Predict the bands in this image, which can be any opaque PNG.
     #[arg(long, value_name = "FILE.png", conflicts_with = "experiment")]
     image: Option<PathBuf>,
-    /// Also accept more than 2000 conditions (100 if each has a rendered picture), an image of more than 3840 × 2160
+    /// Also accept more than 500 conditions (100 if each has a rendered picture), an image of more than 3840 × 2160
     /// pixels (up to 16384 per side), and ratings beyond the limits of `analyze`. This needs more time and memory.
     #[arg(long)]
     large: bool,
@@ -195,9 +197,10 @@ fn all(
     };
     let rows = conditions.iter().map(row).collect();
     let all = |criterion: &Criterion, least: f64| {
-        let detections = conditions.iter().map(|condition| viewing.detection(&condition.stimulus));
+        let detections = conditions.par_iter().map(|condition| viewing.detection(&condition.stimulus));
         let detections = detections.collect::<Result<Vec<f64>, _>>().map_err(wrong)?;
-        let seen = found.iter().zip(detections).map(|(visibility, detection)| Seen { visibility: *visibility, detection });
+        let seen =
+            found.iter().zip(detections).map(|(visibility, detection)| Seen { visibility: *visibility, detection });
         let table = table(&header, rows, &seen.collect::<Vec<_>>(), criterion, least);
         put(arguments, writer, &if arguments.json { json(&objects(&table))? } else { table.csv() })
     };

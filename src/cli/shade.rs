@@ -261,11 +261,11 @@ fn measurements(
         "visibility_dark": own.visibility.dark,
         "visibility_gouraud": gouraud.visibility.max(),
         "visibility_over_gouraud": over(|of| of.visibility.max()),
-        "visibility_unit": "contrast times sensitivity; 1 is just visible",
+        "visibility_unit": "1 is just visible, like a thin line at its threshold",
         "band_density": own.density,
         "band_density_gouraud": gouraud.density,
         "band_density_over_gouraud": over(|of| of.density),
-        "band_density_unit": "visibility times length per square degree",
+        "band_density_unit": "root mean square of the visibility over the surface",
     })
 }
 

@@ -13,6 +13,9 @@ use crate::{
 /// Minimum adapting luminance, cd/m²: some light reaches the eye even from a black window.
 const MIN_CD_M2: f64 = 0.01;
 
+/// Pixels per degree of the pictures whose detection is predicted: as fine as an average person sees with ease.
+const DETECTION_PX_PER_DEG: f64 = 25.0;
+
 /// The prediction for a stimulus.
 #[derive(Clone, Debug)]
 pub enum StimulusPrediction {
@@ -115,7 +118,8 @@ impl ViewingConditions {
     /// # Errors
     /// Returns a [`VisionError`] if the window is all black.
     pub fn detection(&self, stimulus: &Stimulus) -> Result<f64, VisionError> {
-        self.detection_of_image(&stimulus.linear(Self::PICTURE_PX))
+        let size = (DETECTION_PX_PER_DEG * self.window_deg).clamp(256.0, 1024.0) as u32;
+        self.detection_of_image(&stimulus.linear(size))
     }
 
     /// Returns the same for an image that fills the window's width.

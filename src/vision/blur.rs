@@ -52,7 +52,8 @@ impl Blur {
     /// Keeps every `stride`-th place of `grid`.
     pub(super) fn new(grid: &Grid, stride: usize) -> Blur {
         let (across, down) = (Axis::new(grid.columns, stride), Axis::new(grid.rows, stride));
-        let first = [(across.first, 0), (down.first, 1)].map(|(first, axis)| grid.first[axis] + first * grid.step[axis]);
+        let first =
+            [(across.first, 0), (down.first, 1)].map(|(first, axis)| grid.first[axis] + first * grid.step[axis]);
         let step = grid.step.map(|step| step * stride as f64);
         let grid = Grid { columns: across.places, rows: down.places, first, step };
         Blur { across, down, grid }
@@ -139,7 +140,9 @@ impl Interpolation {
         let (rows, weights) = &self.down.0[row];
         let [a, b, c, d] = rows.map(|row| &values[row * self.columns..][..self.columns]);
         buffer.clear();
-        buffer.extend((0..self.columns).map(|i| weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i] + weights[3] * d[i]));
+        buffer.extend(
+            (0..self.columns).map(|i| weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i] + weights[3] * d[i]),
+        );
         for (to, (at, weights)) in to.iter_mut().zip(&self.across.0) {
             *to = (0..4).map(|k| buffer[at[k]] * weights[k]).sum();
         }

@@ -62,7 +62,7 @@ const REACH: f64 = 4.0;
 const UNIT: f64 = 3.78;
 /// Contrast gain control: at this odd response nearby, in units of visibility, a response is halved. It is what keeps a
 /// tenfold contrast from making bands ten times as visible (Wallis & Georgeson 2012).
-const HALVED_AT: f64 = 92.0;
+const HALVED_AT: f64 = 30.0;
 /// Stray light relative to white: light reflected by the screen or scattered in the eye. Without it, bands on black
 /// would be infinitely strong.
 const VEIL: f64 = 0.01;
@@ -260,7 +260,8 @@ impl Local {
             return [0.0; 3];
         }
         let straight = length(self.straight);
-        let beyond = |response: f64| ((response - ODD_SHARE * nearby) / (1.0 - ODD_SHARE / FULL_SHARE)).clamp(0.0, size);
+        let beyond =
+            |response: f64| ((response - ODD_SHARE * nearby) / (1.0 - ODD_SHARE / FULL_SHARE)).clamp(0.0, size);
         let controlled = gain / (1.0 + gain * nearby / HALVED_AT);
         let line = controlled * (1.0 - monotone) * beyond(size);
         let coarse = COARSE_SHARE * self.even.im * self.even.re.signum();

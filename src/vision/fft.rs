@@ -48,7 +48,13 @@ pub(super) fn transform(values: &mut [Complex64], columns: usize, rows: usize) {
 
 /// Turns columns into rows. It takes the `columns` that start at `left` from rows that are `stride` long, and works in
 /// tiles that fit in the processor's cache.
-pub(super) fn transpose(from: &[Complex64], to: &mut [Complex64], stride: usize, left: usize, [columns, rows]: [usize; 2]) {
+pub(super) fn transpose(
+    from: &[Complex64],
+    to: &mut [Complex64],
+    stride: usize,
+    left: usize,
+    [columns, rows]: [usize; 2],
+) {
     const TILE: usize = 16;
     for top in (0..rows).step_by(TILE) {
         for first in (0..columns).step_by(TILE) {

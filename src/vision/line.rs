@@ -79,7 +79,9 @@ impl Line<'_> {
         let [map, lines] = pooled(&answers, &places);
         let mut bands: Vec<Band> = [(Polarity::Bright, &map.bright), (Polarity::Dark, &map.dark)]
             .into_iter()
-            .flat_map(|(polarity, map)| peaks(map).map(move |(at, strength)| Band { at_deg: at * step - half, polarity, strength }))
+            .flat_map(|(polarity, map)| {
+                peaks(map).map(move |(at, strength)| Band { at_deg: at * step - half, polarity, strength })
+            })
             .collect();
         bands.sort_by(|a, b| b.strength.total_cmp(&a.strength));
         let [visibility, lines] = [&map, &lines].map(|map| Visibility::strongest(map, columns));
@@ -166,9 +168,9 @@ impl Line<'_> {
         let reach = ((beyond / step).ceil() as usize).min(middle - 1);
         let part = middle - reach..=middle + reach;
         let (pair, others) = (&pair[part.clone()], &others[part]);
-        let grid =
-            Grid { columns: pair.len(), rows: 1, first: [-(reach as f64) * step, 0.0], step: [step; 2] };
-        let each = |of: fn(&Complex64, &Complex64) -> Complex64| pair.iter().zip(others).map(|(a, b)| of(a, b)).collect();
+        let grid = Grid { columns: pair.len(), rows: 1, first: [-(reach as f64) * step, 0.0], step: [step; 2] };
+        let each =
+            |of: fn(&Complex64, &Complex64) -> Complex64| pair.iter().zip(others).map(|(a, b)| of(a, b)).collect();
         Fields {
             grid,
             even: each(|pair, others| Complex64::new(pair.re, others.re)),

@@ -28,8 +28,8 @@ mod picture;
 mod sensitivity;
 mod spectrum;
 
-pub use detection::{ContrastSpectrum, detection};
 pub use band::{Band, BandMap, Criterion, Polarity, Visibility, vertex};
+pub use detection::{ContrastSpectrum, detection};
 pub use error::VisionError;
 pub use eye::{Border, Eye, luminance, luminances};
 pub use image::LuminanceImage;

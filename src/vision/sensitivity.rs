@@ -2,6 +2,8 @@
 
 /// Luminance at which the shape of the filter is defined, cd/m²: that of ModelFest.
 const STANDARD_CD_M2: f64 = 30.0;
+/// Luminance above which more light makes hardly finer detail visible, cd/m².
+const BRIGHT_CD_M2: f64 = 200.0;
 /// The oblique effect begins above this frequency, cycles per degree (Watson & Ahumada 2005, J. Vision 5(9):6).
 const OBLIQUE_ABOVE: f64 = 3.48;
 /// Its frequency constant, cycles per degree (same source).
@@ -13,27 +15,21 @@ const OBLIQUE_SCALE: f64 = 13.57;
 /// Every value is fitted to thresholds of people; `cargo run --release -p tools -- thresholds --fit` repeats the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensitivity {
-    /// Gain of the filter before pooling over space.
+    /// Gain of the filter at 1 cycle per degree, before pooling over space and without the fall toward fine detail.
     pub gain: f64,
     /// Frequency that scales the fall toward fine detail, cycles per degree, at 30 cd/m².
     pub fine_cpd: f64,
     /// Exponent of that fall.
     pub fine_power: f64,
-    /// Frequency that scales the fall toward coarse structure, cycles per degree.
-    pub coarse_cpd: f64,
-    /// Exponent of that fall.
+    /// Exponent of the fall toward coarse structure.
     pub coarse_power: f64,
-    /// The part of the gain that remains at a frequency of 0.
-    pub floor: f64,
     /// Exponent with which responses are pooled over space.
     pub pooling: f64,
     /// Eccentricity that scales the fall-off of sensitivity, degrees.
     pub fovea_deg: f64,
     /// Exponent of that fall-off.
     pub fovea_power: f64,
-    /// Luminance up to which more light makes finer detail visible, cd/m².
-    pub bright_cd_m2: f64,
-    /// Exponent of that effect.
+    /// Exponent of the effect that more light, up to 200 cd/m², makes finer detail visible.
     pub bright_power: f64,
     /// Bandwidth within which noise masks, cycles per degree.
     pub masking_cpd: f64,
@@ -42,18 +38,15 @@ pub struct Sensitivity {
 impl Default for Sensitivity {
     fn default() -> Self {
         Self {
-            gain: 1621.0,
-            fine_cpd: 1.867,
-            fine_power: 0.6418,
-            coarse_cpd: 5.547,
-            coarse_power: 1.534,
-            floor: 0.01859,
-            pooling: 2.259,
-            fovea_deg: 0.2669,
-            fovea_power: 0.4545,
-            bright_cd_m2: 185.7,
-            bright_power: 0.2536,
-            masking_cpd: 2.4,
+            gain: 178.3,
+            fine_cpd: 1.135,
+            fine_power: 0.6550,
+            coarse_power: 1.353,
+            pooling: 2.263,
+            fovea_deg: 0.1772,
+            fovea_power: 0.3265,
+            bright_power: 0.1818,
+            masking_cpd: 1.9,
         }
     }
 }
@@ -63,11 +56,10 @@ impl Sensitivity {
     /// of `luminance` cd/m². This is a response per unit of contrast; the threshold also depends on the grating's area.
     #[must_use]
     pub fn at(&self, frequency: f64, luminance: f64) -> f64 {
-        let bright = |luminance: f64| luminance / (luminance + self.bright_cd_m2);
+        let bright = |luminance: f64| luminance / (luminance + BRIGHT_CD_M2);
         let finest = self.fine_cpd * (bright(luminance) / bright(STANDARD_CD_M2)).powf(self.bright_power);
         let fine = 1.0 / (frequency / finest).powf(self.fine_power).cosh();
-        let coarse = (frequency / self.coarse_cpd).powf(self.coarse_power);
-        self.gain * fine * (self.floor + coarse) / (1.0 + coarse)
+        self.gain * fine * frequency.powf(self.coarse_power)
     }
 
     /// Returns the factor for an oblique grating. `across` is the unit vector across its bars.

@@ -80,7 +80,10 @@ impl Spectrum {
         let mirrored = |k: usize, n: usize| k.min(n - k);
         light.par_chunks_mut(columns).enumerate().for_each(|(row, light)| {
             let square = square(mirrored(row, rows), rows);
-            light.iter_mut().enumerate().for_each(|(column, value)| *value *= square * squares[mirrored(column, columns)]);
+            light
+                .iter_mut()
+                .enumerate()
+                .for_each(|(column, value)| *value *= square * squares[mirrored(column, columns)]);
         });
         Spectrum { light, columns, rows, size: [picture.width, picture.height], px_per_deg, frequencies }
     }

@@ -374,7 +374,7 @@ fn cases(full: bool) -> Vec<Case> {
             ),
             ("at_corners.obj", obj(1024, 150, 1024).into(), vec![(shade, "*")]),
             ("at_pixels.png", png(4096, Sixteen, Rgb, None), vec![("check {}", "no text chunk")]),
-            ("at_conditions.toml", definition(&widths(2000), "").into(), vec![("predict {}", "")]),
+            ("at_conditions.toml", definition(&widths(500), "").into(), vec![("predict {}", "")]),
             ("at_plan.toml", definition(&widths(120), "").into(), vec![(plan, "")]),
         ] as [Case; 11]);
     }

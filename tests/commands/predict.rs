@@ -19,7 +19,7 @@ fn a_stimulus_a_definition_and_an_image_agree() {
     let folder = tempfile::tempdir().unwrap();
     let run = |line: &str| succeeds(folder.path(), &split(line));
     let (one, all) = (run("predict --width 0.1 --size 512"), run("predict bangay2003 --size 512"));
-    assert!(all.starts_with("width,depth,orientation_deg,visibility,predicted_rating,"), "{all}");
+    assert!(all.starts_with("width,depth,orientation_deg,visibility,detection,predicted_rating,"), "{all}");
     assert_eq!(all.lines().count(), 121);
     let found = all.lines().find(|line| line.starts_with("0.1,1,0,")).unwrap();
     assert!(found.contains(&column(&one, "visibility")[0]), "{found} and {one}");

@@ -2,7 +2,6 @@
 
 use super::Draw as _;
 use machband::{
-    analysis::Random,
     light::{Depth, Interpolation},
     report::prediction::rank_correlation,
     stimulus::{MachBand, Stimulus, place},
@@ -10,6 +9,10 @@ use machband::{
         Border, Eye, Line, LinePrediction, LuminanceImage, PicturePrediction, Polarity, VisionError, detection,
         luminance, luminances,
     },
+};
+use rand_chacha::{
+    ChaCha8Rng,
+    rand_core::{Rng, SeedableRng},
 };
 
 /// Windows, in degrees, and pixels per degree for which the facts must hold.
@@ -195,6 +198,20 @@ fn resolution_changes_little() {
     }
 }
 
+fn random(seed: u64) -> ChaCha8Rng {
+    ChaCha8Rng::seed_from_u64(seed)
+}
+
+/// A random number, 0…1.
+fn unit(rng: &mut ChaCha8Rng) -> f64 {
+    f64::from(rng.next_u32()) / 4_294_967_296.0
+}
+
+/// A random number with a mean of 0 and a standard deviation of 1, nearly normal.
+fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    (0..12).map(|_| unit(rng)).sum::<f64>() - 6.0
+}
+
 /// A ramp at some place and orientation.
 #[derive(Clone, Copy, Debug)]
 struct Ramp {
@@ -211,14 +228,13 @@ const SIDE: usize = 320;
 const PX_PER_DEG: f64 = 64.0;
 
 impl Ramp {
-    fn drawn(random: &mut Random) -> Ramp {
-        let between = |random: &mut Random, low: f64, high: f64| low + (high - low) * random.unit();
+    fn drawn(rng: &mut ChaCha8Rng) -> Ramp {
         Ramp {
-            width: 0.26 * 12.0_f64.powf(random.unit()),
-            depth: DEPTHS[(4.0 * random.unit()) as usize],
-            contrast: between(random, 0.1, 0.9),
-            at: between(random, -0.3, 0.3),
-            orientation_deg: between(random, 0.0, 360.0),
+            width: 0.26 * 12.0_f64.powf(unit(rng)),
+            depth: DEPTHS[(4.0 * unit(rng)) as usize],
+            contrast: 0.1 + 0.8 * unit(rng),
+            at: 0.6 * unit(rng) - 0.3,
+            orientation_deg: 360.0 * unit(rng),
         }
     }
 
@@ -237,7 +253,8 @@ impl Ramp {
     }
 
     fn line(&self) -> f64 {
-        let light: Vec<f64> = (0..SIDE).map(|i| self.value((i as f64 + 0.5 - SIDE as f64 / 2.0) / PX_PER_DEG)).collect();
+        let light: Vec<f64> =
+            (0..SIDE).map(|i| self.value((i as f64 + 0.5 - SIDE as f64 / 2.0) / PX_PER_DEG)).collect();
         predict_light(&light, PX_PER_DEG, Border::Cut).visibility.max()
     }
 
@@ -255,9 +272,9 @@ impl Ramp {
 #[test]
 fn small_changes_change_little_and_pictures_agree_with_lines() {
     let most = Ramp { width: 0.8, depth: Depth::Finite(1), contrast: 0.9, at: 0.0, orientation_deg: 0.0 }.line();
-    let mut random = Random::new(1);
+    let mut rng = random(1);
     for k in 0..2000 {
-        let ramp = Ramp::drawn(&mut random);
+        let ramp = Ramp::drawn(&mut rng);
         let (own, changed) = (ramp.line(), ramp.changed(k % 3).line());
         assert!((own - changed).abs() <= 0.03 * most, "{ramp:?}, change {}: {own}, {changed} of {most}", k % 3);
         // A picture takes a hundred times as long as a line.
@@ -303,9 +320,9 @@ fn lines_and_textures_are_not_bands() {
     let line: Vec<f64> = (0..SIDE * SIDE).map(|i| if (126..130).contains(&(i % SIDE)) { 0.55 } else { 0.5 }).collect();
     let view = of(&line);
     assert!(view.visibility.max() <= 0.5 && view.lines.bright > 3.0, "{:?} {:?}", view.visibility, view.lines);
-    let mut random = Random::new(2);
+    let mut rng = random(2);
     for sigma in [0.01, 0.03, 0.1] {
-        let light: Vec<f64> = (0..SIDE * SIDE).map(|_| (0.5 + sigma * random.normal()).max(0.0)).collect();
+        let light: Vec<f64> = (0..SIDE * SIDE).map(|_| (0.5 + sigma * normal(&mut rng)).max(0.0)).collect();
         let view = of(&light);
         assert!(view.visibility.max() <= 0.5, "noise of {sigma}: {:?}", view.visibility);
         assert!(view.lines.max() > view.visibility.max(), "noise of {sigma} is texture: {:?}", view.lines);
@@ -314,9 +331,9 @@ fn lines_and_textures_are_not_bands() {
         let mut leaves = vec![0.5; SIDE * SIDE];
         for _ in 0..2000 {
             // Radii with the density 1/r³, from 3 to 60 pixels.
-            let radius = (1.0 / (1.0 / 3600.0 + random.unit() * (1.0 / 9.0 - 1.0 / 3600.0))).sqrt();
-            let [x, y] = [random.unit(), random.unit()].map(|at| at * SIDE as f64);
-            let value = random.unit();
+            let radius = (1.0 / (1.0 / 3600.0 + unit(&mut rng) * (1.0 / 9.0 - 1.0 / 3600.0))).sqrt();
+            let [x, y] = [unit(&mut rng), unit(&mut rng)].map(|at| at * SIDE as f64);
+            let value = unit(&mut rng);
             for (i, light) in leaves.iter_mut().enumerate() {
                 let [across, down] = [(i % SIDE) as f64 - x, (i / SIDE) as f64 - y];
                 if across * across + down * down < radius * radius {
@@ -330,14 +347,16 @@ fn lines_and_textures_are_not_bands() {
     // A sum of gratings of random phase and orientation with an amplitude of 1/f.
     let waves: Vec<[f64; 4]> = (0..200)
         .map(|_| {
-            let (f, angle) = (0.25 * 64.0_f64.powf(random.unit()), std::f64::consts::TAU * random.unit());
-            [f * angle.cos(), f * angle.sin(), std::f64::consts::TAU * random.unit(), 0.06 / f.sqrt()]
+            let (f, angle) = (0.25 * 64.0_f64.powf(unit(&mut rng)), std::f64::consts::TAU * unit(&mut rng));
+            [f * angle.cos(), f * angle.sin(), std::f64::consts::TAU * unit(&mut rng), 0.06 / f.sqrt()]
         })
         .collect();
     let value = |i: usize| {
         let [x, y] = [i % SIDE, i / SIDE].map(|k| k as f64 / 48.0);
-        let sum: f64 =
-            waves.iter().map(|[fx, fy, phase, size]| size * (std::f64::consts::TAU * (fx * x + fy * y) + phase).sin()).sum();
+        let sum: f64 = waves
+            .iter()
+            .map(|[fx, fy, phase, size]| size * (std::f64::consts::TAU * (fx * x + fy * y) + phase).sin())
+            .sum();
         (0.5 + 0.3 * sum).max(0.0)
     };
     let view = of(&(0..SIDE * SIDE).map(value).collect::<Vec<_>>());

@@ -168,9 +168,7 @@ impl TestedModel<'_> {
     }
 
     fn smooth(&self) -> Answer {
-        let of = |width: f64| {
-            [1, 2, 3, 4].map(|depth| self.strength(&Ramp::new(width, depth).light()) / self.largest)
-        };
+        let of = |width: f64| [1, 2, 3, 4].map(|depth| self.strength(&Ramp::new(width, depth).light()) / self.largest);
         let all: Vec<[f64; 4]> = widths(0.125, 6.4, 1.01).into_par_iter().map(of).collect();
         let changes = all.windows(2).flat_map(|pair| [0, 1, 2, 3].map(|k| (pair[1][k] - pair[0][k]).abs()));
         let most = changes.fold(0.0, f64::max);
@@ -291,13 +289,16 @@ type Fact = (&'static str, fn(&TestedModel) -> Answer);
 const FACTS: [Fact; 16] = [
     ("a step has no band (at most 0.01; 20 contrasts, 5 positions within a pixel)", |model| model.step()),
     ("ramps of 0.002…0.02° have almost none (at most 0.10; widths 10 % apart)", |model| model.narrow()),
-    ("one width in between gives the strongest band (widths 2 % apart; departures at most 0.03)", |model| model.optimum()),
+    ("one width in between gives the strongest band (widths 2 % apart; departures at most 0.03)", |model| {
+        model.optimum()
+    }),
     ("strength falls with n = 1, 2, 3, 4 at every width of 0.1…4° (2 % apart)", |model| model.depths()),
     ("n = ∞ is no stronger than n = 3 at any of these widths", |model| model.infinite_depth()),
     ("1 % of width changes strength by at most 0.03 (n = 1…4, 0.125…6.4°)", |model| model.smooth()),
-    ("trapezoidal gratings: strength never rises from ramps of 40 % of the half period to a triangle (2 % apart)", |model| {
-        model.trapezoids()
-    }),
+    (
+        "trapezoidal gratings: strength never rises from ramps of 40 % of the half period to a triangle (2 % apart)",
+        |model| model.trapezoids(),
+    ),
     (
         "a bar beside a band weakens it, alike for both signs and all widths, the more the nearer (gaps of 0.1, 0.2, 0.4, 0.8°)",
         |model| model.bar_beside(),

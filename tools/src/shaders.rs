@@ -22,7 +22,7 @@ const FINE: usize = 60_000;
 /// `docs/shaders.md`.
 ///
 /// The images have 512 pixels per side and are 10° wide; outlines are excluded, and white is 100 cd/m². Each cell shows
-/// the visibility of the strongest band and the amount of banding (strength times length, divided by area), both
+/// the visibility of the strongest band and the amount of banding (the root mean square of the visibility over the surface), both
 /// relative to Gouraud's. The lamp is at the viewer's eye and the surface is matte, so that the smooth surface has no
 /// lines of its own. `--default-scene` uses the scene of the shading page, whose terminators and highlights are lines
 /// of their own.
@@ -53,7 +53,7 @@ pub fn bands(is_default: bool) -> Result<(), Box<dyn Error>> {
             subjects.iter().map(|s| Ok(s.cell(&s.seen(&shade)?))).collect::<Result<Vec<_>, Box<dyn Error>>>()?;
         println!("| {} | {} |", head(&shade, format!("{:.2}", shade.boundary)).join(" | "), cells.join(" | "));
     }
-    println!("\nGouraud's own: visibility, and amount per degree:");
+    println!("\nGouraud's own: visibility, and amount:");
     for subject in &subjects {
         println!("{}: {:.1}, {:.2}", subject.name, subject.gouraud.visibility.max(), subject.gouraud.density);
     }

@@ -7,23 +7,23 @@ use std::{
     path::Path,
 };
 
-use machband::{
-    vision::{Border, ContrastSpectrum, Eye, Line, Sensitivity},
-};
+use machband::vision::{Border, ContrastSpectrum, Eye, Line, Sensitivity};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
 /// Names, as in [`Sensitivity`], of the parameters that are fitted without noise.
-pub const NAMES: [&str; 11] = [
-    "gain", "fine_cpd", "fine_power", "coarse_cpd", "coarse_power", "floor", "pooling", "fovea_deg", "fovea_power",
-    "bright_cd_m2", "bright_power",
-];
+pub const NAMES: [&str; 8] =
+    ["gain", "fine_cpd", "fine_power", "coarse_power", "pooling", "fovea_deg", "fovea_power", "bright_power"];
 /// Weight of a residual: of ModelFest, whose values are means of 16 observers, relative to a threshold of one paper.
-const MODELFEST_WEIGHT: f64 = 1.3;
+const MODELFEST_WEIGHT: f64 = 1.5;
 /// Weight of the two edges without noise.
 const EDGE_WEIGHT: f64 = 3.0;
+/// Weight of the trapezoidal gratings: people's thresholds double with the width of wide ramps.
+const TRAPEZOID_WEIGHT: f64 = 2.0;
+/// Widths of the ramps that enter the fit, degrees.
+const FITTED_WIDTHS: [f64; 3] = [0.5, 1.0, 2.0];
 /// Luminances and areas that the model covers, cd/m² and degrees².
 const LUMINANCES: [f64; 2] = [1.0, 1000.0];
 const AREAS: [f64; 2] = [0.01, 100.0];
@@ -65,6 +65,8 @@ pub struct People {
     pub measured: Vec<Measured>,
     /// The edges, with and without noise.
     pub edges: Vec<Edge>,
+    /// Trapezoidal gratings with the ramps of [`FITTED_WIDTHS`].
+    trapezoids: Vec<ContrastSpectrum>,
 }
 
 #[derive(Deserialize)]
@@ -178,7 +180,7 @@ fn csf(row: &CsfRow) -> Measured {
             (7.0 * sigma_deg, (8.0 * f).max(16.0).max(6.0 / sigma_deg), Box::new(pattern))
         }
         _ => {
-            let side = area_deg2.sqrt();
+            let side = (area_deg2.sqrt() * f).round().max(1.0) / f;
             let px_per_deg = (6.0 * f).max(12.0).max(8.0 / side);
             // Half a pixel, because the square is centered between pixels.
             (side, px_per_deg, Box::new(move |_, y| (TAU * f * (y - 0.5 / px_per_deg)).sin()))
@@ -249,7 +251,8 @@ impl Edge {
 /// The power density of pink noise at 1 cycle per degree, where that of white noise of the same total is `white`.
 fn pink(white: f64) -> f64 {
     let side = (EDGE_DEG * EDGE_PX_PER_DEG) as i32;
-    let frequencies = (0..side * side).map(|i| [i % side, i / side].map(|k| f64::from(if 2 * k > side { k - side } else { k }) / EDGE_DEG));
+    let frequencies = (0..side * side)
+        .map(|i| [i % side, i / side].map(|k| f64::from(if 2 * k > side { k - side } else { k }) / EDGE_DEG));
     let squares = frequencies.map(|[x, y]| x * x + y * y).filter(|square| *square > 0.0);
     white * f64::from(side * side) / squares.map(|square| 1.0 / square).sum::<f64>()
 }
@@ -293,7 +296,8 @@ impl People {
                 spectrum: self::edge(edge.width_deg),
             });
         }
-        Ok(People { measured, edges })
+        let trapezoids = FITTED_WIDTHS.into_iter().map(trapezoid).collect();
+        Ok(People { measured, edges, trapezoids })
     }
 
     /// The differences between predicted and measured log10 sensitivity. Each data set of contrast sensitivity has a
@@ -321,7 +325,8 @@ impl People {
         (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
     }
 
-    /// The errors, each with its weight in the fit.
+    /// The errors, each with its weight in the fit. The last ones are how far the thresholds for trapezoidal gratings are
+    /// from being proportional to the width of the ramps.
     fn weighted(&self, sensitivity: &Sensitivity) -> DVector<f64> {
         let weight = |measured: &Measured| match measured.set.as_str() {
             "modelfest" => MODELFEST_WEIGHT,
@@ -329,19 +334,21 @@ impl People {
             _ => 1.0,
         };
         let errors = self.errors(sensitivity);
-        DVector::from_iterator(errors.len(), errors.iter().zip(&self.measured).map(|(error, of)| error * weight(of)))
+        let mut all: Vec<f64> = errors.iter().zip(&self.measured).map(|(error, of)| error * weight(of)).collect();
+        let logs: Vec<f64> = self.trapezoids.iter().map(|spectrum| log_threshold(spectrum, sensitivity)).collect();
+        let wanted = FITTED_WIDTHS.windows(2).map(|pair| (pair[1] / pair[0]).log10());
+        all.extend(logs.windows(2).zip(wanted).map(|(pair, wanted)| TRAPEZOID_WEIGHT * (pair[1] - pair[0] - wanted)));
+        DVector::from_vec(all)
     }
 
     /// The derivatives of the weighted errors with respect to the logarithms of the parameters.
     fn derivatives(&self, sensitivity: &Sensitivity) -> DMatrix<f64> {
         const STEP: f64 = 1e-3;
+        let before = self.weighted(sensitivity);
         let column = |k: usize| {
-            let [before, after] = [-STEP, STEP].map(|step| {
-                let mut moved = parameters(sensitivity);
-                moved[k] *= step.exp();
-                self.weighted(&with(sensitivity, &moved))
-            });
-            (after - before) / (2.0 * STEP)
+            let mut moved = parameters(sensitivity);
+            moved[k] *= STEP.exp();
+            (self.weighted(&with(sensitivity, &moved)) - &before) / STEP
         };
         DMatrix::from_columns(&(0..NAMES.len()).map(column).collect::<Vec<_>>())
     }
@@ -368,23 +375,25 @@ impl People {
                 }
                 damping *= 10.0;
             }
-            if errors.norm_squared() > before * (1.0 - 1e-7) {
+            if errors.norm_squared() > before * (1.0 - 1e-9) {
                 break;
             }
         }
         best
     }
 
-    /// The root mean square error of ModelFest if each stimulus is predicted by a fit to all the others, to first order:
-    /// the error divided by one minus its leverage.
+    /// To first order: the root mean square error of ModelFest if each stimulus is predicted by a fit to all the others
+    /// (its error divided by one minus its leverage), and the change in the logarithm of each parameter that would still
+    /// improve the fit.
     #[must_use]
-    pub fn leave_one_out(&self, sensitivity: &Sensitivity) -> f64 {
+    pub fn linearized(&self, sensitivity: &Sensitivity) -> (f64, Vec<f64>) {
         let derivatives = self.derivatives(sensitivity);
-        let Some(inverse) = derivatives.tr_mul(&derivatives).try_inverse() else { return f64::NAN };
+        let Some(inverse) = derivatives.tr_mul(&derivatives).try_inverse() else { return (f64::NAN, Vec::new()) };
         let leverage = |i: usize| (derivatives.row(i) * &inverse * derivatives.row(i).transpose())[0];
         let errors = self.errors(sensitivity);
         let all: Vec<f64> = errors.iter().enumerate().map(|(i, error)| error / (1.0 - leverage(i))).collect();
-        self.rms(&all, &["modelfest"])
+        let step = -(&inverse * derivatives.tr_mul(&self.weighted(sensitivity)));
+        (self.rms(&all, &["modelfest"]), step.iter().copied().collect())
     }
 
     /// log10 of the predicted threshold divided by the observers', and the deviance, for each edge.
@@ -421,10 +430,7 @@ pub const CSF: [&str; 3] = ["rovamo1993", "hdr_csf", "hdr_csf_disc"];
 /// The fitted parameters in the order of [`NAMES`].
 #[must_use]
 pub fn parameters(of: &Sensitivity) -> [f64; NAMES.len()] {
-    [
-        of.gain, of.fine_cpd, of.fine_power, of.coarse_cpd, of.coarse_power, of.floor, of.pooling, of.fovea_deg,
-        of.fovea_power, of.bright_cd_m2, of.bright_power,
-    ]
+    [of.gain, of.fine_cpd, of.fine_power, of.coarse_power, of.pooling, of.fovea_deg, of.fovea_power, of.bright_power]
 }
 
 fn with(of: &Sensitivity, values: &[f64]) -> Sensitivity {
@@ -432,30 +438,24 @@ fn with(of: &Sensitivity, values: &[f64]) -> Sensitivity {
         gain: values[0],
         fine_cpd: values[1],
         fine_power: values[2],
-        coarse_cpd: values[3],
-        coarse_power: values[4],
-        floor: values[5],
-        pooling: values[6],
-        fovea_deg: values[7],
-        fovea_power: values[8],
-        bright_cd_m2: values[9],
-        bright_power: values[10],
+        coarse_power: values[3],
+        pooling: values[4],
+        fovea_deg: values[5],
+        fovea_power: values[6],
+        bright_power: values[7],
         ..*of
     }
 }
 
 /// A start far from the result: round numbers.
 const START: Sensitivity = Sensitivity {
-    gain: 1000.0,
-    fine_cpd: 3.0,
-    fine_power: 0.8,
-    coarse_cpd: 5.0,
+    gain: 200.0,
+    fine_cpd: 1.0,
+    fine_power: 0.7,
     coarse_power: 1.5,
-    floor: 0.02,
     pooling: 2.5,
     fovea_deg: 0.3,
     fovea_power: 0.5,
-    bright_cd_m2: 100.0,
     bright_power: 0.2,
     masking_cpd: 1.0,
 };
@@ -465,14 +465,61 @@ const START: Sensitivity = Sensitivity {
 ///
 /// # Errors
 /// Returns an error if the measurements have no line.
-pub fn unit(people: &People) -> Result<f64, Box<dyn Error>> {
+pub fn unit(people: &People, sensitivity: &Sensitivity) -> Result<f64, Box<dyn Error>> {
     let line = people.measured.iter().find(|of| of.label.ends_with(" line")).ok_or("no line")?;
     let px_per_deg = MODELFEST.1;
     let mut light = vec![0.5; (8.0 * px_per_deg) as usize];
     let middle = light.len() / 2;
     light[middle] *= 1.0 + 10_f64.powf(-line.log_sensitivity);
     let line = Line { light: &light, px_per_deg, border: Border::Continues };
-    Ok(line.predict(&Eye::adapted_to(30.0))?.lines.bright)
+    let eye = Eye { luminance: 30.0, sensitivity: *sensitivity };
+    Ok(line.predict(&eye)?.lines.bright)
+}
+
+/// Widths of the ramps of the trapezoidal gratings, degrees, 15 % apart.
+fn ramp_widths() -> impl Iterator<Item = f64> {
+    (0..).map(|k| 0.05 * 1.15_f64.powi(k)).take_while(|width| *width <= 4.0)
+}
+
+/// One ramp of a trapezoidal grating. The field is 30° wide and fades out over the outer 10°, so that its outline is not
+/// what is detected.
+fn trapezoid(width: f64) -> ContrastSpectrum {
+    let (side, px_per_deg) = (720, 24.0);
+    let fade = |x: f64| {
+        let outer = ((x.abs() - 5.0) / 10.0).clamp(0.0, 1.0);
+        0.5 + 0.5 * (PI * outer).cos()
+    };
+    let contrast = sampled(side, px_per_deg, |x, y| {
+        let x = x + 0.5 / px_per_deg;
+        (x / (0.5 * width)).clamp(-1.0, 1.0) * fade(x) * fade(y)
+    });
+    ContrastSpectrum::of(&contrast, [side; 2], px_per_deg)
+}
+
+/// log10 of the threshold contrast at 100 cd/m².
+fn log_threshold(spectrum: &ContrastSpectrum, sensitivity: &Sensitivity) -> f64 {
+    let eye = Eye { luminance: 100.0, sensitivity: *sensitivity };
+    -spectrum.detection(&eye, |_| 0.0).log10()
+}
+
+/// Ramp width in degrees and log10 of the threshold contrast of trapezoidal gratings at 100 cd/m².
+#[must_use]
+pub fn trapezoids(sensitivity: &Sensitivity) -> Vec<(f64, f64)> {
+    ramp_widths().map(|width| (width, log_threshold(&trapezoid(width), sensitivity))).collect()
+}
+
+/// The slope of log threshold over log width for ramps of at least half a degree, and how far the thresholds of narrower
+/// ramps are apart, log10 units: 1 and 0 for people (Campbell, Johnstone & Ross 1981, Vis. Res. 21:723).
+#[must_use]
+pub fn trapezoid_summary(thresholds: &[(f64, f64)]) -> [f64; 2] {
+    let wide: Vec<[f64; 2]> =
+        thresholds.iter().filter(|(width, _)| *width >= 0.5).map(|(width, log)| [width.log10(), *log]).collect();
+    let mean = |k: usize| wide.iter().map(|point| point[k]).sum::<f64>() / wide.len() as f64;
+    let [x, y] = [mean(0), mean(1)];
+    let slope = wide.iter().map(|point| (point[0] - x) * (point[1] - y)).sum::<f64>()
+        / wide.iter().map(|point| (point[0] - x).powi(2)).sum::<f64>();
+    let narrow = || thresholds.iter().filter(|(width, _)| *width <= 0.5).map(|(_, log)| *log);
+    [slope, narrow().fold(f64::MIN, f64::max) - narrow().fold(f64::MAX, f64::min)]
 }
 
 /// Prints the tables; with `fit`, fits the parameters first.
@@ -501,8 +548,17 @@ pub fn run(fit: bool, verbose: bool) -> Result<(), Box<dyn Error>> {
         row(name, parameters(&held)[k], fitted.map(|fitted| parameters(&fitted)[k]));
     }
     row("masking_cpd", held.masking_cpd, fitted.map(|fitted| fitted.masking_cpd));
-    println!("\nVisibility of ModelFest's line at its threshold: {:.3}", unit(&people)?);
-    let errors = people.errors(&held);
+    println!("\nVisibility of ModelFest's line at its threshold: {:.3}", unit(&people, &held)?);
+    tables(&people, &held, verbose);
+    if let Some(fitted) = &fitted {
+        println!("\nThe same for the fitted parameters: {:.3}", unit(&people, fitted)?);
+        tables(&people, fitted, verbose);
+    }
+    Ok(())
+}
+
+fn tables(people: &People, sensitivity: &Sensitivity, verbose: bool) {
+    let errors = people.errors(sensitivity);
     if verbose {
         for (measured, error) in people.measured.iter().zip(&errors) {
             println!("{:12} {:40} {error:+.3}", measured.set, measured.label);
@@ -510,14 +566,20 @@ pub fn run(fit: bool, verbose: bool) -> Result<(), Box<dyn Error>> {
     }
     println!("\n| data | root mean square error, log10 units |\n|---|---|");
     println!("| ModelFest, 30 stimuli | {:.3} |", people.rms(&errors, &["modelfest"]));
-    println!("| ModelFest, leave-one-out | {:.3} |", people.leave_one_out(&held));
+    println!("| ModelFest, leave-one-out | {:.3} |", people.linearized(sensitivity).0);
     for set in CSF {
         println!("| {set}, with one gain | {:.3} |", people.rms(&errors, &[set]));
     }
     println!("| all three | {:.3} |", people.rms(&errors, &CSF));
     println!("\n| noise | ramp width | log10 (predicted / measured threshold) | deviance |\n|---|---|---|---|");
-    for (edge, (ratio, deviance)) in people.edges.iter().zip(people.edges(&held)) {
+    for (edge, (ratio, deviance)) in people.edges.iter().zip(people.edges(sensitivity)) {
         println!("| {} | {}° | {ratio:+.3} | {deviance:.1} |", edge.noise, edge.width_deg);
     }
-    Ok(())
+    let trapezoids = trapezoids(sensitivity);
+    let [slope, range] = trapezoid_summary(&trapezoids);
+    println!("\nTrapezoidal gratings: log threshold rises by {slope:.2} per log width from 0.5° on (people: 1);");
+    println!("below, thresholds are within {range:.2} log10 units (people: 0).");
+    if verbose {
+        trapezoids.iter().for_each(|(width, log)| println!("{width:.3}° {log:.3}"));
+    }
 }

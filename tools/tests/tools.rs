@@ -10,6 +10,7 @@ use std::f64::consts::TAU;
 use machband::{
     analysis::Random,
     light::dither::{MASK_SIZE, mask},
+    vision::Sensitivity,
 };
 use rand_chacha::{
     ChaCha8Rng,
@@ -19,6 +20,7 @@ use tools::{
     baselines::{Baseline, Beyond, LateralInhibition, Mark, Odog, SecondDerivativeRatio, all},
     blue_noise::{MASK_SEED, void_and_cluster},
     coverage::{coverage, recover},
+    thresholds::{CSF, NAMES, People, unit},
 };
 
 /// Samples per degree of the profiles in these tests.
@@ -371,4 +373,26 @@ fn a_few_studies_recover_their_effects() {
             assert!(bias.abs() < 4.0 * se / 12f64.sqrt(), "{random:?}, {}: {bias}, se {se}", parameter.name);
         }
     }
+}
+
+/// The parameters in the code are those that the fit ends at: a further step would change none of them by more than the
+/// last digit, and the bounds that `docs/models.md` states hold.
+#[test]
+fn the_detection_model_is_fitted_to_the_thresholds_of_people() {
+    let people = People::read().unwrap();
+    let held = Sensitivity::default();
+    let errors = people.errors(&held);
+    assert!(people.rms(&errors, &["modelfest"]) <= 0.06, "ModelFest");
+    assert!(people.rms(&errors, &CSF) <= 0.12, "contrast sensitivity");
+    assert!(people.rms(&errors, &["edges"]) <= 0.05, "edges without noise");
+    for (edge, (error, _)) in people.edges.iter().zip(people.edges(&held)) {
+        assert!(error.abs() <= 0.2, "{} noise, {}°: {error}", edge.noise, edge.width_deg);
+    }
+    let (leave_one_out, step) = people.linearized(&held);
+    assert!(leave_one_out <= 0.08, "leave-one-out: {leave_one_out}");
+    for (name, step) in NAMES.iter().zip(step) {
+        assert!(step.abs() <= 0.01, "{name} would change by {:.2} %", 100.0 * step);
+    }
+    let unit = unit(&people, &held).unwrap();
+    assert!((unit - 1.0).abs() <= 0.02, "a line at its threshold has a visibility of {unit}");
 }

@@ -212,11 +212,14 @@ fn vision(cited: &mut Cited, predicted: &StudyPrediction) -> String {
     let comparison = &predicted.comparison;
     let mut text = format!(
         "The visibility of the bands in every condition was predicted, for a window of {} and a white of {} cd/m², with a \
-         local-energy model ({}) with log-Gabor channels weighted by contrast sensitivity ({}).",
+         multi-channel model that compares even and odd responses ({}). Its contrast sensitivity has the form of {} and \
+         was fitted to measured thresholds ({}, among others); a visibility of 1 is the response of a thin line at its \
+         threshold.",
         degrees(predicted),
         fixed(predicted.viewing.white_cd_m2, 0),
         cited.cite("Morrone & Burr, 1988"),
-        cited.cite("Barten, 2003")
+        cited.cite("Watson & Ahumada, 2005"),
+        cited.cite("Carney et al., 1999")
     );
     if let Some(rho) = comparison.rank_correlation {
         text += &format!(" Its rank correlation with the mean ratings was {}", unit(rho));

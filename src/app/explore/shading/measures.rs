@@ -153,7 +153,7 @@ pub fn bands(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result
     });
     let details = sides.each_ref().map(|(view, _)| {
         let Visibility { bright, dark } = view.visibility;
-        format!("bright {bright:.1}, dark {dark:.1}; density {:.2} per degree", view.density)
+        format!("bright {bright:.1}, dark {dark:.1}; root mean square {:.2}", view.density)
     });
     Ok(Measured { cells, details, maps, full_scale })
 }
