@@ -59,7 +59,7 @@ const BAND_PERIODS: f64 = 0.5;
 const REACH: f64 = 4.0;
 /// Visibility per unit of a channel's response, such that a thin line at its threshold has a visibility of 1:
 /// `cargo run --release -p tools -- thresholds`.
-const UNIT: f64 = 3.78;
+const UNIT: f64 = 3.814;
 /// Contrast gain control: at this odd response nearby, in units of visibility, a response is halved. It is what keeps a
 /// tenfold contrast from making bands ten times as visible (Wallis & Georgeson 2012).
 const HALVED_AT: f64 = 30.0;

@@ -71,16 +71,23 @@ impl ContrastSpectrum {
     /// Returns the detection of the picture in noise that is drawn anew for each presentation. `noise` returns its power
     /// density for each frequency in cycles per degree, in contrast² per (cycle/degree)².
     pub fn detection(&self, eye: &Eye, noise: impl Fn(f64) -> f64) -> f64 {
-        let (columns, rows, sensitivity) = (self.columns, self.rows, &eye.sensitivity);
+        let sensitivity = &eye.sensitivity;
+        self.pooled(sensitivity, |frequency| {
+            let own = sensitivity.at(frequency, eye.luminance);
+            own * sensitivity.masked(own, frequency, noise(frequency))
+        })
+    }
+
+    /// Returns the response of the filter `gain`, a function of the frequency in cycles per degree, with the oblique
+    /// effect, pooled over space and with the fall-off with eccentricity of `sensitivity`.
+    pub fn pooled(&self, sensitivity: &Sensitivity, gain: impl Fn(f64) -> f64) -> f64 {
+        let (columns, rows) = (self.columns, self.rows);
         let signed = |k: usize, n: usize| {
             let k = if 2 * k > n { k as f64 - n as f64 } else { k as f64 };
             k * self.px_per_deg / n as f64
         };
         let scale = 1.0 / self.values.len() as f64;
-        let gain = Table::new(self.px_per_deg, |frequency| {
-            let own = sensitivity.at(frequency, eye.luminance);
-            own * sensitivity.masked(own, frequency, noise(frequency)) * scale
-        });
+        let gain = Table::new(self.px_per_deg, |frequency| gain(frequency) * scale);
         let mut response = vec![Complex64::default(); self.values.len()];
         let filtered = response.par_chunks_mut(columns).zip(self.values.par_chunks(columns)).enumerate();
         filtered.for_each(|(row, (response, values))| {

@@ -38,15 +38,15 @@ pub struct Sensitivity {
 impl Default for Sensitivity {
     fn default() -> Self {
         Self {
-            gain: 178.3,
-            fine_cpd: 1.135,
-            fine_power: 0.6550,
-            coarse_power: 1.353,
-            pooling: 2.263,
-            fovea_deg: 0.1772,
-            fovea_power: 0.3265,
-            bright_power: 0.1818,
-            masking_cpd: 1.9,
+            gain: 280.8,
+            fine_cpd: 0.4761,
+            fine_power: 0.5661,
+            coarse_power: 1.776,
+            pooling: 2.261,
+            fovea_deg: 0.1828,
+            fovea_power: 0.3183,
+            bright_power: 0.1311,
+            masking_cpd: 2.333,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Known facts about Mach bands, and which of them each model reproduces: the table of `docs/predict.md`.
+//! Known facts about Mach bands, and which of them each model reproduces: the table of `docs/models.md`.
 //!
 //! The profiles run from ¼ to ¾ of white over 10° at 128 samples per degree, and are constant beyond their ends.
 

@@ -21,9 +21,9 @@ enum Tool {
     },
     /// Print the table of docs/shading.md: the slope jumps that each shader leaves, relative to Gouraud's.
     Creases,
-    /// Print the table of docs/predict.md: which known facts about Mach bands each model reproduces.
+    /// Print the table of docs/models.md: which known facts about Mach bands each model reproduces.
     Facts,
-    /// Print the tables of docs/predict.md that hold the detection model against measured thresholds of people.
+    /// Print the tables of docs/models.md that hold the detection model against measured thresholds of people.
     Thresholds {
         /// Also fit the parameters, from round numbers; takes minutes.
         #[arg(long)]

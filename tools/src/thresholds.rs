@@ -1,5 +1,5 @@
 //! The detection model, held against measured thresholds of people: the fit of its parameters and the tables of
-//! `docs/predict.md`.
+//! `docs/models.md`.
 
 use std::{
     error::Error,
@@ -13,6 +13,8 @@ use rayon::prelude::*;
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
+use crate::baselines::{LateralInhibition, barten};
+
 /// Names, as in [`Sensitivity`], of the parameters that are fitted without noise.
 pub const NAMES: [&str; 8] =
     ["gain", "fine_cpd", "fine_power", "coarse_power", "pooling", "fovea_deg", "fovea_power", "bright_power"];
@@ -21,7 +23,7 @@ const MODELFEST_WEIGHT: f64 = 1.5;
 /// Weight of the two edges without noise.
 const EDGE_WEIGHT: f64 = 3.0;
 /// Weight of the trapezoidal gratings: people's thresholds double with the width of wide ramps.
-const TRAPEZOID_WEIGHT: f64 = 2.0;
+const TRAPEZOID_WEIGHT: f64 = 4.0;
 /// Widths of the ramps that enter the fit, degrees.
 const FITTED_WIDTHS: [f64; 3] = [0.5, 1.0, 2.0];
 /// Luminances and areas that the model covers, cd/m² and degrees².
@@ -32,6 +34,8 @@ const LAPSES: f64 = 0.01;
 const AT_THRESHOLD: f64 = 0.84;
 /// Root mean square contrast of the noise.
 const NOISE_RMS: f64 = 0.2;
+/// Luminance of the field of the edges, cd/m².
+const EDGE_CD_M2: f64 = 100.0;
 /// Pixels per degree, and side in degrees, of the pictures of edges.
 const EDGE_PX_PER_DEG: f64 = 44.0;
 const EDGE_DEG: f64 = 4.0;
@@ -67,6 +71,19 @@ pub struct People {
     pub edges: Vec<Edge>,
     /// Trapezoidal gratings with the ramps of [`FITTED_WIDTHS`].
     trapezoids: Vec<ContrastSpectrum>,
+}
+
+/// Predicts the detection of a spectrum of contrast on a field of a luminance, cd/m², in noise of a power density.
+type Detect<'a> = dyn Fn(&ContrastSpectrum, f64, &dyn Fn(f64) -> f64) -> f64 + 'a;
+
+/// The model that machband holds, with these parameters.
+fn ours(sensitivity: &Sensitivity) -> impl Fn(&ContrastSpectrum, f64, &dyn Fn(f64) -> f64) -> f64 {
+    move |spectrum, luminance, noise| spectrum.detection(&Eye { luminance, sensitivity: *sensitivity }, noise)
+}
+
+/// A filter whose response is pooled as in our model. Noise has no effect.
+fn filter(gain: impl Fn(f64, f64) -> f64) -> impl Fn(&ContrastSpectrum, f64, &dyn Fn(f64) -> f64) -> f64 {
+    move |spectrum, luminance, _| spectrum.pooled(&Sensitivity::default(), |frequency| gain(frequency, luminance))
 }
 
 #[derive(Deserialize)]
@@ -220,11 +237,6 @@ impl Edge {
         }
     }
 
-    /// The detection for an edge with a root mean square contrast of 1.
-    fn detection(&self, eye: &Eye) -> f64 {
-        self.spectrum.detection(eye, |frequency| self.power(frequency))
-    }
-
     /// Twice the difference in log likelihood between the best curve for the measured shares and the curve for this
     /// threshold, with the observers' own slope: 0 if the threshold is theirs.
     fn deviance(&self, threshold: f64, slope: f64) -> f64 {
@@ -292,7 +304,7 @@ impl People {
                 set: "edges".into(),
                 label: format!("edge of {}°", edge.width_deg),
                 log_sensitivity: -edge.observed().0.log10(),
-                luminance: 100.0,
+                luminance: EDGE_CD_M2,
                 spectrum: self::edge(edge.width_deg),
             });
         }
@@ -304,17 +316,25 @@ impl People {
     /// gain of its own; ModelFest and the edges have none.
     #[must_use]
     pub fn errors(&self, sensitivity: &Sensitivity) -> Vec<f64> {
-        let error = |measured: &Measured| {
-            let eye = Eye { luminance: measured.luminance, sensitivity: *sensitivity };
-            measured.spectrum.detection(&eye, |_| 0.0).log10() - measured.log_sensitivity
-        };
+        self.errors_of(&ours(sensitivity))
+    }
+
+    fn errors_of(&self, detect: &Detect) -> Vec<f64> {
+        let error = |of: &Measured| detect(&of.spectrum, of.luminance, &|_| 0.0).log10() - of.log_sensitivity;
         let mut errors: Vec<f64> = self.measured.iter().map(error).collect();
         for set in CSF {
-            let own = || self.measured.iter().enumerate().filter(|(_, measured)| measured.set == set).map(|(i, _)| i);
-            let gain = own().map(|i| errors[i]).sum::<f64>() / own().count() as f64;
-            own().for_each(|i| errors[i] -= gain);
+            let gain = self.mean(&errors, set);
+            let own = errors.iter_mut().zip(&self.measured).filter(|(_, of)| of.set == set);
+            own.for_each(|(error, _)| *error -= gain);
         }
         errors
+    }
+
+    /// The mean of the errors of a data set.
+    fn mean(&self, errors: &[f64], set: &str) -> f64 {
+        let own: Vec<f64> =
+            self.measured.iter().zip(errors).filter(|(of, _)| of.set == set).map(|(_, error)| *error).collect();
+        own.iter().sum::<f64>() / own.len() as f64
     }
 
     /// The root mean square of the errors of these data sets.
@@ -335,7 +355,8 @@ impl People {
         };
         let errors = self.errors(sensitivity);
         let mut all: Vec<f64> = errors.iter().zip(&self.measured).map(|(error, of)| error * weight(of)).collect();
-        let logs: Vec<f64> = self.trapezoids.iter().map(|spectrum| log_threshold(spectrum, sensitivity)).collect();
+        let logs: Vec<f64> =
+            self.trapezoids.iter().map(|spectrum| log_threshold(spectrum, &ours(sensitivity))).collect();
         let wanted = FITTED_WIDTHS.windows(2).map(|pair| (pair[1] / pair[0]).log10());
         all.extend(logs.windows(2).zip(wanted).map(|(pair, wanted)| TRAPEZOID_WEIGHT * (pair[1] - pair[0] - wanted)));
         DVector::from_vec(all)
@@ -399,10 +420,13 @@ impl People {
     /// log10 of the predicted threshold divided by the observers', and the deviance, for each edge.
     #[must_use]
     pub fn edges(&self, sensitivity: &Sensitivity) -> Vec<(f64, f64)> {
-        let eye = Eye { luminance: 100.0, sensitivity: *sensitivity };
+        self.edges_of(&ours(sensitivity))
+    }
+
+    fn edges_of(&self, detect: &Detect) -> Vec<(f64, f64)> {
         let each = self.edges.iter().map(|edge| {
             let (observed, slope) = edge.observed();
-            let threshold = 1.0 / edge.detection(&eye);
+            let threshold = 1.0 / detect(&edge.spectrum, EDGE_CD_M2, &|frequency| edge.power(frequency));
             ((threshold / observed).log10(), edge.deviance(threshold, slope))
         });
         each.collect()
@@ -497,15 +521,18 @@ fn trapezoid(width: f64) -> ContrastSpectrum {
 }
 
 /// log10 of the threshold contrast at 100 cd/m².
-fn log_threshold(spectrum: &ContrastSpectrum, sensitivity: &Sensitivity) -> f64 {
-    let eye = Eye { luminance: 100.0, sensitivity: *sensitivity };
-    -spectrum.detection(&eye, |_| 0.0).log10()
+fn log_threshold(spectrum: &ContrastSpectrum, detect: &Detect) -> f64 {
+    -detect(spectrum, 100.0, &|_| 0.0).log10()
 }
 
 /// Ramp width in degrees and log10 of the threshold contrast of trapezoidal gratings at 100 cd/m².
 #[must_use]
 pub fn trapezoids(sensitivity: &Sensitivity) -> Vec<(f64, f64)> {
-    ramp_widths().map(|width| (width, log_threshold(&trapezoid(width), sensitivity))).collect()
+    trapezoids_of(&ours(sensitivity))
+}
+
+fn trapezoids_of(detect: &Detect) -> Vec<(f64, f64)> {
+    ramp_widths().map(|width| (width, log_threshold(&trapezoid(width), detect))).collect()
 }
 
 /// The slope of log threshold over log width for ramps of at least half a degree, and how far the thresholds of narrower
@@ -522,6 +549,48 @@ pub fn trapezoid_summary(thresholds: &[(f64, f64)]) -> [f64; 2] {
     [slope, narrow().fold(f64::MIN, f64::max) - narrow().fold(f64::MAX, f64::min)]
 }
 
+/// How far a model is from the measurements: the rows of its column, in the order of [`People::rows`].
+struct Column {
+    name: &'static str,
+    cells: Vec<String>,
+}
+
+impl People {
+    /// What the rows of the table are.
+    fn rows(&self) -> Vec<String> {
+        let sets = ["ModelFest, 30 stimuli", "ModelFest, leave-one-out"].map(String::from).into_iter();
+        let csf = CSF.into_iter().chain(["all three"]).map(|set| format!("contrast sensitivity, {set}"));
+        let edges = self.edges.iter().map(|edge| format!("edge of {}°, {} noise", edge.width_deg, edge.noise));
+        let trapezoids = ["trapezoids: slope from 0.5° on (people: 1)", "trapezoids: range below 0.5° (people: 0)"];
+        sets.chain(csf).chain(edges).chain(trapezoids.map(String::from)).collect()
+    }
+
+    fn column(&self, name: &'static str, errors: &[f64], leave_one_out: f64, detect: &Detect) -> Column {
+        let [slope, range] = trapezoid_summary(&trapezoids_of(detect));
+        let csf = CSF.iter().map(|set| self.rms(errors, &[set])).chain([self.rms(errors, &CSF)]);
+        let rms = [self.rms(errors, &["modelfest"]), leave_one_out].into_iter().chain(csf);
+        let edges = self.edges_of(detect);
+        let edges = edges.iter().map(|(ratio, deviance)| format!("{ratio:+.3} ({deviance:.0})"));
+        let cells = rms.map(|rms| format!("{rms:.3}")).chain(edges);
+        Column { name, cells: cells.chain([format!("{slope:.2}"), format!("{range:.2}")]).collect() }
+    }
+
+    /// Our model.
+    fn held(&self, name: &'static str, sensitivity: &Sensitivity) -> Column {
+        self.column(name, &self.errors(sensitivity), self.linearized(sensitivity).0, &ours(sensitivity))
+    }
+
+    /// A filter with a gain that fits ModelFest, its only free parameter.
+    fn rival(&self, name: &'static str, gain: impl Fn(f64, f64) -> f64) -> Column {
+        let gain = &gain;
+        let of = |factor: f64| filter(move |frequency, luminance| factor * gain(frequency, luminance));
+        let factor = 10_f64.powf(-self.mean(&self.errors_of(&of(1.0)), "modelfest"));
+        let errors = self.errors_of(&of(factor));
+        let count = self.measured.iter().filter(|of| of.set == "modelfest").count() as f64;
+        self.column(name, &errors, self.rms(&errors, &["modelfest"]) * count / (count - 1.0), &of(factor))
+    }
+}
+
 /// Prints the tables; with `fit`, fits the parameters first.
 ///
 /// # Errors
@@ -534,52 +603,39 @@ pub fn run(fit: bool, verbose: bool) -> Result<(), Box<dyn Error>> {
         println!("- {file}: {}", digest.iter().map(|byte| format!("{byte:02x}")).collect::<String>());
     }
     let held = Sensitivity::default();
+    let fitted = fit.then(|| people.fit(&START));
+    let fitted = fitted.map(|fitted| Sensitivity { masking_cpd: people.fit_masking(&fitted), ..fitted });
     println!("\n| parameter | in the code |{}", if fit { " fitted from round numbers |" } else { "" });
     println!("|---|---|{}", if fit { "---|" } else { "" });
-    let fitted = fit.then(|| {
-        let mut fitted = people.fit(&START);
-        fitted.masking_cpd = people.fit_masking(&fitted);
-        fitted
-    });
-    let row = |name: &str, held: f64, fitted: Option<f64>| {
-        println!("| {name} | {held} |{}", fitted.map_or_else(String::new, |value| format!(" {value:.5} |")));
+    let row = |name: &str, of: &dyn Fn(&Sensitivity) -> f64| {
+        let fitted = fitted.as_ref().map_or_else(String::new, |fitted| format!(" {:.5} |", of(fitted)));
+        println!("| {name} | {} |{fitted}", of(&held));
     };
-    for (k, name) in NAMES.iter().enumerate() {
-        row(name, parameters(&held)[k], fitted.map(|fitted| parameters(&fitted)[k]));
-    }
-    row("masking_cpd", held.masking_cpd, fitted.map(|fitted| fitted.masking_cpd));
-    println!("\nVisibility of ModelFest's line at its threshold: {:.3}", unit(&people, &held)?);
-    tables(&people, &held, verbose);
+    NAMES.iter().enumerate().for_each(|(k, name)| row(name, &|of| parameters(of)[k]));
+    row("masking_cpd", &|of| of.masking_cpd);
+    println!("\nVisibility of ModelFest's line at its threshold: {:.3}\n", unit(&people, &held)?);
+    let mut columns = vec![people.held("ours", &held)];
     if let Some(fitted) = &fitted {
-        println!("\nThe same for the fitted parameters: {:.3}", unit(&people, fitted)?);
-        tables(&people, fitted, verbose);
+        println!("The same for the fitted parameters: {:.3}\n", unit(&people, fitted)?);
+        columns.push(people.held("ours, as fitted", fitted));
     }
-    Ok(())
-}
-
-fn tables(people: &People, sensitivity: &Sensitivity, verbose: bool) {
-    let errors = people.errors(sensitivity);
+    columns.push(people.rival("Barten 2003", |frequency, luminance| barten(frequency, luminance, 10.0)));
+    let surround = LateralInhibition::default();
+    columns.push(people.rival("lateral inhibition", |frequency, _| surround.gain(frequency)));
+    println!("| data | {} |", columns.iter().map(|column| column.name).collect::<Vec<_>>().join(" | "));
+    println!("|---|{}", "---|".repeat(columns.len()));
+    for (k, row) in people.rows().iter().enumerate() {
+        println!(
+            "| {row} | {} |",
+            columns.iter().map(|column| column.cells[k].as_str()).collect::<Vec<_>>().join(" | ")
+        );
+    }
     if verbose {
-        for (measured, error) in people.measured.iter().zip(&errors) {
+        println!();
+        for (measured, error) in people.measured.iter().zip(people.errors(&held)) {
             println!("{:12} {:40} {error:+.3}", measured.set, measured.label);
         }
+        trapezoids(&held).iter().for_each(|(width, log)| println!("trapezoid {width:.3}° {log:.3}"));
     }
-    println!("\n| data | root mean square error, log10 units |\n|---|---|");
-    println!("| ModelFest, 30 stimuli | {:.3} |", people.rms(&errors, &["modelfest"]));
-    println!("| ModelFest, leave-one-out | {:.3} |", people.linearized(sensitivity).0);
-    for set in CSF {
-        println!("| {set}, with one gain | {:.3} |", people.rms(&errors, &[set]));
-    }
-    println!("| all three | {:.3} |", people.rms(&errors, &CSF));
-    println!("\n| noise | ramp width | log10 (predicted / measured threshold) | deviance |\n|---|---|---|---|");
-    for (edge, (ratio, deviance)) in people.edges.iter().zip(people.edges(sensitivity)) {
-        println!("| {} | {}° | {ratio:+.3} | {deviance:.1} |", edge.noise, edge.width_deg);
-    }
-    let trapezoids = trapezoids(sensitivity);
-    let [slope, range] = trapezoid_summary(&trapezoids);
-    println!("\nTrapezoidal gratings: log threshold rises by {slope:.2} per log width from 0.5° on (people: 1);");
-    println!("below, thresholds are within {range:.2} log10 units (people: 0).");
-    if verbose {
-        trapezoids.iter().for_each(|(width, log)| println!("{width:.3}° {log:.3}"));
-    }
+    Ok(())
 }

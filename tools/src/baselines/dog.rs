@@ -38,6 +38,12 @@ impl LateralInhibition {
         let half = (2.0 * surround.ln() * square / (square - 1.0)).sqrt();
         Self { center_deg: 0.5 * width_deg / half, surround }
     }
+
+    /// The gain for a grating of `frequency` cycles per degree.
+    #[must_use]
+    pub fn gain(&self, frequency: f64) -> f64 {
+        gaussian(self.center_deg, frequency) - gaussian(self.surround * self.center_deg, frequency)
+    }
 }
 
 impl Default for LateralInhibition {
@@ -57,10 +63,8 @@ impl Baseline for LateralInhibition {
         }
         let surround_deg = self.surround * self.center_deg;
         let spectrum = Spectrum::new(light, px_per_deg, 8.0 * surround_deg);
-        let [response, mean] = spectrum.filtered(|f| {
-            let surround = gaussian(surround_deg, f);
-            [Complex::from(gaussian(self.center_deg, f) - surround), Complex::from(surround)]
-        });
+        let [response, mean] =
+            spectrum.filtered(|f| [Complex::from(self.gain(f)), Complex::from(gaussian(surround_deg, f))]);
         overshoots(light, &response, px_per_deg, self.center_deg * px_per_deg, |at, over| over / mean[at])
     }
 }
