@@ -8,7 +8,6 @@ use std::{fmt::Debug, path::PathBuf, sync::LazyLock};
 
 use machband::{
     experiment::{Column, Identity, RatingRow, Schedule, columns},
-    light::Transfer,
     store::{
         FileErrors, definition, image, mesh, observer, profile,
         ratings::{self, FileRead, ReadOptions},
@@ -117,7 +116,7 @@ pub fn obj(content: &[u8]) {
 /// An image, as `check` verifies it and as `predict` reads it.
 pub fn png(content: &[u8]) {
     checked(image::verify_content("fuzz.png", content));
-    if let Some(image) = checked(image::parse_light("fuzz.png", content, &Transfer::Srgb.into())) {
+    if let Some(image) = checked(image::parse_light("fuzz.png", content)) {
         assert_eq!(image.data.len(), 3 * image.width as usize * image.height as usize);
     }
 }

@@ -83,6 +83,12 @@ impl TransferOptions {
         })
     }
 
+    /// Returns the transfer functions that were asked for; `None` if neither option was given.
+    pub(super) fn given(&self) -> anyhow::Result<Option<Transfers>> {
+        let given = self.display.is_some() || self.transfer.is_some();
+        given.then(|| self.transfers().map(|(transfers, _)| transfers)).transpose()
+    }
+
     /// Returns the luminance of white in cd/m², if the profile contains it.
     pub(super) fn white(&self) -> anyhow::Result<Option<f64>> {
         let profile = self.display.as_deref().map(store::profile::open).transpose()?;

@@ -42,7 +42,8 @@ const MAX_PIXELS: u64 = 3840 * 2160;
 pub(super) struct Arguments {
     /// Built-in definition or path to a .toml file; all its conditions are predicted.
     experiment: Option<PathBuf>,
-    /// Predict the bands in this image, which can be any opaque PNG.
+    /// Predict the bands in this image, which can be any opaque PNG. Unless --transfer or --display is given, the codes
+    /// mean what the file's sRGB or gAMA chunk says, or sRGB.
     #[arg(long, value_name = "FILE.png", conflicts_with = "experiment")]
     image: Option<PathBuf>,
     /// Also accept more than 500 conditions (100 if each has a rendered picture), an image of more than 3840 × 2160
@@ -153,8 +154,9 @@ fn image(
     path: &Path,
     viewing: &ViewingConditions,
 ) -> anyhow::Result<(Seen, PicturePrediction)> {
-    let (transfers, _) = arguments.transfer.transfers()?;
-    let image = store::image::read_light(path, &transfers, if arguments.large { u64::MAX } else { MAX_PIXELS })?;
+    let transfers = arguments.transfer.given()?;
+    let pixels = if arguments.large { u64::MAX } else { MAX_PIXELS };
+    let image = store::image::read_light(path, transfers.as_ref(), pixels)?;
     let wrong = |error| anyhow::anyhow!("{}: {error}", path.display());
     let view = viewing.predict_image(&image).map_err(wrong)?;
     let detection = viewing.detection_of_image(&image).map_err(wrong)?;

@@ -29,11 +29,12 @@ const MAX_FILE: u64 = 2 << 30;
 const MAX_EXPANSION: usize = 1040;
 
 /// Reads any PNG (gray, color or palette) of at most `pixels` pixels as the light that a screen with these transfer
-/// functions emits.
+/// functions emits. Without them, the codes mean what the file says (its `sRGB` or `gAMA` chunk), and sRGB if it says
+/// nothing.
 ///
 /// # Errors
 /// The file is not readable, not a complete PNG, too large, or has an alpha channel, whose background is unknown.
-pub fn read_light(path: &Path, transfers: &Transfers, pixels: u64) -> Result<LinearImage, FileErrors> {
+pub fn read_light(path: &Path, transfers: Option<&Transfers>, pixels: u64) -> Result<LinearImage, FileErrors> {
     light(&path.display().to_string(), &content(path)?, transfers, pixels)
 }
 
@@ -41,12 +42,16 @@ pub fn read_light(path: &Path, transfers: &Transfers, pixels: u64) -> Result<Lin
 ///
 /// # Errors
 /// The same errors as [`read_light`].
-pub fn parse_light(name: &str, content: &[u8], transfers: &Transfers) -> Result<LinearImage, FileErrors> {
-    light(name, content, transfers, MAX_PIXELS)
+pub fn parse_light(name: &str, content: &[u8]) -> Result<LinearImage, FileErrors> {
+    light(name, content, None, MAX_PIXELS)
 }
 
-fn light(name: &str, content: &[u8], transfers: &Transfers, pixels: u64) -> Result<LinearImage, FileErrors> {
-    let (image, _) = decode(name, content, pixels, |_| Ok(MAX_SIDE))?;
+fn light(name: &str, content: &[u8], transfers: Option<&Transfers>, pixels: u64) -> Result<LinearImage, FileErrors> {
+    let (image, info) = decode(name, content, pixels, |_| Ok(MAX_SIDE))?;
+    let transfers = match transfers {
+        Some(transfers) => transfers.clone(),
+        None => declared(name, &info)?.into(),
+    };
     let light = |encoded: [f64; 3]| transfers.linear_from_encoded(encoded).map(|light| light as f32);
     let data = match &image.samples {
         Samples::Eight(codes) => {
@@ -58,6 +63,18 @@ fn light(name: &str, content: &[u8], transfers: &Transfers, pixels: u64) -> Resu
         }
     };
     Ok(LinearImage { width: image.width, height: image.height, data })
+}
+
+/// Returns the transfer function that a file declares. An `sRGB` chunk has precedence over `gAMA` (PNG, 3rd edition).
+fn declared(name: &str, info: &Info<'_>) -> Result<Transfer, FileErrors> {
+    match info.gama_chunk {
+        Some(gamma) if info.srgb.is_none() => match gamma.into_scaled() {
+            100_000 => Ok(Transfer::Linear),
+            scaled => Transfer::gamma(100_000.0 / f64::from(scaled))
+                .map_err(|error| FileErrors::whole(name, format!("has a gAMA chunk of {scaled}: {error}"))),
+        },
+        _ => Ok(Transfer::Srgb),
+    }
 }
 
 /// Reads the content of an image file.
