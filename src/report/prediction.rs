@@ -17,9 +17,9 @@ use crate::{
     vision::{Criterion, Visibility, VisionError},
 };
 
-/// Lower visibilities are raised to this value before they are compared with ratings. Below half of the visibility
+/// Lower visibilities are raised to this value before they are compared with ratings. Below a tenth of the visibility
 /// threshold, there is nothing to distinguish, and some participants press a key other than 0 even if they see no band.
-pub const MIN_VISIBILITY: f64 = 0.5;
+pub const MIN_VISIBILITY: f64 = 0.1;
 
 /// Maximum number of conditions that a report predicts; each takes about a millisecond.
 const MAX_CONDITIONS: usize = 5000;

@@ -62,7 +62,7 @@ const REACH: f64 = 4.0;
 const UNIT: f64 = 3.814;
 /// Contrast gain control: at this odd response nearby, in units of visibility, a response is halved. It is what keeps a
 /// tenfold contrast from making bands ten times as visible (Wallis & Georgeson 2012).
-const HALVED_AT: f64 = 30.0;
+const HALVED_AT: f64 = 92.0;
 /// Stray light relative to white: light reflected by the screen or scattered in the eye. Without it, bands on black
 /// would be infinitely strong.
 const VEIL: f64 = 0.01;

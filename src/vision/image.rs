@@ -91,10 +91,14 @@ impl Distances {
 
     /// Returns the distance at a position in pixels, or 0 outside the image.
     pub(super) fn distance_at(&self, [x, y]: [f64; 2]) -> f64 {
-        if x < 0.0 || y < 0.0 || x >= self.width as f64 || y >= self.height as f64 {
+        if x < 0.0 || y < 0.0 || x > self.width as f64 || y > self.height as f64 {
             return 0.0;
         }
-        self.values[y as usize * self.width + x as usize]
+        // The mean of the nearest pixels, so that a mirrored image has the same distances.
+        let near = |at: f64, side: usize| [at.ceil() - 1.0, at.floor()].map(|i| (i.max(0.0) as usize).min(side - 1));
+        let ([left, right], [top, bottom]) = (near(x, self.width), near(y, self.height));
+        let at = |x: usize, y: usize| self.values[y * self.width + x];
+        0.25 * (at(left, top) + at(right, top) + at(left, bottom) + at(right, bottom))
     }
 
     /// Returns the number of pixels where bands count, at least 1.

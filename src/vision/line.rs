@@ -12,10 +12,11 @@ use super::{
     eye::{ADAPTATION_DEG, Border, Eye},
     fft::{self, next_fast_length},
     image::Grid,
+    spectrum::{padding_value, periodic_length},
 };
 
-/// Padding beyond the end of a profile, degrees: one period of the coarsest channel, so that the two ends of the
-/// periodic profile do not affect each other.
+/// Padding between the ends of a profile that continues, degrees: one period of the coarsest channel, so that the two
+/// ends of the periodic profile do not affect each other.
 const BEYOND_DEG: f64 = 16.0;
 /// A channel's response is computed this far beyond the ends of the profile, in periods of the channel.
 const BEYOND_PERIODS: f64 = 2.5;
@@ -95,7 +96,10 @@ impl Line<'_> {
 
     /// Returns the number of samples after which the padded profile repeats.
     fn period(&self) -> usize {
-        next_fast_length(self.light.len() + (BEYOND_DEG * self.px_per_deg).ceil() as usize)
+        match self.border {
+            Border::Continues => next_fast_length(self.light.len() + (BEYOND_DEG * self.px_per_deg).ceil() as usize),
+            Border::Cut => periodic_length(self.light.len(), self.light.len()),
+        }
     }
 
     /// Returns the length after which the padded profile repeats, degrees.
@@ -109,21 +113,21 @@ impl Line<'_> {
     }
 
     /// Returns the spectrum of the light's slope up to the highest frequency that any channel needs. The slope consists
-    /// of jumps from pixel to pixel: pixels are squares, so their light is a staircase. Beyond a [`Border::Cut`], the
-    /// jumps are mirrored and fade out, so that light and slope continue.
+    /// of jumps from pixel to pixel: pixels are squares, so their light is a staircase.
     fn spectrum(&self) -> Vec<Frequency> {
         let (n, period) = (self.light.len(), self.period());
         let mut jumps = vec![Complex64::default(); period];
-        for (i, pair) in self.light.windows(2).enumerate() {
-            jumps[i + 1].re = pair[1] - pair[0];
+        for (jump, pair) in jumps[1..].iter_mut().zip(self.light.windows(2)) {
+            jump.re = pair[1] - pair[0];
         }
         if self.border == Border::Cut {
-            let beyond = ((period - n) / 2).min(n - 1);
-            for k in 0..beyond {
-                let fade = 0.5 + 0.5 * (PI * (k + 1) as f64 / (beyond + 1) as f64).cos();
-                jumps[n + k].re = fade * jumps[n - 1 - k].re;
-                jumps[(period - k) % period].re = fade * jumps[1 + k].re;
+            let mut last = self.light[n - 1];
+            for k in 0..period - n {
+                let value = padding_value(k, period - n, n, |i| self.light[i]);
+                jumps[n + k].re = value - last;
+                last = value;
             }
+            jumps[0].re = self.light[0] - last;
         }
         fft::forward(period).process(&mut jumps);
         let repeat = self.repeat();

@@ -54,10 +54,7 @@ struct Place {
 impl Spectrum {
     pub(super) fn new(picture: &LuminanceImage) -> Spectrum {
         let side = picture.width.min(picture.height);
-        // At least half a period of the coarsest channel, since the shorter side has room for at least two of its
-        // periods.
-        let beyond = (side / 4).max(8);
-        let (columns, rows) = (next_fast_length(picture.width + beyond), next_fast_length(picture.height + beyond));
+        let (columns, rows) = (periodic_length(picture.width, side), periodic_length(picture.height, side));
         let mut light = make_periodic(picture, columns, rows);
         let px_per_deg = picture.px_per_deg;
         transform(&mut light, columns, rows);
@@ -93,7 +90,7 @@ impl Spectrum {
         let fit = |n: usize| next_fast_length(((2.0 * top * n as f64 / self.px_per_deg).ceil() as usize).max(8)).min(n);
         let (columns, rows) = (fit(self.columns), fit(self.rows));
         let step = [self.columns as f64 / columns as f64, self.rows as f64 / rows as f64];
-        let first = |n: usize, side: usize, step: f64| side as f64 / 2.0 - (n / 2) as f64 * step + step / 2.0;
+        let first = |n: usize, side: usize, step: f64| (side as f64 - (n as f64 - 1.0) * step) / 2.0;
         let first = [first(columns, self.size[0], step[0]), first(rows, self.size[1], step[1])];
         Grid { columns, rows, first, step }
     }
@@ -198,6 +195,12 @@ struct Crop {
     grid: Grid,
 }
 
+/// Returns the length to which a side of `n` values is continued. `side` is the shorter side: it has room for at least two
+/// periods of the coarsest channel, so that half of one is added.
+pub(super) fn periodic_length(n: usize, side: usize) -> usize {
+    next_fast_length(n + (side / 4).max(8))
+}
+
 fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) }
 }
@@ -226,7 +229,7 @@ fn make_periodic(picture: &LuminanceImage, columns: usize, rows: usize) -> Vec<C
 }
 
 /// Returns value `k` of the `gap` values that lead from the end of `n` values back to their beginning.
-fn padding_value(k: usize, gap: usize, n: usize, value: impl Fn(usize) -> f64) -> f64 {
+pub(super) fn padding_value(k: usize, gap: usize, n: usize, value: impl Fn(usize) -> f64) -> f64 {
     let t = (k + 1) as f64 / (gap + 1) as f64;
     let fade = t * t * (3.0 - 2.0 * t);
     let after = 2.0 * value(n - 1) - value((n - 1).saturating_sub(k + 1));

@@ -36,11 +36,39 @@ fn a_stimulus_a_definition_and_an_image_agree() {
     assert!(fs::metadata(folder.path().join("bands.png")).unwrap().len() > 1000);
 }
 
+/// JSON has the values of the table. The codes of an image mean what the file says: the same light in linear codes and
+/// in sRGB codes has the same prediction.
+#[test]
+fn json_has_the_values_of_the_table_and_images_mean_what_they_say() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |line: &str| succeeds(folder.path(), &split(line));
+    let json = |line: &str| -> serde_json::Value { serde_json::from_str(&run(line)).unwrap() };
+    let (table, one) = (run("predict --width 0.1"), json("predict --width 0.1 --json"));
+    for name in ["width", "visibility", "detection", "predicted_rating", "visibility_bright", "visibility_dark"] {
+        assert_eq!(one[name].as_f64().unwrap(), numbers(&table, name)[0], "{name}");
+    }
+    assert_eq!(json("predict quick --json").as_array().unwrap().len(), run("predict quick").lines().count() - 1);
+    run("stimulus --width 0.1 --size 256 --bits 16 --color gray --out srgb.png");
+    run("stimulus --width 0.1 --size 256 --bits 16 --color gray --transfer linear --out linear.png");
+    let [srgb, linear] = ["srgb", "linear"].map(|name| json(&format!("predict --image {name}.png --json")));
+    assert!(linear["lines"]["bright"].is_number() && linear["bands"]["dark"].is_number(), "{linear}");
+    for name in ["visibility", "detection"] {
+        let ratio = srgb[name].as_f64().unwrap() / linear[name].as_f64().unwrap();
+        assert!((ratio - 1.0).abs() < 0.001, "{name}: {srgb} and {linear}");
+    }
+    // An option has precedence.
+    let other = json("predict --image linear.png --transfer gamma:3 --json");
+    assert!(other["detection"].as_f64().unwrap() > 1.2 * linear["detection"].as_f64().unwrap(), "{other}");
+    run("simulate quick --participants 4 --observer vision");
+    let fitted = json("predict quick --fit results/quick --json");
+    assert!(fitted["rank_correlation"].is_number() && fitted["criterion"]["thresholds"].is_array(), "{fitted}");
+}
+
 /// Fitting simulated ratings recovers the thresholds of the simulated observer.
 #[test]
 fn a_criterion_is_recovered_from_ratings() {
     let folder = tempfile::tempdir().unwrap();
-    let known = "schema = 1\nthresholds = [2.0, 7.0, 20.0]\nspread = 0.5\nsubject_sd = 0.0\nlapse = 0.0\n";
+    let known = "schema = 1\nthresholds = [0.4, 0.8, 1.6]\nspread = 0.5\nsubject_sd = 0.0\nlapse = 0.0\n";
     fs::write(folder.path().join("known.toml"), known).unwrap();
     let run = |line: &str| succeeds(folder.path(), &split(line));
     run("simulate bangay2003 --participants 20 --observer vision --observer-file known.toml");
@@ -49,7 +77,7 @@ fn a_criterion_is_recovered_from_ratings() {
         run("predict bangay2003 --size 512 --fit results/bangay2003 --criterion found.toml --out predicted.csv");
     let found: toml::Table = fs::read_to_string(folder.path().join("found.toml")).unwrap().parse().unwrap();
     let thresholds: Vec<f64> = found["thresholds"].as_array().unwrap().iter().map(|t| t.as_float().unwrap()).collect();
-    for (found, known) in thresholds.iter().zip([2.0_f64, 7.0, 20.0]) {
+    for (found, known) in thresholds.iter().zip([0.4_f64, 0.8, 1.6]) {
         assert!((found / known).ln().abs() < 0.08, "{found} for {known}");
     }
     assert!((found["spread"].as_float().unwrap() / 0.5 - 1.0).abs() < 0.1, "{found}");

@@ -560,7 +560,10 @@ impl People {
     fn rows(&self) -> Vec<String> {
         let sets = ["ModelFest, 30 stimuli", "ModelFest, leave-one-out"].map(String::from).into_iter();
         let csf = CSF.into_iter().chain(["all three"]).map(|set| format!("contrast sensitivity, {set}"));
-        let edges = self.edges.iter().map(|edge| format!("edge of {}°, {} noise", edge.width_deg, edge.noise));
+        let edges = self.edges.iter().map(|edge| {
+            let noise = if edge.noise == "none" { "no" } else { edge.noise.as_str() };
+            format!("edge of {}°, {noise} noise", edge.width_deg)
+        });
         let trapezoids = ["trapezoids: slope from 0.5° on (people: 1)", "trapezoids: range below 0.5° (people: 0)"];
         sets.chain(csf).chain(edges).chain(trapezoids.map(String::from)).collect()
     }
