@@ -59,10 +59,10 @@ const BAND_PERIODS: f64 = 0.5;
 const REACH: f64 = 4.0;
 /// Visibility per unit of a channel's response, such that a thin line at its threshold has a visibility of 1:
 /// `cargo run --release -p tools -- thresholds`.
-const UNIT: f64 = 3.814;
+const UNIT: f64 = 3.357;
 /// Contrast gain control: at this odd response nearby, in units of visibility, a response is halved. It is what keeps a
 /// tenfold contrast from making bands ten times as visible (Wallis & Georgeson 2012).
-const HALVED_AT: f64 = 92.0;
+const HALVED_AT: f64 = 120.0;
 /// Stray light relative to white: light reflected by the screen or scattered in the eye. Without it, bands on black
 /// would be infinitely strong.
 const VEIL: f64 = 0.01;

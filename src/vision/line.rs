@@ -12,7 +12,7 @@ use super::{
     eye::{ADAPTATION_DEG, Border, Eye},
     fft::{self, next_fast_length},
     image::Grid,
-    spectrum::{padding_value, periodic_length},
+    spectrum::periodic_length,
 };
 
 /// Padding between the ends of a profile that continues, degrees: one period of the coarsest channel, so that the two
@@ -121,13 +121,12 @@ impl Line<'_> {
             jump.re = pair[1] - pair[0];
         }
         if self.border == Border::Cut {
-            let mut last = self.light[n - 1];
-            for k in 0..period - n {
-                let value = padding_value(k, period - n, n, |i| self.light[i]);
-                jumps[n + k].re = value - last;
-                last = value;
+            // Point reflection up to halfway to the next repetition; without the constant part of the slope, the light
+            // is periodic.
+            for k in 0..((period - n) / 2).min(n - 1) {
+                jumps[n + k] = jumps[n - 1 - k];
+                jumps[(period - k) % period] = jumps[1 + k];
             }
-            jumps[0].re = self.light[0] - last;
         }
         fft::forward(period).process(&mut jumps);
         let repeat = self.repeat();
@@ -152,6 +151,8 @@ impl Line<'_> {
         let (step, middle) = (repeat / samples as f64, samples / 2);
         let (own, coarse) = (frequency.ln(), channel.octave_below().frequency.ln());
         let [mut pair, mut others] = [0; 2].map(|_| vec![Complex64::default(); samples]);
+        // The mean slope. Without it, plateaus would fall where the light as a whole rises.
+        others[0] = spectrum[0].slope * Complex64::i();
         for (j, Frequency { log, slope }) in spectrum.iter().enumerate().take(middle).skip(1) {
             let f = j as f64 / repeat;
             // Dividing by 2πif turns slope into light.

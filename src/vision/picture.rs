@@ -14,7 +14,7 @@ use super::{
 /// Minimum number of pixels per side.
 const MIN_SIDE_PX: usize = 16;
 /// The border margins of a channel on both sides, in its periods: an image must be larger than those of the finest.
-const MIN_PERIODS: f64 = 2.0;
+const MIN_PERIODS: f64 = 1.4;
 
 /// The prediction for an image.
 #[derive(Clone, Debug, Default)]
@@ -33,7 +33,7 @@ impl LuminanceImage<'_> {
     /// Predicts the bands that `eye` sees.
     ///
     /// # Errors
-    /// Returns a [`VisionError`] if the image is smaller than 16 × 16 pixels or two periods of the finest channel, if
+    /// Returns a [`VisionError`] if the image is smaller than 16 × 16 pixels or 1.4 periods of the finest channel, if
     /// the number of pixels per degree is not above 0, if the light or the mask has the wrong length, if a light value
     /// is negative or not finite, or if the image is all black.
     pub fn predict(&self, eye: &Eye) -> Result<PicturePrediction, VisionError> {

@@ -19,6 +19,8 @@ const MEAN_TOP: f64 = 2.0;
 pub(super) struct Spectrum {
     /// Spectrum of the light.
     light: Vec<Complex64>,
+    /// Spectrum of the light without its smooth part.
+    periodic: Vec<Complex64>,
     columns: usize,
     rows: usize,
     /// Width and height of the image, pixels.
@@ -55,9 +57,9 @@ impl Spectrum {
     pub(super) fn new(picture: &LuminanceImage) -> Spectrum {
         let side = picture.width.min(picture.height);
         let (columns, rows) = (periodic_length(picture.width, side), periodic_length(picture.height, side));
-        let mut light = make_periodic(picture, columns, rows);
+        let mut both = continued(picture, columns, rows);
         let px_per_deg = picture.px_per_deg;
-        transform(&mut light, columns, rows);
+        transform(&mut both, columns, rows);
         let (across, down) = (columns / 2 + 1, rows / 2 + 1);
         // Pixels are squares, so high frequencies are attenuated.
         let square = |k: usize, n: usize| sinc(k as f64 / n as f64);
@@ -75,14 +77,25 @@ impl Spectrum {
             }
         });
         let mirrored = |k: usize, n: usize| k.min(n - k);
-        light.par_chunks_mut(columns).enumerate().for_each(|(row, light)| {
+        let turns = |n: usize| (0..n).map(|k| 2.0 * (2.0 * PI * k as f64 / n as f64).cos()).collect::<Vec<_>>();
+        let (across, down) = (turns(columns), turns(rows));
+        let [mut light, mut periodic] = [0; 2].map(|_| vec![Complex64::default(); columns * rows]);
+        let out = light.par_chunks_mut(columns).zip(periodic.par_chunks_mut(columns));
+        out.enumerate().for_each(|(row, (light, periodic))| {
             let square = square(mirrored(row, rows), rows);
-            light
-                .iter_mut()
-                .enumerate()
-                .for_each(|(column, value)| *value *= square * squares[mirrored(column, columns)]);
+            let opposite = &both[(rows - row) % rows * columns..][..columns];
+            for column in 0..columns {
+                let (a, b) = (both[row * columns + column], opposite[(columns - column) % columns].conj());
+                let square = square * squares[mirrored(column, columns)];
+                // The transforms of the real part and of the imaginary part.
+                light[column] = 0.5 * square * (a + b);
+                let jumps = Complex64::new(0.0, -0.5 * square) * (a - b);
+                let curvature = across[column] + down[row] - 4.0;
+                let smooth = if row + column > 0 { jumps / curvature } else { Complex64::default() };
+                periodic[column] = light[column] - smooth;
+            }
         });
-        Spectrum { light, columns, rows, size: [picture.width, picture.height], px_per_deg, frequencies }
+        Spectrum { light, periodic, columns, rows, size: [picture.width, picture.height], px_per_deg, frequencies }
     }
 
     /// Returns a grid over the whole periodic image with enough samples for frequencies up to `top`.
@@ -108,15 +121,16 @@ impl Spectrum {
         (0..n).filter(|k| 2 * k != n).map(place).collect()
     }
 
-    /// Calls `value` for each frequency in the transform of `grid` with its row, its column, its index, and the value
-    /// of the spectrum `of`, shifted to the grid's first place.
-    fn each(&self, grid: &Grid, of: &[Complex64], mut value: impl FnMut(&Place, &Place, usize, Complex64)) {
+    /// Calls `value` for each frequency in the transform of `grid` with its row, its column, its index there, its index
+    /// in the whole spectrum, and the factor that shifts the first place to that of the grid and normalizes.
+    fn each(&self, grid: &Grid, mut value: impl FnMut(&Place, &Place, usize, usize, Complex64)) {
         let across = self.places(grid.columns, self.columns, grid.first[0]);
+        let scale = 1.0 / (self.columns * self.rows) as f64;
         for row in &self.places(grid.rows, self.rows, grid.first[1]) {
-            let of = &of[row.from * self.columns..][..self.columns];
+            let shift = row.shift * scale;
             for column in &across {
-                let moved = of[column.from] * (row.shift * column.shift);
-                value(row, column, row.to * grid.columns + column.to, moved);
+                let (to, from) = (row.to * grid.columns + column.to, row.from * self.columns + column.from);
+                value(row, column, to, from, shift * column.shift);
             }
         }
     }
@@ -129,17 +143,16 @@ impl Spectrum {
         let whole = self.columns / 2 + 1;
         let coarse = channel.octave_below();
         let logs = [channel, coarse].map(|channel| channel.frequency.ln());
-        let scale = 1.0 / (self.columns * self.rows) as f64;
         // e^(−½(2πσν)²), where σ is given in periods of the channel.
         let blur = -0.5 * (2.0 * PI * SLOPE_PERIODS / channel.frequency).powi(2);
         let [mut even, mut odd, mut straight, mut slope] =
             [0; 4].map(|_| vec![Complex64::default(); grid.columns * grid.rows]);
-        self.each(&grid, &self.light, |row, column, to, value| {
+        self.each(&grid, |row, column, to, from, shift| {
             let frequency = &self.frequencies[row.size * whole + column.size];
             if frequency.log == f64::NEG_INFINITY {
                 return;
             }
-            let value = value * scale;
+            let value = self.periodic[from] * shift;
             let of = |k: usize, channel: Channel| value * channel.passes_log(frequency.log - logs[k]);
             let (own, coarse) = (of(0, channel), of(1, coarse));
             let [right, down] = [column.sign * frequency.direction[0], row.sign * frequency.direction[1]];
@@ -149,7 +162,8 @@ impl Spectrum {
             odd[to] = own * direction * -Complex64::i();
             straight[to] = own * direction * direction;
             let length = frequency.log.exp();
-            slope[to] = value * direction * Complex64::i() * (length * (blur * length * length).exp());
+            slope[to] =
+                self.light[from] * shift * direction * Complex64::i() * (length * (blur * length * length).exp());
         });
         let cropped = self.cropped(&grid);
         let [even, odd, straight, slope] = [even, odd, straight, slope].map(|field| inverse(field, &grid, &cropped));
@@ -159,7 +173,6 @@ impl Spectrum {
     /// Computes the mean light to which the eye is adapted.
     pub(super) fn mean(&self) -> Field {
         let grid = self.grid(MEAN_TOP);
-        let scale = 1.0 / (self.columns * self.rows) as f64;
         let passes = |k: usize, whole: usize| {
             let f = k as f64 * self.px_per_deg / whole as f64;
             (-2.0 * (PI * ADAPTATION_DEG * f).powi(2)).exp()
@@ -167,8 +180,8 @@ impl Spectrum {
         let [across, down] = [(grid.columns, self.columns), (grid.rows, self.rows)]
             .map(|(n, whole)| (0..=n / 2).map(|k| passes(k, whole)).collect::<Vec<_>>());
         let mut mean = vec![Complex64::default(); grid.columns * grid.rows];
-        self.each(&grid, &self.light, |row, column, to, value| {
-            mean[to] = value * (across[column.size] * down[row.size] * scale);
+        self.each(&grid, |row, column, to, from, shift| {
+            mean[to] = self.light[from] * shift * (across[column.size] * down[row.size]);
         });
         let cropped = self.cropped(&grid);
         let values = inverse(mean, &grid, &cropped).into_iter().map(|value| value.re).collect();
@@ -195,8 +208,8 @@ struct Crop {
     grid: Grid,
 }
 
-/// Returns the length to which a side of `n` values is continued. `side` is the shorter side: it has room for at least two
-/// periods of the coarsest channel, so that half of one is added.
+/// Returns the length to which a side of `n` values is continued. `side` is the shorter side: it has room for at least 1.4
+/// periods of the coarsest channel, so that at least a third of one is added.
 pub(super) fn periodic_length(n: usize, side: usize) -> usize {
     next_fast_length(n + (side / 4).max(8))
 }
@@ -205,9 +218,11 @@ fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) }
 }
 
-/// Makes the image periodic. It is continued beyond its edges by point reflection and faded from one side to the other,
-/// so that light and slope continue. Repeating the last pixels instead would bend every oblique ramp.
-fn make_periodic(picture: &LuminanceImage, columns: usize, rows: usize) -> Vec<Complex64> {
+/// Continues the image beyond its edges by point reflection, so that light and slope continue; repeating the last pixels
+/// instead would bend every oblique ramp. Halfway to the opposite edge, the light jumps. The imaginary part is the second
+/// difference of the smooth function that has the same jumps (Moisan 2011, J. Math. Imaging Vis. 39:161): without it, the
+/// image is periodic and has no jumps.
+fn continued(picture: &LuminanceImage, columns: usize, rows: usize) -> Vec<Complex64> {
     let (width, height) = (picture.width, picture.height);
     let mut values = vec![Complex64::default(); columns * rows];
     for (y, row) in picture.light.chunks_exact(width).enumerate() {
@@ -216,25 +231,33 @@ fn make_periodic(picture: &LuminanceImage, columns: usize, rows: usize) -> Vec<C
             value.re = *light;
         }
         for k in 0..columns - width {
-            to[width + k].re = padding_value(k, columns - width, width, |x| row[x]);
+            to[width + k].re = reflected(k, columns - width, width, |x| row[x]);
         }
     }
     for x in 0..columns {
         for k in 0..rows - height {
-            values[(height + k) * columns + x].re =
-                padding_value(k, rows - height, height, |y| values[y * columns + x].re);
+            values[(height + k) * columns + x].re = reflected(k, rows - height, height, |y| values[y * columns + x].re);
         }
     }
+    let mut jump = |before: usize, after: usize| {
+        let jump = values[after].re - values[before].re;
+        values[before].im += jump;
+        values[after].im -= jump;
+    };
+    let seam = |n: usize, whole: usize| n + (whole - n) / 2;
+    let (x, y) = (seam(width, columns), seam(height, rows));
+    (0..rows).for_each(|row| jump(row * columns + x - 1, row * columns + x));
+    (0..columns).for_each(|column| jump((y - 1) * columns + column, y * columns + column));
     values
 }
 
-/// Returns value `k` of the `gap` values that lead from the end of `n` values back to their beginning.
-pub(super) fn padding_value(k: usize, gap: usize, n: usize, value: impl Fn(usize) -> f64) -> f64 {
-    let t = (k + 1) as f64 / (gap + 1) as f64;
-    let fade = t * t * (3.0 - 2.0 * t);
-    let after = 2.0 * value(n - 1) - value((n - 1).saturating_sub(k + 1));
-    let before = 2.0 * value(0) - value((gap - k).min(n - 1));
-    after + (before - after) * fade
+/// Returns value `k` of the `gap` values between the end of `n` values and their next repetition.
+fn reflected(k: usize, gap: usize, n: usize, value: impl Fn(usize) -> f64) -> f64 {
+    if k < gap / 2 {
+        2.0 * value(n - 1) - value((n - 1).saturating_sub(k + 1))
+    } else {
+        2.0 * value(0) - value((gap - k).min(n - 1))
+    }
 }
 
 /// Returns the part within `crop` of the inverse transform of `transformed`, which lies on `grid`.
