@@ -298,18 +298,20 @@ fn predicted(light: &[f64], side: usize, px_per_deg: f64) -> PicturePrediction {
     LuminanceImage { light, width: side, height: side, px_per_deg, mask: None }.predict(&Eye::default()).unwrap()
 }
 
-/// A line and an image have nearly the same prediction at every orientation; Bangay §3.2.
+/// An endless line and an image have nearly the same prediction at every orientation; Bangay §3.2. Ramps fill up to half
+/// of the image.
 #[test]
 fn images_and_lines_agree_at_every_orientation() {
-    for (width, depth) in
-        [(0.5, Depth::Finite(1)), (1.0, Depth::Finite(1)), (2.0, Depth::Finite(1)), (1.0, Depth::Finite(2))]
-    {
-        let (flat, px) = picture(width, depth, 0.0);
-        let line = predict_light(&flat[256 * 512..][..512], px, Border::Cut).visibility.max();
-        for orientation in [0.0, 90.0, 45.0, 135.0, 30.0, 200.0] {
-            let (light, px) = picture(width, depth, orientation);
-            let away = (predicted(&light, 512, px).visibility.max() / line - 1.0).abs();
-            assert!(away <= 0.05, "{width}°, {depth:?} at {orientation}°: {away} off {line}");
+    let most = visibility(0.6, Depth::Finite(1), 10.0, 128.0);
+    for depth in [Depth::Finite(1), Depth::Finite(2)] {
+        for width in [0.35, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0] {
+            let line = predict(width, depth, 10.0, 128.0).visibility.max();
+            for orientation in [0.0, 90.0, 45.0, 135.0, 30.0, 200.0] {
+                let (light, px) = picture(width, depth, orientation);
+                let image = predicted(&light, 512, px).visibility.max();
+                let away = (image - line).abs() / most;
+                assert!(away <= 0.05, "{width}°, {depth:?} at {orientation}°: {image}, line {line} of {most}");
+            }
         }
     }
 }
@@ -376,11 +378,11 @@ fn the_map_rotates_with_the_image() {
         let (view, other) = (predicted(&light, 512, 51.2), predicted(&turned, 512, 51.2));
         let most = view.map.bright.iter().chain(&view.map.dark).copied().fold(0.0, f64::max);
         assert!(most > 1.0);
-        assert!((view.visibility.max() - other.visibility.max()).abs() <= 1e-6 * most);
-        assert!((view.density - other.density).abs() <= 1e-6 * view.density, "{} and {}", view.density, other.density);
+        assert!((view.visibility.max() - other.visibility.max()).abs() <= 2e-4 * most);
+        assert!((view.density - other.density).abs() <= 2e-4 * view.density, "{} and {}", view.density, other.density);
         for i in (0..512 * 512).step_by(97) {
             let [own, turned] = [view.map.bright[(i % 512) * 512 + 511 - i / 512], other.map.bright[i]];
-            assert!((own - turned).abs() <= 1e-6 * most, "{own} and {turned}");
+            assert!((own - turned).abs() <= 2e-4 * most, "{own} and {turned}");
         }
     }
 }
