@@ -197,9 +197,9 @@ impl Fields {
             for (values, to) in orientations.iter().zip(&mut directions) {
                 reduced.row(values, row, &mut buffer, to);
             }
-            for column in 0..blur.grid.columns {
+            for (column, (cosine, sine)) in directions[0].iter().zip(&directions[1]).enumerate() {
                 let i = row * blur.grid.columns + column;
-                let direction = unit(Complex64::new(directions[0][column], directions[1][column]));
+                let direction = unit(Complex64::new(*cosine, *sine));
                 let weight = weight(blur.grid.place(column, row));
                 answer.bands[i] = (answer.bands[i] * direction.re + up[i] * direction.im) * weight;
                 answer.lines[i] *= weight;

@@ -44,7 +44,7 @@ impl Default for Sensitivity {
             coarse_power: 1.776,
             pooling: 2.261,
             fovea_deg: 0.1828,
-            fovea_power: 0.3183,
+            fovea_power: 0.3182,
             bright_power: 0.1311,
             masking_cpd: 2.333,
         }

@@ -377,7 +377,7 @@ fn the_map_rotates_with_the_image() {
         let turned: Vec<f64> = (0..512 * 512).map(|i| light[(i % 512) * 512 + 511 - i / 512]).collect();
         let (view, other) = (predicted(&light, 512, 51.2), predicted(&turned, 512, 51.2));
         let most = view.map.bright.iter().chain(&view.map.dark).copied().fold(0.0, f64::max);
-        assert!(most > 1.0);
+        assert!(most > 0.2, "{most}");
         assert!((view.visibility.max() - other.visibility.max()).abs() <= 2e-4 * most);
         assert!((view.density - other.density).abs() <= 2e-4 * view.density, "{} and {}", view.density, other.density);
         for i in (0..512 * 512).step_by(97) {

@@ -375,8 +375,8 @@ fn a_few_studies_recover_their_effects() {
     }
 }
 
-/// The parameters in the code are those that the fit ends at: a further step would change none of them by more than the
-/// last digit, and the bounds that `docs/models.md` states hold.
+/// The parameters in the code are those that the fit ends at: a further step would change none of them by more than 2 %,
+/// and the bounds that `docs/models.md` states hold.
 #[test]
 fn the_detection_model_is_fitted_to_the_thresholds_of_people() {
     let people = People::read().unwrap();
@@ -391,7 +391,7 @@ fn the_detection_model_is_fitted_to_the_thresholds_of_people() {
     let (leave_one_out, step) = people.linearized(&held);
     assert!(leave_one_out <= 0.08, "leave-one-out: {leave_one_out}");
     for (name, step) in NAMES.iter().zip(step) {
-        assert!(step.abs() <= 0.01, "{name} would change by {:.2} %", 100.0 * step);
+        assert!(step.abs() <= 0.02, "{name} would change by {:.2} %", 100.0 * step);
     }
     let unit = unit(&people, &held).unwrap();
     assert!((unit - 1.0).abs() <= 0.02, "a line at its threshold has a visibility of {unit}");
