@@ -182,11 +182,14 @@ fn modelfest(row: &ModelFestRow) -> Result<Measured, Box<dyn Error>> {
     })
 }
 
+/// Contrast at a place in degrees from the middle, right and up.
+type Pattern = Box<dyn Fn(f64, f64) -> f64 + Sync>;
+
 /// A stimulus of a data set of contrast sensitivity. Gabors are in sine phase, so that their mean is that of the field;
 /// gratings fill a square and have whole cycles.
 fn csf(row: &CsfRow) -> Measured {
     let CsfRow { frequency_cpd: f, sigma_deg, area_deg2, .. } = *row;
-    let (side_deg, px_per_deg, pattern): (f64, f64, Box<dyn Fn(f64, f64) -> f64 + Sync>) = match row.dataset.as_str() {
+    let (side_deg, px_per_deg, pattern): (f64, f64, Pattern) = match row.dataset.as_str() {
         "hdr_csf_disc" => {
             let radius = (area_deg2 / PI).sqrt();
             let px_per_deg = (64.0 / radius).clamp(24.0, 60.0);
