@@ -191,7 +191,11 @@ pub fn strongest(map: &BandMap) -> f64 {
 /// and darkest parts.
 const GROUND: [f64; 2] = [88.0, 148.0];
 
-/// A band map over the dimmed picture. Bands of the strength `most` are white or black.
+/// The weakest band that a map draws white or black. Maps also show bands that are too weak to be seen: the page says how
+/// visible the strongest is.
+const FAINT: f64 = 0.1;
+
+/// A band map over the dimmed picture. Bands of the strength `full_scale` are white or black.
 pub struct BandMapImage<'a> {
     pub map: &'a BandMap,
     /// The picture's luminance, 1 for white; it has as many values as the map.
@@ -217,11 +221,7 @@ impl BandMapImage<'_> {
     /// Returns the code at the place `i` of the map.
     fn code(&self, i: usize) -> u8 {
         let strength = self.map.bright[i] - self.map.dark[i];
-        let share = if strength.abs() < JUST_VISIBLE {
-            0.0
-        } else {
-            (strength / self.full_scale.max(JUST_VISIBLE)).clamp(-1.0, 1.0)
-        };
+        let share = (strength / self.full_scale.max(FAINT)).clamp(-1.0, 1.0);
         let ground =
             GROUND[0] + (GROUND[1] - GROUND[0]) * Transfer::Srgb.encoded_from_linear(self.light[i].clamp(0.0, 1.0));
         let end = if share > 0.0 { 255.0 } else { 0.0 };
