@@ -1,4 +1,7 @@
-//! The creases that a shader leaves at the edges of triangles: the jump of the slope of the light on the screen.
+//! Two measures of a shader: the creases that it leaves at the edges of triangles, and the smooth surface with which
+//! its picture can be compared.
+//!
+//! A crease is the jump of the slope of the light on the screen.
 //!
 //! Creases are measured on the light itself, by one-sided differences between the light values that a shader gives at
 //! points close to the edge. No shader's formula is used, so errors in the shaders show up here. A jump of the slope is
@@ -7,6 +10,8 @@
 
 mod creases;
 mod picture;
+mod truth;
 
 pub use creases::{Creases, EdgeCrease, NOISE, at_vertices};
 pub use picture::picture;
+pub use truth::Truth;

@@ -71,8 +71,5 @@ fn draw(image: &mut LinearImage, frame: &Frame, visible: &[u32], edge: &EdgeCrea
 
 /// True if one of `triangles` is visible within a pixel of `place`.
 fn is_near(frame: &Frame, visible: &[u32], place: DVec2, triangles: [u32; 2]) -> bool {
-    let around = |at: f64, size: u32| (at.floor() as i64 - 1).max(0)..(at.floor() as i64 + 2).min(size.into());
-    around(place.y, frame.height)
-        .flat_map(|y| around(place.x, frame.width).map(move |x| y * i64::from(frame.width) + x))
-        .any(|pixel| triangles.contains(&visible[pixel as usize]))
+    coverage::around(frame, place).any(|pixel| triangles.contains(&visible[pixel]))
 }

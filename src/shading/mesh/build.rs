@@ -4,7 +4,11 @@ use std::collections::VecDeque;
 
 use glam::{DVec2, DVec3};
 
-use super::{normals, triangles::Mesh};
+use super::{
+    normals,
+    paint::{Coat, Paint, PaintedCorner},
+    triangles::Mesh,
+};
 
 /// The largest absolute coordinate of a mesh; it leaves room for products of several coordinates.
 pub const MAX_COORDINATE: f64 = 1e30;
@@ -41,13 +45,18 @@ pub enum MeshError {
     },
 }
 
-/// Faces with three or more corners, and optionally normals at their corners.
+/// Faces with three or more corners, and optionally normals and paint at their corners.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Polygons {
-    sites: Vec<u32>,
+    pub(super) sites: Vec<u32>,
     /// Has the same length as `sites`, or is empty until the first normal is given.
-    normals: Vec<Option<DVec3>>,
-    ends: Vec<usize>,
+    pub(super) normals: Vec<Option<DVec3>>,
+    pub(super) ends: Vec<usize>,
+    /// The paint at each corner and the coat of each polygon; empty if the polygons are not painted.
+    pub(super) paint: Vec<PaintedCorner>,
+    of_polygons: Vec<u32>,
+    /// The coats to which painted polygons refer.
+    pub coats: Vec<Coat>,
 }
 
 impl Polygons {
@@ -71,6 +80,14 @@ impl Polygons {
             self.sites.push(site);
         }
         self.ends.push(self.sites.len());
+    }
+
+    /// Adds a polygon with paint and the index of its coat. Either all polygons are painted or none.
+    pub fn push_painted(&mut self, corners: impl IntoIterator<Item = (u32, Option<DVec3>, PaintedCorner)>, coat: u32) {
+        let (corners, paint): (Vec<_>, Vec<_>) = corners.into_iter().map(|(s, n, paint)| ((s, n), paint)).unzip();
+        self.push(corners);
+        self.paint.extend(paint);
+        self.of_polygons.push(coat);
     }
 
     /// Returns the sites of each polygon, and its normals if any polygon has normals.
@@ -103,6 +120,8 @@ impl Mesh {
     pub fn from_polygons(positions: &[DVec3], polygons: &Polygons, crease_deg: f64) -> Result<Mesh, MeshError> {
         check(positions, polygons)?;
         let (mut triangles, mut normals, mut faces, mut given) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut paint = Paint { corners: Vec::new(), of_triangles: Vec::new(), coats: polygons.coats.clone() };
+        let mut first = 0;
         for (face, (sites, theirs)) in polygons.iter().enumerate() {
             let corners: Vec<DVec3> = sites.iter().map(|i| positions[*i as usize]).collect();
             let normal = normals::newell(&corners);
@@ -111,7 +130,12 @@ impl Mesh {
                 normals.push(normal);
                 faces.push(face as u32);
                 given.extend(theirs.map(|theirs| triangle.map(|k| theirs[k as usize])));
+                if !polygons.paint.is_empty() {
+                    paint.corners.push(triangle.map(|k| polygons.paint[first + k as usize]));
+                    paint.of_triangles.push(polygons.of_polygons[face]);
+                }
             }
+            first += sites.len();
         }
         match triangles.len() {
             0 => return Err(MeshError::NoTriangles),
@@ -123,7 +147,8 @@ impl Mesh {
         let all_given = !given.is_empty() && given.iter().flatten().all(Option::is_some);
         let crease_deg = if all_given { 180.0 } else { crease_deg };
         let mesh = normals::averaged(positions, &triangles, &normals, &faces, crease_deg);
-        Ok(if given.is_empty() { mesh } else { normals::replaced(&mesh, &given) })
+        let mesh = if given.is_empty() { mesh } else { normals::replaced(&mesh, &given) };
+        Ok(if paint.corners.is_empty() { mesh } else { mesh.painted(paint) })
     }
 }
 

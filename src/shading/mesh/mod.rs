@@ -1,12 +1,20 @@
 //! Meshes of triangles: their normals, edges and curvature, and meshes by name.
 
 mod build;
+mod estimated;
 mod normals;
+mod paint;
+mod painted;
 pub mod shapes;
+mod smooth;
 mod surface;
 mod triangles;
+mod winding;
 
 pub use build::{MAX_COORDINATE, MeshError, Polygons, triangulated};
+pub use estimated::Normals;
 pub use normals::newell;
-pub use surface::Surface;
+pub use paint::{Coat, Paint, PaintedCorner, Texture};
+pub use smooth::Smooth;
+pub use surface::{Fan, Surface};
 pub use triangles::{Edge, EdgeKind, Edges, Mesh, Vertex};

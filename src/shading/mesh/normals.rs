@@ -83,7 +83,7 @@ pub(super) fn averaged(
             })
         })
         .collect();
-    Mesh { vertices, triangles }
+    Mesh { vertices, triangles, smooth: None, paint: None }
 }
 
 /// For each corner, returns the fan of faces around its site to which it belongs, identified by one of the fan's
@@ -112,13 +112,15 @@ fn fans(triangles: &[[u32; 3]], normals: &[DVec3], crease_deg: f64) -> Vec<u32> 
     (0..parent.len() as u32).map(|corner| root(&mut parent, corner)).collect()
 }
 
-fn join(parent: &mut [u32], a: u32, b: u32) {
+/// Joins the fans of two corners.
+pub(super) fn join(parent: &mut [u32], a: u32, b: u32) {
     let (a, b) = (root(parent, a), root(parent, b));
     // The lower index identifies the fan, whatever the order of the edges.
     parent[a.max(b) as usize] = a.min(b);
 }
 
-fn root(parent: &mut [u32], mut at: u32) -> u32 {
+/// Returns the corner that identifies the fan of a corner.
+pub(super) fn root(parent: &mut [u32], mut at: u32) -> u32 {
     while parent[at as usize] != at {
         parent[at as usize] = parent[parent[at as usize] as usize];
         at = parent[at as usize];
@@ -151,5 +153,5 @@ pub(super) fn replaced(mesh: &Mesh, given: &[[Option<DVec3>; 3]]) -> Mesh {
     };
     let corners = mesh.triangles.iter().flatten().copied().zip(given.iter().flatten().copied());
     let corners: Vec<u32> = corners.map(corner).collect();
-    Mesh { vertices, triangles: corners.as_chunks().0.to_vec() }
+    Mesh { vertices, triangles: corners.as_chunks().0.to_vec(), smooth: mesh.smooth, paint: mesh.paint.clone() }
 }

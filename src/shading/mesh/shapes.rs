@@ -1,24 +1,44 @@
 //! Meshes that can be requested by name.
 //!
-//! All meshes are closed and counterclockwise as seen from outside. The round meshes have the normals of the surface
-//! that they approximate; the normals of the others are averaged over the faces around each vertex, as is usual.
+//! All meshes are counterclockwise as seen from outside, and all but the terrain are closed. The round meshes have the
+//! normals of the [`Smooth`] surface that they approximate; the normals of the others are averaged over the faces around
+//! each vertex, as is usual.
 
 use std::{collections::HashMap, f64::consts::TAU};
 
 use delaunator::{Point, triangulate};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
-use super::{build::Polygons, triangles::Mesh};
+use super::{
+    build::Polygons,
+    smooth::{FILLET, HALF_HEIGHT, Smooth, TUBE, blob_radius, terrain_height},
+    triangles::Mesh,
+};
 use crate::light::names::named;
 
 named! {
     /// The name of a mesh.
     Shape, UnknownShape {
+        /// Twelve triangles.
         Cube = "cube",
+        /// Shoaff's truncated pyramid.
         Pyramid = "pyramid",
+        /// A sphere of nearly equal triangles.
         Sphere = "sphere",
+        /// A sphere of meridians and parallels, with twelve times as many meridians: slivers.
+        UvSphere = "uv-sphere",
+        /// A torus of nearly equal triangles.
         Torus = "torus",
+        /// A torus whose vertices are moved at random along its surface.
+        JitteredTorus = "jittered-torus",
+        /// A round body with hollows.
         Blob = "blob",
+        /// Hills over a square.
+        Terrain = "terrain",
+        /// A cylinder with sharp edges.
+        Cylinder = "cylinder",
+        /// A cylinder with rounded edges.
+        FilletedCylinder = "filleted-cylinder",
     }
 }
 
@@ -41,7 +61,7 @@ impl Shape {
     /// True if the number of vertices can be chosen. It is fixed for the cube and the pyramid.
     #[must_use]
     pub const fn has_vertices(self) -> bool {
-        matches!(self, Shape::Sphere | Shape::Torus | Shape::Blob)
+        !matches!(self, Shape::Cube | Shape::Pyramid)
     }
 
     /// The fewest vertices that the shape can have.
@@ -50,14 +70,17 @@ impl Shape {
         match self {
             Shape::Cube | Shape::Pyramid => 8,
             Shape::Sphere => MIN_SPHERE_VERTICES,
-            Shape::Torus => MIN_TORUS_VERTICES,
-            Shape::Blob => MIN_BLOB_VERTICES,
+            Shape::UvSphere => uv_vertices(MIN_PARALLELS),
+            Shape::Torus | Shape::JitteredTorus => MIN_TORUS_VERTICES,
+            Shape::Blob | Shape::Terrain => MIN_BLOB_VERTICES,
+            Shape::Cylinder => 2 * MIN_SIDES,
+            Shape::FilletedCylinder => filleted_vertices(MIN_SIDES),
         }
     }
 }
 
-/// Makes the mesh of `shape` with `vertices` sites. The number is exact for the blob and approximate for the sphere and
-/// the torus, whose triangles would otherwise be distorted; the cube and the pyramid always have 8.
+/// Makes the mesh of `shape` with `vertices` sites. The number is exact for the blob and approximate for the other round
+/// shapes, whose triangles would otherwise be distorted; the cube and the pyramid always have 8.
 ///
 /// # Errors
 /// Returns a [`ShapeError`] if `vertices` is outside [`Shape::min_vertices`]…[`MAX_VERTICES`].
@@ -69,8 +92,16 @@ pub fn mesh(shape: Shape, vertices: usize) -> Result<Mesh, ShapeError> {
         Shape::Cube => Ok(cube()),
         Shape::Pyramid => Ok(pyramid()),
         Shape::Sphere => Ok(sphere(subdivisions(vertices))),
-        Shape::Torus => Ok(torus_of(vertices)),
+        Shape::UvSphere => Ok(uv_sphere(parallels(vertices))),
+        Shape::Torus => Ok(torus_of(vertices, 0.0)),
+        Shape::JitteredTorus => Ok(torus_of(vertices, 0.35)),
         Shape::Blob => Ok(blob(vertices)),
+        Shape::Terrain => Ok(terrain(((vertices as f64).sqrt().round() as usize).max(2) - 1)),
+        Shape::Cylinder => Ok(cylinder(vertices / 2, false)),
+        Shape::FilletedCylinder => {
+            let sides = (MIN_SIDES..).take_while(|sides| filleted_vertices(*sides) <= vertices).last();
+            Ok(cylinder(sides.unwrap_or(MIN_SIDES), true))
+        }
     }
 }
 
@@ -117,9 +148,6 @@ const MIN_SPHERE_VERTICES: usize = 12;
 /// The fewest vertices of a torus: four rows of three.
 const MIN_TORUS_VERTICES: usize = 12;
 
-/// The radius of the torus's tube; its center line has the radius 1.
-const TUBE: f64 = 0.4;
-
 /// Returns the number of parts into which each edge of the icosahedron is cut to get about `vertices` vertices.
 fn subdivisions(vertices: usize) -> usize {
     ((vertices.saturating_sub(2) as f64 / 10.0).sqrt().round() as usize).max(1)
@@ -158,7 +186,7 @@ pub fn sphere(subdivisions: usize) -> Mesh {
             }
         }
     }
-    closed(&positions, &triangles).with_normals(|place| place)
+    round(&positions, &triangles, Smooth::Sphere)
 }
 
 /// Returns the corners at distance 1 from the origin, and the faces, counterclockwise as seen from outside.
@@ -187,16 +215,18 @@ fn icosahedron() -> (Vec<DVec3>, Vec<[usize; 3]>) {
 
 /// Makes the torus around the z axis with radius 1 and a tube of radius 0.4. It has `around` sites (at least 3) in each
 /// of `tube` rows (even, at least 4). Every other row is half a step ahead, which makes the triangles nearly
-/// equilateral where the tube faces up and down.
+/// equilateral where the tube faces up and down. Each site is then moved along the surface at random, by up to `jitter`
+/// steps in either direction.
 #[must_use]
-pub fn torus(around: usize, tube: usize) -> Mesh {
+pub fn torus(around: usize, tube: usize, jitter: f64) -> Mesh {
     let (around, tube) = (around.max(3), tube.max(4).next_multiple_of(2));
     let mut positions = Vec::with_capacity(around * tube);
     for row in 0..tube {
-        let (sin, cos) = (TAU * row as f64 / tube as f64).sin_cos();
         for column in 0..around {
-            let turn = (column as f64 + if row % 2 == 0 { 0.0 } else { 0.5 }) / around as f64;
-            let (y, x) = (TAU * turn).sin_cos();
+            let moved = |axis: usize| jitter * noise((2 * (row * around + column) + axis) as u64);
+            let (sin, cos) = (TAU * (row as f64 + moved(0)) / tube as f64).sin_cos();
+            let ahead = if row % 2 == 0 { 0.0 } else { 0.5 };
+            let (y, x) = (TAU * (column as f64 + ahead + moved(1)) / around as f64).sin_cos();
             let out = 1.0 + TUBE * cos;
             positions.push(DVec3::new(out * x, out * y, TUBE * sin));
         }
@@ -212,19 +242,143 @@ pub fn torus(around: usize, tube: usize) -> Mesh {
             }
         }
     }
-    closed(&positions, &triangles).with_normals(|place| place - DVec3::new(place.x, place.y, 0.0).normalize_or_zero())
+    round(&positions, &triangles, Smooth::Torus)
+}
+
+/// Returns a pseudo-random number from −1 to 1 that depends only on `at` (SplitMix64).
+fn noise(at: u64) -> f64 {
+    let mut z = at.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    (z ^ (z >> 31)) as f64 / u64::MAX as f64 * 2.0 - 1.0
 }
 
 /// Makes the torus with about `vertices` sites.
-fn torus_of(vertices: usize) -> Mesh {
+fn torus_of(vertices: usize, jitter: f64) -> Mesh {
     // Equal sides of length a along the center line and rows a·√3/2 apart give around/tube = (1/0.4)·(√3/2).
     let tube = (vertices as f64 * TUBE * 2.0 / 3f64.sqrt()).sqrt() / 2.0;
     let tube = (tube.round() as usize).max(2) * 2;
-    torus((vertices as f64 / tube as f64).round() as usize, tube)
+    torus((vertices as f64 / tube as f64).round() as usize, tube, jitter)
 }
 
-fn closed(positions: &[DVec3], triangles: &[[u32; 3]]) -> Mesh {
-    Mesh::new(positions, triangles, 180.0).expect("a round surface is a mesh")
+/// Makes a mesh with the normals of `smooth`.
+fn round(positions: &[DVec3], triangles: &[[u32; 3]], smooth: Smooth) -> Mesh {
+    let mesh = Mesh::new(positions, triangles, 180.0).expect("a round surface is a mesh");
+    Mesh { smooth: Some(smooth), ..mesh.with_normals(|place| smooth.normal(place)) }
+}
+
+/// The fewest bands between parallels of a sphere.
+const MIN_PARALLELS: usize = 2;
+
+/// The number of vertices of a sphere with `parallels` bands and twelve times as many meridians.
+const fn uv_vertices(parallels: usize) -> usize {
+    12 * parallels * (parallels - 1) + 2
+}
+
+/// Returns the number of bands of a sphere with about `vertices` vertices.
+fn parallels(vertices: usize) -> usize {
+    let exact = (1.0 + (1.0 + vertices.saturating_sub(2) as f64 / 3.0).sqrt()) / 2.0;
+    (exact.round() as usize).max(MIN_PARALLELS)
+}
+
+/// Makes the unit sphere from bands between `parallels` − 1 parallels and the poles, cut along 12·`parallels` meridians.
+fn uv_sphere(parallels: usize) -> Mesh {
+    let bands: Vec<(f64, f64)> = (1..parallels)
+        .map(|band| {
+            let (sin, cos) = (std::f64::consts::PI * band as f64 / parallels as f64).sin_cos();
+            (sin, cos)
+        })
+        .collect();
+    let (positions, triangles) = turned(&bands, 12 * parallels, Some(1.0));
+    round(&positions, &triangles, Smooth::Sphere)
+}
+
+/// Turns a profile of (radius, z), from top to bottom, around the z axis into `sides` sides, as positions and triangles.
+/// The ends of the profile are closed by poles at z = ±`pole`, if given, or left open.
+fn turned(profile: &[(f64, f64)], sides: usize, pole: Option<f64>) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let place = |(radius, z): (f64, f64), side: usize| {
+        let (y, x) = (TAU * side as f64 / sides as f64).sin_cos();
+        DVec3::new(radius * x, radius * y, z)
+    };
+    let mut positions: Vec<DVec3> =
+        profile.iter().flat_map(|&ring| (0..sides).map(move |side| place(ring, side))).collect();
+    let site = |ring: usize, side: usize| (ring * sides + side % sides) as u32;
+    let mut triangles = Vec::new();
+    for ring in 1..profile.len() {
+        for side in 0..sides {
+            let [a, b] = [site(ring - 1, side), site(ring - 1, side + 1)];
+            let [c, d] = [site(ring, side), site(ring, side + 1)];
+            triangles.extend([[a, c, d], [a, d, b]]);
+        }
+    }
+    if let Some(pole) = pole {
+        let [top, bottom] = [positions.len() as u32, positions.len() as u32 + 1];
+        positions.extend([DVec3::Z * pole, DVec3::NEG_Z * pole]);
+        let last = profile.len() - 1;
+        for side in 0..sides {
+            triangles.push([top, site(0, side), site(0, side + 1)]);
+            triangles.push([bottom, site(last, side + 1), site(last, side)]);
+        }
+    }
+    (positions, triangles)
+}
+
+/// The fewest sides of a cylinder.
+const MIN_SIDES: usize = 3;
+
+/// Returns the number of parts of the rounding between the side of a cylinder and a cap.
+const fn fillet_parts(sides: usize) -> usize {
+    if sides < 24 { 3 } else { sides / 8 }
+}
+
+/// Returns the number of vertices of a cylinder with roundings.
+const fn filleted_vertices(sides: usize) -> usize {
+    2 * (fillet_parts(sides) + 1) * sides + 2
+}
+
+/// Returns the profile of a cylinder, from the edge of the top cap to the edge of the bottom cap.
+fn rings(fillet: f64, parts: usize) -> Vec<(f64, f64)> {
+    let upper = (0..=parts).map(|part| {
+        let (sin, cos) = (TAU / 4.0 * part as f64 / parts.max(1) as f64).sin_cos();
+        (1.0 - fillet + fillet * sin, HALF_HEIGHT - fillet + fillet * cos)
+    });
+    let upper: Vec<(f64, f64)> = upper.collect();
+    let lower = upper.iter().rev().map(|&(radius, z)| (radius, -z));
+    upper.iter().copied().chain(lower).collect()
+}
+
+/// Makes a cylinder with `sides` sides. Without roundings, the caps are polygons with normals of their own.
+fn cylinder(sides: usize, is_filleted: bool) -> Mesh {
+    let sides = sides.max(MIN_SIDES);
+    if is_filleted {
+        let (positions, triangles) = turned(&rings(FILLET, fillet_parts(sides)), sides, Some(HALF_HEIGHT));
+        return round(&positions, &triangles, Smooth::Cylinder { fillet: FILLET });
+    }
+    let (positions, triangles) = turned(&rings(0.0, 0), sides, None);
+    let mut polygons = Polygons::default();
+    for corners in triangles {
+        polygons.push(corners.map(|site| (site, Some(positions[site as usize].truncate().normalize().extend(0.0)))));
+    }
+    let sides = sides as u32;
+    polygons.push((0..sides).map(|side| (side, Some(DVec3::Z))));
+    polygons.push((0..sides).rev().map(|side| (sides + side, Some(DVec3::NEG_Z))));
+    Mesh { smooth: Some(Smooth::Cylinder { fillet: 0.0 }), ..solid(&positions, &polygons) }
+}
+
+/// Makes hills over a square of `cells` × `cells` cells with two triangles each.
+fn terrain(cells: usize) -> Mesh {
+    let along = |step: usize| step as f64 / cells as f64 * 2.0 - 1.0;
+    let side = cells + 1;
+    let place = |i: usize| {
+        let at = DVec2::new(along(i % side), along(i / side));
+        at.extend(terrain_height(at).0)
+    };
+    let positions: Vec<DVec3> = (0..side * side).map(place).collect();
+    let corners = (0..cells).flat_map(|row| (0..cells).map(move |column| (row * side + column) as u32));
+    let above = side as u32;
+    let triangles: Vec<[u32; 3]> =
+        corners.flat_map(|a| [[a, a + 1, a + above + 1], [a, a + above + 1, a + above]]).collect();
+    round(&positions, &triangles, Smooth::Terrain)
 }
 
 /// The fewest vertices of a blob: a tetrahedron.
@@ -251,32 +405,8 @@ pub fn fibonacci_points(count: usize) -> Vec<DVec3> {
 #[must_use]
 pub fn blob(count: usize) -> Mesh {
     let points = fibonacci_points(count);
-    let positions: Vec<DVec3> = points.iter().map(|p| *p * radius(*p)).collect();
-    Mesh::new(&positions, &hull(&points), 180.0).expect("a blob is a mesh").with_normals(normal)
-}
-
-/// The surface lies at the distance r(u) in the direction u. Its normal is along u − ∇r/r, where ∇r is the part of the
-/// slope that is perpendicular to u.
-fn normal(place: DVec3) -> DVec3 {
-    let out = place.normalize();
-    let slope = radius_slope(out);
-    out - (slope - out * slope.dot(out)) / radius(out)
-}
-
-/// Returns the distance from the center in the direction `p`: 0.66…1.34.
-fn radius(p: DVec3) -> f64 {
-    1.0 + 0.16 * (2.1 * p.x + 0.4).sin() * (2.6 * p.y - 0.3).cos()
-        + 0.12 * (3.1 * p.z + 1.3 * p.x).sin()
-        + 0.06 * (4.3 * p.y + 2.0 * p.z + 1.0).sin()
-}
-
-/// Returns the derivatives of [`radius`] along x, y and z.
-fn radius_slope(p: DVec3) -> DVec3 {
-    let (sin, cos) = (2.1 * p.x + 0.4).sin_cos();
-    let (down, up) = (2.6 * p.y - 0.3).sin_cos();
-    let wave = 0.12 * (3.1 * p.z + 1.3 * p.x).cos();
-    let ripple = 0.06 * (4.3 * p.y + 2.0 * p.z + 1.0).cos();
-    DVec3::new(0.16 * 2.1 * cos * up + 1.3 * wave, -0.16 * 2.6 * sin * down + 4.3 * ripple, 3.1 * wave + 2.0 * ripple)
+    let positions: Vec<DVec3> = points.iter().map(|p| *p * blob_radius(*p).0).collect();
+    round(&positions, &hull(&points), Smooth::Blob)
 }
 
 /// Returns the triangles of the convex hull of n `points`, which must be at least 4 different points on the unit

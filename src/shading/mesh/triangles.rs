@@ -1,8 +1,10 @@
 //! Meshes of triangles, and the triangles that meet at each edge.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, sync::Arc};
 
 use glam::DVec3;
+
+use super::{paint::Paint, smooth::Smooth};
 
 /// A corner of triangles: a position, and the normal with which it is lit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +24,10 @@ pub struct Mesh {
     pub vertices: Vec<Vertex>,
     /// The triangles, as indices of three vertices each. Triangles without area are kept, but never drawn.
     pub triangles: Vec<[u32; 3]>,
+    /// The surface that the triangles approximate, if it is known.
+    pub smooth: Option<Smooth>,
+    /// The colors and textures, if there are any.
+    pub paint: Option<Arc<Paint>>,
 }
 
 impl Mesh {

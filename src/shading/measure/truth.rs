@@ -1,0 +1,146 @@
+//! The smooth surface that a mesh approximates, as the picture should show it: traced along the line of sight of every
+//! pixel, or taken from a much finer mesh.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use crate::{
+    light::LinearImage,
+    shading::{
+        frame::{Frame, FrameVertex, coverage},
+        mesh::Surface,
+    },
+};
+
+/// The point of the smooth surface at each pixel of a frame.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    /// Row by row from the top left; `None` where there is only background.
+    points: Vec<Option<Point>>,
+}
+
+/// A point of the surface in eye space, with its unit normal toward the eye.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    eye: DVec3,
+    normal: DVec3,
+}
+
+/// The number of pixels around an outline or a terminator at which pictures are not compared.
+const MARGIN: usize = 2;
+
+/// The cosine between the surface and the line of sight below which pictures are not compared, near outlines: there, a
+/// mesh lies in another place on the screen than the surface, which no shader can repair.
+const LEAST_FACING: f64 = 0.3;
+
+impl Truth {
+    /// Traces the surface that the mesh of `frame` approximates; `None` if it is not known.
+    #[must_use]
+    pub fn traced(frame: &Frame) -> Option<Truth> {
+        let smooth = frame.smooth?;
+        let ((center, radius), rotation) = (frame.sphere, frame.view.rotation);
+        let back = rotation.transpose();
+        Some(Truth::of_pixels(frame, |screen| {
+            let (from, along) = frame.view.ray(screen);
+            // Everything lies within two radii of the center.
+            let start = if frame.view.distance.is_finite() { (frame.view.distance - 2.0).max(0.0) } else { 0.0 };
+            let (origin, along) = (center + back * (from + along * start) * radius, back * along);
+            let hit = smooth.trace(origin, along, 4.0 * radius)?;
+            Some(Point { eye: rotation * (hit - center) / radius, normal: rotation * smooth.normal(hit) })
+        }))
+    }
+
+    /// Takes the surface from `fine`, a finer mesh of the surface that the mesh of `frame` approximates.
+    #[must_use]
+    pub fn of_mesh(frame: &Frame, fine: &Surface) -> Truth {
+        let fine = Frame::within(frame.sphere, fine, &frame.view, &frame.lighting, frame.background);
+        let seen = coverage::visible(&fine);
+        Truth::of_pixels(frame, |screen| {
+            let pixel = screen.y as usize * frame.width as usize + screen.x as usize;
+            let triangle = Some(seen[pixel]).filter(|triangle| *triangle != coverage::NONE)? as usize;
+            let (corners, weights) = (fine.corners(triangle), fine.weights(triangle, screen));
+            let sum = |of: fn(&FrameVertex) -> DVec3| -> DVec3 {
+                corners.iter().zip(weights).map(|(corner, weight)| of(corner) * weight).sum()
+            };
+            Some(Point { eye: sum(|v| v.eye), normal: sum(|v| v.normal).normalize_or(DVec3::Z) })
+        })
+    }
+
+    fn of_pixels(frame: &Frame, point: impl Fn(DVec2) -> Option<Point> + Sync) -> Truth {
+        let width = frame.width as usize;
+        let at = |i: usize| {
+            let point = point(DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5))?;
+            let is_back = point.normal.dot(frame.view.to_viewer(point.eye)) < 0.0;
+            Some(if is_back { Point { normal: -point.normal, ..point } } else { point })
+        };
+        Truth { points: (0..width * frame.height as usize).into_par_iter().map(at).collect() }
+    }
+
+    /// Returns the picture of the surface under the lighting of `frame`, in linear light, or encoded as the frame is.
+    #[must_use]
+    pub fn picture(&self, frame: &Frame) -> LinearImage {
+        LinearImage::from_fn(frame.width, frame.height, |x, y| {
+            let light = match &self.points[(y * frame.width + x) as usize] {
+                Some(point) => frame.lit(point.eye, point.normal),
+                None => frame.background,
+            };
+            light.as_vec3().to_array()
+        })
+    }
+
+    /// For each pixel, returns true if a shader's picture of `frame` should look like the surface there: both show the
+    /// surface, which does not turn away by more than 72.5°, and no outline, meant crease, or terminator of a lamp is
+    /// within two pixels.
+    #[must_use]
+    pub fn mask(&self, frame: &Frame) -> Vec<bool> {
+        let (width, height) = (frame.width as usize, frame.height as usize);
+        let meshed = coverage::interior_mask(frame);
+        let faces = |point: &Option<Point>| {
+            point.as_ref().is_some_and(|p| p.normal.dot(frame.view.to_viewer(p.eye)) >= LEAST_FACING)
+        };
+        let mut inside: Vec<bool> =
+            self.points.iter().zip(meshed).map(|(point, meshed)| faces(point) && meshed).collect();
+        for y in 0..height {
+            for x in 0..width {
+                let here = y * width + x;
+                for (there, step) in [(here + 1, DVec2::X), (here + width, DVec2::NEG_Y)] {
+                    let is_inside = if step.x > 0.0 { x + 1 < width } else { y + 1 < height };
+                    if is_inside && !self.is_joined(frame, here, there, step) {
+                        (inside[here], inside[there]) = (false, false);
+                    }
+                }
+            }
+        }
+        for _ in 0..MARGIN {
+            inside = eroded(&inside, width);
+        }
+        inside
+    }
+
+    /// True if the surface continues from one pixel to its neighbor, which is `step` pixels away with y up, and every
+    /// lamp lights both or neither.
+    fn is_joined(&self, frame: &Frame, here: usize, there: usize, step: DVec2) -> bool {
+        let (Some(a), Some(b)) = (&self.points[here], &self.points[there]) else { return false };
+        // A plane with the point's normal rises by this per step toward the eye, in a parallel projection.
+        let rise = |point: &Point| (point.normal.truncate().dot(step) / point.normal.z.max(1e-3)).abs();
+        let pixel = 1.0 / frame.view.pixels_per_unit();
+        let is_continuous = (a.eye.z - b.eye.z).abs() <= 2.0 * pixel * (rise(a).max(rise(b)) + 1.0);
+        let is_smooth = a.normal.dot(b.normal) > MEANT_CREASE;
+        let is_lit = |point: &Point, lamp: usize| frame.lighting.lamps[lamp].toward(point.eye).dot(point.normal) > 0.0;
+        is_continuous && is_smooth && (0..frame.lighting.lamps.len()).all(|lamp| is_lit(a, lamp) == is_lit(b, lamp))
+    }
+}
+
+/// The cosine between the normals of neighboring pixels below which the surface itself has a crease.
+const MEANT_CREASE: f64 = 0.7;
+
+/// Removes the pixels that have a neighbor outside.
+fn eroded(inside: &[bool], width: usize) -> Vec<bool> {
+    let at = |i: Option<usize>| i.and_then(|i| inside.get(i)).copied().unwrap_or(false);
+    let is_inside = |i: usize| {
+        let (left, right) =
+            (i.checked_sub(1).filter(|_| !i.is_multiple_of(width)), Some(i + 1).filter(|_| i % width + 1 < width));
+        inside[i] && [left, right, i.checked_sub(width), Some(i + width)].into_iter().all(at)
+    };
+    (0..inside.len()).map(is_inside).collect()
+}

@@ -1,0 +1,142 @@
+//! Normals estimated from the triangles alone.
+
+use glam::DVec3;
+use nalgebra::{SMatrix, SVector};
+
+use super::triangles::Mesh;
+use crate::light::names::named;
+
+named! {
+    /// Where the normals at the vertices come from.
+    Normals, UnknownNormals {
+        /// The mesh's own normals.
+        Given = "given",
+        /// The mean of the unit normals of the faces around each vertex, Shoaff §4.1. Triangles in one plane count once.
+        Averaged = "averaged",
+        /// The mean in which a triangle's normal has the weight sin α / (|a||b|), where a and b are its sides at the
+        /// vertex and α is the angle between them: exact for every mesh inscribed in a sphere. N. Max, J. Graphics
+        /// Tools 4 (1999) 2.
+        Max = "max",
+        /// The slope of a cubic fitted to the neighbors' positions and normals.
+        Cubic = "cubic",
+    }
+}
+
+/// The number of times that the cubics are fitted: first to Max's normals, then to the result.
+const PASSES: usize = 2;
+
+impl Mesh {
+    /// Returns this mesh with normals from `normals`. Vertices that are split at a crease stay split, and only the
+    /// triangles on its side count for each.
+    #[must_use]
+    pub fn estimated(mut self, normals: Normals) -> Mesh {
+        if normals == Normals::Given {
+            return self;
+        }
+        let means = self.means(normals == Normals::Averaged);
+        for (vertex, mean) in self.vertices.iter_mut().zip(means) {
+            vertex.normal = mean.normalize_or(vertex.normal);
+        }
+        if normals == Normals::Cubic {
+            let rings = self.rings();
+            for _ in 0..PASSES {
+                let fitted: Vec<Option<DVec3>> = (0..rings.len()).map(|v| self.fitted(v, &rings[v])).collect();
+                for (vertex, fitted) in self.vertices.iter_mut().zip(fitted) {
+                    vertex.normal = fitted.unwrap_or(vertex.normal);
+                }
+            }
+        }
+        self
+    }
+
+    /// Returns the weighted sum of the normals of the triangles at each vertex.
+    fn means(&self, is_unweighted: bool) -> Vec<DVec3> {
+        let mut sums = vec![DVec3::ZERO; self.vertices.len()];
+        let mut counted: Vec<Vec<DVec3>> = vec![Vec::new(); if is_unweighted { sums.len() } else { 0 }];
+        for (t, corners) in self.triangles.iter().enumerate() {
+            let places = self.corners(t);
+            for (k, v) in corners.iter().enumerate() {
+                let (a, b) = (places[(k + 1) % 3] - places[k], places[(k + 2) % 3] - places[k]);
+                let normal = a.cross(b);
+                if !is_unweighted {
+                    // |a × b| = |a||b| sin α.
+                    let weighted = normal / (a.length_squared() * b.length_squared());
+                    sums[*v as usize] += if weighted.is_finite() { weighted } else { DVec3::ZERO };
+                    continue;
+                }
+                let (unit, planes) = (normal.normalize_or_zero(), &mut counted[*v as usize]);
+                if planes.iter().all(|known| known.dot(unit) < 1.0 - 1e-9) {
+                    planes.push(unit);
+                    sums[*v as usize] += unit;
+                }
+            }
+        }
+        sums
+    }
+
+    /// Returns the other vertices of the triangles at each vertex, each once.
+    fn rings(&self) -> Vec<Vec<u32>> {
+        let mut rings: Vec<Vec<u32>> = vec![Vec::new(); self.vertices.len()];
+        for corners in &self.triangles {
+            for k in 0..3 {
+                let ring = &mut rings[corners[k] as usize];
+                for other in [corners[(k + 1) % 3], corners[(k + 2) % 3]] {
+                    if !ring.contains(&other) {
+                        ring.push(other);
+                    }
+                }
+            }
+        }
+        rings
+    }
+
+    /// Returns the normal at vertex `v` of the surface z = g₁x + g₂y + a cubic polynomial without a constant, over the
+    /// plane through the vertex perpendicular to its normal. The polynomial is fitted to the positions of the vertices
+    /// of `ring`, with weights 1/d³, and to the slopes that their normals give there, with weights 1/d²; d is the
+    /// distance in the plane. `None` if the ring does not determine it.
+    ///
+    /// J. Goldfeather & V. Interrante, *A novel cubic-order algorithm for approximating principal direction vectors*,
+    /// ACM Trans. Graph. 23 (2004) 45, fit the same polynomial without the linear terms, because they trust the normal.
+    fn fitted(&self, v: usize, ring: &[u32]) -> Option<DVec3> {
+        if ring.len() < MIN_RING {
+            return None;
+        }
+        let own = &self.vertices[v];
+        let (right, up) = own.normal.any_orthonormal_pair();
+        let in_plane = |p: DVec3| DVec3::new(p.dot(right), p.dot(up), p.dot(own.normal));
+        let steps = || {
+            let others = ring.iter().map(|other| &self.vertices[*other as usize]);
+            others.map(|other| (in_plane(other.position - own.position), in_plane(other.normal)))
+        };
+        let size = (steps().map(|(step, _)| step.truncate().length_squared()).sum::<f64>() / ring.len() as f64).sqrt();
+        let mut matrix = SMatrix::<f64, TERMS, TERMS>::zeros();
+        let mut right_side = SVector::<f64, TERMS>::zeros();
+        for (step, normal) in steps().filter(|(_, normal)| normal.z > MIN_FACING) {
+            let DVec3 { x, y, z } = step / size;
+            let slope = -normal.truncate() / normal.z;
+            let d = x.hypot(y);
+            let rows = [
+                ([x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y], z, d.powi(-3)),
+                ([1.0, 0.0, 2.0 * x, y, 0.0, 3.0 * x * x, 2.0 * x * y, y * y, 0.0], slope.x, d.powi(-2)),
+                ([0.0, 1.0, 0.0, x, 2.0 * y, 0.0, x * x, 2.0 * x * y, 3.0 * y * y], slope.y, d.powi(-2)),
+            ];
+            for (row, value, weight) in rows {
+                let row = SVector::from(row) * weight;
+                matrix += row * row.transpose();
+                right_side += row * (value * weight);
+            }
+        }
+        let solved = matrix.cholesky()?.solve(&right_side);
+        let normal = own.normal - right * solved[0] - up * solved[1];
+        normal.is_finite().then(|| normal.normalize())
+    }
+}
+
+/// The fewest neighbors to which a polynomial is fitted.
+const MIN_RING: usize = 4;
+
+/// The number of terms of the polynomial.
+const TERMS: usize = 9;
+
+/// The smallest cosine between a neighbor's normal and the vertex's at which its slope counts.
+const MIN_FACING: f64 = 0.2;

@@ -1,0 +1,118 @@
+//! Colors, textures and normal maps on a mesh.
+
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3, DVec4};
+
+/// What a mesh is painted with. Its colors and textures multiply the diffuse color of the material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Paint {
+    /// The corners of each triangle of the mesh.
+    pub corners: Vec<[PaintedCorner; 3]>,
+    /// The coat of each triangle, as an index into `coats`.
+    pub of_triangles: Vec<u32>,
+    /// The textures.
+    pub coats: Vec<Coat>,
+}
+
+/// The paint at a corner of a triangle. Inside the triangle, it is interpolated with correction for perspective.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaintedCorner {
+    /// Linear red, green and blue, 0…1.
+    pub color: DVec3,
+    /// The place on the textures: 0…1 to the right and down. Textures repeat beyond.
+    pub place: DVec2,
+    /// The direction on the surface in which `place.x` grows, of any length, in the mesh's own axes; w is −1 where the
+    /// texture is mirrored, otherwise 1. Zero where there is no normal map.
+    pub tangent: DVec4,
+}
+
+impl PaintedCorner {
+    /// Returns the weighted mean of corners; the weights add up to 1.
+    pub(crate) fn mean(corners: &[PaintedCorner; 3], w: [f64; 3]) -> PaintedCorner {
+        let mut mean = PaintedCorner { color: DVec3::ZERO, place: DVec2::ZERO, tangent: DVec4::ZERO };
+        for (corner, w) in corners.iter().zip(w) {
+            mean.color += w * corner.color;
+            mean.place += w * corner.place;
+            mean.tangent += w * corner.tangent;
+        }
+        mean
+    }
+}
+
+impl Default for PaintedCorner {
+    /// White, without a place.
+    fn default() -> Self {
+        PaintedCorner { color: DVec3::ONE, place: DVec2::ZERO, tangent: DVec4::ZERO }
+    }
+}
+
+/// The textures of some triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Coat {
+    /// Linear red, green and blue.
+    pub base: Option<Arc<Texture>>,
+    /// Normals in the frame of tangent, bitangent and normal, of any length above 0.
+    pub normals: Option<Arc<Texture>>,
+}
+
+/// An image on a surface, bilinearly interpolated between the centers of its texels, without smaller copies for
+/// distant surfaces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    /// Texels per row, at least 1.
+    pub width: u32,
+    /// Number of rows, at least 1.
+    pub height: u32,
+    /// Three numbers for each texel, row by row from the top left.
+    pub texels: Vec<[f32; 3]>,
+}
+
+impl Texture {
+    /// Returns the texture at `place`; it repeats in both directions.
+    #[must_use]
+    pub fn at(&self, place: DVec2) -> DVec3 {
+        let size = DVec2::new(f64::from(self.width), f64::from(self.height));
+        let texel = (place - place.floor()) * size - 0.5;
+        let (low, part) = (texel.floor(), texel - texel.floor());
+        let wrapped = |at: f64, count: u32| (at as i64).rem_euclid(i64::from(count)) as usize;
+        let of = |x: f64, y: f64| {
+            let at = wrapped(y, self.height) * self.width as usize + wrapped(x, self.width);
+            DVec3::from_array(self.texels[at].map(f64::from))
+        };
+        let row = |y: f64| of(low.x, y).lerp(of(low.x + 1.0, y), part.x);
+        row(low.y).lerp(row(low.y + 1.0), part.y)
+    }
+}
+
+impl Paint {
+    /// Returns the color at a point of a triangle, from the weights of its corners on the surface.
+    #[must_use]
+    pub fn color(&self, triangle: usize, w: [f64; 3]) -> DVec3 {
+        self.coats[self.of_triangles[triangle] as usize].color(&PaintedCorner::mean(&self.corners[triangle], w))
+    }
+
+    /// True if the triangles have no color but white, and no textures.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
+        let is_white = |corner: &PaintedCorner| corner.color == DVec3::ONE;
+        self.coats.iter().all(|coat| *coat == Coat::default()) && self.corners.iter().flatten().all(is_white)
+    }
+}
+
+impl Coat {
+    /// Returns the color at corners that were interpolated to `corner`.
+    pub(crate) fn color(&self, corner: &PaintedCorner) -> DVec3 {
+        corner.color * self.base.as_ref().map_or(DVec3::ONE, |base| base.at(corner.place))
+    }
+
+    /// Returns the unit normal that the normal map gives a surface with the unit normal `normal`.
+    pub(crate) fn normal(&self, corner: &PaintedCorner, normal: DVec3) -> DVec3 {
+        let tangent = corner.tangent.truncate();
+        let tangent = (tangent - normal * normal.dot(tangent)).normalize_or_zero();
+        let Some(map) = self.normals.as_ref().filter(|_| tangent != DVec3::ZERO) else { return normal };
+        let bitangent = normal.cross(tangent) * corner.tangent.w.signum();
+        let [right, up, out] = map.at(corner.place).to_array();
+        (tangent * right + bitangent * up + normal * out).normalize_or(normal)
+    }
+}
