@@ -41,8 +41,9 @@ pub fn depths(frame: &Frame, triangle: usize) -> Planes<1> {
     Planes::new(corners.map(|v| v.screen), corners.map(|v| [v.depth]))
 }
 
-/// For each pixel, returns true if it shows the surface and does not lie on an outline. Outlines run along the
-/// background and where a nearer part of the surface hides a farther part.
+/// For each pixel, returns true if it shows the surface and lies neither on an outline nor at an edge at which the
+/// surface is meant to have a crease. Outlines run along the background and where a nearer part of the surface hides a
+/// farther part.
 #[must_use]
 pub fn interior_mask(frame: &Frame) -> Vec<bool> {
     let (width, height) = (frame.width as usize, frame.height as usize);
@@ -66,7 +67,25 @@ pub fn interior_mask(frame: &Frame) -> Vec<bool> {
             }
         }
     }
+    for crease in &frame.creases {
+        let [a, b] = crease.ends.map(|v| frame.vertices[v as usize].screen);
+        // Half a pixel per step.
+        let steps = (2.0 * a.distance(b)).ceil().max(1.0);
+        for step in 0..=steps as usize {
+            let around = around(frame, a.lerp(b, step as f64 / steps));
+            if around.clone().any(|pixel| seen[pixel] == crease.triangle) {
+                around.for_each(|pixel| inside[pixel] = false);
+            }
+        }
+    }
     inside
+}
+
+/// Returns the pixels of the frame that are at most one pixel from the pixel at `place`, as indices.
+pub(crate) fn around(frame: &Frame, place: DVec2) -> impl Iterator<Item = usize> + Clone + use<> {
+    let range = |at: f64, size: u32| (at.floor() as i64 - 1).max(0)..(at.floor() as i64 + 2).min(size.into());
+    let (columns, width) = (range(place.x, frame.width), i64::from(frame.width));
+    range(place.y, frame.height).flat_map(move |y| columns.clone().map(move |x| (y * width + x) as usize))
 }
 
 /// True if the surface continues from triangle `one` at pixel `here` to triangle `other` at the neighboring pixel

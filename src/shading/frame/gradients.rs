@@ -1,36 +1,67 @@
-//! Slopes of the light at the vertices: from the light values of the surrounding vertices, or from the curvature of the
-//! mesh, dI/dp = (∂I/∂N)·(dN/dp) + the light's own change with position, projected onto the screen.
+//! Slopes at the vertices: from the values at the surrounding vertices, or from the curvature of the mesh. For the light,
+//! dI/dp = (∂I/∂N)·(dN/dp) + the light's own change with position, projected onto the screen.
 
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::projected::{Frame, FrameVertex};
 use crate::light::names::named;
 
 named! {
-    /// How to compute the slopes at the vertices, which *patch* needs.
+    /// How to compute the slopes at the vertices, which *patch* and *c1-phong* need.
     Gradients, GradientsError {
         /// The chain rule through the curvature of the mesh.
         Curvature = "curvature",
-        /// A plane fitted to the light values of the surrounding vertices.
+        /// A plane fitted to the values at the surrounding vertices.
         Ring = "ring",
-        /// A quadric fitted to the light values of the surrounding vertices.
+        /// A quadric fitted to the values at the surrounding vertices.
         Quadric = "quadric",
     }
 }
 
-/// The slopes of red, green and blue light at a vertex, per pixel to the right and per pixel down.
+/// A quantity with three components that changes smoothly over the surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Field {
+    /// Red, green and blue light.
+    Light,
+    /// The unit normal in eye space.
+    Normal,
+    /// The position in eye space.
+    Position,
+}
+
+impl Field {
+    /// Returns the value at a vertex.
+    pub(super) fn at(self, vertex: &FrameVertex) -> DVec3 {
+        match self {
+            Field::Light => vertex.light,
+            Field::Normal => vertex.normal,
+            Field::Position => vertex.eye,
+        }
+    }
+
+    /// Returns the value at the point `eye` of the surface, where its unit normal is `normal`.
+    fn on_surface(self, frame: &Frame, eye: DVec3, normal: DVec3) -> DVec3 {
+        match self {
+            Field::Light => frame.lit(eye, normal),
+            Field::Normal => normal,
+            Field::Position => eye,
+        }
+    }
+}
+
+/// The slopes of the three components of a field at a vertex, per pixel to the right and per pixel down.
 pub type Gradient = [DVec2; 3];
 
-/// Returns the gradient at each of [`Frame::vertices`].
-pub(super) fn of(frame: &Frame, gradients: Gradients) -> Vec<Gradient> {
-    let ring = Ring::of(frame);
-    let gradient = |v: usize| match gradients {
-        Gradients::Ring => ring.plane(frame, v).solve(),
-        Gradients::Quadric => quadric(frame, v, &ring).unwrap_or_else(|| ring.plane(frame, v).solve()),
-        Gradients::Curvature => of_curvature(frame, v, &ring),
+/// Returns the gradient of `field` at each of [`Frame::fans`].
+pub(super) fn of(frame: &Frame, field: Field, gradients: Gradients) -> Vec<Gradient> {
+    let ring = Ring::of(frame, field);
+    let gradient = |fan: usize| match gradients {
+        Gradients::Ring => ring.plane(fan).solve(),
+        Gradients::Quadric => quadric(fan, &ring).unwrap_or_else(|| ring.plane(fan).solve()),
+        Gradients::Curvature => of_curvature(fan, &ring),
     };
-    (0..frame.vertices.len()).into_par_iter().map(gradient).collect()
+    (0..frame.fans.len()).into_par_iter().map(gradient).collect()
 }
 
 /// The weight of the ring relative to the chain rule. Where the surface turns away by the angle θ, a step on it is
@@ -46,40 +77,42 @@ const STEP: f64 = 1e-5;
 /// The largest difference at which a vertex's light still counts as computed by the frame's lighting.
 const SAME: f64 = 1e-9;
 
-/// Returns the gradient of vertex `v` from the curvature of the mesh.
-fn of_curvature(frame: &Frame, v: usize, ring: &Ring) -> Gradient {
-    let mut equations = ring.plane(frame, v);
-    if equations.trace() > 0.0 && is_lit(frame, &frame.vertices[v]) {
+/// Returns the gradient at a fan from the curvature of the mesh.
+fn of_curvature(fan: usize, ring: &Ring<'_>) -> Gradient {
+    let (mut equations, vertex) = (ring.plane(fan), ring.vertex(fan));
+    if equations.trace() > 0.0 && is_on_surface(ring, vertex) {
         equations.scale(RING_WEIGHT / equations.trace());
-        for (offset, light) in steps(frame, &frame.vertices[v]) {
-            equations.add(offset, light, 1.0);
+        for (offset, change) in steps(ring, vertex, ring.frame.fans[fan].curvature) {
+            equations.add(offset, change, 1.0);
         }
     }
     equations.solve()
 }
 
-/// True if the light of `vertex` is the light that the frame's lighting gives it.
-fn is_lit(frame: &Frame, vertex: &FrameVertex) -> bool {
-    let lit = frame.lit(vertex.eye, vertex.normal);
+/// True if the value at `vertex` is the one that the frame's lighting and the surface give it.
+fn is_on_surface(ring: &Ring<'_>, vertex: &FrameVertex) -> bool {
+    let given = ring.field.on_surface(ring.frame, vertex.eye, vertex.normal);
     // The comparison is false for NaN.
-    (lit - vertex.light).abs().max_element() <= SAME
+    (given - ring.field.at(vertex)).abs().max_element() <= SAME
 }
 
 /// Returns up to two steps on the surface: the displacement of each on the screen, in units of a step seen face on, and
-/// the change of the light.
-fn steps(frame: &Frame, vertex: &FrameVertex) -> impl Iterator<Item = (DVec2, DVec3)> {
-    let toward = frame.view.to_viewer(vertex.eye);
+/// the change of the field.
+fn steps(ring: &Ring<'_>, vertex: &FrameVertex, curvature: DMat3) -> impl Iterator<Item = (DVec2, DVec3)> {
+    let view = &ring.frame.view;
+    let toward = view.to_viewer(vertex.eye);
     let facing = vertex.normal.dot(toward);
     let (across, away) = tangents(vertex.normal, toward);
     // Pixels per radius, seen face on.
-    let (here, _) = frame.view.project(vertex.eye);
-    let sideways = toward.any_orthonormal_vector();
-    let scale = (frame.view.project(vertex.eye + STEP * sideways).0 - here).length() / STEP;
+    let scale = view.moved(vertex.eye, toward.any_orthonormal_vector()).length();
     // A vertex that faces away uses only the direction along the silhouette.
     [Some(across), (facing > 0.0).then_some(away)].into_iter().flatten().map(move |tangent| {
-        let ahead = moved(frame, vertex, tangent * STEP);
-        let behind = moved(frame, vertex, tangent * -STEP);
-        ((ahead.0 - behind.0) / (2.0 * STEP * scale), (ahead.1 - behind.1) / (2.0 * STEP * scale))
+        let moved = |step: DVec3| {
+            let normal = (vertex.normal + curvature * step).normalize_or(vertex.normal);
+            ring.field.on_surface(ring.frame, vertex.eye + step, normal)
+        };
+        let change = moved(tangent * STEP) - moved(tangent * -STEP);
+        (view.moved(vertex.eye, tangent) / scale, change / (2.0 * STEP * scale))
     })
 }
 
@@ -90,59 +123,77 @@ fn tangents(normal: DVec3, toward: DVec3) -> (DVec3, DVec3) {
     (across, normal.cross(across))
 }
 
-/// Returns the position on the screen and the light of the surface at a small step from a vertex.
-fn moved(frame: &Frame, vertex: &FrameVertex, step: DVec3) -> (DVec2, DVec3) {
-    let eye = vertex.eye + step;
-    let normal = (vertex.normal + vertex.curvature * step).normalize_or(vertex.normal);
-    (frame.view.project(eye).0, frame.lit(eye, normal))
+/// The surroundings of the fans of a frame.
+struct Ring<'f> {
+    frame: &'f Frame,
+    field: Field,
+    /// The neighbors of all fans: for each fan, the other vertices of its drawn triangles, each once.
+    neighbors: Vec<u32>,
+    /// Where the neighbors of each fan begin and end.
+    ranges: Vec<(u32, u32)>,
 }
 
-/// For each vertex, the vertices with which it shares a drawn triangle, each once.
-struct Ring(Vec<Vec<u32>>);
-
-impl Ring {
-    fn of(frame: &Frame) -> Ring {
-        let mut neighbors = vec![Vec::new(); frame.vertices.len()];
+impl<'f> Ring<'f> {
+    fn of(frame: &'f Frame, field: Field) -> Self {
+        // First, the place that each fan may need: two neighbors per triangle.
+        let mut ranges = vec![(0, 0); frame.fans.len()];
+        for fan in frame.triangles.iter().flat_map(|triangle| triangle.fans) {
+            ranges[fan as usize].1 += 2;
+        }
+        let mut total = 0;
+        for range in &mut ranges {
+            let most = range.1;
+            *range = (total, total);
+            total += most;
+        }
+        let mut neighbors = vec![0; total as usize];
         for triangle in &frame.triangles {
             for k in 0..3 {
-                let own: &mut Vec<u32> = &mut neighbors[triangle.vertices[k] as usize];
+                let (start, end) = &mut ranges[triangle.fans[k] as usize];
                 for other in [triangle.vertices[(k + 1) % 3], triangle.vertices[(k + 2) % 3]] {
-                    if !own.contains(&other) {
-                        own.push(other);
+                    if !neighbors[*start as usize..*end as usize].contains(&other) {
+                        neighbors[*end as usize] = other;
+                        *end += 1;
                     }
                 }
             }
         }
-        Ring(neighbors)
+        Ring { frame, field, neighbors, ranges }
     }
 
-    /// Returns the offset on the screen and the difference in light of every neighbor of `vertex` that lies at a
-    /// different position on the screen.
-    fn differences<'a>(&'a self, frame: &'a Frame, vertex: usize) -> impl Iterator<Item = (DVec2, DVec3)> + 'a {
-        let own = &frame.vertices[vertex];
-        self.0[vertex]
+    /// Returns the vertex of a fan.
+    fn vertex(&self, fan: usize) -> &'f FrameVertex {
+        &self.frame.vertices[self.frame.fans[fan].vertex as usize]
+    }
+
+    /// Returns the offset on the screen and the difference in value of every neighbor in `fan` that lies at a different
+    /// position on the screen.
+    fn differences(&self, fan: usize) -> impl Iterator<Item = (DVec2, DVec3)> + '_ {
+        let own = self.vertex(fan);
+        let (start, end) = self.ranges[fan];
+        self.neighbors[start as usize..end as usize]
             .iter()
-            .map(|other| &frame.vertices[*other as usize])
-            .map(move |other| (other.screen - own.screen, other.light - own.light))
+            .map(|other| &self.frame.vertices[*other as usize])
+            .map(move |other| (other.screen - own.screen, self.field.at(other) - self.field.at(own)))
             .filter(|(offset, _)| offset.length_squared() > 0.0)
     }
 
-    /// Returns the equations of the plane through `vertex` that best fits its neighbors, weighted by 1/d².
-    fn plane(&self, frame: &Frame, vertex: usize) -> Equations {
+    /// Returns the equations of the plane through the vertex of `fan` that best fits its neighbors, weighted by 1/d².
+    fn plane(&self, fan: usize) -> Equations {
         let mut sum = Equations::default();
-        for (offset, light) in self.differences(frame, vertex) {
-            sum.add(offset, light, 1.0 / offset.length_squared());
+        for (offset, change) in self.differences(fan) {
+            sum.add(offset, change, 1.0 / offset.length_squared());
         }
         sum
     }
 }
 
-/// The normal equations of a gradient; all channels have the same matrix.
+/// The normal equations of a gradient; all components have the same matrix.
 #[derive(Clone, Copy, Debug, Default)]
 struct Equations {
     /// Σ w·dx², Σ w·dx·dy, Σ w·dy².
     matrix: [f64; 3],
-    /// Σ w·dI·(dx, dy) of each channel.
+    /// Σ w·dI·(dx, dy) of each component.
     right: [DVec2; 3],
 }
 
@@ -150,14 +201,14 @@ struct Equations {
 const FLAT: f64 = 1e-14;
 
 impl Equations {
-    /// Adds the observation that a step of `offset` changes the light by `light`.
-    fn add(&mut self, offset: DVec2, light: DVec3, weight: f64) {
+    /// Adds the observation that a step of `offset` changes the field by `change`.
+    fn add(&mut self, offset: DVec2, change: DVec3, weight: f64) {
         let weighted = weight * offset;
         self.matrix[0] += weighted.x * offset.x;
         self.matrix[1] += weighted.x * offset.y;
         self.matrix[2] += weighted.y * offset.y;
-        for (right, light) in self.right.iter_mut().zip(light.to_array()) {
-            *right += weighted * light;
+        for (right, change) in self.right.iter_mut().zip(change.to_array()) {
+            *right += weighted * change;
         }
     }
 
@@ -188,19 +239,19 @@ impl Equations {
 /// determined.
 const UNSETTLED: f64 = 0.03;
 
-/// Returns the slope of the quadric through `vertex` that best fits its neighbors, weighted by 1/d²; `None` if the
-/// neighbors do not determine a quadric.
-fn quadric(frame: &Frame, vertex: usize, ring: &Ring) -> Option<Gradient> {
-    let steps: Vec<(DVec2, DVec3)> = ring.differences(frame, vertex).collect();
+/// Returns the slope of the quadric through the vertex of `fan` that best fits its neighbors, weighted by 1/d²; `None`
+/// if the neighbors do not determine a quadric.
+fn quadric(fan: usize, ring: &Ring<'_>) -> Option<Gradient> {
+    let steps: Vec<(DVec2, DVec3)> = ring.differences(fan).collect();
     if steps.len() < 5 {
         return None;
     }
     // In units of the ring's size, all unknowns have similar magnitudes.
     let size = (steps.iter().map(|(offset, _)| offset.length_squared()).sum::<f64>() / steps.len() as f64).sqrt();
-    // Five unknowns, followed by the right-hand sides of the three channels.
+    // Five unknowns, followed by the right-hand sides of the three components.
     let mut rows = [[0.0; 8]; 5];
-    for (offset, light) in &steps {
-        let (d, l) = (*offset / size, light.to_array());
+    for (offset, change) in &steps {
+        let (d, l) = (*offset / size, change.to_array());
         let terms = [d.x, d.y, d.x * d.x, d.x * d.y, d.y * d.y, l[0], l[1], l[2]];
         let weight = 1.0 / d.length_squared();
         for (row, term) in rows.iter_mut().zip(terms) {

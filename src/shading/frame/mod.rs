@@ -10,7 +10,7 @@ mod scene;
 
 pub use bends::{Bend, bends};
 pub use coverage::{Outline, Planes};
-pub use gradients::{Gradient, Gradients};
+pub use gradients::{Field, Gradient, Gradients};
 pub use patches::{ControlPoints, Patches, sub_triangle_ordinates};
-pub use projected::{Across, Frame, FrameTriangle, FrameVertex, View};
+pub use projected::{Across, Frame, FrameTriangle, FrameVertex, MeantCrease, View};
 pub use scene::{Highlight, Scene};

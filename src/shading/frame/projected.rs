@@ -1,12 +1,14 @@
 //! A projected and lit surface: everything that the shaders need for one frame.
 
+use std::sync::Arc;
+
 use glam::{DMat3, DVec2, DVec3};
 
 use crate::{
     light::Transfers,
     shading::{
         lighting::Lighting,
-        mesh::{EdgeKind, Surface},
+        mesh::{EdgeKind, Fan, Paint, Smooth, Surface},
         number::Constant,
     },
 };
@@ -57,7 +59,6 @@ impl View {
     /// at the farthest point, and within a plane it is affine on the screen.
     #[must_use]
     pub fn project(&self, eye: DVec3) -> (DVec2, f64) {
-        let scale = f64::from(self.width.min(self.height)) * self.fill / 2.0;
         // In perspective, the visible rim of the sphere, not its equator, fills the window.
         let d = self.distance;
         let (xy, depth) = if d.is_finite() {
@@ -71,7 +72,53 @@ impl View {
             (eye.truncate(), (1.0 - eye.z) / 2.0)
         };
         let middle = DVec2::new(f64::from(self.width), f64::from(self.height)) / 2.0;
-        (middle + DVec2::new(xy.x, -xy.y) * scale, depth)
+        (middle + DVec2::new(xy.x, -xy.y) * self.scale(), depth)
+    }
+
+    /// Returns the movement on the screen, in pixels, of a point that moves from `eye` along `step`, per step.
+    #[must_use]
+    pub fn moved(&self, eye: DVec3, step: DVec3) -> DVec2 {
+        let d = self.distance;
+        let xy = if d.is_finite() {
+            let ratio = (d * d - 1.0).sqrt() / (d - eye.z);
+            (step.truncate() + eye.truncate() * (step.z / (d - eye.z))) * ratio
+        } else {
+            step.truncate()
+        };
+        DVec2::new(xy.x, -xy.y) * self.scale()
+    }
+
+    /// Returns the pixels per radius at the distance at which the rim of the bounding sphere is seen.
+    fn scale(&self) -> f64 {
+        f64::from(self.width.min(self.height)) * self.fill / 2.0
+    }
+
+    /// Returns the pixels per unit of the plane z = 0 in eye space.
+    #[must_use]
+    pub fn pixels_per_unit(&self) -> f64 {
+        let d = self.distance;
+        self.scale() * if d.is_finite() { (d * d - 1.0).sqrt() / d } else { 1.0 }
+    }
+
+    /// Returns the line of sight through a position on the screen: a point on it in front of the bounding sphere, and
+    /// its direction, a unit vector.
+    #[must_use]
+    pub fn ray(&self, screen: DVec2) -> (DVec3, DVec3) {
+        let sight = self.sight(screen).extend(0.0);
+        if self.distance.is_finite() {
+            let eye = DVec3::new(0.0, 0.0, self.distance);
+            (eye, (sight - eye).normalize())
+        } else {
+            (sight + 2.0 * DVec3::Z, DVec3::NEG_Z)
+        }
+    }
+
+    /// Returns the point on the plane z = 0 in eye space that a position on the screen shows.
+    #[must_use]
+    pub fn sight(&self, screen: DVec2) -> DVec2 {
+        let middle = DVec2::new(f64::from(self.width), f64::from(self.height)) / 2.0;
+        let xy = (screen - middle) / self.pixels_per_unit();
+        DVec2::new(xy.x, -xy.y)
     }
 }
 
@@ -84,10 +131,21 @@ pub struct Frame {
     pub height: u32,
     /// The light where there is no surface.
     pub background: DVec3,
+    /// The center and radius of the sphere in mesh space that is the unit sphere of eye space.
+    pub sphere: (DVec3, f64),
+    /// The surface that the mesh approximates, if it is known, in mesh space.
+    pub smooth: Option<Smooth>,
+    /// The colors and textures of the mesh, if it has any.
+    pub paint: Option<Arc<Paint>>,
     /// The vertices. If the surface also shows its back, the vertices of the back follow the vertices of the front.
     pub vertices: Vec<FrameVertex>,
+    /// The curvature at the vertices in eye space, as in [`Surface::fans`]. The fans of a back follow the fans of the
+    /// front.
+    pub fans: Vec<Fan>,
     /// The triangles to draw: the ones that face the eye and have an area on the screen, in the order of the mesh.
     pub triangles: Vec<FrameTriangle>,
+    /// The edges of the drawn triangles at which the surface is meant to have a crease.
+    pub creases: Vec<MeantCrease>,
     /// The lighting in eye space, for shaders that light every pixel.
     pub lighting: Lighting,
     /// The window and the position of the eye.
@@ -108,8 +166,6 @@ pub struct FrameVertex {
     pub eye: DVec3,
     /// Unit normal in eye space.
     pub normal: DVec3,
-    /// dN/dp in eye space, symmetric.
-    pub curvature: DMat3,
     /// The light sent to the eye, evaluated once per frame.
     pub light: DVec3,
     /// The ambient part of the light.
@@ -121,10 +177,25 @@ pub struct FrameVertex {
 pub struct FrameTriangle {
     /// Indices into [`Frame::vertices`].
     pub vertices: [u32; 3],
+    /// The fans of the corners, as indices into [`Frame::fans`].
+    pub fans: [u32; 3],
+    /// The index of the mesh's triangle.
+    pub of_mesh: u32,
+    /// True if this is the back of the mesh's triangle, whose corners 1 and 2 then swap places.
+    pub is_back: bool,
     /// Unit normal of the face in eye space, pointing toward the eye.
     pub normal: DVec3,
     /// What lies across each edge.
     pub across: [Across; 3],
+}
+
+/// An edge at which the surface is meant to have a crease.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MeantCrease {
+    /// The edge's ends, as indices into [`Frame::vertices`].
+    pub ends: [u32; 2],
+    /// A drawn triangle at the edge, as an index into [`Frame::triangles`].
+    pub triangle: u32,
 }
 
 /// What lies across an edge of a triangle, in this view.
@@ -152,14 +223,27 @@ impl Frame {
     /// its outside; a surface with a border shows both sides.
     #[must_use]
     pub fn new(surface: &Surface, view: &View, lighting: &Lighting, background: DVec3) -> Frame {
+        Frame::within(surface.mesh.bounds(), surface, view, lighting, background)
+    }
+
+    /// Projects `surface` as [`Frame::new`] does, but with the sphere (center and radius) that the view shows given
+    /// instead of computed, so that two meshes of the same surface lie in the same place.
+    #[must_use]
+    pub fn within(
+        (center, radius): (DVec3, f64),
+        surface: &Surface,
+        view: &View,
+        lighting: &Lighting,
+        background: DVec3,
+    ) -> Frame {
         let mesh = &surface.mesh;
-        let (center, radius) = mesh.bounds();
         let scale = if radius > 0.0 { 1.0 / radius } else { 1.0 };
         let rotation = view.rotation;
         let open = surface.edges.edges.iter().any(|edge| edge.kind == EdgeKind::Border);
         let mut vertices = Vec::with_capacity(mesh.vertices.len() * if open { 2 } else { 1 });
-        for side in if open { &[1.0, -1.0][..] } else { &[1.0] } {
-            for (vertex, curvature) in mesh.vertices.iter().zip(&surface.curvature) {
+        let sides = if open { &[1.0, -1.0][..] } else { &[1.0] };
+        for side in sides {
+            for vertex in &mesh.vertices {
                 let eye = rotation * ((vertex.position - center) * scale);
                 let normal = rotation * vertex.normal * *side;
                 let (screen, depth) = view.project(eye);
@@ -168,24 +252,41 @@ impl Frame {
                     depth,
                     eye,
                     normal,
-                    curvature: rotation * *curvature * rotation.transpose() * (*side / scale),
                     light: lighting.light(eye, normal, view.to_viewer(eye)),
                     ambient: lighting.ambient_light(),
                 });
             }
         }
+        // The fans of the vertices come first on either side.
+        let back = mesh.vertices.len() as u32;
+        let fan = |fan: &Fan, side: f64| Fan {
+            vertex: fan.vertex + if side < 0.0 { back } else { 0 },
+            curvature: rotation * fan.curvature * rotation.transpose() * (side / scale),
+        };
+        let fans = sides.iter().flat_map(|side| surface.fans.iter().map(|of| fan(of, *side))).collect();
         let mut frame = Frame {
             width: view.width,
             height: view.height,
             background,
+            sphere: (center, radius),
+            smooth: mesh.smooth,
+            paint: mesh.paint.clone(),
             vertices,
+            fans,
             triangles: Vec::new(),
+            creases: Vec::new(),
             lighting: lighting.clone(),
             view: *view,
             encoding: None,
         };
         frame.find_triangles(surface, open);
         frame
+    }
+
+    /// Returns this frame without the paint of the mesh: edges in a texture are neither creases nor bands.
+    #[must_use]
+    pub fn unpainted(self) -> Frame {
+        Frame { paint: None, ..self }
     }
 
     /// Returns twice the signed area of the triangle between three points on the screen, positive for a triangle that
@@ -289,7 +390,15 @@ impl Frame {
             });
             let [a, b, c] = corners.map(|v| self.vertices[v as usize].eye);
             let normal = (b - a).cross(c - a).normalize_or_zero();
-            self.triangles.push(FrameTriangle { vertices: corners, normal, across });
+            for (k, e) in edges.iter().enumerate() {
+                if surface.edges.edges[*e as usize].kind == EdgeKind::Crease {
+                    let ends = [corners[(k + 1) % 3], corners[(k + 2) % 3]];
+                    self.creases.push(MeantCrease { ends, triangle: self.triangles.len() as u32 });
+                }
+            }
+            let [a, b, c] = surface.of_corners[t];
+            let fans = if is_back { [a, c, b].map(|fan| fan + surface.fans.len() as u32) } else { [a, b, c] };
+            self.triangles.push(FrameTriangle { vertices: corners, fans, of_mesh: t as u32, is_back, normal, across });
         }
     }
 

@@ -28,6 +28,23 @@ named! {
     }
 }
 
+impl Highlight {
+    /// Returns the shape as a material has it, for the exponent `shininess` of Phong's and Blinn's highlight. Small
+    /// mirrors get the slope √(2/(m + 2)), which makes the highlight as sharp as Blinn's.
+    #[must_use]
+    pub fn model(self, shininess: f64) -> Specular {
+        let slope = (2.0 / (shininess + 2.0)).sqrt();
+        let mirrors = |facets| Specular::CookTorrance(Microfacets { facets, slope, index: DVec3::splat(MIRROR_INDEX) });
+        match self {
+            Highlight::Phong => Specular::Phong,
+            Highlight::Blinn => Specular::Blinn,
+            // With this c1, as many mirrors face along the normal as in Beckmann's distribution.
+            Highlight::TorranceSparrow => mirrors(Facets::Gaussian { c1: 1.0 / (slope * slope) }),
+            Highlight::CookTorrance => mirrors(Facets::Beckmann),
+        }
+    }
+}
+
 /// A surface of one color, rotated and lit by one lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene {
@@ -45,8 +62,7 @@ pub struct Scene {
     pub specular: f64,
     /// The shape of the highlight.
     pub highlight: Highlight,
-    /// m, the exponent of the highlight. Small mirrors get the slope √(2/(m + 2)), which makes the highlight as sharp
-    /// as Blinn's.
+    /// m, the exponent of the highlight; see [`Highlight::model`].
     pub shininess: f64,
     /// Background light, in the surface's color.
     pub background: f64,
@@ -87,22 +103,10 @@ impl Scene {
             diffuse: self.diffuse,
             specular: self.specular,
             shininess: self.shininess,
-            specular_model: self.specular_model(),
+            specular_model: self.highlight.model(self.shininess),
         };
         let lamp = Lamp { position: LampPosition::Direction(direction(self.light)), intensity: DVec3::ONE };
         Lighting { material, ambient: DVec3::ONE, lamps: vec![lamp] }
-    }
-
-    fn specular_model(&self) -> Specular {
-        let slope = (2.0 / (self.shininess + 2.0)).sqrt();
-        let mirrors = |facets| Specular::CookTorrance(Microfacets { facets, slope, index: DVec3::splat(MIRROR_INDEX) });
-        match self.highlight {
-            Highlight::Phong => Specular::Phong,
-            Highlight::Blinn => Specular::Blinn,
-            // With this c1, as many mirrors face along the normal as in Beckmann's distribution.
-            Highlight::TorranceSparrow => mirrors(Facets::Gaussian { c1: 1.0 / (slope * slope) }),
-            Highlight::CookTorrance => mirrors(Facets::Beckmann),
-        }
     }
 
     /// Returns the view in a window of `width` × `height` pixels.

@@ -1,7 +1,8 @@
 //! New in machband: light with a continuous slope, determined by the light values and slopes at the vertices. It uses
-//! the reduced Clough–Tocher cubics of [`Patches`].
+//! the reduced Clough–Tocher cubics of [`Patches`]. *c1-phong* uses the same cubics for normals.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::{gouraud::ShaderKernel, strips::select_by_smallest_weight};
 use crate::shading::{
@@ -21,7 +22,8 @@ type Cubic<T> = [T; 10];
 impl<T: Constant, const C: usize> Patch<T, C> {
     /// Prepares the shader for the triangles of `frame`.
     pub fn new(frame: &Frame, channels: Channels, patches: &Patches) -> Self {
-        Patch(frame.each_triangle(|t| thirds(channels, &patches.control_points[t])))
+        let triangles = (0..frame.triangles.len()).into_par_iter();
+        Patch(triangles.map(|t| thirds(channels, &patches.control_points[t])).collect())
     }
 }
 

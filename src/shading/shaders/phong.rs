@@ -1,13 +1,9 @@
 //! Interpolates the normal and lights every pixel. Shoaff §3.4.
 
-use super::gouraud::ShaderKernel;
-use crate::{
-    light::Transfers,
-    shading::{
-        frame::Frame,
-        lighting::Reflection,
-        number::{Channels, Constant, Number, unit, weighted},
-    },
+use super::{gouraud::ShaderKernel, pixel::PixelLight};
+use crate::shading::{
+    frame::Frame,
+    number::{Channels, Constant, Number, unit, weighted},
 };
 
 /// The light of a surface with the normalized normal Σ w_i·N_i at the position Σ w_i·P_i.
@@ -16,28 +12,22 @@ pub struct Phong<T, const C: usize> {
     normals: Vec<[[T; 3]; 3]>,
     /// Positions in eye space; empty if only directions matter.
     places: Vec<[[T; 3]; 3]>,
-    ambient: [T; C],
-    lamps: Vec<Reflection<T, C>>,
+    pixel: PixelLight<T, C>,
     /// The position of the eye on the z axis; `None` if it is infinitely far away.
     eye: Option<T>,
-    encoding: Option<Transfers>,
 }
 
 impl<T: Constant, const C: usize> Phong<T, C> {
     /// Prepares the shader for the triangles of `frame`, lit by the frame's lamps.
     pub fn new(frame: &Frame, channels: Channels) -> Self {
-        let lighting = &frame.lighting;
-        let lamp = |lamp| Reflection::new(lamp, &lighting.material, channels);
-        let lamps: Vec<Reflection<T, C>> = lighting.lamps.iter().map(lamp).collect();
+        let pixel = PixelLight::new(frame, channels);
         let eye = frame.view.distance.is_finite().then(|| T::of(frame.view.distance));
-        let has_places = eye.is_some() || lamps.iter().any(Reflection::is_near);
+        let has_places = eye.is_some() || pixel.has_near_lamps();
         Phong {
             normals: frame.corner_vectors(|v| v.normal),
             places: if has_places { frame.corner_vectors(|v| v.eye) } else { Vec::new() },
-            ambient: channels.pick(lighting.ambient_light()),
-            lamps,
+            pixel,
             eye,
-            encoding: frame.encoding.clone(),
         }
     }
 }
@@ -54,24 +44,6 @@ impl<T: Constant, const C: usize> ShaderKernel<T, C> for Phong<T, C> {
         if let Some(eye) = self.eye {
             to_viewer = unit([zero - place[0], zero - place[1], zero.all(eye) - place[2]]).0;
         }
-        let mut sum = self.ambient.map(|ambient| zero.all(ambient));
-        for lamp in &self.lamps {
-            let light = lamp.light(place, normal, to_viewer);
-            for c in 0..C {
-                sum[c] = sum[c] + light[c];
-            }
-        }
-        match &self.encoding {
-            None => sum,
-            Some(transfers) => N::each(sum, |light| encoded(transfers, light)),
-        }
+        self.pixel.light(triangle, w, place, normal, to_viewer)
     }
-}
-
-/// One channel stands for several only if they have the same transfer function.
-fn encoded<const C: usize>(transfers: &Transfers, light: [f64; C]) -> [f64; C] {
-    let mut channels = [light[0]; 3];
-    channels[..C].copy_from_slice(&light);
-    let encoded = transfers.encoded_from_linear(channels);
-    std::array::from_fn(|c| encoded[c])
 }

@@ -29,6 +29,8 @@ named! {
         Cut = "cut",
         /// New in machband: light with a continuous slope, determined by the light values and slopes at the vertices.
         Patch = "patch",
+        /// New in machband: Phong's lighting at every pixel, with normals that change with a continuous slope.
+        C1Phong = "c1-phong",
     }
 }
 
@@ -58,19 +60,25 @@ pub struct Shade {
     pub vertex: Correction,
     /// Intensity reweighting, Bangay eq. 9.
     pub reweight: Correction,
-    /// The method for the slopes at the vertices, used by [`Shader::Patch`].
+    /// The method for the slopes at the vertices, used by [`Shader::Patch`] and [`Shader::C1Phong`].
     pub gradients: Gradients,
 }
 
 impl Shader {
     /// The names of all shaders, for an error message.
     pub const EXPECTED: &str =
-        "one of flat, gouraud, phong, quadratic, fixed, gradient, gradient-repaired, exact, cut, patch";
+        "one of flat, gouraud, phong, quadratic, fixed, gradient, gradient-repaired, exact, cut, patch, c1-phong";
 
     /// True if the shader interpolates light between the vertices, which is what the corrections apply to.
     #[must_use]
     pub const fn interpolates_light(self) -> bool {
-        !matches!(self, Shader::Flat | Shader::Phong)
+        !matches!(self, Shader::Flat) && !self.lights_pixels()
+    }
+
+    /// True if the shader lights every pixel.
+    #[must_use]
+    pub const fn lights_pixels(self) -> bool {
+        matches!(self, Shader::Phong | Shader::C1Phong)
     }
 }
 
@@ -94,6 +102,12 @@ impl Shade {
     #[must_use]
     pub fn strip(&self) -> f64 {
         if self.shader == Shader::Cut { self.boundary } else { self.boundary.min(1.0 / 3.0) }
+    }
+
+    /// True if the method for the slopes at the vertices affects the result.
+    #[must_use]
+    pub fn has_gradients(&self) -> bool {
+        matches!(self.shader, Shader::Patch | Shader::C1Phong)
     }
 
     /// True if n and b affect the result.
