@@ -7,12 +7,12 @@
 //!
 //! | room | contents |
 //! |---|---|
-//! | [`mesh`] | triangles, their normals, edges and curvature, and meshes by name |
+//! | [`mesh`] | triangles, their normals, edges, curvature and paint, and meshes by name |
 //! | [`lighting`] | materials, lamps, highlights, transparency, refraction |
 //! | [`frame`] | a mesh on the screen: the view, which triangle each pixel shows, bends at edges, slopes at vertices |
 //! | [`shaders`] | one file per shader: how light spreads over a triangle |
 //! | [`draw`] | drawing on the CPU and on a graphics card |
-//! | [`measure`] | the creases that a shader leaves |
+//! | [`measure`] | the creases that a shader leaves, and the smooth surface itself |
 
 pub mod draw;
 pub mod frame;
@@ -24,10 +24,15 @@ pub mod shaders;
 
 #[cfg(feature = "gpu")]
 pub use draw::gpu;
-pub use draw::{Encoder, Prepared, Reference, picture};
-pub use frame::{Across, Frame, FrameTriangle, FrameVertex, Gradients, Highlight, Patches, Scene, View, coverage};
+pub use draw::{Body, Composition, Encoder, Prepared, Reference, picture};
+pub use frame::{
+    Across, Field, Frame, FrameTriangle, FrameVertex, Gradients, Highlight, Patches, Scene, View, coverage,
+};
 pub use lighting::{Lamp, LampPosition, Lighting, Material, Refraction, Specular, Transparency};
-pub use measure::{self as crease, Creases, EdgeCrease};
-pub use mesh::{Edge, EdgeKind, Edges, Mesh, MeshError, Polygons, Surface, Vertex, shapes};
+pub use measure::{self as crease, Creases, EdgeCrease, Truth};
+pub use mesh::{
+    Coat, Edge, EdgeKind, Edges, Fan, Mesh, MeshError, Normals, Paint, PaintedCorner, Polygons, Smooth, Surface,
+    Texture, Vertex, shapes,
+};
 pub use number::Channels;
 pub use shaders::{Correction, Shade, Shader};

@@ -12,13 +12,16 @@
 //! approximate.
 
 mod band;
+mod composition;
 mod encoder;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod lanes;
 mod prepared;
+mod rays;
 mod reference;
 
+pub use composition::{Body, Composition};
 pub use encoder::Encoder;
 pub use prepared::{Prepared, picture};
 pub use reference::Reference;

@@ -132,7 +132,7 @@ pub fn picture(frame: &Frame, shade: &Shade) -> LinearImage {
 
 /// Draws a band with code specialized for its shader.
 fn paint<const C: usize>(band: Band<'_>, shading: &Shading<f32, C>, scratch: &mut Scratch, arch: Arch) {
-    if shading.corrections.is_some() {
+    if shading.corrections.is_some() || shading.paint.is_some() {
         return band.paint(shading, scratch, arch);
     }
     with_shader!(&shading.uncorrected, shader => band.paint::<C, _>(shader, scratch, arch));
@@ -153,7 +153,8 @@ fn corners(frame: &Frame, triangle: usize, channels: Channels) -> Corners {
 /// Determines which channels must be shaded: only one if the light values of the vertices and everything that a shader
 /// may add to them are gray.
 fn channels(frame: &Frame) -> Channels {
-    if frame.encoding.as_ref().is_some_and(|transfers| transfers.uniform().is_none()) {
+    let differ = frame.encoding.as_ref().is_some_and(|transfers| transfers.uniform().is_none());
+    if differ || frame.paint.is_some() {
         return Channels::Color;
     }
     let (lighting, material) = (&frame.lighting, &frame.lighting.material);

@@ -77,6 +77,15 @@ pub enum LampPosition {
 }
 
 impl Lamp {
+    /// Returns a vector from a position toward the lamp, of any length.
+    #[must_use]
+    pub fn toward(&self, position: DVec3) -> DVec3 {
+        match self.position {
+            LampPosition::Direction(toward) => toward,
+            LampPosition::Point { position: lamp, .. } => lamp - position,
+        }
+    }
+
     /// Makes a white lamp that is infinitely far away in the direction `toward`, a vector of any length above 0.
     #[must_use]
     pub fn directional(toward: DVec3) -> Lamp {
@@ -118,7 +127,8 @@ impl Lighting {
     #[must_use]
     pub fn light(&self, position: DVec3, normal: DVec3, to_viewer: DVec3) -> DVec3 {
         let [position, normal, to_viewer] = [position, normal, to_viewer].map(|v| v.to_array());
-        let of_lamp = |lamp| Reflection::new(lamp, &self.material, Channels::Color).light(position, normal, to_viewer);
+        let of_lamp =
+            |lamp| Reflection::new(lamp, &self.material, Channels::Color).light(position, normal, to_viewer, None);
         self.ambient_light() + self.lamps.iter().map(|lamp| DVec3::from_array(of_lamp(lamp))).sum::<DVec3>()
     }
 }
@@ -189,9 +199,15 @@ impl<T: Constant, const C: usize> Reflection<T, C> {
     }
 
     /// Returns f_att·I_p·(k_d·O_d·(N·L) + k_s·O_s·s) where N·L is above 0, and 0 elsewhere, for a position, a unit
-    /// normal N and a unit vector V toward the viewer.
+    /// normal N and a unit vector V toward the viewer. `color`, if given, multiplies O_d.
     #[inline(always)]
-    pub fn light<N: Number<Constant = T>>(&self, position: [N; 3], normal: [N; 3], to_viewer: [N; 3]) -> [N; C] {
+    pub fn light<N: Number<Constant = T>>(
+        &self,
+        position: [N; 3],
+        normal: [N; 3],
+        to_viewer: [N; 3],
+        color: Option<[N; C]>,
+    ) -> [N; C] {
         let zero = normal[0].of(0.0);
         let (to_lamp, strength) = match &self.position {
             PreparedPosition::Far(toward) => (all(zero, toward), zero.of(1.0)),
@@ -206,7 +222,11 @@ impl<T: Constant, const C: usize> Reflection<T, C> {
         let lit = zero.below(cosine);
         let mut light = [zero; C];
         for c in 0..C {
-            let reflected = cosine.times(self.diffuse[c]) + highlight[c].times(self.specular[c]);
+            let mut diffuse = cosine.times(self.diffuse[c]);
+            if let Some(color) = color {
+                diffuse = diffuse * color[c];
+            }
+            let reflected = diffuse + highlight[c].times(self.specular[c]);
             light[c] = N::select(lit, reflected * strength, zero);
         }
         light

@@ -7,6 +7,7 @@
 //!
 //! `UncorrectedShader`, below, lists the shaders.
 
+mod c1_phong;
 mod corrections;
 mod cut;
 mod exact;
@@ -14,18 +15,22 @@ mod fixed;
 pub mod flat;
 mod gouraud;
 mod gradient;
+mod painted;
 mod patch;
 mod phong;
+mod pixel;
 pub mod quadratic;
 mod shade;
 mod strips;
 
 pub use gouraud::ShaderKernel;
+pub use painted::{Painted, PaintedTriangle};
 pub use patch::Patch;
 pub use shade::{Correction, Shade, Shader};
 pub use strips::Curve;
 
 use self::{
+    c1_phong::C1Phong,
     corrections::Corrections,
     cut::Cut,
     exact::Exact,
@@ -37,7 +42,7 @@ use self::{
     quadratic::Quadratic,
 };
 use crate::shading::{
-    frame::{Frame, Patches},
+    frame::{Field, Frame, Patches},
     number::{Channels, Constant, Number},
 };
 
@@ -55,6 +60,7 @@ pub enum UncorrectedShader<T, const C: usize> {
     Exact(Exact<T, C>),
     Cut(Cut<T, C>),
     Patch(Patch<T, C>),
+    C1Phong(C1Phong<T, C>),
 }
 
 /// Evaluates `$body` with `$shader` bound to the shader in `$uncorrected`.
@@ -70,6 +76,7 @@ macro_rules! with_shader {
             $crate::shading::shaders::UncorrectedShader::Exact($shader) => $body,
             $crate::shading::shaders::UncorrectedShader::Cut($shader) => $body,
             $crate::shading::shaders::UncorrectedShader::Patch($shader) => $body,
+            $crate::shading::shaders::UncorrectedShader::C1Phong($shader) => $body,
         }
     };
 }
@@ -87,8 +94,10 @@ impl<T: Constant, const C: usize> UncorrectedShader<T, C> {
             Shader::Phong => UncorrectedShader::Phong(Phong::new(frame, channels)),
             Shader::Quadratic => UncorrectedShader::Quadratic(Quadratic::new(frame, channels)),
             Shader::Patch => {
-                UncorrectedShader::Patch(Patch::new(frame, channels, &Patches::new(frame, shade.gradients)))
+                let patches = Patches::new(frame, Field::Light, shade.gradients);
+                UncorrectedShader::Patch(Patch::new(frame, channels, &patches))
             }
+            Shader::C1Phong => UncorrectedShader::C1Phong(C1Phong::new(frame, channels, shade.gradients)),
             Shader::Gouraud => UncorrectedShader::Gouraud(Gouraud),
             // Without strips, the other shaders are the same as Gouraud.
             _ if b <= 0.0 => UncorrectedShader::Gouraud(Gouraud),
@@ -101,13 +110,16 @@ impl<T: Constant, const C: usize> UncorrectedShader<T, C> {
     }
 }
 
-/// A shader with its corrections. The shader's light comes first, then vertex shading, then reweighting.
+/// A shader with its corrections and paint. The shader's light comes first, then vertex shading, then reweighting, then
+/// the paint.
 #[derive(Clone, Debug)]
 pub struct Shading<T, const C: usize> {
     /// The shader.
     pub uncorrected: UncorrectedShader<T, C>,
     /// Bangay's corrections, if any are enabled.
     pub corrections: Option<Corrections<T, C>>,
+    /// The paint that multiplies the light, unless the shader lights every pixel and applies it itself.
+    pub paint: Option<Painted>,
 }
 
 impl<T: Constant, const C: usize> Shading<T, C> {
@@ -118,6 +130,7 @@ impl<T: Constant, const C: usize> Shading<T, C> {
         Shading {
             uncorrected: UncorrectedShader::new(frame, shade, channels),
             corrections: (!is_uncorrected).then(|| Corrections::new(frame, shade, channels)),
+            paint: if shade.shader.lights_pixels() { None } else { Painted::of(frame, shade.shader) },
         }
     }
 }
@@ -126,8 +139,12 @@ impl<T: Constant, const C: usize> ShaderKernel<T, C> for Shading<T, C> {
     #[inline(always)]
     fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C] {
         let value = with_shader!(&self.uncorrected, shader => shader.light(triangle, w, gouraud));
-        match &self.corrections {
+        let value = match &self.corrections {
             Some(corrections) => corrections.corrected(triangle, w, value),
+            None => value,
+        };
+        match &self.paint {
+            Some(paint) => paint.tinted(triangle, w, value),
             None => value,
         }
     }

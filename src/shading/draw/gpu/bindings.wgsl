@@ -22,6 +22,10 @@ struct Globals {
     points: u32,
     // 1/γ if the transfer function is a power.
     exponent: f32,
+    // Pixels per unit of the plane z = 0 in eye space.
+    pixels_per_unit: f32,
+    // Where the paint of the triangles, the coats and the texels begin in `constants`.
+    paint: vec4u,
     lamps: array<Lamp, 64>,
 }
 
@@ -53,7 +57,7 @@ struct Triangle {
 @group(0) @binding(0) var<uniform> globals: Globals;
 @group(0) @binding(1) var<storage, read> vertices: array<Vertex>;
 @group(0) @binding(2) var<storage, read> triangles: array<Triangle>;
-// The data of each triangle in addition to its vertices.
+// The data of each triangle in addition to its vertices, followed by the paint.
 @group(0) @binding(3) var<storage, read> constants: array<vec4f>;
 // The transfer table: light, encoded value, and slope to the next point.
 @group(0) @binding(4) var<storage, read> table: array<vec4f>;
@@ -66,3 +70,5 @@ override TRANSFER: u32;
 override SPECULAR: u32;
 // Rows of `constants` per triangle, three entries each.
 override ROWS: u32;
+// 1 if the mesh is painted.
+override PAINTED: u32;

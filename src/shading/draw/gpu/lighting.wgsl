@@ -22,7 +22,7 @@ fn to_viewer(position: vec3f) -> vec3f {
 // Returns the light that a point with the unit normal `normal` sends to the eye.
 fn light_at(position: vec3f, normal: vec3f) -> vec3f {
     let viewer = to_viewer(position);
-    var sum = globals.ambient.rgb;
+    var sum = globals.ambient.rgb * tint;
     for (var i = 0u; i < globals.lamp_count; i++) {
         let lamp = globals.lamps[i];
         var toward = lamp.place.xyz;
@@ -42,7 +42,7 @@ fn light_at(position: vec3f, normal: vec3f) -> vec3f {
 fn reflected(normal: vec3f, lamp: vec3f, viewer: vec3f) -> vec3f {
     let cosine = dot(normal, lamp);
     if cosine > 0.0 {
-        return globals.diffuse.rgb * cosine + globals.specular.rgb * highlight(normal, lamp, viewer);
+        return globals.diffuse.rgb * tint * cosine + globals.specular.rgb * highlight(normal, lamp, viewer);
     }
     return vec3f(0.0);
 }

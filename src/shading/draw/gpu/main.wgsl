@@ -53,8 +53,8 @@ struct Row {
     c: vec4f,
 }
 
-// Row 0 holds the corners' light values. For *phong*, row 0 holds their normals and row 1 their positions. The other
-// rows hold the triangle's constants.
+// Row 0 holds the corners' light values. For *phong*, row 0 holds their normals and row 1 their positions; for
+// *c1-phong*, row 0 holds their normals and z. The other rows hold the triangle's constants.
 fn row(triangle: u32, corners: vec3u, which: u32) -> Row {
     let a = corners.x;
     let b = corners.y;
@@ -65,6 +65,9 @@ fn row(triangle: u32, corners: vec3u, which: u32) -> Row {
     if SHADER == PHONG && which == 1u {
         return Row(vertices[a].eye, vertices[b].eye, vertices[c].eye);
     }
+    if SHADER == C1_PHONG && which == 0u {
+        return Row(normal_and_z(a), normal_and_z(b), normal_and_z(c));
+    }
     if which == 0u {
         return Row(vertices[a].light, vertices[b].light, vertices[c].light);
     }
@@ -73,6 +76,10 @@ fn row(triangle: u32, corners: vec3u, which: u32) -> Row {
         return Row(constants[first], constants[first + 1u], constants[first + 2u]);
     }
     return Row(vec4f(0.0), vec4f(0.0), vec4f(0.0));
+}
+
+fn normal_and_z(vertex: u32) -> vec4f {
+    return vec4f(vertices[vertex].normal.xyz, vertices[vertex].eye.z);
 }
 
 @fragment
@@ -100,6 +107,11 @@ fn pixel_light(t: Corner, w: vec3f) -> vec3f {
     if REWEIGHT == REPAIRED {
         light = reweight_repaired(light, normal_length(t.triangle, w), ambient_at(t.triangle, w));
     }
+    // Shaders that light every pixel have applied the tint themselves.
+    if PAINTED != 0u && SHADER != PHONG && SHADER != C1_PHONG {
+        set_tint(painted_at(t.triangle, w));
+        light *= tint;
+    }
     return light;
 }
 
@@ -113,7 +125,7 @@ fn shaded(t: Corner, w: vec3f) -> vec3f {
         case PHONG: {
             let normal = t.a0.xyz * w.x + t.b0.xyz * w.y + t.c0.xyz * w.z;
             let place = t.a1.xyz * w.x + t.b1.xyz * w.y + t.c1.xyz * w.z;
-            return light_at(place, normalized(normal));
+            return painted_light(t.triangle, w, place, normalized(normal));
         }
         case QUADRATIC: {
             // Row 1 holds four times the bulge at the midpoint of each edge.
@@ -141,15 +153,43 @@ fn shaded(t: Corner, w: vec3f) -> vec3f {
                 + cut_strip(t.c1.rgb, t.c1.w, t.c2.xy, w.z, w.xy, b);
         }
         case PATCH: {
-            let light = array(t.a0.rgb, t.b0.rgb, t.c0.rgb);
-            let next = array(t.a1.rgb, t.b1.rgb, t.c1.rgb);
-            let previous = array(t.a2.rgb, t.b2.rgb, t.c2.rgb);
-            return patch_light(Patch(light, next, previous, array(t.a3.rgb, t.b3.rgb, t.c3.rgb)), w);
+            return patch_value(patch_of(t), w).rgb;
+        }
+        case C1_PHONG: {
+            // The line of sight through the pixel is exact and does not bend at edges.
+            let shape = patch_value(patch_of(t), w);
+            let place = (t.position.xy - 0.5 * globals.size) / globals.pixels_per_unit;
+            let sight = vec3f(place.x, -place.y, 0.0);
+            return painted_light(t.triangle, w, on_sight(sight, shape.w), normalized(shape.xyz));
         }
         default: {
             return gouraud(t, w);
         }
     }
+}
+
+// Returns the light of a pixel with the unit normal `normal`, under the paint.
+fn painted_light(triangle: u32, w: vec3f, place: vec3f, normal: vec3f) -> vec3f {
+    if PAINTED == 0u {
+        return light_at(place, normal);
+    }
+    let painted = painted_at(triangle, w);
+    set_tint(painted);
+    return light_at(place, bumped(painted, normal));
+}
+
+fn patch_of(t: Corner) -> Patch {
+    return Patch(
+        array(t.a0, t.b0, t.c0), array(t.a1, t.b1, t.c1), array(t.a2, t.b2, t.c2), array(t.a3, t.b3, t.c3)
+    );
+}
+
+// Returns the point with the given z on the line of sight that meets the plane z = 0 at `sight`.
+fn on_sight(sight: vec3f, z: f32) -> vec3f {
+    if globals.distance == 0.0 {
+        return vec3f(sight.xy, z);
+    }
+    return vec3f(sight.xy * (1.0 - z / globals.distance), z);
 }
 
 // Bangay eq. 2.

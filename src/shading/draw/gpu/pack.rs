@@ -5,9 +5,9 @@ use glam::{DVec2, DVec3};
 use crate::{
     light::{Bits, Transfer, quantize::reference_code},
     shading::{
-        frame::{Across, Bend, ControlPoints, Frame, FrameVertex, Patches, bends},
+        frame::{Across, Bend, ControlPoints, Field, Frame, FrameVertex, Patches, bends},
         lighting::{Facets, Lamp, LampPosition, Microfacets, Specular},
-        shaders::{Shade, Shader, flat, quadratic},
+        shaders::{Painted, PaintedTriangle, Shade, Shader, flat, quadratic},
     },
 };
 
@@ -24,7 +24,8 @@ struct Globals {
     lamp_count: u32,
     points: u32,
     exponent: f32,
-    padding: u32,
+    pixels_per_unit: f32,
+    paint: [u32; 4],
     lamps: [[[f32; 4]; 3]; MAX_LAMPS],
 }
 
@@ -55,7 +56,7 @@ fn four(v: DVec3, w: f64) -> [f32; 4] {
     [x, y, z, w as f32]
 }
 
-fn globals(frame: &Frame, shade: &Shade, transfer: &Transfer) -> Globals {
+fn globals(frame: &Frame, shade: &Shade, transfer: &Transfer, paint: [u32; 4]) -> Globals {
     let material = &frame.lighting.material;
     let facets = match material.specular_model {
         Specular::CookTorrance(facets) => facets,
@@ -77,7 +78,8 @@ fn globals(frame: &Frame, shade: &Shade, transfer: &Transfer) -> Globals {
         lamp_count: frame.lighting.lamps.len().min(MAX_LAMPS) as u32,
         points: table(transfer).len() as u32,
         exponent: if let Transfer::Gamma(gamma) = transfer { gamma.recip() as f32 } else { 1.0 },
-        padding: 0,
+        pixels_per_unit: frame.view.pixels_per_unit() as f32,
+        paint,
         lamps,
     }
 }
@@ -102,11 +104,13 @@ pub fn buffers(frame: &Frame, shade: &Shade, transfer: &Transfer) -> [Vec<u8>; 5
         padding: 0,
         slopes: slopes(frame.corners(t).map(|v| v.screen)),
     };
+    let mut constants = constants(frame, shade);
+    let paint = push_paint(frame, shade.shader, &mut constants);
     [
-        bytes(&[globals(frame, shade, transfer)]),
+        bytes(&[globals(frame, shade, transfer, paint)]),
         bytes(&frame.vertices.iter().map(vertex).collect::<Vec<_>>()),
         bytes(&frame.each_triangle(triangle)),
-        bytes(&constants(frame, shade)),
+        bytes(&constants),
         bytes(&table(transfer)),
     ]
 }
@@ -173,7 +177,7 @@ pub const fn rows(shader: Shader) -> u32 {
     match shader {
         Shader::Flat | Shader::Quadratic | Shader::Gradient | Shader::GradientRepaired | Shader::Exact => 1,
         Shader::Cut => 2,
-        Shader::Patch => 3,
+        Shader::Patch | Shader::C1Phong => 3,
         _ => 0,
     }
 }
@@ -190,11 +194,45 @@ fn constants(frame: &Frame, shade: &Shade) -> Vec<[f32; 4]> {
         Shader::Exact => bends(frame).iter().flatten().map(|edge| four(edge.c, 0.0)).collect(),
         Shader::Cut => bends(frame).iter().flat_map(cut).collect(),
         Shader::Patch => {
-            let patches = Patches::new(frame, shade.gradients);
-            triangles.flat_map(|t| ordinates(&patches.control_points[t])).collect()
+            let patches = Patches::new(frame, Field::Light, shade.gradients);
+            triangles.flat_map(|t| ordinates(&patches.control_points[t]).map(|light| four(light, 0.0))).collect()
+        }
+        Shader::C1Phong => {
+            let [normals, positions] =
+                [Field::Normal, Field::Position].map(|field| Patches::new(frame, field, shade.gradients));
+            let of = |t: usize| [&normals, &positions].map(|patches| ordinates(&patches.control_points[t]));
+            let pack = |[normals, positions]: [[DVec3; 9]; 2]| (0..9).map(move |i| four(normals[i], positions[i].z));
+            triangles.flat_map(|t| pack(of(t))).collect()
         }
         _ => Vec::new(),
     }
+}
+
+/// Adds the paint of the triangles, the coats and the texels; returns where each begins. See `shaders/painted.wgsl`.
+fn push_paint(frame: &Frame, shader: Shader, constants: &mut Vec<[f32; 4]>) -> [u32; 4] {
+    let Some(painted) = Painted::of(frame, shader) else { return [0; 4] };
+    let triangles = constants.len() as u32;
+    for PaintedTriangle { corners, nearness, coat } in &painted.triangles {
+        for (corner, near) in corners.iter().zip(nearness) {
+            let [u, v] = corner.place.as_vec2().to_array();
+            constants.push(four(corner.color, *near));
+            constants.push(four(corner.tangent.truncate(), corner.tangent.w));
+            constants.push([u, v, f32::from_bits(*coat), 0.0]);
+        }
+    }
+    let coats = constants.len() as u32;
+    let mut texels: Vec<[f32; 4]> = Vec::new();
+    for texture in painted.coats.iter().flat_map(|coat| [&coat.base, &coat.normals]) {
+        constants.push(
+            texture.as_ref().map_or([0.0; 4], |texture| {
+                [texels.len() as u32, texture.width, texture.height, 0].map(f32::from_bits)
+            }),
+        );
+        texels.extend(texture.iter().flat_map(|texture| &texture.texels).map(|[x, y, z]| [*x, *y, *z, 0.0]));
+    }
+    let first = constants.len() as u32;
+    constants.append(&mut texels);
+    [triangles, coats, first, 0]
 }
 
 /// Returns c and foot of the three edges, followed by their reaches.
@@ -206,8 +244,8 @@ fn cut(edges: &[Bend; 3]) -> [[f32; 4]; 6] {
 
 /// Returns the ordinates that, together with the corners' light values, determine all others: the ones toward the next
 /// corner, the ones toward the corner after that, and the middle ones.
-fn ordinates(points: &ControlPoints) -> [[f32; 4]; 9] {
-    [3, 5, 7, 4, 6, 8, 12, 13, 14].map(|at| four(points[at], 0.0))
+fn ordinates(points: &ControlPoints) -> [DVec3; 9] {
+    [3, 5, 7, 4, 6, 8, 12, 13, 14].map(|at| points[at])
 }
 
 /// Returns the light of the neighbor's apex across each edge, with 1 in the last place if there is a neighbor.

@@ -17,8 +17,9 @@ const SOURCE: &str = concat!(
     include_str!("../../shaders/gradient.wgsl"),
     include_str!("../../shaders/exact.wgsl"),
     include_str!("../../shaders/cut.wgsl"),
-    include_str!("../../shaders/patch.wgsl"),
+    include_str!("../../../../shaders/wgsl/patch.wgsl"),
     include_str!("../../shaders/corrections.wgsl"),
+    include_str!("../../shaders/painted.wgsl"),
     include_str!("lighting.wgsl"),
     include_str!("main.wgsl"),
 );
@@ -37,7 +38,7 @@ pub fn wgsl() -> String {
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// The names and values of the WGSL overrides.
-pub type Overrides = [(&'static str, u32); 7];
+pub type Overrides = [(&'static str, u32); 8];
 
 /// Returns the overrides, for `rows` rows of constants per triangle.
 pub fn overrides(frame: &Frame, shade: &Shade, transfer: &Transfer, rows: u32) -> Overrides {
@@ -66,6 +67,7 @@ pub fn overrides(frame: &Frame, shade: &Shade, transfer: &Transfer, rows: u32) -
         ("TRANSFER", transfer),
         ("SPECULAR", specular),
         ("ROWS", rows),
+        ("PAINTED", frame.paint.is_some().into()),
     ]
 }
 

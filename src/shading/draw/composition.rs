@@ -1,0 +1,275 @@
+//! Several meshes in one picture, some of them transparent. Shoaff §4.4.
+
+use glam::{DMat3, DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::{
+    rays::{Meeting, Target, Targets},
+    reference::Reference,
+};
+use crate::{
+    light::LinearImage,
+    shading::{
+        frame::{Frame, Outline, View, coverage},
+        lighting::{Lamp, LampPosition, Lighting, Material, Refraction, Transparency},
+        mesh::Surface,
+        shaders::Shade,
+    },
+};
+
+/// A mesh with its material.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// The mesh, placed in the scene.
+    pub surface: Surface,
+    /// How its light is computed.
+    pub shade: Shade,
+    /// How it reflects light.
+    pub material: Material,
+    /// How it transmits light.
+    pub transparency: Transparency,
+    /// The index of refraction of the medium inside, relative to the medium outside; above 0. `None` lets light pass
+    /// straight.
+    pub index: Option<f64>,
+}
+
+/// Several bodies under the same lamps.
+#[derive(Clone, Debug)]
+pub struct Composition {
+    /// The meshes.
+    pub bodies: Vec<Body>,
+    /// I_a of red, green and blue.
+    pub ambient: DVec3,
+    /// The lamps, in the axes and units of the scene.
+    pub lamps: Vec<Lamp>,
+    /// The light where there is no body.
+    pub background: DVec3,
+    /// The rotation of the scene in degrees about x, then y, then z.
+    pub rotate_deg: [f64; 3],
+    /// The share of the picture's side that the sphere around the scene fills.
+    pub fill: f64,
+    /// Distance of the eye in radii of that sphere, above 1; infinite for a parallel projection.
+    pub distance: f64,
+}
+
+/// The number of surfaces that a refracted line of sight meets, at most; after that, it shows the background.
+const MAX_MEETINGS: usize = 16;
+
+/// The shortest way of a refracted ray from one surface to the next, in radii of the scene.
+const LEAST: f64 = 1e-7;
+
+/// The number of rows that one thread draws at a time.
+const ROWS: usize = 16;
+
+impl Composition {
+    /// Returns the center and radius of the sphere that the picture shows, around all bodies.
+    fn sphere(&self) -> (DVec3, f64) {
+        let used = || {
+            let meshes = self.bodies.iter().map(|body| &body.surface.mesh);
+            meshes.flat_map(|mesh| mesh.triangles.iter().flatten().map(|v| mesh.vertices[*v as usize].position))
+        };
+        let (low, high) = used().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+        let center = low + (high - low) / 2.0;
+        (center, used().map(|p| p.distance(center)).fold(0.0, f64::max))
+    }
+
+    /// Draws the scene in linear light, `width` × `height` pixels, each sampled at its center.
+    ///
+    /// At every pixel, the bodies' shaders give the light of all surfaces in front of the nearest opaque one, and
+    /// [`Transparency::through`] combines them from the farthest to the nearest. Behind a body with an index, the line
+    /// of sight is bent where it enters and leaves; what it then meets is lit at that point, whatever its shader. No
+    /// body casts shadows.
+    #[must_use]
+    pub fn image(&self, width: u32, height: u32) -> LinearImage {
+        let view = View { width, height, fill: self.fill, distance: self.distance, ..View::square(1) };
+        let view = view.rotated(self.rotate_deg);
+        let sphere = self.sphere();
+        let lamps: Vec<Lamp> = self.lamps.iter().map(|lamp| in_eye_space(lamp, view.rotation, sphere)).collect();
+        let frames: Vec<Frame> = self
+            .bodies
+            .iter()
+            .map(|body| {
+                let lighting = Lighting { material: body.material, ambient: self.ambient, lamps: lamps.clone() };
+                Frame::within(sphere, &body.surface, &view, &lighting, self.background)
+            })
+            .collect();
+        let drawn = frames.iter().zip(&self.bodies).map(|(frame, body)| Drawn::new(frame, &body.shade)).collect();
+        let targets = self.bodies.iter().any(|body| body.index.is_some()).then(|| targets(&self.bodies, &frames));
+        let picture = Picture { scene: self, view, drawn, targets };
+        let mut image = LinearImage::new(width, height);
+        let row = 3 * width as usize;
+        image.data.par_chunks_mut((row * ROWS).max(1)).enumerate().for_each(|(band, pixels)| {
+            picture.draw(band * ROWS, pixels);
+        });
+        image
+    }
+}
+
+/// Returns the lamp in eye space, where the radius of the scene is 1.
+fn in_eye_space(lamp: &Lamp, rotation: DMat3, (center, radius): (DVec3, f64)) -> Lamp {
+    let radius = if radius > 0.0 { radius } else { 1.0 };
+    let position = match lamp.position {
+        LampPosition::Direction(toward) => LampPosition::Direction((rotation * toward).normalize_or_zero()),
+        LampPosition::Point { position, attenuation: [c1, c2, c3] } => LampPosition::Point {
+            position: rotation * ((position - center) / radius),
+            attenuation: [c1, c2 * radius, c3 * radius * radius],
+        },
+    };
+    Lamp { position, ..*lamp }
+}
+
+/// Collects the triangles of all bodies in eye space.
+fn targets(bodies: &[Body], frames: &[Frame]) -> Targets {
+    let mut targets = Vec::new();
+    for (b, (body, frame)) in (0..).zip(bodies.iter().zip(frames)) {
+        for (t, triangle) in (0..).zip(&body.surface.mesh.triangles) {
+            targets.push(Target { of: (b, t), corners: triangle.map(|v| frame.vertices[v as usize].eye) });
+        }
+    }
+    Targets::new(targets)
+}
+
+/// A body that is ready to be drawn.
+struct Drawn<'f> {
+    frame: &'f Frame,
+    reference: Reference<'f>,
+    outlines: Vec<Option<Outline>>,
+}
+
+impl<'f> Drawn<'f> {
+    fn new(frame: &'f Frame, shade: &Shade) -> Self {
+        let outline = |t| Outline::new(frame.corners(t).map(|v| v.screen), frame.width, frame.height);
+        Drawn { frame, reference: Reference::new(frame, shade), outlines: frame.each_triangle(outline) }
+    }
+}
+
+/// A surface at a pixel.
+#[derive(Clone, Copy)]
+struct Layer {
+    depth: f64,
+    body: usize,
+    triangle: usize,
+}
+
+struct Picture<'f> {
+    scene: &'f Composition,
+    view: View,
+    drawn: Vec<Drawn<'f>>,
+    /// Every triangle, if any body bends light.
+    targets: Option<Targets>,
+}
+
+impl Picture<'_> {
+    /// Draws the rows from `first`.
+    fn draw(&self, first: usize, pixels: &mut [f32]) {
+        let width = self.view.width as usize;
+        let rows = pixels.len() / (3 * width);
+        let mut layers: Vec<Vec<Layer>> = vec![Vec::new(); rows * width];
+        for (body, drawn) in self.drawn.iter().enumerate() {
+            for (triangle, outline) in drawn.outlines.iter().enumerate() {
+                let Some(outline) = outline else { continue };
+                let within = outline.first.max(first as u32)..outline.end.min((first + rows) as u32);
+                if within.is_empty() {
+                    continue;
+                }
+                let depths = coverage::depths(drawn.frame, triangle);
+                outline.each_span(within, self.view.width, |y, (left, right)| {
+                    for x in left..right {
+                        let [depth] = depths.at(x, y).0;
+                        layers[(y as usize - first) * width + x as usize].push(Layer { depth, body, triangle });
+                    }
+                });
+            }
+        }
+        for (i, (pixel, layers)) in pixels.as_chunks_mut::<3>().0.iter_mut().zip(&mut layers).enumerate() {
+            let place = DVec2::new((i % width) as f64, (first + i / width) as f64) + 0.5;
+            // A tie goes to the first body and triangle.
+            layers.sort_by(|a, b| a.depth.total_cmp(&b.depth));
+            *pixel = self.light(place, layers).as_vec3().to_array();
+        }
+    }
+
+    /// Returns the light at a place on the screen that shows `layers`, the nearest first.
+    fn light(&self, place: DVec2, layers: &[Layer]) -> DVec3 {
+        let (mut passed, mut light) = (Vec::new(), self.scene.background);
+        for layer in layers {
+            let (drawn, body) = (&self.drawn[layer.body], &self.scene.bodies[layer.body]);
+            let front = drawn.reference.light(layer.triangle, drawn.frame.weights(layer.triangle, place));
+            if body.transparency == Transparency::Opaque {
+                light = front;
+                break;
+            }
+            passed.push((body.transparency, front));
+            if body.index.is_some() {
+                light = self.refracted(place, layer);
+                break;
+            }
+        }
+        passed.iter().rev().fold(light, |behind, (transparency, front)| transparency.through(*front, behind))
+    }
+
+    /// Returns the light that enters a body with an index at a place on the screen, from behind it.
+    fn refracted(&self, place: DVec2, layer: &Layer) -> DVec3 {
+        let (from, along) = self.view.ray(place);
+        let triangle = &self.drawn[layer.body].frame.triangles[layer.triangle];
+        let Some(targets) = &self.targets else { return self.scene.background };
+        // The screen's corners are rounded, so the line of sight may just miss the triangle that the pixel shows.
+        let of = (layer.body as u32, triangle.of_mesh);
+        let mut meeting = targets.first(from, along, LEAST);
+        while let Some(other) = meeting.filter(|other| other.of != of) {
+            meeting = targets.first(from, along, other.distance + LEAST);
+        }
+        meeting.map_or(self.scene.background, |meeting| self.beyond(from, along, &meeting, None, 0))
+    }
+
+    /// Returns the light that comes along a ray. `inside` is the body that it is in.
+    fn traced(&self, from: DVec3, along: DVec3, inside: Option<usize>, met: usize) -> DVec3 {
+        let meeting = self.targets.as_ref().and_then(|targets| targets.first(from, along, LEAST));
+        let Some(meeting) = meeting.filter(|_| met < MAX_MEETINGS) else { return self.scene.background };
+        let which = meeting.of.0 as usize;
+        if inside == Some(which) {
+            return self.beyond(from, along, &meeting, inside, met);
+        }
+        let body = &self.scene.bodies[which];
+        let front = self.lit(from, along, &meeting);
+        match body.transparency {
+            Transparency::Opaque => front,
+            transparency => transparency.through(front, self.beyond(from, along, &meeting, inside, met)),
+        }
+    }
+
+    /// Returns the light from beyond the surface that a ray meets.
+    fn beyond(&self, from: DVec3, along: DVec3, at: &Meeting, inside: Option<usize>, met: usize) -> DVec3 {
+        let (which, place) = (at.of.0 as usize, from + along * at.distance);
+        let Some(index) = self.scene.bodies[which].index else { return self.traced(place, along, inside, met + 1) };
+        let leaves = inside == Some(which);
+        match Refraction::of(-along, self.normal(at), if leaves { index } else { index.recip() }) {
+            Refraction::Transmitted(along) => {
+                self.traced(place, along, (!leaves).then_some(which).or(inside.filter(|_| !leaves)), met + 1)
+            }
+            Refraction::TotalReflection(along) => self.traced(place, along, inside, met + 1),
+            Refraction::Undefined => self.scene.background,
+        }
+    }
+
+    /// Returns the normal where a ray meets a triangle: the mean of the corners', weighted.
+    fn normal(&self, at: &Meeting) -> DVec3 {
+        let (body, frame) = (&self.scene.bodies[at.of.0 as usize], self.drawn[at.of.0 as usize].frame);
+        let corners = body.surface.mesh.triangles[at.of.1 as usize].map(|v| frame.vertices[v as usize].normal);
+        corners.into_iter().zip(at.weights).map(|(normal, w)| w * normal).sum::<DVec3>().normalize_or(DVec3::Z)
+    }
+
+    /// Returns the light that a surface sends toward the origin of a ray that meets it.
+    fn lit(&self, from: DVec3, along: DVec3, at: &Meeting) -> DVec3 {
+        let (which, normal) = (at.of.0 as usize, self.normal(at));
+        // The back of a sheet is lit as well.
+        let normal = if normal.dot(along) > 0.0 { -normal } else { normal };
+        let frame = self.drawn[which].frame;
+        let lighting = &frame.lighting;
+        let place = from + along * at.distance;
+        let Some(paint) = &frame.paint else { return lighting.light(place, normal, -along) };
+        let color = paint.color(at.of.1 as usize, at.weights);
+        let material = Material { color: lighting.material.color * color, ..lighting.material };
+        Lighting { material, ..lighting.clone() }.light(place, normal, -along)
+    }
+}
