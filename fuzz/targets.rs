@@ -105,9 +105,10 @@ pub fn readings(content: &[u8]) {
     checked(readings::parse("fuzz.csv", text));
 }
 
-/// A mesh.
+/// A mesh, in any format.
 pub fn obj(content: &[u8]) {
-    let Some(mesh) = checked(mesh::parse("fuzz.obj", content, 30.0)) else { return };
+    let Some(file) = checked(mesh::parse("fuzz.obj", content, 30.0)) else { return };
+    let mesh = file.mesh;
     let corners = mesh.vertices.len();
     assert!(!mesh.triangles.is_empty());
     assert!(mesh.triangles.iter().flatten().all(|corner| (*corner as usize) < corners));

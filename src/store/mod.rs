@@ -30,6 +30,7 @@ mod output;
 pub mod profile;
 pub mod ratings;
 pub mod readings;
+pub mod scene;
 pub mod session;
 pub mod table;
 mod toml;

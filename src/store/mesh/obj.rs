@@ -1,86 +1,35 @@
-//! Reads meshes from Wavefront OBJ files.
+//! Reads Wavefront OBJ files.
 //!
 //! The reader supports vertices (`v`), normals (`vn`) and faces (`f`) with any number of corners, with positive and
 //! relative indices. All objects and groups form one mesh. Everything else (texture coordinates, lines, materials,
 //! smoothing groups, curved surfaces) is ignored.
-//!
-//! **Vertices at exactly the same position are merged.** Many programs repeat a position for each of its normals;
-//! without merging, every such seam would be a border without smooth shading. Positions that are only nearly equal stay
-//! separate, and an edge between them becomes two borders. If a file contains both sides of a sheet, or bodies that
-//! touch along an edge, the edges there belong to more than two triangles and are shaded accordingly.
-//!
-//! **Normals** come from the file if it has them. A corner whose normal is missing, zero or not a number gets the
-//! average normal of the faces around it. Normals from the file create creases where they differ; averaged normals
-//! create creases where faces meet at more than the crease angle.
 
-use std::{borrow::Cow, collections::HashMap, f64::consts::PI, path::Path};
+use std::borrow::Cow;
 
 use glam::DVec3;
 
-use super::{FileError, FileErrors, file::read_bytes, table::shortened};
-use crate::shading::{Mesh, MeshError, Polygons, mesh::MAX_COORDINATE};
+use super::faces::{Faces, MAX_CORNERS};
+use crate::{
+    shading::mesh::MAX_COORDINATE,
+    store::{FileError, FileErrors, table::shortened},
+};
 
-/// Maximum file size in bytes, enough for about two million triangles.
-const MAX_FILE: u64 = 1 << 28;
-
-/// Reads an OBJ file. If the file has no normals, faces that meet at more than `crease_deg` degrees do not share a
-/// normal; 180 makes the whole mesh smooth.
-///
-/// # Errors
-/// The file cannot be read or is too large; otherwise, the same errors as [`parse`].
-pub fn read(path: &Path, crease_deg: f64) -> Result<Mesh, FileErrors> {
-    parse(&path.display().to_string(), &read_bytes(path, MAX_FILE, "an OBJ file")?, crease_deg)
-}
+/// Maximum number of errors reported per file.
+const MAX_ERRORS: usize = 20;
 
 /// Reads the content of an OBJ file; `file` identifies it in messages.
 ///
 /// # Errors
 /// Reports the first errors, each with its line and column: content that is not text, numbers or indices that cannot be
-/// read, coordinates that are not finite, vertices and normals that do not exist, and faces with too few corners. It is
-/// also an error if the file has no faces, or if none of its faces has an area.
-pub fn parse(file: &str, content: &[u8], crease_deg: f64) -> Result<Mesh, FileErrors> {
-    let (positions, polygons) = polygons(file, content)?;
-    let mesh = Mesh::from_polygons(&positions, &polygons, crease_deg).map_err(|error| {
-        let message = match error {
-            MeshError::NoTriangles => "has no faces; expected at least one line \"f 1 2 3\"".to_owned(),
-            MeshError::NoArea(_) => "has no face with a nonzero area; expected at least one".to_owned(),
-            error => error.to_string(),
-        };
-        FileErrors::whole(file, message)
-    })?;
-    let area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length() / 2.0;
-    let (area, (_, radius)) = ((0..mesh.triangles.len()).map(|i| area(mesh.corners(i))).sum::<f64>(), mesh.bounds());
-    let layers = area / (PI * radius * radius);
-    if layers > MAX_LAYERS {
-        let message = format!("its triangles cover its outline {layers:.0} times; expected at most {MAX_LAYERS} times");
-        return Err(FileErrors::whole(file, message));
-    }
-    Ok(mesh)
-}
-
-/// Maximum area of the triangles, relative to the disk around the mesh, because every layer is drawn. Surfaces have less
-/// than ten.
-const MAX_LAYERS: f64 = 10_000.0;
-
-/// Maximum number of corners of a face, because triangulation takes quadratic time. The caps of a finely divided
-/// cylinder have a few hundred.
-const MAX_CORNERS: usize = 1024;
-
-/// Maximum number of errors reported per file.
-const MAX_ERRORS: usize = 20;
-
-/// Returns the distinct positions, in the order in which faces use them, and the faces.
-///
-/// # Errors
-/// Reports the first errors, each with its line and column.
-fn polygons(file: &str, content: &[u8]) -> Result<(Vec<DVec3>, Polygons), FileErrors> {
+/// read, coordinates that are not finite, vertices and normals that do not exist, and faces with too few corners.
+pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
     let lines = lines(content)
         .map_err(|number| FileErrors(vec![FileError::at(file, (number, 1), "is not text; expected an OBJ file")]))?;
     let count = |wanted: &[u8]| lines.iter().filter(|(_, line)| keyword(line) == wanted).count();
     let mut reader = Reader { counts: [count(b"v"), count(b"vn")], ..Reader::default() };
     let errors = lines.iter().filter_map(|(number, line)| reader.line(file, *number, line).err());
     FileErrors::none(errors.take(MAX_ERRORS).collect())?;
-    Ok(reader.polygons())
+    Ok(reader.faces())
 }
 
 /// A line of a file and its number, from 1.
@@ -205,25 +154,18 @@ impl Reader {
         Err(statement.error(word, format!("{name} {given} does not exist{problem}")))
     }
 
-    /// Merges vertices at exactly the same position.
-    fn polygons(self) -> (Vec<DVec3>, Polygons) {
-        let mut positions = Vec::new();
-        let mut sites = HashMap::new();
-        let mut polygons = Polygons::default();
+    fn faces(self) -> Faces {
+        let mut faces = Faces::default();
         let mut start = 0;
         for end in self.ends {
-            polygons.push(self.corners[start..end].iter().map(|(vertex, normal)| {
-                // Adding 0 turns −0 into 0.
-                let position = self.vertices[*vertex] + DVec3::ZERO;
-                let site = *sites.entry(position.to_array().map(f64::to_bits)).or_insert_with(|| {
-                    positions.push(position);
-                    (positions.len() - 1) as u32
-                });
-                (site, normal.and_then(|normal| self.normals[normal]))
-            }));
+            let corners = self.corners[start..end].iter();
+            let corners: Vec<_> = corners
+                .map(|(vertex, normal)| (faces.site(self.vertices[*vertex]), normal.and_then(|n| self.normals[n])))
+                .collect();
+            faces.polygons.push(corners);
             start = end;
         }
-        (positions, polygons)
+        faces
     }
 }
 

@@ -1,0 +1,346 @@
+//! Reads glTF 2.0 files, as text (`.gltf`) and in binary (`.glb`).
+//!
+//! The reader uses every triangle of the default scene, under the transformations of its nodes: positions, normals,
+//! tangents, colors (`COLOR_0`), and the base color and normal map of the material with their texture coordinates.
+//! Skins, animations, lamps, cameras and everything else about materials are ignored, and so are extensions that a file
+//! does not require. Textures repeat.
+
+use std::{collections::HashMap, path::Path, sync::Arc};
+
+use base64::{Engine as _, prelude::BASE64_STANDARD};
+use glam::{DMat3, DMat4, DVec2, DVec3};
+use gltf::{
+    Accessor, Document, Gltf, Material, Primitive, Semantic,
+    accessor::DataType,
+    buffer, image,
+    json::{self, validation::Checked},
+    mesh::Mode,
+};
+
+use super::{
+    MAX_FILE,
+    faces::Faces,
+    texture::{self, Pixels},
+};
+use crate::{
+    light::Transfer,
+    shading::{Coat, PaintedCorner, Texture, mesh::MAX_COORDINATE},
+    store::{FileErrors, file::read_bytes, table::shortened},
+};
+
+/// Maximum number of triangles: nodes can repeat a mesh any number of times.
+const MAX_TRIANGLES: usize = 4_000_000;
+
+/// Reads the content of a glTF or GLB file; `file` identifies it in messages. Other files that it names must lie in
+/// `folder`.
+///
+/// # Errors
+/// Content that is not glTF, data that are missing or out of range, and coordinates that are not finite.
+pub(super) fn parse(folder: Option<&Path>, file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
+    read(folder, content).map_err(|message| FileErrors::whole(file, message))
+}
+
+fn read(folder: Option<&Path>, content: &[u8]) -> Result<Faces, String> {
+    // The header has 12 bytes, and its last four count them as well; the crate relies on that.
+    let length = content.get(8..12).map(|bytes| u32::from_le_bytes(bytes.try_into().unwrap_or_default()));
+    if content.starts_with(b"glTF") && length.is_none_or(|length| length < 12) {
+        return Err("its header is damaged; expected a GLB file".to_owned());
+    }
+    let not_gltf = |error| format!("{error}; expected a glTF 2.0 file");
+    let Gltf { document, blob } = Gltf::from_slice_without_validation(content).map_err(not_gltf)?;
+    check(document.as_json())?;
+    let document = Document::from_json(document.into_json()).map_err(not_gltf)?;
+    let mut source = Source { folder, buffers: Vec::new() };
+    for buffer in document.buffers() {
+        let bytes = match buffer.source() {
+            buffer::Source::Bin => blob.clone().ok_or("its binary chunk is missing; expected one")?,
+            buffer::Source::Uri(uri) => source.at(uri)?,
+        };
+        source.buffers.push(bytes);
+    }
+    let mut reader =
+        Reader { source, faces: Faces::default(), coats: HashMap::new(), textures: HashMap::new(), triangles: 0 };
+    reader.document(&document)?;
+    Ok(reader.faces)
+}
+
+/// Maximum number of nodes, because finding one takes time that grows with their number.
+const MAX_NODES: usize = 10_000;
+
+/// Checks what the crate takes for granted, even when it validates.
+fn check(json: &json::Root) -> Result<(), String> {
+    let position = Checked::Valid(Semantic::Positions);
+    let primitives = json.meshes.iter().enumerate().flat_map(|(i, mesh)| mesh.primitives.iter().map(move |p| (i, p)));
+    for (mesh, primitive) in primitives {
+        if primitive.attributes.get(&position).is_some_and(|accessor| accessor.value() >= json.accessors.len()) {
+            return Err(format!("mesh {mesh} has positions that do not exist; expected the index of an accessor"));
+        }
+    }
+    for (i, image) in json.images.iter().enumerate() {
+        if image.uri.is_none() && (image.buffer_view.is_none() || image.mime_type.is_none()) {
+            return Err(format!("image {i} has no content; expected a URI, or a buffer view and its MIME type"));
+        }
+    }
+    if json.nodes.len() > MAX_NODES {
+        return Err(format!("it has {} nodes; expected at most {MAX_NODES}", json.nodes.len()));
+    }
+    Ok(())
+}
+
+/// The bytes that a file refers to.
+struct Source<'a> {
+    folder: Option<&'a Path>,
+    buffers: Vec<Vec<u8>>,
+}
+
+impl Source<'_> {
+    /// Returns the content of a URI: data, or a file in the folder.
+    fn at(&self, uri: &str) -> Result<Vec<u8>, String> {
+        if let Some(data) = uri.strip_prefix("data:") {
+            let text = data.split_once(";base64,").ok_or("its data are not in base64; expected base64")?.1;
+            return BASE64_STANDARD
+                .decode(text)
+                .map_err(|error| format!("its data are not in base64 ({error}); expected base64"));
+        }
+        let name = uri.replace("%20", " ");
+        let is_plain = !name.contains(':')
+            && Path::new(&name).components().all(|part| matches!(part, std::path::Component::Normal(_)));
+        match self.folder.filter(|_| is_plain) {
+            Some(folder) => read_bytes(&folder.join(&name), MAX_FILE, "a file that the mesh refers to")
+                .map_err(|error| error.to_string()),
+            None => Err(format!("refers to {:?}; expected a file in the same folder or below", shortened(uri))),
+        }
+    }
+
+    fn view(&self, view: &buffer::View<'_>) -> Result<&[u8], String> {
+        let end = view.offset().checked_add(view.length());
+        let buffer = self.buffers.get(view.buffer().index());
+        let bytes = end.and_then(|end| buffer?.get(view.offset()..end));
+        bytes.ok_or_else(|| format!("buffer view {} reaches beyond its buffer; expected one within it", view.index()))
+    }
+
+    /// Returns the `N` numbers of each item of an accessor; normalized integers become −1…1.
+    fn numbers<const N: usize>(&self, accessor: &Accessor<'_>, what: &str) -> Result<Vec<[f64; N]>, String> {
+        let (index, size) = (accessor.index(), accessor.data_type().size());
+        let given = accessor.dimensions().multiplicity();
+        if given < N {
+            return Err(format!("its {what} (accessor {index}) have {given} numbers each; expected {N}"));
+        }
+        let (Some(view), None) = (accessor.view(), accessor.sparse()) else {
+            return Err(format!("its {what} (accessor {index}) are sparse; expected all of them in one buffer view"));
+        };
+        let bytes = self.view(&view)?;
+        let stride = view.stride().unwrap_or(size * given);
+        let end = accessor.count().checked_sub(1).and_then(|last| last.checked_mul(stride)?.checked_add(size * given));
+        let end = end.and_then(|end| end.checked_add(accessor.offset()));
+        let Some(bytes) = end.and_then(|end| bytes.get(accessor.offset()..end)) else {
+            return Err(format!(
+                "its {what} (accessor {index}) reach beyond their buffer view; expected them within it"
+            ));
+        };
+        let (kind, is_normalized) = (accessor.data_type(), accessor.normalized());
+        let number = |bytes: &[u8]| {
+            let (value, full) = match (kind, bytes) {
+                (DataType::F32, &[a, b, c, d]) => return f64::from(f32::from_le_bytes([a, b, c, d])),
+                (DataType::U32, &[a, b, c, d]) => return f64::from(u32::from_le_bytes([a, b, c, d])),
+                (DataType::U16, &[a, b]) => (f64::from(u16::from_le_bytes([a, b])), 65_535.0),
+                (DataType::I16, &[a, b]) => (f64::from(i16::from_le_bytes([a, b])), 32_767.0),
+                (DataType::I8, &[a]) => (f64::from(a as i8), 127.0),
+                (_, bytes) => (f64::from(bytes[0]), 255.0),
+            };
+            if is_normalized { (value / full).max(-1.0) } else { value }
+        };
+        let item = |at: usize| std::array::from_fn(|k| number(&bytes[at * stride + k * size..][..size]));
+        Ok((0..accessor.count()).map(item).collect())
+    }
+}
+
+struct Reader<'a> {
+    source: Source<'a>,
+    faces: Faces,
+    /// The index of the coat of each material.
+    coats: HashMap<Option<usize>, u32>,
+    /// The pixels of each image.
+    textures: HashMap<usize, Arc<Pixels>>,
+    triangles: usize,
+}
+
+impl Reader<'_> {
+    fn document(&mut self, document: &Document) -> Result<(), String> {
+        let scene = document.default_scene().or_else(|| document.scenes().next());
+        let roots: Vec<_> = match scene {
+            Some(scene) => scene.nodes().collect(),
+            None => document.nodes().collect(),
+        };
+        let mut waiting: Vec<_> = roots.into_iter().map(|node| (node, DMat4::IDENTITY)).collect();
+        let mut seen = vec![false; document.nodes().len()];
+        while let Some((node, above)) = waiting.pop() {
+            if std::mem::replace(&mut seen[node.index()], true) {
+                return Err(format!("node {} has two parents; expected a tree", node.index()));
+            }
+            let columns = node.transform().matrix().map(|column| column.map(f64::from));
+            let placed = above * DMat4::from_cols_array_2d(&columns);
+            if let Some(mesh) = node.mesh() {
+                for primitive in mesh.primitives() {
+                    let (index, part) = (mesh.index(), primitive.index());
+                    self.primitive(&primitive, placed)
+                        .map_err(|error| format!("mesh {index}, primitive {part}: {error}"))?;
+                }
+            }
+            waiting.extend(node.children().map(|child| (child, placed)));
+        }
+        Ok(())
+    }
+
+    fn primitive(&mut self, primitive: &Primitive<'_>, placed: DMat4) -> Result<(), String> {
+        let mode = primitive.mode();
+        if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+            return Ok(());
+        }
+        let get = |semantic: Semantic| primitive.get(&semantic);
+        let positions = get(Semantic::Positions).ok_or("it has no positions; expected POSITION")?;
+        let positions = self.source.numbers::<3>(&positions, "positions")?;
+        let count = positions.len();
+        let of_vertices = |found: usize, what: &str| {
+            if found == count {
+                Ok(())
+            } else {
+                Err(format!("it has {count} positions and {found} {what}; expected as many"))
+            }
+        };
+        let corners = self.corners(primitive, count)?;
+        let triangles: Vec<[usize; 3]> = match mode {
+            Mode::Triangles => corners.as_chunks().0.to_vec(),
+            Mode::TriangleStrip => {
+                let turned =
+                    |(i, w): (usize, &[usize])| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
+                corners.windows(3).enumerate().map(turned).collect()
+            }
+            _ => corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]).collect(),
+        };
+        self.triangles += triangles.len();
+        if self.triangles > MAX_TRIANGLES {
+            return Err(format!("the file has more than {MAX_TRIANGLES} triangles; expected at most as many"));
+        }
+
+        let linear = DMat3::from_mat4(placed);
+        let (side, of_normals) = (linear.determinant().signum(), linear.inverse().transpose());
+        let mut vertices = Vec::with_capacity(count);
+        for (i, position) in positions.into_iter().enumerate() {
+            let position = placed.transform_point3(DVec3::from_array(position));
+            // NaN does not count as within.
+            if !position.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE) {
+                return Err(format!("position {i} is not finite or is beyond ±1e30; expected three finite numbers"));
+            }
+            vertices.push((self.faces.site(position), None, PaintedCorner::default()));
+        }
+        if let Some(normals) = get(Semantic::Normals) {
+            let normals = self.source.numbers::<3>(&normals, "normals")?;
+            of_vertices(normals.len(), "normals")?;
+            for (vertex, normal) in vertices.iter_mut().zip(normals) {
+                vertex.1 = (of_normals * DVec3::from_array(normal)).try_normalize();
+            }
+        }
+        let material = primitive.material();
+        let base = material.pbr_metallic_roughness();
+        let [r, g, b, _] = base.base_color_factor().map(f64::from);
+        let colors = match get(Semantic::Colors(0)) {
+            Some(colors) => self.source.numbers::<3>(&colors, "colors")?,
+            None => vec![[1.0; 3]; count],
+        };
+        of_vertices(colors.len(), "colors")?;
+        for (vertex, color) in vertices.iter_mut().zip(colors) {
+            let color = DVec3::from_array(color) * DVec3::new(r, g, b);
+            vertex.2.color = if color.is_finite() { color.clamp(DVec3::ZERO, DVec3::ONE) } else { DVec3::ONE };
+        }
+        let sets = [base.base_color_texture().map(|t| t.tex_coord()), material.normal_texture().map(|t| t.tex_coord())];
+        if let [Some(a), Some(b)] = sets
+            && a != b
+        {
+            return Err(format!(
+                "its normal map uses the texture coordinates {b}; expected those of its base color, {a}"
+            ));
+        }
+        if let Some(set) = sets[0].or(sets[1]) {
+            let places = get(Semantic::TexCoords(set))
+                .ok_or_else(|| format!("it has no texture coordinates; expected TEXCOORD_{set}"))?;
+            let places = self.source.numbers::<2>(&places, "texture coordinates")?;
+            of_vertices(places.len(), "texture coordinates")?;
+            for (vertex, place) in vertices.iter_mut().zip(places) {
+                vertex.2.place = DVec2::from_array(place);
+            }
+        }
+        if let Some(tangents) = get(Semantic::Tangents).filter(|_| sets[1].is_some()) {
+            let tangents = self.source.numbers::<4>(&tangents, "tangents")?;
+            of_vertices(tangents.len(), "tangents")?;
+            for (vertex, [x, y, z, w]) in vertices.iter_mut().zip(tangents) {
+                vertex.2.tangent = (linear * DVec3::new(x, y, z)).normalize_or_zero().extend(w * side);
+            }
+        }
+        let coat = self.coat(&material)?;
+        for [a, b, c] in triangles {
+            // A transformation that mirrors also reverses the winding.
+            let corners = if side < 0.0 { [a, c, b] } else { [a, b, c] };
+            self.faces.polygons.push_painted(corners.map(|corner| vertices[corner]), coat);
+        }
+        Ok(())
+    }
+
+    /// Returns the vertex of each corner of a primitive with `count` vertices.
+    fn corners(&self, primitive: &Primitive<'_>, count: usize) -> Result<Vec<usize>, String> {
+        let Some(indices) = primitive.indices() else { return Ok((0..count).collect()) };
+        let indices = self.source.numbers::<1>(&indices, "indices")?;
+        let corner = |[index]: [f64; 1]| {
+            let corner = Some(index as usize).filter(|corner| *corner < count && index >= 0.0);
+            corner.ok_or_else(|| format!("an index is {index}; expected 0…{}", count.saturating_sub(1)))
+        };
+        indices.into_iter().map(corner).collect()
+    }
+
+    /// Returns the index of the coat of a material.
+    fn coat(&mut self, material: &Material<'_>) -> Result<u32, String> {
+        if let Some(known) = self.coats.get(&material.index()) {
+            return Ok(*known);
+        }
+        let texture = |pixels: &Pixels, of: &dyn Fn([u8; 3]) -> [f32; 3]| {
+            let texels = pixels.codes.iter().map(|code| of(*code)).collect();
+            Arc::new(Texture { width: pixels.width, height: pixels.height, texels })
+        };
+        let mut coat = Coat::default();
+        if let Some(base) = material.pbr_metallic_roughness().base_color_texture() {
+            let linear: Vec<f32> =
+                (0..=255).map(|code| Transfer::Srgb.linear_from_encoded(f64::from(code) / 255.0) as f32).collect();
+            let pixels = self.pixels(base.texture().source())?;
+            coat.base = Some(texture(&pixels, &|code| code.map(|code| linear[usize::from(code)])));
+        }
+        if let Some(normals) = material.normal_texture() {
+            let (pixels, scale) = (self.pixels(normals.texture().source())?, normals.scale());
+            let component = |code: u8| f32::from(code) / 127.5 - 1.0;
+            let of = |[x, y, z]: [u8; 3]| [component(x) * scale, component(y) * scale, component(z)];
+            coat.normals = Some(texture(&pixels, &of));
+        }
+        let coats = &mut self.faces.polygons.coats;
+        coats.push(coat);
+        let index = coats.len() as u32 - 1;
+        self.coats.insert(material.index(), index);
+        Ok(index)
+    }
+
+    fn pixels(&mut self, image: image::Image<'_>) -> Result<Arc<Pixels>, String> {
+        if let Some(known) = self.textures.get(&image.index()) {
+            return Ok(known.clone());
+        }
+        let read;
+        let bytes = match image.source() {
+            image::Source::View { view, .. } => self.source.view(&view)?,
+            image::Source::Uri { uri, .. } => {
+                read = self.source.at(uri)?;
+                &read
+            }
+        };
+        let pixels = texture::decode(bytes).map_err(|error| format!("image {} {error}", image.index()))?;
+        let pixels = Arc::new(pixels);
+        self.textures.insert(image.index(), pixels.clone());
+        Ok(pixels)
+    }
+}

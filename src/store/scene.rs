@@ -1,0 +1,324 @@
+//! Scenes of several meshes (TOML).
+
+use std::path::Path;
+
+use glam::DVec3;
+use serde::Deserialize;
+
+use super::{
+    FileErrors,
+    file::read_text,
+    mesh,
+    toml::{self, Document},
+};
+use crate::{
+    light::{Depth, names::named},
+    shading::{
+        Body, Composition, Correction, Gradients, Highlight, Lamp, LampPosition, Material, Mesh, Normals, Shade,
+        Shader, Surface, Transparency, View,
+        shapes::{self, Shape},
+    },
+};
+
+/// A scene, and the text that describes it.
+#[derive(Clone, Debug)]
+pub struct SceneFile {
+    /// The scene.
+    pub composition: Composition,
+    /// The content of the file.
+    pub text: String,
+    /// For each mesh file in which faces were reversed, a sentence without its subject.
+    pub notes: Vec<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct SceneTable {
+    background: [f64; 3],
+    ambient: [f64; 3],
+    view: ViewTable,
+    mesh: Vec<MeshTable>,
+    lamp: Vec<LampTable>,
+}
+
+impl Default for SceneTable {
+    fn default() -> Self {
+        let (view, mesh, lamp) = Default::default();
+        Self { background: [0.05; 3], ambient: [1.0; 3], view, mesh, lamp }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct ViewTable {
+    rotate: [f64; 3],
+    fill: f64,
+    distance: Option<f64>,
+}
+
+impl Default for ViewTable {
+    fn default() -> Self {
+        Self { rotate: [25.0, -35.0, 0.0], fill: 0.9, distance: None }
+    }
+}
+
+named! {
+    /// Which of the two formulas of transparency applies.
+    Transmits, UnknownTransparency {
+        /// No light passes.
+        Opaque = "opaque",
+        /// (1 − k_t)·I_1 + k_t·I_2.
+        Interpolated = "interpolated",
+        /// I_1 + k_t·O_t·I_2.
+        Filtered = "filtered",
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct MeshTable {
+    mesh: String,
+    vertices: usize,
+    crease: f64,
+    normals: Normals,
+    position: [f64; 3],
+    rotate: [f64; 3],
+    scale: f64,
+    shader: Shader,
+    depth: Option<Depth>,
+    boundary: Option<f64>,
+    vertex: Correction,
+    reweight: Correction,
+    gradients: Gradients,
+    color: [f64; 3],
+    specular_color: [f64; 3],
+    ambient: f64,
+    diffuse: f64,
+    specular: f64,
+    highlight: Highlight,
+    shininess: f64,
+    transparency: Transmits,
+    transmission: f64,
+    filter: [f64; 3],
+    index: Option<f64>,
+}
+
+impl Default for MeshTable {
+    fn default() -> Self {
+        let material = Material::standard();
+        Self {
+            mesh: String::new(),
+            vertices: 313,
+            crease: 180.0,
+            normals: Normals::Given,
+            position: [0.0; 3],
+            rotate: [0.0; 3],
+            scale: 1.0,
+            shader: Shader::C1Phong,
+            depth: None,
+            boundary: None,
+            vertex: Correction::Off,
+            reweight: Correction::Off,
+            gradients: Gradients::Curvature,
+            color: [1.0; 3],
+            specular_color: [1.0; 3],
+            ambient: material.ambient,
+            diffuse: material.diffuse,
+            specular: material.specular,
+            highlight: Highlight::Phong,
+            shininess: material.shininess,
+            transparency: Transmits::Opaque,
+            transmission: 0.5,
+            filter: [1.0; 3],
+            index: None,
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct LampTable {
+    direction: Option<[f64; 3]>,
+    position: Option<[f64; 3]>,
+    attenuation: [f64; 3],
+    intensity: [f64; 3],
+}
+
+impl Default for LampTable {
+    fn default() -> Self {
+        Self { direction: None, position: None, attenuation: [1.0, 0.0, 0.0], intensity: [1.0; 3] }
+    }
+}
+
+/// The largest coordinate, intensity or factor.
+const MOST: f64 = 1e6;
+
+/// Reads a scene. Mesh files are found relative to it.
+///
+/// # Errors
+/// Reports every error in the file, with its line and column; otherwise, the errors of the first mesh that cannot be
+/// made.
+pub fn read(path: &Path) -> Result<SceneFile, FileErrors> {
+    let text = read_text(path)?;
+    let file = path.display().to_string();
+    let (table, mut document) = toml::read::<SceneTable>(&file, &text)?;
+    check(&table, &mut document);
+    let table = document.finish(table)?;
+    if table.mesh.is_empty() {
+        return Err(FileErrors::whole(path, "the scene has no meshes; expected at least one table [[mesh]]"));
+    }
+    let mut notes = Vec::new();
+    let mut bodies = Vec::new();
+    for (i, mesh) in table.mesh.iter().enumerate() {
+        bodies.push(body(mesh, path, &mut notes).map_err(|error| match error {
+            BodyError::File(errors) => errors,
+            BodyError::Vertices(message) => {
+                let mut document = match Document::parse(&file, &text) {
+                    Ok(document) => document,
+                    Err(errors) => return errors,
+                };
+                document.error(&format!("mesh.{i}.vertices"), message);
+                document.finish(()).err().unwrap_or_else(|| FileErrors(Vec::new()))
+            }
+        })?);
+    }
+    let lamp = |lamp: &LampTable| Lamp {
+        position: match (lamp.position, lamp.direction) {
+            (Some(position), _) => {
+                LampPosition::Point { position: DVec3::from_array(position), attenuation: lamp.attenuation }
+            }
+            (None, direction) => {
+                LampPosition::Direction(DVec3::from_array(direction.unwrap_or_default()).normalize_or(DVec3::Z))
+            }
+        },
+        intensity: DVec3::from_array(lamp.intensity),
+    };
+    let composition = Composition {
+        bodies,
+        ambient: DVec3::from_array(table.ambient),
+        lamps: table.lamp.iter().map(lamp).collect(),
+        background: DVec3::from_array(table.background),
+        rotate_deg: table.view.rotate,
+        fill: table.view.fill,
+        distance: table.view.distance.unwrap_or(f64::INFINITY),
+    };
+    Ok(SceneFile { composition, text, notes })
+}
+
+/// Reports every value that is out of range.
+fn check(scene: &SceneTable, document: &mut Document<'_>) {
+    let mut range = |path: String, values: &[f64], least: f64, most: f64| {
+        // NaN is not in any range.
+        if let Some(value) = values.iter().find(|value| !(least..=most).contains(*value)) {
+            let key = path.rsplit('.').next().unwrap_or(&path).to_owned();
+            document.error(&path, format!("{key} {value} is outside {least}…{most}; expected numbers in this range"));
+        }
+    };
+    let top = |key: &str| key.to_owned();
+    range(top("background"), &scene.background, 0.0, 1.0);
+    range(top("ambient"), &scene.ambient, 0.0, MOST);
+    range(top("view.rotate"), &scene.view.rotate, -MOST, MOST);
+    range(top("view.fill"), &[scene.view.fill], 0.01, 100.0);
+    range(top("view.distance"), scene.view.distance.as_slice(), 1.05, MOST);
+    for (i, mesh) in scene.mesh.iter().enumerate() {
+        let of = |key: &str| format!("mesh.{i}.{key}");
+        range(of("crease"), &[mesh.crease], 0.0, 180.0);
+        range(of("position"), &mesh.position, -MOST, MOST);
+        range(of("rotate"), &mesh.rotate, -MOST, MOST);
+        range(of("scale"), &[mesh.scale], 1e-6, MOST);
+        range(of("boundary"), mesh.boundary.as_slice(), 0.0, 1.0);
+        for (key, color) in [("color", mesh.color), ("specular_color", mesh.specular_color), ("filter", mesh.filter)] {
+            range(of(key), &color, 0.0, 1.0);
+        }
+        for (key, share) in [
+            ("ambient", mesh.ambient),
+            ("diffuse", mesh.diffuse),
+            ("specular", mesh.specular),
+            ("transmission", mesh.transmission),
+        ] {
+            range(of(key), &[share], 0.0, 1.0);
+        }
+        range(of("shininess"), &[mesh.shininess], 1.0, 1000.0);
+        range(of("index"), mesh.index.as_slice(), 0.1, 10.0);
+    }
+    for (i, lamp) in scene.lamp.iter().enumerate() {
+        let of = |key: &str| format!("lamp.{i}.{key}");
+        range(of("direction"), lamp.direction.as_ref().map_or(&[], |toward| &toward[..]), -MOST, MOST);
+        range(of("position"), lamp.position.as_ref().map_or(&[], |position| &position[..]), -MOST, MOST);
+        range(of("attenuation"), &lamp.attenuation, 0.0, MOST);
+        range(of("intensity"), &lamp.intensity, 0.0, MOST);
+    }
+    for (i, mesh) in scene.mesh.iter().enumerate() {
+        if mesh.mesh.is_empty() {
+            document.error(&format!("mesh.{i}"), "mesh is missing; expected mesh = \"torus\", or the path to a file");
+        }
+        if [mesh.vertex, mesh.reweight] != [Correction::Off; 2] && !mesh.shader.interpolates_light() {
+            let message = format!("vertex and reweight need interpolated light; expected \"off\" for {}", mesh.shader);
+            document.error(&format!("mesh.{i}.shader"), message);
+        }
+    }
+    for (i, lamp) in scene.lamp.iter().enumerate() {
+        let place = format!("lamp.{i}");
+        let length = lamp.direction.map(|toward| DVec3::from_array(toward).length());
+        if lamp.direction.is_some() == lamp.position.is_some() {
+            document.error(&place, "the lamp needs one place; expected either direction = [x, y, z] or position = …");
+        } else if length.is_some_and(|length| length < 1e-6) {
+            document.error(&format!("{place}.direction"), "direction has no length; expected a vector toward the lamp");
+        } else if lamp.attenuation == [0.0; 3] {
+            document.error(&format!("{place}.attenuation"), "attenuation is 0; expected at least one number above 0");
+        }
+    }
+}
+
+/// Why there is no body.
+enum BodyError {
+    File(FileErrors),
+    Vertices(String),
+}
+
+fn body(table: &MeshTable, scene: &Path, notes: &mut Vec<String>) -> Result<Body, BodyError> {
+    let mesh = match table.mesh.parse::<Shape>() {
+        Ok(shape) => {
+            shapes::mesh(shape, table.vertices).map_err(|error| BodyError::Vertices(format!("vertices: {error}")))?
+        }
+        Err(_) => {
+            let path = scene.with_file_name(&table.mesh);
+            let file = mesh::read(&path, table.crease).map_err(BodyError::File)?;
+            notes.extend(file.note(&path));
+            file.mesh
+        }
+    };
+    let mesh: Mesh = mesh.estimated(table.normals).placed(
+        table.scale,
+        View::square(1).rotated(table.rotate).rotation,
+        DVec3::from_array(table.position),
+    );
+    let plain = Shade::new(table.shader);
+    let (k_t, color) = (table.transmission, DVec3::from_array(table.filter));
+    Ok(Body {
+        surface: Surface::new(mesh),
+        shade: Shade {
+            depth: table.depth.unwrap_or(plain.depth),
+            boundary: table.boundary.unwrap_or(plain.boundary),
+            vertex: table.vertex,
+            reweight: table.reweight,
+            gradients: table.gradients,
+            ..plain
+        },
+        material: Material {
+            color: DVec3::from_array(table.color),
+            specular_color: DVec3::from_array(table.specular_color),
+            ambient: table.ambient,
+            diffuse: table.diffuse,
+            specular: table.specular,
+            shininess: table.shininess,
+            specular_model: table.highlight.model(table.shininess),
+        },
+        transparency: match table.transparency {
+            Transmits::Opaque => Transparency::Opaque,
+            Transmits::Interpolated => Transparency::Interpolated { k_t },
+            Transmits::Filtered => Transparency::Filtered { k_t, color },
+        },
+        index: table.index,
+    })
+}
