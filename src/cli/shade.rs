@@ -1,6 +1,9 @@
 //! `machband shade`
 
-use std::{collections::HashSet, path::PathBuf};
+use std::{
+    collections::HashSet,
+    path::{Path, PathBuf},
+};
 
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -11,14 +14,17 @@ use super::{
     print_line,
 };
 use crate::{
-    light::{Bits, Depth, Quantizer, Transfer},
+    light::{Bits, Depth, LinearImage, Quantizer, Transfer},
     shading::{
-        Correction, Creases, EdgeKind, Frame, Gradients, Highlight, Mesh, Scene, Shade, Shader, Surface, crease,
+        Correction, Creases, EdgeKind, Frame, Gradients, Highlight, Mesh, Normals, Scene, Shade, Shader, Surface,
+        Truth, crease,
         shapes::{self, Shape},
     },
-    stimulus::{Renderer, Shot, StimulusColor, Triple, ViewingConditions, describe_scene},
-    store::{self, Writer},
-    vision::{Visibility, VisionError},
+    stimulus::{
+        Judged, Renderer, Residual, Shot, StimulusColor, Triple, Undershoot, ViewingConditions, describe_scene,
+    },
+    store::{self, Writer, scene::SceneFile},
+    vision::{PicturePrediction, Visibility, VisionError},
 };
 
 /// Shade a mesh: write its image, measure how smooth its edges are, and predict how visible its bands are.
@@ -32,18 +38,30 @@ use crate::{
     after_help = "Example: machband shade --mesh blob --vertices 313 --shader exact --depth 3 --boundary 0.2 --out exact.png --metrics exact.json"
 )]
 pub(super) struct Arguments {
-    /// Mesh: cube, pyramid, sphere, torus, blob, or the path to an OBJ file.
+    /// A scene of several meshes, with their materials, transparency, and lamps, in place of the options for one mesh.
+    #[arg(value_name = "SCENE.toml", conflicts_with_all = ONE_MESH)]
+    scene: Option<PathBuf>,
+    /// Mesh: cube, pyramid, sphere, uv-sphere, torus, jittered-torus, blob, terrain, cylinder, filleted-cylinder, or the
+    /// path to an OBJ, PLY, glTF or GLB file.
     #[arg(long, value_name = "MESH", default_value = "blob")]
     mesh: PathBuf,
-    /// Number of vertices of a blob; approximate for a sphere or torus.
+    /// Number of vertices; exact for a blob, approximate for other round shapes.
     #[arg(long, value_name = "N", default_value_t = 313)]
     vertices: usize,
-    /// Angle in degrees above which the edge between two faces of an OBJ file is a crease.
+    /// Angle in degrees above which the edge between two faces of a file is a crease.
     #[arg(long, value_name = "DEG", default_value_t = 180.0, value_parser = within(0.0, 180.0))]
     crease: f64,
+    /// Normals at the vertices: the mesh's own, or estimated from its triangles as the mean over the faces, as Max's
+    /// weighted mean (1999), or from a cubic fitted to the neighbors.
+    #[arg(long, default_value = "given", value_parser = named::<Normals>(Normals::NAMES))]
+    normals: Normals,
     /// Shader: how the light inside each triangle is computed.
-    #[arg(long, value_parser = named::<Shader>(Shader::NAMES))]
-    shader: Shader,
+    #[arg(long, required_unless_present_any = ["truth", "scene"], value_parser = named::<Shader>(Shader::NAMES))]
+    shader: Option<Shader>,
+    /// Draw the smooth surface that the mesh approximates, not the mesh. For a mesh from a file, the surface is this file
+    /// with many more triangles; with --shader, it is only what --metrics compares the picture with.
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = KNOWN)]
+    truth: Option<PathBuf>,
     /// Continuity depth n of the strips at the edges, 1 to 32 or inf; used by fixed, gradient, exact, cut and the
     /// corrections.
     #[arg(long, value_name = "N", default_value = "1")]
@@ -58,7 +76,7 @@ pub(super) struct Arguments {
     /// Intensity reweighting correction (Bangay, eq. 9).
     #[arg(long, default_value = "off", value_parser = named::<Correction>(Correction::NAMES))]
     reweight: Correction,
-    /// How patch computes its slopes.
+    /// How patch and c1-phong compute their slopes.
     #[arg(long, default_value = "curvature", value_parser = named::<Gradients>(Gradients::NAMES))]
     gradients: Gradients,
     /// Rotation of the mesh about x, then y, then z, in degrees.
@@ -120,12 +138,47 @@ pub(super) struct Arguments {
     white: Option<f64>,
 }
 
+/// The options that a scene replaces.
+const ONE_MESH: [&str; 26] = [
+    "mesh",
+    "vertices",
+    "crease",
+    "normals",
+    "shader",
+    "truth",
+    "depth",
+    "boundary",
+    "vertex",
+    "reweight",
+    "gradients",
+    "rotate",
+    "light",
+    "color",
+    "ambient",
+    "diffuse",
+    "specular",
+    "highlight",
+    "shininess",
+    "background",
+    "distance",
+    "naive",
+    "metrics",
+    "creases",
+    "window",
+    "white",
+];
+
+/// What `--truth` stands for without a file: the surface that the built-in shape approximates.
+const KNOWN: &str = "known";
+
 /// The measurements and predictions for one renderer.
 #[derive(Clone)]
 struct Measured {
     creases: Creases,
     visibility: Visibility,
     density: f64,
+    residual: Option<Residual>,
+    undershoot: Undershoot,
 }
 
 /// Returns a parser that accepts only numbers from `least` to `most`.
@@ -150,10 +203,24 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         let message = "nothing to write; expected --out FILE.png, --metrics FILE.json or --creases FILE.png";
         return Err(UsageError(message.to_owned()).into());
     }
+    if let (Some(scene), Some(out)) = (&arguments.scene, &arguments.out) {
+        return arguments.draw_scene(scene, out, writer);
+    }
     let (renderer, scene, viewing) = (arguments.renderer()?, arguments.scene()?, arguments.viewing()?);
     let (transfers, _) = arguments.transfer.transfers()?;
-    let surface = Surface::new(arguments.mesh()?);
+    let surface = Surface::new(arguments.mesh()?.estimated(arguments.normals));
     let frame = scene.frame(&surface, arguments.size, arguments.size);
+    if arguments.shader.is_none() && (arguments.metrics.is_some() || arguments.creases.is_some()) {
+        let message = "--metrics and --creases measure a shader; expected --shader SHADER".to_owned();
+        return Err(UsageError(message).into());
+    }
+    if arguments.truth.is_some() && arguments.fine_file().is_none() && frame.smooth.is_none() {
+        let message = format!(
+            "--truth: the smooth surface behind {} is not known; expected --truth FILE with a finer mesh",
+            arguments.mesh.display()
+        );
+        return Err(UsageError(message).into());
+    }
     if frame.triangles.is_empty() {
         anyhow::bail!("{}: no triangle faces the viewer; expected at least one", arguments.mesh.display());
     }
@@ -167,39 +234,51 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
             ),
         );
     }
+    let fine = arguments.fine()?;
     let shot = renderer.shoot(&frame, &transfers);
     let description = arguments.describe(&scene, &renderer);
     if let Some(out) = &arguments.out {
-        let image = shot.image();
-        let clipped = image.data.chunks_exact(3).filter(|pixel| pixel.iter().any(|light| *light > 1.0)).count();
-        if clipped > 0 {
-            message(
-                "note",
-                &format!("light above white is clipped, which creates edges ({})", count(clipped as u64, "pixel")),
-            );
-        }
+        let image = match arguments.truth(&frame, fine.as_ref()).filter(|_| arguments.draws_truth()) {
+            Some(truth) => truth.picture(&shot.frame),
+            None => shot.image(),
+        };
+        note_clipped(&image);
         let codes = Quantizer::new(shot.transfers.clone(), arguments.bits).quantize(&image);
         store::image::write_shaded(writer, out, &codes, &transfers, &description)?;
     }
+    let plain = frame.clone().unpainted();
     if let Some(path) = &arguments.metrics {
-        let seen = scene.frame(&surface, ViewingConditions::PICTURE_PX, ViewingConditions::PICTURE_PX);
+        let seen = scene.frame(&surface, ViewingConditions::PICTURE_PX, ViewingConditions::PICTURE_PX).unpainted();
+        let judged = Judged::new(&viewing, &seen, arguments.truth(&seen, fine.as_ref()).as_ref())
+            .map_err(|error| anyhow::anyhow!("--window {}: {error}", arguments.window))?;
         let measured = |renderer: &Renderer| {
-            let creases = renderer.shoot(&frame, &transfers).creases();
-            arguments.measured(creases, &renderer.shoot(&seen, &transfers), &viewing)
+            let creases = renderer.shoot(&plain, &transfers).creases();
+            arguments.measured(creases, &renderer.shoot(&seen, &transfers), &judged, &viewing)
         };
         let own = measured(&renderer)?;
         let gouraud = if renderer.is_gouraud() { own.clone() } else { measured(&Renderer::gouraud())? };
         let mut metrics = description.clone();
         append(&mut metrics, measurements(&surface, &frame, &own, &gouraud, &viewing));
+        append(&mut metrics, compared(&own, &gouraud, &judged));
         writer.write(path, format!("{metrics:#}\n").as_bytes())?;
         summarize(renderer.shade.shader, &own, &gouraud, &viewing)?;
     }
     if let Some(path) = &arguments.creases {
-        let picture = crease::picture(&frame, &shot.creases(), Creases::of_gouraud(&frame).p95);
+        let creases = renderer.shoot(&plain, &transfers).creases();
+        let picture = crease::picture(&plain, &creases, Creases::of_gouraud(&plain).p95);
         let codes = Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&picture);
         store::image::write_shaded(writer, path, &codes, &Transfer::Srgb.into(), &description)?;
     }
     Ok(())
+}
+
+/// Says how many pixels are brighter than white.
+pub(super) fn note_clipped(image: &LinearImage) {
+    let clipped = image.data.chunks_exact(3).filter(|pixel| pixel.iter().any(|light| *light > 1.0)).count();
+    if clipped > 0 {
+        let pixels = count(clipped as u64, "pixel");
+        message("note", &format!("light above white is clipped, which creates edges ({pixels})"));
+    }
 }
 
 /// Returns `value` relative to Gouraud's; `None` if Gouraud's is only rounding error.
@@ -207,7 +286,7 @@ fn over(value: f64, gouraud: f64) -> Option<f64> {
     (gouraud > crease::NOISE).then(|| value / gouraud)
 }
 
-/// Prints the two measurements that matter most.
+/// Prints the measurements that matter most.
 fn summarize(shader: Shader, own: &Measured, gouraud: &Measured, viewing: &ViewingConditions) -> anyhow::Result<()> {
     let of_gouraud = |of: fn(&Measured) -> f64| match over(of(own), of(gouraud)) {
         Some(over) => format!("{over:.4} times Gouraud's"),
@@ -219,7 +298,36 @@ fn summarize(shader: Shader, own: &Measured, gouraud: &Measured, viewing: &Viewi
     let (visibility, over) = (own.visibility.max(), of_gouraud(|of| of.visibility.max()));
     print_line(&format!(
         "{shader}: visibility of bands {visibility:.2} (bright {bright:.2}, dark {dark:.2}) in a {deg}° window, {over}"
-    ))
+    ))?;
+    if let Some(Residual { rms, p999 }) = own.residual {
+        let over = of_gouraud(|of| of.residual.map_or(0.0, |residual| residual.rms));
+        print_line(&format!(
+            "{shader}: visible difference from the smooth surface rms {rms:.2e}, 99.9 % {p999:.2e}, {over}"
+        ))?;
+    }
+    Ok(())
+}
+
+/// Returns the comparison with the smooth surface, and what it leaves out.
+fn compared(own: &Measured, gouraud: &Measured, judged: &Judged) -> Value {
+    let residual = own.residual.zip(gouraud.residual).map(|(own, gouraud)| {
+        json!({
+            "rms": own.rms,
+            "p999": own.p999,
+            "over_gouraud": { "rms": over(own.rms, gouraud.rms), "p999": over(own.p999, gouraud.p999) },
+            "masked": judged.not_compared(),
+        })
+    });
+    json!({
+        "residual": residual,
+        "residual_unit": "linear light, filtered by contrast sensitivity, against the smooth surface",
+        "masked": judged.masked(),
+        "undershoot": {
+            "below_ambient": own.undershoot.below_ambient,
+            "most": own.undershoot.most,
+            "clipped": own.undershoot.clipped,
+        },
+    })
 }
 
 /// Adds the fields of one object to another.
@@ -270,8 +378,23 @@ fn measurements(
 }
 
 impl Arguments {
+    /// Draws a scene of several meshes.
+    fn draw_scene(&self, scene: &Path, out: &OutPath, writer: &Writer) -> anyhow::Result<()> {
+        let (transfers, _) = self.transfer.transfers()?;
+        let SceneFile { composition, text, notes } = store::scene::read(scene)?;
+        notes.iter().for_each(|note| message("note", note));
+        let image = composition.image(self.size, self.size);
+        note_clipped(&image);
+        let description = json!({ "scene": scene.display().to_string(), "size": self.size, "toml": text });
+        let codes = Quantizer::new(transfers.clone(), self.bits).quantize(&image);
+        store::image::write_shaded(writer, out, &codes, &transfers, &description)?;
+        Ok(())
+    }
+
     fn renderer(&self) -> Result<Renderer, UsageError> {
-        let Self { shader, depth, vertex, reweight, gradients, naive, .. } = *self;
+        let Self { depth, vertex, reweight, gradients, naive, .. } = *self;
+        // Without a shader, only the smooth surface is drawn, which every pixel lights.
+        let shader = self.shader.unwrap_or(Shader::Phong);
         let boundary = self.boundary.unwrap_or(Shade::new(shader).boundary);
         if [vertex, reweight] != [Correction::Off; 2] && !shader.interpolates_light() {
             let message = format!("--vertex and --reweight need interpolated light; expected off for {shader}");
@@ -308,11 +431,44 @@ impl Arguments {
     }
 
     /// Combines the measurements with the prediction. An all-black picture has no bands.
-    fn measured(&self, creases: Creases, shot: &Shot<'_>, viewing: &ViewingConditions) -> anyhow::Result<Measured> {
-        match viewing.predict_surface(&shot.frame, &shot.emitted()) {
-            Ok(view) => Ok(Measured { creases, visibility: view.visibility, density: view.density }),
-            Err(VisionError::AllBlack) => Ok(Measured { creases, visibility: Visibility::default(), density: 0.0 }),
-            Err(error) => Err(anyhow::anyhow!("--window {}: {error}", self.window)),
+    fn measured(
+        &self,
+        creases: Creases,
+        shot: &Shot<'_>,
+        judged: &Judged,
+        viewing: &ViewingConditions,
+    ) -> anyhow::Result<Measured> {
+        let emitted = shot.emitted();
+        let view = match viewing.predict_surface(judged, &emitted) {
+            Ok(view) => view,
+            Err(VisionError::AllBlack) => PicturePrediction::default(),
+            Err(error) => return Err(anyhow::anyhow!("--window {}: {error}", self.window)),
+        };
+        let residual = judged.residual(viewing, &emitted);
+        let undershoot = shot.undershoot();
+        Ok(Measured { creases, visibility: view.visibility, density: view.density, residual, undershoot })
+    }
+
+    /// True if the picture is the smooth surface's.
+    fn draws_truth(&self) -> bool {
+        self.shader.is_none() || (self.truth.is_some() && self.fine_file().is_none())
+    }
+
+    fn fine_file(&self) -> Option<&Path> {
+        self.truth.as_deref().filter(|file| *file != KNOWN)
+    }
+
+    /// Reads the fine mesh, if one is given.
+    fn fine(&self) -> anyhow::Result<Option<Surface>> {
+        let read = |file: &Path| Ok(Surface::new(store::mesh::read(file, self.crease)?.mesh));
+        self.fine_file().map(read).transpose()
+    }
+
+    /// Returns the smooth surface in `frame`, if it is known.
+    fn truth(&self, frame: &Frame, fine: Option<&Surface>) -> Option<Truth> {
+        match fine {
+            Some(fine) => Some(Truth::of_mesh(frame, fine)),
+            None => Truth::traced(frame),
         }
     }
 
@@ -325,19 +481,25 @@ impl Arguments {
         if path.extension().is_none() && !path.exists() {
             let names = Shape::NAMES.join(", ");
             return Err(UsageError(format!(
-                "--mesh: {:?} is not known; expected {names} or an OBJ file",
+                "--mesh: {:?} is not known; expected {names} or an OBJ, PLY, glTF or GLB file",
                 path.display().to_string()
             ))
             .into());
         }
-        Ok(store::mesh::read(path, self.crease)?)
+        let file = store::mesh::read(path, self.crease)?;
+        if let Some(note) = file.note(path) {
+            message("note", &note);
+        }
+        Ok(file.mesh)
     }
 
     /// Describes all parameters of the image.
     fn describe(&self, scene: &Scene, renderer: &Renderer) -> Value {
-        let mut all =
-            json!({ "mesh": self.mesh.display().to_string(), "vertices": self.vertices, "crease_deg": self.crease });
+        let mut all = json!({ "mesh": self.mesh.display().to_string(), "vertices": self.vertices, "crease_deg": self.crease, "normals": self.normals });
         append(&mut all, renderer.describe());
+        if let Some(file) = &self.truth {
+            append(&mut all, json!({ "truth": file.display().to_string(), "draws_truth": self.draws_truth() }));
+        }
         append(&mut all, describe_scene(scene));
         append(&mut all, json!({ "color": self.color.to_string(), "naive": self.naive, "size": self.size }));
         all

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::{
     light::{LinearImage, Transfer, Transfers},
-    shading::{Creases, Frame, Reference, Scene, Shade, Shader, picture},
+    shading::{Creases, Frame, Reference, Scene, Shade, Shader, coverage, picture},
 };
 
 /// A shader and whether it ignores gamma.
@@ -53,11 +53,11 @@ impl Renderer {
         *self == Renderer::new(Shade { depth, boundary, gradients, ..Renderer::gouraud().shade })
     }
 
-    /// Returns whether this renderer interpolates encoded values. Phong shading never does: it lights every pixel and
-    /// encodes the result.
+    /// Returns whether this renderer interpolates encoded values. Shaders that light every pixel never do: they encode
+    /// the result.
     #[must_use]
     pub fn is_naive(&self) -> bool {
-        self.naive && self.shade.shader != Shader::Phong
+        self.naive && !self.shade.shader.lights_pixels()
     }
 
     /// Draws `frame` for a display with `transfers`.
@@ -105,6 +105,20 @@ pub fn describe_scene(scene: &Scene) -> Value {
     })
 }
 
+/// Rounding errors of the light.
+const ROUNDING: f32 = 1e-5;
+
+/// How far a shader's light falls below what the lighting can give, which is at least the ambient light.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Undershoot {
+    /// The share of the surface's pixels that are darker than the ambient light, 0…1.
+    pub below_ambient: f64,
+    /// The most light that is missing, in linear light.
+    pub most: f64,
+    /// The share of the surface's pixels with light below 0, which the display shows as black, 0…1.
+    pub clipped: f64,
+}
+
 impl Shot<'_> {
     /// Returns what the shader computes: linear light, or encoded values if gamma is ignored. [`Shot::transfers`] turns
     /// either into codes.
@@ -116,14 +130,42 @@ impl Shot<'_> {
     /// Returns the light that the display emits, limited to the range from black to white.
     #[must_use]
     pub fn emitted(&self) -> LinearImage {
+        // NaN becomes black, as on the screen.
+        self.light(|light| if light > 0.0 { light.min(1.0) as f32 } else { 0.0 })
+    }
+
+    /// Returns the light that the display would emit if it could emit any amount.
+    fn light(&self, shown: impl Fn(f64) -> f32) -> LinearImage {
         let mut image = self.image();
         for pixel in image.data.chunks_exact_mut(3) {
             let light = self.decoded(DVec3::new(pixel[0].into(), pixel[1].into(), pixel[2].into()));
-            // NaN becomes black, as on the screen.
-            let shown = |light: f64| if light > 0.0 { light.min(1.0) as f32 } else { 0.0 };
-            pixel.copy_from_slice(&light.to_array().map(shown));
+            pixel.copy_from_slice(&light.to_array().map(&shown));
         }
         image
+    }
+
+    /// Returns how far the shader's light falls below what the lighting can give.
+    #[must_use]
+    pub fn undershoot(&self) -> Undershoot {
+        let (light, ambient) =
+            (self.light(|light| light as f32), self.frame.lighting.ambient_light().as_vec3().to_array());
+        let seen = coverage::visible(&self.frame);
+        let shown: Vec<&[f32]> = light
+            .data
+            .chunks_exact(3)
+            .zip(seen)
+            .filter(|(_, t)| *t != coverage::NONE)
+            .map(|(pixel, _)| pixel)
+            .collect();
+        let missing = |pixel: &&[f32]| (0..3).map(|c| ambient[c] - pixel[c]).fold(0.0, f32::max);
+        let share = |is: &dyn Fn(&&[f32]) -> bool| {
+            shown.iter().filter(|pixel| is(pixel)).count() as f64 / shown.len().max(1) as f64
+        };
+        Undershoot {
+            below_ambient: share(&|pixel| missing(pixel) > ROUNDING),
+            most: shown.iter().map(missing).fold(0.0, f32::max).into(),
+            clipped: share(&|pixel| pixel.iter().any(|light| *light < -ROUNDING)),
+        }
     }
 
     /// Returns the creases in the light that the display emits.

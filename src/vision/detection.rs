@@ -34,6 +34,10 @@ pub struct ContrastSpectrum {
     columns: usize,
     rows: usize,
     px_per_deg: f64,
+    /// The size of the picture and its first place in the field, `[across, down]`, and the pixels per value.
+    size: [usize; 2],
+    first: [usize; 2],
+    block: usize,
 }
 
 impl ContrastSpectrum {
@@ -65,7 +69,7 @@ impl ContrastSpectrum {
             }
         }
         transform(&mut values, columns, rows);
-        ContrastSpectrum { values, columns, rows, px_per_deg }
+        ContrastSpectrum { values, columns, rows, px_per_deg, size, first: [left, top], block }
     }
 
     /// Returns the detection of the picture in noise that is drawn anew for each presentation. `noise` returns its power
@@ -78,9 +82,8 @@ impl ContrastSpectrum {
         })
     }
 
-    /// Returns the response of the filter `gain`, a function of the frequency in cycles per degree, with the oblique
-    /// effect, pooled over space and with the fall-off with eccentricity of `sensitivity`.
-    pub fn pooled(&self, sensitivity: &Sensitivity, gain: impl Fn(f64) -> f64) -> f64 {
+    /// Returns the response of the filter `gain`, with the oblique effect, all over the field.
+    fn response(&self, gain: impl Fn(f64) -> f64) -> Vec<Complex64> {
         let (columns, rows) = (self.columns, self.rows);
         let signed = |k: usize, n: usize| {
             let k = if 2 * k > n { k as f64 - n as f64 } else { k as f64 };
@@ -103,6 +106,23 @@ impl ContrastSpectrum {
             }
         });
         transform(&mut response, columns, rows);
+        response
+    }
+
+    /// Returns the picture as the filter `gain`, a function of the frequency in cycles per degree, leaves it: each pixel's
+    /// value, row by row.
+    #[must_use]
+    pub fn filtered(&self, gain: impl Fn(f64) -> f64) -> Vec<f64> {
+        let (response, [width, height]) = (self.response(gain), self.size);
+        let place =
+            |x: usize, y: usize| (self.first[1] + y / self.block) * self.columns + self.first[0] + x / self.block;
+        (0..width * height).map(|i| response[place(i % width, i / width)].re).collect()
+    }
+
+    /// Returns the response of the filter `gain`, pooled over space and with the fall-off with eccentricity of
+    /// `sensitivity`.
+    pub fn pooled(&self, sensitivity: &Sensitivity, gain: impl Fn(f64) -> f64) -> f64 {
+        let (columns, rows, response) = (self.columns, self.rows, self.response(gain));
         let area = 1.0 / (self.px_per_deg * self.px_per_deg);
         let middle = [columns, rows].map(|n| 0.5 * n as f64 - 0.5);
         let farthest = middle[0].hypot(middle[1]) / self.px_per_deg;

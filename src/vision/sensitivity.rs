@@ -62,6 +62,13 @@ impl Sensitivity {
         self.gain * fine * frequency.powf(self.coarse_power)
     }
 
+    /// Returns the highest gain at any frequency, for a field of `luminance` cd/m².
+    #[must_use]
+    pub fn peak(&self, luminance: f64) -> f64 {
+        // Sixteen steps per octave from 1/16 to 64 cycles per degree.
+        (-64..=96).map(|step| self.at((f64::from(step) / 16.0).exp2(), luminance)).fold(0.0, f64::max)
+    }
+
     /// Returns the factor for an oblique grating. `across` is the unit vector across its bars.
     #[must_use]
     pub fn oblique(frequency: f64, across: [f64; 2]) -> f64 {

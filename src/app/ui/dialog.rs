@@ -15,7 +15,7 @@ use crate::system::run_on_thread;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileKind {
     Toml,
-    Obj,
+    Mesh,
     /// One or more CSV files.
     Data,
     Folder,
@@ -56,7 +56,7 @@ impl Dialog {
             let one = |path: Option<PathBuf>| path.map(|path| vec![path]);
             let paths = match kind {
                 FileKind::Toml => one(dialog.add_filter("TOML", &["toml"]).pick_file()),
-                FileKind::Obj => one(dialog.add_filter("OBJ", &["obj"]).pick_file()),
+                FileKind::Mesh => one(dialog.add_filter("mesh", &["obj", "ply", "gltf", "glb"]).pick_file()),
                 FileKind::Data => dialog.add_filter("CSV", &["csv"]).add_filter("all files", &["*"]).pick_files(),
                 FileKind::Folder => one(dialog.pick_folder()),
             };

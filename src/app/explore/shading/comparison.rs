@@ -25,7 +25,7 @@ const CREASE_DEG: f64 = 180.0;
 pub enum MeshChoice {
     /// A named shape, with the number of vertices if it can be chosen.
     Named(Shape, usize),
-    /// An OBJ file, by its path.
+    /// A file, by its path.
     File(String),
 }
 
@@ -41,12 +41,12 @@ pub struct Comparison {
 }
 
 impl Default for Comparison {
-    /// Gouraud, with its bands, on the left and *patch* on the right, both with highlights.
+    /// Gouraud, with its bands, on the left and Phong with C1 normals on the right, both with highlights.
     fn default() -> Self {
         Self {
             mesh: MeshChoice::Named(Shape::Torus, 200),
             scene: Scene::default(),
-            sides: [Renderer::gouraud(), Renderer::new(Shade::new(Shader::Patch))],
+            sides: [Renderer::gouraud(), Renderer::new(Shade::new(Shader::C1Phong))],
             transfer: Transfer::Srgb,
         }
     }
@@ -126,7 +126,8 @@ impl MeshChoice {
         match self {
             MeshChoice::Named(shape, vertices) => shapes::mesh(*shape, *vertices).map_err(|error| error.to_string()),
             MeshChoice::File(path) => {
-                store::mesh::read(Path::new(path), CREASE_DEG).map_err(|errors| errors.to_string())
+                let file = store::mesh::read(Path::new(path), CREASE_DEG).map_err(|errors| errors.to_string())?;
+                Ok(file.mesh)
             }
         }
     }
@@ -157,6 +158,9 @@ pub fn title(renderer: &Renderer) -> String {
 
 /// Returns the name of a shader on the page: "Gradient, repaired" for "gradient-repaired".
 pub fn shader_title(shader: Shader) -> String {
+    if shader == Shader::C1Phong {
+        return "Phong with C1 normals".to_owned();
+    }
     let (first, rest) = shader.name().split_at(1);
     let printed = if matches!(shader, Shader::Fixed | Shader::Gradient) { ", as printed" } else { "" };
     format!("{}{}{printed}", first.to_uppercase(), rest.replace('-', ", "))
@@ -182,7 +186,8 @@ pub fn presets() -> Vec<(&'static str, MeshChoice, Shade)> {
     let [coarse, fine] = [313, 771].map(|vertices| MeshChoice::Named(Shape::Blob, vertices));
     let first = Comparison::default();
     vec![
-        ("Gouraud and Patch", first.mesh, first.sides[1].shade),
+        ("Gouraud and C1 normals", first.mesh.clone(), first.sides[1].shade),
+        ("Gouraud and Patch", first.mesh, Shade::new(Shader::Patch)),
         ("Figure 8 (a): flat", cube.clone(), Shade::new(Shader::Flat)),
         ("Figure 8 (b): Gouraud", cube.clone(), Shade::new(Shader::Gouraud)),
         ("Figure 8 (c): Phong", cube.clone(), Shade::new(Shader::Phong)),

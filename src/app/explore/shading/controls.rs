@@ -50,7 +50,7 @@ pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
     let name = |control: &str| format!("{place} {control}");
     let shade = &mut side.shade;
     field("shader", &name("shader")).choice(ui, &mut shade.shader, Shader::ALL, |shader| shader_title(*shader));
-    if shade.shader == Shader::Patch {
+    if shade.has_gradients() {
         let title = |gradients: &Gradients| match gradients {
             Gradients::Curvature => "mesh curvature".to_owned(),
             Gradients::Ring => "plane through neighbors".to_owned(),
@@ -73,7 +73,7 @@ pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
         // A correction that was chosen for another shader must not stay on unseen.
         (shade.vertex, shade.reweight) = (Correction::Off, Correction::Off);
     }
-    if shade.shader != Shader::Phong {
+    if !shade.shader.lights_pixels() {
         let response = ui.checkbox(&mut side.naive, "ignore gamma: interpolate codes");
         text::name(ui, &response, &name("ignores gamma"));
     }

@@ -18,7 +18,7 @@ use crate::{
     },
     light::{Bits, CodeImage, Quantizer, Transfer},
     shading::{Creases, Surface, crease},
-    stimulus::{Renderer, ViewingConditions},
+    stimulus::{Judged, Renderer, ViewingConditions},
     vision::{Visibility, luminance, luminances},
 };
 
@@ -97,7 +97,7 @@ impl Measurement {
 
 /// Measures the steepness of the creases: rms, 95th percentile, and the rms relative to Gouraud's.
 pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 2]) -> Result<Measured, String> {
-    let frame = compared.scene.frame(surface, width, height);
+    let frame = compared.scene.frame(surface, width, height).unpainted();
     let gouraud = Creases::of_gouraud(&frame);
     let sides = compared.sides.map(|side| compared.shot(&side, &frame).creases());
     // Both maps have the same scale: white is the 95th percentile of Gouraud's creases.
@@ -129,11 +129,12 @@ pub fn predicted_size(size: [u32; 2]) -> [u32; 2] {
 /// Predicts the visibility of the bands, also relative to Gouraud's.
 pub fn bands(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<Measured, String> {
     let [width, height] = predicted_size(size);
-    let frame = compared.scene.frame(surface, width, height);
+    let frame = compared.scene.frame(surface, width, height).unpainted();
     let viewing = ViewingConditions::new(SHORTER_SIDE_DEG * f64::from(width) / f64::from(width.min(height)));
+    let judged = Judged::known(&viewing, &frame).map_err(|error| error.to_string())?;
     let predict = |side: &Renderer| {
         let image = compared.shot(side, &frame).emitted();
-        let view = viewing.predict_surface(&frame, &image).map_err(|error| error.to_string())?;
+        let view = viewing.predict_surface(&judged, &image).map_err(|error| error.to_string())?;
         Ok::<_, String>((view, luminances(&image)))
     };
     let sides = [predict(&compared.sides[0])?, predict(&compared.sides[1])?];

@@ -51,7 +51,7 @@ pub struct ShadingPage {
     dragging: bool,
 }
 
-/// The field for the path of an OBJ file.
+/// The field for the path of a mesh.
 #[derive(Default)]
 struct FileField {
     path: String,
@@ -128,12 +128,14 @@ impl ShadingPage {
     }
 
     fn file_field(&mut self, ui: &mut egui::Ui) {
-        let field = Field::new("OBJ file").hint("path of an .obj file, or drop one here").width(ui.available_width());
+        let field = Field::new("Mesh file")
+            .hint("path of an OBJ, PLY, glTF or GLB file, or drop one here")
+            .width(ui.available_width());
         let field = field.text(ui, &mut self.file.path);
         let mut open = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         ui.horizontal(|ui| {
             open |= ui.button("Open the file").clicked();
-            open |= self.file.dialog.browse(ui, FileKind::Obj, "Choose an OBJ file…", &mut self.file.path);
+            open |= self.file.dialog.browse(ui, FileKind::Mesh, "Choose a mesh…", &mut self.file.path);
         });
         if let Some(path) = ui.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned())) {
             self.file.path = path.display().to_string();
