@@ -1,0 +1,100 @@
+// A mesh with C1 normals for three.js, under any of its lit materials. The shaders are the files of the kit, ../glsl and
+// ../glsl_es.
+//
+//   import { C1Mesh } from "./three/c1_mesh.js";
+//   scene.add(new C1Mesh(new THREE.TorusKnotGeometry(1, 0.4, 48, 10), new THREE.MeshStandardMaterial()));
+
+import * as THREE from "three";
+import { curvature, ordinates, shared } from "../ordinates.js";
+
+// Triangles in each row of the texture of ordinates.
+const PER_ROW = 64;
+
+const text = async (path) => {
+  const response = await fetch(new URL(path, import.meta.url));
+  if (!response.ok) throw new Error(`${path}: ${response.statusText}`);
+  return response.text();
+};
+const [vertex, patch, reader, fragment] = await Promise.all(
+  ["../glsl_es/triangle.vert", "../glsl/patch.glsl", "../glsl_es/ordinates.glsl", "../glsl_es/c1_phong.frag"].map(text),
+);
+export { fragment };
+
+const declared = "out vec3 weights_times_w;\nflat out int triangle;\n";
+const assigned = `
+  int corner = gl_VertexID % 3;
+  weights_times_w = gl_Position.w * vec3(corner == 0, corner == 1, corner == 2);
+  triangle = gl_VertexID / 3;
+`;
+const replaced = `$&
+  Patch c1 = patch_here();
+  if (has_patch(c1)) normal = normalize(patch_value(c1, corner_weights()).xyz);
+`;
+
+// Makes a lit material of three.js (MeshPhongMaterial, MeshStandardMaterial …) use C1 normals in place of interpolated
+// ones. Its textures, normal map and lights stay. The material belongs to one mesh.
+export function withC1Normals(material, texture) {
+  material.onBeforeCompile = (shader) => {
+    shader.uniforms.ordinates = { value: texture };
+    shader.vertexShader = shader.vertexShader
+      .replace("#include <common>", `#include <common>\n${declared}`)
+      .replace("#include <project_vertex>", `#include <project_vertex>\n${assigned}`);
+    const normal = THREE.ShaderChunk.normal_fragment_begin.replace("vec3 normal = normalize( vNormal );", replaced);
+    if (!normal.includes("patch_here")) throw new Error("this version of three.js is not known; expected 0.187");
+    shader.fragmentShader = shader.fragmentShader
+      .replace("#include <common>", `#include <common>\n${patch}\n${reader}`)
+      .replace("#include <normal_fragment_begin>", normal);
+  };
+  material.customProgramCacheKey = () => "c1 normals";
+  return material;
+}
+
+// The plain material of c1_phong.frag: linear light, one distant lamp in view space. Without ordinates in `texture`, it
+// interpolates normals, which is Phong.
+export function c1Material(uniforms, texture) {
+  return new THREE.RawShaderMaterial({
+    glslVersion: THREE.GLSL3,
+    vertexShader: `precision highp float;\nprecision highp int;\n${vertex}`,
+    fragmentShader: `precision highp float;\nprecision highp int;\n${patch}\n${reader}\n${fragment}`,
+    uniforms: { ...uniforms, is_orthographic: { value: false }, ordinates: { value: texture } },
+  });
+}
+
+// A texture with room for the ordinates of so many triangles, all zero.
+export function ordinatesTexture(triangles) {
+  const rows = Math.max(Math.ceil(triangles / PER_ROW), 1), table = new Float32Array(rows * PER_ROW * 48);
+  const texture = new THREE.DataTexture(table, 12 * PER_ROW, rows, THREE.RGBAFormat, THREE.FloatType);
+  texture.needsUpdate = true;
+  return texture;
+}
+
+// Any geometry with positions; normals are computed if it has none. The mesh has a copy of the geometry without shared
+// vertices, because each must know its triangle and its corner, and a copy of the material; `uniforms` in place of a
+// material makes that of c1_phong.frag.
+export class C1Mesh extends THREE.Mesh {
+  constructor(geometry, material = new THREE.MeshStandardMaterial()) {
+    const own = geometry.index ? geometry.toNonIndexed() : geometry.clone();
+    if (!geometry.attributes.normal) {
+      // Over the shared vertices, so that the normals are smooth.
+      const smooth = geometry.clone();
+      smooth.computeVertexNormals();
+      own.setAttribute("normal", (smooth.index ? smooth.toNonIndexed() : smooth).attributes.normal);
+    }
+    const { position, normal } = own.attributes;
+    const numbers = (attribute) =>
+      Array.from({ length: 3 * attribute.count }, (_, i) => attribute.getComponent(Math.floor(i / 3), i % 3));
+    const shape = shared(numbers(position), numbers(normal)), tensors = curvature(shape);
+    const texture = ordinatesTexture(position.count / 3);
+    super(own, material.isMaterial ? withC1Normals(material.clone(), texture) : c1Material(material, texture));
+    this.ordinates = texture;
+    const size = new THREE.Vector4();
+    // The ordinates depend on the view, so they are computed before the mesh is drawn.
+    this.onBeforeRender = (renderer, scene, camera) => {
+      const modelView = camera.matrixWorldInverse.clone().multiply(this.matrixWorld);
+      renderer.getCurrentViewport(size);
+      const viewport = [size.z, size.w];
+      texture.image.data.set(ordinates(shape, tensors, modelView.elements, camera.projectionMatrix.elements, viewport));
+      texture.needsUpdate = true;
+    };
+  }
+}
