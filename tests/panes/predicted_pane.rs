@@ -6,7 +6,7 @@ use egui_kittest::kittest::{By, NodeT as _, Queryable as _};
 use machband::{
     app::explore::shading::Comparison,
     shading::Surface,
-    stimulus::{MachBand, Renderer, Stimulus, ViewingConditions, catalog},
+    stimulus::{Judged, MachBand, Renderer, Stimulus, ViewingConditions, catalog},
     vision::{Criterion, Visibility},
 };
 
@@ -85,7 +85,7 @@ fn expected_visibility(compared: &Comparison, side: &Renderer, size: [u32; 2]) -
     let frame = compared.scene.frame(&Surface::new(compared.mesh.mesh().unwrap()), width, height);
     let viewing = ViewingConditions::new(10.0 * f64::from(width) / f64::from(width.min(height)));
     let shot = compared.shot(side, &frame);
-    viewing.predict_surface(&frame, &shot.emitted()).unwrap().visibility.max()
+    viewing.predict_surface(&Judged::known(&viewing, &frame).unwrap(), &shot.emitted()).unwrap().visibility.max()
 }
 
 /// The left and right cells of the row `predicted visibility`.
@@ -112,14 +112,14 @@ fn the_demo_predicts_what_the_library_predicts() {
     let mut window = open("Shading demo…", [760.0, 600.0]);
     // The page has been drawn several times without waiting for the prediction.
     assert_eq!(visibilities(&window), ["…", "…"]);
-    let [gouraud, patch] = predicted(&mut window);
-    assert!(patch < gouraud, "{patch} {gouraud}");
+    let [gouraud, c1] = predicted(&mut window);
+    assert!(c1 < gouraud, "{c1} {gouraud}");
     let size = |window: &Window| {
         let Vec2 { x, y } = window.get_by_label_contains("Surface: ").rect().size();
         [x.round() as u32, y.round() as u32]
     };
     let mut compared = Comparison::default();
-    for (side, shown) in compared.sides.iter().zip([gouraud, patch]) {
+    for (side, shown) in compared.sides.iter().zip([gouraud, c1]) {
         let expected = expected_visibility(&compared, side, size(&window));
         assert!((shown - expected).abs() <= 0.051, "{shown}, not {expected}");
     }

@@ -201,8 +201,8 @@ fn presets_set_the_values() {
     assert_eq!(value(&window, "Right depth n"), "5");
     assert_eq!(value(&window, "Right strip b"), "0.20");
     assert_eq!(value(&window, "Right vertex"), "off");
-    choose(&mut window, "Preset", "Gouraud and Patch");
-    window.get_by_label_contains("Gouraud on the left, Patch on the right");
+    choose(&mut window, "Preset", "Gouraud and C1 normals");
+    window.get_by_label_contains("Gouraud on the left, Phong with C1 normals on the right");
 }
 
 #[test]
@@ -213,14 +213,14 @@ fn a_file_without_a_mesh_is_explained_and_the_mesh_stays() {
     let bad = folder.path().join("bad.obj");
     std::fs::write(&bad, "v 0 0 0\nv 1 0 0\nv 0 1 nan\nf 1 2 9\n").unwrap();
     for path in [folder.path().join("none.obj"), bad] {
-        type_into(&mut window, "OBJ file", &path.display().to_string());
+        type_into(&mut window, "Mesh file", &path.display().to_string());
         click(&mut window, "Open the file");
         window.get_by_label_contains("expected");
         assert_eq!(value(&window, "Mesh"), mesh);
     }
     let good = folder.path().join("good.obj");
     std::fs::write(&good, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n").unwrap();
-    type_into(&mut window, "OBJ file", &good.display().to_string());
+    type_into(&mut window, "Mesh file", &good.display().to_string());
     click(&mut window, "Open the file");
     assert!(window.query_by_label_contains("cannot be opened").is_none());
     assert_eq!(value(&window, "Mesh"), "good.obj");
@@ -267,7 +267,7 @@ fn the_exported_file_is_the_view() {
         });
         assert_eq!((shown.len(), wrong.count()), (pixels.len(), 0), "{show}");
         assert_eq!(parameters["left"]["shader"], "gouraud");
-        assert_eq!(parameters["right"]["shader"], "patch");
+        assert_eq!(parameters["right"]["shader"], "c1-phong");
         assert_eq!(parameters["transfer"], "srgb");
         // A second export asks before it overwrites the file.
         let before = std::fs::metadata(&path).unwrap().modified().unwrap();

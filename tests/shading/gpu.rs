@@ -6,7 +6,7 @@ use glam::DVec3;
 use machband::{
     light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Transfer, TransferTable},
     shading::{
-        Correction, Frame, FrameVertex, Lamp, LampPosition, Lighting, Mesh, Reference, Shade, Shader, Specular,
+        Correction, Frame, FrameVertex, Lamp, LampPosition, Lighting, Mesh, Reference, Scene, Shade, Shader, Specular,
         Surface, View, coverage,
         gpu::{self, Gpu, GpuError},
         lighting::{Facets, Microfacets},
@@ -18,7 +18,7 @@ use crate::grid;
 
 /// Returns a device for the best card of these backends. If there is no card, returns `None`, or panics if
 /// `MACHBAND_REQUIRE_GPU` is set.
-fn device(
+pub fn device(
     backends: wgpu::Backends,
     limits: impl FnOnce(&wgpu::Adapter) -> wgpu::Limits,
 ) -> Option<(String, wgpu::Device, wgpu::Queue)> {
@@ -220,6 +220,20 @@ fn transfers_agree(backend: wgpu::Backends) {
     }
 }
 
+fn paint_agrees(backend: wgpu::Backends) {
+    let Some(mut card) = card(backend) else { return };
+    let surface = Surface::new(crate::files::painted_torus());
+    for distance in [f64::INFINITY, 2.0] {
+        let frame = Scene { distance, specular: 0.3, ..Scene::default() }.frame(&surface, 160, 160);
+        for shader in [Shader::Gouraud, Shader::Patch, Shader::Phong, Shader::C1Phong] {
+            let shade = Shade::new(shader);
+            let light = Reference::new(&frame, &shade).image();
+            let (most, at) = compare(&mut card, &frame, &light, &shade, &Transfer::Srgb);
+            assert!(most <= 1, "{} {shader} from {distance}: {most} at {at}", card.name);
+        }
+    }
+}
+
 macro_rules! on_both {
     ($($check:ident: $vulkan:ident, $gl:ident;)*) => {
         $(#[test]
@@ -239,6 +253,7 @@ on_both! {
     shaders_agree: shaders_on_vulkan, shaders_on_gl;
     lights_agree: lights_on_vulkan, lights_on_gl;
     transfers_agree: transfers_on_vulkan, transfers_on_gl;
+    paint_agrees: paint_on_vulkan, paint_on_gl;
 }
 
 #[test]

@@ -4,21 +4,26 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod crease;
+mod files;
 #[cfg(feature = "window")]
 mod gpu;
 mod illumination;
+#[cfg(feature = "window")]
+mod kit;
 mod meshes;
 mod obj;
 mod patch;
 mod raster;
+mod scenes;
 mod shaders;
+mod truth;
 
 use std::collections::HashMap;
 
 use glam::{DMat3, DVec2, DVec3};
 use machband::{
     light::Depth,
-    shading::{Across, Frame, FrameTriangle, FrameVertex, Gradients, Lighting, Shade, Shader, View},
+    shading::{Across, Fan, Frame, FrameTriangle, FrameVertex, Gradients, Lighting, Shade, Shader, View},
 };
 
 /// Makes a vertex at `screen` that faces the eye and has the light `light`.
@@ -28,7 +33,6 @@ fn vertex(screen: DVec2, light: DVec3) -> FrameVertex {
         depth: 0.5,
         eye: DVec3::new(screen.x / 100.0 - 1.0, 1.0 - screen.y / 100.0, 0.0),
         normal: DVec3::Z,
-        curvature: DMat3::ZERO,
         light,
         ambient: DVec3::splat(0.1),
     }
@@ -52,14 +56,25 @@ fn joined(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting
             _ => Across::NonManifold,
         }
     };
-    let triangle =
-        |t: usize| FrameTriangle { vertices: triangles[t], normal: DVec3::Z, across: [0, 1, 2].map(|k| across(t, k)) };
+    let triangle = |t: usize| FrameTriangle {
+        vertices: triangles[t],
+        fans: triangles[t],
+        of_mesh: t as u32,
+        is_back: false,
+        normal: DVec3::Z,
+        across: [0, 1, 2].map(|k| across(t, k)),
+    };
     Frame {
         width: 200,
         height: 200,
         background: DVec3::splat(0.25),
-        vertices,
         triangles: (0..triangles.len()).map(triangle).collect(),
+        creases: Vec::new(),
+        sphere: (DVec3::ZERO, 1.0),
+        smooth: None,
+        paint: None,
+        fans: (0..vertices.len() as u32).map(|vertex| Fan { vertex, curvature: DMat3::ZERO }).collect(),
+        vertices,
         lighting,
         view: View::square(200),
         encoding: None,
@@ -86,7 +101,7 @@ fn shades(strips: &[(u8, f64)]) -> Vec<Shade> {
         let plain = Shade::new(shader);
         let strips = strips.iter().filter(|_| plain.has_strip());
         let strips = strips.map(|&(n, boundary)| Shade { depth: depth(n), boundary, ..plain });
-        let slopes = Gradients::ALL.iter().filter(|_| shader == Shader::Patch);
+        let slopes = Gradients::ALL.iter().filter(|_| plain.has_gradients());
         let slopes = slopes.map(|&gradients| Shade { gradients, ..plain });
         [plain].into_iter().chain(strips).chain(slopes).collect::<Vec<_>>()
     };

@@ -10,7 +10,7 @@ use machband::{
 use proptest::prelude::*;
 
 fn mesh(text: &str) -> Mesh {
-    obj::parse("it.obj", text.as_bytes(), 180.0).unwrap_or_else(|errors| panic!("{errors}\n{text}"))
+    obj::parse("it.obj", text.as_bytes(), 180.0).unwrap_or_else(|errors| panic!("{errors}\n{text}")).mesh
 }
 
 fn message(content: impl AsRef<[u8]>) -> String {
@@ -72,7 +72,7 @@ fn cube_of_quads_is_the_cube() {
     };
     assert_eq!(sorted(&read), sorted(&cube));
     // With a crease angle below 90°, all edges of the cube are sharp.
-    let sharp = obj::parse("it.obj", CUBE.as_bytes(), 60.0).unwrap();
+    let sharp = obj::parse("it.obj", CUBE.as_bytes(), 60.0).unwrap().mesh;
     assert_eq!(sharp.vertices.len(), 24);
     let edges = Edges::of(&sharp).edges;
     assert_eq!(edges.iter().filter(|e| e.kind == EdgeKind::Crease).count(), 12);
@@ -220,14 +220,14 @@ fn files_of_other_kinds_are_reported() {
     let error = |path: &Path| obj::read(path, 180.0).expect_err("a fault").to_string();
     let missing = folder.path().join("missing.obj");
     assert!(error(&missing).contains("missing.obj: cannot be opened: "), "{}", error(&missing));
-    assert!(error(folder.path()).ends_with("is a folder; expected an OBJ file"));
+    assert!(error(folder.path()).ends_with("is a folder; expected an OBJ, PLY, glTF or GLB file"));
     let picture = folder.path().join("picture.obj");
     std::fs::write(&picture, b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR").unwrap();
     assert!(error(&picture).ends_with("picture.obj:3:1: is not text; expected an OBJ file"), "{}", error(&picture));
     assert_eq!(message(b"v 0 0 0\nv 1 \xff 2\n"), "it.obj:2:5: is not UTF-8 text; expected numbers");
     // Names and comments in another encoding do no harm.
     let latin = b"# \xe9crit\no \xe9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-    assert_eq!(obj::parse("it.obj", latin, 180.0).unwrap().triangles.len(), 1);
+    assert_eq!(obj::parse("it.obj", latin, 180.0).unwrap().mesh.triangles.len(), 1);
 }
 
 #[test]
@@ -275,7 +275,7 @@ proptest! {
             }
         }
         match obj::parse("it.obj", &bytes, crease) {
-            Ok(mesh) => {
+            Ok(obj::MeshFile { mesh, .. }) => {
                 let (count, finite) = (mesh.vertices.len(), |p: DVec3| p.is_finite());
                 prop_assert!(mesh.triangles.iter().flatten().all(|v| (*v as usize) < count));
                 prop_assert!(mesh.vertices.iter().all(|v| finite(v.position) && (v.normal.length() - 1.0).abs() < 1e-9));

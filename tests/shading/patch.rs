@@ -5,7 +5,7 @@ use glam::{DMat3, DVec2, DVec3};
 use machband::{
     light::Transfer,
     shading::{
-        Channels, Frame, Gradients, Lighting, Patches, Scene, Surface, View,
+        Channels, Fan, Field, Frame, Gradients, Lighting, Patches, Scene, Surface, View,
         frame::Gradient,
         shaders::{Patch, ShaderKernel as _},
         shapes::{self, Shape},
@@ -48,7 +48,11 @@ fn worst(frame: &Frame, patches: &Patches, truth: impl Fn(DVec2) -> f64) -> f64 
 }
 
 fn given(frame: &Frame, gradient: impl Fn(DVec2) -> DVec2) -> Patches {
-    Patches::with_gradients(frame, frame.vertices.iter().map(|v| gray_gradient(gradient(v.screen))).collect())
+    Patches::with_gradients(
+        frame,
+        Field::Light,
+        frame.vertices.iter().map(|v| gray_gradient(gradient(v.screen))).collect(),
+    )
 }
 
 /// Neighbors are weighted by 1/d². Of the two neighbors along x, one is 1 unit away with a slope of 1, the other 4
@@ -58,7 +62,7 @@ fn near_neighbors_count_more() {
     let places = [(0.0, 0.0), (1.0, 0.0), (0.0, 2.0), (-4.0, 0.0), (0.0, -2.0)].map(|(x, y)| DVec2::new(x, y));
     let triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]];
     let frame = frame(&places, &triangles, |p| gray(if p.x > 0.0 { 1.0 } else { 0.0 }));
-    let gradient = Patches::new(&frame, Gradients::Ring).gradients[0];
+    let gradient = Patches::new(&frame, Field::Light, Gradients::Ring).gradients[0];
     assert!(gradient[0].distance(DVec2::new(0.5, 0.0)) < 1e-12, "{gradient:?}");
 }
 
@@ -79,7 +83,7 @@ fn quadratic_fields_are_within_the_error_of_their_gradients() {
         })
         .fold(0.0, f64::max);
     for gradients in [Gradients::Ring, Gradients::Quadric] {
-        let patches = Patches::new(&frame, gradients);
+        let patches = Patches::new(&frame, Field::Light, gradients);
         let fault = frame
             .vertices
             .iter()
@@ -92,7 +96,7 @@ fn quadratic_fields_are_within_the_error_of_their_gradients() {
     }
     // A quadric needs five well-placed neighbors, which inner vertices usually have.
     let inside = |gradients| {
-        let patches = Patches::new(&frame, gradients);
+        let patches = Patches::new(&frame, Field::Light, gradients);
         let exact = frame.vertices.iter().zip(&patches.gradients);
         exact.filter(|(v, gradient)| gradient[0].distance(slope(v.screen)) < 1e-9).count()
     };
@@ -108,7 +112,7 @@ fn rms_error(n: usize, gradients: Option<Gradients>) -> f64 {
         DVec2::new(3.0 * a.cos() * b.cos() + c * p.y, -2.5 * a.sin() * b.sin() + c * p.x)
     };
     let frame = frame(&places, &triangles, |p| gray(field(p)));
-    let patches = gradients.map_or_else(|| given(&frame, slope), |g| Patches::new(&frame, g));
+    let patches = gradients.map_or_else(|| given(&frame, slope), |g| Patches::new(&frame, Field::Light, g));
     let errors = errors(&frame, &patches, field);
     (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()
 }
@@ -123,7 +127,7 @@ fn smooth_fields_converge_at_third_order() {
 }
 
 #[test]
-fn cubics_match_scipy() {
+fn cubics_match_numpy() {
     let text = include_str!("../golden/patch.csv");
     let (mut places, mut lights, mut gradients, mut triangles) = (vec![], vec![], vec![], vec![]);
     let mut samples = vec![];
@@ -144,7 +148,7 @@ fn cubics_match_scipy() {
     for (vertex, light) in frame.vertices.iter_mut().zip(lights) {
         vertex.light = light;
     }
-    let light = spread(&frame, &Patches::with_gradients(&frame, gradients));
+    let light = spread(&frame, &Patches::with_gradients(&frame, Field::Light, gradients));
     assert!(samples.len() >= 100);
     for (t, first, second, expected) in samples {
         // The frame's corners may be in the opposite order.
@@ -165,7 +169,7 @@ fn sphere(vertices: usize) -> Surface {
 /// Makes a sphere with true normals and true curvature.
 fn true_sphere(vertices: usize) -> Surface {
     let mut surface = sphere(vertices);
-    for (tensor, vertex) in surface.curvature.iter_mut().zip(&mut surface.mesh.vertices) {
+    for (Fan { curvature: tensor, .. }, vertex) in surface.fans.iter_mut().zip(&mut surface.mesh.vertices) {
         let n = vertex.position.normalize();
         vertex.normal = n;
         *tensor = (DMat3::IDENTITY - DMat3::from_cols(n * n.x, n * n.y, n * n.z)) * (1.0 / vertex.position.length());
@@ -177,7 +181,7 @@ fn true_sphere(vertices: usize) -> Surface {
 /// square of the true gradients. Counts only vertices at which the cosine of the angle between the normal and the
 /// direction to the eye exceeds `facing`.
 fn gradient_error(frame: &Frame, gradients: Gradients, facing: f64) -> f64 {
-    let patches = Patches::new(frame, gradients);
+    let patches = Patches::new(frame, Field::Light, gradients);
     let (mut error, mut size) = (0.0, 0.0);
     for (vertex, gradient) in frame.vertices.iter().zip(&patches.gradients) {
         let toward = frame.view.to_viewer(vertex.eye);
@@ -233,7 +237,7 @@ fn lights_stay_bounded_near_the_silhouette() {
         for turn in 0..12 {
             let view = View::square(400).rotated([30.0 * f64::from(turn), 17.0, 5.0]);
             let frame = Frame::new(&surface, &view, &Lighting::standard(), DVec3::ZERO);
-            let light = spread(&frame, &Patches::new(&frame, Gradients::Curvature));
+            let light = spread(&frame, &Patches::new(&frame, Field::Light, Gradients::Curvature));
             for t in 0..frame.triangles.len() {
                 for w in WEIGHTS {
                     let light = light(t, w).x;
@@ -252,7 +256,7 @@ fn replaced_lights_use_ring_gradients() {
     let frame = Scene::default().frame(&sphere(200), 300, 300);
     let mut replaced = frame.clone();
     replaced.vertices.iter_mut().for_each(|vertex| vertex.light *= 0.5);
-    let gradients = |frame: &Frame, g| Patches::new(frame, g).gradients;
+    let gradients = |frame: &Frame, g| Patches::new(frame, Field::Light, g).gradients;
     assert_eq!(gradients(&replaced, Gradients::Curvature), gradients(&replaced, Gradients::Ring));
     assert_ne!(gradients(&frame, Gradients::Curvature), gradients(&frame, Gradients::Ring));
 }
@@ -262,7 +266,7 @@ fn replaced_lights_use_ring_gradients() {
 fn encoded_lights_have_encoded_gradients() {
     let frame = Scene { specular: 0.0, ..Scene::default() }.frame(&sphere(1000), 300, 300);
     let encoded = frame.clone().encoded(&Transfer::Gamma(2.0).into());
-    let gradients = |frame: &Frame| Patches::new(frame, Gradients::Curvature).gradients;
+    let gradients = |frame: &Frame| Patches::new(frame, Field::Light, Gradients::Curvature).gradients;
     let (linear, encoded) = (gradients(&frame), gradients(&encoded));
     let mut compared = 0;
     for (v, vertex) in frame.vertices.iter().enumerate() {

@@ -47,7 +47,7 @@ fn scenes() -> Vec<(&'static str, Frame)> {
         ("cube", frame(shapes::cube(), [131, 97], 0.9, &brown(), DVec3::ZERO)),
         ("cube, gray", frame(shapes::cube(), [97, 131], 0.9, &Lighting::standard(), DVec3::splat(0.5))),
         ("cube, huge", frame(shapes::cube(), [75, 130], 40.0, &brown(), SKY)),
-        ("torus, yellow", frame(shapes::torus(20, 12), [160, 160], 1.0, &yellow_dull, DVec3::ZERO)),
+        ("torus, yellow", frame(shapes::torus(20, 12, 0.0), [160, 160], 1.0, &yellow_dull, DVec3::ZERO)),
         ("sphere", frame(shapes::sphere(8), [64, 64], 1.3, &yellow, DVec3::ZERO)),
         ("blob", frame(shapes::blob(313), [200, 180], 0.9, &brown(), SKY)),
         ("blob, one pixel", frame(shapes::blob(20), [1, 1], 0.9, &brown(), SKY)),

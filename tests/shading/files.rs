@@ -1,0 +1,365 @@
+//! PLY, glTF and GLB files, winding, and what paint does to a picture.
+
+use glam::{DVec2, DVec3};
+use machband::{
+    light::{LinearImage, Transfer},
+    shading::{
+        Coat, Creases, Frame, Mesh, Paint, PaintedCorner, Reference, Scene, Shade, Shader, Surface, Texture, coverage,
+        picture, shapes,
+    },
+    store::mesh::{self, MeshFile},
+};
+use serde_json::{Value, json};
+
+/// Two triangles over the square −1…1, in the plane z = 0.
+const PLACES: [[f32; 3]; 4] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+const INDICES: [u16; 6] = [0, 1, 2, 0, 2, 3];
+
+/// A texture of two by two texels: red, green; blue, white.
+fn png(codes: &[[u8; 3]; 4]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 2, 2);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.write_header().unwrap().write_image_data(codes.as_flattened()).unwrap();
+    bytes
+}
+
+/// Makes a GLB of the square with a normal, a place and a color at each corner. `edit` may change the JSON.
+fn glb(edit: impl FnOnce(&mut Value)) -> Vec<u8> {
+    let mut bin: Vec<u8> = PLACES.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    bin.extend((0..4).flat_map(|_| [0.0_f32, 0.0, 1.0]).flat_map(f32::to_le_bytes));
+    bin.extend([[0.0_f32, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]].iter().flatten().flat_map(|x| x.to_le_bytes()));
+    bin.extend(
+        [[255_u8, 255, 255, 255], [255, 255, 255, 255], [51, 255, 255, 255], [255, 255, 255, 255]].as_flattened(),
+    );
+    bin.extend(INDICES.iter().flat_map(|i| i.to_le_bytes()));
+    let image = png(&[[255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 255, 255]]);
+    bin.extend(&image);
+    let mut json = json!({
+        "asset": { "version": "2.0" },
+        "scene": 0,
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [{
+            "attributes": { "POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2, "COLOR_0": 3 }, "indices": 4, "material": 0,
+        }] }],
+        "materials": [{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 }, "baseColorFactor": [1, 1, 0.5, 1] } }],
+        "textures": [{ "source": 0 }],
+        "images": [{ "bufferView": 5, "mimeType": "image/png" }],
+        "buffers": [{ "byteLength": bin.len() }],
+        "bufferViews": [
+            { "buffer": 0, "byteOffset": 0, "byteLength": 48 },
+            { "buffer": 0, "byteOffset": 48, "byteLength": 48 },
+            { "buffer": 0, "byteOffset": 96, "byteLength": 32 },
+            { "buffer": 0, "byteOffset": 128, "byteLength": 16 },
+            { "buffer": 0, "byteOffset": 144, "byteLength": 12 },
+            { "buffer": 0, "byteOffset": 156, "byteLength": image.len() },
+        ],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0] },
+            { "bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC3" },
+            { "bufferView": 2, "componentType": 5126, "count": 4, "type": "VEC2" },
+            { "bufferView": 3, "componentType": 5121, "count": 4, "type": "VEC4", "normalized": true },
+            { "bufferView": 4, "componentType": 5123, "count": 6, "type": "SCALAR" },
+        ],
+    });
+    edit(&mut json);
+    let mut text = serde_json::to_vec(&json).unwrap();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    bin.resize(bin.len().next_multiple_of(4), 0);
+    let mut glb = Vec::from(*b"glTF");
+    for word in [2, 28 + text.len() + bin.len(), text.len()] {
+        glb.extend((word as u32).to_le_bytes());
+    }
+    glb.extend(b"JSON");
+    glb.extend(text);
+    glb.extend((bin.len() as u32).to_le_bytes());
+    glb.extend(b"BIN\0");
+    glb.extend(bin);
+    glb
+}
+
+fn parsed(content: &[u8]) -> MeshFile {
+    mesh::parse("it", content, 180.0).unwrap_or_else(|errors| panic!("{errors}"))
+}
+
+fn message(content: &[u8]) -> String {
+    mesh::parse("it", content, 180.0).expect_err("a fault").to_string()
+}
+
+/// The square faces the eye, so its light is the same everywhere but for the paint.
+#[test]
+fn a_glb_file_shows_its_colors_and_textures() {
+    let mesh = parsed(&glb(|_| {})).mesh;
+    assert_eq!((mesh.triangles.len(), mesh.vertices.len()), (2, 4));
+    let scene = Scene { rotate_deg: [0.0; 3], specular: 0.0, ambient: 1.0, diffuse: 0.0, ..Scene::default() };
+    let frame = scene.frame(&Surface::new(mesh), 101, 101);
+    let image = Reference::new(&frame, &Shade::new(Shader::Phong)).image();
+    let half = 50.0 - 0.9 * 101.0 / 2.0 / 2.0_f64.sqrt() / 2.0;
+    let center_of = |x: f64, y: f64| {
+        let pixel = image.pixel(x.round() as u32, y.round() as u32);
+        DVec3::from_array(pixel.map(f64::from))
+    };
+    // The middles of the four texels, times the blue factor of the material; the red of the corner at the top right, 0.2,
+    // counts a quarter here.
+    let far = 100.0 - half;
+    for (x, y, texel) in [
+        (half, half, DVec3::new(1.0, 0.0, 0.0)),
+        (half, far, DVec3::new(0.0, 0.0, 1.0)),
+        (far, far, DVec3::new(1.0, 1.0, 1.0)),
+    ] {
+        assert!(center_of(x, y).distance(texel * DVec3::new(0.8, 1.0, 0.5)) < 0.06, "{x} {y}: {}", center_of(x, y));
+    }
+    let corner = center_of(far, half);
+    assert!(corner.distance(DVec3::new(0.0, 1.0, 0.0)) < 0.06, "{corner}");
+    // White light times white paint is as bright as without paint; no shader's creases count the edges of a texture.
+    assert!(Creases::of_gouraud(&frame.clone().unpainted()).rms < 1e-12);
+}
+
+/// A JPEG image of 8 × 8 pixels with the code (200, 100, 50).
+const JPEG: &str = "/9j/4AAQSkZJRgABAQAAAQABAAD/2wBDAAUDBAQEAwUEBAQFBQUGBwwIBwcHBw8LCwkMEQ8SEhEPERETFhwXExQaFRERGCEYGh0d\
+    Hx8fExciJCIeJBweHx7/2wBDAQUFBQcGBw4ICA4eFBEUHh4eHh4eHh4eHh4eHh4eHh4eHh4eHh4eHh4eHh4eHh4eHh4eHh4eHh4e\
+    Hh4eHh4eHh7/wAARCAAIAAgDAREAAhEBAxEB/8QAFAABAAAAAAAAAAAAAAAAAAAAA//EABQQAQAAAAAAAAAAAAAAAAAAAAD/xAAU\
+    AQEAAAAAAAAAAAAAAAAAAAAH/8QAFBEBAAAAAAAAAAAAAAAAAAAAAP/aAAwDAQACEQMRAD8AEeFZ/9k=";
+
+#[test]
+fn textures_may_be_jpeg_images() {
+    let content = glb(|json| json["images"] = json!([{ "uri": format!("data:image/jpeg;base64,{JPEG}") }]));
+    let paint = parsed(&content).mesh.paint.unwrap();
+    let color = paint.coats[0].base.as_ref().unwrap().at(DVec2::splat(0.3));
+    let expected = [200.0, 100.0, 50.0].map(|code| Transfer::Srgb.linear_from_encoded(code / 255.0));
+    assert!(color.distance(DVec3::from_array(expected)) < 0.02, "{color}");
+}
+
+/// A node may place, scale and mirror its mesh.
+#[test]
+fn nodes_of_a_glb_file_are_placed() {
+    let moved = glb(|json| {
+        json["nodes"] = json!([{ "children": [1], "translation": [0, 0, 5] }, { "mesh": 0, "scale": [-2, 1, 1] }]);
+    });
+    let mesh = parsed(&moved).mesh;
+    assert!(mesh.vertices.iter().all(|v| v.position.z == 5.0 && v.position.x.abs() == 2.0 && v.normal == DVec3::Z));
+    for t in 0..2 {
+        let [a, b, c] = mesh.corners(t);
+        assert!((b - a).cross(c - a).z > 0.0, "a mirrored face still goes around counterclockwise");
+    }
+}
+
+#[test]
+fn errors_of_glb_files_say_what_is_expected() {
+    let set = |path: &'static str, value: Value| glb(move |json| *json.pointer_mut(path).unwrap() = value);
+    for (content, words) in [
+        (set("/accessors/0/count", json!(40_000)), "its positions (accessor 0) reach beyond their buffer view"),
+        (set("/accessors/1/count", json!(3)), "it has 4 positions and 3 normals; expected as many"),
+        (set("/accessors/4/bufferView", json!(0)), "an index is"),
+        (set("/bufferViews/0/byteLength", json!(1_000_000)), "buffer view 0 reaches beyond its buffer"),
+        (set("/bufferViews/5/byteLength", json!(20)), "image 0 is not a PNG image"),
+        (
+            set("/meshes/0/primitives/0", json!({ "attributes": { "POSITION": 0 }, "mode": 1 })),
+            "expected at least one primitive with triangles",
+        ),
+        (set("/nodes/0", json!({ "mesh": 0, "children": [0] })), "node 0 has two parents; expected a tree"),
+        (set("/accessors/0/bufferView", json!(99)), "expected a glTF 2.0 file"),
+        (
+            set("/buffers/0", json!({ "byteLength": 4, "uri": "../secret.bin" })),
+            "expected a file in the same folder or below",
+        ),
+        (set("/buffers/0", json!({ "byteLength": 4, "uri": "data:x;base64,%" })), "expected base64"),
+        (b"glTF\x02\0\0\0\x03\0\0\0".to_vec(), "its header is damaged; expected a GLB file"),
+        (b"{}".to_vec(), "expected a glTF 2.0 file"),
+    ] {
+        let message = message(&content);
+        assert!(message.starts_with("it: ") && message.contains(words), "{words}: {message}");
+    }
+}
+
+/// No change of single bytes makes the readers panic.
+#[test]
+fn damaged_files_are_errors() {
+    let check = |content: &[u8]| match mesh::parse("it", content, 180.0) {
+        Ok(MeshFile { mesh, .. }) => {
+            let count = mesh.vertices.len() as u32;
+            assert!(mesh.triangles.iter().flatten().all(|v| *v < count));
+        }
+        Err(errors) => assert!(errors.to_string().contains("; expected"), "{errors}"),
+    };
+    for whole in [glb(|_| {}), ply("ascii"), ply("binary_little_endian"), ply("binary_big_endian")] {
+        for at in 0..whole.len() {
+            for byte in [0, b'9', 0xff, whole[at].wrapping_add(1)] {
+                let mut damaged = whole.clone();
+                damaged[at] = byte;
+                check(&damaged);
+            }
+            check(&whole[..at]);
+        }
+    }
+}
+
+/// The square with colored vertices as a face of four corners.
+fn ply(format: &str) -> Vec<u8> {
+    let mut ply = format!(
+        "ply\nformat {format} 1.0\ncomment made by hand\nelement vertex 4\nproperty float x\nproperty float y\nproperty \
+         float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\nproperty list uchar int \
+         vertex_indices\nend_header\n"
+    )
+    .into_bytes();
+    for (i, place) in PLACES.iter().enumerate() {
+        let color = [if i == 2 { 0 } else { 255 }, 255, 255];
+        if format == "ascii" {
+            ply.extend(format!("{} {} {} {} 255 255\n", place[0], place[1], place[2], color[0]).bytes());
+        } else {
+            let big = format == "binary_big_endian";
+            ply.extend(place.iter().flat_map(|x| if big { x.to_be_bytes() } else { x.to_le_bytes() }));
+            ply.extend(color);
+        }
+    }
+    if format == "ascii" {
+        ply.extend(b"4 0 1 2 3\n");
+    } else {
+        let big = format == "binary_big_endian";
+        ply.push(4);
+        ply.extend((0..4_i32).flat_map(|i| if big { i.to_be_bytes() } else { i.to_le_bytes() }));
+    }
+    ply
+}
+
+#[test]
+fn every_kind_of_ply_file_gives_the_same_mesh() {
+    let [text, little, big] = ["ascii", "binary_little_endian", "binary_big_endian"].map(|format| parsed(&ply(format)));
+    assert!(text == little && text == big);
+    assert_eq!((text.mesh.triangles.len(), text.mesh.vertices.len()), (2, 4));
+    let paint = text.mesh.paint.unwrap();
+    let cyan = paint.corners.iter().flatten().filter(|corner| corner.color == DVec3::new(0.0, 1.0, 1.0)).count();
+    let white = paint.corners.iter().flatten().filter(|corner| corner.color == DVec3::ONE).count();
+    assert_eq!((cyan, white), (2, 4));
+
+    let ascii = String::from_utf8(ply("ascii")).unwrap();
+    for (from, to, words) in [
+        ("4 0 1 2 3", "4 0 1 2 9", "face 0 refers to vertex 9, which does not exist; expected 0…3"),
+        ("4 0 1 2 3", "2 0 1", "face 0 has 2 corners; expected 3…1024"),
+        ("4 0 1 2 3", "", "expected a PLY file"),
+        ("-1 -1 0", "-1 1e300 0", "the position of vertex 0 is not finite"),
+        ("-1 -1 0", "-1 one 0", "it:14:1: "),
+        ("property float z\n", "", "vertex 0 has no position; expected x, y and z"),
+        ("element face 1", "element faces 1", "has no faces; expected an element \"face\""),
+    ] {
+        let message = message(ascii.replace(from, to).as_bytes());
+        assert!(message.contains(words) && message.contains("; expected"), "{words}: {message}");
+    }
+}
+
+/// Faces that go around the other way are reversed, whichever they are; a Möbius strip stays as it is.
+#[test]
+fn mixed_winding_is_repaired() {
+    let mut whole = None;
+    for reversed in [vec![], vec![3], vec![0, 5], vec![1, 2, 4]] {
+        let mut obj = String::new();
+        for [x, y, z] in [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]] {
+            obj += &format!("v {x} {y} {z}\n");
+        }
+        let faces = [[1, 4, 3, 2], [5, 6, 7, 8], [1, 2, 6, 5], [2, 3, 7, 6], [3, 4, 8, 7], [4, 1, 5, 8]];
+        for (i, mut face) in faces.into_iter().enumerate() {
+            if reversed.contains(&i) {
+                face.reverse();
+            }
+            obj += &format!("f {} {} {} {}\n", face[0], face[1], face[2], face[3]);
+        }
+        let found = parsed(obj.as_bytes());
+        assert_eq!(found.reversed, reversed.len().min(3));
+        let volume: f64 = (0..12).map(|t| found.mesh.corners(t)).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum();
+        // With half of the faces reversed, either half may be.
+        assert!((volume.abs() - 1.0).abs() < 1e-12 && (reversed.len() == 3 || volume > 0.0), "{reversed:?}: {volume}");
+        whole.get_or_insert(found.mesh.vertices.len());
+        assert_eq!(whole, Some(found.mesh.vertices.len()));
+    }
+    let mut strip = String::new();
+    for i in 0..8 {
+        let turn = f64::from(i) * std::f64::consts::TAU / 8.0;
+        for side in [-0.3, 0.3] {
+            let (out, up) = (1.0 + side * (turn / 2.0).cos(), side * (turn / 2.0).sin());
+            strip += &format!("v {} {} {}\n", out * turn.cos(), out * turn.sin(), up);
+        }
+    }
+    for i in 0..8 {
+        let (a, b) = (2 * i + 1, 2 * i + 2);
+        let (c, d) = if i < 7 { (a + 2, b + 2) } else { (2, 1) };
+        strip += &format!("f {a} {c} {d} {b}\n");
+    }
+    assert_eq!(parsed(strip.as_bytes()).reversed, 0);
+}
+
+/// A torus with a color, a place on a texture and a normal map at every corner.
+pub fn painted_torus() -> Mesh {
+    let mesh = shapes::torus(28, 14, 0.0);
+    let corner = |v: &u32| {
+        let p = mesh.vertices[*v as usize].position;
+        let around = p.y.atan2(p.x) / std::f64::consts::TAU;
+        let place = DVec2::new(4.0 * around.abs(), 3.0 * p.z);
+        PaintedCorner { color: (p + 1.5) / 3.0, place, ..PaintedCorner::default() }
+    };
+    let texels =
+        |of: fn(u32) -> [f32; 3]| Some(Texture { width: 8, height: 4, texels: (0..32).map(of).collect() }.into());
+    let coat = Coat {
+        base: texels(|i| [0.5 + 0.015 * i as f32, 1.0 - 0.01 * i as f32, 0.8]),
+        normals: texels(|i| [0.2 * (i % 3) as f32 - 0.2, 0.1 * (i % 5) as f32 - 0.2, 1.0]),
+    };
+    let corners = mesh.triangles.iter().map(|t| [0, 1, 2].map(|k| corner(&t[k]))).collect();
+    let of_triangles = vec![0; mesh.triangles.len()];
+    mesh.painted(Paint { corners, of_triangles, coats: vec![coat] })
+}
+
+fn apart(a: &LinearImage, b: &LinearImage) -> f32 {
+    a.data.iter().zip(&b.data).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+/// The fast path draws paint as the reference does, in parallel projection and in perspective.
+#[test]
+fn painted_pictures_agree() {
+    let surface = Surface::new(painted_torus());
+    for distance in [f64::INFINITY, 2.0] {
+        let frame = Scene { distance, specular: 0.3, ..Scene::default() }.frame(&surface, 160, 160);
+        for shader in [Shader::Gouraud, Shader::Patch, Shader::Phong, Shader::C1Phong] {
+            let shade = Shade::new(shader);
+            let reference = Reference::new(&frame, &shade).image();
+            let fast = apart(&picture(&frame, &shade), &reference);
+            assert!(fast < 1e-3, "{shader} from {distance}: {fast}");
+            let plain = Reference::new(&frame.clone().unpainted(), &shade).image();
+            assert!(apart(&plain, &reference) > 0.1, "{shader}: the paint shows");
+        }
+    }
+}
+
+/// At each pixel, the paint is the one of the point of the triangle that the line of sight meets.
+#[test]
+fn paint_follows_perspective() {
+    let mesh = parsed(&glb(|json| {
+        json["materials"] = json!([{}]);
+    }));
+    let scene = Scene {
+        rotate_deg: [50.0, 20.0, 0.0],
+        distance: 1.5,
+        ambient: 1.0,
+        diffuse: 0.0,
+        specular: 0.0,
+        ..Scene::default()
+    };
+    let frame: Frame = scene.frame(&Surface::new(mesh.mesh), 120, 120);
+    let (image, visible) = (Reference::new(&frame, &Shade::new(Shader::Gouraud)).image(), coverage::visible(&frame));
+    let mut seen = 0;
+    for (i, t) in visible.iter().enumerate().filter(|(_, t)| **t != coverage::NONE) {
+        let center = DVec2::new((i % 120) as f64 + 0.5, (i / 120) as f64 + 0.5);
+        let (from, along) = frame.view.ray(center);
+        let [a, b, c] = frame.corners(*t as usize).map(|v| v.eye);
+        let normal = (b - a).cross(c - a);
+        let point = from + along * ((a - from).dot(normal) / along.dot(normal));
+        // Red is 0.2 at the corner at the top right and 1 at the others.
+        let corners = frame.paint.as_ref().unwrap().corners[frame.triangles[*t as usize].of_mesh as usize];
+        let area = |p: DVec3, q: DVec3, r: DVec3| (q - p).cross(r - p).dot(normal) / normal.length_squared();
+        let weights = [area(point, b, c), area(point, c, a), area(point, a, b)];
+        let red: f64 = corners.iter().zip(weights).map(|(corner, w)| corner.color.x * w).sum();
+        let shown = f64::from(image.pixel((i % 120) as u32, (i / 120) as u32)[0]);
+        assert!((shown - red).abs() < 5e-3, "{center}: {shown}, not {red}");
+        seen += 1;
+    }
+    assert!(seen > 2000);
+}

@@ -1,0 +1,265 @@
+//! Scenes of several meshes: which surface is in front, transparency, refraction, lamps, and the files that describe them.
+
+use std::fs;
+
+use glam::{DMat3, DVec2, DVec3};
+use machband::{
+    light::LinearImage,
+    shading::{
+        Body, Coat, Composition, Frame, Lamp, LampPosition, Lighting, Material, Mesh, Paint, PaintedCorner, Reference,
+        Shade, Shader, Surface, Transparency, View, shapes,
+    },
+    store::{mesh, scene},
+};
+
+const SIDE: u32 = 96;
+
+fn body(mesh: Mesh, color: DVec3) -> Body {
+    Body {
+        surface: Surface::new(mesh),
+        shade: Shade::new(Shader::C1Phong),
+        material: Material { color, ..Material::standard() },
+        transparency: Transparency::Opaque,
+        index: None,
+    }
+}
+
+fn scene(bodies: Vec<Body>) -> Composition {
+    Composition {
+        bodies,
+        ambient: DVec3::ONE,
+        lamps: vec![Lamp::directional(DVec3::new(0.3, 0.4, 0.9))],
+        background: DVec3::new(0.1, 0.2, 0.3),
+        rotate_deg: [0.0; 3],
+        fill: 0.9,
+        distance: f64::INFINITY,
+    }
+}
+
+fn moved(mesh: Mesh, position: DVec3) -> Mesh {
+    mesh.placed(1.0, DMat3::IDENTITY, position)
+}
+
+/// A square of this half side, facing the eye at the height z.
+fn sheet(half: f64, z: f64) -> Mesh {
+    let positions = [[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]].map(DVec3::from_array);
+    Mesh::new(&positions, &[[0, 1, 2], [0, 2, 3]], 180.0).unwrap()
+}
+
+fn apart(a: &LinearImage, b: &LinearImage) -> f32 {
+    a.data.iter().zip(&b.data).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+#[test]
+fn a_scene_of_one_mesh_is_its_picture() {
+    for distance in [f64::INFINITY, 2.5] {
+        let torus = shapes::torus(24, 12, 0.0);
+        let alone =
+            Composition { rotate_deg: [25.0, -35.0, 10.0], distance, ..scene(vec![body(torus.clone(), DVec3::ONE)]) };
+        let view = View { distance, ..View::square(SIDE) }.rotated(alone.rotate_deg);
+        // The lamp is fixed to the scene and turns with it.
+        let toward = view.rotation * DVec3::new(0.3, 0.4, 0.9);
+        let lighting = Lighting { lamps: vec![Lamp::directional(toward)], ..Lighting::standard() };
+        let frame = Frame::new(&Surface::new(torus), &view, &lighting, alone.background);
+        let worst = apart(&alone.image(SIDE, SIDE), &Reference::new(&frame, &Shade::new(Shader::C1Phong)).image());
+        assert!(worst < 1e-6, "{distance}: {worst}");
+    }
+}
+
+/// Two spheres through each other: at every pixel, the nearer one is seen, whatever the order.
+#[test]
+fn the_nearest_surface_is_in_front() {
+    let (red, blue) = (DVec3::new(1.0, 0.0, 0.0), DVec3::new(0.0, 0.0, 1.0));
+    let at = |x: f64, z: f64, color| body(moved(shapes::sphere(3), DVec3::new(x, 0.0, z)), color);
+    let forth = scene(vec![at(-0.5, 0.2, red), at(0.5, -0.2, blue)]);
+    let back = scene(vec![at(0.5, -0.2, blue), at(-0.5, 0.2, red)]);
+    let image = forth.image(SIDE, SIDE);
+    assert_eq!(apart(&image, &back.image(SIDE, SIDE)), 0.0);
+    // In the middle, where both are, the nearer one.
+    let [r, _, b] = image.pixel(SIDE / 2, SIDE / 2);
+    assert!(r > 2.0 * b, "{r} {b}");
+    assert_eq!(image.pixel(1, 1), [0.1, 0.2, 0.3]);
+}
+
+#[test]
+fn transparent_surfaces_combine_as_the_formulas_say() {
+    let (tint, ball) = (DVec3::new(0.9, 0.5, 0.2), moved(shapes::sphere(3), DVec3::new(0.3, 0.0, -1.5)));
+    let behind = body(ball, DVec3::new(0.2, 0.9, 0.6));
+    let mut pane = body(sheet(1.2, 0.5), DVec3::new(0.6, 0.6, 0.1));
+    let draw = |bodies: Vec<Body>| scene(bodies).image(SIDE, SIDE);
+    let front = draw(vec![pane.clone(), behind.clone()]);
+    // The same places without the pane: an invisible one keeps the view.
+    pane.transparency = Transparency::Interpolated { k_t: 1.0 };
+    let bare = draw(vec![pane.clone(), behind.clone()]);
+    for transparency in [Transparency::Interpolated { k_t: 0.3 }, Transparency::Filtered { k_t: 0.7, color: tint }] {
+        pane.transparency = transparency;
+        let seen = draw(vec![behind.clone(), pane.clone()]);
+        for i in 0..(SIDE * SIDE) as usize {
+            let of =
+                |image: &LinearImage| DVec3::from_array(image.pixel(i as u32 % SIDE, i as u32 / SIDE).map(f64::from));
+            let (own, beyond, both) = (of(&front), of(&bare), of(&seen));
+            let is_pane = own.distance(beyond) > 1e-6;
+            let expected = match transparency {
+                _ if !is_pane => beyond,
+                Transparency::Interpolated { k_t } => (1.0 - k_t) * own + k_t * beyond,
+                Transparency::Filtered { k_t, color } => own + k_t * color * beyond,
+                Transparency::Opaque => own,
+            };
+            assert!(both.distance(expected) < 1e-5, "{transparency:?}: {both}, not {expected}");
+        }
+    }
+}
+
+/// Through a tilted slab of glass, a plane behind it is seen displaced by d = t·sin θ·(1 − cos θ/√(n² − sin² θ)).
+#[test]
+fn a_slab_of_glass_displaces_what_is_behind_it() {
+    let (thickness, index, theta) = (0.4_f64, 1.5_f64, 35.0_f64.to_radians());
+    let (w, h) = (1.0, thickness / 2.0);
+    let obj: String =
+        [[-w, -w, -h], [w, -w, -h], [w, w, -h], [-w, w, -h], [-w, -w, h], [w, -w, h], [w, w, h], [-w, w, h]]
+            .iter()
+            .map(|[x, y, z]| format!("v {x} {y} {z}\n"))
+            .chain(["f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n".to_owned()])
+            .collect();
+    let slab = mesh::parse("slab", obj.as_bytes(), 30.0).unwrap().mesh;
+    let slab = slab.placed(1.0, DMat3::from_rotation_y(theta), DVec3::new(0.0, 0.0, 1.0));
+    // A sheet whose red grows from 0 to 1 to the right, over −1.5…1.5.
+    let back = sheet(1.5, -1.0);
+    let color = |v: &u32| {
+        let red = (back.vertices[*v as usize].position.x + 1.5) / 3.0;
+        PaintedCorner { color: DVec3::new(red, 0.0, 0.0), ..PaintedCorner::default() }
+    };
+    let corners = back.triangles.iter().map(|t| [0, 1, 2].map(|k| color(&t[k]))).collect();
+    let paint = Paint { corners, of_triangles: vec![0; 2], coats: vec![Coat::default()] };
+    let lit = Material { ambient: 1.0, diffuse: 0.0, specular: 0.0, ..Material::standard() };
+    let back = Body { material: lit, ..body(back.clone().painted(paint), DVec3::ONE) };
+    let glass = Body {
+        material: Material { ambient: 0.0, ..lit },
+        transparency: Transparency::Filtered { k_t: 1.0, color: DVec3::ONE },
+        index: Some(index),
+        ..body(slab, DVec3::ONE)
+    };
+    let displacement = thickness * theta.sin() * (1.0 - theta.cos() / (index * index - theta.sin().powi(2)).sqrt());
+    let with = scene(vec![back.clone(), glass.clone()]).image(SIDE, SIDE);
+    let without = scene(vec![back, Body { index: None, ..glass }]).image(SIDE, SIDE);
+    let (y, mut seen) = (SIDE / 2, 0);
+    // The middle of the slab: rays that enter and leave through its two large faces.
+    for x in SIDE / 2 - 6..SIDE / 2 + 6 {
+        let moved = 3.0 * f64::from(with.pixel(x, y)[0] - without.pixel(x, y)[0]);
+        assert!((moved.abs() - displacement).abs() < 1e-4, "at {x}: {moved}, not {displacement}");
+        seen += 1;
+    }
+    assert_eq!(seen, 12);
+}
+
+/// A near lamp stands where the scene says, and weakens with the distance in the scene's units.
+#[test]
+fn lamps_stand_in_the_scene() {
+    let (place, radius) = (DVec3::new(3.0, 1.0, 2.0), 2.0_f64.sqrt() * 2.0);
+    let wall = sheet(2.0, 0.0).placed(1.0, DMat3::IDENTITY, place);
+    let lamp = Lamp {
+        position: LampPosition::Point { position: place + DVec3::new(0.5, 0.0, 1.0), attenuation: [0.5, 0.25, 0.25] },
+        intensity: DVec3::new(1.0, 0.5, 0.25),
+    };
+    let matt = Material { specular: 0.0, ..Material::standard() };
+    let wall = Body { shade: Shade::new(Shader::Phong), material: matt, ..body(wall, DVec3::ONE) };
+    let image = Composition { lamps: vec![lamp], ..scene(vec![wall]) }.image(101, 101);
+    for (x, y) in [(50, 50), (30, 60), (60, 25)] {
+        let offset = (DVec2::new(f64::from(x), f64::from(y)) + 0.5 - 50.5) / (0.9 * 101.0 / 2.0) * radius;
+        let to_lamp = DVec3::new(0.5 - offset.x, offset.y, 1.0);
+        let d = to_lamp.length();
+        let fading = (1.0 / (0.5 + 0.25 * d + 0.25 * d * d)).min(1.0);
+        let expected = 0.1 + 0.6 * fading * to_lamp.z / d * lamp.intensity;
+        let shown = DVec3::from_array(image.pixel(x, y).map(f64::from));
+        assert!(shown.distance(expected) < 1e-3, "({x}, {y}): {shown}, not {expected}");
+    }
+}
+
+const SCENE: &str = r#"
+schema = 1
+background = [0.02, 0.02, 0.04]
+ambient = [1.0, 1.0, 1.0]
+
+[view]
+rotate = [-20.0, 15.0, 0.0]
+distance = 4.0
+
+[[mesh]]
+mesh = "torus"
+vertices = 300
+shader = "patch"
+color = [0.9, 0.3, 0.2]
+
+[[mesh]]
+mesh = "box.obj"
+crease = 30.0
+shader = "exact"
+depth = 2
+position = [1.5, 0.0, 0.0]
+rotate = [0.0, 30.0, 0.0]
+scale = 0.5
+transparency = "interpolated"
+transmission = 0.4
+
+[[mesh]]
+mesh = "sphere"
+position = [-1.5, 0.0, 0.5]
+transparency = "filtered"
+filter = [0.8, 0.9, 1.0]
+index = 1.5
+diffuse = 0.1
+ambient = 0.05
+highlight = "blinn"
+
+[[lamp]]
+direction = [0.3, 0.5, 0.8]
+intensity = [0.8, 0.8, 0.7]
+
+[[lamp]]
+position = [0.0, 2.0, 1.0]
+attenuation = [1.0, 0.2, 0.1]
+"#;
+
+#[test]
+fn scenes_are_read_and_their_errors_have_places() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.toml");
+    let cube = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\n\
+                f 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+    fs::write(folder.path().join("box.obj"), cube).unwrap();
+    fs::write(&path, SCENE).unwrap();
+    let read = scene::read(&path).unwrap();
+    assert_eq!((read.composition.bodies.len(), read.composition.lamps.len(), read.text.as_str()), (3, 2, SCENE));
+    assert_eq!(read.composition.bodies[2].index, Some(1.5));
+    let image = read.composition.image(SIDE, SIDE);
+    let lit = image.data.iter().filter(|light| **light > 0.1).count();
+    assert!(image.data.iter().all(|light| light.is_finite()) && lit > 3000, "{lit}");
+
+    for (from, to, line, words) in [
+        (
+            "transmission = 0.4",
+            "transmission = 1.4",
+            25,
+            "transmission 1.4 is outside 0…1; expected numbers in this range",
+        ),
+        ("\"patch\"", "\"path\"", 13, "\"path\" is not known"),
+        ("index = 1.5", "index = 0", 32, "index 0 is outside 0.1…10"),
+        ("direction = [0.3, 0.5, 0.8]", "direction = [0, 0, 0]", 38, "expected a vector toward the lamp"),
+        ("position = [0.0, 2.0, 1.0]", "", 41, "expected either direction = [x, y, z] or position"),
+        ("[0.9, 0.3, 0.2]", "[0.9, 0.3]", 14, "expected"),
+        ("vertices = 300", "vertices = 1", 12, "vertices: "),
+        ("mesh = \"torus\"", "", 10, "mesh is missing"),
+        ("highlight", "highlights", 35, "unknown key \"highlights\""),
+        ("schema = 1", "schema = 2", 2, "expected 1"),
+        ("attenuation = [1.0, 0.2, 0.1]", "attenuation = [0, 0, 0]", 43, "attenuation is 0"),
+    ] {
+        fs::write(&path, SCENE.replace(from, to)).unwrap();
+        let errors = scene::read(&path).expect_err("a fault").to_string();
+        let place = format!("scene.toml:{line}:");
+        assert!(errors.contains(&place) && errors.contains(words) && errors.contains("expected"), "{to}: {errors}");
+    }
+    fs::write(&path, SCENE.replace("box.obj", "none.obj")).unwrap();
+    assert!(scene::read(&path).expect_err("a fault").to_string().contains("none.obj: cannot be opened"));
+    fs::write(&path, "schema = 1\n").unwrap();
+    assert!(scene::read(&path).expect_err("a fault").to_string().contains("expected at least one table [[mesh]]"));
+}

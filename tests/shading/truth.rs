@@ -1,0 +1,175 @@
+//! Smooth surfaces: the normals and lines of sight of the known ones, and how far each shader's picture is from them.
+
+use glam::DVec3;
+use machband::{
+    light::{LinearImage, Transfer},
+    shading::{
+        Creases, Frame, Mesh, Normals, Scene, Shade, Shader, Surface, Truth,
+        shapes::{self, Shape},
+    },
+    stimulus::{Judged, Renderer, ViewingConditions},
+};
+
+const SIDE: u32 = 256;
+
+/// The shapes whose surface is known, with the number of vertices and the rotation with which they are shown.
+const SHAPES: [(Shape, usize, [f64; 3]); 8] = [
+    (Shape::Terrain, 289, [-35.0, 10.0, 20.0]),
+    (Shape::Blob, 320, [25.0, -35.0, 0.0]),
+    (Shape::Torus, 768, [25.0, -35.0, 0.0]),
+    (Shape::JitteredTorus, 400, [25.0, -35.0, 0.0]),
+    (Shape::UvSphere, 674, [25.0, -35.0, 0.0]),
+    (Shape::Sphere, 642, [25.0, -35.0, 0.0]),
+    (Shape::FilletedCylinder, 194, [60.0, -35.0, 0.0]),
+    (Shape::Cylinder, 48, [60.0, -35.0, 0.0]),
+];
+
+/// A highlight, with the lamp aside; the default; matt, with the lamp at the eye.
+fn scenes(rotate_deg: [f64; 3]) -> [Scene; 3] {
+    let scene = Scene { rotate_deg, ..Scene::default() };
+    [
+        Scene { specular: 0.3, light: DVec3::new(0.5, 0.5, 0.7), ..scene },
+        scene,
+        Scene { specular: 0.0, light: DVec3::Z, ..scene },
+    ]
+}
+
+fn drawn(frame: &Frame, shader: Shader) -> LinearImage {
+    Renderer::new(Shade::new(shader)).shoot(frame, &Transfer::Linear.into()).emitted()
+}
+
+/// The residuals of the shaders over Gouraud's.
+fn residuals<const N: usize>(frame: &Frame, shaders: [Shader; N]) -> [f64; N] {
+    let viewing = ViewingConditions::new(10.0);
+    let judged = Judged::known(&viewing, frame).unwrap();
+    assert!(judged.not_compared().unwrap() < 0.25, "{:?}", judged.not_compared());
+    let rms = |shader| judged.residual(&viewing, &drawn(frame, shader)).unwrap().rms;
+    let gouraud = rms(Shader::Gouraud);
+    shaders.map(|shader| rms(shader) / gouraud)
+}
+
+#[test]
+fn c1_phong_is_closest_to_the_smooth_surface() {
+    for (shape, vertices, rotate_deg) in SHAPES {
+        let surface = Surface::new(shapes::mesh(shape, vertices).unwrap());
+        for (which, scene) in scenes(rotate_deg).into_iter().enumerate() {
+            let frame = scene.frame(&surface, SIDE, SIDE);
+            let [phong, c1] = residuals(&frame, [Shader::Phong, Shader::C1Phong]);
+            assert!(c1 <= 0.6 * phong, "{shape}, scene {which}: {c1} and {phong}");
+            let most = if shape == Shape::UvSphere { 0.1 } else { 0.3 };
+            assert!(which > 0 || c1 <= most, "{shape}: {c1}");
+        }
+    }
+}
+
+#[test]
+fn slopes_continue_across_every_edge_under_c1_phong() {
+    for (shape, vertices, rotate_deg) in SHAPES {
+        let surface = Surface::new(shapes::mesh(shape, vertices).unwrap());
+        for scene in scenes(rotate_deg) {
+            for distance in [f64::INFINITY, 3.0] {
+                let frame = Scene { distance, ..scene }.frame(&surface, SIDE, SIDE);
+                let own = Creases::of(&frame, &Shade::new(Shader::C1Phong));
+                let over = own.over(&Creases::of_gouraud(&frame)).unwrap();
+                // Where a plane runs into a rounding, the slope of the surface's own light jumps, and the shader's too.
+                let most = if shape == Shape::FilletedCylinder { 0.3 } else { 1e-6 };
+                assert!(own.median < 1e-6 && over < most && own.step_rms < 1e-12, "{shape}: {over}, {}", own.median);
+            }
+        }
+    }
+}
+
+/// Returns a mesh whose vertices lie on the surface, and far more of them than the shader needs.
+fn fine(shape: Shape) -> Mesh {
+    shapes::mesh(shape, 20_000).unwrap()
+}
+
+#[test]
+fn vertices_lie_on_the_known_surface() {
+    for (shape, ..) in SHAPES {
+        let mesh = fine(shape);
+        let smooth = mesh.smooth.unwrap();
+        for vertex in mesh.vertices.iter().step_by(37) {
+            let found = smooth.trace(vertex.position + 0.05 * vertex.normal, -vertex.normal, 0.1);
+            let distance = found.map_or(1.0, |found| found.distance(vertex.position));
+            // A line that runs along a border or a sharp edge may miss.
+            let is_border = match shape {
+                Shape::Terrain => vertex.position.truncate().abs().max_element() > 0.99,
+                Shape::Cylinder => vertex.position.truncate().length() > 0.99 && vertex.position.z.abs() > 1.19,
+                _ => false,
+            };
+            assert!(distance < 1e-9 || is_border, "{shape} at {}: {found:?}", vertex.position);
+        }
+    }
+}
+
+#[test]
+fn traced_surface_looks_like_a_fine_mesh() {
+    for (shape, vertices, rotate_deg) in SHAPES {
+        for distance in [f64::INFINITY, 3.0] {
+            let scene = Scene { distance, ..scenes(rotate_deg)[0] };
+            let frame = scene.frame(&Surface::new(shapes::mesh(shape, vertices).unwrap()), SIDE, SIDE);
+            let traced = Truth::traced(&frame).unwrap();
+            let meshed = Truth::of_mesh(&frame, &Surface::new(fine(shape)));
+            let (a, b, mask) = (traced.picture(&frame), meshed.picture(&frame), traced.mask(&frame));
+            let worst = mask.iter().enumerate().filter(|(_, counts)| **counts);
+            let worst = worst.map(|(i, _)| (a.data[3 * i] - b.data[3 * i]).abs()).fold(0.0, f32::max);
+            assert!(worst < 0.03, "{shape} from {distance}: {worst}");
+        }
+    }
+}
+
+/// The truth is not known for the cube, and a mesh that is its own truth has only Phong's residual of rounding.
+#[test]
+fn unknown_surfaces_have_no_residual() {
+    let viewing = ViewingConditions::new(10.0);
+    let frame = Scene::default().frame(&Surface::new(shapes::cube()), SIDE, SIDE);
+    assert!(Judged::known(&viewing, &frame).unwrap().residual(&viewing, &drawn(&frame, Shader::Phong)).is_none());
+    let surface = Surface::new(shapes::blob(2000));
+    let frame = Scene::default().frame(&surface, SIDE, SIDE);
+    let judged = Judged::new(&viewing, &frame, Some(&Truth::of_mesh(&frame, &surface))).unwrap();
+    let rms = |shader| judged.residual(&viewing, &drawn(&frame, shader)).unwrap().rms;
+    assert!(rms(Shader::Phong) < 1e-6 && rms(Shader::Gouraud) > 1e-4, "{}", rms(Shader::Phong));
+}
+
+/// The root mean square of the angle between the estimated normals and the surface's, degrees, over the vertices that
+/// are not at the border of the terrain.
+fn error_deg(mesh: &Mesh, normals: Normals) -> f64 {
+    let estimated = mesh.clone().estimated(normals);
+    let inside =
+        |p: DVec3| mesh.smooth != Some(machband::shading::Smooth::Terrain) || p.truncate().abs().max_element() < 0.99;
+    let pairs = mesh.vertices.iter().zip(&estimated.vertices).filter(|(v, _)| inside(v.position));
+    let squares: Vec<f64> = pairs.map(|(v, e)| v.normal.angle_between(e.normal).to_degrees().powi(2)).collect();
+    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+}
+
+#[test]
+fn estimated_normals_approach_the_surfaces() {
+    // Max's normals are exact on every mesh inscribed in a sphere.
+    for mesh in [shapes::sphere(8), shapes::mesh(Shape::UvSphere, 674).unwrap()] {
+        assert!(error_deg(&mesh, Normals::Max) < 1e-5, "{}", error_deg(&mesh, Normals::Max));
+        assert!(error_deg(&mesh, Normals::Cubic) < 0.05, "{}", error_deg(&mesh, Normals::Cubic));
+    }
+    // The cubic at least halves Max's errors where triangles are uneven.
+    for (shape, vertices) in
+        [(Shape::Blob, 320), (Shape::Blob, 771), (Shape::Terrain, 289), (Shape::FilletedCylinder, 194)]
+    {
+        let mesh = shapes::mesh(shape, vertices).unwrap();
+        let [max, cubic] = [Normals::Max, Normals::Cubic].map(|normals| error_deg(&mesh, normals));
+        assert!(cubic < 0.5 * max, "{shape}: {cubic} {max}");
+        assert_eq!(error_deg(&mesh, Normals::Given), 0.0);
+    }
+    let mesh = shapes::mesh(Shape::JitteredTorus, 400).unwrap();
+    let [averaged, max, cubic] =
+        [Normals::Averaged, Normals::Max, Normals::Cubic].map(|normals| error_deg(&mesh, normals));
+    assert!(cubic < 0.7 * max && max < 0.7 * averaged, "{averaged} {max} {cubic}");
+    // Coplanar triangles of a face count once, as in the meshes' own averages.
+    let pyramid = Mesh::new(
+        &[DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y, DVec3::Z],
+        &[[0, 2, 1], [0, 3, 2], [0, 1, 4], [0, 4, 3]],
+        180.0,
+    );
+    let corner =
+        pyramid.unwrap().estimated(Normals::Averaged).vertices.into_iter().find(|v| v.position == DVec3::ZERO).unwrap();
+    assert!(corner.normal.distance(DVec3::splat(-1.0 / 3f64.sqrt())) < 1e-12, "{}", corner.normal);
+}
