@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use glam::{DMat3, DVec2, DVec3};
-use machband::shading::{Across, Frame, FrameTriangle, FrameVertex, Lighting, View};
+use machband::shading::{Across, Fan, Frame, FrameTriangle, FrameVertex, Lighting, View};
 use wgpu::util::DeviceExt as _;
 
 /// Side of the image, in pixels.
@@ -36,13 +36,15 @@ pub fn frame() -> Frame {
         depth: 0.5,
         eye: DVec3::ZERO,
         normal: DVec3::Z,
-        curvature: DMat3::ZERO,
         light: DVec3::splat(f64::from(light)),
         ambient: DVec3::ZERO,
     };
     // The two triangles share their first edge.
     let triangle = |t: usize| FrameTriangle {
         vertices: TRIANGLES[t].map(|v| v as u32),
+        fans: TRIANGLES[t].map(|v| v as u32),
+        of_mesh: t as u32,
+        is_back: false,
         normal: DVec3::Z,
         across: [
             Across::Triangle { triangle: 1 - t as u32, apex: TRIANGLES[1 - t][0] as u32 },
@@ -59,6 +61,11 @@ pub fn frame() -> Frame {
         lighting: Lighting::standard(),
         view: View::square(SIZE),
         encoding: None,
+        creases: Vec::new(),
+        sphere: (DVec3::ZERO, 1.0),
+        smooth: None,
+        paint: None,
+        fans: (0..CORNERS.len() as u32).map(|vertex| Fan { vertex, curvature: DMat3::ZERO }).collect(),
     }
 }
 

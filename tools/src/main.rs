@@ -2,6 +2,7 @@
 
 mod facts;
 mod peers;
+mod residuals;
 mod sessions;
 mod shaders;
 
@@ -13,12 +14,8 @@ use tools::blue_noise::{MASK_SEED, to_bytes, void_and_cluster};
 /// Print tables for the documentation, and run timings and long sessions.
 #[derive(Parser)]
 enum Tool {
-    /// Print the table of docs/shaders.md: how visible the bands of each shader are.
-    Bands {
-        /// Use the scene of the shading page instead of a matte surface lit from the viewer's eye.
-        #[arg(long)]
-        default_scene: bool,
-    },
+    /// Print the tables of docs/shaders.md: how far each shader is from the smooth surface.
+    Residuals,
     /// Print the table of docs/shading.md: the slope jumps that each shader leaves, relative to Gouraud's.
     Creases,
     /// Print the table of docs/models.md: which known facts about Mach bands each model reproduces.
@@ -84,7 +81,7 @@ enum Tool {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     match Tool::parse() {
-        Tool::Bands { default_scene } => shaders::bands(default_scene),
+        Tool::Residuals => residuals::residuals(),
         Tool::Creases => shaders::creases(),
         Tool::Facts => {
             facts::run();
