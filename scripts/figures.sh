@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Reproduces the paper's Figures 8-12 as docs/figures/figure{8,9,10,11,12}.png, and shades the same meshes with our own
-# shaders (figure-ours.png). docs/shaders.md compares them with the paper.
+# Reproduces the paper's Figures 8-12 as docs/figures/figure{8,9,10,11,12}.png, shades the same meshes with our own
+# shaders (figure-ours.png), and shows them next to the smooth surface (figure-truth.png). docs/shaders.md discusses them. glass.png is the scene
+# of docs/shading.md.
 #
 #   scripts/figures.sh                             # with target/release/machband
 #   MACHBAND=target/debug/machband scripts/figures.sh
@@ -30,9 +31,9 @@ panel() {
         -annotate +0+4 "$label" "$work/$figure-$(printf '%02d' "${#panels[@]}").png"
     panels+=("$work/$figure-$(printf '%02d' "${#panels[@]}").png")
 }
-# sheet FIGURE: arranges the panels so far, three per row.
+# sheet FIGURE [COLUMNS]: arranges the panels so far, three per row unless COLUMNS says otherwise.
 sheet() {
-    montage "${panels[@]}" -tile 3x -geometry +4+4 -background white "$work/sheet.png"
+    montage "${panels[@]}" -tile "${2:-3}x" -geometry +4+4 -background white "$work/sheet.png"
     convert "$work/sheet.png" -strip -define png:exclude-chunks=date,time,tIME -define png:compression-level=9 \
         "PNG24:$figures/$1.png"
     panels=()
@@ -83,4 +84,23 @@ for mesh in cube blob; do
 done
 sheet figure-ours
 
-echo "$figures: figure8.png, figure9.png, figure10.png, figure11.png, figure12.png, figure-ours.png"
+# Before, after and truth: what the mesh approximates.
+while IFS='|' read -r name options; do
+    read -ra options <<<"$options"
+    panel truth "$name: Gouraud" "${options[@]}" --shader gouraud
+    panel truth 'patch' "${options[@]}" --shader patch
+    panel truth 'c1-phong' "${options[@]}" --shader c1-phong
+    panel truth 'the smooth surface' "${options[@]}" --truth
+done <<'END'
+slivers|--mesh uv-sphere --vertices 200 --specular 0.4 --light 0.5,0.5,0.7 --rotate 60,-35,0
+highlight|--mesh blob --vertices 200 --specular 0.5 --light 0.5,0.5,0.7
+terminator|--mesh torus --vertices 200 --specular 0 --light 0.9,0.4,-0.2
+filleted cylinder|--mesh filleted-cylinder --vertices 194 --specular 0.3 --rotate 60,-35,0
+terrain|--mesh terrain --vertices 289 --specular 0.3 --light 0.5,0.5,0.7 --rotate -35,10,20
+END
+sheet figure-truth 4
+
+"$machband" shade examples/scenes/glass.toml --size 480 --force --out "$work/glass.png"
+convert "$work/glass.png" -strip -define png:exclude-chunks=date,time,tIME "PNG24:$figures/glass.png"
+
+echo "$figures: figure8.png, figure9.png, figure10.png, figure11.png, figure12.png, figure-ours.png, figure-truth.png, glass.png"
