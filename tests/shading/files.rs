@@ -238,7 +238,7 @@ fn every_kind_of_ply_file_gives_the_same_mesh() {
         ("4 0 1 2 3", "4 0 1 2 9", "face 0 refers to vertex 9, which does not exist; expected 0…3"),
         ("4 0 1 2 3", "2 0 1", "face 0 has 2 corners; expected 3…1024"),
         ("4 0 1 2 3", "", "expected a PLY file"),
-        ("-1 -1 0", "-1 1e300 0", "the position of vertex 0 is not finite"),
+        ("-1 -1 0", "-1 1e300 0", "vertex 0 has a position that is not finite"),
         ("-1 -1 0", "-1 one 0", "it:14:1: "),
         ("property float z\n", "", "vertex 0 has no position; expected x, y and z"),
         ("element face 1", "element faces 1", "has no faces; expected an element \"face\""),

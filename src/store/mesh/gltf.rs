@@ -20,7 +20,7 @@ use gltf::{
 use super::{
     MAX_FILE,
     faces::Faces,
-    texture::{self, Pixels},
+    texture::{self, MAX_TEXELS, Pixels},
 };
 use crate::{
     light::Transfer,
@@ -47,19 +47,25 @@ fn read(folder: Option<&Path>, content: &[u8]) -> Result<Faces, String> {
         return Err("its header is damaged; expected a GLB file".to_owned());
     }
     let not_gltf = |error| format!("{error}; expected a glTF 2.0 file");
-    let Gltf { document, blob } = Gltf::from_slice_without_validation(content).map_err(not_gltf)?;
+    let Gltf { document, mut blob } = Gltf::from_slice_without_validation(content).map_err(not_gltf)?;
     check(document.as_json())?;
     let document = Document::from_json(document.into_json()).map_err(not_gltf)?;
     let mut source = Source { folder, buffers: Vec::new() };
     for buffer in document.buffers() {
         let bytes = match buffer.source() {
-            buffer::Source::Bin => blob.clone().ok_or("its binary chunk is missing; expected one")?,
+            buffer::Source::Bin => blob.take().ok_or("its binary chunk is missing; expected one, for one buffer")?,
             buffer::Source::Uri(uri) => source.at(uri)?,
         };
         source.buffers.push(bytes);
     }
-    let mut reader =
-        Reader { source, faces: Faces::default(), coats: HashMap::new(), textures: HashMap::new(), triangles: 0 };
+    let mut reader = Reader {
+        source,
+        faces: Faces::default(),
+        coats: HashMap::new(),
+        textures: HashMap::new(),
+        texels: MAX_TEXELS,
+        triangles: 0,
+    };
     reader.document(&document)?;
     Ok(reader.faces)
 }
@@ -162,6 +168,8 @@ struct Reader<'a> {
     coats: HashMap<Option<usize>, u32>,
     /// The pixels of each image.
     textures: HashMap<usize, Arc<Pixels>>,
+    /// The number of texels that textures may still have.
+    texels: usize,
     triangles: usize,
 }
 
@@ -338,7 +346,8 @@ impl Reader<'_> {
                 &read
             }
         };
-        let pixels = texture::decode(bytes).map_err(|error| format!("image {} {error}", image.index()))?;
+        let pixels = texture::decode(bytes, self.texels).map_err(|error| format!("image {} {error}", image.index()))?;
+        self.texels -= pixels.codes.len();
         let pixels = Arc::new(pixels);
         self.textures.insert(image.index(), pixels.clone());
         Ok(pixels)

@@ -6,13 +6,13 @@
 use glam::DVec3;
 use ply_rs_bw::{
     parser::{ParseError, Parser, Reader},
-    ply::{Property, PropertyAccess, PropertyAccessResult},
+    ply::{Encoding, Property, PropertyAccess, PropertyAccessResult},
 };
 
 use super::faces::{Faces, MAX_CORNERS};
 use crate::{
     light::Transfer,
-    shading::{PaintedCorner, mesh::MAX_COORDINATE},
+    shading::{Coat, PaintedCorner, mesh::MAX_COORDINATE},
     store::{FileError, FileErrors},
 };
 
@@ -76,60 +76,95 @@ impl PropertyAccess for Element {
 /// Content that is not PLY, with its line where the file is text; coordinates that are not finite, vertices that do not
 /// exist, and faces with too few corners.
 pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
-    let at = |error: ParseError| {
+    let at = |line: Option<usize>, error: ParseError| {
         // The first line of the crate's text, without the number of the line, which comes before it.
         let text = error.to_string();
         let text = text.lines().next().unwrap_or_default();
         let text = text.strip_prefix("Line ").and_then(|rest| rest.split_once(": ")).map_or(text, |(_, rest)| rest);
         let message = format!("{}; expected a PLY file", text.trim_end_matches(['.', ':']));
-        FileErrors(vec![match error.line() {
+        FileErrors(vec![match line {
             Some(line) => FileError::at(file, (line.max(1), 1), message),
             None => FileError::whole(file, message),
         }])
     };
     let (parser, mut reader) = (Parser::<Element>::new(), Reader::new(content));
-    let header = parser.read_header(&mut reader).map_err(at)?;
-    let mut elements = parser.read_payload(&mut reader, &header).map_err(at)?;
-    let mut of = |name: &str| elements.shift_remove(name).unwrap_or_default();
-    let (vertices, triangles) = (of("vertex"), of("face"));
-    let whole = |message: String| FileErrors::whole(file, message);
+    let header = parser.read_header(&mut reader).map_err(|error| at(error.line(), error))?;
+    let mut line = reader.line();
+    let mut rest = reader.into_inner();
+    let mut mesh = PlyMesh::default();
+    // One element after the other: an element needs much more memory than what it becomes.
+    for (name, definition) in &header.elements {
+        // Without properties, any number of elements needs no bytes.
+        let count = if definition.properties.is_empty() { 0 } else { definition.count };
+        for i in 0..count {
+            let element = match header.encoding {
+                Encoding::Ascii => {
+                    let end = rest.iter().position(|byte| *byte == b'\n').map_or(rest.len(), |end| end + 1);
+                    let (own, after) = rest.split_at(end);
+                    rest = after;
+                    let element = parser.read_ascii_element(&String::from_utf8_lossy(own), definition);
+                    let element = element.map_err(|error| at(Some(line), error))?;
+                    line += 1;
+                    element
+                }
+                Encoding::BinaryLittleEndian => {
+                    parser.read_little_endian_element(&mut rest, definition).map_err(|error| at(None, error))?
+                }
+                Encoding::BinaryBigEndian => {
+                    parser.read_big_endian_element(&mut rest, definition).map_err(|error| at(None, error))?
+                }
+            };
+            let added = match name.as_str() {
+                "vertex" => mesh.vertex(&element),
+                "face" => mesh.face(&element),
+                _ => Ok(()),
+            };
+            added.map_err(|message| FileErrors::whole(file, format!("{name} {i} {message}")))?;
+        }
+    }
+    mesh.faces.polygons.coats.push(Coat::default());
+    Ok(mesh.faces)
+}
 
-    let mut faces = Faces::default();
-    let mut corners = Vec::with_capacity(vertices.len());
-    for (i, Element { numbers, .. }) in vertices.iter().enumerate() {
+/// What was read so far.
+#[derive(Default)]
+struct PlyMesh {
+    vertices: Vec<(u32, Option<DVec3>, PaintedCorner)>,
+    faces: Faces,
+}
+
+impl PlyMesh {
+    fn vertex(&mut self, Element { numbers, .. }: &Element) -> Result<(), String> {
         let three = |first: usize| match numbers[first..first + 3] {
             [Some(x), Some(y), Some(z)] => Some(DVec3::new(x, y, z)),
             _ => None,
         };
-        let position = three(0).ok_or_else(|| whole(format!("vertex {i} has no position; expected x, y and z")))?;
+        let position = three(0).ok_or("has no position; expected x, y and z")?;
         // NaN does not count as within.
         if !position.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE) {
-            let message =
-                format!("the position of vertex {i} is not finite or is beyond ±1e30; expected finite numbers");
-            return Err(whole(message));
+            return Err("has a position that is not finite or is beyond ±1e30; expected finite numbers".to_owned());
         }
         let linear = |color: DVec3| {
             let channel = |code: f64| Transfer::Srgb.linear_from_encoded(if code > 0.0 { code.min(1.0) } else { 0.0 });
             DVec3::from_array(color.to_array().map(channel))
         };
         let paint = PaintedCorner { color: three(6).map_or(DVec3::ONE, linear), ..PaintedCorner::default() };
-        corners.push((faces.site(position), three(3).and_then(DVec3::try_normalize), paint));
+        self.vertices.push((self.faces.site(position), three(3).and_then(DVec3::try_normalize), paint));
+        Ok(())
     }
-    for (i, Element { corners: list, .. }) in triangles.iter().enumerate() {
-        let list = list.as_deref().unwrap_or_default();
+
+    fn face(&mut self, Element { corners, .. }: &Element) -> Result<(), String> {
+        let list = corners.as_deref().unwrap_or_default();
         if !(3..=MAX_CORNERS).contains(&list.len()) {
-            return Err(whole(format!("face {i} has {} corners; expected 3…{MAX_CORNERS}", list.len())));
+            return Err(format!("has {} corners; expected 3…{MAX_CORNERS}", list.len()));
         }
-        let mut of_face = Vec::with_capacity(list.len());
-        for index in list {
-            let corner = usize::try_from(*index).ok().and_then(|index| corners.get(index));
-            of_face.push(*corner.ok_or_else(|| {
-                let most = corners.len().saturating_sub(1);
-                whole(format!("face {i} refers to vertex {index}, which does not exist; expected 0…{most}"))
-            })?);
-        }
-        faces.polygons.push_painted(of_face, 0);
+        let corner = |index: &i64| {
+            let found = usize::try_from(*index).ok().and_then(|index| self.vertices.get(index));
+            let most = self.vertices.len().saturating_sub(1);
+            found.copied().ok_or_else(|| format!("refers to vertex {index}, which does not exist; expected 0…{most}"))
+        };
+        let corners = list.iter().map(corner).collect::<Result<Vec<_>, String>>()?;
+        self.faces.polygons.push_painted(corners, 0);
+        Ok(())
     }
-    faces.polygons.coats.push(Default::default());
-    Ok(faces)
 }
