@@ -10,7 +10,9 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use glam::DVec3;
 use machband::light::Transfer;
-use machband::shading::{Encoder, Frame, Lighting, Mesh, Prepared, Shade, Shader, Surface, View};
+use machband::shading::{
+    Encoder, Field, Frame, Gradients, Lighting, Mesh, Patches, Prepared, Shade, Shader, Surface, View,
+};
 
 const SIZE: u32 = 1024;
 const PIXELS: usize = SIZE as usize * SIZE as usize;
@@ -136,6 +138,22 @@ mod prepare {
     fn gray(bencher: Bencher<'_, '_>, shader: Shader) {
         let frame = grid(28, 28, GRAY);
         bencher.bench_local(|| Prepared::new(black_box(&frame), &shade(shader)));
+    }
+
+    /// The Bézier ordinates of 1568 and 99,904 triangles: of the light for *patch*, of the normals for *c1-phong*.
+    #[divan::bench(args = [(28, 28, 1), (28, 28, 2), (224, 223, 1), (224, 223, 2)])]
+    fn ordinates_of_light(bencher: Bencher<'_, '_>, (columns, rows, threads): (usize, usize, usize)) {
+        bench_ordinates(bencher, Field::Light, columns, rows, threads);
+    }
+
+    #[divan::bench(args = [(28, 28, 1), (28, 28, 2), (224, 223, 1), (224, 223, 2)])]
+    fn ordinates_of_normals(bencher: Bencher<'_, '_>, (columns, rows, threads): (usize, usize, usize)) {
+        bench_ordinates(bencher, Field::Normal, columns, rows, threads);
+    }
+
+    fn bench_ordinates(bencher: Bencher<'_, '_>, field: Field, columns: usize, rows: usize, threads: usize) {
+        let (frame, pool) = (grid(columns, rows, GRAY), pool(threads));
+        bencher.bench_local(|| pool.install(|| Patches::new(black_box(&frame), field, Gradients::Curvature)));
     }
 
     #[divan::bench]

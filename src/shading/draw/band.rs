@@ -48,7 +48,7 @@ impl Band<'_> {
         Some((outline, outline.first.max(self.first), outline.end.min(self.end)))
     }
 
-    /// Finds the spans of the triangles and fills `C` channels with the background.
+    /// Finds the spans of the triangles, and fills `C` channels of the rows that they leave open with the background.
     ///
     /// Returns true if any pixel is covered twice. If none is, nothing is hidden, and depths need not be compared.
     #[inline(always)]
@@ -56,10 +56,6 @@ impl Band<'_> {
         let width = self.frame.width;
         let (rows, words) = ((self.end - self.first) as usize, width.div_ceil(64) as usize);
         let pixels = rows * width as usize + MAX_LANES;
-        for (light, background) in scratch.light.iter_mut().zip(self.background).take(C) {
-            light.clear();
-            light.resize(pixels, background);
-        }
         scratch.covered.clear();
         scratch.covered.resize(rows * words, 0);
         scratch.spans.clear();
@@ -76,6 +72,14 @@ impl Band<'_> {
                     scratch.spans.push(span);
                 },
             );
+        }
+        for (light, background) in scratch.light.iter_mut().zip(self.background).take(C) {
+            light.resize(pixels, background);
+            for (row, bits) in light.chunks_exact_mut(width as usize).zip(scratch.covered.chunks_exact(words)) {
+                if bits.iter().map(|bits| bits.count_ones()).sum::<u32>() < width {
+                    row.fill(background);
+                }
+            }
         }
         if twice != 0 {
             scratch.depth.clear();
@@ -164,7 +168,14 @@ impl<const C: usize, R: ShaderKernel<f32, C>> WithSimd for Paint<'_, C, R> {
                         let values: [Lanes<S>; C] = shader.light(triangle as usize, w, gouraud);
                         for c in 0..C {
                             let pixels = &mut planes[c][pixel..pixel + S::F32_LANES];
-                            Lanes::select(wanted, values[c], Lanes::load(simd, pixels)).store(pixels);
+                            // All lanes of most vectors are inside.
+                            let all = !overlap && rest >= S::F32_LANES as u32;
+                            let values = if all {
+                                values[c]
+                            } else {
+                                Lanes::select(wanted, values[c], Lanes::load(simd, pixels))
+                            };
+                            values.store(pixels);
                         }
                     }
                     first += S::F32_LANES as u32;
