@@ -110,6 +110,41 @@ fn transparent_surfaces_combine_as_the_formulas_say() {
     }
 }
 
+const BARE: Material = Material { ambient: 1.0, diffuse: 0.0, specular: 0.0, ..Material::standard() };
+
+/// A sheet whose red grows from 0 to 1 to the right, over −1.5…1.5.
+fn behind_glass() -> Body {
+    let back = sheet(1.5, -1.0);
+    let color = |v: &u32| {
+        let red = (back.vertices[*v as usize].position.x + 1.5) / 3.0;
+        PaintedCorner { color: DVec3::new(red, 0.0, 0.0), ..PaintedCorner::default() }
+    };
+    let corners = back.triangles.iter().map(|t| [0, 1, 2].map(|k| color(&t[k]))).collect();
+    let paint = Paint { corners, of_triangles: vec![0; 2], coats: vec![Coat::default()] };
+    Body { material: BARE, ..body(back.clone().painted(paint), DVec3::ONE) }
+}
+
+/// Clear glass, which has no light of its own.
+fn glass(mesh: Mesh, index: f64) -> Body {
+    Body {
+        material: Material { ambient: 0.0, ..BARE },
+        transparency: Transparency::Filtered { k_t: 1.0, color: DVec3::ONE },
+        index: Some(index),
+        ..body(mesh, DVec3::ONE)
+    }
+}
+
+/// Where light is not bent, nothing of a ball is seen: no line of sight slips through between its triangles.
+#[test]
+fn a_ball_with_the_index_of_air_is_invisible() {
+    let ball = glass(moved(shapes::sphere(4), DVec3::new(0.1, 0.05, 0.3)), 1.0);
+    let draw = |bodies| scene(bodies).image(4 * SIDE, 4 * SIDE);
+    let with = draw(vec![behind_glass(), ball.clone()]);
+    let without = draw(vec![behind_glass(), Body { index: None, ..ball }]);
+    let worst = apart(&with, &without);
+    assert!(worst < 1e-3, "{worst}");
+}
+
 /// Through a tilted slab of glass, a plane behind it is seen displaced by d = t·sin θ·(1 − cos θ/√(n² − sin² θ)).
 #[test]
 fn a_slab_of_glass_displaces_what_is_behind_it() {
@@ -123,22 +158,7 @@ fn a_slab_of_glass_displaces_what_is_behind_it() {
             .collect();
     let slab = mesh::parse("slab", obj.as_bytes(), 30.0).unwrap().mesh;
     let slab = slab.placed(1.0, DMat3::from_rotation_y(theta), DVec3::new(0.0, 0.0, 1.0));
-    // A sheet whose red grows from 0 to 1 to the right, over −1.5…1.5.
-    let back = sheet(1.5, -1.0);
-    let color = |v: &u32| {
-        let red = (back.vertices[*v as usize].position.x + 1.5) / 3.0;
-        PaintedCorner { color: DVec3::new(red, 0.0, 0.0), ..PaintedCorner::default() }
-    };
-    let corners = back.triangles.iter().map(|t| [0, 1, 2].map(|k| color(&t[k]))).collect();
-    let paint = Paint { corners, of_triangles: vec![0; 2], coats: vec![Coat::default()] };
-    let lit = Material { ambient: 1.0, diffuse: 0.0, specular: 0.0, ..Material::standard() };
-    let back = Body { material: lit, ..body(back.clone().painted(paint), DVec3::ONE) };
-    let glass = Body {
-        material: Material { ambient: 0.0, ..lit },
-        transparency: Transparency::Filtered { k_t: 1.0, color: DVec3::ONE },
-        index: Some(index),
-        ..body(slab, DVec3::ONE)
-    };
+    let (back, glass) = (behind_glass(), glass(slab, index));
     let displacement = thickness * theta.sin() * (1.0 - theta.cos() / (index * index - theta.sin().powi(2)).sqrt());
     let with = scene(vec![back.clone(), glass.clone()]).image(SIDE, SIDE);
     let without = scene(vec![back, Body { index: None, ..glass }]).image(SIDE, SIDE);

@@ -200,26 +200,26 @@ impl Picture<'_> {
                 break;
             }
             passed.push((body.transparency, front));
-            if body.index.is_some() {
-                light = self.refracted(place, layer);
+            if body.index.is_some()
+                && let Some(behind) = self.refracted(place, layer.body)
+            {
+                light = behind;
                 break;
             }
         }
         passed.iter().rev().fold(light, |behind, (transparency, front)| transparency.through(*front, behind))
     }
 
-    /// Returns the light that enters a body with an index at a place on the screen, from behind it.
-    fn refracted(&self, place: DVec2, layer: &Layer) -> DVec3 {
+    /// Returns the light that enters a body with an index at a place on the screen, from behind it. The screen's corners
+    /// are rounded, so the line of sight may meet another triangle than the pixel shows, or, at an outline, none.
+    fn refracted(&self, place: DVec2, body: usize) -> Option<DVec3> {
         let (from, along) = self.view.ray(place);
-        let triangle = &self.drawn[layer.body].frame.triangles[layer.triangle];
-        let Some(targets) = &self.targets else { return self.scene.background };
-        // The screen's corners are rounded, so the line of sight may just miss the triangle that the pixel shows.
-        let of = (layer.body as u32, triangle.of_mesh);
-        let mut meeting = targets.first(from, along, LEAST);
-        while let Some(other) = meeting.filter(|other| other.of != of) {
-            meeting = targets.first(from, along, other.distance + LEAST);
+        let targets = self.targets.as_ref()?;
+        let mut meeting = targets.first(from, along, LEAST)?;
+        while meeting.of.0 as usize != body {
+            meeting = targets.first(from, along, meeting.distance + LEAST)?;
         }
-        meeting.map_or(self.scene.background, |meeting| self.beyond(from, along, &meeting, None, 0))
+        Some(self.beyond(from, along, &meeting, None, 0))
     }
 
     /// Returns the light that comes along a ray. `inside` is the body that it is in.
@@ -244,9 +244,7 @@ impl Picture<'_> {
         let Some(index) = self.scene.bodies[which].index else { return self.traced(place, along, inside, met + 1) };
         let leaves = inside == Some(which);
         match Refraction::of(-along, self.normal(at), if leaves { index } else { index.recip() }) {
-            Refraction::Transmitted(along) => {
-                self.traced(place, along, (!leaves).then_some(which).or(inside.filter(|_| !leaves)), met + 1)
-            }
+            Refraction::Transmitted(along) => self.traced(place, along, (!leaves).then_some(which), met + 1),
             Refraction::TotalReflection(along) => self.traced(place, along, inside, met + 1),
             Refraction::Undefined => self.scene.background,
         }

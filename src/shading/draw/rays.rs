@@ -94,6 +94,9 @@ fn divide(targets: &mut [Target], first: usize, end: usize, boxes: &mut Vec<Box>
     boxes[own].next = boxes.len() as u32;
 }
 
+/// Rounding errors of the weights: a ray through an edge meets at least one of its triangles.
+const ROUNDING: f64 = 1e-12;
+
 impl Target {
     fn meet(&self, from: DVec3, along: DVec3, after: f64) -> Option<Meeting> {
         let [a, b, c] = self.corners;
@@ -103,7 +106,7 @@ impl Target {
         let share = |p: DVec3, q: DVec3| (q - p).cross(point - p).dot(normal) / normal.length_squared();
         let weights = [share(b, c), share(c, a), share(a, b)];
         // The conditions are false for NaN.
-        let is_met = distance > after && distance.is_finite() && weights.iter().all(|w| *w >= 0.0);
+        let is_met = distance > after && distance.is_finite() && weights.iter().all(|w| *w >= -ROUNDING);
         is_met.then_some(Meeting { of: self.of, distance, weights })
     }
 }
