@@ -88,12 +88,16 @@ export class C1Mesh extends THREE.Mesh {
     super(own, material.isMaterial ? withC1Normals(material.clone(), texture) : c1Material(material, texture));
     this.ordinates = texture;
     const size = new THREE.Vector4();
-    // The ordinates depend on the view, so they are computed before the mesh is drawn.
+    let last = [];
+    // The ordinates depend on the view, so they are computed before the mesh is drawn, unless the view is the last one.
     this.onBeforeRender = (renderer, scene, camera) => {
       const modelView = camera.matrixWorldInverse.clone().multiply(this.matrixWorld);
       renderer.getCurrentViewport(size);
-      const viewport = [size.z, size.w];
-      texture.image.data.set(ordinates(shape, tensors, modelView.elements, camera.projectionMatrix.elements, viewport));
+      const viewport = [size.z, size.w], projection = camera.projectionMatrix.elements;
+      const view = [...modelView.elements, ...projection, ...viewport];
+      if (view.every((number, i) => number === last[i])) return;
+      last = view;
+      texture.image.data.set(ordinates(shape, tensors, modelView.elements, projection, viewport));
       texture.needsUpdate = true;
     };
   }
