@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Reproduces the paper's Figures 8-12 as docs/figures/figure{8,9,10,11,12}.png, shades the same meshes with our own
-# shaders (figure-ours.png), and shows them next to the smooth surface (figure-truth.png). docs/shaders.md discusses them. glass.png is the scene
-# of docs/shading.md.
+# shaders (figure-ours.png), and shows five meshes next to the smooth surface (figure-truth.png). docs/shaders.md
+# discusses them. glass.png is the scene of docs/shading.md.
 #
 #   scripts/figures.sh                             # with target/release/machband
 #   MACHBAND=target/debug/machband scripts/figures.sh
