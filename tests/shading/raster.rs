@@ -230,13 +230,16 @@ fn every_code_begins_at_its_threshold() {
         let mut lights: Vec<f32> = (1..=255).map(|code| encoder.quantizer().threshold(code)).collect();
         lights.extend(lights.clone().iter().map(|light| light.next_down()));
         lights.extend([0.0, -0.0, -1.0, 1.0, 2.0, f32::NAN, 1e30, f32::MIN_POSITIVE, 1e-40]);
+        // Every light from 2^-16 to 1 with the same distance between its bits.
+        lights.extend((0x3780_0000..0x3f80_0000).step_by(99_991).map(f32::from_bits));
         for light in lights {
-            let mut frame = frame(shapes::cube(), [1, 1], 9.0, &Lighting::standard(), DVec3::ZERO);
+            // As many pixels as one vector has.
+            let mut frame = frame(shapes::cube(), [16, 1], 99.0, &Lighting::standard(), DVec3::ZERO);
             frame.vertices.iter_mut().for_each(|vertex| vertex.light = DVec3::splat(f64::from(light)));
-            let mut pixel = [0; 4];
-            Prepared::new(&frame, &Shade::new(Shader::Gouraud)).codes(&encoder, &mut pixel);
+            let mut pixels = [0; 64];
+            Prepared::new(&frame, &Shade::new(Shader::Gouraud)).codes(&encoder, &mut pixels);
             let code = encoder.quantizer().code(light) as u8;
-            assert_eq!(pixel, [code, code, code, 255], "{transfer}, {light}");
+            assert_eq!(pixels.as_chunks().0, [[code, code, code, 255]; 16], "{transfer}, {light}");
         }
     }
 }

@@ -133,16 +133,14 @@ impl<const C: usize, R: ShaderKernel<f32, C>> WithSimd for Paint<'_, C, R> {
             // Zeros, not uninitialized memory: the compiler may compute with the unused values, and unusual values can
             // be slow.
             let depths = if overlap { coverage::depths(band.frame, triangle as usize) } else { Planes::ZERO };
+            let corners = band.corners[triangle as usize];
+            let step = corners.at(0, 0).1.map(|step| step as f32);
             for y in first..end {
                 let Some(&(left, right)) = spans.next() else { return };
                 if left >= right {
                     continue;
                 }
-                let (precise, right_of) = band.corners[triangle as usize].at(left, y);
-                let (mut at, mut step) = ([0.0; 6], [0.0; 6]);
-                for q in 0..6 {
-                    (at[q], step[q]) = (precise[q] as f32, right_of[q] as f32);
-                }
+                let at = corners.at(left, y).0.map(|value| value as f32);
                 let from = (y - band.first) as usize * width + left as usize;
                 let mut first = 0;
                 while first < right - left {

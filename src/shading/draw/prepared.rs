@@ -1,6 +1,6 @@
 //! Prepares and draws a frame.
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::{
@@ -18,7 +18,7 @@ use crate::{
 };
 
 /// The number of rows in a band.
-const BAND_ROWS: u32 = 16;
+const BAND_ROWS: u32 = 8;
 
 /// Everything computed once per frame: the outline of every triangle, the shader's constants, and the triangles of each
 /// band of rows.
@@ -103,10 +103,7 @@ impl<'f> Prepared<'f> {
         bands.for_each_init(Scratch::default, |scratch, (index, (samples, triangles))| {
             self.paint(index as u32, triangles, scratch, arch);
             let light = scratch.light.each_ref().map(|light| &light[..light.len().min(samples.len() / N)]);
-            arch.dispatch(
-                #[inline(always)]
-                || write(light, self.channels, samples),
-            );
+            arch.dispatch(Write { write: &write, light, channels: self.channels, samples });
         });
     }
 
@@ -120,6 +117,23 @@ impl<'f> Prepared<'f> {
             Painter::Gray(shading) => paint(band, shading, scratch, arch),
             Painter::Color(shading) => paint(band, shading, scratch, arch),
         }
+    }
+}
+
+/// Writes the light of a band into its samples. A closure would not be compiled for the machine's vectors.
+struct Write<'a, W, T> {
+    write: &'a W,
+    light: [&'a [f32]; 3],
+    channels: Channels,
+    samples: &'a mut [T],
+}
+
+impl<W: Fn([&[f32]; 3], Channels, &mut [T]), T> WithSimd for Write<'_, W, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        (self.write)(self.light, self.channels, self.samples);
     }
 }
 
