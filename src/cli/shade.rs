@@ -123,8 +123,8 @@ pub(super) struct Arguments {
     /// Where to write the image.
     #[arg(long, value_name = "FILE.png")]
     out: Option<OutPath>,
-    /// Where to write the measurements: the change of slope across the edges, in linear light per pixel, and the
-    /// visibility and density of the bands, each also relative to Gouraud's.
+    /// Where to write the measurements: the change of slope across the edges, in linear light per pixel, the visibility
+    /// and density of the bands, and the visible difference from the smooth surface, each also relative to Gouraud's.
     #[arg(long, value_name = "FILE.json")]
     metrics: Option<OutPath>,
     /// Where to write an image of the change of slope at each edge.
@@ -303,6 +303,10 @@ fn summarize(shader: Shader, own: &Measured, gouraud: &Measured, viewing: &Viewi
         let over = of_gouraud(|of| of.residual.map_or(0.0, |residual| residual.rms));
         print_line(&format!(
             "{shader}: visible difference from the smooth surface rms {rms:.2e}, 99.9 % {p999:.2e}, {over}"
+        ))?;
+    } else {
+        print_line(&format!(
+            "{shader}: the bands include those of the surface itself, which is not known; --truth FILE names a finer mesh"
         ))?;
     }
     Ok(())
