@@ -19,13 +19,15 @@ const perp = (a, b) => a[0] * b[1] - a[1] * b[0];
 const vector = (array, i) => [array[3 * i], array[3 * i + 1], array[3 * i + 2]];
 const corners = (triangles, t) => [triangles[3 * t], triangles[3 * t + 1], triangles[3 * t + 2]];
 
-// Joins vertices with the same position and normal. Returns flat arrays of positions, normals and triangles.
+// Joins vertices with the same position and normal, up to rounding errors: within a hundred-thousandth of the mesh's
+// size and a ten-thousandth of a normal. Returns flat arrays of positions, normals and triangles.
 export function shared(positions, normals, index) {
   const known = new Map(), out = { positions: [], normals: [], triangles: [] };
   const count = index ? index.length : positions.length / 3;
+  const steps = 1e5 / Math.max(positions.reduce((most, x) => Math.max(most, Math.abs(x)), 0), 1e-300);
   for (let i = 0; i < count; i++) {
     const v = index ? index[i] : i, p = vector(positions, v), n = unit(vector(normals, v));
-    const key = [...p, ...n.map((x) => Math.round(x * 1e4))].join();
+    const key = [...p.map((x) => Math.round(x * steps)), ...n.map((x) => Math.round(x * 1e4))].join();
     if (!known.has(key)) {
       known.set(key, known.size);
       out.positions.push(...p);
@@ -78,6 +80,19 @@ export function curvature({ positions, normals, triangles }) {
     }
   }
   return sums.map((sum, i) => sum / Math.max(totals[Math.floor(i / 9)], 1e-300));
+}
+
+// What the compute passes need to find the triangles around each vertex: `starts`, where the list of each vertex starts,
+// with the end of the last; and `ring`, for each triangle in a list, the vertices that follow and precede.
+export function rings({ positions, triangles }) {
+  const lists = Array.from({ length: positions.length / 3 }, () => []);
+  for (let t = 0; t < triangles.length / 3; t++) {
+    const vs = corners(triangles, t);
+    vs.forEach((v, k) => lists[v].push(vs[(k + 1) % 3], vs[(k + 2) % 3]));
+  }
+  const starts = [0];
+  for (const list of lists) starts.push(starts[starts.length - 1] + list.length / 2);
+  return { starts: Uint32Array.from(starts), ring: Uint32Array.from(lists.flat()) };
 }
 
 // Two unit vectors perpendicular to `normal`; the first is also perpendicular to `other`.

@@ -22,6 +22,22 @@ const RING: f64 = 0.07;
 /// The smallest sine of the angle between an edge and the direction across it.
 const MIN_SINE: f64 = 0.1;
 
+/// Returns what the compute passes need to find the triangles around each of `count` vertices: where the list of each
+/// vertex starts, with the end of the last; and for each triangle in a list, the vertices that follow and precede.
+pub fn rings(count: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<[u32; 2]>) {
+    let mut pairs = vec![Vec::new(); count];
+    for t in triangles {
+        for k in 0..3 {
+            pairs[t[k] as usize].push([t[(k + 1) % 3], t[(k + 2) % 3]]);
+        }
+    }
+    let mut starts = vec![0];
+    for pairs in &pairs {
+        starts.push(starts[starts.len() - 1] + pairs.len() as u32);
+    }
+    (starts, pairs.concat())
+}
+
 /// Returns dN/dp at each vertex: the mean over its triangles, weighted by the area that is nearest to the vertex.
 pub fn curvature(positions: &[V], normals: &[V], triangles: &[[u32; 3]]) -> Vec<Tensor> {
     let mut sums = vec![([[0.0; 3]; 3], 0.0); positions.len()];

@@ -12,8 +12,10 @@ const PER_ROW = 64;
 
 const text = async (path) => {
   const response = await fetch(new URL(path, import.meta.url));
-  if (!response.ok) throw new Error(`${path}: ${response.statusText}`);
-  return response.text();
+  const content = await response.text();
+  // Some servers answer with a page of their own.
+  if (!response.ok || content.startsWith("<")) throw new Error(`${response.url}: not found; expected the kit's ${path}`);
+  return content;
 };
 const [vertex, patch, reader, fragment] = await Promise.all(
   ["../glsl_es/triangle.vert", "../glsl/patch.glsl", "../glsl_es/ordinates.glsl", "../glsl_es/c1_phong.frag"].map(text),
@@ -36,13 +38,11 @@ const replaced = `$&
 export function withC1Normals(material, texture) {
   material.onBeforeCompile = (shader) => {
     shader.uniforms.ordinates = { value: texture };
-    shader.vertexShader = shader.vertexShader
-      .replace("#include <common>", `#include <common>\n${declared}`)
+    shader.vertexShader = declared + shader.vertexShader
       .replace("#include <project_vertex>", `#include <project_vertex>\n${assigned}`);
     const normal = THREE.ShaderChunk.normal_fragment_begin.replace("vec3 normal = normalize( vNormal );", replaced);
     if (!normal.includes("patch_here")) throw new Error("this version of three.js is not known; expected 0.187");
-    shader.fragmentShader = shader.fragmentShader
-      .replace("#include <common>", `#include <common>\n${patch}\n${reader}`)
+    shader.fragmentShader = `${patch}\n${reader}\n` + shader.fragmentShader
       .replace("#include <normal_fragment_begin>", normal);
   };
   material.customProgramCacheKey = () => "c1 normals";
@@ -68,9 +68,16 @@ export function ordinatesTexture(triangles) {
   return texture;
 }
 
+// True if a matrix turns and scales, but neither distorts nor mirrors.
+function keepsShape({ elements: m }) {
+  const lengths = [0, 4, 8].map((i) => Math.hypot(m[i], m[i + 1], m[i + 2]));
+  const [a, b, c] = [0, 4, 8].map((i) => new THREE.Vector3(m[i], m[i + 1], m[i + 2]));
+  return Math.max(...lengths) < 1.001 * Math.min(...lengths) && a.cross(b).dot(c) > 0.999 * Math.min(...lengths) ** 3;
+}
+
 // Any geometry with positions; normals are computed if it has none. The mesh has a copy of the geometry without shared
-// vertices, because each must know its triangle and its corner, and a copy of the material; `uniforms` in place of a
-// material makes that of c1_phong.frag.
+// vertices, because each must know its triangle and its corner, and a copy of the material or of each in an array;
+// `uniforms` in place of a material makes that of c1_phong.frag.
 export class C1Mesh extends THREE.Mesh {
   constructor(geometry, material = new THREE.MeshStandardMaterial()) {
     const own = geometry.index ? geometry.toNonIndexed() : geometry.clone();
@@ -84,11 +91,13 @@ export class C1Mesh extends THREE.Mesh {
     const numbers = (attribute) =>
       Array.from({ length: 3 * attribute.count }, (_, i) => attribute.getComponent(Math.floor(i / 3), i % 3));
     const shape = shared(numbers(position), numbers(normal)), tensors = curvature(shape);
-    const texture = ordinatesTexture(position.count / 3);
-    super(own, material.isMaterial ? withC1Normals(material.clone(), texture) : c1Material(material, texture));
+    const texture = ordinatesTexture(position.count / 3), lit = (one) => withC1Normals(one.clone(), texture);
+    const isPlain = !Array.isArray(material) && !material.isMaterial;
+    super(own, isPlain ? c1Material(material, texture) : Array.isArray(material) ? material.map(lit) : lit(material));
     this.ordinates = texture;
+    this.uniforms = isPlain ? material : undefined;
     const size = new THREE.Vector4();
-    let last = [];
+    let last = [], isTold = false;
     // The ordinates depend on the view, so they are computed before the mesh is drawn, unless the view is the last one.
     this.onBeforeRender = (renderer, scene, camera) => {
       const modelView = camera.matrixWorldInverse.clone().multiply(this.matrixWorld);
@@ -97,8 +106,24 @@ export class C1Mesh extends THREE.Mesh {
       const view = [...modelView.elements, ...projection, ...viewport];
       if (view.every((number, i) => number === last[i])) return;
       last = view;
-      texture.image.data.set(ordinates(shape, tensors, modelView.elements, projection, viewport));
+      if (keepsShape(modelView)) {
+        texture.image.data.set(ordinates(shape, tensors, modelView.elements, projection, viewport));
+      } else {
+        // Without ordinates, normals are interpolated.
+        texture.image.data.fill(0);
+        if (!isTold) console.warn("C1Mesh: the mesh is scaled unevenly or mirrored; expected the same scale along all axes");
+        isTold = true;
+      }
       texture.needsUpdate = true;
     };
+  }
+
+  clone(recursive) {
+    const own = new C1Mesh(this.geometry, this.uniforms ?? this.material);
+    return THREE.Object3D.prototype.copy.call(own, this, recursive);
+  }
+
+  dispose() {
+    for (const held of [this.ordinates, this.geometry, this.material].flat()) held.dispose();
   }
 }

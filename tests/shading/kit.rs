@@ -140,21 +140,6 @@ fn plain_rust_gives_the_librarys_ordinates() {
     }
 }
 
-/// For each vertex, the vertices that follow and precede it in its triangles.
-fn ring(subject: &Subject) -> (Vec<u32>, Vec<[u32; 2]>) {
-    let mut pairs = vec![Vec::new(); subject.positions.len()];
-    for t in &subject.triangles {
-        for k in 0..3 {
-            pairs[t[k] as usize].push([t[(k + 1) % 3], t[(k + 2) % 3]]);
-        }
-    }
-    let mut starts = vec![0];
-    for pairs in &pairs {
-        starts.push(starts[starts.len() - 1] + pairs.len() as u32);
-    }
-    (starts, pairs.concat())
-}
-
 fn floats(numbers: &[f64]) -> Vec<f32> {
     numbers.iter().map(|x| *x as f32).collect()
 }
@@ -179,7 +164,7 @@ fn on_card(subject: &Subject, device: &wgpu::Device, queue: &wgpu::Queue) -> (Ve
             rows.flat_map(|row| [row[0] as f32, row[1] as f32, row[2] as f32, 0.0])
         })
         .collect();
-    let (starts, pairs) = ring(subject);
+    let (starts, pairs) = ordinates::rings(subject.positions.len(), &subject.triangles);
     let inputs = [
         camera,
         storage(cast_slice(&vertices)),
