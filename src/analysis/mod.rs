@@ -31,6 +31,6 @@ pub mod summary;
 pub use levels::{number_of, numbers_of};
 pub use ordinal::{
     Coefficient, Link, MAX_COEFFICIENTS, MAX_NODES, Model, ModelError, ModelReport, ModelSpec, Note, Part, Prediction,
-    Random, RandomEffect, SubjectMode, TermTest, Threshold, fit, fit_with_tests, scale_tests, terms,
+    Random, RandomEffect, RandomSlope, Slopes, SubjectMode, TermTest, Threshold, fit, fit_with_tests, scale_tests, terms,
 };
 pub use results::{Options, Results, analyze};

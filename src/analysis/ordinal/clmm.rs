@@ -1,18 +1,20 @@
-//! The cumulative-link mixed model P(Y ≤ j | u) = F(θ_j − xβ − σu) with u ~ N(0, 1) for each participant, fitted to
-//! counts.
+//! The cumulative-link mixed model P(Y ≤ j | u) = F(θ_j − xβ − aᵀu) with standard normal effects u for each participant,
+//! fitted to counts. The weights a of the effects depend on the design row and on the parameters ψ (see
+//! [`Loadings`](super::random::Loadings)).
 //!
-//! A participant's likelihood is the integral over u. It is approximated by Laplace's method (one node) or by adaptive
-//! Gauss–Hermite quadrature around the mode (Liu & Pierce 1994). The gradient is analytic and accounts for how the mode
-//! and the curvature at the mode change with the parameters: it is the gradient of the approximation that is maximized,
-//! not of the exact integral.
+//! A participant's likelihood is the integral over u. It is approximated by Laplace's method or, if there is only one
+//! effect, by adaptive Gauss–Hermite quadrature around the mode (Liu & Pierce 1994). The gradient is analytic and
+//! accounts for how the mode and the curvature at the mode change with the parameters: it is the gradient of the
+//! approximation that is maximized, not of the exact integral.
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::{
     clm::{add_product, category_bounds},
     link::{Category, Link, Shift},
+    random::Loadings,
 };
 
 /// Maximum number of quadrature nodes, far more than any likelihood here needs.
@@ -34,23 +36,20 @@ pub(super) struct ClmmData {
     pub categories: usize,
     /// Location; one row per distinct condition.
     pub x: DMatrix<f64>,
-    /// All observations, grouped by participant.
+    /// How the effects of a participant enter each row.
+    pub loadings: Loadings,
+    /// All observations, grouped by participant and sorted by row.
     pub observations: Vec<Observation>,
     /// The range of each participant's observations.
     pub subjects: Vec<Range<usize>>,
-    /// The quadrature rule.
+    /// The quadrature rule; a single node if there are several effects.
     pub nodes: Vec<Node>,
 }
 
 /// The mode of each participant's integrand, kept from one evaluation to the next as starting values.
-#[derive(Clone, Debug)]
-pub(super) struct Modes {
-    pub u: Vec<f64>,
-    /// The negative second derivative of the log-integrand at each mode.
-    pub curvature: Vec<f64>,
-}
+pub(super) type Modes = Vec<DVector<f64>>;
 
-/// The log-likelihood and its gradient with respect to θ, β and σ.
+/// The log-likelihood and its gradient with respect to θ, β and ψ.
 #[derive(Clone, Debug)]
 pub(super) struct Evaluation {
     pub loglik: f64,
@@ -60,128 +59,181 @@ pub(super) struct Evaluation {
 /// One participant's observations at the current parameters.
 struct Subject<'a> {
     link: Link,
-    sigma: f64,
+    loadings: &'a Loadings,
+    /// The weights of the effects, for each row and slot.
+    weights: &'a [f64],
     observations: &'a [Observation],
     /// The category of each observation at u = 0.
     categories: Vec<Category>,
 }
 
-/// Sums, over a participant's observations, of the log-probability and its derivatives with respect to a shift, each
-/// weighted by the count.
+/// Sums over the observations in one row of the log-probability and its derivatives with respect to a shift of the
+/// bounds, each weighted by the count.
 #[derive(Clone, Copy, Default)]
-struct Sums {
+struct RowSums {
+    row: usize,
     log_p: f64,
     g1: f64,
     g2: f64,
     g3: f64,
 }
 
-/// Sums over the nodes, relative to the mode.
-#[derive(Default)]
-struct NodeSums {
-    /// Σ w e^(h − h at the mode); 1 for Laplace.
-    total: f64,
-    /// The means of h′(u) and of h′(u) z over the nodes.
+/// A participant's integrand at one u.
+struct Point {
+    shifts: Vec<Shift>,
+    rows: Vec<RowSums>,
+    /// The log-integrand.
+    h: f64,
+}
+
+/// Means over the nodes; with Laplace's approximation, the values at the mode.
+struct NodeMeans {
+    /// The logarithm of Σ w e^(h − h at the mode); 0 for Laplace.
+    log_total: f64,
+    /// The means of h′(u) and of h′(u) z; 0 for Laplace.
     slope: f64,
     slope_z: f64,
-    /// The mean of ∂h/∂σ.
+    /// The mean of ∂h/∂ψ for the only effect; not used by Laplace.
     sigma: f64,
     /// The means of ∂g/∂a and ∂g/∂b for each observation.
     bounds: Vec<(f64, f64)>,
 }
 
 impl Subject<'_> {
-    /// Returns the derivatives of each observation at u, and their sums.
-    fn at(&self, u: f64) -> (Vec<Shift>, Sums) {
-        let by = self.sigma * u;
-        let up = by.exp();
-        let shifts: Vec<Shift> = self.categories.iter().map(|category| self.link.shift(category, by, up)).collect();
-        let mut sums = Sums::default();
-        for (shift, Observation { count, .. }) in shifts.iter().zip(self.observations) {
-            sums.log_p += count * shift.log_p;
-            sums.g1 += count * shift.g1;
-            sums.g2 += count * shift.g2;
-            sums.g3 += count * shift.g3;
-        }
-        (shifts, sums)
+    /// Returns aᵀu in a row.
+    fn effect(&self, row: usize, u: &DVector<f64>) -> f64 {
+        let slots = self.loadings.slots(row);
+        slots.iter().zip(self.weights_of(row)).map(|(&effect, weight)| weight * u[effect]).sum()
     }
 
-    /// Finds the mode of the log-integrand, which is concave, by Newton's method. A step is halved until it reduces the
-    /// slope.
-    fn mode(&self, start: f64) -> Option<f64> {
-        let slope_at = |u: f64| {
-            let (_, Sums { g1, g2, .. }) = self.at(u);
-            (-self.sigma * g1 - u, self.sigma * self.sigma * g2 - 1.0)
-        };
-        let mut u = start;
-        let (mut slope, mut curvature) = slope_at(u);
-        if !(slope.is_finite() && curvature.is_finite()) {
-            u = 0.0;
-            (slope, curvature) = slope_at(u);
+    fn weights_of(&self, row: usize) -> &[f64] {
+        let slots = self.loadings.slots_per_row();
+        &self.weights[row * slots..(row + 1) * slots]
+    }
+
+    /// Evaluates the log-integrand.
+    fn at(&self, u: &DVector<f64>) -> Point {
+        let mut rows: Vec<RowSums> = Vec::with_capacity(self.observations.len());
+        let (mut by, mut up) = (0.0, 1.0);
+        let mut shifts = Vec::with_capacity(self.observations.len());
+        for (category, &Observation { row, count, .. }) in self.categories.iter().zip(self.observations) {
+            if rows.last().is_none_or(|last| last.row != row) {
+                by = self.effect(row, u);
+                up = by.exp();
+                rows.push(RowSums { row, ..RowSums::default() });
+            }
+            let shift = self.link.shift(category, by, up);
+            if let Some(sums) = rows.last_mut() {
+                sums.log_p += count * shift.log_p;
+                sums.g1 += count * shift.g1;
+                sums.g2 += count * shift.g2;
+                sums.g3 += count * shift.g3;
+            }
+            shifts.push(shift);
+        }
+        let h = rows.iter().map(|sums| sums.log_p).sum::<f64>() - 0.5 * u.norm_squared();
+        Point { shifts, rows, h }
+    }
+
+    /// Returns the gradient of the log-integrand and the factor of its negative Hessian.
+    fn slope_and_curvature(&self, u: &DVector<f64>, point: &Point) -> Option<(DVector<f64>, Cholesky<f64, Dyn>)> {
+        let mut slope = -u;
+        let mut curvature = DMatrix::identity(u.len(), u.len());
+        for sums in &point.rows {
+            let (slots, weights) = (self.loadings.slots(sums.row), self.weights_of(sums.row));
+            for (&i, wi) in slots.iter().zip(weights) {
+                slope[i] -= sums.g1 * wi;
+                for (&j, wj) in slots.iter().zip(weights) {
+                    curvature[(i, j)] -= sums.g2 * wi * wj;
+                }
+            }
+        }
+        Some((slope, curvature.cholesky()?))
+    }
+
+    /// Finds the mode of the log-integrand, which is concave, by Newton's method. A step is halved until it raises the
+    /// log-integrand.
+    fn mode(&self, start: &DVector<f64>) -> Option<DVector<f64>> {
+        let mut u = start.clone();
+        let mut point = self.at(&u);
+        if !point.h.is_finite() {
+            u.fill(0.0);
+            point = self.at(&u);
         }
         for _ in 0..100 {
-            let mut step = -slope / curvature;
+            let (slope, curvature) = self.slope_and_curvature(&u, &point)?;
+            let mut step = curvature.solve(&slope);
             // After a Newton step, the error is of the order of the step squared.
-            if step.abs() < 1e-9 * (1.0 + u.abs()) {
+            let small = 1e-9 * (1.0 + u.amax());
+            if step.amax() < small {
                 return Some(u + step);
             }
             loop {
-                let (next_slope, next_curvature) = slope_at(u + step);
-                if next_slope.abs() < slope.abs() && next_curvature.is_finite() {
-                    u += step;
-                    (slope, curvature) = (next_slope, next_curvature);
+                let next = &u + &step;
+                let at = self.at(&next);
+                if at.h >= point.h - 1e-13 * point.h.abs() {
+                    (u, point) = (next, at);
                     break;
                 }
                 step /= 2.0;
-                // The limit of precision is reached, or the slope is not a number.
-                if step.is_nan() || step.abs() < 1e-13 * (1.0 + u.abs()) {
-                    return slope.is_finite().then_some(u);
+                // The limit of precision is reached, or the integrand is not a number.
+                if !(step.amax() >= 1e-4 * small) {
+                    return point.h.is_finite().then_some(u);
                 }
             }
         }
         None
     }
 
-    /// Computes the sums over the nodes around the mode `u`, where the log-integrand is `h`.
-    fn integrate(&self, nodes: &[Node], u: f64, h: f64, spread: f64) -> Option<NodeSums> {
-        let mut sums = NodeSums { bounds: vec![(0.0, 0.0); self.observations.len()], ..NodeSums::default() };
+    /// Returns the means over the nodes around the mode.
+    fn integrate(&self, nodes: &[Node], u: &DVector<f64>, mode: &Point, spread: f64) -> Option<NodeMeans> {
+        if nodes.len() < 2 {
+            let bounds = mode.shifts.iter().map(|shift| (shift.a, shift.b)).collect();
+            return Some(NodeMeans { log_total: 0.0, slope: 0.0, slope_z: 0.0, sigma: 0.0, bounds });
+        }
+        let (mut total, mut slope, mut slope_z, mut sigma) = (0.0, 0.0, 0.0, 0.0);
+        let mut bounds = vec![(0.0, 0.0); self.observations.len()];
         for node in nodes {
-            let value = u + spread * node.z;
-            let (shifts, Sums { log_p, g1, .. }) = self.at(value);
-            let weight = node.weight * (log_p - 0.5 * value * value - h).exp();
+            let value = u.add_scalar(spread * node.z);
+            let point = self.at(&value);
+            let weight = node.weight * (point.h - mode.h).exp();
             // A node too far out has no weight, and its derivatives may not be finite.
             if weight == 0.0 || weight.is_nan() {
                 continue;
             }
-            let slope_u = -self.sigma * g1 - value;
-            sums.total += weight;
-            sums.slope += weight * slope_u;
-            sums.slope_z += weight * slope_u * node.z;
-            sums.sigma -= weight * value * g1;
-            for (mean, shift) in sums.bounds.iter_mut().zip(&shifts) {
+            let along = |sums: &RowSums| -sums.g1 * self.weights_of(sums.row)[0];
+            let slope_u = point.rows.iter().map(along).sum::<f64>() - value[0];
+            total += weight;
+            slope += weight * slope_u;
+            slope_z += weight * slope_u * node.z;
+            sigma -= weight * value[0] * point.rows.iter().map(|sums| sums.g1).sum::<f64>();
+            for (mean, shift) in bounds.iter_mut().zip(&point.shifts) {
                 mean.0 += weight * shift.a;
                 mean.1 += weight * shift.b;
             }
         }
-        let total = sums.total;
-        for mean in &mut sums.bounds {
+        for mean in &mut bounds {
             *mean = (mean.0 / total, mean.1 / total);
         }
-        sums.slope /= total;
-        sums.slope_z /= total;
-        sums.sigma /= total;
-        (total > 0.0 && total.is_finite()).then_some(sums)
+        let means =
+            NodeMeans { log_total: total.ln(), slope: slope / total, slope_z: slope_z / total, sigma: sigma / total, bounds };
+        (total > 0.0 && total.is_finite()).then_some(means)
     }
 }
 
 impl ClmmData {
-    fn thresholds(&self) -> usize {
+    pub fn thresholds(&self) -> usize {
         self.categories - 1
     }
 
-    /// Returns the number of parameters: θ, β and σ.
+    /// Returns the index of the first ψ.
+    pub fn first_psi(&self) -> usize {
+        self.thresholds() + self.x.ncols()
+    }
+
+    /// Returns the number of parameters: θ, β and ψ.
     pub fn parameters(&self) -> usize {
-        self.thresholds() + self.x.ncols() + 1
+        self.first_psi() + self.loadings.parameters()
     }
 
     pub fn ratings(&self) -> f64 {
@@ -190,12 +242,27 @@ impl ClmmData {
 
     /// Returns starting values for the modes: 0 for every participant.
     pub fn modes(&self) -> Modes {
-        Modes { u: vec![0.0; self.subjects.len()], curvature: vec![1.0; self.subjects.len()] }
+        vec![DVector::zeros(self.loadings.effects()); self.subjects.len()]
     }
 
     /// Returns xβ for each design row.
     fn location(&self, parameters: &DVector<f64>) -> DVector<f64> {
         &self.x * parameters.rows(self.thresholds(), self.x.ncols())
+    }
+
+    fn weights(&self, parameters: &DVector<f64>) -> Vec<f64> {
+        self.loadings.weights(&parameters.as_slice()[self.first_psi()..])
+    }
+
+    fn subject<'a>(&'a self, range: &Range<usize>, thresholds: &[f64], location: &DVector<f64>, weights: &'a [f64]) -> Subject<'a> {
+        let observations = &self.observations[range.clone()];
+        let category = |observation: &Observation| {
+            let (a, b) = category_bounds(thresholds, observation.category);
+            let location = location[observation.row];
+            self.link.category(a - location, b - location)
+        };
+        let categories = observations.iter().map(category).collect();
+        Subject { link: self.link, loadings: &self.loadings, weights, observations, categories }
     }
 
     /// Returns the approximate log-likelihood and its gradient, or `None` if the thresholds are not increasing or a
@@ -205,42 +272,69 @@ impl ClmmData {
         if thresholds.windows(2).any(|pair| pair[0] >= pair[1]) {
             return None;
         }
-        let location = self.location(parameters);
-        let category = |observation: &Observation| {
-            let (a, b) = category_bounds(thresholds, observation.category);
-            let location = location[observation.row];
-            self.link.category(a - location, b - location)
-        };
+        let (location, weights) = (self.location(parameters), self.weights(parameters));
         let mut value = Evaluation { loglik: 0.0, gradient: DVector::zeros(self.parameters()) };
         let mut by_row = DVector::zeros(self.x.nrows());
-        for (index, range) in self.subjects.iter().enumerate() {
-            let observations = &self.observations[range.clone()];
-            let categories = observations.iter().map(category).collect();
-            let sigma = parameters[parameters.len() - 1];
-            let subject = Subject { link: self.link, sigma, observations, categories };
-            let u = subject.mode(modes.u[index])?;
-            modes.u[index] = u;
-            modes.curvature[index] = self.add(&subject, u, &mut value, &mut by_row)?;
+        for (range, mode) in self.subjects.iter().zip(modes) {
+            let subject = self.subject(range, thresholds, &location, &weights);
+            *mode = subject.mode(mode)?;
+            self.add(&subject, mode, &mut value, &mut by_row)?;
         }
         value.gradient.rows_mut(thresholds.len(), self.x.ncols()).copy_from(&self.x.tr_mul(&by_row));
         (value.loglik.is_finite() && value.gradient.iter().all(|g| g.is_finite())).then_some(value)
     }
 
     /// Adds a participant's log-likelihood and its gradient; the gradient of the location is added to `by_row`, per
-    /// design row. Returns the curvature at the mode `u`.
-    fn add(&self, subject: &Subject, u: f64, sum: &mut Evaluation, by_row: &mut DVector<f64>) -> Option<f64> {
-        let sigma = subject.sigma;
-        let (shifts, at) = subject.at(u);
-        let h = at.log_p - 0.5 * u * u;
-        let curvature = 1.0 - sigma * sigma * at.g2;
-        let spread = curvature.sqrt().recip();
-        let nodes = subject.integrate(&self.nodes, u, h, spread)?;
-        // The nodes move with the mode and the spread: `second` is the weight of h_uψ, and `third` is the weight of
-        // h_uuψ.
-        let third = 0.5 * (nodes.slope_z * spread + 1.0) / curvature;
-        let second = (nodes.slope - third * sigma.powi(3) * at.g3) / curvature;
-        let (by_mode, by_spread) = (-sigma * second, sigma * sigma * third);
-        for ((observation, shift), mean) in subject.observations.iter().zip(&shifts).zip(&nodes.bounds) {
+    /// design row.
+    fn add(&self, subject: &Subject, u: &DVector<f64>, sum: &mut Evaluation, by_row: &mut DVector<f64>) -> Option<()> {
+        let point = subject.at(u);
+        let (_, factor) = subject.slope_and_curvature(u, &point)?;
+        let log_determinant = 2.0 * factor.l_dirty().diagonal().iter().map(|pivot| pivot.ln()).sum::<f64>();
+        let inverse = factor.inverse();
+        let nodes = subject.integrate(&self.nodes, u, &point, inverse[(0, 0)].sqrt())?;
+        // With C = inverse curvature: Ca in the slots of each row, and aᵀCa.
+        let slots = self.loadings.slots_per_row();
+        let mut spread_weights = vec![0.0; point.rows.len() * slots];
+        let mut variances = vec![0.0; point.rows.len()];
+        // The nodes move with the mode and with the spread. `by_spread` is ½ for Laplace; `by_mode` is C times the
+        // derivative of the logarithm of the integral with respect to the mode.
+        let quadrature = self.nodes.len() > 1;
+        let by_spread = 0.5 * if quadrature { nodes.slope_z * inverse[(0, 0)].sqrt() + 1.0 } else { 1.0 };
+        let mut by_mode = DVector::zeros(u.len());
+        if quadrature {
+            by_mode[0] = nodes.slope;
+        }
+        for ((sums, spread_weights), variance) in
+            point.rows.iter().zip(spread_weights.chunks_mut(slots)).zip(&mut variances)
+        {
+            let (effects, weights) = (self.loadings.slots(sums.row), subject.weights_of(sums.row));
+            for ((&i, wi), spread) in effects.iter().zip(weights).zip(&mut *spread_weights) {
+                *spread = effects.iter().zip(weights).map(|(&j, wj)| inverse[(i, j)] * wj).sum();
+                *variance += wi * *spread;
+            }
+            for (&i, wi) in effects.iter().zip(weights) {
+                by_mode[i] -= by_spread * sums.g3 * *variance * wi;
+            }
+        }
+        let by_mode = &inverse * by_mode;
+        let mut rows = point.rows.iter().zip(spread_weights.chunks(slots)).zip(&variances);
+        let (mut mode_in_row, mut variance_in_row, mut row) = (0.0, 0.0, usize::MAX);
+        for ((observation, shift), mean) in subject.observations.iter().zip(&point.shifts).zip(&nodes.bounds) {
+            if observation.row != row {
+                let ((sums, spread_weights), variance) = rows.next()?;
+                row = observation.row;
+                (mode_in_row, variance_in_row) = (subject.effect(row, &by_mode), *variance);
+                let effects = self.loadings.slots(row);
+                for entry in self.loadings.entries(row) {
+                    let effect = effects[entry.slot];
+                    let (du, ds) = (entry.value * u[effect], entry.value * by_mode[effect]);
+                    let at_mode = if quadrature { 0.0 } else { -sums.g1 * du };
+                    let spread = 2.0 * sums.g2 * entry.value * spread_weights[entry.slot] - sums.g3 * du * variance;
+                    sum.gradient[self.first_psi() + entry.parameter] +=
+                        at_mode + by_spread * spread + sums.g2 * du * mode_in_row - sums.g1 * ds;
+                }
+            }
+            let (by_mode, by_spread) = (-mode_in_row, by_spread * variance_in_row);
             let upper = observation.count * (mean.0 + by_mode * shift.g1_a + by_spread * shift.g2_a);
             let lower = observation.count * (mean.1 + by_mode * shift.g1_b + by_spread * shift.g2_b);
             if observation.category < self.thresholds() {
@@ -251,34 +345,52 @@ impl ClmmData {
             }
             by_row[observation.row] -= upper + lower;
         }
-        sum.gradient[self.parameters() - 1] += nodes.sigma
-            + second * (-at.g1 + sigma * u * at.g2)
-            + third * (2.0 * sigma * at.g2 - sigma * sigma * u * at.g3);
-        sum.loglik += h + (spread * nodes.total).ln();
-        Some(curvature)
+        if quadrature {
+            sum.gradient[self.first_psi()] += nodes.sigma;
+        }
+        sum.loglik += point.h + nodes.log_total - 0.5 * log_determinant;
+        Some(())
+    }
+
+    /// Returns the inverse curvature of a participant's log-integrand at the mode: the conditional covariance of the
+    /// effects given the ratings.
+    pub fn conditional_covariances(&self, parameters: &DVector<f64>, modes: &Modes) -> Option<Vec<DMatrix<f64>>> {
+        let (location, weights) = (self.location(parameters), self.weights(parameters));
+        let thresholds = &parameters.as_slice()[..self.thresholds()];
+        let of_subject = |(range, mode): (&Range<usize>, &DVector<f64>)| {
+            let subject = self.subject(range, thresholds, &location, &weights);
+            Some(subject.slope_and_curvature(mode, &subject.at(mode))?.1.inverse())
+        };
+        self.subjects.iter().zip(modes).map(of_subject).collect()
     }
 
     /// Returns approximate information to begin a search: the curvature of the integrand profiled over the modes. For
-    /// σ, it includes the curvature of the log determinant, whose second derivative is what keeps σ away from 0.
-    pub fn rough_information(&self, parameters: &DVector<f64>, modes: &Modes) -> DMatrix<f64> {
-        let (size, thresholds) = (self.parameters(), self.thresholds());
-        let (thetas, sigma) = (&parameters.as_slice()[..thresholds], parameters[size - 1]);
-        let location = self.location(parameters);
+    /// ψ, the diagonal includes the curvature of the log determinant, which is what keeps a standard deviation away
+    /// from 0.
+    pub fn rough_information(&self, parameters: &DVector<f64>, modes: &Modes) -> Option<DMatrix<f64>> {
+        let (size, thresholds, first_psi) = (self.parameters(), self.thresholds(), self.first_psi());
+        let thetas = &parameters.as_slice()[..thresholds];
+        let (location, weights) = (self.location(parameters), self.weights(parameters));
+        let effects = self.loadings.effects();
         let mut sum = DMatrix::zeros(size, size);
-        for (index, range) in self.subjects.iter().enumerate() {
-            let (u, curvature) = (modes.u[index], modes.curvature[index]);
-            let mut by_mode = DVector::zeros(size);
-            let mut g1 = 0.0;
-            for observation in &self.observations[range.clone()] {
+        for (range, u) in self.subjects.iter().zip(modes) {
+            let subject = self.subject(range, thetas, &location, &weights);
+            let point = subject.at(u);
+            let inverse = subject.slope_and_curvature(u, &point)?.1.inverse();
+            let mut by_mode = DMatrix::zeros(effects, size);
+            for observation in subject.observations {
+                let row = observation.row;
+                let (slots, weights) = (self.loadings.slots(row), subject.weights_of(row));
                 let (a, b) = category_bounds(thetas, observation.category);
-                let shift = location[observation.row] + sigma * u;
-                let (a, b) = (a - shift, b - shift);
-                let cell = self.link.cell(a, b);
+                let by = location[row] + subject.effect(row, u);
+                let cell = self.link.cell(a - by, b - by);
                 let mut shift = DVector::zeros(size);
                 for c in 0..self.x.ncols() {
-                    shift[thresholds + c] = -self.x[(observation.row, c)];
+                    shift[thresholds + c] = -self.x[(row, c)];
                 }
-                shift[size - 1] = -u;
+                for entry in self.loadings.entries(row) {
+                    shift[first_psi + entry.parameter] -= entry.value * u[slots[entry.slot]];
+                }
                 let (mut upper, mut lower) = (shift.clone(), shift);
                 if observation.category < thresholds {
                     upper[observation.category] = 1.0;
@@ -291,17 +403,52 @@ impl ClmmData {
                 add_product(&mut sum, -count * cell.bb, &lower, &lower);
                 add_product(&mut sum, -count * cell.ab, &upper, &lower);
                 add_product(&mut sum, -count * cell.ab, &lower, &upper);
-                by_mode.axpy(-sigma * count * (cell.aa + cell.ab), &upper, 1.0);
-                by_mode.axpy(-sigma * count * (cell.ab + cell.bb), &lower, 1.0);
-                g1 += count * (cell.a + cell.b);
+                for (&effect, weight) in slots.iter().zip(weights) {
+                    for parameter in 0..size {
+                        by_mode[(effect, parameter)] -= weight
+                            * count
+                            * ((cell.aa + cell.ab) * upper[parameter] + (cell.ab + cell.bb) * lower[parameter]);
+                    }
+                }
+                for entry in self.loadings.entries(row) {
+                    by_mode[(slots[entry.slot], first_psi + entry.parameter)] -=
+                        count * (cell.a + cell.b) * entry.value;
+                }
             }
-            by_mode[size - 1] -= g1;
-            add_product(&mut sum, -1.0 / curvature, &by_mode, &by_mode);
-            // The second derivative of log D = log(1 + σ²I) with respect to σ, with I held constant.
-            let information = (curvature - 1.0) / (sigma * sigma).max(1e-12);
-            sum[(size - 1, size - 1)] += information * (1.0 - sigma * sigma * information) / (curvature * curvature);
+            sum -= by_mode.tr_mul(&(&inverse * &by_mode));
+            self.add_determinant_curvature(&mut sum, &subject, &point, &inverse);
         }
-        sum
+        Some(sum)
+    }
+
+    /// Adds the second derivative of ½ log |curvature| with respect to each ψ, with the weights of the rows held
+    /// constant.
+    fn add_determinant_curvature(
+        &self,
+        sum: &mut DMatrix<f64>,
+        subject: &Subject,
+        point: &Point,
+        inverse: &DMatrix<f64>,
+    ) {
+        let effects = self.loadings.effects();
+        let mut first = vec![DMatrix::zeros(effects, effects); self.loadings.parameters()];
+        let mut second = vec![0.0; self.loadings.parameters()];
+        for sums in &point.rows {
+            let (slots, weights) = (self.loadings.slots(sums.row), subject.weights_of(sums.row));
+            for entry in self.loadings.entries(sums.row) {
+                let effect = slots[entry.slot];
+                for (&other, weight) in slots.iter().zip(weights) {
+                    first[entry.parameter][(effect, other)] -= sums.g2 * entry.value * weight;
+                    first[entry.parameter][(other, effect)] -= sums.g2 * entry.value * weight;
+                }
+                second[entry.parameter] -= 2.0 * sums.g2 * entry.value * entry.value * inverse[(effect, effect)];
+            }
+        }
+        for (parameter, (first, second)) in first.iter().zip(second).enumerate() {
+            let product = inverse * first;
+            let index = self.first_psi() + parameter;
+            sum[(index, index)] += 0.5 * (second - product.dot(&product.transpose()));
+        }
     }
 }
 

@@ -4,10 +4,13 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::{
-    clm::{FitEnd, category_bounds},
+    clm::{FitEnd, category_bounds, positive_definite},
     design::{self, Design},
-    fitting::{Fitted, fit_counts},
-    model::{Coefficient, Model, ModelError, ModelSpec, Note, Random, RandomEffect, SubjectMode, Threshold},
+    fitting::{Fitted, clmm_data, fit_counts},
+    model::{
+        Coefficient, Model, ModelError, ModelSpec, Note, Random, RandomEffect, RandomSlope, SubjectMode, Threshold,
+    },
+    random::INTERCEPT,
     search::{MixedFit, MixedFitEnd},
 };
 use crate::{
@@ -67,19 +70,19 @@ pub(super) fn report(fitted: &Fitted) -> Model {
     let first_zeta = thresholds + fitted.x.columns.len();
     Model {
         link: fitted.spec.link,
-        method: method(mixed.is_some(), fitted.spec.quadrature),
+        method: method(mixed.is_some(), if fitted.random.components.len() > 1 { 1 } else { fitted.spec.quadrature }),
         nobs: fitted.frame.total(),
         subjects: fitted.frame.subjects.len(),
         loglik: mixed.map_or(fitted.clm.loglik, |mixed| mixed.loglik),
         gradient,
         iterations: mixed.map_or(fitted.clm.iterations, |mixed| mixed.iterations),
-        parameters: size + usize::from(boundary),
+        parameters: size + if boundary { fitted.random.parameters() } else { 0 },
         thresholds: (fitted.frame.categories.windows(2).enumerate())
             .map(|(j, pair)| Threshold { name: pair.join("|"), estimate: estimates[j], se: se(j) })
             .collect(),
         coefficients: coefficients(&fitted.x, thresholds),
         scale: coefficients(&fitted.scale, first_zeta),
-        random: mixed.map(|mixed| random_effect(fitted, mixed, (!boundary).then(|| se(first_zeta)).flatten())),
+        random: mixed.map(|mixed| random_effect(fitted, mixed, (!boundary).then_some((&covariance, first_zeta)))),
         categories: fitted.frame.categories.clone(),
         notes,
         covariance,
@@ -94,17 +97,47 @@ fn method(mixed: bool, nodes: usize) -> String {
     }
 }
 
-fn random_effect(fitted: &Fitted, mixed: &MixedFit, se: Option<f64>) -> RandomEffect {
-    let sd = mixed.parameters[mixed.parameters.len() - 1];
-    let subjects = fitted.frame.subjects.iter().zip(mixed.modes.u.iter().zip(&mixed.modes.curvature));
+/// Describes the random effects. `covariance` is that of all parameters, with the index of the first ψ; `None` if all
+/// deviations are 0.
+fn random_effect(fitted: &Fitted, mixed: &MixedFit, covariance: Option<(&DMatrix<f64>, usize)>) -> RandomEffect {
+    let part = &fitted.random;
+    let size = part.components.len();
+    let first = mixed.parameters.len() - part.parameters();
+    let psi: Vec<f64> = mixed.parameters.iter().skip(first).zip(part.units()).map(|(psi, unit)| psi / unit).collect();
+    // The Cholesky factor, and the place of each of its elements.
+    let mut factor = DMatrix::zeros(size, size);
+    let mut places = vec![Vec::new(); size];
+    let triangle: Vec<(usize, usize)> =
+        if part.correlated { part.triangle().collect() } else { (0..size).map(|i| (i, i)).collect() };
+    for (parameter, &(row, column)) in triangle.iter().enumerate() {
+        factor[(row, column)] = psi[parameter];
+        places[row].push(parameter);
+    }
+    let variances = &factor * factor.transpose();
+    let sd = |row: usize| variances[(row, row)].sqrt();
+    let se = |row: usize| {
+        let (covariance, first) = covariance.filter(|_| sd(row) > 0.0)?;
+        // The derivative of a standard deviation with respect to an element of its row.
+        let slope = |parameter: usize| psi[parameter] / sd(row);
+        let pairs = places[row].iter().flat_map(|i| places[row].iter().map(move |j| (*i, *j)));
+        let variance: f64 = pairs.map(|(i, j)| slope(i) * slope(j) * covariance[(first + i, first + j)]).sum();
+        Some(variance.sqrt()).filter(|se| se.is_finite())
+    };
+    let slopes = (1..size).map(|row| RandomSlope { name: part.components[row].name.clone(), sd: sd(row), se: se(row) });
+    let correlation = |i: usize, j: usize| variances[(i, j)] / (sd(i) * sd(j));
+    let correlations = part.correlated.then(|| (0..size).map(|i| (0..size).map(|j| correlation(i, j)).collect()).collect());
+    let conditional = clmm_data(fitted).conditional_covariances(&mixed.parameters, &mixed.modes).unwrap_or_default();
+    let subjects = fitted.frame.subjects.iter().zip(mixed.modes.iter().zip(conditional));
     RandomEffect {
-        sd,
-        se,
+        sd: sd(0),
+        se: se(0),
+        slopes: slopes.collect(),
+        correlations,
         subjects: subjects
-            .map(|(subject, (u, curvature))| SubjectMode {
+            .map(|(subject, (u, covariance))| SubjectMode {
                 subject: subject.clone(),
-                mode: sd * u,
-                sd: sd / curvature.sqrt(),
+                mode: psi[0] * u[0],
+                sd: psi[0] * covariance[(0, 0)].sqrt(),
             })
             .collect(),
     }
@@ -123,7 +156,14 @@ fn search_estimates<'a>(fitted: &'a Fitted) -> (&'a DVector<f64>, DMatrix<f64>) 
     };
     let thresholds = fitted.frame.categories.len() - 1;
     let (location, scale) = &fitted.standards;
-    (parameters, design::to_data_scale(location, scale, thresholds, parameters.len()))
+    let mut to_data_scale = design::to_data_scale(location, scale, thresholds, parameters.len());
+    let first_psi = thresholds + fitted.x.columns.len();
+    if parameters.len() > fitted.clm.parameters.len() {
+        for (parameter, unit) in fitted.random.units().into_iter().enumerate() {
+            to_data_scale[(first_psi + parameter, first_psi + parameter)] = unit.recip();
+        }
+    }
+    (parameters, to_data_scale)
 }
 
 /// Returns the estimates of all parameters on the scale of the data. A parameter without a finite estimate is infinite.
@@ -140,13 +180,20 @@ fn estimates(fitted: &Fitted) -> DVector<f64> {
 /// inverted. It is NaN for parameters without a finite estimate.
 fn covariance(fitted: &Fitted) -> Option<DMatrix<f64>> {
     let (parameters, to_data_scale) = search_estimates(fitted);
-    let information = match usable_mixed_fit(fitted) {
-        Some(mixed) if mixed.end != MixedFitEnd::Boundary => mixed.information.clone(),
-        _ => finite_part(fitted, &fitted.clm.information),
-    };
-    let inverse = information.cholesky()?.inverse();
     let size = parameters.len();
-    let free: Vec<usize> = (0..size).filter(|&index| !fitted.is_infinite(index)).collect();
+    let (information, free) = match usable_mixed_fit(fitted) {
+        Some(mixed) if mixed.end != MixedFitEnd::Boundary => (mixed.information.clone(), mixed.free.clone()),
+        _ => {
+            let finite = (0..size).filter(|&index| !fitted.is_infinite(index)).collect();
+            (finite_part(fitted, &fitted.clm.information), finite)
+        }
+    };
+    // With a singular covariance of correlated effects, the likelihood is flat in a direction that no effect needs.
+    let inverse = match information.clone().cholesky() {
+        Some(factor) => factor.inverse(),
+        None if fitted.random.correlated => positive_definite(&information)?.inverse(),
+        None => return None,
+    };
     let mut whole = DMatrix::zeros(size, size);
     for (row, &i) in free.iter().enumerate() {
         for (column, &j) in free.iter().enumerate() {
@@ -215,11 +262,28 @@ fn note_mixed(fitted: &Fitted, notes: &mut Vec<Note>) {
         return;
     }
     notes.extend(match fitted.mixed.as_ref().map(|mixed| mixed.end) {
-        Some(MixedFitEnd::Boundary) => Some(Note::NoSubjectVariance),
+        Some(MixedFitEnd::Boundary) => Some(Note::NoSubjectVariance), // and no variance of the effects
         Some(MixedFitEnd::Diverged) => Some(Note::RunawayVariance),
         Some(MixedFitEnd::Converged | MixedFitEnd::Stalled) => None,
         None => Some(Note::NoMixedModel),
     });
+    let Some(mixed) = usable_mixed_fit(fitted) else { return };
+    let part = &fitted.random;
+    let psi = &mixed.parameters.as_slice()[mixed.parameters.len() - part.parameters()..];
+    if part.components.len() > 1 && fitted.spec.quadrature > 1 {
+        notes.push(Note::QuadratureIgnored);
+    }
+    if part.correlated {
+        // The pivots of the covariance: the standard deviation of each effect given the ones before it.
+        let pivots = part.triangle().zip(psi).filter(|((row, column), _)| row == column).map(|(_, pivot)| pivot.abs());
+        notes.extend(pivots.into_iter().any(|pivot| pivot < 1e-2).then_some(Note::SingularCovariance));
+    } else if mixed.end != MixedFitEnd::Boundary {
+        let zeros = part.components.iter().zip(psi).filter(|(_, psi)| **psi == 0.0).map(|(component, _)| component);
+        notes.extend(zeros.map(|component| match component.name.as_str() {
+            INTERCEPT => Note::NoSubjectVariance,
+            term => Note::NoSlopeVariance { term: term.to_owned() },
+        }));
+    }
 }
 
 /// Returns the two-sided probability of a standard normal z.

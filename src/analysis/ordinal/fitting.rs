@@ -2,15 +2,16 @@
 
 use std::collections::HashMap;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::{
     clm::{ClmData, ClmFit, FitEnd},
     clmm::{ClmmData, MAX_NODES, Observation, gauss_hermite},
     design::{Design, Standard, check_size},
     link::Link,
-    model::{ModelError, ModelSpec, Note, Random},
-    search::{self, MixedFit},
+    model::{ModelError, ModelSpec, Note, Random, Slopes},
+    random::{Loadings, RandomPart},
+    search::{self, MixedFit, Settings},
     terms::{Terms, Variable},
 };
 use crate::analysis::{counts::Counts, frame::Frame};
@@ -25,7 +26,22 @@ pub(crate) struct Fitted<'a> {
     pub(super) clm: ClmFit,
     /// Standardization of the location and of the scale.
     pub(super) standards: (Standard, Standard),
+    /// The random part; without components if there is none.
+    pub(super) random: RandomPart,
     pub(super) mixed: Option<MixedFit>,
+}
+
+/// How to fit the terms of a specification.
+#[derive(Clone, Copy, Default)]
+pub(super) struct How<'a> {
+    /// Whether to compute the standard errors of a mixed model, which take as long as its estimates.
+    pub errors: bool,
+    /// The random part; `None` determines it from the specification.
+    pub random: Option<&'a RandomPart>,
+    /// A similar fit, at whose estimates of ψ the search starts.
+    pub near: Option<&'a MixedFit>,
+    /// Coefficients with a given value, by index.
+    pub held: &'a [(usize, f64)],
 }
 
 /// Fits a model. If the first baseline allows no finite estimates, another is used. The standard errors of a mixed
@@ -45,32 +61,39 @@ pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool)
         notes.push(Note::ScaleIgnored);
         spec.scale = Terms::default();
     }
-    let fitted = fit_terms(frame, spec, notes, errors)?;
+    if spec.random == Random::None {
+        spec.slopes = Slopes::None;
+    }
+    let how = How { errors, ..How::default() };
+    let first_notes = notes.clone();
+    let fitted = fit_terms(frame, spec, notes, how)?;
     Ok(match with_other_baseline(&fitted) {
         Some((frame, note)) => {
-            let mut notes = fitted.notes.clone();
-            notes.push(note);
-            fit_terms(frame, fitted.spec.clone(), notes, errors)?
+            let notes = [first_notes, vec![note]].concat();
+            fit_terms(frame, fitted.spec.clone(), notes, how)?
         }
         None => fitted,
     })
 }
 
-/// Fits the terms of a specification to a frame. `notes` are the notes of the frame. The standard errors of a mixed
-/// model are computed only if `errors` is true; its likelihood does not need them.
-pub(super) fn fit_terms(
-    frame: Frame<'_>,
+/// Fits the terms of a specification to a frame. `notes` are the notes of the frame.
+pub(super) fn fit_terms<'a>(
+    frame: Frame<'a>,
     spec: ModelSpec,
-    notes: Vec<Note>,
-    errors: bool,
-) -> Result<Fitted<'_>, ModelError> {
+    mut notes: Vec<Note>,
+    how: How<'_>,
+) -> Result<Fitted<'a>, ModelError> {
     let x = Design::new(&frame, &spec.terms)?.independent(&frame);
     let scale = Design::new(&frame, &spec.scale)?.independent(&frame);
     let (data, standards) = clm_data(&frame, spec.link, &x, &Design::empty(), &scale);
     let clm = fit_clm(&data)?;
-    let mut fitted = Fitted { frame, spec, notes, x, scale, clm, standards, mixed: None };
+    let random = match how.random {
+        Some(random) => random.clone(),
+        None => RandomPart::new(&frame, &spec, &mut notes)?,
+    };
+    let mut fitted = Fitted { frame, spec, notes, x, scale, clm, standards, random, mixed: None };
     if fitted.spec.random == Random::Subject {
-        fitted.mixed = fit_mixed(&fitted, errors);
+        fitted.mixed = fit_mixed(&fitted, how);
     }
     Ok(fitted)
 }
@@ -97,7 +120,7 @@ pub(super) fn clm_data(
     nominal: &Design,
     scale: &Design,
 ) -> (ClmData, (Standard, Standard)) {
-    let (conditions, row_of) = distinct_rows(frame, &[x, nominal, scale]);
+    let (conditions, row_of) = distinct_rows(frame, &[x, nominal, scale], &RandomPart::default());
     let mut counts = DMatrix::zeros(conditions.len(), frame.categories.len());
     for row in &frame.rows {
         counts[(row_of[&row.condition], usize::from(row.rating))] += row.count as f64;
@@ -108,14 +131,16 @@ pub(super) fn clm_data(
     (ClmData { link, x, nominal, scale, counts }, (location, spread))
 }
 
-/// Returns one condition for each distinct row of some designs, and the index of each condition's row.
-fn distinct_rows(frame: &Frame, designs: &[&Design]) -> (Vec<u32>, HashMap<u32, usize>) {
+/// Returns one condition for each distinct row of some designs and a random part, and the index of each condition's
+/// row.
+fn distinct_rows(frame: &Frame, designs: &[&Design], random: &RandomPart) -> (Vec<u32>, HashMap<u32, usize>) {
     let mut rows: HashMap<Vec<u64>, usize> = HashMap::new();
     let mut conditions = Vec::new();
     let mut row_of = HashMap::new();
     for row in &frame.rows {
         row_of.entry(row.condition).or_insert_with(|| {
-            let key = designs.iter().flat_map(|design| design.key(row.condition)).collect();
+            let fixed = designs.iter().flat_map(|design| design.key(row.condition));
+            let key = fixed.chain(random.key(row.condition)).collect();
             *rows.entry(key).or_insert_with(|| {
                 conditions.push(row.condition);
                 conditions.len() - 1
@@ -125,11 +150,10 @@ fn distinct_rows(frame: &Frame, designs: &[&Design]) -> (Vec<u32>, HashMap<u32, 
     (conditions, row_of)
 }
 
-/// Fits the mixed model, starting from the estimates of the model without a random intercept. Coefficients without a
-/// finite estimate stay fixed, because their ratings are predicted perfectly for any participant.
-fn fit_mixed(fitted: &Fitted, errors: bool) -> Option<MixedFit> {
+/// Lays out the data of the mixed model.
+pub(super) fn clmm_data(fitted: &Fitted) -> ClmmData {
     let frame = &fitted.frame;
-    let (conditions, row_of) = distinct_rows(frame, &[&fitted.x]);
+    let (conditions, row_of) = distinct_rows(frame, &[&fitted.x], &fitted.random);
     let (x, _) = Standard::of(fitted.x.matrix(&conditions), true);
     let mut observations = Vec::new();
     let mut subjects = Vec::new();
@@ -145,15 +169,37 @@ fn fit_mixed(fitted: &Fitted, errors: bool) -> Option<MixedFit> {
         observations.extend(cells.into_iter().map(|((row, category), count)| Observation { row, category, count }));
         subjects.push(first..observations.len());
     }
-    let nodes = gauss_hermite(fitted.spec.quadrature);
-    let data =
-        ClmmData { link: fitted.spec.link, categories: frame.categories.len(), x, observations, subjects, nodes };
-    let free: Vec<usize> = (0..data.parameters()).filter(|&index| !fitted.is_infinite(index)).collect();
+    let loadings = Loadings::new(&fitted.random, &conditions);
+    let nodes = gauss_hermite(if loadings.effects() == 1 { fitted.spec.quadrature } else { 1 });
+    ClmmData { link: fitted.spec.link, categories: frame.categories.len(), x, loadings, observations, subjects, nodes }
+}
+
+/// Fits the mixed model, starting from the estimates of the model without random effects. Coefficients without a
+/// finite estimate stay fixed, because their ratings are predicted perfectly for any participant.
+fn fit_mixed(fitted: &Fitted, how: How<'_>) -> Option<MixedFit> {
     if fitted.has_infinite_threshold() {
         return None;
     }
+    let data = clmm_data(fitted);
+    let first_psi = data.first_psi();
+    let mut free: Vec<usize> = (0..data.parameters()).filter(|&index| !fitted.is_infinite(index)).collect();
     let tolerance = 1e-9 * (data.ratings() / 1e4).max(1.0);
-    search::fit(&data, &fitted.clm.parameters, &free, tolerance, errors)
+    let mut plain = fitted.clm.parameters.clone();
+    let mut start = how.near.map(|near| {
+        let psi = near.parameters.iter().rev().take(data.loadings.parameters()).rev();
+        // A deviation that was 0 may not be 0 here.
+        let psi = psi.map(|psi| if data.loadings.independent && psi.abs() < 0.1 { 0.1 } else { *psi });
+        DVector::from_iterator(data.parameters(), plain.iter().copied().chain(psi))
+    });
+    for &(column, value) in how.held {
+        let index = data.thresholds() + column;
+        free.retain(|other| *other != index);
+        plain[index] = value;
+        start.iter_mut().for_each(|start| start[index] = value);
+    }
+    debug_assert!(free.last().is_some_and(|last| *last >= first_psi), "ψ is always free");
+    let settings = Settings { plain: &plain, start: start.as_ref(), free: &free, tolerance, errors: how.errors };
+    search::fit(&data, settings)
 }
 
 impl Fitted<'_> {

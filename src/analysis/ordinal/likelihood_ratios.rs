@@ -7,7 +7,7 @@ use super::{
     clm::FitEnd,
     design::Design,
     estimates::{self, Prediction, predictions},
-    fitting::{Fitted, clm_data, fit_clm, fit_counts, fit_terms},
+    fitting::{Fitted, How, clm_data, fit_clm, fit_counts, fit_terms},
     model::{Model, ModelError, ModelSpec, Random},
     search::MixedFitEnd,
     terms::{Term, Terms},
@@ -81,7 +81,8 @@ pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> 
             Part::Location => spec.terms = spec.terms.without(term),
             _ => spec.scale = spec.scale.without(term),
         }
-        let reduced = fit_terms(full.frame.clone(), spec, Vec::new(), false)?;
+        let how = How { random: Some(&full.random), near: full.mixed.as_ref(), ..How::default() };
+        let reduced = fit_terms(full.frame.clone(), spec, Vec::new(), how)?;
         let difference = comparable(full, &reduced).then(|| full.loglik() - reduced.loglik());
         Ok(TermTest::new(term, part, difference, full.rank().saturating_sub(reduced.rank())))
     };
@@ -136,7 +137,7 @@ pub fn scale_tests(counts: &Counts, spec: &ModelSpec) -> Result<Vec<TermTest>, M
     for term in full.spec.terms.iter().filter(|term| !full.spec.scale.has(term)) {
         let mut spec = full.spec.clone();
         spec.scale = Terms::new(spec.scale.iter().cloned().chain([term.clone()]));
-        let larger = fit_terms(full.frame.clone(), spec, Vec::new(), false)?;
+        let larger = fit_terms(full.frame.clone(), spec, Vec::new(), How::default())?;
         let difference = comparable(&larger, &full).then(|| larger.loglik() - full.loglik());
         tests.push(TermTest::new(term, Part::Scale, difference, larger.rank().saturating_sub(full.rank())));
     }

@@ -1,10 +1,10 @@
-//! Ordinal regression: cumulative-link models for counts of ratings, with or without a random intercept.
+//! Ordinal regression: cumulative-link models for counts of ratings, with or without random effects.
 //!
 //! | file | contents |
 //! |---|---|
 //! | [`terms`], `design` | the terms of a model, and the matrix columns made from them |
-//! | `link`, `clm` | the likelihood without a random intercept, and its maximum |
-//! | `clmm`, `search` | the likelihood with a random intercept, and its maximum |
+//! | `link`, `clm` | the likelihood without random effects, and its maximum |
+//! | `random`, `clmm`, `search` | the random effects, the likelihood with them, and its maximum |
 //! | `fitting` | fits the models to counts |
 //! | `estimates`, `likelihood_ratios` | estimates, tests and predictions, on the scale of the data |
 //! | `model` | fitted models, their notes, and the errors if there is no model |
@@ -17,6 +17,7 @@ mod fitting;
 mod likelihood_ratios;
 mod link;
 mod model;
+mod random;
 mod search;
 pub mod terms;
 
@@ -25,7 +26,8 @@ pub use estimates::{Prediction, fit};
 pub use likelihood_ratios::{ModelReport, Part, TermTest, fit_with_tests, scale_tests};
 pub use link::Link;
 pub use model::{
-    Coefficient, MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Note, Random, RandomEffect, SubjectMode, Threshold,
+    Coefficient, MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Note, Random, RandomEffect, RandomSlope, Slopes,
+    SubjectMode, Threshold,
 };
 
 pub(super) use design::{Design, Span, check_size};

@@ -19,6 +19,22 @@ named! {
     }
 }
 
+named! {
+    /// Whether participants also differ in the effects.
+    #[derive(Default)]
+    Slopes, SlopesError {
+        /// Participants differ only in their intercepts.
+        None = "none",
+        /// Each term that varies within participants has its own standard deviation, as far as the design supports it:
+        /// R's `(1 | subject:factor)` or `(0 + x | subject)`.
+        #[default]
+        Independent = "independent",
+        /// The intercept and the contrasts of the main effects have a common covariance matrix: R's
+        /// `(1 + factor | subject)`.
+        Correlated = "correlated",
+    }
+}
+
 /// The specification of a model to fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelSpec {
@@ -29,7 +45,9 @@ pub struct ModelSpec {
     pub link: Link,
     /// The random part.
     pub random: Random,
-    /// Number of quadrature nodes; 1 is the Laplace approximation.
+    /// Random slopes; they need a random intercept.
+    pub slopes: Slopes,
+    /// Number of quadrature nodes; 1 is the Laplace approximation, which is always used if there are random slopes.
     pub quadrature: usize,
     /// Maximum number of coefficients; a specification with more is refused.
     pub max_coefficients: usize,
@@ -47,6 +65,7 @@ impl ModelSpec {
             scale: Terms::default(),
             link: Link::Logit,
             random: Random::None,
+            slopes: Slopes::None,
             quadrature: 1,
             max_coefficients: MAX_COEFFICIENTS,
         }
@@ -83,15 +102,31 @@ pub struct Coefficient {
     pub p: Option<f64>,
 }
 
-/// The random intercept.
+/// The random intercept, and the random slopes if there are any.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RandomEffect {
     /// Standard deviation between participants, on the scale of the link.
     pub sd: f64,
     /// Standard error of `sd`; `None` if `sd` is 0.
     pub se: Option<f64>,
+    /// The random slopes, in the order of the terms.
+    pub slopes: Vec<RandomSlope>,
+    /// Correlations of the intercept and the slopes, in this order; `None` if they are independent.
+    pub correlations: Option<Vec<Vec<f64>>>,
     /// Each participant's intercept.
     pub subjects: Vec<SubjectMode>,
+}
+
+/// How much participants differ in an effect.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RandomSlope {
+    /// The term, or the name of the contrast if the effects are correlated.
+    pub name: String,
+    /// Standard deviation between participants, on the scale of the link: of the deviation at each level, or per unit
+    /// of a number.
+    pub sd: f64,
+    /// Standard error of `sd`; `None` if `sd` is 0.
+    pub se: Option<f64>,
 }
 
 /// A participant's intercept given their ratings.
@@ -213,6 +248,20 @@ pub enum Note {
     /// participants do not differ.
     #[error("the estimated variance between participants is 0, so the random intercept has no effect")]
     NoSubjectVariance,
+    /// Participants do not differ in an effect, as far as the ratings show.
+    #[error("the estimated variance between participants in the effect of {term} is 0")]
+    NoSlopeVariance { term: String },
+    /// There are too few ratings per participant and level for a random slope.
+    #[error(
+        "the design does not support a random slope of {term}: expected at least two ratings per participant and level on average"
+    )]
+    NoSlope { term: String },
+    /// The correlated random effects have a variance of 0 in some direction.
+    #[error("the covariance matrix of the random effects is singular, so their correlations are not reliable")]
+    SingularCovariance,
+    /// Quadrature was requested for a model with several random effects.
+    #[error("quadrature needs a single random effect per participant, so Laplace’s approximation is used; --slopes none leaves only the intercept")]
+    QuadratureIgnored,
     /// Each participant uses a single category, so the variance between participants, or an effect within participants,
     /// has no finite estimate.
     #[error(
@@ -280,6 +329,15 @@ pub enum ModelError {
     TooManyCoefficients {
         coefficients: usize,
         /// Maximum number of coefficients.
+        most: usize,
+    },
+    /// The correlated random effects have too many covariances.
+    #[error(
+        "--slopes correlated: each participant has {effects} random effects; expected at most {most}: use num:FACTOR, fewer --terms, or --slopes independent"
+    )]
+    TooManySlopes {
+        effects: usize,
+        /// Maximum number of effects.
         most: usize,
     },
     /// The likelihood is not finite at the starting values.

@@ -1,4 +1,7 @@
 //! The search for the maximum of a mixed model's likelihood and for the observed information at the maximum.
+//!
+//! The likelihood does not depend on the sign of a standard deviation, so the search needs no bounds: a deviation whose
+//! best value is 0 arrives there, is then held at exactly 0, and is finally checked by moving it away again.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -17,9 +20,9 @@ const MAX_PARAMETER: f64 = 60.0;
 pub(super) enum MixedFitEnd {
     /// The gradient is small.
     Converged,
-    /// The standard deviation is 0.
+    /// All standard deviations are 0.
     Boundary,
-    /// The standard deviation, or an effect within participants, grows without bound.
+    /// A standard deviation, or an effect within participants, grows without bound.
     Diverged,
     /// The search could not continue.
     Stalled,
@@ -28,11 +31,14 @@ pub(super) enum MixedFitEnd {
 /// A maximum of a mixed model's likelihood.
 #[derive(Clone, Debug)]
 pub(super) struct MixedFit {
-    /// θ, β and σ ≥ 0.
+    /// θ, β and ψ.
     pub parameters: DVector<f64>,
     pub loglik: f64,
     /// Largest absolute element of the gradient over the free parameters.
     pub gradient: f64,
+    /// The indices of the parameters to which the information belongs: those that have finite estimates other than a
+    /// standard deviation of 0.
+    pub free: Vec<usize>,
     /// Observed information of the free parameters.
     pub information: DMatrix<f64>,
     pub modes: Modes,
@@ -43,55 +49,128 @@ pub(super) struct MixedFit {
 /// A search over the free parameters; all others keep their starting values.
 struct Search<'a> {
     data: &'a ClmmData,
-    free: &'a [usize],
+    free: Vec<usize>,
     modes: Modes,
     at: DVector<f64>,
     value: Evaluation,
 }
 
-/// Fits a mixed model, starting from the estimates of the model without a random intercept (θ and β). `free` lists the
-/// indices of the parameters that may change, in order; the last is σ. Without `errors`, there is no information
-/// matrix, and the gradient is only as small as the likelihood needs.
-pub(super) fn fit(
-    data: &ClmmData,
-    start: &DVector<f64>,
-    free: &[usize],
-    tolerance: f64,
-    errors: bool,
-) -> Option<MixedFit> {
-    let mut search = Search::begin(data, start, free)?;
-    let (iterations, end) = search.climb(tolerance);
-    let sigma = data.parameters() - 1;
-    if search.at[sigma].abs() < NO_SIGMA {
-        search.move_to_boundary(start)?;
+/// What a search needs to know besides the data.
+#[derive(Clone, Copy)]
+pub(super) struct Settings<'a> {
+    /// The estimates of the model without random effects (θ and β).
+    pub plain: &'a DVector<f64>,
+    /// Where to start (θ, β and ψ); `None` tries a few standard deviations.
+    pub start: Option<&'a DVector<f64>>,
+    /// The indices of the parameters that may change, in order.
+    pub free: &'a [usize],
+    /// The largest gradient that counts as zero.
+    pub tolerance: f64,
+    /// Whether to compute the information. Without it, the gradient is only as small as the likelihood needs.
+    pub errors: bool,
+}
+
+/// Fits a mixed model.
+pub(super) fn fit(data: &ClmmData, settings: Settings<'_>) -> Option<MixedFit> {
+    let tolerance = settings.tolerance;
+    let mut search = Search::begin(data, settings)?;
+    let (mut iterations, mut end) = search.climb(tolerance);
+    // Each pass holds at least one more deviation at 0, or the search ends.
+    for _ in 0..=data.loadings.parameters() {
+        if !search.hold_zeros(settings.free) {
+            break;
+        }
+        let more = search.climb(tolerance);
+        (iterations, end) = (iterations + more.0, more.1);
+    }
+    let deviation = |parameter: &usize| search.at[data.first_psi() + parameter] == 0.0;
+    if data.loadings.independent && data.loadings.deviations.iter().all(deviation) {
+        search.move_to_boundary(settings.plain)?;
         return search.finish(iterations, MixedFitEnd::Boundary, DMatrix::zeros(0, 0));
     }
-    if end == MixedFitEnd::Diverged {
+    if end == MixedFitEnd::Diverged || (!settings.errors && end == MixedFitEnd::Converged) {
         return search.finish(iterations, end, DMatrix::zeros(0, 0));
     }
-    if !errors && end == MixedFitEnd::Converged {
-        return search.finish(iterations, end, DMatrix::zeros(0, 0));
-    }
+    search.make_deviations_positive();
     let information = search.polish(tolerance)?;
     let end = if search.gradient() <= 1e3 * tolerance { MixedFitEnd::Converged } else { MixedFitEnd::Stalled };
     search.finish(iterations, end, information)
 }
 
 impl<'a> Search<'a> {
-    /// Starts at the most likely of a few standard deviations; all other parameters start from the fit without a random
-    /// intercept.
-    fn begin(data: &'a ClmmData, start: &DVector<f64>, free: &'a [usize]) -> Option<Self> {
+    /// Starts where the settings say, or at the most likely of a few standard deviations with all other parameters from
+    /// the fit without random effects.
+    fn begin(data: &'a ClmmData, settings: Settings<'_>) -> Option<Self> {
         let mut best: Option<Self> = None;
-        for sigma in [0.25, 0.6, 1.2, 3.0] {
-            let at = start.clone().insert_row(start.len(), sigma);
+        let psi = |intercept: f64| {
+            let mut psi = vec![0.0; data.loadings.parameters()];
+            for (place, &parameter) in data.loadings.deviations.iter().enumerate() {
+                psi[parameter] = if place == 0 { intercept } else { 0.3 };
+            }
+            let start = settings.plain;
+            DVector::from_iterator(start.len() + psi.len(), start.iter().copied().chain(psi))
+        };
+        let starts: Vec<DVector<f64>> = match settings.start {
+            Some(start) => vec![start.clone()],
+            None => [0.25, 0.6, 1.2, 3.0].map(psi).to_vec(),
+        };
+        for at in starts {
             let mut modes = best.as_ref().map_or_else(|| data.modes(), |best| best.modes.clone());
             if let Some(value) = data.evaluate(&at, &mut modes)
                 && best.as_ref().is_none_or(|best| value.loglik > best.value.loglik)
             {
-                best = Some(Self { data, free, modes, at, value });
+                best = Some(Self { data, free: settings.free.to_vec(), modes, at, value });
             }
         }
         best
+    }
+
+    /// Holds the deviations that are close to 0 at 0, and moves those away again at which another value is better.
+    /// Returns whether the search must continue.
+    fn hold_zeros(&mut self, free: &[usize]) -> bool {
+        if !self.data.loadings.independent {
+            return false;
+        }
+        let first = self.data.first_psi();
+        let indices: Vec<usize> = self.data.loadings.deviations.iter().map(|parameter| first + parameter).collect();
+        let close: Vec<usize> =
+            indices.iter().copied().filter(|&i| self.at[i] != 0.0 && self.at[i].abs() < NO_SIGMA && free.contains(&i)).collect();
+        for &index in &close {
+            let mut to = self.at.clone();
+            to[index] = 0.0;
+            if !self.move_to(to) {
+                return false;
+            }
+            self.free.retain(|other| *other != index);
+        }
+        let zeros: Vec<usize> = indices.into_iter().filter(|&i| self.at[i] == 0.0 && free.contains(&i)).collect();
+        let mut moved = false;
+        for index in zeros {
+            for sigma in [0.05, 0.2, 0.5] {
+                let before = self.value.loglik;
+                let kept = (self.at.clone(), self.value.clone(), self.modes.clone());
+                let mut to = self.at.clone();
+                to[index] = sigma;
+                if self.move_to(to) && self.value.loglik > before + 1e-7 {
+                    moved = true;
+                    if !self.free.contains(&index) {
+                        self.free.push(index);
+                        self.free.sort_unstable();
+                    }
+                    break;
+                }
+                (self.at, self.value, self.modes) = kept;
+            }
+        }
+        moved || (!close.is_empty() && self.gradient() > 0.0)
+    }
+
+    /// Moves to a point; returns whether the likelihood could be computed there.
+    fn move_to(&mut self, to: DVector<f64>) -> bool {
+        let mut modes = self.modes.clone();
+        let Some(value) = self.data.evaluate(&to, &mut modes) else { return false };
+        (self.at, self.value, self.modes) = (to, value, modes);
+        true
     }
 
     fn free_gradient(&self) -> DVector<f64> {
@@ -130,11 +209,16 @@ impl<'a> Search<'a> {
         None
     }
 
+    fn rough_information(&self) -> Option<DMatrix<f64>> {
+        let whole = self.data.rough_information(&self.at, &self.modes)?;
+        Some(whole.select_rows(&self.free).select_columns(&self.free))
+    }
+
     /// Takes quasi-Newton steps (Broyden, Fletcher, Goldfarb, Shanno), starting from the approximate information.
     fn climb(&mut self, tolerance: f64) -> (usize, MixedFitEnd) {
         const MAX_ITERATIONS: usize = 300;
-        let rough = self.data.rough_information(&self.at, &self.modes).select_rows(self.free).select_columns(self.free);
-        let Some(factor) = positive_definite(&rough) else { return (0, MixedFitEnd::Stalled) };
+        let rough = self.rough_information();
+        let Some(factor) = rough.and_then(|rough| positive_definite(&rough)) else { return (0, MixedFitEnd::Stalled) };
         let mut inverse = factor.inverse();
         for iteration in 0..MAX_ITERATIONS {
             // Newton's method takes over near the maximum.
@@ -185,8 +269,7 @@ impl<'a> Search<'a> {
     /// single threshold is known a thousand times more precisely than all thresholds together with the participants'
     /// mean, so no single step size would suit both.
     fn information(&self) -> Option<DMatrix<f64>> {
-        let rough = self.data.rough_information(&self.at, &self.modes).select_rows(self.free).select_columns(self.free);
-        let factor = positive_definite(&rough)?.unpack();
+        let factor = positive_definite(&self.rough_information()?)?.unpack();
         let size = self.free.len();
         let directions = factor.transpose().solve_upper_triangular(&DMatrix::identity(size, size))?;
         let mut changes = DMatrix::zeros(size, size);
@@ -210,22 +293,34 @@ impl<'a> Search<'a> {
         Some((gradient(-1.0)? - gradient(1.0)?) / (2.0 * distance))
     }
 
-    /// Sets σ to 0 and all other parameters to the estimates of the model without a random intercept.
-    fn move_to_boundary(&mut self, start: &DVector<f64>) -> Option<()> {
-        self.at = start.clone().insert_row(start.len(), 0.0);
+    /// Sets ψ to 0 and all other parameters to the estimates of the model without random effects.
+    fn move_to_boundary(&mut self, plain: &DVector<f64>) -> Option<()> {
+        self.at = plain.clone().resize_vertically(self.data.parameters(), 0.0);
         self.value = self.data.evaluate(&self.at, &mut self.modes)?;
         Some(())
     }
 
     fn finish(mut self, iterations: usize, end: MixedFitEnd, information: DMatrix<f64>) -> Option<MixedFit> {
-        let sigma = self.at.len() - 1;
-        if self.at[sigma] < 0.0 {
-            self.at[sigma] = -self.at[sigma];
-            self.modes.u.iter_mut().for_each(|u| *u = -*u);
-        }
+        self.make_deviations_positive();
         let gradient = self.gradient();
-        let Self { modes, at, value, .. } = self;
-        Some(MixedFit { parameters: at, loglik: value.loglik, gradient, information, modes, iterations, end })
+        let Self { free, modes, at, value, .. } = self;
+        Some(MixedFit { parameters: at, loglik: value.loglik, gradient, free, information, modes, iterations, end })
+    }
+
+    /// Changes the signs of negative deviations, together with the effects that belong to them.
+    fn make_deviations_positive(&mut self) {
+        let loadings = &self.data.loadings;
+        let first = self.data.first_psi();
+        for &deviation in &loadings.deviations {
+            if self.at[first + deviation] >= 0.0 {
+                continue;
+            }
+            let (parameters, effects) = loadings.sign_partners(deviation);
+            parameters.into_iter().for_each(|parameter| self.at[first + parameter] *= -1.0);
+            for mode in &mut self.modes {
+                effects.clone().for_each(|effect| mode[effect] *= -1.0);
+            }
+        }
     }
 }
 

@@ -1,0 +1,321 @@
+//! The random part of a model: which effects vary between participants, and how they enter each design row.
+//!
+//! The independent form is R's `(1 | subject) + (1 | subject:width) + (0 + x | subject)`: an intercept, a deviation of
+//! each participant at each level of a factor, and a slope on a number about its mean. The correlated form is
+//! `(1 + width | subject)`: an intercept and the contrasts of the factors, with all their covariances.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    ops::Range,
+};
+
+use super::{
+    design::Design,
+    model::{ModelError, ModelSpec, Note, Random, Slopes},
+    terms::{Term, Terms, Variable},
+};
+use crate::analysis::frame::{Frame, find_factor};
+
+/// Name of the random intercept, as in R.
+pub(super) const INTERCEPT: &str = "(Intercept)";
+/// A random slope needs on average this many ratings per participant and level; with fewer, it cannot be told apart
+/// from the variation between ratings.
+const RATINGS_PER_EFFECT: u64 = 2;
+/// Maximum number of random effects per participant: the time for a fit grows with the cube.
+const MAX_EFFECTS: usize = 150;
+/// Maximum number of correlated effects; 10 have 55 variances and covariances.
+const MAX_CORRELATED: usize = 10;
+
+/// Effects that share a standard deviation: one for each group of conditions.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Component {
+    /// Name of the term, or of the contrast if the effects are correlated; [`INTERCEPT`] for the intercept.
+    pub name: String,
+    /// The group of each condition of the table.
+    groups: Vec<usize>,
+    number_of_groups: usize,
+    /// The weight of the effect in each condition, divided by `unit`.
+    values: Vec<f64>,
+    /// Size of the values on the scale of the data.
+    pub unit: f64,
+}
+
+/// The random part of a model.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct RandomPart {
+    pub correlated: bool,
+    /// The intercept, followed by the slopes.
+    pub components: Vec<Component>,
+}
+
+impl Component {
+    fn intercept(conditions: usize) -> Self {
+        Self {
+            name: INTERCEPT.to_owned(),
+            groups: vec![0; conditions],
+            number_of_groups: 1,
+            values: vec![1.0; conditions],
+            unit: 1.0,
+        }
+    }
+
+    /// Creates a component with the given values, scaled to at most 1.
+    fn new(name: String, mut values: Vec<f64>, groups: Vec<usize>, number_of_groups: usize) -> Self {
+        let unit = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let unit = if unit > 0.0 { unit } else { 1.0 };
+        values.iter_mut().for_each(|value| *value /= unit);
+        Self { name, groups, number_of_groups, values, unit }
+    }
+}
+
+impl RandomPart {
+    /// Determines the random part that a specification asks for and that the design supports, with a note for each
+    /// slope that it does not.
+    pub fn new(frame: &Frame, spec: &ModelSpec, notes: &mut Vec<Note>) -> Result<Self, ModelError> {
+        if spec.random == Random::None {
+            return Ok(Self::default());
+        }
+        let mut part = Self { correlated: false, components: vec![Component::intercept(frame.counts.conditions.len())] };
+        match spec.slopes {
+            Slopes::None => {}
+            Slopes::Independent => part.add_independent(frame, &spec.terms, notes)?,
+            Slopes::Correlated => part.add_correlated(frame, &spec.terms)?,
+        }
+        Ok(part)
+    }
+
+    fn add_independent(&mut self, frame: &Frame, terms: &Terms, notes: &mut Vec<Note>) -> Result<(), ModelError> {
+        let mut seen: Vec<Term> = Vec::new();
+        let mut effects = frame.subjects.len() as u64;
+        for term in terms {
+            let own = within_part(frame, term)?;
+            if own.variables.is_empty() || seen.iter().any(|other| other.same(&own)) {
+                continue;
+            }
+            let component = independent(frame, &own)?;
+            let of_subjects: BTreeSet<(u32, usize)> =
+                frame.rows.iter().map(|row| (row.subject, component.groups[row.condition as usize])).collect();
+            let needed = effects + of_subjects.len() as u64;
+            if frame.total() < RATINGS_PER_EFFECT * needed || self.effects() + component.number_of_groups > MAX_EFFECTS {
+                notes.push(Note::NoSlope { term: own.to_string() });
+            } else {
+                effects = needed;
+                self.components.push(component);
+            }
+            seen.push(own);
+        }
+        Ok(())
+    }
+
+    fn add_correlated(&mut self, frame: &Frame, terms: &Terms) -> Result<(), ModelError> {
+        let main = terms.iter().filter(|term| term.variables.len() == 1);
+        let mut own = Vec::new();
+        for term in main {
+            own.extend(Some(within_part(frame, term)?).filter(|term| !term.variables.is_empty()));
+        }
+        let design = Design::new(frame, &Terms::new(own))?.independent(frame);
+        let effects = 1 + design.columns.len();
+        if effects > MAX_CORRELATED {
+            return Err(ModelError::TooManySlopes { effects, most: MAX_CORRELATED });
+        }
+        let conditions: Vec<u32> = (0..frame.counts.conditions.len() as u32).collect();
+        for (column, values) in design.columns.iter().zip(design.matrix(&conditions).column_iter()) {
+            let mut values: Vec<f64> = values.iter().copied().collect();
+            if values.iter().any(|value| *value != 0.0 && *value != 1.0) {
+                center(frame, &mut values);
+            }
+            self.components.push(Component::new(column.name.clone(), values, vec![0; conditions.len()], 1));
+        }
+        self.correlated = self.components.len() > 1;
+        Ok(())
+    }
+
+    fn effects(&self) -> usize {
+        self.components.iter().map(|component| component.number_of_groups).sum()
+    }
+
+    /// Returns the number of parameters ψ.
+    pub fn parameters(&self) -> usize {
+        let components = self.components.len();
+        if self.correlated { components * (components + 1) / 2 } else { components }
+    }
+
+    /// Returns, for each ψ, the number by which it is divided to convert it to the scale of the data.
+    pub fn units(&self) -> Vec<f64> {
+        if !self.correlated {
+            return self.components.iter().map(|component| component.unit).collect();
+        }
+        self.triangle().map(|(row, _)| self.components[row].unit).collect()
+    }
+
+    /// Returns the row and the column of each element of the covariance's Cholesky factor, column by column.
+    pub fn triangle(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let size = self.components.len();
+        (0..size).flat_map(move |column| (column..size).map(move |row| (row, column)))
+    }
+
+    /// Returns a key that is equal for conditions with the same effects.
+    pub fn key(&self, condition: u32) -> impl Iterator<Item = u64> + '_ {
+        let at = condition as usize;
+        self.components.iter().flat_map(move |c| [c.groups[at] as u64, (c.values[at] + 0.0).to_bits()])
+    }
+}
+
+/// Returns the variables of a term that vary within most participants.
+fn within_part(frame: &Frame, term: &Term) -> Result<Term, ModelError> {
+    let mut variables = Vec::new();
+    for variable in &term.variables {
+        if is_within(frame, find_factor(frame.counts, variable)?.0) {
+            variables.push(variable.clone());
+        }
+    }
+    Ok(Term { variables })
+}
+
+/// Returns whether most participants rated at least two levels of a factor.
+pub(crate) fn is_within(frame: &Frame, factor: usize) -> bool {
+    let mut levels: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
+    for row in &frame.rows {
+        let level = frame.counts.conditions[row.condition as usize][factor];
+        levels.entry(row.subject).or_default().extend(level);
+    }
+    2 * levels.values().filter(|levels| levels.len() > 1).count() > levels.len()
+}
+
+/// Creates the deviations at each combination of a term's levels, multiplied by the term's numbers about their means.
+fn independent(frame: &Frame, term: &Term) -> Result<Component, ModelError> {
+    let counts = frame.counts;
+    let mut values = vec![1.0; counts.conditions.len()];
+    let mut keys: Vec<Vec<Option<u32>>> = vec![Vec::new(); counts.conditions.len()];
+    for variable in &term.variables {
+        let (factor, inverse) = find_factor(counts, variable)?;
+        match variable {
+            Variable::Factor(_) => {
+                keys.iter_mut().zip(&counts.conditions).for_each(|(key, levels)| key.push(levels[factor]));
+            }
+            Variable::Number(_) => {
+                let numbers = frame.numbers(factor, inverse)?;
+                let number = |levels: &Vec<Option<u32>>| levels[factor].map_or(0.0, |level| numbers[level as usize]);
+                let mut own: Vec<f64> = counts.conditions.iter().map(number).collect();
+                center(frame, &mut own);
+                values.iter_mut().zip(own).for_each(|(value, own)| *value *= own);
+            }
+        }
+    }
+    let places: BTreeMap<&Vec<Option<u32>>, usize> = frame.conditions().iter().map(|c| (&keys[*c as usize], 0)).collect();
+    let places: BTreeMap<_, usize> = places.into_keys().zip(0..).collect();
+    let groups = keys.iter().map(|key| places.get(key).copied().unwrap_or(0)).collect();
+    Ok(Component::new(term.to_string(), values, groups, places.len()))
+}
+
+/// Subtracts the mean over all ratings.
+fn center(frame: &Frame, values: &mut [f64]) {
+    let sum: f64 = frame.rows.iter().map(|row| row.count as f64 * values[row.condition as usize]).sum();
+    let mean = sum / frame.total() as f64;
+    values.iter_mut().for_each(|value| *value -= mean);
+}
+
+/// How the standardized effects of a participant enter each design row: each row has a fixed number of slots, each slot
+/// belongs to one effect, and its weight is a sum of parameters times values.
+#[derive(Clone, Debug)]
+pub(super) struct Loadings {
+    effects: usize,
+    parameters: usize,
+    slots_per_row: usize,
+    /// The effect of each slot, row by row.
+    slots: Vec<usize>,
+    entries_per_row: usize,
+    entries: Vec<Entry>,
+    /// The parameters that are standard deviations, whose sign does not matter.
+    pub deviations: Vec<usize>,
+    /// True if every parameter is a standard deviation, so that each may be 0 by itself.
+    pub independent: bool,
+}
+
+/// A contribution to the weight of a slot: a parameter times a value.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry {
+    pub slot: usize,
+    pub parameter: usize,
+    pub value: f64,
+}
+
+impl Loadings {
+    /// Lays out the effects for the conditions of the design rows.
+    pub fn new(part: &RandomPart, conditions: &[u32]) -> Self {
+        let components = &part.components;
+        let (mut slots, mut entries) = (Vec::new(), Vec::new());
+        for condition in conditions.iter().map(|condition| *condition as usize) {
+            if part.correlated {
+                slots.extend(0..components.len());
+                entries.extend(part.triangle().enumerate().map(|(parameter, (row, column))| Entry {
+                    slot: column,
+                    parameter,
+                    value: components[row].values[condition],
+                }));
+            } else {
+                let mut first = 0;
+                for (slot, component) in components.iter().enumerate() {
+                    slots.push(first + component.groups[condition]);
+                    entries.push(Entry { slot, parameter: slot, value: component.values[condition] });
+                    first += component.number_of_groups;
+                }
+            }
+        }
+        let diagonal = part.triangle().enumerate().filter(|(_, (row, column))| row == column).map(|(index, _)| index);
+        Self {
+            effects: part.effects(),
+            parameters: part.parameters(),
+            slots_per_row: components.len(),
+            slots,
+            entries_per_row: part.parameters(),
+            entries,
+            deviations: if part.correlated { diagonal.collect() } else { (0..components.len()).collect() },
+            independent: !part.correlated,
+        }
+    }
+
+    pub fn effects(&self) -> usize {
+        self.effects
+    }
+
+    pub fn parameters(&self) -> usize {
+        self.parameters
+    }
+
+    pub fn slots_per_row(&self) -> usize {
+        self.slots_per_row
+    }
+
+    /// Returns the effect of each slot in a row.
+    pub fn slots(&self, row: usize) -> &[usize] {
+        &self.slots[row * self.slots_per_row..(row + 1) * self.slots_per_row]
+    }
+
+    pub fn entries(&self, row: usize) -> &[Entry] {
+        &self.entries[row * self.entries_per_row..(row + 1) * self.entries_per_row]
+    }
+
+    /// Returns the parameters and the effects that change sign together with a standard deviation: its column of the
+    /// Cholesky factor, or itself and its groups.
+    pub fn sign_partners(&self, deviation: usize) -> (Vec<usize>, Range<usize>) {
+        if self.independent {
+            let effects = || (self.slots.iter().skip(deviation).step_by(self.slots_per_row)).copied();
+            return (vec![deviation], effects().min().unwrap_or(0)..effects().max().map_or(0, |last| last + 1));
+        }
+        let column = self.deviations.iter().position(|other| *other == deviation).unwrap_or(0);
+        ((deviation..deviation + self.effects - column).collect(), column..column + 1)
+    }
+
+    /// Returns the weight of each slot, row by row.
+    pub fn weights(&self, psi: &[f64]) -> Vec<f64> {
+        let mut weights = vec![0.0; self.slots.len()];
+        let rows = weights.chunks_mut(self.slots_per_row.max(1)).zip(self.entries.chunks(self.entries_per_row.max(1)));
+        for (weights, entries) in rows {
+            for entry in entries {
+                weights[entry.slot] += psi[entry.parameter] * entry.value;
+            }
+        }
+        weights
+    }
+}
