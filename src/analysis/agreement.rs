@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    bootstrap::{Bootstrap, Interval, Resamples},
     counts::{Counts, Measured},
+    interval::{Interval, mean_and_sd, t_interval},
 };
 
 /// Krippendorff's α.
@@ -18,10 +18,13 @@ pub struct Alpha {
     pub units: usize,
     /// Number of ratings of these conditions.
     pub ratings: u64,
-    /// Bootstrap interval over participants. If a participant is drawn twice, the two copies are not compared with each
-    /// other.
+    /// The 95 % interval over participants: the t interval of the jackknife's pseudo-values, at most 1. `None` with fewer
+    /// than three participants, or if α is the same without any of them.
     pub interval: Option<Interval>,
 }
+
+/// Maximum number of groups of participants that the jackknife leaves out in turn.
+const MAX_GROUPS: usize = 100;
 
 /// One participant's ratings of one condition: the categories used, and how often each was used.
 struct Share {
@@ -34,7 +37,7 @@ struct Share {
 ///
 /// With one rating per participant and condition, this is the published coefficient. Repeated ratings by a participant
 /// are all used, but they are compared only with ratings by other participants.
-pub fn ordinal_alpha(counts: &Counts, resamples: &Resamples) -> Option<Alpha> {
+pub fn ordinal_alpha(counts: &Counts) -> Option<Alpha> {
     let mut units: Vec<Vec<Share>> = counts.conditions.iter().map(|_| Vec::new()).collect();
     for row in &counts.rows {
         let unit = &mut units[row.condition as usize];
@@ -48,13 +51,24 @@ pub fn ordinal_alpha(counts: &Counts, resamples: &Resamples) -> Option<Alpha> {
         }
     }
     units.retain(|shares| shares.len() > 1);
-    let everyone = vec![1; counts.subjects.len()];
-    let alpha = alpha(&units, &everyone, counts.categories.len())?;
-    let replicate = |weights: &Vec<u8>| self::alpha(&units, weights, counts.categories.len()).unwrap_or(f64::NAN);
-    let values = resamples.weights.par_iter().map(replicate).collect();
+    let people = counts.subjects.len();
+    let of = |weights: &[u8]| self::alpha(&units, weights, counts.categories.len());
+    let alpha = of(&vec![1; people])?;
+    // Each group of participants is left out once; with few participants, a group is one of them.
+    let groups = people.min(MAX_GROUPS);
+    let without = |group: usize| {
+        let weights: Vec<u8> = (0..people).map(|subject| u8::from(subject % groups != group)).collect();
+        Some(groups as f64 * alpha - (groups - 1) as f64 * of(&weights)?)
+    };
+    let pseudo_values: Option<Vec<f64>> = (0..groups).into_par_iter().map(without).collect();
+    let interval = pseudo_values.filter(|values| values.len() > 2).and_then(|values| t_interval(&values));
     let ratings: f64 = units.iter().flatten().flat_map(|share| &share.tally).map(|(_, n)| n).sum();
-    let interval = resamples.interval(counts.subjects.len(), values);
-    Some(Alpha { alpha, units: units.len(), ratings: ratings as u64, interval })
+    Some(Alpha {
+        alpha,
+        units: units.len(),
+        ratings: ratings as u64,
+        interval: interval.map(|Interval { low, high }| Interval { low, high: high.min(1.0) }),
+    })
 }
 
 /// Returns α with each participant counted as many times as its weight. The ordinal metric between two categories is the
@@ -108,17 +122,9 @@ fn alpha(units: &[Vec<Share>], weights: &[u8], categories: usize) -> Option<f64>
     (expected > 1e-12 * below.powi(4)).then(|| 1.0 - (below - 1.0) * observed / expected)
 }
 
-/// Returns the mean of a statistic over participants and its bootstrap interval, or `None` if there are no values.
-pub fn mean_over_subjects(values: &[f64], bootstrap: Bootstrap) -> Option<(f64, Option<Interval>)> {
-    if values.is_empty() {
-        return None;
-    }
-    let mean = |weights: &[u8]| {
-        values.iter().zip(weights).map(|(value, weight)| value * f64::from(*weight)).sum::<f64>() / values.len() as f64
-    };
-    let resamples = bootstrap.draw(values.len());
-    let resampled = resamples.weights.iter().map(|weights| mean(weights)).collect();
-    Some((mean(&vec![1; values.len()]), resamples.interval(values.len(), resampled)))
+/// Returns the mean of a statistic over participants and its 95 % t interval, or `None` if there are no values.
+pub fn mean_over_subjects(values: &[f64]) -> Option<(f64, Option<Interval>)> {
+    (!values.is_empty()).then(|| (mean_and_sd(values).0, t_interval(values)))
 }
 
 /// First and second ratings of the same conditions, as the sums that κ needs. A table of all pairs of categories would

@@ -61,6 +61,16 @@ impl<'a> Frame<'a> {
         Ok((frame, notes))
     }
 
+    /// Returns the frame with other ratings by the same participants in the same conditions, or `None` if they are all
+    /// the same. The ratings are numbered as in this frame.
+    pub fn with_ratings(&self, mut rows: Vec<CountRow>) -> Option<Self> {
+        let used: BTreeSet<u8> = rows.iter().map(|row| row.rating).collect();
+        let used: Vec<u8> = used.into_iter().collect();
+        rows.iter_mut().for_each(|row| row.rating = used.partition_point(|other| *other < row.rating) as u8);
+        let categories: Vec<String> = used.iter().map(|&index| self.categories[index as usize].clone()).collect();
+        (categories.len() > 1).then(|| Self { rows, categories, ..self.clone() })
+    }
+
     /// Returns the number of ratings in the frame.
     pub fn total(&self) -> u64 {
         self.rows.iter().map(|row| row.count).sum()

@@ -18,9 +18,10 @@
 //! Biometrika 71, 1.
 
 pub mod agreement;
-pub mod bootstrap;
+
 pub mod counts;
 mod frame;
+pub mod interval;
 mod levels;
 mod ordinal;
 pub mod power;
@@ -30,7 +31,9 @@ pub mod summary;
 
 pub use levels::{number_of, numbers_of};
 pub use ordinal::{
-    Coefficient, Link, MAX_COEFFICIENTS, MAX_NODES, Model, ModelError, ModelReport, ModelSpec, Note, Part, Prediction,
-    Random, RandomEffect, RandomSlope, Slopes, SubjectMode, TermTest, Threshold, fit, fit_with_tests, scale_tests, terms,
+    Alternative, Calibration, Checks, Coefficient, Comparison, Contrast, FEW_FOR_LIKELIHOOD_RATIOS, Influence, Link,
+    MAX_COEFFICIENTS, MAX_NODES, Margin, Model, ModelError, ModelReport, ModelSpec, Note, Part, Prediction, Proportion,
+    Random, RandomEffect, RandomSlope, Resampling, Slopes, SubjectMode, TermTest, Threshold, Withheld, fit,
+    fit_calibrated, fit_with_tests, scale_tests, terms,
 };
-pub use results::{Options, Results, analyze};
+pub use results::{Options, Results, analyze, analyze_with};

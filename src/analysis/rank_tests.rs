@@ -1,23 +1,30 @@
 //! Tests on the ranks of participants' mean ratings: Friedman's test with Kendall's W, and Wilcoxon's signed-rank test
 //! with Holm's correction.
 
+use std::collections::HashMap;
+
+use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use serde::Serialize;
 
 use super::{
-    counts::Counts,
+    interval::{Interval, t_interval},
+    counts::{CountRow, Counts},
     ordinal::{chi_squared_tail, two_sided},
     summary::category_values,
 };
+use crate::light::random::shuffle;
 
-/// Participants' mean ratings at each level of a factor, pooled over all other factors. If all means are over the same
-/// number of ratings, they have the same ranks as the sums.
+/// Participants' mean ratings at each level of a factor. Each mean is over the cells of the other factors that the
+/// participant rated at every level, so that an unequal number of ratings in the cells cannot look like an effect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SubjectMeans {
     pub levels: Vec<String>,
-    /// Participants with ratings at every level, each with their means in the order of the levels.
+    /// Participants with comparable ratings at every level, each with their means in the order of the levels.
     pub rows: Vec<(String, Vec<f64>)>,
-    /// Participants excluded because they did not rate every level.
+    /// Participants excluded because no cell of the other factors has ratings at every level.
     pub incomplete: Vec<String>,
+    /// Means that differ by less than this are equal: they differ only by rounding errors.
+    tolerance: f64,
 }
 
 impl SubjectMeans {
@@ -25,27 +32,48 @@ impl SubjectMeans {
     pub fn new(counts: &Counts, factor: usize) -> Self {
         let values = category_values(counts);
         let levels = counts.factors[factor].levels.len();
-        let mut cells = vec![vec![(0_u64, 0.0); levels]; counts.subjects.len()];
+        // The cell of the other factors to which each condition belongs.
+        let mut cells: HashMap<Vec<Option<u32>>, usize> = HashMap::new();
+        let cell_of: Vec<usize> = (counts.conditions.iter())
+            .map(|condition| {
+                let mut other = condition.clone();
+                other.remove(factor);
+                let next = cells.len();
+                *cells.entry(other).or_insert(next)
+            })
+            .collect();
+        let level_of = |row: &CountRow| counts.conditions[row.condition as usize][factor].map(|level| level as usize);
+        let rated = |level: usize| counts.rows.iter().any(|row| level_of(row) == Some(level) && row.count > 0);
+        let used: Vec<usize> = (0..levels).filter(|&level| rated(level)).collect();
+        let mut tallies: Vec<HashMap<usize, Vec<(u64, f64)>>> = vec![HashMap::new(); counts.subjects.len()];
         for row in &counts.rows {
-            if let Some(level) = counts.conditions[row.condition as usize][factor] {
-                let cell = &mut cells[row.subject as usize][level as usize];
-                cell.0 += row.count;
-                cell.1 += row.count as f64 * values[row.rating as usize];
-            }
+            let Some(level) = level_of(row) else { continue };
+            let own = tallies[row.subject as usize].entry(cell_of[row.condition as usize]);
+            let (n, sum) = &mut own.or_insert_with(|| vec![(0, 0.0); levels])[level];
+            *n += row.count;
+            *sum += row.count as f64 * values[row.rating as usize];
         }
-        let used: Vec<usize> = (0..levels).filter(|&level| cells.iter().any(|cells| cells[level].0 > 0)).collect();
+        let span = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let mut means = Self {
             levels: used.iter().map(|&level| counts.factors[factor].levels[level].clone()).collect(),
             rows: Vec::new(),
             incomplete: Vec::new(),
+            tolerance: 1e-9 * span.max(f64::MIN_POSITIVE),
         };
-        for (subject, cells) in counts.subjects.iter().zip(cells) {
-            if used.iter().all(|&level| cells[level].0 > 0) {
-                let row = used.iter().map(|&level| cells[level].1 / cells[level].0 as f64).collect();
-                means.rows.push((subject.clone(), row));
-            } else {
+        for (subject, tally) in counts.subjects.iter().zip(tallies) {
+            let mut whole: Vec<(usize, Vec<(u64, f64)>)> =
+                tally.into_iter().filter(|(_, cell)| used.iter().all(|&level| cell[level].0 > 0)).collect();
+            // The order of the sum must not depend on that of the map.
+            whole.sort_unstable_by_key(|(cell, _)| *cell);
+            if whole.is_empty() {
                 means.incomplete.push(subject.clone());
+                continue;
             }
+            let mean = |&level: &usize| {
+                let sum: f64 = whole.iter().map(|(_, cell)| cell[level].1 / cell[level].0 as f64).sum();
+                sum / whole.len() as f64
+            };
+            means.rows.push((subject.clone(), used.iter().map(mean).collect()));
         }
         means
     }
@@ -60,55 +88,143 @@ pub struct Friedman {
     pub chi_squared: f64,
     /// Degrees of freedom.
     pub df: usize,
-    /// Probability from the χ² distribution.
+    /// Probability of a statistic at least as large if each participant's order of the levels were random.
     pub p: f64,
+    /// How the probability was computed.
+    pub method: PMethod,
     /// Kendall's coefficient of concordance W, corrected for ties: 0 is no agreement, and 1 means that all participants
     /// rank the levels alike.
     pub w: f64,
+    /// The smallest probability that any ratings by this number of participants could give.
+    pub least_p: f64,
 }
 
-/// Performs Friedman's test. Returns `None` if there are fewer than two participants or levels, or if every participant
-/// rates all levels alike.
-pub fn friedman(means: &SubjectMeans) -> Option<Friedman> {
+/// Up to this number of participants, the probability of Friedman's statistic is that over the participants' possible
+/// orders; beyond, that of the χ² distribution differs by less than 0.002.
+pub const EXACT_PARTICIPANTS: usize = 200;
+/// Number of random orders, if there are too many to enumerate.
+pub const PERMUTATIONS: usize = 100_000;
+
+/// Performs Friedman's test, with at most this many random orders. Returns `None` if there are fewer than two
+/// participants or levels, or if every participant rates all levels alike.
+pub fn friedman(means: &SubjectMeans, permutations: usize) -> Option<Friedman> {
     let (n, k) = (means.rows.len(), means.levels.len());
     if n < 2 || k < 2 {
         return None;
     }
     let mut sums = vec![0.0; k];
-    let mut ties = 0.0;
+    let mut all = 0.0;
+    let mut rows = Vec::with_capacity(n);
     for (_, row) in &means.rows {
-        let (ranks, tied) = ranks(row);
-        ties += tied;
-        for (sum, rank) in sums.iter_mut().zip(ranks) {
-            *sum += rank;
-        }
+        let (ranks, tied) = ranks(row, means.tolerance);
+        all += tied;
+        sums.iter_mut().zip(&ranks).for_each(|(sum, rank)| *sum += rank);
+        rows.push(ranks);
     }
     let (subjects, levels) = (n as f64, k as f64);
     let squares: f64 = sums.iter().map(|sum| (sum - subjects * (levels + 1.0) / 2.0).powi(2)).sum();
-    let most = subjects * levels * (levels + 1.0) / 12.0 - ties / (12.0 * (levels - 1.0));
+    let most = subjects * levels * (levels + 1.0) / 12.0 - all / (12.0 * (levels - 1.0));
     if most <= 0.0 {
         return None;
     }
     let chi_squared = squares / most;
     let df = k - 1;
-    Some(Friedman {
-        subjects: n,
-        levels: k,
-        chi_squared,
-        df,
-        p: chi_squared_tail(chi_squared, df),
-        w: chi_squared / (subjects * df as f64),
-    })
+    let asymptotic = (chi_squared_tail(chi_squared, df), PMethod::ChiSquared);
+    let (p, method) = if n > EXACT_PARTICIPANTS { asymptotic } else { permutation_probability(&rows, permutations) };
+    // All participants agree on one order; each of the k! orders does this.
+    let orders: f64 = (1..=k).map(|level| level as f64).product();
+    let w = chi_squared / (subjects * df as f64);
+    let least_p = if n > EXACT_PARTICIPANTS { 0.0 } else { orders.powi(1 - n as i32) };
+    Some(Friedman { subjects: n, levels: k, chi_squared, df, p, method, w, least_p })
 }
 
-/// Returns the mid-ranks, starting at 1, and Σ(t³ − t) over the groups of ties.
-pub(crate) fn ranks(values: &[f64]) -> (Vec<f64>, f64) {
+/// Returns the probability that the sum of squares of the rank sums is at least as large as observed if each
+/// participant's ranks are in random order.
+fn permutation_probability(rows: &[Vec<f64>], permutations: usize) -> (f64, PMethod) {
+    // Mid-ranks are multiples of ½, so doubling makes them whole numbers.
+    let rows: Vec<Vec<u32>> =
+        rows.iter().map(|row| row.iter().map(|rank| (2.0 * rank).round() as u32).collect()).collect();
+    let squares = |sums: &[u32]| sums.iter().map(|sum| u64::from(*sum).pow(2)).sum::<u64>();
+    let mut sums = vec![0; rows[0].len()];
+    for row in &rows {
+        sums.iter_mut().zip(row).for_each(|(sum, rank)| *sum += rank);
+    }
+    let observed = squares(&sums);
+    if let Some(exact) = enumerated(&rows, |sums| squares(sums) >= observed) {
+        return (exact, PMethod::Exact);
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut rows = rows;
+    let mut larger = 0;
+    for _ in 0..permutations {
+        sums.fill(0);
+        for row in &mut rows {
+            shuffle(row, &mut rng);
+            sums.iter_mut().zip(&*row).for_each(|(sum, rank)| *sum += rank);
+        }
+        larger += usize::from(squares(&sums) >= observed);
+    }
+    ((1 + larger) as f64 / (1 + permutations) as f64, PMethod::Permutations)
+}
+
+/// Returns the probability over all orders of every row, or `None` if there are too many. Rows are added one after the
+/// other, and orders with the same sums are combined. The first row keeps its order, because only differences between
+/// the rows matter.
+fn enumerated(rows: &[Vec<u32>], is_extreme: impl Fn(&[u32]) -> bool) -> Option<f64> {
+    const MAX_STEPS: usize = 3_000_000;
+    const MAX_LEVELS: usize = 6;
+    if rows[0].len() > MAX_LEVELS {
+        return None;
+    }
+    let mut steps = 0;
+    let mut ways: HashMap<Vec<u32>, f64> = HashMap::from([(rows[0].clone(), 1.0)]);
+    for row in &rows[1..] {
+        let orders = orders(row);
+        steps += ways.len() * orders.len();
+        if steps > MAX_STEPS {
+            return None;
+        }
+        let mut next = HashMap::with_capacity(ways.len() * 2);
+        for (sums, number) in &ways {
+            for order in &orders {
+                let sums: Vec<u32> = sums.iter().zip(order).map(|(sum, rank)| sum + rank).collect();
+                *next.entry(sums).or_insert(0.0) += number / orders.len() as f64;
+            }
+        }
+        ways = next;
+    }
+    let mut extreme: Vec<f64> = ways.iter().filter(|(sums, _)| is_extreme(sums)).map(|(_, number)| *number).collect();
+    // Summed in a fixed order, so that the last digit does not depend on that of the map.
+    extreme.sort_by(f64::total_cmp);
+    Some(extreme.iter().sum::<f64>().min(1.0))
+}
+
+/// Returns every distinct order of some ranks; all are equally likely.
+fn orders(ranks: &[u32]) -> Vec<Vec<u32>> {
+    let mut sorted = ranks.to_vec();
+    sorted.sort_unstable();
+    let mut all = vec![Vec::new()];
+    for _ in 0..sorted.len() {
+        let extend = |start: &Vec<u32>| {
+            let mut left = sorted.clone();
+            start.iter().for_each(|used| _ = left.iter().position(|rank| rank == used).map(|place| left.remove(place)));
+            left.dedup();
+            left.into_iter().map(|rank| [&start[..], &[rank]].concat()).collect::<Vec<_>>()
+        };
+        all = all.iter().flat_map(extend).collect();
+    }
+    all
+}
+
+/// Returns the mid-ranks, starting at 1, and Σ(t³ − t) over the groups of ties. Neighbors that differ by at most
+/// `tolerance` are ties.
+pub(crate) fn ranks(values: &[f64], tolerance: f64) -> (Vec<f64>, f64) {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|l, r| values[*l].total_cmp(&values[*r]));
     let mut ranks = vec![0.0; values.len()];
     let mut ties = 0.0;
     let mut first = 0;
-    for group in order.chunk_by(|l, r| values[*l] == values[*r]) {
+    for group in order.chunk_by(|l, r| values[*r] - values[*l] <= tolerance) {
         let size = group.len() as f64;
         for &index in group {
             ranks[index] = first as f64 + (size + 1.0) / 2.0;
@@ -121,10 +237,14 @@ pub(crate) fn ranks(values: &[f64]) -> (Vec<f64>, f64) {
 
 /// How a p value was computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum PMethod {
-    /// From all possible assignments of signs.
+    /// From all possible assignments of signs, or orders.
     Exact,
+    /// From random orders.
+    Permutations,
+    /// From the χ² distribution.
+    ChiSquared,
     /// From the normal distribution, corrected for ties and continuity.
     Normal,
 }
@@ -147,16 +267,15 @@ pub struct Wilcoxon {
 /// The probability is exact for up to this many differences.
 pub const EXACT_DIFFERENCES: usize = 50;
 
-/// Performs Wilcoxon's signed-rank test. p is 1 if all differences are 0.
+/// Performs Wilcoxon's signed-rank test. Differences of at most `tolerance` are 0, and sizes that differ by no more are
+/// ties. p is 1 if all differences are 0.
 ///
 /// The exact distribution covers all 2ⁿ assignments of signs to the actual ranks, with mid-ranks for ties. It is
 /// computed with the shift algorithm of Streitberg & Röhmel (1986).
-pub fn wilcoxon(differences: &[f64]) -> Wilcoxon {
-    // Means that differ only by rounding errors count as equal.
-    let scale = differences.iter().fold(0.0_f64, |most, difference| most.max(difference.abs()));
-    let kept: Vec<f64> = differences.iter().copied().filter(|d| d.abs() > 1e-12 * scale).collect();
-    let sizes: Vec<f64> = kept.iter().map(|difference| rounded(difference.abs(), scale)).collect();
-    let (ranks, ties) = ranks(&sizes);
+pub fn wilcoxon(differences: &[f64], tolerance: f64) -> Wilcoxon {
+    let kept: Vec<f64> = differences.iter().copied().filter(|d| d.abs() > tolerance).collect();
+    let sizes: Vec<f64> = kept.iter().map(|difference| difference.abs()).collect();
+    let (ranks, ties) = ranks(&sizes, tolerance);
     let v: f64 = kept.iter().zip(&ranks).filter(|(difference, _)| **difference > 0.0).map(|(_, rank)| rank).sum();
     let exact = kept.len() <= EXACT_DIFFERENCES;
     Wilcoxon {
@@ -166,11 +285,6 @@ pub fn wilcoxon(differences: &[f64]) -> Wilcoxon {
         p: if exact { exact_probability(&ranks, v) } else { normal_probability(kept.len() as f64, ties, v) },
         method: if exact { PMethod::Exact } else { PMethod::Normal },
     }
-}
-
-/// Rounds to 12 digits relative to `scale`, so that equal differences of rounded means are ties.
-fn rounded(value: f64, scale: f64) -> f64 {
-    (value / scale * 1e12).round()
 }
 
 fn exact_probability(ranks: &[f64], v: f64) -> f64 {
@@ -218,6 +332,8 @@ pub struct Pair {
     pub other: String,
     /// Mean over participants of the difference in mean rating, first level minus other level.
     pub difference: f64,
+    /// The 95 % t interval of the mean difference; `None` if all differences are the same.
+    pub interval: Option<Interval>,
     pub test: Wilcoxon,
     /// The probability, corrected for all pairs.
     pub p_holm: f64,
@@ -248,7 +364,8 @@ pub fn pairs(means: &SubjectMeans) -> Pairs {
                 level: means.levels[first].clone(),
                 other: means.levels[second].clone(),
                 difference: differences.iter().sum::<f64>() / differences.len().max(1) as f64,
-                test: wilcoxon(&differences),
+                interval: t_interval(&differences),
+                test: wilcoxon(&differences, means.tolerance),
                 p_holm: 1.0,
             });
         }

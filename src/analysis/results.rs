@@ -1,18 +1,15 @@
 //! The complete analysis of a study: descriptive statistics, model, tests and agreement.
 
-use std::sync::Arc;
-
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    Link, MAX_COEFFICIENTS, ModelError, ModelReport, ModelSpec, Note, Prediction, Random, TermTest,
+    Calibration, Link, MAX_COEFFICIENTS, ModelError, ModelReport, ModelSpec, Note, Prediction, Random, Resampling, Slopes,
     agreement::{Alpha, mean_over_subjects, ordinal_alpha, retests},
-    bootstrap::{Bootstrap, Interval, Resamples},
     counts::{Measured, Quartiles, Times},
-    fit_with_tests,
-    rank_tests::{Friedman, Pairs, SubjectMeans, friedman, pairs},
-    scale_tests,
+    fit_calibrated,
+    interval::Interval,
+    rank_tests::{Friedman, PERMUTATIONS, Pairs, SubjectMeans, friedman, pairs},
     summary::{Group, by_cell, by_factor, by_subject},
     terms::Terms,
 };
@@ -25,14 +22,18 @@ pub struct Options {
     pub link: Link,
     /// The random part. `None` means an intercept for each participant if there are two or more participants.
     pub random: Option<Random>,
-    /// Number of quadrature nodes of a mixed model; 1 is the Laplace approximation.
+    /// Random slopes, as far as the design supports them.
+    pub slopes: Slopes,
+    /// Number of quadrature nodes of a mixed model with a single random effect; 1 is the Laplace approximation.
     pub quadrature: usize,
     /// Whether to test terms for effects on the spread of the ratings as well.
     pub scale: bool,
     /// Maximum number of coefficients of the model.
     pub max_coefficients: usize,
-    /// The bootstrap for all intervals that do not come from the model.
-    pub bootstrap: Bootstrap,
+    /// The simulated studies that calibrate tests and intervals.
+    pub resampling: Resampling,
+    /// Whether to compute how well the model describes the data.
+    pub checks: bool,
 }
 
 impl Default for Options {
@@ -41,10 +42,12 @@ impl Default for Options {
             terms: None,
             link: Link::Logit,
             random: None,
+            slopes: Slopes::default(),
             quadrature: 1,
             scale: false,
             max_coefficients: MAX_COEFFICIENTS,
-            bootstrap: Bootstrap::default(),
+            resampling: Resampling::default(),
+            checks: true,
         }
     }
 }
@@ -54,8 +57,6 @@ pub struct Results {
     /// The ratings.
     pub measured: Measured,
     pub options: Options,
-    /// The samples of the participants, for the intervals of other statistics.
-    pub resamples: Arc<Resamples>,
     /// The ratings in each cell of the design.
     pub cells: Vec<Group>,
     pub factors: Vec<FactorResults>,
@@ -64,11 +65,9 @@ pub struct Results {
     pub spec: ModelSpec,
     /// The model with its tests, or the reason why there is none.
     pub model: Result<ModelReport, ModelError>,
-    /// Tests of effects on the spread of the ratings; empty unless requested.
-    pub scale: Vec<TermTest>,
     /// Agreement between participants; `None` if there is only one participant.
     pub alpha: Option<Alpha>,
-    /// Agreement within participants: the mean of weighted κ over participants and its bootstrap interval.
+    /// Agreement within participants: the mean of weighted κ over participants and its interval.
     pub kappa: Option<(f64, Option<Interval>)>,
     /// Response times for each category.
     pub times: Vec<Option<Quartiles>>,
@@ -79,9 +78,13 @@ pub struct Results {
 pub struct FactorResults {
     /// Name of the factor.
     pub name: String,
-    /// The ratings at each level, pooled over all other factors.
+    /// The ratings at each level.
     pub levels: Vec<Group>,
-    /// Participants who did not rate every level and are therefore excluded from the tests.
+    /// Whether the levels can meaningfully increase; if so, a trend is described.
+    pub ordered: bool,
+    /// Whether most participants rated several levels.
+    pub within: bool,
+    /// Participants without comparable ratings at every level, who are excluded from the tests.
     pub incomplete: Vec<String>,
     /// Test of whether any level differs; `None` if there is only one participant or level.
     pub friedman: Option<Friedman>,
@@ -104,13 +107,47 @@ pub struct SubjectResults {
     pub times: Option<Quartiles>,
 }
 
+impl FactorResults {
+    /// Returns Kendall's τ-a between the means and the positions of the levels, if there is at least a tendency; 1 if the
+    /// mean rises at every step.
+    pub fn course(&self) -> Option<f64> {
+        /// Minimum |τ| for a trend to be called a tendency.
+        const TENDENCY: f64 = 0.7;
+        let means: Vec<f64> = self.levels.iter().map(|level| level.summary.mean).collect();
+        let mut sum = 0.0;
+        for (index, first) in means.iter().enumerate() {
+            for second in &means[index + 1..] {
+                sum += f64::from(i8::from(second > first) - i8::from(second < first));
+            }
+        }
+        let tau = sum / (means.len() * means.len().saturating_sub(1) / 2) as f64;
+        (self.ordered && tau.abs() >= TENDENCY).then_some(tau)
+    }
+
+    /// Returns the indices of the levels with the highest and the lowest mean; among equal means, the first level is
+    /// chosen.
+    pub fn extremes(&self) -> (usize, usize) {
+        let by_mean = |l: &usize, r: &usize| self.levels[*l].summary.mean.total_cmp(&self.levels[*r].summary.mean);
+        let indices = || 0..self.levels.len();
+        (indices().rev().max_by(by_mean).unwrap_or(0), indices().min_by(by_mean).unwrap_or(0))
+    }
+
+    /// Returns the two levels whose difference describes the effect, and whether they were chosen because their means
+    /// are the extremes: otherwise, they are the ends of a trend, or the only two levels.
+    pub fn contrast(&self) -> ([usize; 2], bool) {
+        let chosen = self.levels.len() > 2 && self.course().is_none();
+        let (first, second) = if chosen { self.extremes() } else { (0, self.levels.len().saturating_sub(1)) };
+        ([first, second], chosen)
+    }
+}
+
 impl Results {
     /// Returns the number of participants.
     pub fn people(&self) -> usize {
         self.measured.counts.subjects.len()
     }
 
-    /// Returns whether the results allow inferences about other people.
+    /// Returns whether the results allow inferences about other people; those of one participant are about that person.
     pub fn is_inferential(&self) -> bool {
         self.people() > 1
     }
@@ -125,19 +162,32 @@ impl Results {
 ///
 /// Descriptive statistics are always available. If there is no model, `model` gives the reason.
 pub fn analyze(measured: Measured, options: &Options) -> Results {
+    analyze_with(measured, options, &|_, _| ())
+}
+
+/// Analyzes a study. `progress` is called after each simulated study, with the number of those done and of all.
+pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(usize, usize) + Sync)) -> Results {
     let counts = &measured.counts;
     let people = counts.subjects.len();
     let spec = model_spec(&measured, options);
-    let resamples = Arc::new(options.bootstrap.draw(people));
-    let ((mut model, scale), (cells, alpha, factors)) = rayon::join(
-        || {
-            let scale = if options.scale { scale_tests(counts, &spec).unwrap_or_default() } else { Vec::new() };
-            (fit_with_tests(counts, &spec), scale)
-        },
-        || {
-            let factors = (0..counts.factors.len()).into_par_iter().map(|f| factor(&measured, f, &resamples));
-            (by_cell(counts, &resamples), ordinal_alpha(counts, &resamples), factors.collect())
-        },
+    let factors: Vec<FactorResults> =
+        (0..counts.factors.len()).into_par_iter().map(|factor| factor_results(&measured, factor)).collect();
+    let contrasts: Vec<(String, [u32; 2])> = (factors.iter().enumerate())
+        .filter(|(_, factor)| factor.levels.len() > 1)
+        .filter_map(|(index, factor)| {
+            let level = |place: usize| {
+                let name = &factor.levels[place].names[0];
+                counts.factors[index].levels.iter().position(|level| level == name).map(|level| level as u32)
+            };
+            let ([first, second], _) = factor.contrast();
+            Some((factor.name.clone(), [level(first)?, level(second)?]))
+        })
+        .collect();
+    let Options { resampling, scale, checks, .. } = *options;
+    let calibration = Calibration { resampling, scale, checks, contrasts: &contrasts, progress };
+    let (mut model, (cells, alpha)) = rayon::join(
+        || fit_calibrated(counts, &spec, &calibration),
+        || (by_cell(counts), ordinal_alpha(counts)),
     );
     if let Ok(ModelReport { model, .. }) = &mut model
         && people == 1
@@ -165,12 +215,10 @@ pub fn analyze(measured: Measured, options: &Options) -> Results {
         subjects,
         spec,
         model,
-        scale,
         alpha: if people > 1 { alpha } else { None },
-        kappa: mean_over_subjects(&kappas, options.bootstrap),
+        kappa: mean_over_subjects(&kappas),
         times,
         options: options.clone(),
-        resamples,
         measured,
     }
 }
@@ -183,23 +231,25 @@ fn model_spec(measured: &Measured, options: &Options) -> ModelSpec {
     ModelSpec {
         link: options.link,
         random: options.random.unwrap_or(random),
+        slopes: options.slopes,
         quadrature: options.quadrature,
         max_coefficients: options.max_coefficients,
         ..ModelSpec::new(options.terms.clone().unwrap_or_else(|| Terms::factors(&varied)))
     }
 }
 
-fn factor(measured: &Measured, factor: usize, resamples: &Resamples) -> FactorResults {
+fn factor_results(measured: &Measured, factor: usize) -> FactorResults {
     let counts = &measured.counts;
     let means = SubjectMeans::new(counts, factor);
     let several = means.rows.len() > 1 && means.levels.len() > 1;
-    let levels = by_factor(counts, factor, resamples);
     let level_of = |condition: u32| counts.conditions[condition as usize][factor].map(|level| level as usize);
     let times = measured.times_by(counts.factors[factor].levels.len(), |row| level_of(row.condition));
     FactorResults {
         name: counts.factors[factor].name.clone(),
-        levels,
-        friedman: friedman(&means),
+        levels: by_factor(counts, factor),
+        ordered: counts.factors[factor].is_ordered(),
+        within: counts.is_within(factor),
+        friedman: friedman(&means, PERMUTATIONS),
         pairs: several.then(|| pairs(&means)),
         incomplete: means.incomplete,
         times: times.iter().map(Times::quartiles).collect(),

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    bootstrap::{Interval, Resamples},
-    counts::Counts,
+    interval::{Interval, mean_and_sd, score_interval},
+    counts::{CountRow, Counts},
     levels,
 };
 
@@ -18,13 +18,15 @@ pub struct Summary {
     /// Number of participants who gave these ratings.
     pub subjects: usize,
     /// Mean rating. A category counts as its number or, if the categories are not numbers, as its position, starting at
-    /// 0.
+    /// 0. Each participant counts equally, and each condition of a participant counts equally, regardless of how many
+    /// ratings there are.
     pub mean: f64,
     /// Median rating. For an even number of ratings, it is halfway between the two in the middle.
     pub median: f64,
     /// Proportion of ratings in each category.
     pub proportions: Vec<f64>,
-    /// Bootstrap interval of the mean over participants; `None` if there is only one participant.
+    /// The 95 % interval of the mean over participants, or over trials if the study has only one participant. `None` if
+    /// there are fewer than two, or all have the same mean.
     pub interval: Option<Interval>,
 }
 
@@ -46,93 +48,113 @@ pub fn category_values(counts: &Counts) -> Vec<f64> {
 }
 
 /// Summarizes every cell of the design that has ratings.
-pub fn by_cell(counts: &Counts, resamples: &Resamples) -> Vec<Group> {
-    let name = |group: usize| -> Vec<String> {
-        let levels = counts.conditions[group].iter().zip(&counts.factors);
-        levels.map(|(level, factor)| level_name(&factor.levels, *level)).collect()
+pub fn by_cell(counts: &Counts) -> Vec<Group> {
+    by_levels(counts, &(0..counts.factors.len()).collect::<Vec<_>>())
+}
+
+/// Summarizes every combination of the levels of some factors, given by index.
+pub fn by_levels(counts: &Counts, factors: &[usize]) -> Vec<Group> {
+    let levels = |condition: u32| -> Vec<Option<u32>> {
+        factors.iter().map(|&factor| counts.conditions[condition as usize][factor]).collect()
     };
-    groups(counts, counts.conditions.len(), |row| Some(row.condition as usize), name, Some(resamples))
+    let mut all: Vec<Vec<Option<u32>>> = (0..counts.conditions.len() as u32).map(levels).collect();
+    let own = all.clone();
+    all.sort_unstable();
+    all.dedup();
+    let name = |group: usize| -> Vec<String> {
+        let named = all[group].iter().zip(factors);
+        named.map(|(level, &factor)| level_name(&counts.factors[factor].levels, *level)).collect()
+    };
+    groups(counts, all.len(), |row| all.binary_search(&own[row.condition as usize]).ok(), name, true)
 }
 
-/// Summarizes every level of a factor, pooled over all other factors.
-pub fn by_factor(counts: &Counts, factor: usize, resamples: &Resamples) -> Vec<Group> {
+/// Summarizes every level of a factor. Ratings without a level are left out.
+pub fn by_factor(counts: &Counts, factor: usize) -> Vec<Group> {
     let levels = &counts.factors[factor].levels;
-    let level = |condition: u32| counts.conditions[condition as usize][factor].map(|level| level as usize);
-    groups(counts, levels.len(), |row| level(row.condition), |group| vec![levels[group].clone()], Some(resamples))
+    let level = |row: &CountRow| counts.conditions[row.condition as usize][factor].map(|level| level as usize);
+    groups(counts, levels.len(), level, |group| vec![levels[group].clone()], true)
 }
 
-/// Summarizes every participant. There are no intervals, because the bootstrap resamples participants.
+/// Summarizes every participant, without intervals.
 pub fn by_subject(counts: &Counts) -> Vec<Group> {
     let name = |group: usize| vec![counts.subjects[group].clone()];
-    groups(counts, counts.subjects.len(), |row| Some(row.subject as usize), name, None)
+    groups(counts, counts.subjects.len(), |row| Some(row.subject as usize), name, false)
 }
 
 fn level_name(levels: &[String], level: Option<u32>) -> String {
     level.map(|level| levels[level as usize].clone()).unwrap_or_default()
 }
 
-/// One participant's ratings in one group.
+/// One participant's ratings in one group: the number of conditions and the sum of the means in them.
 #[derive(Clone, Copy)]
 struct Share {
-    subject: usize,
-    n: f64,
+    subject: u32,
+    conditions: f64,
     sum: f64,
 }
 
 fn groups(
     counts: &Counts,
     number: usize,
-    group_of: impl Fn(&super::counts::CountRow) -> Option<usize>,
+    group_of: impl Fn(&CountRow) -> Option<usize>,
     name: impl Fn(usize) -> Vec<String> + Sync,
-    resamples: Option<&Resamples>,
+    intervals: bool,
 ) -> Vec<Group> {
     let values = category_values(counts);
     let mut tallies = vec![vec![0_u64; values.len()]; number];
     let mut shares: Vec<Vec<Share>> = vec![Vec::new(); number];
-    // Rows are sorted by participant, so either a group's last share belongs to this participant or a new share is
-    // needed.
-    for row in &counts.rows {
-        let Some(group) = group_of(row) else { continue };
-        tallies[group][row.rating as usize] += row.count;
-        let (subject, n) = (row.subject as usize, row.count as f64);
+    // Rows are sorted by participant and condition.
+    for cell in counts.rows.chunk_by(|l, r| (l.subject, l.condition) == (r.subject, r.condition)) {
+        let Some(group) = group_of(&cell[0]) else { continue };
+        let (mut n, mut sum) = (0.0, 0.0);
+        for row in cell {
+            tallies[group][row.rating as usize] += row.count;
+            n += row.count as f64;
+            sum += row.count as f64 * values[row.rating as usize];
+        }
+        if n == 0.0 {
+            continue;
+        }
+        let subject = cell[0].subject;
         if shares[group].last().is_none_or(|share| share.subject != subject) {
-            shares[group].push(Share { subject, n: 0.0, sum: 0.0 });
+            shares[group].push(Share { subject, conditions: 0.0, sum: 0.0 });
         }
         if let Some(share) = shares[group].last_mut() {
-            share.n += n;
-            share.sum += n * values[row.rating as usize];
+            share.conditions += 1.0;
+            share.sum += sum / n;
         }
     }
+    let single = counts.subjects.len() == 1;
     (tallies.par_iter().zip(&shares).enumerate())
         .filter(|(_, (tally, _))| tally.iter().any(|count| *count > 0))
         .map(|(group, (tally, shares))| {
-            let interval = resamples.and_then(|resamples| {
-                let means = resamples.weights.iter().map(|weights| resampled_mean(shares, weights)).collect();
-                resamples.interval(shares.len(), means)
-            });
-            Group { names: name(group), summary: summarize(tally, &values, shares.len(), interval) }
+            let means: Vec<f64> = shares.iter().map(|share| share.sum / share.conditions).collect();
+            Group { names: name(group), summary: summarize(tally, &values, &means, intervals, single) }
         })
         .collect()
 }
 
-fn resampled_mean(shares: &[Share], weights: &[u8]) -> f64 {
-    let (n, sum) = shares.iter().fold((0.0, 0.0), |(n, sum), share| {
-        let weight = f64::from(weights[share.subject]);
-        (n + weight * share.n, sum + weight * share.sum)
-    });
-    sum / n
-}
-
-fn summarize(tally: &[u64], values: &[f64], subjects: usize, interval: Option<Interval>) -> Summary {
+/// Summarizes ratings from their tally and the participants' means. With a `single` participant, the interval is that
+/// over the trials.
+fn summarize(tally: &[u64], values: &[f64], means: &[f64], intervals: bool, single: bool) -> Summary {
     let n: u64 = tally.iter().sum();
-    let share = |count: u64| count as f64 / n as f64;
+    let (mean, mut sd) = mean_and_sd(means);
+    let mut sample = means.len() as f64;
+    if single {
+        sample = n as f64;
+        let pooled = tally.iter().zip(values).map(|(&count, value)| count as f64 * value).sum::<f64>() / sample;
+        let squares = tally.iter().zip(values).map(|(&count, value)| count as f64 * (value - pooled).powi(2));
+        sd = (squares.sum::<f64>() / (sample - 1.0)).sqrt();
+    }
+    let ends = [f64::INFINITY, f64::NEG_INFINITY];
+    let ends = values.iter().fold(ends, |[low, high], value| [low.min(*value), high.max(*value)]);
     Summary {
         n,
-        subjects,
-        mean: tally.iter().zip(values).map(|(&count, value)| count as f64 * value).sum::<f64>() / n as f64,
+        subjects: means.len(),
+        mean,
         median: (value_at(tally, values, (n - 1) / 2) + value_at(tally, values, n / 2)) / 2.0,
-        proportions: tally.iter().map(|&count| share(count)).collect(),
-        interval,
+        proportions: tally.iter().map(|&count| count as f64 / n as f64).collect(),
+        interval: score_interval(sample, mean, sd, ends).filter(|_| intervals && sample > 1.0),
     }
 }
 

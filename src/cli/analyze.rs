@@ -8,7 +8,7 @@ use super::{
     ratings::RatingOptions,
 };
 use crate::{
-    analysis::{ModelError, Options, Random, analyze, bootstrap::Bootstrap, numbers_of},
+    analysis::{ModelError, Options, Random, Resampling, Slopes, analyze_with, numbers_of},
     report::{
         AnalysisOutput, Provenance, check_folder,
         prediction::{PredictionError, StudyPrediction},
@@ -38,12 +38,16 @@ pub(super) struct Arguments {
     /// Random intercept for each participant [default: subject if there are at least two participants].
     #[arg(long, value_parser = named::<Random>(Random::NAMES))]
     random: Option<Random>,
-    /// Seed of the bootstrap.
+    /// Random slopes: for each term that varies within participants, as far as the design supports it (independent), or
+    /// with all their correlations (correlated).
+    #[arg(long, default_value = "independent", value_parser = named::<Slopes>(Slopes::NAMES))]
+    slopes: Slopes,
+    /// Seed of the simulated studies that calibrate tests and intervals.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Number of bootstrap samples.
-    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
-    replicates: u32,
+    /// Number of simulated studies; an analysis of many ratings uses at most 199.
+    #[arg(long, value_name = "N", default_value_t = 999, value_parser = clap::value_parser!(u32).range(19..=1_000_000))]
+    draws: u32,
     /// Also test each term for an effect on the spread of the ratings.
     #[arg(long)]
     scale: bool,
@@ -77,13 +81,13 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         quadrature: arguments.model.quadrature.into(),
         scale: arguments.scale,
         max_coefficients: arguments.model.max_coefficients(),
-        bootstrap: Bootstrap {
-            replicates: arguments.replicates as usize,
-            seed: arguments.seed,
-            ..Bootstrap::default()
-        },
+        slopes: arguments.slopes,
+        resampling: Resampling { draws: arguments.draws as usize, seed: arguments.seed },
+        checks: true,
     };
-    let results = analyze(study.measured.clone(), &options);
+    let results = analyze_with(study.measured.clone(), &options, &|done, all| {
+        progress.set_message(format!("analyzing: simulated study {done} of {all}"));
+    });
     if let Err(error) = &results.model
         && is_usage(error)
     {
@@ -126,6 +130,7 @@ fn is_usage(error: &ModelError) -> bool {
             | ModelError::InfiniteDepth { .. }
             | ModelError::Quadrature { .. }
             | ModelError::TooManyCoefficients { .. }
+            | ModelError::TooManySlopes { .. }
     )
 }
 

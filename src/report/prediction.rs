@@ -268,7 +268,7 @@ pub fn rank_correlation(a: &[f64], b: &[f64]) -> Option<f64> {
     let pairs = a.iter().copied().zip(b.iter().copied()).filter(|(a, b)| a.is_finite() && b.is_finite());
     let (a, b): (Vec<f64>, Vec<f64>) = pairs.unzip();
     let centered = |values: &[f64]| -> Option<Vec<f64>> {
-        let ranks = ranks(values).0;
+        let ranks = ranks(values, 0.0).0;
         let middle = mean(ranks.iter().copied())?;
         Some(ranks.into_iter().map(|rank| rank - middle).collect())
     };

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::analysis::{
     Results,
-    bootstrap::Interval,
+    interval::Interval,
     counts::{CountRow, Counts, Quartiles},
     rank_tests::PMethod,
     results::{FactorResults, SubjectResults},
@@ -120,13 +120,16 @@ pub fn tests(results: &Results) -> Table {
             let groups = [
                 ("likelihood-ratio", &report.terms),
                 ("proportional-odds", &report.proportional_odds),
-                ("scale", &results.scale),
+                ("scale", &report.scale),
             ];
             for (name, test) in groups.iter().flat_map(|(name, tests)| tests.iter().map(move |test| (name, test))) {
-                let none = "one of the two models has no maximum or has too many parameters";
-                let numbers = [test.lr, Some(test.df as f64), test.p, None, None];
-                let note = if test.lr.is_none() { none } else { "" };
-                rows.push(test_row([name, &test.term, "", ""], report.model.nobs, numbers, "", note));
+                let numbers = [test.lr, Some(test.df as f64), test.p, test.p_holm, None];
+                let note = match (test.withheld, test.draws) {
+                    (Some(reason), _) => reason.to_string(),
+                    (None, Some(draws)) => format!("p from {draws} simulated studies"),
+                    (None, None) => "p from the chi-squared distribution".to_owned(),
+                };
+                rows.push(test_row([name, &test.term, "", ""], report.model.nobs, numbers, "", &note));
             }
         }
     }
@@ -140,6 +143,15 @@ fn test_row(names: [&str; 4], n: u64, numbers: [Option<f64>; 5], effect_is: &str
     names.chain(numbers.map(maybe)).chain([effect_is, note].map(str::to_owned)).collect()
 }
 
+fn method(method: PMethod) -> &'static str {
+    match method {
+        PMethod::Exact => "exact",
+        PMethod::Permutations => "100000 random orders",
+        PMethod::ChiSquared => "chi-squared approximation",
+        PMethod::Normal => "normal approximation",
+    }
+}
+
 fn rank_rows(factor: &FactorResults) -> Vec<Vec<String>> {
     let (name, mut rows) = (&factor.name, Vec::new());
     let left_out = match factor.incomplete.len() {
@@ -148,7 +160,8 @@ fn rank_rows(factor: &FactorResults) -> Vec<Vec<String>> {
     };
     if let Some(test) = &factor.friedman {
         let numbers = [Some(test.chi_squared), Some(test.df as f64), Some(test.p), None, Some(test.w)];
-        rows.push(test_row(["friedman", name, "", ""], test.subjects as u64, numbers, "Kendall's W", &left_out));
+        let note = [method(test.method), &left_out].into_iter().filter(|note| !note.is_empty()).collect::<Vec<_>>();
+        rows.push(test_row(["friedman", name, "", ""], test.subjects as u64, numbers, "Kendall's W", &note.join("; ")));
     }
     let Some(pairs) = &factor.pairs else { return rows };
     let limit = if pairs.cannot_reach(0.05) {
@@ -158,10 +171,7 @@ fn rank_rows(factor: &FactorResults) -> Vec<Vec<String>> {
         String::new()
     };
     for pair in &pairs.pairs {
-        let method = match pair.test.method {
-            PMethod::Exact => "exact",
-            PMethod::Normal => "normal approximation",
-        };
+        let method = method(pair.test.method);
         let note =
             [method, &limit, &left_out].into_iter().filter(|note| !note.is_empty()).collect::<Vec<_>>().join("; ");
         let numbers = [Some(pair.test.v), None, Some(pair.test.p), Some(pair.p_holm), Some(pair.difference)];
@@ -244,7 +254,7 @@ pub fn model(results: &Results) -> Value {
             if results.is_inferential() {
                 value["likelihood_ratio"] = json!(report.terms);
                 value["proportional_odds"] = json!(report.proportional_odds);
-                value["scale_tests"] = json!(results.scale);
+                value["scale_tests"] = json!(report.scale);
             } else {
                 // z and p would be statements about other people.
                 for list in ["coefficients", "scale"] {

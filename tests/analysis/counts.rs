@@ -3,7 +3,7 @@
 use machband::{
     analysis::{
         agreement::{mean_over_subjects, ordinal_alpha, retests},
-        bootstrap::{Bootstrap, Interval},
+        interval::{Interval},
         counts::{CountError, Counts, MeasuredBuilder},
         summary::{by_cell, by_factor, by_subject},
     },

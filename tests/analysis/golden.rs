@@ -5,9 +5,9 @@
 use std::collections::BTreeMap;
 
 use machband::analysis::{
-    Coefficient, Link, Model, ModelSpec, Part, Random,
+    Coefficient, Link, Model, ModelSpec, Part, Random, Slopes,
     agreement::{Retest, ordinal_alpha},
-    bootstrap::Bootstrap,
+    interval::Bootstrap,
     counts::{Counts, MeasuredBuilder},
     fit, fit_with_tests,
     rank_tests::{PMethod, SubjectMeans, friedman, holm, pairs, wilcoxon},
@@ -24,7 +24,8 @@ fn read(name: &str) -> (Vec<String>, Vec<Vec<String>>) {
 
 /// Reads the ratings of a data set: participant, factors, rating and count.
 fn counts(name: &str) -> Counts {
-    let (header, rows) = read(&format!("data_{name}.csv"));
+    // A name that ends with `.binary` stands for the same data, analyzed by `lme4`.
+    let (header, rows) = read(&format!("data_{}.csv", name.trim_end_matches(".binary")));
     let last = header.len() - 2;
     let mut builder = MeasuredBuilder::new(&header[1..last]);
     for row in rows {
@@ -46,7 +47,8 @@ fn spec(record: &Record) -> ModelSpec {
     ModelSpec {
         scale: Terms::parse(record.get("scale").map_or("", String::as_str)).unwrap(),
         link: record["link"].parse::<Link>().unwrap(),
-        random: if nodes == 0 { Random::None } else { Random::Subject },
+        random: if nodes == 0 && !record.contains_key("slopes") { Random::None } else { Random::Subject },
+        slopes: record.get("slopes").map_or(Slopes::None, |slopes| slopes.parse().unwrap()),
         quadrature: nodes.max(1),
         ..ModelSpec::new(Terms::parse(&record["terms"]).unwrap())
     }
@@ -59,6 +61,7 @@ fn coefficient(coefficients: &[Coefficient], name: &str, se: bool) -> f64 {
 
 fn value(model: &Model, quantity: &str, name: &str) -> f64 {
     let threshold = || model.thresholds.iter().find(|t| t.name == name).unwrap();
+    let slope = || model.random.as_ref().unwrap().slopes.iter().find(|s| s.name.replace("num:", "") == name).unwrap();
     let subject = || model.random.as_ref().unwrap().subjects.iter().find(|s| s.subject == name).unwrap();
     match quantity {
         "loglik" => model.loglik,
@@ -68,8 +71,16 @@ fn value(model: &Model, quantity: &str, name: &str) -> f64 {
         "coefficient_se" => coefficient(&model.coefficients, name, true),
         "scale" => coefficient(&model.scale, name, false),
         "scale_se" => coefficient(&model.scale, name, true),
+        "sd" if !["", "(Intercept)"].contains(&name) => slope().sd,
+        "sd_se" if !["", "(Intercept)"].contains(&name) => slope().se.unwrap(),
         "sd" => model.random.as_ref().unwrap().sd,
         "sd_se" => model.random.as_ref().unwrap().se.unwrap(),
+        "correlation" => {
+            let random = model.random.as_ref().unwrap();
+            let place = |name: &str| random.slopes.iter().position(|slope| slope.name.replace("num:", "") == name);
+            let [i, j] = [0, 1].map(|part| place(name.split(',').nth(part).unwrap()).map_or(0, |place| place + 1));
+            random.correlations.as_ref().unwrap()[i][j]
+        }
         "mode" => subject().mode,
         "mode_sd" => subject().sd,
         other => panic!("{other}"),
@@ -79,7 +90,7 @@ fn value(model: &Model, quantity: &str, name: &str) -> f64 {
 /// Groups the records by fit.
 fn fits(records: &[Record]) -> impl Iterator<Item = &[Record]> {
     let key = |record: &Record| {
-        ["data", "link", "terms", "scale", "nodes"].map(|name| record.get(name).cloned().unwrap_or_default())
+        ["data", "link", "terms", "scale", "nodes", "slopes"].map(|name| record.get(name).cloned().unwrap_or_default())
     };
     records.chunk_by(move |l, r| key(l) == key(r))
 }
@@ -111,6 +122,12 @@ fn compare(file: &str, fewest: usize) {
 #[test]
 fn estimates_errors_and_likelihoods_match_r() {
     compare("models.csv", 600);
+}
+
+/// Random slopes for factors, numbers and both, independent and correlated; `binary` is from `lme4`.
+#[test]
+fn random_slopes_match_r() {
+    compare("slopes.csv", 200);
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::{path::PathBuf, sync::Arc};
 use machband::{
     analysis::{
         Link, Options, Random, Results, analyze,
-        bootstrap::Bootstrap,
+        interval::Bootstrap,
         counts::{Measured, MeasuredBuilder},
         terms::Terms,
     },

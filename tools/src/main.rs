@@ -1,5 +1,6 @@
 //! Tables for the documentation, timings and long runs: `cargo run --release -p tools -- COMMAND`.
 
+mod calibration;
 mod facts;
 mod peers;
 mod residuals;
@@ -36,6 +37,20 @@ enum Tool {
         studies: u32,
         #[arg(long, default_value_t = 1)]
         seed: u64,
+    },
+    /// Print the table of docs/statistics.md: type I errors and coverage in the studies that
+    /// scripts/calibration_studies.py wrote.
+    Calibration {
+        /// Folder with the studies.
+        folder: PathBuf,
+        /// Designs to analyze; all by default.
+        designs: Vec<String>,
+        /// Number of studies of each design to analyze.
+        #[arg(long, default_value_t = 1000)]
+        studies: usize,
+        /// Number of simulated studies that calibrate each analysis.
+        #[arg(long, default_value_t = 199)]
+        draws: usize,
     },
     /// Time ODOG for benches/odog_peers.py and write its response to FILE as float32, row by row.
     Odog {
@@ -89,6 +104,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         Tool::Thresholds { fit, verbose } => tools::thresholds::run(fit, verbose),
         Tool::Coverage { studies, seed } => tools::coverage::run(studies, seed).map_err(|fault| fault as _),
+        Tool::Calibration { folder, designs, studies, draws } => calibration::run(&folder, &designs, studies, draws),
         Tool::Odog { size, px_per_deg, file } => peers::odog(size, px_per_deg, file.as_deref()),
         Tool::Picture { size, px_per_deg } => peers::picture(size, px_per_deg),
         Tool::LongSession { folder } => sessions::long(&folder.unwrap_or_else(std::env::temp_dir)),

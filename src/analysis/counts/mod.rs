@@ -6,4 +6,5 @@ mod size;
 mod table;
 
 pub use builder::MeasuredBuilder;
+pub(super) use table::varies_within;
 pub use table::{CountError, CountRow, Counts, Factor, Measured, Quartiles, RetestPair, TimeCount, Times};

@@ -19,6 +19,16 @@ pub struct Factor {
     pub numbers: Option<Vec<f64>>,
 }
 
+impl Factor {
+    /// Returns whether the levels can meaningfully increase, as numbers do; directions do not, because they are
+    /// circular.
+    pub fn is_ordered(&self) -> bool {
+        let name = self.name.to_lowercase();
+        let is_direction = ["orientation", "angle", "hue", "direction"].iter().any(|word| name.contains(word));
+        !is_direction && self.numbers.is_some()
+    }
+}
+
 /// One row of the table: `count` equal ratings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CountRow {
@@ -96,6 +106,11 @@ impl Counts {
             .collect()
     }
 
+    /// Returns whether most participants rated at least two levels of a factor.
+    pub fn is_within(&self, factor: usize) -> bool {
+        varies_within(self, &self.rows, factor)
+    }
+
     /// Returns the number of ratings in each category.
     pub fn category_totals(&self) -> Vec<u64> {
         let mut totals = vec![0; self.categories.len()];
@@ -104,6 +119,18 @@ impl Counts {
         }
         totals
     }
+}
+
+/// Returns whether most participants in these rows rated at least two levels of a factor.
+pub(crate) fn varies_within(counts: &Counts, rows: &[CountRow], factor: usize) -> bool {
+    let (mut within, mut all) = (0, 0);
+    for own in rows.chunk_by(|l, r| l.subject == r.subject) {
+        let mut levels = own.iter().filter_map(|row| counts.conditions[row.condition as usize][factor]);
+        let first = levels.next();
+        all += 1;
+        within += usize::from(levels.any(|level| Some(level) != first));
+    }
+    2 * within > all
 }
 
 /// The ratings of a study.

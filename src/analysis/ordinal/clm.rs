@@ -14,6 +14,8 @@ pub(super) struct ClmData {
     pub link: Link,
     /// Location; one row per distinct condition.
     pub x: DMatrix<f64>,
+    /// A known part of the location.
+    pub offset: DVector<f64>,
     /// Terms with a separate effect at each threshold.
     pub nominal: DMatrix<f64>,
     /// Terms of the scale.
@@ -107,7 +109,7 @@ impl ClmData {
             (0..matrix.ncols()).map(|c| matrix[(row, c)] * parameters[first + c * stride]).sum()
         };
         let thresholds = self.thresholds();
-        let location = dot(&self.x, self.first_beta(), 1);
+        let location = self.offset[row] + dot(&self.x, self.first_beta(), 1);
         let scale = dot(&self.scale, self.first_zeta(), 1).exp();
         for (j, bound) in bounds.iter_mut().enumerate() {
             *bound = (parameters[j] + dot(&self.nominal, thresholds + j, thresholds) - location) / scale;

@@ -36,6 +36,8 @@ pub(super) struct ClmmData {
     pub categories: usize,
     /// Location; one row per distinct condition.
     pub x: DMatrix<f64>,
+    /// A known part of the location.
+    pub offset: DVector<f64>,
     /// How the effects of a participant enter each row.
     pub loadings: Loadings,
     /// All observations, grouped by participant and sorted by row.
@@ -245,12 +247,13 @@ impl ClmmData {
         vec![DVector::zeros(self.loadings.effects()); self.subjects.len()]
     }
 
-    /// Returns xβ for each design row.
-    fn location(&self, parameters: &DVector<f64>) -> DVector<f64> {
-        &self.x * parameters.rows(self.thresholds(), self.x.ncols())
+    /// Returns xβ and the known part of the location for each design row.
+    pub fn location(&self, parameters: &DVector<f64>) -> DVector<f64> {
+        &self.offset + &self.x * parameters.rows(self.thresholds(), self.x.ncols())
     }
 
-    fn weights(&self, parameters: &DVector<f64>) -> Vec<f64> {
+    /// Returns the weight of each slot of each row.
+    pub fn weights(&self, parameters: &DVector<f64>) -> Vec<f64> {
         self.loadings.weights(&parameters.as_slice()[self.first_psi()..])
     }
 

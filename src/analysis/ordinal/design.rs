@@ -30,6 +30,8 @@ pub(crate) struct Design {
     pub columns: Vec<Column>,
     /// Columns that were dropped because they are combinations of others.
     pub dropped: Vec<Column>,
+    /// A shift with a given size, for each condition of the table: columns whose coefficients are not estimated.
+    offset: Option<Vec<f64>>,
 }
 
 impl Design {
@@ -42,12 +44,12 @@ impl Design {
         for (index, term) in terms.iter().enumerate() {
             columns.extend(term_columns(frame, terms, term, index)?);
         }
-        Ok(Self { terms: terms.clone(), columns, dropped: Vec::new() })
+        Ok(Self { terms: terms.clone(), columns, dropped: Vec::new(), offset: None })
     }
 
     /// Returns a design with no columns.
     pub fn empty() -> Self {
-        Self { terms: Terms::default(), columns: Vec::new(), dropped: Vec::new() }
+        Self { terms: Terms::default(), columns: Vec::new(), dropped: Vec::new(), offset: None }
     }
 
     /// Returns the matrix with one row for each of these conditions.
@@ -59,7 +61,37 @@ impl Design {
 
     /// Returns a key that is equal for conditions with the same row.
     pub fn key(&self, condition: u32) -> Vec<u64> {
-        self.columns.iter().map(|column| (column.values[condition as usize] + 0.0).to_bits()).collect()
+        let columns = self.columns.iter().map(|column| &column.values).chain(&self.offset);
+        columns.map(|values| (values[condition as usize] + 0.0).to_bits()).collect()
+    }
+
+    /// Returns the shift with a given size for each of these conditions.
+    pub fn offset(&self, conditions: &[u32]) -> DVector<f64> {
+        let value = |condition: &u32| self.offset.as_ref().map_or(0.0, |offset| offset[*condition as usize]);
+        DVector::from_iterator(conditions.len(), conditions.iter().map(value))
+    }
+
+    /// Returns the design in which the coefficient of column `a` is the difference from that of column `b`.
+    #[must_use]
+    pub fn joined(&self, a: usize, b: usize) -> Self {
+        let mut joined = self.clone();
+        let other = self.columns[a].values.clone();
+        joined.columns[b].values.iter_mut().zip(other).for_each(|(value, other)| *value += other);
+        joined
+    }
+
+    /// Returns the design in which some columns, given by index, have the given coefficients.
+    #[must_use]
+    pub fn held(&self, coefficients: &[(usize, f64)]) -> Self {
+        let mut held = self.clone();
+        let conditions = self.columns.first().map_or(0, |column| column.values.len());
+        let offset = held.offset.get_or_insert_with(|| vec![0.0; conditions]);
+        for &(column, coefficient) in coefficients {
+            offset.iter_mut().zip(&self.columns[column].values).for_each(|(sum, value)| *sum += coefficient * value);
+        }
+        let mut index = 0..;
+        held.columns.retain(|_| index.next().is_none_or(|index| coefficients.iter().all(|(held, _)| *held != index)));
+        held
     }
 
     /// Keeps only the columns that are not combinations of an intercept and the columns before them.
@@ -78,7 +110,7 @@ impl Design {
         theirs.column_iter().for_each(|column| _ = span.add(column));
         let mut kept = ours.column_iter().map(|column| span.add(column));
         let (columns, dropped) = self.columns.iter().cloned().partition(|_| kept.next() == Some(true));
-        Self { terms: self.terms.clone(), columns, dropped }
+        Self { terms: self.terms.clone(), columns, dropped, offset: self.offset.clone() }
     }
 }
 

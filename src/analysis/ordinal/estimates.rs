@@ -6,17 +6,15 @@ use serde::Serialize;
 use super::{
     clm::{FitEnd, category_bounds, positive_definite},
     design::{self, Design},
-    fitting::{Fitted, clmm_data, fit_counts},
+    fitting::{Fitted, fit_counts, layout},
+    margins::{Widening, on_the_scale},
     model::{
         Coefficient, Model, ModelError, ModelSpec, Note, Random, RandomEffect, RandomSlope, SubjectMode, Threshold,
     },
     random::INTERCEPT,
     search::{MixedFit, MixedFitEnd},
 };
-use crate::{
-    analysis::{bootstrap::Interval, counts::Counts, levels},
-    light::random::Z_95,
-};
+use crate::analysis::{counts::Counts, interval::Interval, levels};
 
 /// Fits a model.
 ///
@@ -63,6 +61,7 @@ pub(super) fn report(fitted: &Fitted) -> Model {
                     se,
                     z,
                     p: z.map(two_sided),
+                    interval: Interval::wald(estimate, se),
                 }
             })
             .collect()
@@ -82,6 +81,7 @@ pub(super) fn report(fitted: &Fitted) -> Model {
             .collect(),
         coefficients: coefficients(&fitted.x, thresholds),
         scale: coefficients(&fitted.scale, first_zeta),
+        contrasts: Vec::new(),
         random: mixed.map(|mixed| random_effect(fitted, mixed, (!boundary).then_some((&covariance, first_zeta)))),
         categories: fitted.frame.categories.clone(),
         notes,
@@ -123,14 +123,20 @@ fn random_effect(fitted: &Fitted, mixed: &MixedFit, covariance: Option<(&DMatrix
         let variance: f64 = pairs.map(|(i, j)| slope(i) * slope(j) * covariance[(first + i, first + j)]).sum();
         Some(variance.sqrt()).filter(|se| se.is_finite())
     };
-    let slopes = (1..size).map(|row| RandomSlope { name: part.components[row].name.clone(), sd: sd(row), se: se(row) });
+    let slopes = (1..size).map(|row| RandomSlope {
+        name: part.components[row].name.clone(),
+        sd: sd(row),
+        se: se(row),
+        interval: None,
+    });
     let correlation = |i: usize, j: usize| variances[(i, j)] / (sd(i) * sd(j));
     let correlations = part.correlated.then(|| (0..size).map(|i| (0..size).map(|j| correlation(i, j)).collect()).collect());
-    let conditional = clmm_data(fitted).conditional_covariances(&mixed.parameters, &mixed.modes).unwrap_or_default();
+    let conditional = layout(fitted).data.conditional_covariances(&mixed.parameters, &mixed.modes).unwrap_or_default();
     let subjects = fitted.frame.subjects.iter().zip(mixed.modes.iter().zip(conditional));
     RandomEffect {
         sd: sd(0),
         se: se(0),
+        interval: None,
         slopes: slopes.collect(),
         correlations,
         subjects: subjects
@@ -166,10 +172,16 @@ fn search_estimates<'a>(fitted: &'a Fitted) -> (&'a DVector<f64>, DMatrix<f64>) 
     (parameters, to_data_scale)
 }
 
+/// Returns the estimates of all parameters on the scale of the data. A parameter without a finite estimate has the value
+/// at which the search ended.
+pub(super) fn finite_estimates(fitted: &Fitted) -> DVector<f64> {
+    let (parameters, to_data_scale) = search_estimates(fitted);
+    to_data_scale * parameters
+}
+
 /// Returns the estimates of all parameters on the scale of the data. A parameter without a finite estimate is infinite.
 fn estimates(fitted: &Fitted) -> DVector<f64> {
-    let (parameters, to_data_scale) = search_estimates(fitted);
-    let mut estimates = to_data_scale * parameters;
+    let mut estimates = finite_estimates(fitted);
     for (index, direction) in fitted.infinite() {
         estimates[index] = direction * f64::INFINITY;
     }
@@ -206,6 +218,18 @@ fn covariance(fitted: &Fitted) -> Option<DMatrix<f64>> {
         covariance.column_mut(index).fill(f64::NAN);
     }
     Some(covariance)
+}
+
+/// Returns the difference between two coefficients, given by index, and its standard error. `None` stands for the
+/// baseline, whose coefficient is 0.
+pub(super) fn difference(model: &Model, [first, second]: [Option<usize>; 2]) -> (f64, Option<f64>) {
+    let value = |index: Option<usize>| index.map_or(0.0, |index| model.coefficients[index].estimate);
+    let covariance = |i: Option<usize>, j: Option<usize>| {
+        let place = |index: usize| model.thresholds.len() + index;
+        i.zip(j).map_or(0.0, |(i, j)| model.covariance[(place(i), place(j))])
+    };
+    let variance = covariance(first, first) + covariance(second, second) - 2.0 * covariance(first, second);
+    (value(first) - value(second), Some(variance.sqrt()).filter(|se| se.is_finite()))
 }
 
 /// Returns the linear predictor of each of these conditions, without thresholds.
@@ -302,49 +326,63 @@ pub struct Prediction {
     /// Mean rating. A category counts as its number or, if the categories are not numbers, as its position, starting at
     /// 0.
     pub mean: f64,
-    /// The 95 % interval of the mean by the delta method; `None` if a coefficient has no finite estimate.
+    /// The 95 % interval of the mean by the delta method, which stays on the scale; `None` if a coefficient has no finite
+    /// estimate.
     pub interval: Option<Interval>,
+}
+
+/// Returns the number that each category of a model represents.
+pub(super) fn category_numbers(model: &Model) -> Vec<f64> {
+    levels::numbers_of(&model.categories)
+        .unwrap_or_else(|| (0..model.categories.len()).map(|index| index as f64).collect())
 }
 
 /// Returns a model's predictions for every condition on which it was fitted.
 pub(super) fn predictions(fitted: &Fitted, model: &Model) -> Vec<Prediction> {
-    let values: Vec<f64> = levels::numbers_of(&model.categories)
-        .unwrap_or_else(|| (0..model.categories.len()).map(|index| index as f64).collect());
+    let values = category_numbers(model);
     let conditions = fitted.frame.conditions();
     let (x, z) = (fitted.x.matrix(&conditions), fitted.scale.matrix(&conditions));
-    let row = |matrix: &nalgebra::DMatrix<f64>, index: usize| matrix.row(index).iter().copied().collect::<Vec<f64>>();
-    (conditions.iter().enumerate())
-        .map(|(index, &condition)| predict(fitted, model, &values, condition, &row(&x, index), &row(&z, index)))
-        .collect()
+    let row = |matrix: &DMatrix<f64>, index: usize| matrix.row(index).iter().copied().collect::<Vec<f64>>();
+    let reach = Widening::new(fitted, 1).reach();
+    let predict = |(index, &condition): (usize, &u32)| {
+        let (x, z) = (row(&x, index), row(&z, index));
+        let (bounds, scale) = model.bounds(&x, &z);
+        let probability = |category| {
+            let (a, b) = category_bounds(&bounds, category);
+            model.link.between(a, b)
+        };
+        let probabilities: Vec<f64> = (0..values.len()).map(probability).collect();
+        let mean = probabilities.iter().zip(&values).map(|(p, value)| p * value).sum();
+        let gradient = mean_gradient(model, &values, &bounds, scale, &x, &z);
+        let variance = model.covariance.view((0, 0), (gradient.len(), gradient.len())) * &gradient;
+        let interval = on_the_scale(mean, gradient.dot(&variance).sqrt(), reach, &values);
+        let names = fitted.frame.counts.level_names(condition).into_iter().map(str::to_owned).collect();
+        Prediction { names, probabilities, mean, interval }
+    };
+    conditions.iter().enumerate().map(predict).collect()
 }
 
-fn predict(fitted: &Fitted, model: &Model, values: &[f64], condition: u32, x: &[f64], z: &[f64]) -> Prediction {
-    let effect = |coefficients: &[Coefficient], row: &[f64]| {
-        dot_ignoring_zero_weights(row.iter(), coefficients.iter().map(|coefficient| &coefficient.estimate))
-    };
-    let (location, scale) = (effect(&model.coefficients, x), effect(&model.scale, z).exp());
-    let bounds: Vec<f64> = model.thresholds.iter().map(|threshold| (threshold.estimate - location) / scale).collect();
-    let probabilities: Vec<f64> = (0..values.len())
-        .map(|category| {
-            let (a, b) = category_bounds(&bounds, category);
-            if b > 0.0 { model.link.cdf(-b) - model.link.cdf(-a) } else { model.link.cdf(a) - model.link.cdf(b) }
-        })
-        .collect();
-    let mean = probabilities.iter().zip(values).map(|(p, value)| p * value).sum();
-    let counts = fitted.frame.counts;
-    let names = (counts.conditions[condition as usize].iter().zip(&counts.factors))
-        .map(|(level, factor)| level.map(|level| factor.levels[level as usize].clone()).unwrap_or_default())
-        .collect();
-    let gradient = mean_gradient(model, values, &bounds, scale, x, z);
-    let variance = model.covariance.view((0, 0), (gradient.len(), gradient.len())) * &gradient;
-    let error = gradient.dot(&variance).sqrt();
-    let reach = Z_95 * error;
-    let interval = reach.is_finite().then_some(Interval { low: mean - reach, high: mean + reach });
-    Prediction { names, probabilities, mean, interval }
+impl Model {
+    /// Returns the bounds of the categories for a row of the location and of the scale design, for a participant whose
+    /// random effects are 0, and the factor by which the scale divides.
+    pub(super) fn bounds(&self, x: &[f64], z: &[f64]) -> (Vec<f64>, f64) {
+        let effect = |coefficients: &[Coefficient], row: &[f64]| {
+            dot_ignoring_zero_weights(row.iter(), coefficients.iter().map(|coefficient| &coefficient.estimate))
+        };
+        let (location, scale) = (effect(&self.coefficients, x), effect(&self.scale, z).exp());
+        (self.thresholds.iter().map(|threshold| (threshold.estimate - location) / scale).collect(), scale)
+    }
 }
 
 /// Returns the gradient of the mean rating with respect to the thresholds, the coefficients and the scale.
-fn mean_gradient(model: &Model, values: &[f64], bounds: &[f64], scale: f64, x: &[f64], z: &[f64]) -> DVector<f64> {
+pub(super) fn mean_gradient(
+    model: &Model,
+    values: &[f64],
+    bounds: &[f64],
+    scale: f64,
+    x: &[f64],
+    z: &[f64],
+) -> DVector<f64> {
     // If the bound between two categories rises, the mean falls in proportion to the step between them.
     let by_bound: Vec<f64> = (bounds.iter().enumerate())
         .map(|(j, bound)| -(values[j + 1] - values[j]) * model.link.density(*bound))

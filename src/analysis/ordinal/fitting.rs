@@ -40,8 +40,10 @@ pub(super) struct How<'a> {
     pub random: Option<&'a RandomPart>,
     /// A similar fit, at whose estimates of ψ the search starts.
     pub near: Option<&'a MixedFit>,
-    /// Coefficients with a given value, by index.
-    pub held: &'a [(usize, f64)],
+    /// The location design; `None` determines it from the specification.
+    pub x: Option<&'a Design>,
+    /// A parameter ψ with a given value on the scale of the data, by index.
+    pub held: Option<(usize, f64)>,
 }
 
 /// Fits a model. If the first baseline allows no finite estimates, another is used. The standard errors of a mixed
@@ -83,7 +85,11 @@ pub(super) fn fit_terms<'a>(
     mut notes: Vec<Note>,
     how: How<'_>,
 ) -> Result<Fitted<'a>, ModelError> {
-    let x = Design::new(&frame, &spec.terms)?.independent(&frame);
+    let x = match how.x {
+        Some(x) => x.clone(),
+        None => Design::new(&frame, &spec.terms)?,
+    };
+    let x = x.independent(&frame);
     let scale = Design::new(&frame, &spec.scale)?.independent(&frame);
     let (data, standards) = clm_data(&frame, spec.link, &x, &Design::empty(), &scale);
     let clm = fit_clm(&data)?;
@@ -125,10 +131,11 @@ pub(super) fn clm_data(
     for row in &frame.rows {
         counts[(row_of[&row.condition], usize::from(row.rating))] += row.count as f64;
     }
+    let offset = x.offset(&conditions);
     let (x, location) = Standard::of(x.matrix(&conditions), true);
     let (nominal, _) = Standard::of(nominal.matrix(&conditions), true);
     let (scale, spread) = Standard::of(scale.matrix(&conditions), false);
-    (ClmData { link, x, nominal, scale, counts }, (location, spread))
+    (ClmData { link, x, offset, nominal, scale, counts }, (location, spread))
 }
 
 /// Returns one condition for each distinct row of some designs and a random part, and the index of each condition's
@@ -150,10 +157,17 @@ fn distinct_rows(frame: &Frame, designs: &[&Design], random: &RandomPart) -> (Ve
     (conditions, row_of)
 }
 
+/// The data of a mixed model, and the design row of each condition.
+pub(super) struct Layout {
+    pub data: ClmmData,
+    pub row_of: HashMap<u32, usize>,
+}
+
 /// Lays out the data of the mixed model.
-pub(super) fn clmm_data(fitted: &Fitted) -> ClmmData {
+pub(super) fn layout(fitted: &Fitted) -> Layout {
     let frame = &fitted.frame;
     let (conditions, row_of) = distinct_rows(frame, &[&fitted.x], &fitted.random);
+    let offset = fitted.x.offset(&conditions);
     let (x, _) = Standard::of(fitted.x.matrix(&conditions), true);
     let mut observations = Vec::new();
     let mut subjects = Vec::new();
@@ -171,7 +185,8 @@ pub(super) fn clmm_data(fitted: &Fitted) -> ClmmData {
     }
     let loadings = Loadings::new(&fitted.random, &conditions);
     let nodes = gauss_hermite(if loadings.effects() == 1 { fitted.spec.quadrature } else { 1 });
-    ClmmData { link: fitted.spec.link, categories: frame.categories.len(), x, loadings, observations, subjects, nodes }
+    let (link, categories) = (fitted.spec.link, frame.categories.len());
+    Layout { data: ClmmData { link, categories, x, offset, loadings, observations, subjects, nodes }, row_of }
 }
 
 /// Fits the mixed model, starting from the estimates of the model without random effects. Coefficients without a
@@ -180,25 +195,24 @@ fn fit_mixed(fitted: &Fitted, how: How<'_>) -> Option<MixedFit> {
     if fitted.has_infinite_threshold() {
         return None;
     }
-    let data = clmm_data(fitted);
+    let Layout { data, .. } = layout(fitted);
     let first_psi = data.first_psi();
     let mut free: Vec<usize> = (0..data.parameters()).filter(|&index| !fitted.is_infinite(index)).collect();
     let tolerance = 1e-9 * (data.ratings() / 1e4).max(1.0);
-    let mut plain = fitted.clm.parameters.clone();
+    let plain = &fitted.clm.parameters;
     let mut start = how.near.map(|near| {
         let psi = near.parameters.iter().rev().take(data.loadings.parameters()).rev();
         // A deviation that was 0 may not be 0 here.
         let psi = psi.map(|psi| if data.loadings.independent && psi.abs() < 0.1 { 0.1 } else { *psi });
         DVector::from_iterator(data.parameters(), plain.iter().copied().chain(psi))
     });
-    for &(column, value) in how.held {
-        let index = data.thresholds() + column;
+    if let Some((parameter, value)) = how.held {
+        let index = first_psi + parameter;
         free.retain(|other| *other != index);
-        plain[index] = value;
-        start.iter_mut().for_each(|start| start[index] = value);
+        start.get_or_insert_with(|| plain.clone().resize_vertically(data.parameters(), 0.3))[index] =
+            value * fitted.random.units()[parameter];
     }
-    debug_assert!(free.last().is_some_and(|last| *last >= first_psi), "ψ is always free");
-    let settings = Settings { plain: &plain, start: start.as_ref(), free: &free, tolerance, errors: how.errors };
+    let settings = Settings { plain, start: start.as_ref(), free: &free, tolerance, errors: how.errors };
     search::fit(&data, settings)
 }
 
@@ -226,6 +240,12 @@ impl Fitted<'_> {
     /// Returns the log-likelihood that the tests compare.
     pub fn loglik(&self) -> f64 {
         self.mixed.as_ref().map_or(self.clm.loglik, |mixed| mixed.loglik)
+    }
+
+    /// Returns the number of estimated parameters.
+    pub fn parameters(&self) -> usize {
+        let random = if self.mixed.is_some() { self.random.parameters() } else { 0 };
+        self.frame.categories.len() - 1 + self.rank() + random
     }
 
     /// Returns the number of location and scale parameters that can be estimated.

@@ -2,13 +2,17 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
+use thiserror::Error;
 
 use super::{
-    clm::FitEnd,
+    clm::{ClmData, FitEnd},
     design::Design,
     estimates::{self, Prediction, predictions},
     fitting::{Fitted, How, clm_data, fit_clm, fit_counts, fit_terms},
+    checks::Checks,
+    margins::{self, Comparison, Margin},
     model::{Model, ModelError, ModelSpec, Random},
+    resampling::probability,
     search::MixedFitEnd,
     terms::{Term, Terms},
 };
@@ -36,8 +40,27 @@ pub struct TermTest {
     pub lr: Option<f64>,
     /// The difference in the number of parameters.
     pub df: usize,
-    /// Probability of a larger ratio if the smaller model were true, from the χ² distribution.
+    /// Probability of a ratio at least as large if the smaller model were true: from the χ² distribution or, if `draws`
+    /// is given, from simulated studies. `None` if there is no ratio or the test is withheld.
     pub p: Option<f64>,
+    /// Number of simulated studies that gave the probability.
+    pub draws: Option<usize>,
+    /// The probability corrected for the number of tests of the same kind (Holm); only for checks of assumptions.
+    pub p_holm: Option<f64>,
+    /// Why there is no probability.
+    pub withheld: Option<Withheld>,
+}
+
+/// Why a test has no probability.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Error)]
+#[serde(rename_all = "kebab-case")]
+pub enum Withheld {
+    /// One of the two models has no maximum, or too many parameters.
+    #[error("one of the two models has no maximum or too many parameters")]
+    NoRatio,
+    /// More than a tenth of the simulated studies allowed no fit.
+    #[error("the data are too few: more than a tenth of the simulated studies allowed no fit")]
+    TooFew,
 }
 
 /// A model with its tests.
@@ -48,22 +71,37 @@ pub struct ModelReport {
     pub terms: Vec<TermTest>,
     /// Tests of proportional odds.
     pub proportional_odds: Vec<TermTest>,
+    /// Tests of effects on the spread; empty unless requested.
+    pub scale: Vec<TermTest>,
     /// The model's expected ratings in each condition on which it was fitted.
     pub predictions: Vec<Prediction>,
+    /// The model's expected ratings at each level of each factor.
+    pub margins: Vec<Margin>,
+    /// Differences between levels.
+    pub comparisons: Vec<Comparison>,
+    /// How well the model describes the data; only for the main analysis.
+    pub checks: Option<Checks>,
 }
 
-/// Fits a model and computes its tests and predictions.
+/// Fits a model and computes its tests, with probabilities from the χ² distribution, and its predictions.
 ///
 /// # Errors
 /// Returns the same errors as [`fit`](super::fit).
 pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, ModelError> {
-    let full = fit_counts(counts, spec, true)?;
-    let model = estimates::report(&full);
-    let (terms, proportional_odds) = rayon::join(|| without_terms(&full), || nominal_tests(&full));
+    report_with_tests(&fit_counts(counts, spec, true)?)
+}
+
+pub(super) fn report_with_tests(full: &Fitted) -> Result<ModelReport, ModelError> {
+    let model = estimates::report(full);
+    let (terms, proportional_odds) = rayon::join(|| without_terms(full), || nominal_tests(full));
     Ok(ModelReport {
         terms: terms?,
         proportional_odds: proportional_odds?,
-        predictions: predictions(&full, &model),
+        scale: Vec::new(),
+        predictions: predictions(full, &model),
+        margins: margins::margins(full, &model),
+        comparisons: margins::comparisons(full, &model),
+        checks: None,
         model,
     })
 }
@@ -90,7 +128,7 @@ pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> 
 }
 
 /// Returns whether both fits found a maximum of the same kind of likelihood.
-fn comparable(one: &Fitted, other: &Fitted) -> bool {
+pub(super) fn comparable(one: &Fitted, other: &Fitted) -> bool {
     let fine = |fitted: &Fitted| {
         fitted.clm.end != FitEnd::Stalled
             && !matches!(
@@ -106,49 +144,83 @@ fn comparable(one: &Fitted, other: &Fitted) -> bool {
 /// steps, the test would be useless.
 const MAX_NOMINAL: usize = 300;
 
-/// Tests proportional odds. Each term in turn gets a separate effect at each threshold, which is compared with one
-/// common effect (R's `nominal_test`). The random intercept is omitted, because this checks the scale and not the
-/// effects. A test with more than [`MAX_NOMINAL`] parameters is not performed and has no ratio.
+/// Tests the proportional odds of each term. The random effects are omitted, because this checks the scale and not the
+/// effects.
 fn nominal_tests(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
-    let with_separate_effects = |term: &Term| {
-        let own = Terms::new([term.clone()]);
-        let nominal = Design::new(&full.frame, &own)?.independent(&full.frame);
-        let x = full.x.independent_of(&nominal, &full.frame);
-        let (data, _) = clm_data(&full.frame, full.spec.link, &x, &nominal, &full.scale);
-        let thresholds = data.thresholds();
-        let df = (thresholds * nominal.columns.len() + x.columns.len()).saturating_sub(full.x.columns.len());
-        let feasible = thresholds * (1 + nominal.columns.len()) + x.columns.len() <= MAX_NOMINAL;
-        let fit = if feasible { fit_clm(&data).ok() } else { None };
-        let difference = fit.filter(|fit| fit.end != FitEnd::Stalled && full.clm.end != FitEnd::Stalled);
-        Ok(TermTest::new(term, Part::Nominal, difference.map(|fit| fit.loglik - full.clm.loglik), df))
-    };
-    full.spec.terms.iter().collect::<Vec<_>>().into_par_iter().map(with_separate_effects).collect()
+    full.spec.terms.iter().collect::<Vec<_>>().into_par_iter().map(|term| nominal_test(full, term)).collect()
 }
 
-/// Tests scale effects. Each location term in turn may also affect the spread of the ratings (R's `scale_test`). The
-/// random intercept is omitted.
+/// This part of a rating is added to each category of each condition, so that every threshold of the wider model has a
+/// finite estimate and no threshold passes another. It lowers the log-likelihood by less than 1e-5 per empty cell.
+const PART_OF_A_RATING: f64 = 1e-5;
+
+/// Tests the proportional odds of a term: it gets a separate effect at each threshold, which is compared with one common
+/// effect (R's `nominal_test`). In every condition, the thresholds of the wider model are in order, so the ratio cannot
+/// exceed that of the saturated model. A test with more than [`MAX_NOMINAL`] parameters is not performed.
+pub(super) fn nominal_test(full: &Fitted, term: &Term) -> Result<TermTest, ModelError> {
+    let own = Terms::new([term.clone()]);
+    let nominal = Design::new(&full.frame, &own)?.independent(&full.frame);
+    let x = full.x.independent_of(&nominal, &full.frame);
+    let (data, _) = clm_data(&full.frame, full.spec.link, &x, &nominal, &full.scale);
+    let thresholds = data.thresholds();
+    let df = (thresholds * nominal.columns.len() + x.columns.len()).saturating_sub(full.x.columns.len());
+    let feasible = thresholds * (1 + nominal.columns.len()) + x.columns.len() <= MAX_NOMINAL;
+    let raised = ClmData { counts: data.counts.add_scalar(PART_OF_A_RATING), ..data.clone() };
+    let fit = if feasible { fit_clm(&raised).ok() } else { None };
+    let fit = fit.filter(|fit| fit.end != FitEnd::Stalled && full.clm.end != FitEnd::Stalled);
+    let difference = fit.map(|fit| data.loglik(&fit.parameters) - full.clm.loglik);
+    Ok(TermTest::new(term, Part::Nominal, difference.filter(|difference| difference.is_finite()), df))
+}
+
+/// Tests scale effects: whether each location term also affects the spread of the ratings (R's `scale_test`). The random
+/// effects are omitted.
 ///
 /// # Errors
 /// The same as for [`fit`](super::fit).
 pub fn scale_tests(counts: &Counts, spec: &ModelSpec) -> Result<Vec<TermTest>, ModelError> {
     let spec = ModelSpec { random: Random::None, ..spec.clone() };
     let full = fit_counts(counts, &spec, true)?;
-    let mut tests = Vec::new();
-    for term in full.spec.terms.iter().filter(|term| !full.spec.scale.has(term)) {
-        let mut spec = full.spec.clone();
-        spec.scale = Terms::new(spec.scale.iter().cloned().chain([term.clone()]));
-        let larger = fit_terms(full.frame.clone(), spec, Vec::new(), How::default())?;
-        let difference = comparable(&larger, &full).then(|| larger.loglik() - full.loglik());
-        tests.push(TermTest::new(term, Part::Scale, difference, larger.rank().saturating_sub(full.rank())));
-    }
-    Ok(tests)
+    scale_terms(&full).into_iter().map(|term| scale_test(&full, term)).collect()
+}
+
+/// Returns the terms that can be tested for an effect on the spread.
+pub(super) fn scale_terms<'a>(full: &'a Fitted) -> Vec<&'a Term> {
+    full.spec.terms.iter().filter(|term| !full.spec.scale.has(term)).collect()
+}
+
+/// Tests whether a term affects the spread of the ratings.
+pub(super) fn scale_test(full: &Fitted, term: &Term) -> Result<TermTest, ModelError> {
+    let mut spec = ModelSpec { random: Random::None, ..full.spec.clone() };
+    spec.scale = Terms::new(spec.scale.iter().cloned().chain([term.clone()]));
+    let larger = fit_terms(full.frame.clone(), spec, Vec::new(), How::default())?;
+    let fine = larger.clm.end != FitEnd::Stalled && full.clm.end != FitEnd::Stalled;
+    let difference = fine.then(|| larger.clm.loglik - full.clm.loglik);
+    Ok(TermTest::new(term, Part::Scale, difference, larger.rank().saturating_sub(full.rank())))
 }
 
 impl TermTest {
     /// Creates a test from the difference of two log-likelihoods.
     fn new(term: &Term, part: Part, difference: Option<f64>, df: usize) -> Self {
         let lr = difference.filter(|_| df > 0).map(|difference| (2.0 * difference).max(0.0));
-        Self { term: term.to_string(), part, lr, df, p: lr.map(|lr| chi_squared_tail(lr, df)) }
+        Self {
+            term: term.to_string(),
+            part,
+            lr,
+            df,
+            p: lr.map(|lr| chi_squared_tail(lr, df)),
+            draws: None,
+            p_holm: None,
+            withheld: lr.is_none().then_some(Withheld::NoRatio),
+        }
+    }
+
+    /// Replaces the probability by that from simulated ratios.
+    pub(super) fn calibrate(&mut self, ratios: &[f64]) {
+        let Some(lr) = self.lr else { return };
+        let simulated = probability(ratios, lr);
+        self.p = simulated.map(|(p, _)| p);
+        self.draws = simulated.map(|(_, draws)| draws);
+        self.withheld = simulated.is_none().then_some(Withheld::TooFew);
     }
 }
 

@@ -69,6 +69,11 @@ impl Link {
         }
     }
 
+    /// Returns F(a) − F(b) for a ≥ b, computed in the tail where the terms do not cancel.
+    pub fn between(self, a: f64, b: f64) -> f64 {
+        if b > 0.0 { self.cdf(-b) - self.cdf(-a) } else { self.cdf(a) - self.cdf(b) }
+    }
+
     /// Returns the quantile function, the inverse of F, for 0 < `p` < 1.
     pub fn quantile(self, p: f64) -> f64 {
         match self {

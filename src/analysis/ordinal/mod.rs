@@ -9,6 +9,8 @@
 //! | `estimates`, `likelihood_ratios` | estimates, tests and predictions, on the scale of the data |
 //! | `model` | fitted models, their notes, and the errors if there is no model |
 
+mod calibration;
+mod checks;
 mod clm;
 mod clmm;
 mod design;
@@ -16,19 +18,27 @@ mod estimates;
 mod fitting;
 mod likelihood_ratios;
 mod link;
+mod margins;
 mod model;
+mod profile;
 mod random;
+mod resampling;
 mod search;
 pub mod terms;
 
+pub use calibration::{Calibration, FEW_FOR_LIKELIHOOD_RATIOS, fit_calibrated};
+pub use checks::{Alternative, Checks, Influence, Proportion};
 pub use clmm::MAX_NODES;
 pub use estimates::{Prediction, fit};
-pub use likelihood_ratios::{ModelReport, Part, TermTest, fit_with_tests, scale_tests};
+pub use likelihood_ratios::{ModelReport, Part, TermTest, Withheld, fit_with_tests, scale_tests};
 pub use link::Link;
+pub use margins::{Comparison, Margin};
 pub use model::{
-    Coefficient, MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Note, Random, RandomEffect, RandomSlope, Slopes,
+    Coefficient, Contrast, MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Note, Random, RandomEffect, RandomSlope, Slopes,
     SubjectMode, Threshold,
 };
+
+pub use resampling::Resampling;
 
 pub(super) use design::{Design, Span, check_size};
 pub(super) use estimates::{dot_ignoring_zero_weights, predictors, two_sided};

@@ -5,7 +5,10 @@ use serde::{Serialize, Serializer};
 use thiserror::Error;
 
 use super::{link::Link, terms::Terms};
-use crate::light::names::{expected_one_of, named};
+use crate::{
+    analysis::interval::Interval,
+    light::names::{expected_one_of, named},
+};
 
 named! {
     /// Whether participants have random intercepts.
@@ -98,8 +101,24 @@ pub struct Coefficient {
     pub se: Option<f64>,
     /// The estimate divided by its standard error.
     pub z: Option<f64>,
-    /// Two-sided probability of z.
+    /// Two-sided probability of z from the normal distribution; too small with few participants.
     pub p: Option<f64>,
+    /// The 95 % profile-likelihood interval; an end is infinite if the data exclude no value there.
+    pub interval: Option<Interval>,
+}
+
+/// The difference between two levels of a factor.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Contrast {
+    pub factor: String,
+    pub level: String,
+    pub other: String,
+    /// How much higher `level` is rated than `other`, on the scale of the link; infinite if there is no finite
+    /// estimate.
+    #[serde(serialize_with = "finite")]
+    pub estimate: f64,
+    /// The 95 % profile-likelihood interval.
+    pub interval: Option<Interval>,
 }
 
 /// The random intercept, and the random slopes if there are any.
@@ -109,6 +128,8 @@ pub struct RandomEffect {
     pub sd: f64,
     /// Standard error of `sd`; `None` if `sd` is 0.
     pub se: Option<f64>,
+    /// The 95 % profile-likelihood interval of `sd`; `None` if the effects are correlated.
+    pub interval: Option<Interval>,
     /// The random slopes, in the order of the terms.
     pub slopes: Vec<RandomSlope>,
     /// Correlations of the intercept and the slopes, in this order; `None` if they are independent.
@@ -127,6 +148,8 @@ pub struct RandomSlope {
     pub sd: f64,
     /// Standard error of `sd`; `None` if `sd` is 0.
     pub se: Option<f64>,
+    /// The 95 % profile-likelihood interval of `sd`; `None` if the effects are correlated.
+    pub interval: Option<Interval>,
 }
 
 /// A participant's intercept given their ratings.
@@ -160,6 +183,8 @@ pub struct Model {
     pub coefficients: Vec<Coefficient>,
     /// Coefficients of the log scale.
     pub scale: Vec<Coefficient>,
+    /// Differences between levels that were asked for.
+    pub contrasts: Vec<Contrast>,
     /// The random intercept of a mixed model.
     pub random: Option<RandomEffect>,
     /// Names of the ordered categories that have ratings.

@@ -14,7 +14,10 @@ use super::{
     model::{ModelError, ModelSpec, Note, Random, Slopes},
     terms::{Term, Terms, Variable},
 };
-use crate::analysis::frame::{Frame, find_factor};
+use crate::analysis::{
+    counts::varies_within,
+    frame::{Frame, find_factor},
+};
 
 /// Name of the random intercept, as in R.
 pub(super) const INTERCEPT: &str = "(Intercept)";
@@ -154,6 +157,17 @@ impl RandomPart {
         (0..size).flat_map(move |column| (column..size).map(move |row| (row, column)))
     }
 
+    /// Returns the number of effects of a component among `people` participants, and how many of them are free, given
+    /// that `between` coefficients and the means over participants are estimated.
+    pub fn degrees(&self, component: usize, people: usize, between: usize) -> (f64, f64) {
+        let [groups, people, between] = [self.components[component].number_of_groups, people, between].map(|n| n as f64);
+        match component {
+            0 => (people, people - 1.0 - between),
+            _ if groups < 2.0 => (people, people - 1.0),
+            _ => (people * (groups - 1.0), (people - 1.0) * (groups - 1.0)),
+        }
+    }
+
     /// Returns a key that is equal for conditions with the same effects.
     pub fn key(&self, condition: u32) -> impl Iterator<Item = u64> + '_ {
         let at = condition as usize;
@@ -173,13 +187,8 @@ fn within_part(frame: &Frame, term: &Term) -> Result<Term, ModelError> {
 }
 
 /// Returns whether most participants rated at least two levels of a factor.
-pub(crate) fn is_within(frame: &Frame, factor: usize) -> bool {
-    let mut levels: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
-    for row in &frame.rows {
-        let level = frame.counts.conditions[row.condition as usize][factor];
-        levels.entry(row.subject).or_default().extend(level);
-    }
-    2 * levels.values().filter(|levels| levels.len() > 1).count() > levels.len()
+pub(super) fn is_within(frame: &Frame, factor: usize) -> bool {
+    varies_within(frame.counts, &frame.rows, factor)
 }
 
 /// Creates the deviations at each combination of a term's levels, multiplied by the term's numbers about their means.

@@ -83,8 +83,8 @@ pub(super) fn fit(data: &ClmmData, settings: Settings<'_>) -> Option<MixedFit> {
         let more = search.climb(tolerance);
         (iterations, end) = (iterations + more.0, more.1);
     }
-    let deviation = |parameter: &usize| search.at[data.first_psi() + parameter] == 0.0;
-    if data.loadings.independent && data.loadings.deviations.iter().all(deviation) {
+    let is_zero = |parameter: &usize| search.at[data.first_psi() + parameter] == 0.0;
+    if data.loadings.independent && data.loadings.deviations.iter().all(is_zero) {
         search.move_to_boundary(settings.plain)?;
         return search.finish(iterations, MixedFitEnd::Boundary, DMatrix::zeros(0, 0));
     }

@@ -10,7 +10,7 @@ use super::{
 use crate::{
     analysis::{
         Link, MAX_COEFFICIENTS, MAX_NODES, ModelError, ModelSpec, Random,
-        bootstrap::Interval,
+        interval::Interval,
         counts::Counts,
         frame::Frame,
         ordinal::{
@@ -21,6 +21,9 @@ use crate::{
     },
     experiment::{OrderedLogit, Protocol},
 };
+
+/// Number of random orders in Friedman's test of a simulated study, if they cannot be enumerated.
+const PERMUTATIONS: usize = 1999;
 
 /// How studies are analyzed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -216,7 +219,7 @@ fn outcomes(counts: &Counts, spec: &ModelSpec, hypotheses: &[Hypothesis]) -> Vec
     let predictors = (fitted.as_ref()).filter(|_| tests.is_some()).map(|fitted| predictors(fitted, &conditions));
     let outcome = |hypothesis: &Hypothesis| match (hypothesis.test, hypothesis.factor) {
         (Test::Friedman, Some(factor)) => {
-            Outcome { p: friedman(&SubjectMeans::new(counts, factor)).map(|test| test.p), estimate: None }
+            Outcome { p: friedman(&SubjectMeans::new(counts, factor), PERMUTATIONS).map(|test| test.p), estimate: None }
         }
         _ => Outcome {
             p: (tests.iter().flatten()).find(|test| test.term == hypothesis.term).and_then(|test| test.p),

@@ -1,7 +1,7 @@
 //! Formats numbers as readers expect them: with reasonable precision, thousands separators, and no leading zero in a
 //! probability. A dash stands for a missing number.
 
-use crate::analysis::bootstrap::Interval;
+use crate::analysis::interval::Interval;
 
 /// A no-break space.
 pub const NBSP: &str = "\u{a0}";
@@ -78,11 +78,10 @@ pub fn range(interval: Option<Interval>, format: impl Fn(f64) -> String) -> Stri
     interval.map_or_else(|| "–".to_owned(), |i| format!("{} to {}", format(i.low), format(i.high)))
 }
 
-/// Formats a bootstrap interval that follows its estimate, as ` (95 % bootstrap interval .81 to .92)`; empty if there
-/// is no interval.
-pub fn with_level(level: f64, interval: Option<Interval>) -> String {
+/// Formats a 95 % interval that follows its estimate, as ` (95 % interval .81 to .92)`; empty if there is none.
+pub fn with_interval(interval: Option<Interval>, format: impl Fn(f64) -> String) -> String {
     match interval {
-        Some(_) => format!(" ({} bootstrap interval {})", percent(level), range(interval, unit)),
+        Some(_) => format!(" (95{NBSP}% interval {})", range(interval, format)),
         None => String::new(),
     }
 }

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::analysis::{
     Coefficient, Link, Model, Note, Results,
-    bootstrap::Interval,
+    interval::Interval,
     terms::{Term, Variable},
 };
 

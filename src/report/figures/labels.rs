@@ -2,7 +2,7 @@
 
 use crate::{
     analysis::{Results, number_of},
-    report::document::numbers::{count, percent, whole},
+    report::document::numbers::count,
 };
 
 /// Removes line breaks and characters that XML does not allow from a text.
@@ -93,14 +93,9 @@ pub(super) fn sample(results: &Results) -> String {
 pub(super) fn bars(results: &Results) -> String {
     let sample = sample(results);
     if results.is_inferential() {
-        let bootstrap = &results.options.bootstrap;
-        format!(
-            "bars are {} bootstrap intervals over participants ({} samples); {sample}",
-            percent(bootstrap.level),
-            whole(bootstrap.replicates as u64)
-        )
+        format!("bars are 95\u{a0}% intervals over participants; {sample}")
     } else {
-        format!("there are no intervals because there is only one participant; {sample}")
+        format!("bars are 95\u{a0}% intervals over the trials of the only participant; {sample}")
     }
 }
 

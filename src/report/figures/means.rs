@@ -14,9 +14,9 @@ use super::{
 };
 use crate::analysis::{
     Results,
-    bootstrap::Interval,
+    interval::Interval,
     counts::{Counts, Factor},
-    summary::{by_cell, category_values},
+    summary::{Group, by_cell, by_levels, category_values},
 };
 
 /// Maximum width of a name in the legend.
@@ -40,9 +40,11 @@ struct Line {
 
 /// Draws `figure4a` and, if there are two factors, `figure4b`. The factors are width and depth if both exist.
 pub(super) fn figures(results: &Results) -> Vec<Figure> {
-    let counts = project(&results.measured.counts, &chosen(results));
+    let factors = chosen(results);
+    let counts = project(&results.measured.counts, &factors);
     let names = ["figure4a", "figure4b"];
-    charts(&counts, &means(results, &counts), names, labels::rating(results), &labels::bars(results))
+    let means = of_groups(by_levels(&results.measured.counts, &factors));
+    charts(&counts, &means, names, labels::rating(results), &labels::bars(results))
 }
 
 /// Draws Figure 4 as predicted by the vision model: `figure4a_predicted` and `figure4b_predicted`. `expected` contains
@@ -69,10 +71,8 @@ fn chosen(results: &Results) -> Vec<usize> {
     by_interest(&results.measured.counts).into_iter().take(2).collect()
 }
 
-/// Computes the mean in every cell of these counts.
-fn means(results: &Results, counts: &Counts) -> Means {
-    let groups = by_cell(counts, &results.resamples).into_iter();
-    groups.map(|group| (group.names, (group.summary.mean, group.summary.interval))).collect()
+fn of_groups(groups: Vec<Group>) -> Means {
+    groups.into_iter().map(|group| (group.names, (group.summary.mean, group.summary.interval))).collect()
 }
 
 /// Draws one chart by each factor, with one line for each level of the other.
@@ -195,7 +195,7 @@ pub(super) fn orientation(results: &Results) -> Option<Figure> {
     let height = EDGE + PANEL + super::axes::below(TEXT);
     Some(Figure::draw("orientation", format!("{what} by orientation"), caption, height, |svg| {
         for (counts, panel, up, across) in parts {
-            let (levels, means) = (Levels::of(&counts.factors[0]), means(results, &counts));
+            let (levels, means) = (Levels::of(&counts.factors[0]), of_groups(by_cell(&counts)));
             values.draw(svg, &panel, up);
             levels.draw(svg, &panel, across);
             let means = counts.factors[0].levels.iter().map(|level| means.get(std::slice::from_ref(level)).copied());

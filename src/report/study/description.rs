@@ -159,17 +159,15 @@ fn least_and_most<'a>(groups: impl Iterator<Item = &'a Group> + Clone) -> Option
 pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     let mut section = Section::new("description", "Description");
     let intervals = if results.is_inferential() {
-        format!(
-            "The {} intervals show how much a mean might differ with other participants; they come from {} bootstrap samples of participants.",
-            percent(results.options.bootstrap.level),
-            whole(results.options.bootstrap.replicates as u64)
-        )
+        "The 95\u{a0}% intervals show how much a mean might differ with other participants. They are t intervals of the \
+         participants’ means that stay on the scale; there is none where all participants have the same mean."
     } else {
-        "With one participant, there are no intervals that apply to other people.".to_owned()
+        "The 95\u{a0}% intervals show how much a mean might differ in other trials of this participant; they say nothing \
+         about other people."
     };
     section.text(format!(
         "A mean rating treats the categories as equally spaced, which is an assumption. It is descriptive only; the model \
-         does not use it. {intervals}"
+         does not use it. In every mean, each participant counts equally, and so does each condition. {intervals}"
     ));
     section.figures(figures, &["figure4a", "figure4b", "proportions", "subjects", "orientation"]);
     for factor in &results.factors {

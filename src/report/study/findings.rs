@@ -4,7 +4,7 @@ use super::names;
 use crate::{
     analysis::{
         Link, Model, ModelReport, Part, Results, TermTest,
-        bootstrap::Interval,
+        interval::Interval,
         results::FactorResults,
         terms::{Term, Variable},
     },

@@ -9,7 +9,7 @@ use crate::{
     report::{
         document::{
             Section,
-            numbers::{count, fixed, list, p_is, percent, unit, whole, with_level},
+            numbers::{count, fixed, list, p_is, percent, unit, whole, with_interval},
         },
         prediction::StudyPrediction,
     },
@@ -40,7 +40,7 @@ pub(super) fn sections(source: &Source, results: &Results, predicted: Option<&St
         model(&mut cited, results),
         tests(&mut cited, results),
         agreement(&mut cited, results),
-        bootstrap(&mut cited, results),
+        intervals(&mut cited, results),
         predicted.map(|predicted| vision(&mut cited, predicted)),
         Some(format!("The analysis was performed with machband {}.", env!("CARGO_PKG_VERSION"))),
     ];
@@ -170,14 +170,13 @@ fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
 }
 
 fn agreement(cited: &mut Cited, results: &Results) -> Option<String> {
-    let level = results.options.bootstrap.level;
     let alpha = results.alpha.map(|alpha| {
         format!(
             "Agreement between participants was measured with Krippendorff’s ordinal α ({}), \
              without comparing repeated ratings by the same participant: α = {}{}.",
             cited.cite("Hayes & Krippendorff, 2007; Krippendorff, 2019"),
             unit(alpha.alpha),
-            with_level(level, alpha.interval)
+            with_interval(alpha.interval, unit)
         )
     });
     let kappa = results.kappa.map(|(kappa, interval)| {
@@ -186,24 +185,19 @@ fn agreement(cited: &mut Cited, results: &Results) -> Option<String> {
             cited.cite("Cohen, 1968"),
             unit(kappa),
             if results.is_inferential() { " on average" } else { "" },
-            with_level(level, interval)
+            with_interval(interval, unit)
         )
     });
     let parts: Vec<String> = alpha.into_iter().chain(kappa).collect();
     (!parts.is_empty()).then(|| parts.join(" "))
 }
 
-fn bootstrap(cited: &mut Cited, results: &Results) -> Option<String> {
-    let bootstrap = &results.options.bootstrap;
-    let wald = if is_clustered(results) { " Intervals of the model’s coefficients are Wald intervals." } else { "" };
+fn intervals(cited: &mut Cited, results: &Results) -> Option<String> {
     results.is_inferential().then(|| {
         format!(
-            "Intervals of means and of agreement are {} percentile intervals of {} bootstrap samples of participants ({}; \
-             ChaCha8, seed {}).{wald}",
-            percent(bootstrap.level),
-            whole(bootstrap.replicates as u64),
-            cited.cite("Efron & Tibshirani, 1993"),
-            bootstrap.seed
+            "Intervals are 95\u{a0}% intervals. Those of means treat each participant as one observation (t distribution with \
+             the score of {}), and those of agreement use the jackknife over participants.",
+            cited.cite("Wilson, 1927")
         )
     })
 }

@@ -2,7 +2,7 @@
 
 use super::{cautions::is_serious, findings::ALPHA};
 use crate::{
-    analysis::{Coefficient, Link, Model, Results, TermTest, Threshold, bootstrap::Interval, terms::Variable},
+    analysis::{Coefficient, Link, Model, Results, TermTest, Threshold, interval::Interval, terms::Variable},
     report::{
         document::{
             Section,
@@ -74,7 +74,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
             "Each row tests whether a term also changes the spread of the ratings. This test ignores differences between \
              participants.",
             "Tests of effects on the spread",
-            &results.scale,
+            &report.scale,
         );
     }
     section

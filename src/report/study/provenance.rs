@@ -49,7 +49,7 @@ pub fn shell_command(arguments: impl IntoIterator<Item = String>) -> String {
 
 pub(super) fn section(source: &Source, results: &Results, provenance: &Provenance) -> Section {
     let mut section = Section::new("repeat", "Repeat this analysis");
-    let bootstrap = &results.options.bootstrap;
+    let resampling = results.options.resampling;
     section.text("The same program, command and files produce the same numbers on every machine.");
     section.code(provenance.command.clone());
     section.facts(
@@ -59,8 +59,8 @@ pub(super) fn section(source: &Source, results: &Results, provenance: &Provenanc
             ("Commit", provenance.commit.clone()),
             ("Created at", provenance.made_at.strftime("%Y-%m-%d %H:%M:%S UTC").to_string()),
             ("Quadrature nodes", results.spec.quadrature.to_string()),
-            ("Bootstrap seed", bootstrap.seed.to_string()),
-            ("Bootstrap samples", whole(bootstrap.replicates as u64)),
+            ("Seed of the simulated studies", resampling.seed.to_string()),
+            ("Simulated studies, at most", whole(resampling.draws as u64)),
         ],
     );
     let row = |file: &FileRead| {

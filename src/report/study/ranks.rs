@@ -10,7 +10,7 @@ use crate::{
     },
     report::document::{
         Section,
-        numbers::{count, fixed, probability, short_list, unit, whole, with_level},
+        numbers::{count, fixed, probability, short_list, unit, whole, with_interval},
     },
 };
 
@@ -96,7 +96,6 @@ fn pairs(section: &mut Section, factor: &FactorResults) {
 
 pub(super) fn agreement(results: &Results) -> Section {
     let mut section = Section::new("agreement", "Agreement");
-    let level = results.options.bootstrap.level;
     section.heading("Between participants");
     match results.alpha {
         Some(alpha) => {
@@ -104,7 +103,7 @@ pub(super) fn agreement(results: &Results) -> Section {
                 "Krippendorff’s ordinal α is {}{}, from {} of {} that two or more participants rated. 1 is perfect \
                  agreement; 0 is agreement by chance.",
                 unit(alpha.alpha),
-                with_level(level, alpha.interval),
+                with_interval(alpha.interval, unit),
                 count(alpha.ratings, "rating"),
                 count(alpha.units as u64, "condition"),
             ));
@@ -129,7 +128,7 @@ pub(super) fn agreement(results: &Results) -> Section {
          perfect agreement, 0 is agreement by chance, and Landis and Koch call agreement up to {} slight.",
         if results.is_inferential() { "Its mean over participants is" } else { "It is" },
         unit(kappa),
-        with_level(level, interval),
+        with_interval(interval, unit),
         unit(LOW_KAPPA),
     ));
     let rows = (results.subjects.iter())

@@ -9,7 +9,7 @@ use crate::{
     },
     report::document::{
         Section,
-        numbers::{count, mean, unit, with_level},
+        numbers::{count, mean, unit, with_interval},
     },
     store::ratings::Source,
 };
@@ -94,13 +94,13 @@ fn agreement(results: &Results) -> Option<String> {
         a if a >= TENTATIVE => "between .667 and .800, where Krippendorff allows only tentative conclusions",
         _ => "below .667, Krippendorff’s limit for even tentative conclusions",
     };
-    let interval = with_level(results.options.bootstrap.level, alpha.interval);
+    let interval = with_interval(alpha.interval, unit);
     Some(format!("Agreement between participants is α = {}{interval}: {verdict}.", unit(alpha.alpha)))
 }
 
 fn repetition(results: &Results) -> Option<String> {
     let (kappa, interval) = results.kappa?;
-    let interval = with_level(results.options.bootstrap.level, interval);
+    let interval = with_interval(interval, unit);
     let kappa = unit(kappa);
     Some(if results.is_inferential() {
         format!(

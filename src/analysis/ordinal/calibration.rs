@@ -1,0 +1,209 @@
+//! A model with tests and intervals that hold for few participants: the parametric bootstrap where the χ² distribution is
+//! not accurate, and profile intervals.
+
+use rayon::prelude::*;
+
+use super::{
+    checks,
+    estimates,
+    fitting::{Fitted, fit_counts},
+    likelihood_ratios::{ModelReport, TermTest, report_with_tests, scale_terms, scale_test},
+    model::{Contrast, ModelError, ModelSpec, RandomEffect},
+    profile::{self, Quantity, chi_squared_limit},
+    random::is_within,
+    resampling::{Ratios, Resampling, Statistics, quantile, simulate},
+    terms::{Term, Variable},
+};
+use crate::analysis::{
+    interval::Interval,
+    counts::Counts,
+    frame::{Frame, find_factor},
+    rank_tests::holm,
+};
+
+/// With fewer participants than this, likelihood ratios are calibrated by simulation.
+pub const FEW_FOR_LIKELIHOOD_RATIOS: usize = 12;
+/// A term that varies only between participants is calibrated by simulation up to this number of participants.
+const FEW_BETWEEN: usize = 100;
+/// Maximum number of coefficients with profile intervals; the others have Wald intervals.
+const MAX_PROFILES: usize = 60;
+/// Above this number of ratings times terms, the simulation of a mixed model is limited to [`FEW_DRAWS`] studies. It
+/// keeps an analysis at about ten seconds with two threads.
+const MANY_RATINGS: usize = 2000;
+const FEW_DRAWS: usize = 199;
+
+/// How to calibrate tests and intervals.
+#[derive(Clone, Copy)]
+pub struct Calibration<'a> {
+    pub resampling: Resampling,
+    /// Whether to test terms for effects on the spread of the ratings as well.
+    pub scale: bool,
+    /// Whether to compute [`ModelReport::checks`].
+    pub checks: bool,
+    /// Pairs of levels of a factor whose contrast is of interest: name of the factor, and indices of two levels.
+    pub contrasts: &'a [(String, [u32; 2])],
+    /// Called after each simulated study, with the number of those done and of all.
+    pub progress: &'a (dyn Fn(usize, usize) + Sync),
+}
+
+/// Fits a model and computes its tests, intervals and predictions.
+///
+/// # Errors
+/// Returns the same errors as [`fit`](super::fit).
+pub fn fit_calibrated(
+    counts: &Counts,
+    spec: &ModelSpec,
+    calibration: &Calibration<'_>,
+) -> Result<ModelReport, ModelError> {
+    let full = fit_counts(counts, spec, true)?;
+    let mut report = report_with_tests(&full)?;
+    if calibration.scale && full.spec.scale.is_empty() {
+        report.scale = scale_terms(&full).into_iter().map(|term| scale_test(&full, term)).collect::<Result<_, _>>()?;
+    }
+    let mut limits = vec![chi_squared_limit(1); full.spec.terms.iter().count()];
+    if full.spec.scale.is_empty() {
+        calibrate_tests(&full, &mut report, &mut limits, calibration);
+    }
+    for tests in [&mut report.proportional_odds, &mut report.scale] {
+        correct(tests);
+    }
+    profile_coefficients(&full, &mut report, &limits);
+    if let Some(random) = &mut report.model.random {
+        profile_deviations(&full, random);
+    }
+    report.model.contrasts = contrasts(&full, &report, &limits, calibration.contrasts);
+    report.checks = calibration.checks.then(|| checks::checks(&full, &report.model.contrasts, calibration));
+    Ok(report)
+}
+
+/// Replaces the probabilities of the tests by simulated ones, and the limits of the profiles, by term, where they are
+/// simulated.
+fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut [f64], calibration: &Calibration<'_>) {
+    let terms: Vec<&Term> = full.spec.terms.iter().collect();
+    let named = |tests: &[TermTest]| -> Vec<&Term> {
+        let has_ratio = |term: &&&Term| tests.iter().any(|test| test.lr.is_some() && test.term == term.to_string());
+        terms.iter().filter(has_ratio).copied().collect()
+    };
+    let what = Statistics {
+        terms: named(&report.terms).into_iter().filter(|term| needs_simulation(full, term)).collect(),
+        nominal: named(&report.proportional_odds),
+        scale: named(&report.scale),
+    };
+    if what.terms.is_empty() && what.nominal.is_empty() && what.scale.is_empty() {
+        return;
+    }
+    let mut settings = calibration.resampling;
+    if !what.terms.is_empty() && full.mixed.is_some() && full.frame.rows.len() * (1 + what.terms.len()) > MANY_RATINGS {
+        settings.draws = settings.draws.min(FEW_DRAWS);
+    }
+    let done = std::sync::atomic::AtomicUsize::new(0);
+    let progress = || {
+        let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
+        (calibration.progress)(done, settings.draws);
+    };
+    let Ratios { terms: of_terms, nominal, scale } = simulate(full, &what, settings, &progress);
+    for (tests, terms, ratios) in [
+        (&mut report.terms, &what.terms, &of_terms),
+        (&mut report.proportional_odds, &what.nominal, &nominal),
+        (&mut report.scale, &what.scale, &scale),
+    ] {
+        for (term, ratios) in terms.iter().zip(ratios) {
+            let name = term.to_string();
+            tests.iter_mut().filter(|test| test.term == name).for_each(|test| test.calibrate(ratios));
+        }
+    }
+    for (limit, term) in limits.iter_mut().zip(&terms) {
+        let Some(place) = what.terms.iter().position(|other| other == term) else { continue };
+        let df = report.terms.iter().find(|test| test.term == term.to_string()).map_or(1, |test| test.df);
+        // The distribution of a ratio with several degrees of freedom differs from χ² by about the same factor.
+        if let Some(simulated) = quantile(&of_terms[place], profile::LEVEL) {
+            *limit *= (simulated / chi_squared_limit(df)).max(1.0);
+        }
+    }
+}
+
+/// Returns whether the ratio of a term does not have a χ² distribution with this number of participants.
+fn needs_simulation(full: &Fitted, term: &Term) -> bool {
+    let people = full.frame.subjects.len();
+    people < FEW_FOR_LIKELIHOOD_RATIOS || (people < FEW_BETWEEN && is_between(&full.frame, term))
+}
+
+/// Returns whether a variable of a term does not vary within participants.
+fn is_between(frame: &Frame, term: &Term) -> bool {
+    let between = |variable: &Variable| {
+        find_factor(frame.counts, variable).is_ok_and(|(factor, _)| !is_within(frame, factor))
+    };
+    term.variables.iter().any(between)
+}
+
+/// Corrects the probabilities of several tests of the same kind by Holm's method.
+fn correct(tests: &mut [TermTest]) {
+    let tested: Vec<usize> = (0..tests.len()).filter(|&test| tests[test].p.is_some()).collect();
+    let corrected = holm(&tested.iter().filter_map(|&test| tests[test].p).collect::<Vec<_>>());
+    for (test, p) in tested.into_iter().zip(corrected) {
+        tests[test].p_holm = Some(p);
+    }
+}
+
+fn profile_coefficients(full: &Fitted, report: &mut ModelReport, limits: &[f64]) {
+    let columns = &full.x.columns;
+    let profiled = columns.len() <= MAX_PROFILES;
+    let coefficients = &mut report.model.coefficients;
+    coefficients.par_iter_mut().enumerate().for_each(|(column, coefficient)| {
+        let limit = limits[columns[column].term];
+        let quantity = Quantity::Difference(Some(column), None);
+        coefficient.interval = (coefficient.se.filter(|_| profiled && coefficient.estimate.is_finite()))
+            .and_then(|se| profile::interval(full, quantity, coefficient.estimate, se, [limit; 2]))
+            .or_else(|| Interval::around(coefficient.estimate, coefficient.se, limit.sqrt()));
+    });
+}
+
+fn profile_deviations(full: &Fitted, random: &mut RandomEffect) {
+    if full.random.correlated {
+        return;
+    }
+    let people = full.frame.subjects.len();
+    let terms: Vec<&Term> = full.spec.terms.iter().collect();
+    let between = full.x.columns.iter().filter(|column| is_between(&full.frame, terms[column.term])).count();
+    let interval = |component: usize, sd: f64, se: Option<f64>| {
+        let (all, df) = full.random.degrees(component, people, between);
+        let se = se.unwrap_or(0.3 / full.random.components[component].unit);
+        profile::interval(full, Quantity::Deviation(component), sd, se, profile::deviation_limits(all, df))
+    };
+    random.interval = interval(0, random.sd, random.se);
+    random.slopes.par_iter_mut().enumerate().for_each(|(slope, one)| {
+        one.interval = interval(1 + slope, one.sd, one.se);
+    });
+}
+
+/// Returns the profile intervals of differences between two levels.
+fn contrasts(
+    full: &Fitted,
+    report: &ModelReport,
+    limits: &[f64],
+    wanted: &[(String, [u32; 2])],
+) -> Vec<Contrast> {
+    let of_pair = |(factor, levels): &(String, [u32; 2])| {
+        let term = full.spec.terms.iter().position(|term| *term == Term::factor(factor))?;
+        let (_, description) = full.frame.counts.factor(factor)?;
+        let names = levels.map(|level| description.levels[level as usize].clone());
+        let own = full.x.columns.iter().filter(|column| column.term == term).count();
+        let (index, _) = full.frame.counts.factor(factor)?;
+        // If a column was dropped, a level without a coefficient is not necessarily the baseline.
+        if own + 1 != full.frame.levels(index).len() {
+            return None;
+        }
+        let find = |level: &String| {
+            let name = format!("{factor}{level}");
+            full.x.columns.iter().position(|column| column.term == term && column.name == name)
+        };
+        let places = [find(&names[0]), find(&names[1])];
+        let (estimate, se) = estimates::difference(&report.model, places);
+        let quantity = Quantity::Difference(places[0], places[1]);
+        let interval = (se.filter(|_| estimate.is_finite()))
+            .and_then(|se| profile::interval(full, quantity, estimate, se, [limits[term]; 2]));
+        let [level, other] = names;
+        (!estimate.is_nan()).then_some(Contrast { factor: factor.clone(), level, other, estimate, interval })
+    };
+    wanted.par_iter().filter_map(of_pair).collect()
+}

@@ -1,0 +1,199 @@
+//! How well a model describes the data: other models, studies simulated from it, and the influence of each participant.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{
+    calibration::Calibration,
+    estimates::difference,
+    fitting::{Fitted, How, fit_counts, fit_terms},
+    link::Link,
+    model::{Contrast, ModelSpec, Random, Slopes},
+    resampling::Simulator,
+};
+use crate::analysis::{counts::CountRow, interval::Interval};
+
+/// Number of simulated studies for the comparison of observed with expected proportions.
+const STUDIES: usize = 400;
+/// Maximum number of participants who are left out in turn.
+const MAX_LEFT_OUT: usize = 60;
+
+/// Checks of a model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Checks {
+    /// Models with the other link, and with and without random slopes; the first is the model itself.
+    pub alternatives: Vec<Alternative>,
+    /// Observed proportions and those in simulated studies, at each level of each factor.
+    pub proportions: Vec<Proportion>,
+    /// How much participants differ: the observed standard deviation of their mean category, and its range in simulated
+    /// studies. `None` for a single participant.
+    pub spread: Option<(f64, Interval)>,
+    /// How the contrasts of the model change without each participant.
+    pub influence: Vec<Influence>,
+}
+
+/// Another model of the same ratings.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Alternative {
+    pub link: Link,
+    pub slopes: Slopes,
+    pub parameters: usize,
+    /// `None` if the model could not be fitted.
+    pub loglik: Option<f64>,
+    pub aic: Option<f64>,
+    /// The Bayesian information criterion with the number of ratings, as in R.
+    pub bic: Option<f64>,
+}
+
+/// The proportion of ratings in a category at a level of a factor.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Proportion {
+    pub factor: String,
+    pub level: String,
+    pub category: String,
+    pub observed: f64,
+    /// The mean over simulated studies.
+    pub expected: f64,
+    /// The range of the middle 95 % of simulated studies.
+    pub range: Interval,
+}
+
+/// The contrasts of the model without one participant.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Influence {
+    pub subject: String,
+    /// Each contrast without the participant, in the order of [`Model::contrasts`](super::Model::contrasts).
+    pub estimates: Vec<Option<f64>>,
+}
+
+/// Computes the checks of a fit, with its contrasts.
+pub(super) fn checks(full: &Fitted, contrasts: &[Contrast], calibration: &Calibration<'_>) -> Checks {
+    let ((alternatives, influence), (proportions, spread)) = rayon::join(
+        || rayon::join(|| alternatives(full), || influence(full, contrasts)),
+        || predictive(full, calibration.resampling.seed),
+    );
+    Checks { alternatives, proportions, spread, influence }
+}
+
+fn alternatives(full: &Fitted) -> Vec<Alternative> {
+    let own = &full.spec;
+    let mut specs = vec![own.clone()];
+    let other = if own.link == Link::Logit { Link::Probit } else { Link::Logit };
+    for link in [own.link, other] {
+        for slopes in [Slopes::Independent, Slopes::None] {
+            let spec = ModelSpec { link, slopes, ..own.clone() };
+            let possible = slopes == Slopes::None || own.random == Random::Subject;
+            let same = |other: &ModelSpec| (other.link, other.slopes) == (link, slopes);
+            if possible && !specs.iter().any(same) {
+                specs.push(spec);
+            }
+        }
+    }
+    let fit = |spec: ModelSpec| {
+        let (link, slopes) = (spec.link, spec.slopes);
+        let how = How::default();
+        let fitted = fit_terms(full.frame.clone(), spec, Vec::new(), how).ok();
+        let fitted = fitted.filter(|fitted| full.mixed.is_some() == fitted.mixed.is_some());
+        let parameters = fitted.as_ref().map_or(0, Fitted::parameters);
+        let loglik = fitted.map(|fitted| fitted.loglik());
+        Alternative {
+            link,
+            slopes,
+            parameters,
+            loglik,
+            aic: loglik.map(|loglik| 2.0 * parameters as f64 - 2.0 * loglik),
+            bic: loglik.map(|loglik| (full.frame.total() as f64).ln() * parameters as f64 - 2.0 * loglik),
+        }
+    };
+    specs.into_par_iter().map(fit).collect()
+}
+
+/// The counts of each category at each level of each factor, and the standard deviation of the participants' means.
+struct Tally {
+    levels: Vec<Vec<Vec<f64>>>,
+    spread: f64,
+}
+
+fn tally(full: &Fitted, rows: &[CountRow]) -> Tally {
+    let counts = full.frame.counts;
+    let categories = full.frame.categories.len();
+    let mut levels: Vec<Vec<Vec<f64>>> =
+        counts.factors.iter().map(|factor| vec![vec![0.0; categories]; factor.levels.len()]).collect();
+    let mut people = vec![(0.0, 0.0); full.frame.subjects.len()];
+    for row in rows {
+        let n = row.count as f64;
+        for (tallies, level) in levels.iter_mut().zip(&counts.conditions[row.condition as usize]) {
+            if let Some(level) = level {
+                tallies[*level as usize][usize::from(row.rating)] += n;
+            }
+        }
+        let (all, sum) = &mut people[row.subject as usize];
+        *all += n;
+        *sum += n * f64::from(row.rating);
+    }
+    let means: Vec<f64> = people.iter().map(|(n, sum)| sum / n).collect();
+    Tally { levels, spread: crate::analysis::interval::mean_and_sd(&means).1 }
+}
+
+fn predictive(full: &Fitted, seed: u64) -> (Vec<Proportion>, Option<(f64, Interval)>) {
+    let simulator = Simulator::new(full);
+    let observed = tally(full, &full.frame.rows);
+    // The streams after those of the calibration.
+    let first = u64::from(u32::MAX);
+    let simulate = |study: usize| tally(full, &simulator.ratings(seed, first + study as u64));
+    let studies: Vec<Tally> = (0..STUDIES).into_par_iter().map(simulate).collect();
+    let middle = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        let at = |share: f64| values[((share * values.len() as f64) as usize).min(values.len() - 1)];
+        Interval { low: at(0.025), high: at(0.975) }
+    };
+    let mut proportions = Vec::new();
+    for (index, factor) in full.frame.counts.factors.iter().enumerate() {
+        for (level, name) in factor.levels.iter().enumerate() {
+            let n: f64 = observed.levels[index][level].iter().sum();
+            if n == 0.0 {
+                continue;
+            }
+            for (category, label) in full.frame.categories.iter().enumerate() {
+                let values: Vec<f64> = studies.iter().map(|study| study.levels[index][level][category] / n).collect();
+                proportions.push(Proportion {
+                    factor: factor.name.clone(),
+                    level: name.clone(),
+                    category: label.clone(),
+                    observed: observed.levels[index][level][category] / n,
+                    expected: values.iter().sum::<f64>() / values.len() as f64,
+                    range: middle(values),
+                });
+            }
+        }
+    }
+    let spread = (full.frame.subjects.len() > 1)
+        .then(|| (observed.spread, middle(studies.iter().map(|study| study.spread).collect())));
+    (proportions, spread)
+}
+
+fn influence(full: &Fitted, contrasts: &[Contrast]) -> Vec<Influence> {
+    let people = full.frame.subjects.len();
+    if !(3..=MAX_LEFT_OUT).contains(&people) || contrasts.is_empty() {
+        return Vec::new();
+    }
+    let counts = full.frame.counts;
+    let without = |subject: usize| {
+        let own = full.frame.subjects[subject].clone();
+        let mut rest = counts.clone();
+        rest.rows.retain(|row| counts.subjects[row.subject as usize] != own);
+        let spec = ModelSpec { max_coefficients: usize::MAX, ..full.spec.clone() };
+        let model = fit_counts(&rest, &spec, false).ok().map(|fitted| super::estimates::report(&fitted));
+        let estimate = |contrast: &Contrast| {
+            let model = model.as_ref()?;
+            let find = |level: &str| {
+                let name = format!("{}{level}", contrast.factor);
+                model.coefficients.iter().position(|c| c.term == contrast.factor && c.name == name)
+            };
+            let known = model.coefficients.iter().any(|c| c.term == contrast.factor);
+            known.then(|| difference(model, [find(&contrast.level), find(&contrast.other)]).0)
+        };
+        Influence { subject: own, estimates: contrasts.iter().map(estimate).collect() }
+    };
+    (0..people).into_par_iter().map(without).collect()
+}

@@ -1,0 +1,230 @@
+//! Estimated marginal means of a model, and comparisons of levels: each is a mean over the cells of the other factors in
+//! which all compared levels were rated, so that unequal numbers of ratings do not matter.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+
+use super::{
+    clm::category_bounds,
+    estimates::{category_numbers, mean_gradient},
+    fitting::Fitted,
+    model::Model,
+    random::is_within,
+    terms::{Term, Variable},
+};
+use crate::analysis::{
+    counts::Counts,
+    interval::{Interval, t_quantile},
+    rank_tests::holm,
+};
+
+/// The model's expected rating at a level of a factor, for a participant whose random effects are 0.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Margin {
+    pub factor: String,
+    pub level: String,
+    /// Mean over the cells of the other factors.
+    pub mean: f64,
+    /// The 95 % interval, which stays on the scale.
+    pub interval: Option<Interval>,
+}
+
+/// The difference between two levels of a factor on the scale of the link, at a level of another factor or over all.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    pub factor: String,
+    pub level: String,
+    pub other: String,
+    /// The other factor and its level, if the difference depends on it.
+    pub at: Option<(String, String)>,
+    /// How much higher `level` is rated than `other`.
+    pub estimate: f64,
+    /// The 95 % interval with a t quantile; not corrected for the number of comparisons.
+    pub interval: Option<Interval>,
+    /// Two-sided probability from the t distribution.
+    pub p: Option<f64>,
+    /// The probability corrected for all comparisons of this factor (Holm).
+    pub p_holm: Option<f64>,
+}
+
+/// Maximum number of comparisons of a factor; more would not be read.
+const MAX_COMPARISONS: usize = 120;
+
+/// How the standard errors of a fit are widened: those of maximum likelihood are too small with few participants.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Widening {
+    /// Degrees of freedom of the t distribution; infinite without random effects.
+    pub df: f64,
+    /// Factor of the standard errors.
+    pub factor: f64,
+}
+
+impl Widening {
+    /// Returns the widening for a quantity that varies between `people` participants, of whose means `estimated` are
+    /// estimated: as in a normal sample of participants, whose variance is divided by n instead of n minus `estimated`.
+    pub fn new(fitted: &Fitted, estimated: usize) -> Self {
+        let people = fitted.frame.subjects.len() as f64;
+        let df = people - estimated as f64;
+        if fitted.mixed.is_none() || df < 1.0 {
+            return Self { df: f64::INFINITY, factor: 1.0 };
+        }
+        Self { df, factor: (people / df).sqrt() }
+    }
+
+    /// Returns the number of standard errors to either end of a 95 % interval.
+    pub fn reach(self) -> f64 {
+        self.factor * if self.df.is_finite() { t_quantile(self.df) } else { crate::light::random::Z_95 }
+    }
+
+    fn probability(self, z: f64) -> f64 {
+        use statrs::distribution::{ContinuousCDF as _, StudentsT};
+        let t = z.abs() / self.factor;
+        match StudentsT::new(0.0, 1.0, self.df) {
+            Ok(distribution) if self.df.is_finite() => 2.0 * distribution.cdf(-t),
+            _ => super::estimates::two_sided(t),
+        }
+    }
+}
+
+/// Returns the interval of a mean rating on the logit of its place between the ends of the scale, so that it stays
+/// there.
+pub(super) fn on_the_scale(mean: f64, se: f64, reach: f64, values: &[f64]) -> Option<Interval> {
+    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    let span = high - low;
+    let share = (mean - low) / span;
+    let half = reach * se / (span * share * (1.0 - share));
+    let end = |sign: f64| low + span / (1.0 + (-(share / (1.0 - share)).ln() - sign * half).exp());
+    half.is_finite().then(|| Interval { low: end(-1.0), high: end(1.0) })
+}
+
+/// The rows of the design at one combination of levels, one for each cell of the other factors.
+struct Cells {
+    conditions: Vec<u32>,
+}
+
+/// Returns, for each combination of the levels of some factors, the conditions in those cells of the other factors that
+/// were rated in every combination; none if there is no such cell.
+fn matched(fitted: &Fitted, factors: &[usize]) -> Option<BTreeMap<Vec<u32>, Cells>> {
+    let counts: &Counts = fitted.frame.counts;
+    let mut by_cell: BTreeMap<Vec<Option<u32>>, BTreeMap<Vec<u32>, u32>> = BTreeMap::new();
+    for condition in fitted.frame.conditions() {
+        let levels = &counts.conditions[condition as usize];
+        let Some(own) = factors.iter().map(|&factor| levels[factor]).collect::<Option<Vec<u32>>>() else { continue };
+        let other = (0..levels.len()).filter(|factor| !factors.contains(factor)).map(|factor| levels[factor]).collect();
+        by_cell.entry(other).or_default().insert(own, condition);
+    }
+    let all: BTreeSet<&Vec<u32>> = by_cell.values().flat_map(BTreeMap::keys).collect();
+    let whole: Vec<_> = by_cell.values().filter(|cell| cell.len() == all.len()).collect();
+    let conditions = |own: &Vec<u32>| Cells { conditions: whole.iter().map(|cell| cell[own]).collect() };
+    (!whole.is_empty()).then(|| all.iter().map(|own| ((*own).clone(), conditions(own))).collect())
+}
+
+/// Returns the estimated marginal means of every factor that varies in the model.
+pub(super) fn margins(fitted: &Fitted, model: &Model) -> Vec<Margin> {
+    let values = category_numbers(model);
+    let mut margins = Vec::new();
+    for factor in factors(fitted) {
+        let Some(levels) = matched(fitted, &[factor]) else { continue };
+        let between = usize::from(!is_within(&fitted.frame, factor)) * (levels.len() - 1);
+        let reach = Widening::new(fitted, 1 + between).reach();
+        let description = &fitted.frame.counts.factors[factor];
+        for (level, Cells { conditions }) in levels {
+            let (x, z) = (fitted.x.matrix(&conditions), fitted.scale.matrix(&conditions));
+            let (mut mean, mut gradient) = (0.0, DVector::zeros(model.thresholds.len() + x.ncols() + z.ncols()));
+            for row in 0..conditions.len() {
+                let [x, z] = [&x, &z].map(|matrix| matrix.row(row).iter().copied().collect::<Vec<f64>>());
+                let (bounds, scale) = model.bounds(&x, &z);
+                let category = |category: usize| {
+                    let (a, b) = category_bounds(&bounds, category);
+                    model.link.between(a, b) * values[category]
+                };
+                mean += (0..values.len()).map(category).sum::<f64>() / conditions.len() as f64;
+                gradient += mean_gradient(model, &values, &bounds, scale, &x, &z) / conditions.len() as f64;
+            }
+            let variance = model.covariance.view((0, 0), (gradient.len(), gradient.len())) * &gradient;
+            let interval = on_the_scale(mean, gradient.dot(&variance).sqrt(), reach, &values);
+            let level = description.levels[level[0] as usize].clone();
+            margins.push(Margin { factor: description.name.clone(), level, mean, interval });
+        }
+    }
+    margins
+}
+
+/// Returns the indices of the factors that the model uses as factors or numbers and that vary.
+fn factors(fitted: &Fitted) -> BTreeSet<usize> {
+    let variables = fitted.spec.terms.iter().flat_map(|term| &term.variables);
+    let index = |variable: &Variable| crate::analysis::frame::find_factor(fitted.frame.counts, variable).ok();
+    variables.filter_map(index).map(|(factor, _)| factor).filter(|f| fitted.frame.levels(*f).len() > 1).collect()
+}
+
+/// Returns the comparisons of all pairs of levels: of each factor whose effect is the same everywhere, and, for each
+/// interaction of two factors, of each factor at each level of the other (simple effects).
+pub(super) fn comparisons(fitted: &Fitted, model: &Model) -> Vec<Comparison> {
+    let terms = &fitted.spec.terms;
+    let is_factor = |term: &&Term| term.variables.iter().all(|variable| matches!(variable, Variable::Factor(_)));
+    let mut all = Vec::new();
+    for term in terms.iter().filter(is_factor).filter(|term| !terms.is_marginal(term)) {
+        match &term.variables[..] {
+            [factor] => all.extend(compare(fitted, model, factor, None)),
+            [first, second] => {
+                all.extend(compare(fitted, model, first, Some(second)));
+                all.extend(compare(fitted, model, second, Some(first)));
+            }
+            _ => {}
+        }
+    }
+    all
+}
+
+fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variable>) -> Vec<Comparison> {
+    let counts = fitted.frame.counts;
+    let index = |variable: &Variable| counts.factor(variable.name()).map(|(index, _)| index);
+    let (Some(own), other) = (index(factor), at.and_then(index)) else { return Vec::new() };
+    let Some(cells) = matched(fitted, &[own].into_iter().chain(other).collect::<Vec<_>>()) else { return Vec::new() };
+    let levels = fitted.frame.levels(own);
+    let strata = other.map_or_else(|| vec![None], |other| fitted.frame.levels(other).into_iter().map(Some).collect());
+    let pairs = levels.len() * (levels.len() - 1) / 2 * strata.len();
+    if pairs > MAX_COMPARISONS {
+        return Vec::new();
+    }
+    let between = usize::from(!is_within(&fitted.frame, own)) * (levels.len() - 1);
+    let widening = Widening::new(fitted, 1 + between);
+    let row = |level: u32, stratum: Option<u32>| -> Option<DVector<f64>> {
+        let Cells { conditions } = cells.get(&[level].into_iter().chain(stratum).collect::<Vec<_>>())?;
+        Some(fitted.x.matrix(conditions).row_mean().transpose())
+    };
+    let coefficients = DVector::from_iterator(fitted.x.columns.len(), model.coefficients.iter().map(|c| c.estimate));
+    let first = model.thresholds.len();
+    let size = coefficients.len();
+    let covariance: DMatrix<f64> = model.covariance.view((first, first), (size, size)).into_owned();
+    let mut comparisons = Vec::new();
+    for stratum in strata {
+        for (place, &level) in levels.iter().enumerate() {
+            for &lower in &levels[..place] {
+                let Some(difference) = row(level, stratum).zip(row(lower, stratum)).map(|(a, b)| a - b) else { continue };
+                let estimate = super::estimates::dot_ignoring_zero_weights(difference.iter(), coefficients.iter());
+                let used: Vec<usize> = (0..size).filter(|&i| difference[i].abs() > 1e-12).collect();
+                let pairs = used.iter().flat_map(|i| used.iter().map(move |j| (*i, *j)));
+                let se = pairs.map(|(i, j)| difference[i] * difference[j] * covariance[(i, j)]).sum::<f64>().sqrt();
+                let se = Some(se).filter(|se| se.is_finite() && *se > 0.0);
+                let name = |factor: usize, level: u32| counts.factors[factor].levels[level as usize].clone();
+                comparisons.push(Comparison {
+                    factor: factor.name().to_owned(),
+                    level: name(own, level),
+                    other: name(own, lower),
+                    at: other.zip(stratum).map(|(other, stratum)| (counts.factors[other].name.clone(), name(other, stratum))),
+                    estimate,
+                    interval: Interval::around(estimate, se, widening.reach()),
+                    p: se.map(|se| widening.probability(estimate / se)),
+                    p_holm: None,
+                });
+            }
+        }
+    }
+    let tested: Vec<usize> = (0..comparisons.len()).filter(|&index| comparisons[index].p.is_some()).collect();
+    let corrected = holm(&tested.iter().filter_map(|&index| comparisons[index].p).collect::<Vec<_>>());
+    tested.into_iter().zip(corrected).for_each(|(index, p)| comparisons[index].p_holm = Some(p));
+    comparisons
+}

@@ -1,0 +1,125 @@
+//! Profile-likelihood intervals: the values at which the likelihood ratio against the best value stays below a limit,
+//! with all other parameters at their best values for that value.
+
+use statrs::distribution::{ChiSquared, ContinuousCDF as _};
+
+use super::{
+    design::Design,
+    fitting::{Fitted, How, fit_terms},
+    likelihood_ratios::comparable,
+};
+use crate::analysis::interval::Interval;
+
+/// Coverage of all intervals of a model.
+pub(super) const LEVEL: f64 = 0.95;
+/// A value this far from the estimate on the scale of the link is as good as infinite.
+const FAR: f64 = 40.0;
+
+/// A quantity whose profile is computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Quantity {
+    /// The coefficient of a column minus that of another; `None` is the baseline, whose coefficient is 0.
+    Difference(Option<usize>, Option<usize>),
+    /// The standard deviation of a component of independent random effects.
+    Deviation(usize),
+}
+
+/// Returns the upper 5 % point of the χ² distribution.
+pub(super) fn chi_squared_limit(df: usize) -> f64 {
+    ChiSquared::new(df as f64).map_or(f64::NAN, |distribution| distribution.inverse_cdf(LEVEL))
+}
+
+/// Returns the interval of a quantity. `limits` are the largest likelihood ratios below and above the estimate; `se` is
+/// where the search begins. An end is infinite if no finite value is excluded. `None` if the profile cannot be computed.
+pub(super) fn interval(full: &Fitted, quantity: Quantity, estimate: f64, se: f64, limits: [f64; 2]) -> Option<Interval> {
+    let ratio = |value: f64| {
+        let fitted = hold(full, quantity, value)?;
+        comparable(full, &fitted).then(|| 2.0 * (full.loglik() - fitted.loglik()))
+    };
+    let [low, high] = [(-1.0, limits[0]), (1.0, limits[1])].map(|(direction, limit)| {
+        let least = if matches!(quantity, Quantity::Deviation(_)) { Some(0.0) } else { None };
+        end(&ratio, estimate, direction * se, limit, least)
+    });
+    Some(Interval { low: low?, high: high? })
+}
+
+/// Finds the value in the direction of `step` at which the ratio reaches the limit, or `least` if that value does not
+/// reach it. The root of the ratio is almost linear, so its inverse is interpolated.
+fn end(
+    ratio: &impl Fn(f64) -> Option<f64>,
+    estimate: f64,
+    step: f64,
+    limit: f64,
+    least: Option<f64>,
+) -> Option<f64> {
+    let wanted = limit.sqrt();
+    let bounded = |distance: f64| {
+        let value = estimate + step.signum() * distance;
+        least.map_or(value, |least| value.max(least))
+    };
+    if let Some(least) = least.filter(|_| step < 0.0)
+        && (estimate <= least || ratio(least)? <= limit)
+    {
+        return Some(least);
+    }
+    // The nearest distances known to be inside and outside, with the roots of their ratios.
+    let (mut inside, mut outside) = ((0.0, 0.0), None::<(f64, f64)>);
+    let mut distance = step.abs() * wanted;
+    for _ in 0..25 {
+        let value = bounded(distance);
+        let distance_now = (value - estimate).abs();
+        let root = ratio(value)?.max(0.0).sqrt();
+        if (root - wanted).abs() < 2e-3 * wanted {
+            return Some(value);
+        }
+        if root < wanted {
+            inside = (distance_now, root);
+        } else {
+            outside = Some((distance_now, root));
+        }
+        if distance_now > FAR && outside.is_none() {
+            return Some(step.signum() * f64::INFINITY);
+        }
+        distance = match outside {
+            Some((far, far_root)) => {
+                let share = (wanted - inside.1) / (far_root - inside.1);
+                inside.0 + (far - inside.0) * share.clamp(0.05, 0.95)
+            }
+            // Extrapolate, but not more than threefold.
+            None => distance_now * (wanted / root.max(1e-3)).clamp(1.2, 3.0),
+        };
+    }
+    Some(bounded(distance))
+}
+
+/// Fits the model with a given value of a quantity.
+fn hold<'a>(full: &Fitted<'a>, quantity: Quantity, value: f64) -> Option<Fitted<'a>> {
+    let x: Design;
+    let mut how = How { random: Some(&full.random), near: full.mixed.as_ref(), x: Some(&full.x), ..How::default() };
+    match quantity {
+        Quantity::Difference(Some(a), Some(b)) => x = full.x.joined(a, b).held(&[(a, value)]),
+        Quantity::Difference(Some(a), None) => x = full.x.held(&[(a, value)]),
+        Quantity::Difference(None, Some(b)) => x = full.x.held(&[(b, -value)]),
+        Quantity::Difference(None, None) => return None,
+        Quantity::Deviation(parameter) => {
+            how.held = Some((parameter, value));
+            x = full.x.clone();
+        }
+    }
+    how.x = Some(&x);
+    fit_terms(full.frame.clone(), full.spec.clone(), Vec::new(), how).ok()
+}
+
+/// Returns the limits for the profile of a standard deviation: those that are exact if the deviations of `all` effects
+/// are known, of which `df` are free. With few participants, an estimate is too small on average, so the interval
+/// reaches further up than down.
+pub(super) fn deviation_limits(all: f64, df: f64) -> [f64; 2] {
+    let Ok(distribution) = ChiSquared::new(df.max(1.0)) else { return [chi_squared_limit(1); 2] };
+    let ratio = |tail: f64| {
+        let share = distribution.inverse_cdf(tail) / all;
+        (share, all * (share - 1.0 - share.ln()))
+    };
+    let (upper, lower) = (ratio(1.0 - (1.0 - LEVEL) / 2.0), ratio((1.0 - LEVEL) / 2.0));
+    // An estimate that is usually too small excludes smaller values easily.
+    [if upper.0 > 1.0 { upper.1 } else { 0.0 }, lower.1]
+}

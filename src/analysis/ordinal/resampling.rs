@@ -1,0 +1,226 @@
+//! The parametric bootstrap: the distribution of likelihood ratios over studies that the fitted model would give.
+//!
+//! With few participants, a likelihood ratio does not have a χ² distribution. Studies are therefore simulated from the
+//! fitted model with the same participants, conditions and numbers of ratings, and in each one the ratio is computed at
+//! the coefficients that generated it. The same distribution calibrates the test of a term and the profile intervals of
+//! its coefficients (Davison & Hinkley 1997, Bootstrap Methods and their Application, ch. 4 and 5; Halekoh & Højsgaard
+//! 2014, J. Stat. Softw. 59(9), for mixed models). Random numbers come from ChaCha8 with one stream per simulated study.
+
+use std::collections::BTreeMap;
+
+use nalgebra::DVector;
+use rand::RngExt;
+use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
+use rand_distr::{Binomial, Distribution, StandardNormal};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{
+    design::Design,
+    estimates::finite_estimates,
+    fitting::{Fitted, How, Layout, fit_terms, layout},
+    likelihood_ratios::{comparable, nominal_test, scale_test},
+    link::Link,
+    terms::Term,
+};
+use crate::analysis::{counts::CountRow, frame::Frame};
+
+/// Settings of the parametric bootstrap. The same settings give the same results on every machine.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Resampling {
+    /// Number of simulated studies. With 19, 39, …, 199, 999, a test at the level 0.05 is exact if the distribution of
+    /// the ratio does not depend on the parameters.
+    pub draws: usize,
+    /// Seed of the random number generator.
+    pub seed: u64,
+}
+
+impl Default for Resampling {
+    fn default() -> Self {
+        Self { draws: 999, seed: 1 }
+    }
+}
+
+/// What to compute in each simulated study.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Statistics<'a> {
+    /// Terms whose coefficients are tested.
+    pub terms: Vec<&'a Term>,
+    /// Terms whose proportional odds are tested.
+    pub nominal: Vec<&'a Term>,
+    /// Terms whose effect on the spread is tested.
+    pub scale: Vec<&'a Term>,
+}
+
+/// The ratios in the simulated studies, for each term; not finite where a study allows no fit.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Ratios {
+    pub terms: Vec<Vec<f64>>,
+    pub nominal: Vec<Vec<f64>>,
+    pub scale: Vec<Vec<f64>>,
+}
+
+/// A simulated distribution is used only if at least this share of the studies allowed a fit.
+const ENOUGH: f64 = 0.9;
+
+/// Returns the probability of a ratio at least as large as `observed`, and the number of simulated ratios. `None` if too
+/// few studies allowed a fit.
+pub(super) fn probability(ratios: &[f64], observed: f64) -> Option<(f64, usize)> {
+    let finite = || ratios.iter().filter(|ratio| ratio.is_finite());
+    let (number, larger) = (finite().count(), finite().filter(|ratio| **ratio >= observed - 1e-9).count());
+    let enough = number > 0 && number as f64 >= ENOUGH * ratios.len() as f64;
+    enough.then(|| ((1 + larger) as f64 / (1 + number) as f64, number))
+}
+
+/// Returns the ratio that a share of the simulated ratios does not exceed, or `None` if too few studies allowed a fit.
+pub(super) fn quantile(ratios: &[f64], share: f64) -> Option<f64> {
+    let mut finite: Vec<f64> = ratios.iter().copied().filter(|ratio| ratio.is_finite()).collect();
+    if finite.is_empty() || (finite.len() as f64) < ENOUGH * ratios.len() as f64 {
+        return None;
+    }
+    finite.sort_by(f64::total_cmp);
+    let rank = (share * (finite.len() + 1) as f64).ceil() as usize;
+    finite.get(rank.clamp(1, finite.len()) - 1).copied()
+}
+
+/// Simulates studies from a fit and computes the ratios in each. `progress` is called after each study.
+pub(super) fn simulate(full: &Fitted, what: &Statistics, settings: Resampling, progress: &(dyn Fn() + Sync)) -> Ratios {
+    let simulator = Simulator::new(full);
+    let held: Vec<Design> = what.terms.iter().map(|term| full.x.held(&own_coefficients(full, term))).collect();
+    let of_study = |study: usize| {
+        let frame = simulator.study(settings.seed, study as u64);
+        let ratios = frame.map(|frame| ratios(full, frame, &held, what));
+        progress();
+        ratios.unwrap_or_else(|| [&what.terms, &what.nominal, &what.scale].map(|terms| vec![f64::NAN; terms.len()]))
+    };
+    let studies: Vec<[Vec<f64>; 3]> = (0..settings.draws).into_par_iter().map(of_study).collect();
+    let collect = |kind: usize, terms: usize| -> Vec<Vec<f64>> {
+        (0..terms).map(|term| studies.iter().map(|ratios| ratios[kind][term]).collect()).collect()
+    };
+    Ratios {
+        terms: collect(0, what.terms.len()),
+        nominal: collect(1, what.nominal.len()),
+        scale: collect(2, what.scale.len()),
+    }
+}
+
+/// Returns the indices of a term's columns and their coefficients.
+pub(super) fn own_coefficients(full: &Fitted, term: &Term) -> Vec<(usize, f64)> {
+    let name = term.to_string();
+    let estimates = finite_estimates(full);
+    let thresholds = full.frame.categories.len() - 1;
+    let own = (0..full.x.columns.len()).filter(|&column| full.term_name(&full.x, column) == name);
+    own.map(|column| (column, estimates[thresholds + column])).collect()
+}
+
+fn ratios(full: &Fitted, frame: Frame, held: &[Design], what: &Statistics) -> [Vec<f64>; 3] {
+    let how = How { random: Some(&full.random), x: Some(&full.x), near: full.mixed.as_ref(), ..How::default() };
+    let none = [&what.terms, &what.nominal, &what.scale].map(|terms| vec![f64::NAN; terms.len()]);
+    // Without terms to test, the random effects are not needed.
+    let mut spec = full.spec.clone();
+    if held.is_empty() {
+        spec.random = super::model::Random::None;
+    }
+    let Ok(free) = fit_terms(frame, spec, Vec::new(), how) else { return none };
+    let fixed = |x: &Design| {
+        let near = free.mixed.as_ref().or(full.mixed.as_ref());
+        let how = How { x: Some(x), near, ..how };
+        let fixed = fit_terms(free.frame.clone(), free.spec.clone(), Vec::new(), how).ok()?;
+        comparable(&free, &fixed).then(|| (2.0 * (free.loglik() - fixed.loglik())).max(0.0))
+    };
+    let or_nan = |ratio: Option<f64>| ratio.unwrap_or(f64::NAN);
+    [
+        held.iter().map(|x| or_nan(fixed(x))).collect(),
+        what.nominal.iter().map(|term| or_nan(nominal_test(&free, term).ok().and_then(|test| test.lr))).collect(),
+        what.scale.iter().map(|term| or_nan(scale_test(&free, term).ok().and_then(|test| test.lr))).collect(),
+    ]
+}
+
+/// A fitted model, laid out to simulate ratings.
+pub(super) struct Simulator<'a> {
+    frame: &'a Frame<'a>,
+    link: Link,
+    thresholds: Vec<f64>,
+    /// The location of each condition for a participant whose effects are 0.
+    location: BTreeMap<u32, f64>,
+    /// The effects that matter in each condition, with their weights.
+    weights: BTreeMap<u32, Vec<(usize, f64)>>,
+    effects: usize,
+}
+
+impl<'a> Simulator<'a> {
+    pub fn new(fitted: &'a Fitted<'a>) -> Self {
+        let Layout { data, row_of } = layout(fitted);
+        let parameters = match &fitted.mixed {
+            Some(mixed) => mixed.parameters.clone(),
+            None => fitted.clm.parameters.clone().resize_vertically(data.parameters(), 0.0),
+        };
+        let location = data.location(&parameters);
+        let weights = data.weights(&parameters);
+        let slots = data.loadings.slots_per_row();
+        let effects_of = |row: usize| {
+            let own = &weights[row * slots..(row + 1) * slots];
+            data.loadings.slots(row).iter().copied().zip(own.iter().copied()).collect()
+        };
+        Self {
+            frame: &fitted.frame,
+            link: fitted.spec.link,
+            thresholds: parameters.as_slice()[..data.thresholds()].to_vec(),
+            location: row_of.iter().map(|(condition, row)| (*condition, location[*row])).collect(),
+            weights: row_of.iter().map(|(condition, row)| (*condition, effects_of(*row))).collect(),
+            effects: data.loadings.effects(),
+        }
+    }
+
+    /// Simulates a study with the same participants, conditions and numbers of ratings. `None` if all ratings are the
+    /// same.
+    pub fn study(&self, seed: u64, study: u64) -> Option<Frame<'a>> {
+        let rows = self.ratings(seed, study);
+        self.frame.with_ratings(rows)
+    }
+
+    /// Simulates the ratings of a study, with the categories numbered as in the frame.
+    pub fn ratings(&self, seed: u64, study: u64) -> Vec<CountRow> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(study);
+        let mut rows = Vec::with_capacity(self.frame.rows.len());
+        let mut u = DVector::zeros(self.effects);
+        for of_subject in self.frame.rows.chunk_by(|l, r| l.subject == r.subject) {
+            u.iter_mut().for_each(|u: &mut f64| *u = StandardNormal.sample(&mut rng));
+            for cell in of_subject.chunk_by(|l, r| l.condition == r.condition) {
+                let condition = cell[0].condition;
+                let effect: f64 = self.weights[&condition].iter().map(|(effect, weight)| weight * u[*effect]).sum();
+                let location = self.location[&condition] + effect;
+                let n = cell.iter().map(|row| row.count).sum();
+                let counts = self.categories(n, location, &mut rng);
+                let given = (0..).zip(counts).filter(|(_, count)| *count > 0);
+                rows.extend(given.map(|(rating, count)| CountRow { rating, count, ..cell[0] }));
+            }
+        }
+        rows
+    }
+
+    /// Draws the number of ratings in each category.
+    fn categories(&self, n: u64, location: f64, rng: &mut ChaCha8Rng) -> Vec<u64> {
+        const ONE_BY_ONE: u64 = 16;
+        let below = |j: usize| self.link.cdf(self.thresholds[j] - location);
+        let categories = self.thresholds.len() + 1;
+        let mut counts = vec![0; categories];
+        if n <= ONE_BY_ONE {
+            for _ in 0..n {
+                let uniform: f64 = rng.random();
+                counts[(0..categories - 1).take_while(|&j| uniform >= below(j)).count()] += 1;
+            }
+            return counts;
+        }
+        let (mut left, mut before) = (n, 0.0);
+        for j in 0..categories - 1 {
+            let share = ((below(j) - before) / (1.0 - before)).clamp(0.0, 1.0);
+            counts[j] = Binomial::new(left, share).map_or(0, |binomial| binomial.sample(rng));
+            left -= counts[j];
+            before = below(j);
+        }
+        counts[categories - 1] = left;
+        counts
+    }
+}
