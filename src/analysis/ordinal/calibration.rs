@@ -10,14 +10,12 @@ use super::{
     likelihood_ratios::{ModelReport, TermTest, report_with_tests, scale_terms, scale_test},
     model::{Contrast, ModelError, ModelSpec, RandomEffect},
     profile::{self, Quantity, chi_squared_limit},
-    random::is_within,
     resampling::{Ratios, Resampling, Statistics, quantile, simulate},
-    terms::{Term, Variable},
+    terms::Term,
 };
 use crate::analysis::{
     interval::Interval,
     counts::Counts,
-    frame::{Frame, find_factor},
     rank_tests::holm,
 };
 
@@ -117,7 +115,7 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut [f64], 
         let df = report.terms.iter().find(|test| test.term == term.to_string()).map_or(1, |test| test.df);
         // The distribution of a ratio with several degrees of freedom differs from χ² by about the same factor.
         if let Some(simulated) = quantile(&of_terms[place], profile::LEVEL) {
-            *limit *= (simulated / chi_squared_limit(df)).max(1.0);
+            *limit *= simulated / chi_squared_limit(df);
         }
     }
 }
@@ -125,15 +123,7 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut [f64], 
 /// Returns whether the ratio of a term does not have a χ² distribution with this number of participants.
 fn needs_simulation(full: &Fitted, term: &Term) -> bool {
     let people = full.frame.subjects.len();
-    people < FEW_FOR_LIKELIHOOD_RATIOS || (people < FEW_BETWEEN && is_between(&full.frame, term))
-}
-
-/// Returns whether a variable of a term does not vary within participants.
-fn is_between(frame: &Frame, term: &Term) -> bool {
-    let between = |variable: &Variable| {
-        find_factor(frame.counts, variable).is_ok_and(|(factor, _)| !is_within(frame, factor))
-    };
-    term.variables.iter().any(between)
+    people < FEW_FOR_LIKELIHOOD_RATIOS || (people < FEW_BETWEEN && full.is_between(term))
 }
 
 /// Corrects the probabilities of several tests of the same kind by Holm's method.
@@ -163,8 +153,7 @@ fn profile_deviations(full: &Fitted, random: &mut RandomEffect) {
         return;
     }
     let people = full.frame.subjects.len();
-    let terms: Vec<&Term> = full.spec.terms.iter().collect();
-    let between = full.x.columns.iter().filter(|column| is_between(&full.frame, terms[column.term])).count();
+    let between = full.between_columns();
     let interval = |component: usize, sd: f64, se: Option<f64>| {
         let (all, df) = full.random.degrees(component, people, between);
         let se = se.unwrap_or(0.3 / full.random.components[component].unit);

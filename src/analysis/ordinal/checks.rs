@@ -136,7 +136,7 @@ fn tally(full: &Fitted, rows: &[CountRow]) -> Tally {
 }
 
 fn predictive(full: &Fitted, seed: u64) -> (Vec<Proportion>, Option<(f64, Interval)>) {
-    let simulator = Simulator::new(full);
+    let simulator = Simulator::new(full, false);
     let observed = tally(full, &full.frame.rows);
     // The streams after those of the calibration.
     let first = u64::from(u32::MAX);

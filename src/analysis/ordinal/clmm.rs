@@ -367,6 +367,29 @@ impl ClmmData {
         self.subjects.iter().zip(modes).map(of_subject).collect()
     }
 
+    /// Returns, for each standard deviation of independent effects, the mean sampling variance of an effect: how
+    /// uncertain it would be if only its own ratings were known.
+    pub fn sampling_variances(&self, parameters: &DVector<f64>, modes: &Modes) -> Vec<f64> {
+        let (location, weights) = (self.location(parameters), self.weights(parameters));
+        let thresholds = &parameters.as_slice()[..self.thresholds()];
+        let mut sums = vec![(0.0, 0.0); self.loadings.parameters()];
+        for (range, u) in self.subjects.iter().zip(modes) {
+            let subject = self.subject(range, thresholds, &location, &weights);
+            let mut information = vec![(0, 0.0); self.loadings.effects()];
+            for sums in subject.at(u).rows {
+                for entry in self.loadings.entries(sums.row) {
+                    let own = &mut information[self.loadings.slots(sums.row)[entry.slot]];
+                    *own = (entry.parameter, own.1 - sums.g2 * entry.value * entry.value);
+                }
+            }
+            for (parameter, information) in information.into_iter().filter(|(_, information)| *information > 0.0) {
+                sums[parameter].0 += 1.0;
+                sums[parameter].1 += information.recip();
+            }
+        }
+        sums.into_iter().map(|(n, sum)| if n > 0.0 { sum / n } else { 0.0 }).collect()
+    }
+
     /// Returns approximate information to begin a search: the curvature of the integrand profiled over the modes. For
     /// ψ, the diagonal includes the curvature of the log determinant, which is what keeps a standard deviation away
     /// from 0.

@@ -10,11 +10,14 @@ use super::{
     design::{Design, Standard, check_size},
     link::Link,
     model::{ModelError, ModelSpec, Note, Random, Slopes},
-    random::{Loadings, RandomPart},
+    random::{Loadings, RandomPart, is_within},
     search::{self, MixedFit, Settings},
-    terms::{Terms, Variable},
+    terms::{Term, Terms, Variable},
 };
-use crate::analysis::{counts::Counts, frame::Frame};
+use crate::analysis::{
+    counts::Counts,
+    frame::{Frame, find_factor},
+};
 
 /// Everything about a fit that the tests need.
 pub(crate) struct Fitted<'a> {
@@ -240,6 +243,20 @@ impl Fitted<'_> {
     /// Returns the log-likelihood that the tests compare.
     pub fn loglik(&self) -> f64 {
         self.mixed.as_ref().map_or(self.clm.loglik, |mixed| mixed.loglik)
+    }
+
+    /// Returns whether a variable of a term does not vary within participants.
+    pub fn is_between(&self, term: &Term) -> bool {
+        let between = |variable: &Variable| {
+            find_factor(self.frame.counts, variable).is_ok_and(|(factor, _)| !is_within(&self.frame, factor))
+        };
+        term.variables.iter().any(between)
+    }
+
+    /// Returns the number of coefficients of terms that do not vary within participants.
+    pub fn between_columns(&self) -> usize {
+        let between: Vec<bool> = self.spec.terms.iter().map(|term| self.is_between(term)).collect();
+        self.x.columns.iter().filter(|column| between.get(column.term) == Some(&true)).count()
     }
 
     /// Returns the number of estimated parameters.

@@ -18,9 +18,11 @@ use serde::Serialize;
 use super::{
     design::Design,
     estimates::finite_estimates,
+    clmm::ClmmData,
     fitting::{Fitted, How, Layout, fit_terms, layout},
     likelihood_ratios::{comparable, nominal_test, scale_test},
     link::Link,
+    search::MixedFit,
     terms::Term,
 };
 use crate::analysis::{counts::CountRow, frame::Frame};
@@ -85,7 +87,7 @@ pub(super) fn quantile(ratios: &[f64], share: f64) -> Option<f64> {
 
 /// Simulates studies from a fit and computes the ratios in each. `progress` is called after each study.
 pub(super) fn simulate(full: &Fitted, what: &Statistics, settings: Resampling, progress: &(dyn Fn() + Sync)) -> Ratios {
-    let simulator = Simulator::new(full);
+    let simulator = Simulator::new(full, true);
     let held: Vec<Design> = what.terms.iter().map(|term| full.x.held(&own_coefficients(full, term))).collect();
     let of_study = |study: usize| {
         let frame = simulator.study(settings.seed, study as u64);
@@ -136,6 +138,27 @@ fn ratios(full: &Fitted, frame: Frame, held: &[Design], what: &Statistics) -> [V
     ]
 }
 
+/// Corrects the standard deviations of independent effects for the means over participants that are estimated, as
+/// restricted maximum likelihood does: with n participants, the estimated variance of an effect and its sampling variance
+/// together are too small by the factor (n − p)/n. Otherwise, a deviation that is 0 by chance would make simulated
+/// studies less variable than real ones.
+fn correct_deviations(fitted: &Fitted, data: &ClmmData, mixed: &MixedFit, parameters: &mut DVector<f64>) {
+    if fitted.random.correlated {
+        return;
+    }
+    let between = fitted.between_columns();
+    let mode: u8 = std::env::var("MB_CORR").ok().and_then(|v| v.parse().ok()).unwrap_or(2);
+    let sampling = data.sampling_variances(&mixed.parameters, &mixed.modes);
+    for (component, sampling) in sampling.into_iter().enumerate() {
+        let (all, free) = fitted.random.degrees(component, fitted.frame.subjects.len(), between);
+        let deviation = &mut parameters[data.first_psi() + component];
+        let variance = *deviation * *deviation;
+        let free = if mode == 4 { (free - 2.0 / 3.0).max(0.5) } else { free.max(1.0) };
+        let noise = match (mode, component) { (0, _) => continue, (1, _) => 0.0, (2 | 4, _) => sampling, (3, 0) if between > 0 => sampling, _ => 0.0 };
+        *deviation = ((variance + noise) * (all / free) - noise).max(0.0).sqrt();
+    }
+}
+
 /// A fitted model, laid out to simulate ratings.
 pub(super) struct Simulator<'a> {
     frame: &'a Frame<'a>,
@@ -149,13 +172,18 @@ pub(super) struct Simulator<'a> {
 }
 
 impl<'a> Simulator<'a> {
-    pub fn new(fitted: &'a Fitted<'a>) -> Self {
+    /// Lays out a fit. If `corrected`, standard deviations are corrected for the means that are estimated.
+    pub fn new(fitted: &'a Fitted<'a>, corrected: bool) -> Self {
         let Layout { data, row_of } = layout(fitted);
         let parameters = match &fitted.mixed {
             Some(mixed) => mixed.parameters.clone(),
             None => fitted.clm.parameters.clone().resize_vertically(data.parameters(), 0.0),
         };
         let location = data.location(&parameters);
+        let mut parameters = parameters;
+        if let Some(mixed) = fitted.mixed.as_ref().filter(|_| corrected) {
+            correct_deviations(fitted, &data, mixed, &mut parameters);
+        }
         let weights = data.weights(&parameters);
         let slots = data.loadings.slots_per_row();
         let effects_of = |row: usize| {
