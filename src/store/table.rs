@@ -72,7 +72,7 @@ pub(super) struct Row<'a> {
     /// The cells as bytes.
     pub record: &'a ByteRecord,
     content: Content<'a>,
-    separator: u8,
+    pub separator: u8,
     /// The reader's position before the row. There may be line ends between this position and the row.
     start: &'a Position,
     end: u64,

@@ -99,14 +99,21 @@ fn an_analysis_is_reproducible() {
 #[test]
 fn counts_give_the_same_analysis_as_rows() {
     let folder = study("bangay2003", 3);
-    for line in [
-        "analyze results/bangay2003 --out rows --tables-only",
-        "counts results/bangay2003 --out counts.csv",
-        "analyze counts.csv --out counts --tables-only",
-    ] {
+    for line in ["analyze results/bangay2003 --out rows --tables-only", "counts results/bangay2003 --out counts.csv"] {
         let output = succeeds(folder.path(), &split(line));
         assert!(!output.contains("vision model"), "tables alone need no prediction: {output}");
     }
+    // A warning says what is lost.
+    let from_counts = |line: &str, tables: &str| {
+        let output = machband(folder.path(), &split(line));
+        let expected = format!("warning: {tables} of counts, so it is not known whether ratings are simulated, ");
+        let warnings = text(&output.stderr);
+        assert!(output.status.success() && warnings.starts_with(&expected), "{warnings}");
+        assert_eq!(warnings.lines().count(), 1, "{warnings}");
+    };
+    from_counts("analyze counts.csv --out counts", "counts.csv: is a table");
+    let report = fs::read_to_string(folder.path().join("counts/report.html")).unwrap();
+    assert!(report.contains("it is not known whether ratings are simulated"));
     let bytes = |out: &str, file: &str| fs::read(folder.path().join(out).join(file)).unwrap();
     for file in ["cells.csv", "model.json", "tests.csv", "counts.csv"] {
         assert_eq!(bytes("rows", file), bytes("counts", file), "{file}");
@@ -120,7 +127,8 @@ fn counts_give_the_same_analysis_as_rows() {
         fs::write(folder.path().join(name), format!("{}\n{}\n", lines[0], part.join("\n"))).unwrap();
     }
     let columns = "--subject who --response score --count n --terms width,depth,orientation_deg";
-    succeeds(folder.path(), &split(&format!("analyze p1.csv p2.csv {columns} --out named --tables-only")));
+    let line = format!("analyze p1.csv p2.csv {columns} --out named --tables-only");
+    from_counts(&line, "p1.csv: and 1 more are tables");
     let [a, b] = ["rows", "named"].map(|out| json(&folder.path().join(out).join("model.json")));
     assert_eq!((&a["coefficients"], &a["loglik"]), (&b["coefficients"], &b["loglik"]));
 }
@@ -141,7 +149,7 @@ fn non_numeric_scales_need_an_order() {
     assert!(error.contains("--categories high,low,medium"), "{error}");
     let analyze = |file: &str, out: &str, terms: &str| {
         let line = format!("analyze {file} --out {out} --terms {terms} --categories low,medium,high --tables-only");
-        succeeds(folder.path(), &arguments(&line));
+        assert!(machband(folder.path(), &arguments(&line)).status.success(), "{line}");
         fs::read(folder.path().join(out).join("model.json")).unwrap()
     };
     let model = analyze("d.csv", "a", "group");

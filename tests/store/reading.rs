@@ -276,6 +276,16 @@ mod layouts {
             ("unended", LONG.trim_end().to_owned()),
             ("semicolon", LONG.replace(',', ";")),
             ("tab", LONG.replace(',', "\t")),
+            ("decimal comma", LONG.replace(',', ";").replace('.', ",")),
+            ("tab and decimal comma", LONG.replace(',', "\t").replace('.', ",").replace("\t3\n", "\t3,0\n")),
+            (
+                "comma in a name",
+                LONG.replace(',', ";")
+                    .replacen("n\n", "n;\"notes, a,b,c,d\"\n", 1)
+                    .replace("1\nB", "1;\nB")
+                    .replace("3\nA", "3;\nA")
+                    .replace("3;2\n", "3;2;\n"),
+            ),
             ("spaced", spaced),
             ("quoted", quoted.clone()),
             ("quoted crlf bom", format!("\u{feff}{}", quoted.replace('\n', "\r\n"))),
@@ -287,6 +297,98 @@ mod layouts {
             assert_eq!(rows, LONG_ROWS, "{name}");
             assert_eq!((source.files[0].counted, source.files[0].ratings), (3, 6), "{name}");
             assert_eq!(source.shape.categories, None);
+        }
+    }
+
+    /// With decimal commas, levels, ratings, counts and times are the same numbers as with decimal points.
+    #[test]
+    fn decimal_commas_are_numbers() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = "who,size,hue,answer,session_id,repetition,response_time_s\nA,0.4,1.2.3,1.25,1,1,0.75\nA,.05,x,0.5,1,2,1e-1\n\
+            B,10,,2,1,1,3.5\n";
+        let how = ReadOptions { count: None, ..long() };
+        let how = ReadOptions { factors: with_factors(&["size", "hue"]).factors, details: true, ..how };
+        let [points, commas] = [text.to_owned(), text.replace(',', ";").replace('.', ",")]
+            .map(|text| Study::read(&[file(&folder, "t.csv", text)], &how).unwrap());
+        assert_eq!((&commas.source.errors[..], &commas.measured.times), (&[][..], &points.measured.times));
+        let (points, commas) = (points.measured.counts, commas.measured.counts);
+        assert_eq!((&commas.categories, &commas.factors[0]), (&points.categories, &points.factors[0]));
+        assert_eq!(
+            (commas.factors[0].levels.join(" "), commas.categories.join(" ")),
+            (".05 0.4 10".into(), "0.5 1.25 2".into())
+        );
+        // Two commas are not a decimal comma.
+        assert_eq!(commas.factors[1].levels, ["1,2,3", "x"]);
+        // In a message, a cell is as it was written.
+        let path = file(&folder, "t.csv", "who;size;hue;answer;response_time_s\nA;1;1;1;-0,5\n");
+        assert_eq!(errors(&[&path], &how), ["t.csv:2:9: response_time_s is \"-0,5\"; expected seconds, 0 or more"]);
+    }
+
+    /// Words that stand for a missing value in some programs are levels if the column has texts.
+    #[test]
+    fn missing_values_are_no_levels() {
+        let folder = tempfile::tempdir().unwrap();
+        let rows = [
+            "1,low,2,",
+            "NA,NA,1,NA",
+            "NULL,n/a,NaN,2",
+            "#N/A,NULL,NULL,2",
+            "None,None,None,2",
+            ".,.,.,.",
+            "null,null,null,null",
+        ];
+        let rows: String = rows.iter().map(|row| format!("A,{row}\n")).collect();
+        let path =
+            file(&folder, "t.csv", format!("who,size,mask,answer,response_time_s\n{rows}A,2,high,1,1\nA,3,None,1,1\n"));
+        let how = ReadOptions { count: None, factors: with_factors(&["size", "mask"]).factors, ..long() };
+        let how = ReadOptions { details: true, ..how };
+        let study = Study::read(std::slice::from_ref(&path), &how).unwrap();
+        let counts = &study.measured.counts;
+        assert_eq!(
+            (&counts.factors[0].levels[..], counts.categories.join(" ")),
+            (&["1", "2", "3"].map(String::from)[..], "1 2".into())
+        );
+        assert_eq!(counts.factors[1].levels, ["None", "high", "low"]);
+        // Missing ratings are reported.
+        let said = errors(&[&path], &how);
+        assert_eq!((said.len(), &said[0][..]), (5, "t.csv:4:12: answer is \"NaN\"; expected a rating"));
+        assert_eq!((study.source.files[0].erroneous, counts.total()), (5, 4));
+        // Among words, only words that never name a category are missing.
+        let path = file(&folder, "t.csv", "who,size,answer\nA,1,None\nA,1,some\nA,.,NULL\nA,x,some\n");
+        let how = ReadOptions { factors: with_factors(&["size"]).factors, ..how };
+        let counts = Study::read(&[path], &how).unwrap().measured.counts;
+        assert_eq!(
+            (counts.categories.join(" "), counts.factors[0].levels.join(" ")),
+            ("None some".into(), "1 x".into())
+        );
+    }
+
+    /// A number that is different in most rows describes the row and not the condition.
+    #[test]
+    fn measurements_are_not_guessed_to_be_factors() {
+        let folder = tempfile::tempdir().unwrap();
+        let row = |i: u32| format!("{},{},{},{},{},1\n", i % 4, i % 3, i * 7 % 100, i % 30, i % 4);
+        let rows: String = (0..100).map(row).collect();
+        let path = file(&folder, "t.csv", format!("subject_id,width,age_ms,size,rating,count\n{rows}"));
+        let factors = |how: &ReadOptions| {
+            let study = Study::read(std::slice::from_ref(&path), how).unwrap();
+            let names: Vec<_> = study.measured.counts.factors.iter().map(|factor| factor.name.clone()).collect();
+            let warnings: Vec<String> = study.source.warnings.iter().map(|warning| warning.message.clone()).collect();
+            assert_eq!(study.source.shape.factors, names);
+            (names.join(" "), warnings.join("\n"))
+        };
+        let (names, warnings) = factors(&ReadOptions::default());
+        assert_eq!(names, "width size");
+        assert!(
+            warnings.contains("column age_ms has 100 different numbers") && warnings.contains("num:age_ms"),
+            "{warnings}"
+        );
+        for how in [
+            with_factors(&["width", "age_ms", "size"]),
+            ReadOptions { also: vec!["age_ms".to_owned()], ..ReadOptions::default() },
+        ] {
+            let (names, warnings) = factors(&how);
+            assert!(names == "width age_ms size" && !warnings.contains("age_ms"), "{names} {warnings}");
         }
     }
 
@@ -345,6 +447,9 @@ mod layouts {
         assert!(fs::read_to_string(&path).unwrap().starts_with("subject_id,width,tanh_k,rating,count\nS1,0.1,5,"));
         let again = Study::read(&[path], &ReadOptions::default()).unwrap();
         assert_eq!((again.measured.counts, again.source.files[0].layout), (counts, Layout::Counts));
+        // What the table cannot contain is said once.
+        let [warning] = &again.source.warnings[..] else { panic!("{:?}", again.source.warnings) };
+        assert!(warning.message.starts_with("is a table of counts, so it is not known whether ratings are simulated"));
     }
 
     #[test]
@@ -442,7 +547,7 @@ mod errors {
             assert_eq!(damaged(|file| set(file, 18, column, cell)), (vec![format!("S1.csv:18:{expected}")], 23));
         }
         type Damage = fn(String) -> Vec<u8>;
-        let cases: [(Damage, String, u64); 13] = [
+        let cases: [(Damage, String, u64); 18] = [
             (
                 |text| {
                     let at = text.find("S1_1_main_0011_1").unwrap();
@@ -476,11 +581,12 @@ mod errors {
             (|_| b"".to_vec(), "1:1: the file is empty; expected a header row".into(), 12),
             (|_| b"\xef\xbb\xbf\r\n".to_vec(), "1:1: the file is empty; expected a header row".into(), 12),
             (|_| b"row_id,\xe9,".to_vec(), "1:8: the header is not UTF-8 text; expected CSV in UTF-8".into(), 12),
-            (
-                |_| b"PK\x03\x04\0\0".to_vec(),
-                "1:1: is not a CSV file: its first line contains zero bytes".into(),
-                12,
-            ),
+            (|_| b"P\0\x03\x04\0\0".to_vec(), "1:1: is not a CSV file: its first line contains zero bytes".into(), 12),
+            (|_| b"PK\x03\x04\0\0".to_vec(), "1:1: is a spreadsheet (.xlsx, .ods) or a zip archive; expected CSV".into(), 12),
+            (|_| b"\x1f\x8b\x08\n".to_vec(), "1:1: is compressed (gzip); expected CSV: unpack it first".into(), 12),
+            (|_| b"\xfd7zXZ\0".to_vec(), "1:1: is compressed (xz); expected CSV: unpack it first".into(), 12),
+            (|_| b"\x28\xb5\x2f\xfd".to_vec(), "1:1: is compressed (Zstandard); expected CSV".into(), 12),
+            (|_| b"BZh91AY&SY".to_vec(), "1:1: is compressed (bzip2); expected CSV".into(), 12),
             (|_| b"\xff\xfer\0o\0".to_vec(), "1:1: is UTF-16 text; expected CSV in UTF-8".into(), 12),
             (|_| vec![b'x'; 2_000_000], "1:1: the first row is longer than 65,000 bytes; expected a".into(), 12),
         ];

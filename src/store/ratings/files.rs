@@ -61,6 +61,14 @@ pub fn data_files(root: &Path) -> Result<Vec<PathBuf>, FileErrors> {
     Ok(files)
 }
 
+/// Returns the names of the columns of a table, in the order of the file. A name may be empty or appear twice.
+///
+/// # Errors
+/// The file is not a table of text.
+pub fn column_names(path: &Path) -> Result<Vec<String>, FileError> {
+    Header::read(path).map(|header| header.names)
+}
+
 /// Returns these paths and, for each one that is a folder, the files that would be read from it.
 pub fn with_files(mut paths: Vec<PathBuf>) -> Vec<PathBuf> {
     let files: Vec<_> = paths.iter().filter(|path| path.is_dir()).filter_map(|path| folder(path).ok()).collect();
@@ -185,6 +193,9 @@ impl Header {
         if text.iter().all(u8::is_ascii_whitespace) {
             return error("the file is empty; expected a header row");
         }
+        if let Some(what) = packed(text) {
+            return error(what);
+        }
         let line = text.split(|byte| matches!(byte, b'\r' | b'\n')).find(|line| !line.is_empty()).unwrap_or_default();
         if line.contains(&0) {
             return error("is not a CSV file: its first line contains zero bytes; expected a header row");
@@ -227,15 +238,30 @@ impl Header {
     }
 }
 
-/// Returns the separator: a comma or, if the header has none, a semicolon or tab, as in spreadsheets from some
-/// countries.
+/// Returns the separator: a comma or, if the header has more of them outside quotes, a semicolon or tab, as in
+/// spreadsheets from some countries.
 fn separator(line: &[u8]) -> u8 {
-    let count = |wanted: u8| line.iter().filter(|byte| **byte == wanted).count();
-    if count(b',') > 0 || count(b';') + count(b'\t') == 0 {
-        b','
-    } else if count(b';') >= count(b'\t') {
-        b';'
-    } else {
-        b'\t'
+    let mut counts = [(b'\t', 0), (b';', 0), (b',', 0)];
+    let mut quoted = false;
+    for byte in line {
+        quoted ^= *byte == b'"';
+        counts.iter_mut().filter(|(separator, _)| !quoted && separator == byte).for_each(|(_, count)| *count += 1);
     }
+    counts.into_iter().max_by_key(|(_, count)| *count).map_or(b',', |(separator, _)| separator)
+}
+
+/// Says what a file is if its first bytes are those of a compressed file or a spreadsheet.
+fn packed(head: &[u8]) -> Option<&'static str> {
+    let kinds: [(&[u8], &str); 6] = [
+        (b"\x1f\x8b", "is compressed (gzip); expected CSV: unpack it first"),
+        (
+            b"PK\x03\x04",
+            "is a spreadsheet (.xlsx, .ods) or a zip archive; expected CSV: export it as CSV or unpack it first",
+        ),
+        (b"BZh91AY", "is compressed (bzip2); expected CSV: unpack it first"),
+        (b"\xfd7zXZ\0", "is compressed (xz); expected CSV: unpack it first"),
+        (b"\x28\xb5\x2f\xfd", "is compressed (Zstandard); expected CSV: unpack it first"),
+        (b"\xd0\xcf\x11\xe0", "is a spreadsheet (.xls); expected CSV: export it as CSV first"),
+    ];
+    kinds.into_iter().find(|(first, _)| head.starts_with(first)).map(|(_, what)| what)
 }

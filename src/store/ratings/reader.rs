@@ -12,7 +12,8 @@ use super::{
     files::{self, natural},
     row::{self, Cells, RowError, is_rating},
     selection::{Definitions, Input, RecordColumns, Selection},
-    source::{FileRead, ReadOptions, SessionRead, Shape, Source},
+    source::{FileRead, Layout, ReadOptions, SessionRead, Shape, Source},
+    survey::Survey,
     trials::{Identity, Status, Trial, Trials},
 };
 use crate::{
@@ -60,13 +61,14 @@ pub fn read<T: Send>(
     }
     let (selection, found) = Selection::new(inputs, options);
     errors.extend(found);
-    let Some(selection) = selection else {
+    let Some(mut selection) = selection else {
         if errors.is_empty() {
             errors.push(FileError::whole(".", "no files were given; expected result files or folders".to_owned()));
         }
         return Err(in_order(errors, &files));
     };
-    let trials = trials(&selection);
+    let (trials, survey) = first_pass(&selection);
+    let measurements = selection.set_survey(survey);
     let sessions = sessions(&selection, &trials);
     let unfinished: HashSet<(&str, &str)> = (sessions.iter())
         .filter(|session| options.complete_only && session.is_unfinished())
@@ -106,13 +108,14 @@ pub fn read<T: Send>(
         return Err(in_order(errors, &files));
     }
     let errors = in_order(errors, &files).0;
-    let warnings = warnings(&selection.inputs);
+    let mut warnings = warnings(&selection.inputs);
+    warnings.extend(measurements);
     let Selection { shape, protocol, definition_sha256, .. } = selection;
     Ok(Source { shape, protocol, definition_sha256, files: reports, sessions, errors, warnings })
 }
 
-/// Returns the warnings about files that are read anyway: changed files, sessions without a sidecar, and links that
-/// lead out of a data set.
+/// Returns the warnings about files that are read anyway: changed files, sessions without a sidecar, links that lead out
+/// of a data set, and tables of counts.
 fn warnings(inputs: &[Input]) -> Vec<FileError> {
     let beside = |input: &Input| input.path.with_extension("json");
     let changed = |input: &Input| match &input.sidecar {
@@ -143,7 +146,22 @@ fn warnings(inputs: &[Input]) -> Vec<FileError> {
         );
         FileError::whole(folder, message)
     }));
+    warnings.extend(counts_warning(inputs));
     warnings
+}
+
+/// Returns the warning about what tables of counts do not contain; `None` if there are no such tables.
+fn counts_warning(inputs: &[Input]) -> Option<FileError> {
+    let mut tables = inputs.iter().filter(|input| input.layout == Layout::Counts);
+    let first = tables.next()?;
+    let others = tables.count();
+    let are = if others == 0 { "is a table".to_owned() } else { format!("and {others} more are tables") };
+    let message = format!(
+        "{are} of counts, so it is not known whether ratings are simulated, or when and in which order they were given; \
+         expected the result files for test–retest agreement, response times, sessions, and the prediction of the vision \
+         model"
+    );
+    Some(FileError::whole(&first.path, message))
 }
 
 /// Returns those of a data file and its sidecar that are outside the data set once links are resolved.
@@ -153,27 +171,38 @@ fn links_out(dataset: &Path, csv: &Path) -> Vec<PathBuf> {
     [csv.to_owned(), csv.with_extension("json")].into_iter().filter(leads_out).collect()
 }
 
-/// Reads the rows of all result files to determine which of them count. Errors are reported later, when the rows are
-/// read again.
-fn trials(selection: &Selection) -> Trials {
-    let noted: Vec<Trials> = (selection.inputs.par_iter().enumerate())
+/// Reads the rows of all files to determine which rows of result files count, and what the columns contain. Errors are
+/// reported later, when the rows are read again.
+fn first_pass(selection: &Selection) -> (Trials, Survey) {
+    let noted: Vec<(Trials, Survey)> = (selection.inputs.par_iter().enumerate())
         .map(|(file, input)| {
-            let mut trials = Trials::default();
-            let Some(own) = &input.columns.record else { return trials };
+            let (mut trials, mut survey) = (Trials::default(), Survey::new(selection.shape.factors.len()));
+            let columns = &input.columns;
             let _ = each_row(input, |_, cells| {
                 let Ok(cells) = cells else { return };
+                let factors = survey.factors.iter_mut().zip(&selection.guessed);
+                for ((contents, guessed), &column) in factors.zip(&columns.factors) {
+                    contents.add(cells.get(column), *guessed);
+                }
+                if !selection.own_scale {
+                    survey.response.add(cells.get(columns.response), false);
+                }
+                let Some(own) = &columns.record else { return };
                 let experiment = selection.experiment.as_deref();
-                let Ok(identity) = row::identity(&cells, input.columns.subject, own, experiment) else { return };
+                let Ok(identity) = row::identity(&cells, columns.subject, own, experiment) else { return };
                 let dropped = own.dropped.map_or("", |column| cells.get(column));
-                let rated = is_rating(cells.get(input.columns.response), selection.own_scale);
+                let rated = is_rating(cells.get(columns.response), selection.own_scale, false);
                 trials.add(&identity, rated, (!dropped.is_empty()).then_some(dropped != "0"), file);
             });
-            trials
+            (trials, survey)
         })
         .collect();
-    let mut all = Trials::default();
-    noted.into_iter().for_each(|trials| all.absorb(trials));
-    all.finish();
+    let mut all = (Trials::default(), Survey::new(selection.shape.factors.len()));
+    for (trials, survey) in noted {
+        all.0.absorb(trials);
+        all.1.absorb(survey);
+    }
+    all.0.finish();
     all
 }
 
@@ -272,20 +301,22 @@ impl FileReader<'_> {
         cells: &Cells<'_>,
         mut add: impl FnMut(&RatingRow<'_>) -> Result<(), String>,
     ) -> Result<u64, Option<RowError>> {
-        let (input, own_scale) = (self.input, self.selection.own_scale);
-        let columns = &input.columns;
+        let (own_scale, survey) = (self.selection.own_scale, &self.selection.survey);
+        let columns = &self.input.columns;
         if let Some(own) = &columns.record {
             let experiment = self.selection.experiment.as_deref();
             let identity = row::identity(cells, columns.subject, own, experiment)?;
             self.check(&identity, cells, own)?;
         }
         let subject = cells.present(columns.subject, "a participant")?;
-        let rating = row::rating(cells, columns, own_scale)?;
+        let rating = row::rating(cells, columns, own_scale, survey.response.are_numbers())?;
         let count = row::count(cells, columns)?;
         // An unreadable position or time is an error, but the rating still counts.
         let place = row::place(cells, columns).unwrap_or_else(|error| self.unread(row, error));
         let response_time_s = row::response_time(cells, columns).unwrap_or_else(|error| self.unread(row, error));
-        let values: Vec<&str> = columns.factors.iter().map(|&column| cells.optional(column)).collect();
+        let factors = columns.factors.iter().zip(&survey.factors);
+        let values: Vec<&str> =
+            factors.map(|(&column, contents)| cells.optional(column, contents.are_numbers())).collect();
         add(&RatingRow { subject, values: &values, rating, count, place, response_time_s })
             .map_err(|message| RowError { cell: Some(columns.response), message })?;
         Ok(count)

@@ -1,7 +1,10 @@
 //! One row of a file: its cells, its trial, and its errors.
 
+use std::borrow::Cow;
+
 use super::{
     selection::{Columns, RecordColumns},
+    survey::is_missing,
     trials::{Identity, Trial},
 };
 use crate::{
@@ -14,7 +17,8 @@ const MAX_COUNT: f64 = 1e12;
 
 /// The cells of a row, which are all valid text.
 pub(super) struct Cells<'a> {
-    text: &'a str,
+    /// All cells, with a point in every number.
+    text: Cow<'a, str>,
     row: &'a Row<'a>,
     names: &'a [String],
 }
@@ -36,34 +40,32 @@ impl<'a> Cells<'a> {
             let cells = if found == 1 { "cell" } else { "cells" };
             return Err(error(None, format!("the row has {found} {cells}; expected {width}, as in the header")));
         }
-        Ok(Self { text, row, names })
+        Ok(Self { text: with_points(text, row), row, names })
     }
 
     /// Returns a cell without surrounding white space.
-    pub fn get(&self, index: usize) -> &'a str {
+    pub fn get(&self, index: usize) -> &str {
         self.row.record.range(index).and_then(|range| self.text.get(range)).unwrap_or_default().trim()
     }
 
-    /// Returns a level or a time as written; empty for a missing value, which R writes as `NA`.
-    pub fn optional(&self, index: usize) -> &'a str {
-        match self.get(index) {
-            "NA" => "",
-            text => text,
-        }
+    /// Returns a level or a number as written; empty for a missing value.
+    pub fn optional(&self, index: usize, among_numbers: bool) -> &str {
+        Some(self.get(index)).filter(|text| !is_missing(text, among_numbers)).unwrap_or_default()
     }
 
     /// Returns a cell that must not be empty.
     ///
     /// # Errors
     /// The cell is empty.
-    pub fn present(&self, index: usize, expected: &str) -> Result<&'a str, RowError> {
+    pub fn present(&self, index: usize, expected: &str) -> Result<&str, RowError> {
         Some(self.get(index)).filter(|text| !text.is_empty()).ok_or_else(|| self.error(index, expected))
     }
 
     /// Creates the error for a cell with an unexpected value.
     fn error(&self, index: usize, expected: &str) -> RowError {
         let name = &self.names[index];
-        let message = match self.get(index) {
+        let written = self.row.record.get(index).map(String::from_utf8_lossy).unwrap_or_default();
+        let message = match written.trim() {
             "" => format!("{name} is empty; expected {expected}"),
             text => format!("{name} is {:?}; expected {expected}", shortened(text)),
         };
@@ -71,12 +73,31 @@ impl<'a> Cells<'a> {
     }
 }
 
+/// Replaces the decimal comma of every number. If cells are not separated by commas, a comma in a number is a decimal
+/// comma, as in spreadsheets from many countries.
+fn with_points<'a>(text: &'a str, row: &Row<'_>) -> Cow<'a, str> {
+    let mut text = Cow::Borrowed(text);
+    if row.separator == b',' || !text.contains(',') {
+        return text;
+    }
+    for range in (0..row.record.len()).filter_map(|index| row.record.range(index)) {
+        // One comma, so that `1,234,567` stays text.
+        if text[range.clone()].matches(',').count() == 1 {
+            let number = text[range.clone()].replace(',', ".");
+            if number.trim().parse::<f64>().is_ok() {
+                text.to_mut().replace_range(range, &number);
+            }
+        }
+    }
+    text
+}
+
 /// Returns the trial that a row of a result file records.
 ///
 /// # Errors
 /// The first cell that is wrong.
 pub(super) fn identity<'a>(
-    cells: &Cells<'a>,
+    cells: &'a Cells<'_>,
     subject: usize,
     columns: &RecordColumns,
     experiment: Option<&str>,
@@ -104,12 +125,12 @@ pub(super) fn identity<'a>(
 }
 
 /// True if a string is a rating: a number on our own scale, or on other scales anything but a missing value.
-pub(super) fn is_rating(text: &str, own_scale: bool) -> bool {
+pub(super) fn is_rating(text: &str, own_scale: bool, among_numbers: bool) -> bool {
     if own_scale {
         // A spreadsheet or pandas may have written 2 as 2.0.
         text.parse().is_ok_and(|number: f64| (0..=MAX_RATING).any(|rating| number == f64::from(rating)))
     } else {
-        !matches!(text, "" | "NA" | "NaN" | "nan")
+        !is_missing(text, among_numbers)
     }
 }
 
@@ -117,9 +138,14 @@ pub(super) fn is_rating(text: &str, own_scale: bool) -> bool {
 ///
 /// # Errors
 /// The rating is missing or not on the scale.
-pub(super) fn rating<'a>(cells: &Cells<'a>, columns: &Columns, own_scale: bool) -> Result<&'a str, RowError> {
+pub(super) fn rating<'a>(
+    cells: &'a Cells<'_>,
+    columns: &Columns,
+    own_scale: bool,
+    among_numbers: bool,
+) -> Result<&'a str, RowError> {
     match cells.get(columns.response) {
-        text if is_rating(text, own_scale) => Ok(text),
+        text if is_rating(text, own_scale, among_numbers) => Ok(text),
         _ if own_scale => Err(cells.error(columns.response, &format!("a rating from 0 to {MAX_RATING}"))),
         _ => Err(cells.error(columns.response, "a rating")),
     }
@@ -141,26 +167,26 @@ pub(super) fn count(cells: &Cells<'_>, columns: &Columns) -> Result<u64, RowErro
     Err(cells.error(column, expected))
 }
 
-/// Returns the session and the repetition; `None` if the file does not have them or the cell is empty.
+/// Returns the session and the repetition; `None` if the file does not have them or the repetition is missing.
 ///
 /// # Errors
 /// The repetition is not a number.
-pub(super) fn place<'a>(cells: &Cells<'a>, columns: &Columns) -> Result<Option<(&'a str, u32)>, RowError> {
+pub(super) fn place<'a>(cells: &'a Cells<'_>, columns: &Columns) -> Result<Option<(&'a str, u32)>, RowError> {
     let Some((session, column)) = columns.session.zip(columns.repetition) else { return Ok(None) };
-    match (cells.get(column), cells.get(column).parse()) {
+    match (cells.optional(column, true), cells.get(column).parse()) {
         ("", _) => Ok(None),
         (_, Ok(repetition)) => Ok(Some((cells.get(session), repetition))),
         (_, Err(_)) => Err(cells.error(column, "the number of a repetition, 1 or more")),
     }
 }
 
-/// Returns the response time in seconds; `None` if the file does not have it or the cell is empty.
+/// Returns the response time in seconds; `None` if the file does not have it or it is missing.
 ///
 /// # Errors
 /// The cell is not a time.
 pub(super) fn response_time(cells: &Cells<'_>, columns: &Columns) -> Result<Option<f64>, RowError> {
     let Some(column) = columns.time else { return Ok(None) };
-    match (cells.optional(column), cells.optional(column).parse()) {
+    match (cells.optional(column, true), cells.get(column).parse()) {
         ("", _) => Ok(None),
         (_, Ok(seconds)) if f64::is_finite(seconds) && seconds >= 0.0 => Ok(Some(seconds)),
         _ => Err(cells.error(column, "seconds, 0 or more")),

@@ -11,6 +11,7 @@ use serde_json::{Map, Value};
 use super::{
     files::Header,
     source::{Layout, ReadOptions, Shape},
+    survey::Survey,
 };
 use crate::{
     experiment::{MAX_RATING, Protocol, columns_by_header},
@@ -78,6 +79,10 @@ pub(super) struct Selection {
     pub experiment: Option<String>,
     /// True if ratings are on our own scale, 0…3.
     pub own_scale: bool,
+    /// For each factor, whether it is read only because no factors were named and there is no definition.
+    pub guessed: Vec<bool>,
+    /// What the columns contain; nothing until the rows have been read once.
+    pub survey: Survey,
 }
 
 /// Description of a session's file that has neither rows nor a sidecar, and may thus belong to any experiment.
@@ -121,8 +126,31 @@ impl Selection {
         });
         let own_scale = options.response.is_none();
         let is_empty = inputs.is_empty();
-        let selection = Self { inputs, shape, protocol, definition_sha256, experiment, own_scale };
+        let is_guess = options.factors.is_none() && protocol.is_none();
+        let guessed = shape.factors.iter().map(|name| is_guess && !options.also.contains(name)).collect();
+        let survey = Survey::new(shape.factors.len());
+        let selection = Self { inputs, shape, protocol, definition_sha256, experiment, own_scale, guessed, survey };
         ((!is_empty).then_some(selection), errors)
+    }
+
+    /// Sets what the columns contain. Columns that were only guessed to be factors are left out if they are
+    /// measurements, with a warning for each.
+    pub fn set_survey(&mut self, survey: Survey) -> Vec<FileError> {
+        self.survey = survey;
+        let mut warnings = Vec::new();
+        for index in (0..self.guessed.len()).rev().filter(|&index| self.guessed[index]) {
+            let Some(different) = self.survey.factors[index].measurement() else { continue };
+            self.survey.factors.remove(index);
+            let name = self.shape.factors.remove(index);
+            let columns = self.inputs.iter_mut().map(|input| input.columns.factors.remove(index)).collect::<Vec<_>>();
+            let message = format!(
+                "the column {name} has {different} different numbers, most of them once, so it is a measurement and not \
+                 a factor (it is left out); expected --factors or --terms with the columns to analyze, such as num:{name}"
+            );
+            warnings.push(self.inputs[0].error(self.inputs[0].header.column(columns[0]), message));
+        }
+        warnings.reverse();
+        warnings
     }
 }
 
