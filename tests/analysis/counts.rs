@@ -66,6 +66,19 @@ fn constant_factors_and_filtered_rows_are_dropped() {
     assert_eq!(measured.filtered(|_| true, |_| true), measured);
 }
 
+/// Repeated ratings whose order is unknown are counted apart from pairs, and a long column of numbers is a term.
+#[test]
+fn repeats_without_order_and_too_many_levels_are_said() {
+    let mut builder = add(empty(), &ROWS);
+    assert_eq!((builder.clone().finish().retests.len(), builder.clone().finish().repeats_without_order()), (2, 0));
+    builder.add_counts("S10", &["0.1", "1"], "3", 1).unwrap();
+    builder.add_counts("S10", &["0.9", "1"], "3", 1).unwrap();
+    assert_eq!((builder.clone().finish().retests.len(), builder.clone().finish().repeats_without_order()), (2, 1));
+    (0..130).for_each(|i| builder.add_counts("S1", &[&i.to_string(), "1"], "1", 1).unwrap());
+    let error = builder.finish().counts.check_size().unwrap_err();
+    assert!(error.ends_with("--large and, because all levels are numbers, num:width in --terms"), "{error}");
+}
+
 #[test]
 fn levels_are_in_natural_order_and_equal_numbers_are_one_level() {
     for (texts, levels) in [

@@ -27,7 +27,11 @@ impl Counts {
         at_most("factors", self.factors.len(), MAX_FACTORS)?;
         for factor in &self.factors {
             let (name, _) = shortened(&factor.name);
-            at_most(&format!("levels of {name}"), factor.levels.len(), MAX_LEVELS)?;
+            let as_number = match factor.numbers {
+                Some(_) => format!(" and, because all levels are numbers, num:{name} in --terms"),
+                None => String::new(),
+            };
+            at_most(&format!("levels of {name}"), factor.levels.len(), MAX_LEVELS).map_err(|text| text + &as_number)?;
         }
         at_most("conditions", self.conditions.len(), MAX_CONDITIONS)?;
         at_most("participants", self.subjects.len(), MAX_PEOPLE)?;

@@ -111,6 +111,12 @@ impl Counts {
         varies_within(self, &self.rows, factor)
     }
 
+    /// True if the order of the categories is known: they were declared, or they are numbers. Words in the order of their
+    /// letters (high, low, medium) would give a result, but a wrong one.
+    pub fn is_ordered(&self, declared: Option<&[String]>) -> bool {
+        declared.is_some() || levels::numbers_of(&self.categories).is_some()
+    }
+
     /// Returns the number of ratings in each category.
     pub fn category_totals(&self) -> Vec<u64> {
         let mut totals = vec![0; self.categories.len()];
@@ -170,6 +176,15 @@ pub struct TimeCount {
 }
 
 impl Measured {
+    /// Returns how often a participant rated a condition more than once without a known order of these ratings, so that
+    /// [`Self::retests`] has no pair for them. If this is 0 and there are no retests, no condition was rated twice. The
+    /// order is known only from the columns `session_id` and `repetition`, never from the order of the rows.
+    pub fn repeats_without_order(&self) -> usize {
+        let same = |a: &CountRow, b: &CountRow| (a.subject, a.condition) == (b.subject, b.condition);
+        let all = self.counts.rows.chunk_by(same);
+        all.filter(|rows| rows.iter().map(|row| row.count).sum::<u64>() > 1).count().saturating_sub(self.retests.len())
+    }
+
     /// Groups the response times. Each trial goes into the group that `group_of` returns, if any.
     pub fn times_by(&self, groups: usize, group_of: impl Fn(&TimeCount) -> Option<usize>) -> Vec<Times> {
         let mut times = vec![Times::default(); groups];
