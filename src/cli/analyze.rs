@@ -8,7 +8,7 @@ use super::{
     ratings::RatingOptions,
 };
 use crate::{
-    analysis::{ModelError, Options, Random, Resampling, Slopes, analyze_with, numbers_of},
+    analysis::{ModelError, Options, Random, Resampling, Slopes, analyze_with},
     report::{
         AnalysisOutput, Provenance, check_folder,
         prediction::{PredictionError, StudyPrediction},
@@ -16,7 +16,7 @@ use crate::{
         study::{Parts, document},
         write_all,
     },
-    store::Writer,
+    store::{Writer, table},
 };
 
 /// Analyze ratings: descriptive statistics, ordinal model, tests, figures and a report.
@@ -64,13 +64,13 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let progress = super::spinner("reading");
     let study = arguments.ratings.read(&names, true, arguments.model.large)?;
     progress.set_message("analyzing");
-    let categories = &study.measured.counts.categories;
-    if study.source.shape.categories.is_none() && numbers_of(categories).is_none() {
-        let shown: Vec<&str> = categories.iter().take(12).map(String::as_str).collect();
-        let texts = shown.join(",");
+    let counts = &study.measured.counts;
+    if !counts.is_ordered(study.source.shape.categories.as_deref()) {
+        let texts = table::list(counts.categories.iter().take(12));
         let message = format!(
-            "--response {}: {texts} are not numbers; expected their order, lowest first, such as --categories {texts}",
-            study.source.shape.response
+            "--response {}: {texts} are not numbers; expected their order, lowest first, such as --categories {}",
+            study.source.shape.response,
+            shlex::try_quote(&texts).unwrap_or_default()
         );
         return Err(UsageError(message).into());
     }

@@ -9,6 +9,7 @@ use crate::{
     store::{
         Writer,
         ratings::{FileRead, ReadOptions, Source},
+        table::split_list,
     },
 };
 
@@ -24,18 +25,28 @@ pub(super) struct RatingOptions {
     /// Column with the ordered response [default: rating, 0–3].
     #[arg(long, value_name = "COL")]
     response: Option<String>,
-    /// Categories of the response, lowest first, if they are not numbers.
-    #[arg(long, value_name = "C,…", value_delimiter = ',', requires = "response")]
-    categories: Option<Vec<String>>,
+    /// Categories of the response, lowest first, if they are not numbers. Quote a category that contains a comma, as in
+    /// CSV: 'low,"medium, mostly",high'.
+    #[arg(long, value_name = "C,…", value_parser = categories, requires = "response")]
+    categories: Option<Vec<Vec<String>>>,
     /// Column with the number of trials per row [default: count, if present].
     #[arg(long, value_name = "COL")]
     count: Option<String>,
     /// Columns with the factors [default: the factors of the definition or of the terms].
-    #[arg(long, value_name = "COL,…", value_delimiter = ',')]
-    factors: Option<Vec<String>>,
+    #[arg(long, value_name = "COL,…", value_parser = split_list)]
+    factors: Option<Vec<Vec<String>>>,
     /// Exclude sessions with unrated trials.
     #[arg(long)]
     complete_only: bool,
+}
+
+/// Parses the categories of a response.
+fn categories(text: &str) -> Result<Vec<String>, String> {
+    let names = split_list(text)?;
+    match names.iter().enumerate().find(|(index, name)| names[..*index].contains(name)) {
+        Some((_, twice)) => Err(format!("{twice} appears twice; expected each category once")),
+        None => Ok(names),
+    }
 }
 
 impl RatingOptions {
@@ -44,9 +55,9 @@ impl RatingOptions {
         let how = ReadOptions {
             subject: self.subject.clone(),
             response: self.response.clone(),
-            categories: self.categories.clone(),
+            categories: self.categories.as_ref().map(|lists| lists.concat()),
             count: self.count.clone(),
-            factors: self.factors.clone(),
+            factors: self.factors.as_ref().map(|lists| lists.concat()),
             also: also.to_vec(),
             complete_only: self.complete_only,
             details,

@@ -353,6 +353,32 @@ pub(super) fn line<S: AsRef<str>>(cells: impl IntoIterator<Item = S>) -> Vec<u8>
     writer.into_inner().unwrap_or_default()
 }
 
+/// Joins names with commas, as a line of CSV: a name that contains a comma is quoted.
+#[must_use]
+pub fn list<S: AsRef<str>>(names: impl IntoIterator<Item = S>) -> String {
+    String::from_utf8_lossy(&line(names)).trim_end().to_owned()
+}
+
+/// Splits what [`list`] joins; nothing for an empty text.
+///
+/// # Errors
+/// Says which quote or name is wrong.
+pub fn split_list(text: &str) -> Result<Vec<String>, String> {
+    if text.matches('"').count() % 2 == 1 {
+        return Err("a quote is never closed; expected names with commas between them".to_owned());
+    }
+    let mut reader = csv::ReaderBuilder::new();
+    let mut reader = reader.has_headers(false).flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
+    let rows: Vec<csv::StringRecord> = reader.records().filter_map(Result::ok).collect();
+    let names: Vec<String> = rows.iter().flatten().map(str::to_owned).collect();
+    match names.iter().position(String::is_empty) {
+        // CSV quotes the only cell of a row if it is empty.
+        Some(_) if names.len() == 1 => Ok(Vec::new()),
+        Some(index) => Err(format!("name {} is empty; expected names with commas between them", index + 1)),
+        None => Ok(names),
+    }
+}
+
 /// Returns the beginning of an arbitrary text, short enough for a message.
 pub(super) fn shortened(text: &str) -> String {
     const SHOWN: usize = 40;

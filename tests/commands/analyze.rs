@@ -146,7 +146,7 @@ fn non_numeric_scales_need_an_order() {
     fs::write(folder.path().join("d.csv"), rows).unwrap();
     let arguments = |line: &str| split(&format!("{line} --subject who --response answer"));
     let error = fails(folder.path(), &arguments("analyze d.csv --out x --terms group"), 2);
-    assert!(error.contains("--categories high,low,medium"), "{error}");
+    assert!(error.contains("--categories 'high,low,medium'"), "{error}");
     let analyze = |file: &str, out: &str, terms: &str| {
         let line = format!("analyze {file} --out {out} --terms {terms} --categories low,medium,high --tables-only");
         assert!(machband(folder.path(), &arguments(&line)).status.success(), "{line}");
@@ -162,6 +162,25 @@ fn non_numeric_scales_need_an_order() {
     assert_eq!(table(&folder.path().join("c/cells.csv")).0[..2], ["group", "n"]);
     let error = fails(folder.path(), &arguments("analyze d.csv --out x --terms answer"), 1);
     assert!(error.contains("the column answer has two uses"), "{error}");
+    // A category with a comma is quoted as in CSV, also in the error that asks for the order.
+    let rows = fs::read_to_string(folder.path().join("d.csv")).unwrap().replace("medium", "\"medium, mostly\"");
+    fs::write(folder.path().join("e.csv"), rows).unwrap();
+    let line = arguments("analyze e.csv --out e --terms group --tables-only");
+    let error = fails(folder.path(), &line, 2);
+    assert!(error.contains(r#"--categories 'high,low,"medium, mostly"'"#), "{error}");
+    let categories =
+        |text: &'static str| [line.iter().map(String::as_str).collect(), vec!["--categories", text]].concat();
+    succeeds(folder.path(), &categories(r#"low,"medium, mostly",high"#));
+    let thresholds = text(&fs::read(folder.path().join("e/model.json")).unwrap());
+    assert!(thresholds.contains("low|medium, mostly") && thresholds.contains("medium, mostly|high"), "{thresholds}");
+    for (wrong, expected) in [
+        ("low,\"medium, mostly,high", "a quote is never closed"),
+        ("low,,high", "name 2 is empty"),
+        ("low,high,low", "low appears twice"),
+    ] {
+        let error = fails(folder.path(), &categories(wrong), 2);
+        assert!(error.contains(expected), "{error}");
+    }
 }
 
 /// A single participant's session is described, but nothing is inferred from it.

@@ -17,6 +17,7 @@ use crate::{
     store::{
         StoreError, Writer,
         ratings::{ReadOptions, with_files},
+        table::list,
     },
     system::now,
 };
@@ -136,7 +137,8 @@ impl Export {
         option("--subject", read_options.subject.clone());
         option("--response", read_options.response.clone());
         option("--count", read_options.count.clone());
-        option("--factors", read_options.factors.as_ref().map(|factors| factors.join(",")));
+        option("--categories", read_options.categories.as_ref().map(list));
+        option("--factors", read_options.factors.as_ref().map(list));
         option("--terms", terms.as_ref().map(ToString::to_string));
         option("--link", (*link != Link::default()).then(|| link.to_string()));
         option("--random", (*random == Some(Random::None)).then(|| "none".to_owned()));
