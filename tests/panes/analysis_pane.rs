@@ -300,7 +300,6 @@ fn the_empty_page_and_errors_in_files() {
     wait_for(&mut window, "Participants: 2 of 2");
 }
 
-/// The user says what the columns of a file from another program mean.
 #[test]
 fn a_changed_file_causes_a_warning() {
     let (folder, data_set) = study(1);
@@ -310,6 +309,7 @@ fn a_changed_file_causes_a_warning() {
     assert_has(&window, "_data.csv: was changed since the session ended");
 }
 
+/// The user says what the columns of a file from another program mean.
 #[test]
 fn the_user_identifies_the_columns_of_a_foreign_file() {
     let folder = tempfile::tempdir().unwrap();
@@ -336,6 +336,69 @@ fn the_user_identifies_the_columns_of_a_foreign_file() {
     wait_for(&mut window, "What do the columns mean?");
     click(&mut window, "Keep the current columns");
     window.get_by_label("72 ratings by 4 participants.");
+}
+
+/// Nothing is analyzed before the user has put ratings in words in order, because their letters have no meaning. The
+/// file has decimal commas, a factor `n` and two columns with the same name.
+#[test]
+fn ratings_in_words_are_put_in_order_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("words.csv");
+    let mut text = "participant;n;answer;note;note\n".to_owned();
+    for i in 0..48 {
+        // The answers to the size 10 are higher.
+        let (size, answers) = [("2,5", ["low", "low", "medium, mostly"]), ("10", ["high", "high", "low"])][i % 2];
+        text += &format!("P{};{size};{};;\n", i % 4, answers[i / 2 % 3]);
+    }
+    std::fs::write(&path, text).unwrap();
+    let mut window = pane([1280.0, 1000.0]);
+    drop_on(&mut window, &[&path]);
+    wait_for(&mut window, "What do the columns mean?");
+    assert_eq!(value(&window, "Number of trials"), "one per row");
+    assert_has(&window, "words.csv:1: several columns have the name note; expected a different name for each");
+    assert!(!has(&window, "Factor note"));
+    click(&mut window, "Factor n");
+    click(&mut window, "Read these columns");
+    wait_for(&mut window, "What is the order of the ratings?");
+    wait_until_idle(&mut window);
+    assert!(!has(&window, "Participants: 4 of 4") && !has(&window, "Summary"), "{:?}", texts(&window));
+    let order = |window: &Window| -> Vec<String> {
+        let is_listed = |text: &String| ["1. ", "2. ", "3. "].iter().any(|number| text.starts_with(number));
+        window.query_all_by_label_contains(". ").filter_map(|node| node.value()).filter(is_listed).collect()
+    };
+    assert_eq!(order(&window), ["1. high (lowest)", "2. low", "3. medium, mostly (highest)"]);
+    // With the keyboard, then with the mouse.
+    window.get_by_label("Up: low").focus();
+    window.step();
+    press(&mut window, Key::Space);
+    window.run_steps(2);
+    assert_eq!(order(&window), ["1. low (lowest)", "2. high", "3. medium, mostly (highest)"]);
+    let center = |window: &Window, label: &str| window.get_by_label(label).rect().center();
+    let [from, to] = ["2. high", "3. medium, mostly (highest)"].map(|label| center(&window, label));
+    window.hover_at(from);
+    window.step();
+    window.drag_at(from);
+    window.step();
+    for part in [0.5, 1.0] {
+        window.hover_at(from + part * (to - from));
+        window.step();
+    }
+    window.drop_at(to);
+    window.run_steps(3);
+    assert_eq!(order(&window), ["1. low (lowest)", "2. medium, mostly", "3. high (highest)"]);
+    click(&mut window, "Analyze in this order");
+    wait_for(&mut window, "Participants: 4 of 4");
+    wait_until_idle(&mut window);
+    click(&mut window, "Copy as command");
+    assert_has(&window, "--response answer --categories 'low,\"medium, mostly\",high' --factors n");
+    let out = folder.path().join("out");
+    type_into(&mut window, "Export to the folder", out.to_str().unwrap());
+    click_and_rest(&mut window, "Export");
+    let means = std::fs::read_to_string(out.join("by_n.csv")).unwrap();
+    let means: Vec<Vec<&str>> = means.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let mean = |row: usize| means[row][2].parse::<f64>().unwrap();
+    assert_eq!([means[0][0], means[1][0]], ["2.5", "10"]);
+    assert!(mean(0) < mean(1), "{means:?}");
 }
 
 /// In a small window, the data and filters have a separate view, and every section is still available.

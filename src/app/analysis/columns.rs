@@ -6,7 +6,7 @@ use eframe::egui::{self, ScrollArea};
 
 use crate::{
     app::ui::{Field, hint, primary, section, show_error, text::name as label},
-    store::ratings::ReadOptions,
+    store::ratings::{ReadOptions, column_names},
     system::entries,
 };
 
@@ -14,14 +14,17 @@ use crate::{
 const SUBJECTS: [&str; 6] = ["subject", "participant", "subj", "observer", "person", "id"];
 /// Common names of rating columns.
 const RESPONSES: [&str; 5] = ["rating", "response", "score", "answer", "resp"];
-/// Common names of count columns; these must match the whole name.
-const COUNTS: [&str; 4] = ["count", "n", "freq", "frequency"];
+/// Common names of count columns; these must match the whole name. `n` is not among them, because it may be a factor.
+const COUNTS: [&str; 3] = ["count", "freq", "frequency"];
 
 /// The form for one file.
 #[derive(Clone, Debug)]
 pub struct Columns {
     file: PathBuf,
+    /// The names that occur once.
     header: Vec<String>,
+    /// The names that occur more than once, which name no column.
+    repeated: Vec<String>,
     subject: Option<String>,
     response: Option<String>,
     count: Option<String>,
@@ -30,18 +33,19 @@ pub struct Columns {
 
 impl Columns {
     /// Creates a form for the first CSV file among these paths; `None` if there is no such file, or if its columns are
-    /// known.
+    /// known. The factors are known only for result files and tables of counts.
     pub fn needed(paths: &[PathBuf], read_options: &ReadOptions) -> Option<Self> {
         let form = Self::of(paths, read_options)?;
         let has = |name: &Option<String>, ours: &str| form.header.iter().any(|h| h == name.as_deref().unwrap_or(ours));
         let known = has(&read_options.subject, "subject_id") && has(&read_options.response, "rating");
-        (!known).then_some(form)
+        let with_factors = has(&read_options.count, "count") || has(&None, "phase");
+        (!known || !with_factors).then_some(form)
     }
 
     /// Creates a form for the first CSV file among these paths, filled in with the previous choices.
     pub fn of(paths: &[PathBuf], read_options: &ReadOptions) -> Option<Self> {
         let file = paths.iter().find_map(|path| first_csv(path))?;
-        let header = header(&file)?;
+        let (header, repeated) = header(&file)?;
         let known = |name: &Option<String>| name.clone().filter(|name| header.contains(name));
         let like = |names: &[&str]| {
             names.iter().find_map(|name| header.iter().find(|column| column.to_lowercase().contains(name))).cloned()
@@ -55,6 +59,7 @@ impl Columns {
             factors: header.iter().map(|name| chosen.contains(name)).collect(),
             file,
             header,
+            repeated,
         })
     }
 
@@ -63,6 +68,13 @@ impl Columns {
         section(ui, "What do the columns mean?");
         let name = self.file.file_name().unwrap_or(self.file.as_os_str()).to_string_lossy().into_owned();
         hint(ui, format!("{name} was not written by machband. Identify its columns."));
+        if !self.repeated.is_empty() {
+            let names = self.repeated.join(", ");
+            show_error(
+                ui,
+                format!("{name}:1: several columns have the name {names}; expected a different name for each"),
+            );
+        }
         let columns: Vec<Option<String>> = std::iter::once(None).chain(self.header.iter().cloned().map(Some)).collect();
         let mut choice = |label, chosen: &mut Option<String>, all: &[Option<String>], none: &str| {
             let text = |name: &Option<String>| name.clone().unwrap_or_else(|| none.to_owned());
@@ -114,9 +126,14 @@ fn first_csv(path: &Path) -> Option<PathBuf> {
     entries(path).ok()?.into_iter().find(|path| path.is_file() && is_csv(path))
 }
 
-/// Returns the names in a file's first row; none if that row does not contain names.
-fn header(file: &Path) -> Option<Vec<String>> {
-    let mut reader = csv::ReaderBuilder::new().flexible(true).from_path(file).ok()?;
-    let names: Vec<String> = reader.headers().ok()?.iter().map(|name| name.trim().to_owned()).collect();
-    (names.len() > 1 && names.iter().all(|name| !name.is_empty())).then_some(names)
+/// Returns the names in a file's first row that occur once, and those that occur more than once; none if that row does
+/// not contain names. A column of row numbers has no name.
+fn header(file: &Path) -> Option<(Vec<String>, Vec<String>)> {
+    let mut names = column_names(file).ok()?;
+    names.retain(|name| !name.is_empty());
+    let is_single = |name: &String| names.iter().filter(|other| *other == name).count() == 1;
+    let (single, mut repeated): (Vec<String>, Vec<String>) = names.iter().cloned().partition(is_single);
+    repeated.sort();
+    repeated.dedup();
+    (names.len() > 1).then_some((single, repeated))
 }

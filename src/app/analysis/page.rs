@@ -7,6 +7,7 @@ use eframe::egui::{self, Key};
 use super::{
     columns::Columns,
     open_study::{OpenStudy, Request},
+    order::CategoryOrder,
 };
 use crate::{
     app::ui::{
@@ -29,6 +30,8 @@ pub struct Analysis {
     /// Why the last files could not be read.
     error: Option<String>,
     columns: Option<Columns>,
+    /// The categories to put in order before anything is analyzed.
+    order: Option<CategoryOrder>,
     /// The files and folders opened last.
     paths: Vec<PathBuf>,
     open: Option<Box<OpenStudy>>,
@@ -54,6 +57,7 @@ impl Analysis {
             reading: None,
             error: None,
             columns: None,
+            order: None,
             paths: Vec::new(),
             open: None,
         }
@@ -70,7 +74,7 @@ impl Analysis {
     fn read(&mut self, ctx: &egui::Context, paths: Vec<PathBuf>, read_options: ReadOptions, again: bool) {
         let read_options = ReadOptions { details: true, ..read_options };
         self.paths.clone_from(&paths);
-        self.error = None;
+        (self.error, self.order) = (None, None);
         let asked = read_options.clone();
         self.reading = Some(Pending {
             read_options,
@@ -123,6 +127,10 @@ impl Analysis {
             Ok(study) => {
                 self.columns = None;
                 let before = self.open.take().filter(|_| again);
+                self.order = CategoryOrder::needed(&study, &read_options);
+                if self.order.is_some() {
+                    return;
+                }
                 self.open = Some(Box::new(match before {
                     Some(before) => OpenStudy::reread(study, read_options, *before),
                     None => OpenStudy::new(study, self.paths.clone(), read_options),
@@ -172,11 +180,16 @@ impl Analysis {
             if let Some(columns) = &mut self.columns {
                 named = columns.show(ui);
                 keep = self.open.is_some() && ui.button("Keep the current columns").clicked();
+            } else if let Some(order) = &mut self.order {
+                named = order.show(ui);
+                if ui.button("Columns…").clicked() {
+                    self.columns = Columns::of(&self.paths, &order.read_options);
+                }
             }
             for line in self.error.iter().flat_map(|error| error.lines()).take(20) {
                 show_error(ui, line);
             }
-            if self.columns.is_some() {
+            if self.columns.is_some() || self.order.is_some() {
                 ui.separator();
             }
             let chosen = self.choose(ui);
