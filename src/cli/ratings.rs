@@ -110,7 +110,8 @@ pub(super) fn problems(source: &Source) -> anyhow::Result<()> {
 /// Reduce ratings to counts, the sufficient statistic: one row per participant, condition and rating.
 ///
 /// `analyze` accepts this table in place of the files, with the same --subject and --response, and computes the same
-/// descriptive statistics, models and tests. The table does not contain repeated ratings or response times.
+/// descriptive statistics, models and tests. The table contains neither the order of repeated ratings nor response times,
+/// and it does not say whether the ratings are simulated.
 #[derive(clap::Args)]
 #[command(after_help = "Examples: machband counts results/bangay2003 --out counts.csv\n          \
     machband counts ratings.csv --subject id --response score --factors width,depth --out counts.csv")]

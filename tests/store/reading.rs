@@ -662,7 +662,7 @@ mod errors {
     fn each_error_in_a_table_has_its_message_and_place() {
         let folder = tempfile::tempdir().unwrap();
         let counts = ReadOptions::default();
-        let cases: [(&str, ReadOptions, &[&str], &[&str]); 7] = [
+        let cases: [(&str, ReadOptions, &[&str], &[&str]); 8] = [
             (
                 "subject_id,width,rating,count\nA,0.1,1,x\nA,0.1,1,-2\nA,0.1,1,1.5\nA,0.1,1,1e30\n,0.1,1,1\nA,0.1,,1\nA,0.1,1\nA,0.1,1,7",
                 counts.clone(),
@@ -697,6 +697,12 @@ mod errors {
                 "subject_id,width,rating,width\nA,1,2,1\n",
                 with_factors(&["width"]),
                 &["1:25: the column width appears twice; expected it once"],
+                &[],
+            ),
+            (
+                "subject_id,width,rating,session_id,repetition,session_id,note,note\nA,1,2,1,1,2,x,y\n",
+                ReadOptions { details: true, ..with_factors(&["width"]) },
+                &["1:47: the column session_id appears twice; expected it once"],
                 &[],
             ),
             (

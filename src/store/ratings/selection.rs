@@ -139,13 +139,13 @@ impl Selection {
         self.survey = survey;
         let mut warnings = Vec::new();
         for index in (0..self.guessed.len()).rev().filter(|&index| self.guessed[index]) {
-            let Some(different) = self.survey.factors[index].measurement() else { continue };
+            let Some((different, rows)) = self.survey.factors[index].measurement() else { continue };
             self.survey.factors.remove(index);
             let name = self.shape.factors.remove(index);
             let columns = self.inputs.iter_mut().map(|input| input.columns.factors.remove(index)).collect::<Vec<_>>();
             let message = format!(
-                "the column {name} has {different} different numbers, most of them once, so it is a measurement and not \
-                 a factor (it is left out); expected --factors or --terms with the columns to analyze, such as num:{name}"
+                "the column {name} has {different} different numbers in {rows} rows, so it is a measurement and not a \
+                 factor (it is left out); expected --factors or --terms with the columns to analyze, such as num:{name}"
             );
             warnings.push(self.inputs[0].error(self.inputs[0].header.column(columns[0]), message));
         }
@@ -431,8 +431,9 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
         places.first().copied().unwrap_or(0)
     };
     let is_results = file.is_results();
-    let optional = |name: &str, wanted: bool| if wanted { header.position(name) } else { None };
     let details = options.details && file.layout != Layout::Counts;
+    let [session, repetition, time] = ["session_id", "repetition", "response_time_s"]
+        .map(|name| (details && header.position(name).is_some()).then(|| needed(name)));
     let columns = Columns {
         subject: needed(options.subject()),
         response: needed(options.response()),
@@ -451,9 +452,9 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
             dropped: header.position("dropped_frames"),
         }),
         factors: factors.iter().map(|name| needed(name)).collect(),
-        session: optional("session_id", details),
-        repetition: optional("repetition", details),
-        time: optional("response_time_s", details),
+        session,
+        repetition,
+        time,
     };
     let mut taken = HashSet::new();
     let places = [Some(columns.subject), Some(columns.response), columns.count].into_iter().flatten();

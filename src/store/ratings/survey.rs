@@ -51,12 +51,12 @@ impl Contents {
         !self.has_texts && self.values > 0
     }
 
-    /// Returns how many different numbers the column has if it is a measurement, such as an age or a time, and not a
-    /// factor: more than 20, each of which occurs less than twice on average.
-    pub fn measurement(&self) -> Option<usize> {
+    /// Returns how many different numbers the column has, and in how many rows, if it is a measurement, such as an age or
+    /// a time, and not a factor: more than 20, which occur less than twice on average.
+    pub fn measurement(&self) -> Option<(usize, u64)> {
         let different = self.numbers.len();
         let is_unique = different > MAX_UNIQUE && self.values < 2 * different as u64;
-        (self.are_numbers() && is_unique).then_some(different)
+        (self.are_numbers() && is_unique).then_some((different, self.values))
     }
 }
 
