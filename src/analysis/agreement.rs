@@ -18,10 +18,13 @@ pub struct Alpha {
     pub units: usize,
     /// Number of ratings of these conditions.
     pub ratings: u64,
-    /// The 95 % interval over participants: the t interval of the jackknife's pseudo-values, at most 1. `None` with fewer
-    /// than three participants, or if α is the same without any of them.
+    /// The 95 % interval over participants: the t interval of the jackknife's pseudo-values, at most 1. `None` if a
+    /// condition has fewer than four participants, or if α is the same without any of them.
     pub interval: Option<Interval>,
 }
+
+/// Smallest number of participants in each condition for an interval of α.
+const LEAST_PER_UNIT: usize = 4;
 
 /// Maximum number of groups of participants that the jackknife leaves out in turn.
 const MAX_GROUPS: usize = 100;
@@ -51,6 +54,8 @@ pub fn ordinal_alpha(counts: &Counts) -> Option<Alpha> {
         }
     }
     units.retain(|shares| shares.len() > 1);
+    // If each unit has few participants, as in a design between them, leaving one out changes too much.
+    let enough = units.iter().all(|shares| shares.len() >= LEAST_PER_UNIT);
     let people = counts.subjects.len();
     let of = |weights: &[u8]| self::alpha(&units, weights, counts.categories.len());
     let alpha = of(&vec![1; people])?;
@@ -61,7 +66,7 @@ pub fn ordinal_alpha(counts: &Counts) -> Option<Alpha> {
         Some(groups as f64 * alpha - (groups - 1) as f64 * of(&weights)?)
     };
     let pseudo_values: Option<Vec<f64>> = (0..groups).into_par_iter().map(without).collect();
-    let interval = pseudo_values.filter(|values| values.len() > 2).and_then(|values| t_interval(&values));
+    let interval = pseudo_values.filter(|_| enough).and_then(|values| t_interval(&values));
     let ratings: f64 = units.iter().flatten().flat_map(|share| &share.tally).map(|(_, n)| n).sum();
     Some(Alpha {
         alpha,

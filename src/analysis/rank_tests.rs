@@ -7,8 +7,8 @@ use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use serde::Serialize;
 
 use super::{
-    interval::{Interval, t_interval},
     counts::{CountRow, Counts},
+    interval::{Interval, t_interval},
     ordinal::{chi_squared_tail, two_sided},
     summary::category_values,
 };

@@ -4,7 +4,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    Calibration, Link, MAX_COEFFICIENTS, ModelError, ModelReport, ModelSpec, Note, Prediction, Random, Resampling, Slopes,
+    Calibration, Link, MAX_COEFFICIENTS, ModelError, ModelReport, ModelSpec, Note, Prediction, Random, Resampling,
+    Slopes,
     agreement::{Alpha, mean_over_subjects, ordinal_alpha, retests},
     counts::{Measured, Quartiles, Times},
     fit_calibrated,
@@ -185,10 +186,8 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         .collect();
     let Options { resampling, scale, checks, .. } = *options;
     let calibration = Calibration { resampling, scale, checks, contrasts: &contrasts, progress };
-    let (mut model, (cells, alpha)) = rayon::join(
-        || fit_calibrated(counts, &spec, &calibration),
-        || (by_cell(counts), ordinal_alpha(counts)),
-    );
+    let (mut model, (cells, alpha)) =
+        rayon::join(|| fit_calibrated(counts, &spec, &calibration), || (by_cell(counts), ordinal_alpha(counts)));
     if let Ok(ModelReport { model, .. }) = &mut model
         && people == 1
         && !model.notes.contains(&Note::OneSubject)

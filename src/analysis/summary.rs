@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    interval::{Interval, mean_and_sd, score_interval},
     counts::{CountRow, Counts},
+    interval::{Interval, mean_and_sd, score_interval},
     levels,
 };
 

@@ -5,9 +5,9 @@ use std::borrow::Cow;
 use serde_json::{Value, json};
 
 use crate::analysis::{
-    Results,
-    interval::Interval,
+    Contrast, Link, Model, Results,
     counts::{CountRow, Counts, Quartiles},
+    interval::Interval,
     rank_tests::PMethod,
     results::{FactorResults, SubjectResults},
     summary::Group,
@@ -108,29 +108,36 @@ fn median(times: Option<Quartiles>) -> String {
     maybe(times.map(|times| times.median))
 }
 
-/// Lists Friedman's and Wilcoxon's tests and the likelihood-ratio tests. There are no rows for a single participant,
-/// because there is nothing to test.
+/// Lists Friedman's and Wilcoxon's tests and the likelihood-ratio tests. For a single participant, there are only the
+/// latter, about that participant's trials.
 pub fn tests(results: &Results) -> Table {
     let header =
         ["test", "term", "level", "other", "n", "statistic", "df", "p", "p_holm", "effect", "effect_is", "note"];
     let mut rows = Vec::new();
     if results.is_inferential() {
         rows.extend(results.factors.iter().flat_map(rank_rows));
-        if let Ok(report) = &results.model {
-            let groups = [
-                ("likelihood-ratio", &report.terms),
-                ("proportional-odds", &report.proportional_odds),
-                ("scale", &report.scale),
-            ];
-            for (name, test) in groups.iter().flat_map(|(name, tests)| tests.iter().map(move |test| (name, test))) {
-                let numbers = [test.lr, Some(test.df as f64), test.p, test.p_holm, None];
-                let note = match (test.withheld, test.draws) {
-                    (Some(reason), _) => reason.to_string(),
-                    (None, Some(draws)) => format!("p from {draws} simulated studies"),
-                    (None, None) => "p from the chi-squared distribution".to_owned(),
-                };
-                rows.push(test_row([name, &test.term, "", ""], report.model.nobs, numbers, "", &note));
-            }
+    }
+    let scope = if results.is_inferential() { "" } else { "; about this participant's trials only" };
+    if let Ok(report) = &results.model {
+        let groups = [
+            ("likelihood-ratio", &report.terms),
+            ("proportional-odds", &report.proportional_odds),
+            ("scale", &report.scale),
+        ];
+        for (name, test) in groups.iter().flat_map(|(name, tests)| tests.iter().map(move |test| (name, test))) {
+            let numbers = [test.lr, Some(test.df as f64), test.p, test.p_holm, None];
+            let note = match (test.withheld, test.draws) {
+                (Some(reason), _) => format!("no p: {reason}"),
+                (None, Some(draws)) => format!("p from {draws} simulated studies{scope}"),
+                (None, None) => format!("p from the chi-squared distribution{scope}"),
+            };
+            rows.push(test_row([name, &test.term, "", ""], report.model.nobs, numbers, "", &note));
+        }
+        for c in &report.comparisons {
+            let note = c.at.as_ref().map_or_else(String::new, |(factor, level)| format!("at {factor} {level}"));
+            let numbers = [None, None, c.p, c.p_holm, Some(c.estimate)];
+            let names = ["comparison", &c.factor, &c.level, &c.other];
+            rows.push(test_row(names, report.model.nobs, numbers, "difference on the latent scale", &note));
         }
     }
     Table::new(header, rows)
@@ -251,19 +258,40 @@ pub fn model(results: &Results) -> Value {
             value["asked"] = asked;
             value["aic"] = json!(report.model.aic());
             value["sentences"] = json!(sentences);
-            if results.is_inferential() {
-                value["likelihood_ratio"] = json!(report.terms);
-                value["proportional_odds"] = json!(report.proportional_odds);
-                value["scale_tests"] = json!(report.scale);
-            } else {
-                // z and p would be statements about other people.
-                for list in ["coefficients", "scale"] {
-                    for coefficient in value[list].as_array_mut().into_iter().flatten() {
-                        (coefficient["z"], coefficient["p"]) = (Value::Null, Value::Null);
-                    }
-                }
+            value["bic"] = json!(report.model.bic());
+            let (share, interval) = report.model.share_between();
+            value["intraclass_correlation"] = json!({ "estimate": share, "interval": interval });
+            value["likelihood_ratio"] = json!(report.terms);
+            value["proportional_odds"] = json!(report.proportional_odds);
+            value["scale_tests"] = json!(report.scale);
+            value["effect_sizes"] = effect_sizes(&report.model);
+            value["comparisons"] = json!(report.comparisons);
+            value["margins"] = json!(report.margins);
+            value["checks"] = json!(report.checks);
+            if !results.is_inferential() {
+                value["scope"] = json!("trials of one participant");
             }
             value
         }
     }
+}
+
+/// Lists the contrasts as odds ratios, probabilities of superiority and latent differences in standard deviations.
+fn effect_sizes(model: &Model) -> Value {
+    let link = model.link;
+    let of = |contrast: &Contrast, scale: &dyn Fn(f64) -> f64| {
+        let ends = contrast.interval.map(|interval| [scale(interval.low), scale(interval.high)]);
+        json!({ "estimate": scale(contrast.estimate), "interval": ends })
+    };
+    let row = |contrast: &Contrast| {
+        let mut value = json!({
+            "factor": contrast.factor, "level": contrast.level, "other": contrast.other,
+            "superiority": of(contrast, &|x| link.superiority(x)), "d": of(contrast, &|x| x / link.sd()),
+        });
+        if link == Link::Logit {
+            value["odds_ratio"] = of(contrast, &f64::exp);
+        }
+        value
+    };
+    model.contrasts.iter().map(row).collect()
 }

@@ -3,8 +3,8 @@
 use machband::{
     analysis::{
         agreement::{mean_over_subjects, ordinal_alpha, retests},
-        interval::{Interval},
         counts::{CountError, Counts, MeasuredBuilder},
+        interval::Interval,
         summary::{by_cell, by_factor, by_subject},
     },
     experiment::RatingRow,

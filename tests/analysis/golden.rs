@@ -7,9 +7,9 @@ use std::collections::BTreeMap;
 use machband::analysis::{
     Coefficient, Link, Model, ModelSpec, Part, Random, Slopes,
     agreement::{Retest, ordinal_alpha},
-    interval::Bootstrap,
     counts::{Counts, MeasuredBuilder},
     fit, fit_with_tests,
+    interval::Bootstrap,
     rank_tests::{PMethod, SubjectMeans, friedman, holm, pairs, wilcoxon},
     scale_tests,
     terms::{Term, Terms},

@@ -6,8 +6,8 @@ use std::{path::PathBuf, sync::Arc};
 use machband::{
     analysis::{
         Link, Options, Random, Results, analyze,
-        interval::Bootstrap,
         counts::{Measured, MeasuredBuilder},
+        interval::Bootstrap,
         terms::Terms,
     },
     experiment::{Protocol, RatingRow},

@@ -16,9 +16,8 @@ use serde_json::Value;
 const ALPHA: f64 = 0.05;
 
 /// What the columns of the table count: for each statistic, whether it was given, and whether it rejected or covered.
-const COLUMNS: [&str; 11] = [
-    "LR", "Friedman", "Wilcoxon", "odds", "comparison", "coefficient", "mean", "cell", "expected", "SD", "alpha",
-];
+const COLUMNS: [&str; 11] =
+    ["LR", "Friedman", "Wilcoxon", "odds", "comparison", "coefficient", "mean", "cell", "expected", "SD", "alpha"];
 
 /// Counts of one study: given and successful, by column, and withheld.
 #[derive(Clone, Default)]
@@ -120,7 +119,8 @@ fn tally(results: &Results, truth: &Value) -> Tally {
     let null: Vec<&str> = truth["null"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
     for name in &null {
         let report = results.model.as_ref().ok();
-        let test = report.and_then(|report| report.terms.iter().find(|test| test.term.trim_start_matches("num:") == *name));
+        let test =
+            report.and_then(|report| report.terms.iter().find(|test| test.term.trim_start_matches("num:") == *name));
         tally.add("LR", test.and_then(|test| test.p).map(|p| p < ALPHA));
         let Some(factor) = results.factors.iter().find(|factor| factor.name == *name) else { continue };
         if factor.within && results.is_inferential() {

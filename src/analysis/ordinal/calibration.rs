@@ -4,20 +4,15 @@
 use rayon::prelude::*;
 
 use super::{
-    checks,
-    estimates,
+    checks, estimates,
     fitting::{Fitted, fit_counts},
-    likelihood_ratios::{ModelReport, TermTest, report_with_tests, scale_terms, scale_test},
+    likelihood_ratios::{ModelReport, TermTest, Withheld, report_with_tests, scale_terms, scale_test},
     model::{Contrast, ModelError, ModelSpec, RandomEffect},
     profile::{self, Quantity, chi_squared_limit},
     resampling::{Ratios, Resampling, Statistics, quantile, simulate},
     terms::Term,
 };
-use crate::analysis::{
-    interval::Interval,
-    counts::Counts,
-    rank_tests::holm,
-};
+use crate::analysis::{counts::Counts, interval::Interval, rank_tests::holm};
 
 /// With fewer participants than this, likelihood ratios are calibrated by simulation.
 pub const FEW_FOR_LIKELIHOOD_RATIOS: usize = 12;
@@ -25,6 +20,8 @@ pub const FEW_FOR_LIKELIHOOD_RATIOS: usize = 12;
 const FEW_BETWEEN: usize = 100;
 /// Maximum number of coefficients with profile intervals; the others have Wald intervals.
 const MAX_PROFILES: usize = 60;
+/// Smallest number of participants at each level of a factor that varies only between them.
+const LEAST_PER_LEVEL: usize = 3;
 /// Above this number of ratings times terms, the simulation of a mixed model is limited to [`FEW_DRAWS`] studies. It
 /// keeps an analysis at about ten seconds with two threads.
 const MANY_RATINGS: usize = 2000;
@@ -59,6 +56,7 @@ pub fn fit_calibrated(
         report.scale = scale_terms(&full).into_iter().map(|term| scale_test(&full, term)).collect::<Result<_, _>>()?;
     }
     let mut limits = vec![chi_squared_limit(1); full.spec.terms.iter().count()];
+    withhold(&full, &mut report, &mut limits);
     if full.spec.scale.is_empty() {
         calibrate_tests(&full, &mut report, &mut limits, calibration);
     }
@@ -74,6 +72,19 @@ pub fn fit_calibrated(
     Ok(report)
 }
 
+/// Withholds tests and intervals of terms that vary only between participants if a level has too few of them: even
+/// simulated distributions are then not accurate.
+fn withhold(full: &Fitted, report: &mut ModelReport, limits: &mut [f64]) {
+    for (term, limit) in full.spec.terms.iter().zip(limits) {
+        if full.mixed.is_some() && full.is_between(term) && full.least_people(term) < LEAST_PER_LEVEL {
+            *limit = f64::NAN;
+            for test in report.terms.iter_mut().filter(|test| test.term == term.to_string()) {
+                (test.p, test.withheld) = (None, Some(Withheld::FewPerLevel));
+            }
+        }
+    }
+}
+
 /// Replaces the probabilities of the tests by simulated ones, and the limits of the profiles, by term, where they are
 /// simulated.
 fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut [f64], calibration: &Calibration<'_>) {
@@ -83,7 +94,9 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut [f64], 
         terms.iter().filter(has_ratio).copied().collect()
     };
     let what = Statistics {
-        terms: named(&report.terms).into_iter().filter(|term| needs_simulation(full, term)).collect(),
+        terms: (named(&report.terms).into_iter())
+            .filter(|term| needs_simulation(full, term) && !is_withheld(&report.terms, term))
+            .collect(),
         nominal: named(&report.proportional_odds),
         scale: named(&report.scale),
     };
@@ -120,6 +133,10 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut [f64], 
     }
 }
 
+fn is_withheld(tests: &[TermTest], term: &Term) -> bool {
+    tests.iter().any(|test| test.term == term.to_string() && test.withheld.is_some())
+}
+
 /// Returns whether the ratio of a term does not have a χ² distribution with this number of participants.
 fn needs_simulation(full: &Fitted, term: &Term) -> bool {
     let people = full.frame.subjects.len();
@@ -141,6 +158,10 @@ fn profile_coefficients(full: &Fitted, report: &mut ModelReport, limits: &[f64])
     let coefficients = &mut report.model.coefficients;
     coefficients.par_iter_mut().enumerate().for_each(|(column, coefficient)| {
         let limit = limits[columns[column].term];
+        if limit.is_nan() {
+            coefficient.interval = None;
+            return;
+        }
         let quantity = Quantity::Difference(Some(column), None);
         coefficient.interval = (coefficient.se.filter(|_| profiled && coefficient.estimate.is_finite()))
             .and_then(|se| profile::interval(full, quantity, coefficient.estimate, se, [limit; 2]))
@@ -166,12 +187,7 @@ fn profile_deviations(full: &Fitted, random: &mut RandomEffect) {
 }
 
 /// Returns the profile intervals of differences between two levels.
-fn contrasts(
-    full: &Fitted,
-    report: &ModelReport,
-    limits: &[f64],
-    wanted: &[(String, [u32; 2])],
-) -> Vec<Contrast> {
+fn contrasts(full: &Fitted, report: &ModelReport, limits: &[f64], wanted: &[(String, [u32; 2])]) -> Vec<Contrast> {
     let of_pair = |(factor, levels): &(String, [u32; 2])| {
         let term = full.spec.terms.iter().position(|term| *term == Term::factor(factor))?;
         let (_, description) = full.frame.counts.factor(factor)?;
@@ -189,7 +205,7 @@ fn contrasts(
         let places = [find(&names[0]), find(&names[1])];
         let (estimate, se) = estimates::difference(&report.model, places);
         let quantity = Quantity::Difference(places[0], places[1]);
-        let interval = (se.filter(|_| estimate.is_finite()))
+        let interval = (se.filter(|_| estimate.is_finite() && limits[term].is_finite()))
             .and_then(|se| profile::interval(full, quantity, estimate, se, [limits[term]; 2]));
         let [level, other] = names;
         (!estimate.is_nan()).then_some(Contrast { factor: factor.clone(), level, other, estimate, interval })

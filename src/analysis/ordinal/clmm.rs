@@ -217,8 +217,13 @@ impl Subject<'_> {
         for mean in &mut bounds {
             *mean = (mean.0 / total, mean.1 / total);
         }
-        let means =
-            NodeMeans { log_total: total.ln(), slope: slope / total, slope_z: slope_z / total, sigma: sigma / total, bounds };
+        let means = NodeMeans {
+            log_total: total.ln(),
+            slope: slope / total,
+            slope_z: slope_z / total,
+            sigma: sigma / total,
+            bounds,
+        };
         (total > 0.0 && total.is_finite()).then_some(means)
     }
 }
@@ -257,7 +262,13 @@ impl ClmmData {
         self.loadings.weights(&parameters.as_slice()[self.first_psi()..])
     }
 
-    fn subject<'a>(&'a self, range: &Range<usize>, thresholds: &[f64], location: &DVector<f64>, weights: &'a [f64]) -> Subject<'a> {
+    fn subject<'a>(
+        &'a self,
+        range: &Range<usize>,
+        thresholds: &[f64],
+        location: &DVector<f64>,
+        weights: &'a [f64],
+    ) -> Subject<'a> {
         let observations = &self.observations[range.clone()];
         let category = |observation: &Observation| {
             let (a, b) = category_bounds(thresholds, observation.category);

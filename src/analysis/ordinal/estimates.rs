@@ -130,7 +130,8 @@ fn random_effect(fitted: &Fitted, mixed: &MixedFit, covariance: Option<(&DMatrix
         interval: None,
     });
     let correlation = |i: usize, j: usize| variances[(i, j)] / (sd(i) * sd(j));
-    let correlations = part.correlated.then(|| (0..size).map(|i| (0..size).map(|j| correlation(i, j)).collect()).collect());
+    let correlations =
+        part.correlated.then(|| (0..size).map(|i| (0..size).map(|j| correlation(i, j)).collect()).collect());
     let conditional = layout(fitted).data.conditional_covariances(&mixed.parameters, &mixed.modes).unwrap_or_default();
     let subjects = fitted.frame.subjects.iter().zip(mixed.modes.iter().zip(conditional));
     RandomEffect {

@@ -1,6 +1,6 @@
 //! Fits models to a table of counts by maximizing their likelihoods.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use nalgebra::{DMatrix, DVector};
 
@@ -251,6 +251,23 @@ impl Fitted<'_> {
             find_factor(self.frame.counts, variable).is_ok_and(|(factor, _)| !is_within(&self.frame, factor))
         };
         term.variables.iter().any(between)
+    }
+
+    /// Returns the smallest number of participants at a level of a term's factors.
+    pub fn least_people(&self, term: &Term) -> usize {
+        let counts = self.frame.counts;
+        let is_factor = |variable: &&Variable| matches!(variable, Variable::Factor(_));
+        let factors = term.variables.iter().filter(is_factor).filter_map(|variable| find_factor(counts, variable).ok());
+        let of_factor = |(factor, _): (usize, bool)| {
+            let mut people: HashMap<u32, HashSet<u32>> = HashMap::new();
+            for row in &self.frame.rows {
+                if let Some(level) = counts.conditions[row.condition as usize][factor] {
+                    people.entry(level).or_default().insert(row.subject);
+                }
+            }
+            people.values().map(HashSet::len).min()
+        };
+        factors.filter_map(of_factor).min().unwrap_or(usize::MAX)
     }
 
     /// Returns the number of coefficients of terms that do not vary within participants.

@@ -5,11 +5,11 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::{
+    checks::Checks,
     clm::{ClmData, FitEnd},
     design::Design,
     estimates::{self, Prediction, predictions},
     fitting::{Fitted, How, clm_data, fit_clm, fit_counts, fit_terms},
-    checks::Checks,
     margins::{self, Comparison, Margin},
     model::{Model, ModelError, ModelSpec, Random},
     resampling::probability,
@@ -58,6 +58,9 @@ pub enum Withheld {
     /// One of the two models has no maximum, or too many parameters.
     #[error("one of the two models has no maximum or too many parameters")]
     NoRatio,
+    /// A level of a factor that varies only between participants has too few of them.
+    #[error("a level has fewer than three participants")]
+    FewPerLevel,
     /// More than a tenth of the simulated studies allowed no fit.
     #[error("the data are too few: more than a tenth of the simulated studies allowed no fit")]
     TooFew,

@@ -93,6 +93,30 @@ impl Link {
         }
     }
 
+    /// Returns the standard deviation of the distribution.
+    pub fn sd(self) -> f64 {
+        match self {
+            Self::Logit => std::f64::consts::PI / 3.0_f64.sqrt(),
+            Self::Probit => 1.0,
+        }
+    }
+
+    /// Returns the probability that one latent rating exceeds another whose location is lower by `difference`. For the
+    /// logit link, it is the distribution function of the difference between two logistic variables.
+    pub fn superiority(self, difference: f64) -> f64 {
+        match self {
+            Self::Logit if difference.abs() < 1e-4 => 0.5 + difference / 6.0,
+            // For large differences, e^−|δ| has no overflow.
+            Self::Logit => {
+                let (size, small) = (difference.abs(), (-difference.abs()).exp());
+                let above = (1.0 - small - size * small) / (1.0 - small).powi(2);
+                let above = if size.is_finite() { above } else { 1.0 };
+                if difference > 0.0 { above } else { 1.0 - above }
+            }
+            Self::Probit => self.cdf(difference * FRAC_1_SQRT_2),
+        }
+    }
+
     /// Returns the log-probability of the category between the bounds and its derivatives up to the second order.
     pub fn cell(self, a: f64, b: f64) -> Cell {
         match self {

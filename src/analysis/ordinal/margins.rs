@@ -203,7 +203,9 @@ fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variab
     for stratum in strata {
         for (place, &level) in levels.iter().enumerate() {
             for &lower in &levels[..place] {
-                let Some(difference) = row(level, stratum).zip(row(lower, stratum)).map(|(a, b)| a - b) else { continue };
+                let Some(difference) = row(level, stratum).zip(row(lower, stratum)).map(|(a, b)| a - b) else {
+                    continue;
+                };
                 let estimate = super::estimates::dot_ignoring_zero_weights(difference.iter(), coefficients.iter());
                 let used: Vec<usize> = (0..size).filter(|&i| difference[i].abs() > 1e-12).collect();
                 let pairs = used.iter().flat_map(|i| used.iter().map(move |j| (*i, *j)));
@@ -214,7 +216,9 @@ fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variab
                     factor: factor.name().to_owned(),
                     level: name(own, level),
                     other: name(own, lower),
-                    at: other.zip(stratum).map(|(other, stratum)| (counts.factors[other].name.clone(), name(other, stratum))),
+                    at: other
+                        .zip(stratum)
+                        .map(|(other, stratum)| (counts.factors[other].name.clone(), name(other, stratum))),
                     estimate,
                     interval: Interval::around(estimate, se, widening.reach()),
                     p: se.map(|se| widening.probability(estimate / se)),

@@ -34,8 +34,8 @@ pub use likelihood_ratios::{ModelReport, Part, TermTest, Withheld, fit_with_test
 pub use link::Link;
 pub use margins::{Comparison, Margin};
 pub use model::{
-    Coefficient, Contrast, MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Note, Random, RandomEffect, RandomSlope, Slopes,
-    SubjectMode, Threshold,
+    Coefficient, Contrast, MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Note, Random, RandomEffect, RandomSlope,
+    Slopes, SubjectMode, Threshold,
 };
 
 pub use resampling::Resampling;

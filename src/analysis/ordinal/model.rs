@@ -203,6 +203,23 @@ impl Model {
         !self.notes.iter().any(|note| matches!(note, Note::NotConverged { .. }))
     }
 
+    /// Returns the share of the latent variance that the random intercept accounts for (the intraclass correlation), and
+    /// its 95 % interval, which follows from that of the standard deviation.
+    pub fn share_between(&self) -> (Option<f64>, Option<Interval>) {
+        let Some(random) = &self.random else { return (None, None) };
+        // A slope on a number has another unit; a deviation at a level belongs to the rating's own variance.
+        let levels = random.slopes.iter().filter(|slope| !slope.name.contains("num:"));
+        let rest = self.link.sd().powi(2) + levels.map(|slope| slope.sd * slope.sd).sum::<f64>();
+        let share = |sd: f64| if sd.is_finite() { sd * sd / (sd * sd + rest) } else { 1.0 };
+        let interval = random.interval.map(|i| Interval { low: share(i.low), high: share(i.high) });
+        if random.correlations.is_some() { (None, None) } else { (Some(share(random.sd)), interval) }
+    }
+
+    /// Returns the Bayesian information criterion with the number of ratings, as in R.
+    pub fn bic(&self) -> f64 {
+        (self.nobs as f64).ln() * self.parameters as f64 - 2.0 * self.loglik
+    }
+
     /// Returns Akaike's information criterion.
     pub fn aic(&self) -> f64 {
         2.0 * self.parameters as f64 - 2.0 * self.loglik
@@ -285,7 +302,9 @@ pub enum Note {
     #[error("the covariance matrix of the random effects is singular, so their correlations are not reliable")]
     SingularCovariance,
     /// Quadrature was requested for a model with several random effects.
-    #[error("quadrature needs a single random effect per participant, so Laplace’s approximation is used; --slopes none leaves only the intercept")]
+    #[error(
+        "quadrature needs a single random effect per participant, so Laplace’s approximation is used; --slopes none leaves only the intercept"
+    )]
     QuadratureIgnored,
     /// Each participant uses a single category, so the variance between participants, or an effect within participants,
     /// has no finite estimate.

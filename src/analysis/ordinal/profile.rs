@@ -31,7 +31,13 @@ pub(super) fn chi_squared_limit(df: usize) -> f64 {
 
 /// Returns the interval of a quantity. `limits` are the largest likelihood ratios below and above the estimate; `se` is
 /// where the search begins. An end is infinite if no finite value is excluded. `None` if the profile cannot be computed.
-pub(super) fn interval(full: &Fitted, quantity: Quantity, estimate: f64, se: f64, limits: [f64; 2]) -> Option<Interval> {
+pub(super) fn interval(
+    full: &Fitted,
+    quantity: Quantity,
+    estimate: f64,
+    se: f64,
+    limits: [f64; 2],
+) -> Option<Interval> {
     let ratio = |value: f64| {
         let fitted = hold(full, quantity, value)?;
         comparable(full, &fitted).then(|| 2.0 * (full.loglik() - fitted.loglik()))
@@ -45,13 +51,7 @@ pub(super) fn interval(full: &Fitted, quantity: Quantity, estimate: f64, se: f64
 
 /// Finds the value in the direction of `step` at which the ratio reaches the limit, or `least` if that value does not
 /// reach it. The root of the ratio is almost linear, so its inverse is interpolated.
-fn end(
-    ratio: &impl Fn(f64) -> Option<f64>,
-    estimate: f64,
-    step: f64,
-    limit: f64,
-    least: Option<f64>,
-) -> Option<f64> {
+fn end(ratio: &impl Fn(f64) -> Option<f64>, estimate: f64, step: f64, limit: f64, least: Option<f64>) -> Option<f64> {
     let wanted = limit.sqrt();
     let bounded = |distance: f64| {
         let value = estimate + step.signum() * distance;

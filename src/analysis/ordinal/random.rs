@@ -78,7 +78,8 @@ impl RandomPart {
         if spec.random == Random::None {
             return Ok(Self::default());
         }
-        let mut part = Self { correlated: false, components: vec![Component::intercept(frame.counts.conditions.len())] };
+        let mut part =
+            Self { correlated: false, components: vec![Component::intercept(frame.counts.conditions.len())] };
         match spec.slopes {
             Slopes::None => {}
             Slopes::Independent => part.add_independent(frame, &spec.terms, notes)?,
@@ -99,7 +100,8 @@ impl RandomPart {
             let of_subjects: BTreeSet<(u32, usize)> =
                 frame.rows.iter().map(|row| (row.subject, component.groups[row.condition as usize])).collect();
             let needed = effects + of_subjects.len() as u64;
-            if frame.total() < RATINGS_PER_EFFECT * needed || self.effects() + component.number_of_groups > MAX_EFFECTS {
+            if frame.total() < RATINGS_PER_EFFECT * needed || self.effects() + component.number_of_groups > MAX_EFFECTS
+            {
                 notes.push(Note::NoSlope { term: own.to_string() });
             } else {
                 effects = needed;
@@ -160,7 +162,8 @@ impl RandomPart {
     /// Returns the number of effects of a component among `people` participants, and how many of them are free, given
     /// that `between` coefficients and the means over participants are estimated.
     pub fn degrees(&self, component: usize, people: usize, between: usize) -> (f64, f64) {
-        let [groups, people, between] = [self.components[component].number_of_groups, people, between].map(|n| n as f64);
+        let [groups, people, between] =
+            [self.components[component].number_of_groups, people, between].map(|n| n as f64);
         match component {
             0 => (people, people - 1.0 - between),
             _ if groups < 2.0 => (people, people - 1.0),
@@ -211,7 +214,8 @@ fn independent(frame: &Frame, term: &Term) -> Result<Component, ModelError> {
             }
         }
     }
-    let places: BTreeMap<&Vec<Option<u32>>, usize> = frame.conditions().iter().map(|c| (&keys[*c as usize], 0)).collect();
+    let places: BTreeMap<&Vec<Option<u32>>, usize> =
+        frame.conditions().iter().map(|c| (&keys[*c as usize], 0)).collect();
     let places: BTreeMap<_, usize> = places.into_keys().zip(0..).collect();
     let groups = keys.iter().map(|key| places.get(key).copied().unwrap_or(0)).collect();
     Ok(Component::new(term.to_string(), values, groups, places.len()))

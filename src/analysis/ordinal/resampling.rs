@@ -16,9 +16,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
+    clmm::ClmmData,
     design::Design,
     estimates::finite_estimates,
-    clmm::ClmmData,
     fitting::{Fitted, How, Layout, fit_terms, layout},
     likelihood_ratios::{comparable, nominal_test, scale_test},
     link::Link,
@@ -81,7 +81,8 @@ pub(super) fn quantile(ratios: &[f64], share: f64) -> Option<f64> {
         return None;
     }
     finite.sort_by(f64::total_cmp);
-    let rank = (share * (finite.len() + 1) as f64).ceil() as usize;
+    // A ratio above this one has a probability below 1 − share in [`probability`].
+    let rank = (share * (finite.len() + 1) as f64 + 1e-9).floor() as usize + 1;
     finite.get(rank.clamp(1, finite.len()) - 1).copied()
 }
 
@@ -140,22 +141,20 @@ fn ratios(full: &Fitted, frame: Frame, held: &[Design], what: &Statistics) -> [V
 
 /// Corrects the standard deviations of independent effects for the means over participants that are estimated, as
 /// restricted maximum likelihood does: with n participants, the estimated variance of an effect and its sampling variance
-/// together are too small by the factor (n − p)/n. Otherwise, a deviation that is 0 by chance would make simulated
-/// studies less variable than real ones.
+/// together are too small by the factor (n − p)/n. Otherwise, a deviation that is small or 0 by chance would make
+/// simulated studies less variable than real ones. The median of a variance with ν degrees of freedom is smaller than its
+/// mean by about 2/3 of a degree, so the correction makes the median right.
 fn correct_deviations(fitted: &Fitted, data: &ClmmData, mixed: &MixedFit, parameters: &mut DVector<f64>) {
     if fitted.random.correlated {
         return;
     }
     let between = fitted.between_columns();
-    let mode: u8 = std::env::var("MB_CORR").ok().and_then(|v| v.parse().ok()).unwrap_or(2);
     let sampling = data.sampling_variances(&mixed.parameters, &mixed.modes);
     for (component, sampling) in sampling.into_iter().enumerate() {
         let (all, free) = fitted.random.degrees(component, fitted.frame.subjects.len(), between);
         let deviation = &mut parameters[data.first_psi() + component];
-        let variance = *deviation * *deviation;
-        let free = if mode == 4 { (free - 2.0 / 3.0).max(0.5) } else { free.max(1.0) };
-        let noise = match (mode, component) { (0, _) => continue, (1, _) => 0.0, (2 | 4, _) => sampling, (3, 0) if between > 0 => sampling, _ => 0.0 };
-        *deviation = ((variance + noise) * (all / free) - noise).max(0.0).sqrt();
+        let factor = all / (free - 2.0 / 3.0).max(0.5);
+        *deviation = ((*deviation * *deviation + sampling) * factor - sampling).max(0.0).sqrt();
     }
 }
 

@@ -133,8 +133,11 @@ impl<'a> Search<'a> {
         }
         let first = self.data.first_psi();
         let indices: Vec<usize> = self.data.loadings.deviations.iter().map(|parameter| first + parameter).collect();
-        let close: Vec<usize> =
-            indices.iter().copied().filter(|&i| self.at[i] != 0.0 && self.at[i].abs() < NO_SIGMA && free.contains(&i)).collect();
+        let close: Vec<usize> = indices
+            .iter()
+            .copied()
+            .filter(|&i| self.at[i] != 0.0 && self.at[i].abs() < NO_SIGMA && free.contains(&i))
+            .collect();
         for &index in &close {
             let mut to = self.at.clone();
             to[index] = 0.0;

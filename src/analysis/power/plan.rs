@@ -10,9 +10,9 @@ use super::{
 use crate::{
     analysis::{
         Link, MAX_COEFFICIENTS, MAX_NODES, ModelError, ModelSpec, Random,
-        interval::Interval,
         counts::Counts,
         frame::Frame,
+        interval::Interval,
         ordinal::{
             check_size, chi_squared_tail, dot_ignoring_zero_weights, fit_counts, predictors, terms::Terms,
             without_terms,

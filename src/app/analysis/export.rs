@@ -8,7 +8,7 @@ use std::{
 use eframe::egui;
 
 use crate::{
-    analysis::{Link, Options, Random, Results},
+    analysis::{Link, Options, Random, Results, Slopes},
     app::ui::{
         Dialog, FileKind, Saving, hint, secondary,
         work::{BackgroundTask, Progress},
@@ -128,7 +128,7 @@ impl Export {
     /// Returns the `machband analyze` command for these files and options. Filters and options with default values are
     /// omitted.
     fn command(&self, Exported { read_options, results, .. }: &Exported<'_>) -> String {
-        let Options { terms, link, random, quadrature, scale, .. } = &results.options;
+        let Options { terms, link, random, slopes, quadrature, scale, .. } = &results.options;
         let mut arguments = vec!["analyze".to_owned()];
         arguments.extend(self.paths.iter().map(|path| path.display().to_string()));
         let mut option = |name: &str, value: Option<String>| {
@@ -142,6 +142,7 @@ impl Export {
         option("--terms", terms.as_ref().map(ToString::to_string));
         option("--link", (*link != Link::default()).then(|| link.to_string()));
         option("--random", (*random == Some(Random::None)).then(|| "none".to_owned()));
+        option("--slopes", (*slopes != Slopes::default()).then(|| slopes.to_string()));
         option("--quadrature", (*quadrature != 1).then(|| quadrature.to_string()));
         option("--out", Some(self.folder.trim().to_owned()));
         arguments.extend(read_options.complete_only.then(|| "--complete-only".to_owned()));

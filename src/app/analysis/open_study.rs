@@ -1,6 +1,12 @@
 //! An open study: its filters and settings, and the resulting document.
 
-use std::{path::PathBuf, sync::Arc};
+use std::{
+    path::PathBuf,
+    sync::{
+        Arc,
+        atomic::{AtomicUsize, Ordering},
+    },
+};
 
 use eframe::egui::{self, CentralPanel, CollapsingHeader, Frame, Panel, RichText, ScrollArea};
 
@@ -10,7 +16,7 @@ use super::{
     query::{Filters, Settings},
 };
 use crate::{
-    analysis::{Options, Results, analyze},
+    analysis::{Options, Results, analyze_with},
     app::ui::{
         Field, Step, heading, hint, paragraph, secondary, show_error, theme,
         work::{BackgroundTask, Progress},
@@ -59,6 +65,8 @@ pub struct OpenStudy {
     /// The last requested analysis, finished or not.
     asked: Option<Query>,
     work: Option<BackgroundTask<Option<(Outcome, Document)>>>,
+    /// The progress of the analysis in `work`.
+    simulated: Arc<Simulated>,
     /// The last finished analysis and the view of its document.
     shown: Option<(Outcome, DocumentView)>,
     /// The running computation of the document with a prediction.
@@ -93,6 +101,7 @@ impl OpenStudy {
             settings: Settings::default(),
             asked: None,
             work: None,
+            simulated: Arc::default(),
             shown: None,
             predicting: None,
             error: None,
@@ -197,8 +206,9 @@ impl OpenStudy {
         }
         self.error = None;
         self.asked = Some(query.clone());
-        let study = self.study.clone();
-        self.work = Some(BackgroundTask::start(ctx, move || Outcome::new(&study, query)));
+        let (study, simulated) = (self.study.clone(), Arc::<Simulated>::default());
+        self.simulated = simulated.clone();
+        self.work = Some(BackgroundTask::start(ctx, move || Outcome::new(&study, query, &simulated)));
     }
 
     fn choose_section(&mut self, ui: &mut egui::Ui, narrow: bool) {
@@ -220,7 +230,13 @@ impl OpenStudy {
         }
         if self.work.is_some() {
             ui.spinner();
-            ui.label(secondary("Analyzing…"));
+            let (done, all) = self.simulated.get();
+            let text = if all > 0 {
+                format!("Analyzing… {done} of {all} simulated studies")
+            } else {
+                "Analyzing…".to_owned()
+            };
+            ui.label(secondary(text));
         }
     }
 
@@ -353,14 +369,33 @@ fn dense(ui: &mut egui::Ui) {
     ui.spacing_mut().scroll = egui::style::ScrollStyle::thin();
 }
 
+/// How many studies the analysis has simulated so far.
+#[derive(Default)]
+struct Simulated {
+    done: AtomicUsize,
+    all: AtomicUsize,
+}
+
+impl Simulated {
+    fn set(&self, done: usize, all: usize) {
+        self.all.store(all, Ordering::Relaxed);
+        // Studies do not end in order.
+        self.done.fetch_max(done, Ordering::Relaxed);
+    }
+
+    fn get(&self) -> (usize, usize) {
+        (self.done.load(Ordering::Relaxed), self.all.load(Ordering::Relaxed))
+    }
+}
+
 impl Outcome {
     /// Analyzes the selected data; `None` if nothing is selected.
-    fn new(study: &Study, query: Query) -> Option<(Self, Document)> {
+    fn new(study: &Study, query: Query, simulated: &Simulated) -> Option<(Self, Document)> {
         let measured = query.filters.apply(&study.measured);
         if measured.counts.total() == 0 {
             return None;
         }
-        let results = Arc::new(analyze(measured, &query.options));
+        let results = Arc::new(analyze_with(measured, &query.options, &|done, all| simulated.set(done, all)));
         let figures = figures::all(&results);
         let document = document(&study.source, &results, Parts { figures: &figures, ..Parts::default() });
         Some((Self { query, results, figures }, document))

@@ -4,7 +4,7 @@ use eframe::egui::{self, CollapsingHeader, DragValue, Key, ScrollArea, TextEdit}
 
 use crate::{
     analysis::{
-        Link, MAX_NODES, ModelError, Options, Random,
+        Link, MAX_NODES, ModelError, Options, Random, Slopes,
         counts::{Counts, Factor, Measured},
         terms::{TermError, Terms},
     },
@@ -158,6 +158,12 @@ impl Settings {
             options.random = (!random).then_some(Random::None);
         }
         ui.add_enabled_ui(random, |ui| {
+            let slopes = [Slopes::Independent, Slopes::Correlated, Slopes::None];
+            Field::new("Random slopes")
+                .width(130.0)
+                .choice(ui, &mut options.slopes, &slopes, |slopes| slopes.to_string());
+        });
+        ui.add_enabled_ui(random && options.slopes == Slopes::None, |ui| {
             Field::new("Quadrature nodes").show(ui, |ui, label| {
                 ui.add(DragValue::new(&mut options.quadrature).range(1..=MAX_NODES).speed(0.1)).labelled_by(label);
                 ui.label(secondary(if options.quadrature == 1 { "Laplace" } else { "Gauss–Hermite" }));

@@ -22,10 +22,10 @@ const MAX_NAME: f64 = 290.0;
 /// Indentation of the names of levels.
 const INDENT: f64 = 18.0;
 
-/// Draws `effects`, if there are several participants and a model with coefficients.
+/// Draws `effects`, if there is a model with coefficients.
 pub(super) fn figure(results: &Results) -> Option<Figure> {
     let model = &results.model.as_ref().ok()?.model;
-    if !results.is_inferential() || model.coefficients.is_empty() {
+    if model.coefficients.is_empty() {
         return None;
     }
     let rows = rows(results, model);
@@ -63,7 +63,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
 
 fn caption(results: &Results, model: &Model) -> String {
     let mut text = format!(
-        "Coefficients of the cumulative {} model ({}), with 95\u{a0}% intervals (1.96 standard errors). Positive \
+        "Coefficients of the cumulative {} model ({}), with 95\u{a0}% profile-likelihood intervals. Positive \
          values mean higher ratings than at the level in parentheses; {}.",
         model.link,
         model.method,
@@ -133,9 +133,9 @@ fn heading(results: &Results, model: &Model, term: &Term) -> String {
     format!("{}{against}", labels::heading(name))
 }
 
-/// Returns the interval of a coefficient; without a standard error, only the estimate.
-fn interval(&Coefficient { estimate, se, .. }: &Coefficient) -> Interval {
-    Interval::wald(estimate, se).unwrap_or(Interval { low: estimate, high: estimate })
+/// Returns the interval of a coefficient or, if there is none, only the estimate.
+fn interval(&Coefficient { estimate, interval, .. }: &Coefficient) -> Interval {
+    interval.unwrap_or(Interval { low: estimate, high: estimate })
 }
 
 /// Returns the range of the axis: all intervals, except a few extreme ones that would leave no room for the others.

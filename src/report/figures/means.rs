@@ -14,8 +14,8 @@ use super::{
 };
 use crate::analysis::{
     Results,
-    interval::Interval,
     counts::{Counts, Factor},
+    interval::Interval,
     summary::{Group, by_cell, by_levels, category_values},
 };
 

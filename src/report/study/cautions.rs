@@ -68,8 +68,8 @@ fn one_participant(source: &Source, results: &Results) -> Option<String> {
     }
     let plan = source.protocol.as_ref().map_or_else(String::new, |p| format!(" {} --participants 4,8,12", p.name));
     Some(format!(
-        "There is only one participant: this page describes these ratings, which do not generalize to other people. \
-         The next step is to test more participants; “machband plan{plan}” estimates how many are needed."
+        "There is only one participant: tests and intervals are about this participant’s repeated trials and say nothing \
+         about other people. “machband plan{plan}” estimates how many participants a statement about people needs."
     ))
 }
 
@@ -110,13 +110,12 @@ fn about_model(results: &Results) -> Vec<String> {
         );
     }
     cautions.extend(notes.iter().filter(|note| is_serious(note)).map(|note| format!("About the model: {note}.")));
-    let tests = report.proportional_odds.iter().filter(|_| results.is_inferential());
-    cautions.extend(tests.filter_map(|test| {
-        let p = p_is(test.p.filter(|p| *p < ALPHA)?);
+    cautions.extend(report.proportional_odds.iter().filter_map(|test| {
+        let p = p_is(test.p_holm.filter(|p| *p < ALPHA)?);
         let term = names::factor(&test.term);
         Some(format!(
-            "The effect of {term} is not the same along the scale (test of proportional odds, {p}). Its coefficient \
-             is an average: trust its direction more than its size."
+            "The ratings show that the effect of {term} differs along the scale (test of proportional odds, corrected \
+             {p}). Its coefficient is an average: trust its direction more than its size."
         ))
     }));
     cautions

@@ -14,7 +14,7 @@ use crate::{
     report::{
         document::{
             Section,
-            numbers::{count, fixed, mean, percent, range, short_list, unit, whole},
+            numbers::{count, fixed, mean, range, short_list, unit, whole},
         },
         figures::Figure,
     },

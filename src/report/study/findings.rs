@@ -1,52 +1,59 @@
 //! Describes the effect of a factor in sentences: the trend of the means, how likely it is by chance, and its size.
+//!
+//! Rules: the test that leads is the likelihood ratio of a model in which participants may differ in the effect, or else
+//! the exact rank test of the participants' means. A difference counts as found only if its p is below [`ALPHA`] and its
+//! size has an interval. What is found is said of people; what one participant's trials show is said of that person.
 
 use super::names;
 use crate::{
     analysis::{
-        Link, Model, ModelReport, Part, Results, TermTest,
+        Comparison, Link, ModelReport, Part, Results, TermTest,
         interval::Interval,
+        rank_tests::PMethod,
         results::FactorResults,
         terms::{Term, Variable},
     },
-    report::document::numbers::{fixed, list, mean, p_is, range, ratio, short_list},
+    report::document::numbers::{fixed, list, mean, p_is, percent, ratio, short_list, with_interval},
 };
 
 /// Significance level: if p is below this, a difference counts as more than chance.
 pub(super) const ALPHA: f64 = 0.05;
-/// Minimum |τ| (Kendall) between means and levels for a trend to be called a tendency.
-const TENDENCY: f64 = 0.7;
 
 /// The test that a sentence relies on.
 pub(super) struct Evidence {
-    name: &'static str,
-    chi_squared: f64,
-    df: usize,
+    /// The test and its statistic, such as `likelihood-ratio test: χ²(2) = 7.1`.
+    test: String,
     pub p: f64,
+    /// Whether p comes from a limited number of simulated studies and cannot be smaller.
+    least: bool,
+    is_rank_test: bool,
 }
 
-/// A difference on the scale of the link function, between two levels or per unit of a numeric factor.
-struct Contrast {
-    /// The level with the higher ratings, or the name of the numeric factor.
-    higher: String,
-    /// The other level; `None` for a numeric factor.
-    lower: Option<String>,
-    /// The difference; positive for levels, and infinite if there is no finite estimate.
-    estimate: f64,
-    /// The 95 % interval of the estimate.
-    interval: Option<Interval>,
-    /// True if the levels were chosen because they are the extremes.
-    chosen: bool,
+/// The size of an effect.
+pub(super) struct Size {
+    /// A clause without its period.
+    text: String,
+    /// Whether it has an interval.
+    has_interval: bool,
 }
 
 /// Describes the effect of a factor.
 pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
-    let Some(evidence) = evidence(results, factor) else {
-        let none = if results.is_inferential() { " It could not be tested." } else { "" };
-        return format!("{}.{none}", means(results, factor));
-    };
-    let found = evidence.p < ALPHA;
     let name = names::factor(&factor.name);
-    let mut text = if found {
+    let Some(evidence) = evidence(results, factor) else {
+        return format!("{}. It could not be tested.", means(results, factor));
+    };
+    let size = size(results, factor, evidence.is_rank_test);
+    let p = evidence.p_text();
+    if evidence.p < ALPHA && size.as_ref().is_none_or(|size| !size.has_interval) {
+        return format!(
+            "{}. The size of this effect cannot be estimated with an interval, so no conclusion is drawn ({}, {p}).",
+            means(results, factor),
+            evidence.test
+        );
+    }
+    let mut text = if evidence.p < ALPHA {
+        let whose = if results.is_inferential() { "" } else { " to this participant" };
         // Express a small probability in words.
         let how = match evidence.p {
             p if p < 0.001 => "hardly ever",
@@ -54,12 +61,9 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
             _ => "not often",
         };
         format!(
-            "{}; if {name} made no difference, differences this large would {how} occur ({}: χ²({}) = {}, {}).",
+            "{}; if {name} made no difference{whose}, differences this large would {how} occur ({}, {p}).",
             means(results, factor),
-            evidence.name,
-            evidence.df,
-            fixed(evidence.chi_squared, 1),
-            p_is(evidence.p)
+            evidence.test
         )
     } else {
         let [(least, low), (most, high)] = least_and_most(factor);
@@ -68,15 +72,29 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
         } else {
             format!("mean ratings lie between {least} at {low} and {most} at {high}")
         };
-        let p = p_is(evidence.p);
-        format!("By {name}, {span}, and this study cannot distinguish the levels ({}, {p}).", evidence.name)
+        let what = if results.is_inferential() { "this study" } else { "these trials" };
+        format!("By {name}, {span}, and {what} cannot distinguish the levels ({}, {p}).", evidence.test)
     };
     // If no test distinguishes the levels, the two extremes may differ only by chance, so their contrast is not
     // reported.
-    let contrast = contrast(results, factor).filter(|contrast| found || !contrast.chosen);
-    text.extend(contrast.map(|contrast| size(results, &contrast, found)));
+    let chosen = factor.contrast().1;
+    if evidence.p < ALPHA || !chosen {
+        text.extend(size.map(|size| format!(" {}.", size.text)));
+    }
+    if evidence.p < ALPHA && chosen {
+        text += " These two levels were chosen because their means differ most, so their difference is probably \
+                 overestimated.";
+    }
     text.extend(second_opinion(results, factor, &evidence));
     text
+}
+
+impl Evidence {
+    fn p_text(&self) -> String {
+        let text = p_is(self.p);
+        // The smallest simulated probability is a bound.
+        if self.least { text.replace('=', "≤") } else { text }
+    }
 }
 
 /// Describes the means in a sentence without its period. For a single participant, the sentence describes only these
@@ -95,7 +113,7 @@ fn means(results: &Results, factor: &FactorResults) -> String {
     };
     let ends = format!("from {} to {}", at(0), at(last));
     let [(least, low), (most, high)] = least_and_most(factor);
-    match course(results, factor) {
+    match factor.course() {
         Some(tau) if tau.abs() >= 1.0 => {
             let verb = if tau > 0.0 { "rises" } else { "falls" };
             let steps = if last == 1 { "" } else { " at every step" };
@@ -104,7 +122,7 @@ fn means(results: &Results, factor: &FactorResults) -> String {
         Some(tau) => {
             let verb = if tau > 0.0 { "rise" } else { "fall" };
             // Mention the highest and the lowest mean if they are not at the first or last level.
-            let (highest, lowest) = extremes(factor);
+            let (highest, lowest) = factor.extremes();
             let inside = |index: usize| (1..last).contains(&index);
             let mut turns: Vec<String> = Vec::new();
             turns.extend(inside(highest).then(|| format!("highest {most} at {high}")));
@@ -119,32 +137,10 @@ fn means(results: &Results, factor: &FactorResults) -> String {
     }
 }
 
-/// Returns Kendall's τ-a between a factor's means and their positions, if there is at least a tendency; 1 if the mean
-/// rises at every step.
-fn course(results: &Results, factor: &FactorResults) -> Option<f64> {
-    let means: Vec<f64> = factor.levels.iter().map(|level| level.summary.mean).collect();
-    let mut sum = 0.0;
-    for (index, first) in means.iter().enumerate() {
-        for second in &means[index + 1..] {
-            sum += f64::from(i8::from(second > first) - i8::from(second < first));
-        }
-    }
-    let tau = sum / (means.len() * (means.len() - 1) / 2) as f64;
-    (names::is_ordered(&results.measured.counts, &factor.name) && tau.abs() >= TENDENCY).then_some(tau)
-}
-
-/// Returns the indices of the levels with the highest and the lowest mean; among equal means, the first level is
-/// chosen.
-fn extremes(factor: &FactorResults) -> (usize, usize) {
-    let by_mean = |l: &usize, r: &usize| factor.levels[*l].summary.mean.total_cmp(&factor.levels[*r].summary.mean);
-    let indices = || 0..factor.levels.len();
-    (indices().rev().max_by(by_mean).unwrap_or(0), indices().min_by(by_mean).unwrap_or(0))
-}
-
 /// Returns the lowest and the highest mean with their levels, such as `0.61` and `45°`; levels with equal means are
 /// joined.
 fn least_and_most(factor: &FactorResults) -> [(String, String); 2] {
-    let (most, least) = extremes(factor);
+    let (most, least) = factor.extremes();
     [least, most].map(|index| {
         let value = factor.levels[index].summary.mean;
         let same: Vec<String> = (factor.levels.iter().filter(|level| (level.summary.mean - value).abs() < 1e-9))
@@ -154,24 +150,45 @@ fn least_and_most(factor: &FactorResults) -> [(String, String); 2] {
     })
 }
 
-/// True if the model accounts for repeated measures, so that its p values generalize to other people.
+/// True if the model accounts for repeated measures.
 pub(super) fn is_clustered(results: &Results) -> bool {
     results.model.as_ref().is_ok_and(|report| report.model.random.is_some())
 }
 
-/// Returns the likelihood-ratio test of the factor's main effect if the model accounts for repeated measures, and
-/// Friedman's test otherwise. `None` for a single participant.
-pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evidence> {
+/// Returns whether a factor's likelihood ratio can be relied on: the model has a random effect for each way in which
+/// participants may differ, or there is only one participant.
+fn is_reliable(results: &Results, factor: &FactorResults, term: &Term) -> bool {
     if !results.is_inferential() {
-        return None;
+        return true;
     }
-    if is_clustered(results)
-        && let Some(test) = main_effect(results, &factor.name).and_then(|term| likelihood_ratio(results, term))
-        && let (Some(chi_squared), Some(p)) = (test.lr, test.p)
+    let Some(random) = results.model.as_ref().ok().and_then(|report| report.model.random.as_ref()) else {
+        return false;
+    };
+    let own = |name: &str| name == term.to_string() || name.starts_with(&factor.name);
+    !factor.within || random.slopes.iter().any(|slope| own(&slope.name))
+}
+
+/// Returns the test that leads: the likelihood ratio of the factor's main effect if it can be relied on, and otherwise
+/// Friedman's test.
+pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evidence> {
+    let test = main_effect(results, &factor.name)
+        .filter(|term| is_reliable(results, factor, term))
+        .and_then(|term| likelihood_ratio(results, term));
+    if let Some(test) = test
+        && let (Some(ratio), Some(p)) = (test.lr, test.p)
     {
-        return Some(Evidence { name: "likelihood-ratio test", chi_squared, df: test.df, p });
+        let simulated = match test.draws {
+            Some(draws) => format!(" in {draws} simulated studies"),
+            None => String::new(),
+        };
+        let least = test.draws.is_some_and(|draws| p * (1 + draws) as f64 <= 1.0 + 1e-9);
+        let test = format!("likelihood-ratio test{simulated}: χ²({}) = {}", test.df, fixed(ratio, 1));
+        return Some(Evidence { test, p, least, is_rank_test: false });
     }
-    factor.friedman.map(|f| Evidence { name: "Friedman’s test", chi_squared: f.chi_squared, df: f.df, p: f.p })
+    let test = factor.friedman.filter(|_| factor.within && results.is_inferential())?;
+    let exact = if test.method == PMethod::ChiSquared { "" } else { "exact " };
+    let text = format!("{exact}Friedman test: χ²({}) = {}", test.df, fixed(test.chi_squared, 1));
+    Some(Evidence { test: text, p: test.p, least: false, is_rank_test: true })
 }
 
 fn likelihood_ratio<'a>(results: &'a Results, term: &Term) -> Option<&'a TermTest> {
@@ -188,108 +205,94 @@ fn main_effect<'a>(results: &'a Results, factor: &str) -> Option<&'a Term> {
     })
 }
 
-/// Returns the size of a factor's effect, between the ends of a trend or otherwise between the extremes; `None` if the
-/// effect depends on an interaction.
-fn contrast(results: &Results, factor: &FactorResults) -> Option<Contrast> {
-    let report = results.model.as_ref().ok()?;
+/// Describes the size of a factor's effect, between the ends of a trend or otherwise between the extremes: from the
+/// model, or as a difference of means if a rank test leads or the model has no such contrast.
+fn size(results: &Results, factor: &FactorResults, prefer_means: bool) -> Option<Size> {
+    let from_model = || results.model.as_ref().ok().and_then(|report| size_in_model(results, report, factor));
+    let from_means = || difference_of_means(factor);
+    if prefer_means { from_means().or_else(from_model) } else { from_model().or_else(from_means) }
+}
+
+fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults) -> Option<Size> {
     let term = main_effect(results, &factor.name)?;
     if results.spec.terms.is_marginal(term) {
         return None;
     }
-    match &term.variables[0] {
-        Variable::Number(name) => slope(&report.model, term, name),
-        Variable::Factor(_) => {
-            let chosen = factor.levels.len() > 2 && course(results, factor).is_none();
-            let (first, second) = if chosen { extremes(factor) } else { (0, factor.levels.len() - 1) };
-            difference(report, factor, first, second).map(|contrast| Contrast { chosen, ..contrast })
-        }
-    }
-}
-
-fn slope(model: &Model, term: &Term, name: &str) -> Option<Contrast> {
-    let coefficient = model.coefficients.iter().find(|c| c.term == term.to_string())?;
-    let (estimate, interval) = (coefficient.estimate, Interval::wald(coefficient.estimate, coefficient.se));
-    Some(Contrast { higher: name.to_owned(), lower: None, estimate, interval, chosen: false })
-}
-
-/// Computes the difference between two levels from their coefficients and the covariance of the coefficients.
-fn difference(report: &ModelReport, factor: &FactorResults, first: usize, second: usize) -> Option<Contrast> {
-    let model = &report.model;
-    let own = model.coefficients.iter().filter(|c| c.term == factor.name).count();
-    // One level is the baseline. If a column was dropped, a level without a coefficient is not necessarily the
-    // baseline, so the difference is unknown.
-    if own + 1 != factor.levels.len() || first == second {
-        return None;
-    }
-    let find = |index: usize| {
-        let name = format!("{}{}", factor.name, factor.levels[index].names[0]);
-        model.coefficients.iter().position(|c| c.term == factor.name && c.name == name)
-    };
-    let (a, b) = (find(first), find(second));
-    let value = |index: Option<usize>| index.map_or(0.0, |index| model.coefficients[index].estimate);
-    let estimate = value(a) - value(b);
-    if estimate.is_nan() {
-        return None;
-    }
-    let covariance = |i: Option<usize>, j: Option<usize>| {
-        let place = |index: usize| model.thresholds.len() + index;
-        let both = i.zip(j).map(|(i, j)| model.covariance.get((place(i), place(j))).copied().unwrap_or(f64::NAN));
-        both.unwrap_or_default()
-    };
-    let se = (covariance(a, a) + covariance(b, b) - 2.0 * covariance(a, b)).sqrt();
-    let (first, second, estimate) = if estimate < 0.0 { (second, first, -estimate) } else { (first, second, estimate) };
-    let name = |index: usize| names::level_of(factor, &factor.levels[index]);
-    let (higher, lower) = (name(first), Some(name(second)));
-    Some(Contrast { higher, lower, estimate, interval: Interval::wald(estimate, Some(se)), chosen: false })
-}
-
-/// States the size of an effect, as an odds ratio or on the latent scale.
-fn size(results: &Results, contrast: &Contrast, found: bool) -> String {
-    let higher = &contrast.higher;
-    if !contrast.estimate.is_finite() {
-        let other = contrast.lower.as_deref().unwrap_or_default();
-        return format!(" The difference between ratings at {higher} and at {other} has no finite estimate.");
-    }
     let odds = results.spec.link == Link::Logit;
+    if let [Variable::Number(name)] = &term.variables[..] {
+        let coefficient = report.model.coefficients.iter().find(|c| c.term == term.to_string())?;
+        let value = |estimate: f64| if odds { ratio(estimate.exp()) } else { fixed(estimate, 2) };
+        let interval = with_interval(coefficient.interval, value);
+        let estimate = value(coefficient.estimate);
+        let text = if odds {
+            format!("Each additional unit of {name} multiplies the odds of a higher rating by {estimate}{interval}")
+        } else {
+            format!(
+                "Each additional unit of {name} shifts the latent rating by {estimate} standard deviations{interval}"
+            )
+        };
+        return Some(Size { text, has_interval: coefficient.interval.is_some() });
+    }
+    let contrast = report.model.contrasts.iter().find(|contrast| contrast.factor == factor.name)?;
+    if !contrast.estimate.is_finite() {
+        return None;
+    }
+    // The higher level comes first.
+    let flip = contrast.estimate < 0.0;
+    let (higher, lower) = if flip { (&contrast.other, &contrast.level) } else { (&contrast.level, &contrast.other) };
+    let [higher, lower] = [higher, lower].map(|level| names::level(&factor.name, level));
+    let estimate = contrast.estimate.abs();
+    let interval = contrast.interval.map(|i| if flip { Interval { low: -i.high, high: -i.low } } else { i });
     let value = |estimate: f64| if odds { ratio(estimate.exp()) } else { fixed(estimate, 2) };
-    let ends = range(contrast.interval, value);
-    let interval = match contrast.interval {
-        Some(_) if found => format!(" (95\u{a0}% interval {ends})"),
-        Some(_) => format!(", but anything from {ends} is compatible with these data (95\u{a0}% interval)"),
-        None => String::new(),
-    };
-    let estimate = value(contrast.estimate);
-    let size = match (&contrast.lower, odds) {
-        (Some(lower), true) => {
-            format!("The odds of a higher rating at {higher} are estimated as {estimate} times those at {lower}")
-        }
-        (Some(lower), false) => {
-            format!("On the latent scale, {higher} is estimated as {estimate} standard deviations above {lower}")
-        }
-        (None, true) => {
-            format!("Each additional unit of {higher} multiplies the odds of a higher rating by {estimate}")
-        }
-        (None, false) => {
-            format!("Each additional unit of {higher} shifts the latent rating by {estimate} standard deviations")
-        }
-    };
-    let chosen = if contrast.chosen {
-        " These two levels were chosen because their means differ most, so their difference is probably overestimated."
+    let superiority = |estimate: f64| percent((100.0 * results.spec.link.superiority(estimate)).round() / 100.0);
+    let of_pairs = format!(
+        "on the latent scale, {} of ratings at {higher} exceed a rating at {lower}{}",
+        superiority(estimate),
+        with_interval(interval, superiority)
+    );
+    let (size, interval_text) = (value(estimate), with_interval(interval, value));
+    let text = if odds {
+        format!(
+            "The odds of a higher rating at {higher} are estimated as {size} times those at {lower}{interval_text}; {of_pairs}"
+        )
     } else {
-        ""
+        format!(
+            "On the latent scale, {higher} is estimated as {size} standard deviations above {lower}{interval_text}; {of_pairs}"
+        )
     };
-    format!(" {size}{interval}.{chosen}")
+    Some(Size { text, has_interval: interval.is_some() })
 }
 
-/// Adds a caution if the test that treats each participant as one observation disagrees.
+/// Describes the mean of the participants' differences between two levels.
+fn difference_of_means(factor: &FactorResults) -> Option<Size> {
+    let ([first, second], _) = factor.contrast();
+    let name = |index: usize| factor.levels[index].names.first().map_or("", String::as_str);
+    let is_pair = |level: &str, other: &str| {
+        (level == name(first) && other == name(second)) || (level == name(second) && other == name(first))
+    };
+    let pair = factor.pairs.as_ref()?.pairs.iter().find(|pair| is_pair(&pair.level, &pair.other))?;
+    let flip = pair.difference < 0.0;
+    let (higher, lower) = if flip { (&pair.other, &pair.level) } else { (&pair.level, &pair.other) };
+    let [higher, lower] = [higher, lower].map(|level| names::level(&factor.name, level));
+    let interval = pair.interval.map(|i| if flip { Interval { low: -i.high, high: -i.low } } else { i });
+    let text = format!(
+        "The mean rating at {higher} is {} higher than at {lower}{}",
+        mean(pair.difference.abs()),
+        with_interval(interval, mean)
+    );
+    Some(Size { text, has_interval: interval.is_some() })
+}
+
+/// Adds a caution if the test that treats each participant as one observation disagrees, unless it could not have
+/// found anything.
 fn second_opinion(results: &Results, factor: &FactorResults, evidence: &Evidence) -> Option<String> {
-    let friedman = factor.friedman.filter(|_| is_clustered(results))?;
-    if (friedman.p < ALPHA) == (evidence.p < ALPHA) {
+    let friedman = factor.friedman.filter(|test| results.is_inferential() && test.least_p < ALPHA)?;
+    if evidence.is_rank_test || !factor.within || (friedman.p < ALPHA) == (evidence.p < ALPHA) {
         return None;
     }
     let other = if friedman.p < ALPHA { "does distinguish the levels" } else { "cannot distinguish the levels" };
     Some(format!(
-        " Friedman’s test, which treats each participant as one observation, {other} ({}). Interpret this with caution.",
+        " Friedman’s test, which uses only the order of each participant’s means, {other} ({}). Interpret this with caution.",
         p_is(friedman.p)
     ))
 }
@@ -297,14 +300,58 @@ fn second_opinion(results: &Results, factor: &FactorResults, evidence: &Evidence
 /// Says which effects depend on each other.
 pub(super) fn interactions(results: &Results) -> Vec<String> {
     let sentence = |term: &Term| {
-        let p = likelihood_ratio(results, term)?.p?;
+        let test = likelihood_ratio(results, term)?;
+        let p = test.p?;
         let together = list(&term.variables.iter().map(|v| names::factor(v.name())).collect::<Vec<_>>());
-        Some(if p < ALPHA {
-            format!("The effects of {together} depend on each other (likelihood-ratio test, {}).", p_is(p))
-        } else {
-            format!("This study cannot tell whether the effects of {together} depend on each other ({}).", p_is(p))
+        let what = if results.is_inferential() { "This study" } else { "These trials" };
+        let simple = simple_effects(results, term);
+        Some(match simple {
+            _ if p >= ALPHA => {
+                format!("{what} cannot tell whether the effects of {together} depend on each other ({}).", p_is(p))
+            }
+            Some(simple) => format!(
+                "The effects of {together} depend on each other (likelihood-ratio test, {}): {simple}.",
+                p_is(p)
+            ),
+            None => format!(
+                "The likelihood-ratio test says that the effects of {together} depend on each other ({}), but the size of \
+                 this cannot be estimated with an interval, so no conclusion is drawn.",
+                p_is(p)
+            ),
         })
     };
-    let shown = results.is_inferential() && is_clustered(results);
+    let shown = !results.is_inferential() || is_clustered(results);
     results.spec.terms.iter().filter(|term| shown && term.variables.len() > 1).filter_map(sentence).collect()
+}
+
+/// Describes how much the last level of the first factor differs from the first level, at up to three levels of the
+/// second factor.
+fn simple_effects(results: &Results, term: &Term) -> Option<String> {
+    const MAX_SHOWN: usize = 3;
+    let report = results.model.as_ref().ok()?;
+    let [first, second] = &term.variables[..] else { return None };
+    let (_, factor) = results.measured.counts.factor(first.name())?;
+    let (low, high) = (factor.levels.first()?, factor.levels.last()?);
+    let is_shown = |c: &&Comparison| {
+        let at_second = c.at.as_ref().is_some_and(|(other, _)| other == second.name());
+        at_second && c.factor == first.name() && c.level == *high && c.other == *low
+    };
+    let part = |comparison: &Comparison| {
+        let interval = comparison.interval?;
+        let (_, stratum) = comparison.at.as_ref()?;
+        let unit = match results.spec.link {
+            Link::Logit => "logits",
+            Link::Probit => "latent standard deviations",
+        };
+        Some(format!(
+            "at {}, ratings at {} differ from those at {} by {} {unit}{}",
+            names::level(second.name(), stratum),
+            names::level(first.name(), high),
+            names::level(first.name(), low),
+            fixed(comparison.estimate, 2),
+            with_interval(Some(interval), |x| fixed(x, 2))
+        ))
+    };
+    let parts: Vec<String> = report.comparisons.iter().filter(is_shown).take(MAX_SHOWN).filter_map(part).collect();
+    (!parts.is_empty()).then(|| parts.join("; "))
 }

@@ -2,14 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use super::{findings::is_clustered, names, sittings, vision::degrees};
+use super::{names, sittings, vision::degrees};
 use crate::{
     analysis::{Link, Results, rank_tests::PMethod},
     experiment::{Protocol, ResponseScale},
     report::{
         document::{
             Section,
-            numbers::{count, fixed, list, p_is, percent, unit, whole, with_interval},
+            numbers::{count, fixed, list, p_is, unit, with_interval},
         },
         prediction::StudyPrediction,
     },
@@ -109,15 +109,23 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     let nodes = results.spec.quadrature;
     let ordinal = cited.cite("Liddell & Kruschke, 2018; Bürkner & Vuorre, 2019");
     let family = cited.cite("McCullagh, 1980; Christensen, 2022");
-    let (mixed, how) = if model.random.is_none() {
-        ("", ", fitted by maximum likelihood".to_owned())
-    } else {
-        let how = if nodes > 1 {
-            format!("adaptive Gauss–Hermite quadrature with {nodes} nodes ({})", cited.cite("Liu & Pierce, 1994"))
-        } else {
-            "Laplace’s approximation".to_owned()
-        };
-        ("mixed ", format!(" and a random intercept for participants, fitted by maximum likelihood with {how}"))
+    let (mixed, how) = match &model.random {
+        None => ("", ", fitted by maximum likelihood".to_owned()),
+        Some(random) => {
+            let slopes: Vec<&str> = random.slopes.iter().map(|slope| names::factor(&slope.name)).collect();
+            let form = if random.correlations.is_some() { "correlated" } else { "independent" };
+            let effects = if slopes.is_empty() {
+                "a random intercept for participants".to_owned()
+            } else {
+                format!("a random intercept for participants and {form} random slopes of {}", list(&slopes))
+            };
+            let how = if nodes > 1 && slopes.is_empty() {
+                format!("adaptive Gauss–Hermite quadrature with {nodes} nodes ({})", cited.cite("Liu & Pierce, 1994"))
+            } else {
+                "Laplace’s approximation".to_owned()
+            };
+            ("mixed ", format!(" and {effects}, fitted by maximum likelihood with {how}"))
+        }
     };
     let mut text = format!(
         "Because ratings are ordered categories ({ordinal}), they were modeled with a cumulative-link {mixed}model ({family}) \
@@ -126,7 +134,7 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
         fixed(model.loglik, 2),
         fixed(model.aic(), 2)
     );
-    if results.is_inferential() && !report.terms.is_empty() {
+    if !report.terms.is_empty() {
         let tests: Vec<String> = (report.terms.iter())
             .map(|test| match (names::factor(&test.term), test.lr, test.p) {
                 (term, Some(lr), Some(p)) => format!("{term}, χ²({}) = {}, {}", test.df, fixed(lr, 2), p_is(p)),
@@ -134,6 +142,18 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
             })
             .collect();
         text += &format!(" Terms were tested with likelihood-ratio tests: {}.", tests.join("; "));
+    }
+    if let Some(draws) = report.terms.iter().find_map(|test| test.draws) {
+        text += &format!(
+            " Their p values come from a parametric bootstrap ({}) with {draws} studies simulated from the model (ChaCha8, \
+             seed {}).",
+            cited.cite("Davison & Hinkley, 1997; Halekoh & Højsgaard, 2014"),
+            results.options.resampling.seed
+        );
+    }
+    text += " Intervals of coefficients are profile-likelihood intervals.";
+    if !results.is_inferential() {
+        text += " All inference is about repeated trials of this participant.";
     }
     Some(text)
 }
@@ -149,8 +169,8 @@ fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
         return None;
     }
     let mut text = format!(
-        "Participants’ mean ratings at the levels of each factor were compared with Friedman’s test and Kendall’s \
-         coefficient of concordance ({}): {}.",
+        "Participants’ mean ratings at the levels of each factor were compared with Friedman’s test, with exact p values, and \
+         Kendall’s coefficient of concordance ({}): {}.",
         cited.cite("Friedman, 1937; Kendall & Babington Smith, 1939"),
         tested.join("; ")
     );

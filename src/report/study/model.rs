@@ -1,12 +1,15 @@
 //! The section about the model: its specification, its results, and whether its assumptions hold.
 
-use super::{cautions::is_serious, findings::ALPHA};
+use super::{cautions::is_serious, findings::ALPHA, names};
 use crate::{
-    analysis::{Coefficient, Link, Model, Results, TermTest, Threshold, interval::Interval, terms::Variable},
+    analysis::{
+        Alternative, Checks, Coefficient, Comparison, Contrast, Influence, Link, Margin, Model, ModelReport,
+        Proportion, Random, RandomEffect, Results, Slopes, TermTest, Threshold, interval::Interval, terms::Variable,
+    },
     report::{
         document::{
             Section,
-            numbers::{count, fixed, percent, probability, range, ratio},
+            numbers::{count, fixed, mean, percent, probability, range, ratio, short_list, unit, whole, with_interval},
         },
         figures::Figure,
     },
@@ -29,55 +32,331 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     section.list(others.iter().map(|note| format!("{note}.")).collect());
     section.figures(figures, &["effects"]);
     coefficients(&mut section, results, model);
-    let numbers: &[&str] = if results.is_inferential() { &["Estimate", "SE"] } else { &["Estimate"] };
-    let threshold = |threshold: &Threshold| {
-        let cells = [threshold.name.clone(), fixed(threshold.estimate, 3), fixed(threshold.se, 3)];
-        cells.into_iter().take(1 + numbers.len()).collect()
-    };
+    let threshold =
+        |threshold: &Threshold| vec![threshold.name.clone(), fixed(threshold.estimate, 3), fixed(threshold.se, 3)];
     let caption = "Thresholds between the categories, on the latent scale";
-    section.table(caption, &["Between"], numbers, model.thresholds.iter().map(threshold).collect());
+    let rows = model.thresholds.iter().map(threshold).collect();
+    section.table(caption, &["Between"], &["Estimate", "SE"], rows);
     if let Some(random) = &model.random {
-        let se = random.se.map(|se| format!(" (SE {})", fixed(se, 3))).unwrap_or_default();
+        between_people(&mut section, results, model, random);
+    }
+    effect_sizes(&mut section, results, model);
+    comparisons(&mut section, results, report);
+    margins(&mut section, report);
+    let scope =
+        if results.is_inferential() { "" } else { " They are about this participant’s trials, not about people." };
+    tests(
+        &mut section,
+        "Does each term matter?",
+        &format!(
+            "Each row compares the model with a model without the term and the same random effects. A small p means that \
+             ratings like these would be rare if the term had no effect. The p values are not corrected for the number of \
+             terms. {}{scope}",
+            source_of_p(&report.terms)
+        ),
+        "Likelihood-ratio tests against the model without each term",
+        &report.terms,
+        false,
+    );
+    tests(
+        &mut section,
+        "Is one coefficient per effect enough?",
+        &format!(
+            "The model assumes that a term has the same effect at every threshold (proportional odds). Each row tests this \
+             against a separate effect at each threshold. {} They are corrected for the number of terms with Holm’s method.",
+            source_of_p(&report.proportional_odds)
+        ),
+        "Tests of proportional odds",
+        &report.proportional_odds,
+        true,
+    );
+    let odds: Vec<f64> = report.proportional_odds.iter().filter_map(|test| test.p_holm).collect();
+    if !odds.is_empty() && odds.iter().all(|p| *p >= ALPHA) {
+        let level = percent(ALPHA);
+        section.text(format!("No term shows a violation at {level}. With few ratings, tests have little power."));
+    }
+    tests(
+        &mut section,
+        "Are ratings more variable in some conditions?",
+        &format!(
+            "Each row tests whether a term also changes the spread of the ratings. {} They are corrected for the number of \
+             terms with Holm’s method.",
+            source_of_p(&report.scale)
+        ),
+        "Tests of effects on the spread",
+        &report.scale,
+        true,
+    );
+    if let Some(checks) = &report.checks {
+        fit_of_model(&mut section, results, model, checks, figures);
+    }
+    section
+}
+
+/// Says where the probabilities of some tests come from.
+fn source_of_p(tests: &[TermTest]) -> String {
+    match tests.iter().find_map(|test| test.draws) {
+        Some(draws) => format!(
+            "With so few participants, or with related ratings, the χ² distribution is not accurate, so p values are the \
+             share of {draws} studies simulated from the model with a ratio at least as large; the smallest possible is \
+             {}.",
+            probability(1.0 / (1 + draws) as f64)
+        ),
+        None => "The p values come from the χ² distribution.".to_owned(),
+    }
+}
+
+/// Describes how much participants differ.
+fn between_people(section: &mut Section, results: &Results, model: &Model, random: &RandomEffect) {
+    section.heading("Differences between participants");
+    let mut rows = vec![("Intercept", random.sd, random.se, random.interval)];
+    rows.extend(random.slopes.iter().map(|slope| (slope.name.as_str(), slope.sd, slope.se, slope.interval)));
+    let row = |(name, sd, se, interval): (&str, f64, Option<f64>, Option<Interval>)| {
+        vec![names::factor(name).to_owned(), fixed(sd, 3), fixed(se, 3), range(interval, |sd| fixed(sd, 2))]
+    };
+    let caption = "Standard deviations between participants, on the latent scale";
+    let numbers = ["SD", "SE", "95\u{a0}% interval"];
+    section.table(caption, &["Of"], &numbers, rows.into_iter().map(row).collect());
+    let (share, interval) = model.share_between();
+    if let Some(share) = share {
         section.text(format!(
-            "The shifts of the participants on the latent scale have a standard deviation of {}{se}.",
-            fixed(random.sd, 3)
+            "The intercepts account for {} of the latent variance{} (intraclass correlation).",
+            percent((100.0 * share).round() / 100.0),
+            with_interval(interval, |share| percent((100.0 * share).round() / 100.0))
         ));
+    }
+    if let Some(correlations) = &random.correlations {
+        let names: Vec<&str> =
+            std::iter::once("Intercept").chain(random.slopes.iter().map(|s| s.name.as_str())).collect();
+        let row = |(name, row): (&&str, &Vec<f64>)| {
+            [(*name).to_owned()].into_iter().chain(row.iter().map(|r| unit(*r))).collect()
+        };
+        section.table(
+            "Correlations of the random effects",
+            &["Of"],
+            &names,
+            names.iter().zip(correlations).map(row).collect(),
+        );
+    }
+    if results.is_inferential() {
         let rows = random.subjects.iter().map(|s| vec![s.subject.clone(), fixed(s.mode, 2), fixed(s.sd, 2)]).collect();
         let caption = "Shift of each participant; positive values mean higher ratings";
         section.table(caption, &["Participant"], &["Shift", "Conditional SD"], rows);
     }
-    if results.is_inferential() {
-        tests(
-            &mut section,
-            "Does each term matter?",
-            "Each row compares the model with a model without the term. A small p means that ratings like these would \
-             be rare if the term had no effect. The p values are not corrected for the number of terms.",
-            "Likelihood-ratio tests against the model without each term",
-            &report.terms,
-        );
-        tests(
-            &mut section,
-            "Is one coefficient per effect enough?",
-            "The model assumes that a term has the same effect at every threshold (proportional odds). Each row tests this \
-             against a separate effect at each threshold. This test ignores differences between participants.",
-            "Tests of proportional odds",
-            &report.proportional_odds,
-        );
-        let tested = !report.proportional_odds.is_empty();
-        if tested && !report.proportional_odds.iter().any(|test| test.p.is_some_and(|p| p < ALPHA)) {
-            let level = percent(ALPHA);
-            section.text(format!("No term shows a violation at {level}. With few ratings, tests have little power."));
-        }
-        tests(
-            &mut section,
-            "Are ratings more variable in some conditions?",
-            "Each row tests whether a term also changes the spread of the ratings. This test ignores differences between \
-             participants.",
-            "Tests of effects on the spread",
-            &report.scale,
-        );
+}
+
+/// Lists the size of each factor's effect on several scales.
+fn effect_sizes(section: &mut Section, results: &Results, model: &Model) {
+    if model.contrasts.is_empty() {
+        return;
     }
-    section
+    section.heading("Effect sizes");
+    let odds = model.link == Link::Logit;
+    section.text(format!(
+        "Each row compares two levels: the ends of a trend, or the levels with the highest and the lowest mean, whose \
+         difference is then probably overestimated. {}The probability of superiority is the probability that a rating at \
+         the first level is higher on the latent scale, where there are no ties. d is the difference in standard deviations of a \
+         participant’s ratings on that scale.",
+        if odds { "The odds ratio is that of a higher rating. " } else { "" }
+    ));
+    let mut numbers = vec!["Superiority", "95\u{a0}% interval of it", "d", "95\u{a0}% interval of d"];
+    if odds {
+        numbers.splice(0..0, ["Odds ratio", "95\u{a0}% interval of the odds ratio"]);
+    }
+    let link = model.link;
+    let row = |contrast: &Contrast| {
+        let level = |level: &str| names::level(&contrast.factor, level);
+        let (estimate, interval) = (contrast.estimate, contrast.interval);
+        let mut cells = vec![
+            names::factor(&contrast.factor).to_owned(),
+            format!("{} – {}", level(&contrast.level), level(&contrast.other)),
+        ];
+        if odds {
+            cells.extend([ratio(estimate.exp()), range(interval, |x| ratio(x.exp()))]);
+        }
+        cells.extend([unit(link.superiority(estimate)), range(interval, |x| unit(link.superiority(x)))]);
+        cells.extend([fixed(estimate / link.sd(), 2), range(interval, |x| fixed(x / link.sd(), 2))]);
+        cells
+    };
+    let rows = model.contrasts.iter().map(row).collect();
+    section.table("Sizes of the effects", &["Factor", "Levels"], &numbers, rows);
+    if results.options.random == Some(Random::None) && results.is_inferential() {
+        section.note("Without random effects, these intervals are too narrow for statements about people.");
+    }
+}
+
+fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
+    if report.comparisons.is_empty() {
+        return;
+    }
+    section.heading("Comparisons of levels");
+    section.text(format!(
+        "Differences on the latent scale, in the model; those of factors in an interaction are given at each level of the \
+         other factor (simple effects). The p values and intervals use t distributions{}; Holm’s method corrects p for all \
+         comparisons of a factor.",
+        if results.is_inferential() { " with a degree of freedom less than there are participants" } else { "" }
+    ));
+    let row = |c: &Comparison| {
+        let level = |level: &str| names::level(&c.factor, level);
+        let at =
+            c.at.as_ref().map(|(factor, level)| format!("{} {}", names::factor(factor), names::level(factor, level)));
+        vec![
+            names::factor(&c.factor).to_owned(),
+            format!("{} – {}", level(&c.level), level(&c.other)),
+            at.unwrap_or_default(),
+            fixed(c.estimate, 2),
+            range(c.interval, |x| fixed(x, 2)),
+            probability(c.p),
+            probability(c.p_holm),
+        ]
+    };
+    let numbers = ["Difference", "95\u{a0}% interval", "p", "Holm-corrected p"];
+    let rows = report.comparisons.iter().map(row).collect();
+    section.table("Differences between levels", &["Factor", "Levels", "At"], &numbers, rows);
+}
+
+fn margins(section: &mut Section, report: &ModelReport) {
+    if report.margins.is_empty() {
+        return;
+    }
+    section.heading("Estimated marginal means");
+    section.text(
+        "The rating that the model expects of a participant with average random effects, averaged over the conditions of \
+         the other factors. Unequal numbers of ratings do not matter.",
+    );
+    let row = |m: &Margin| {
+        let interval = range(m.interval, mean);
+        vec![names::factor(&m.factor).to_owned(), names::level(&m.factor, &m.level), mean(m.mean), interval]
+    };
+    let rows = report.margins.iter().map(row).collect();
+    section.table("Expected ratings", &["Factor", "Level"], &["Expected rating", "95\u{a0}% interval"], rows);
+}
+
+/// Says how well the model describes the data.
+fn fit_of_model(section: &mut Section, results: &Results, model: &Model, checks: &Checks, figures: &[Figure]) {
+    section.heading("Does the model describe the ratings?");
+    section.text(
+        "Studies were simulated from the model. Where an observed proportion lies outside the middle 95\u{a0}% of them, the \
+         model does not describe these ratings well; one in twenty does so by chance.",
+    );
+    section.figures(figures, &["predictive"]);
+    let outside: Vec<&Proportion> = checks
+        .proportions
+        .iter()
+        .filter(|p| p.observed < p.range.low - 1e-9 || p.observed > p.range.high + 1e-9)
+        .collect();
+    section.text(format!(
+        "{} of {} proportions lie outside.",
+        count_of(outside.len()),
+        whole(checks.proportions.len() as u64)
+    ));
+    let row = |p: &&Proportion| {
+        vec![
+            names::factor(&p.factor).to_owned(),
+            names::level(&p.factor, &p.level),
+            p.category.clone(),
+            unit(p.observed),
+            unit(p.expected),
+            range(Some(p.range), unit),
+        ]
+    };
+    let rows = outside.iter().map(row).collect::<Vec<_>>();
+    if !rows.is_empty() {
+        let numbers = ["Observed", "Expected", "Middle 95\u{a0}%"];
+        section.table("Proportions that the model does not describe", &["Factor", "Level", "Rating"], &numbers, rows);
+    }
+    if let Some((observed, range_of_spread)) = checks.spread {
+        let fits = observed >= range_of_spread.low && observed <= range_of_spread.high;
+        section.text(format!(
+            "The participants’ mean ratings have a standard deviation of {} categories; simulated studies have {}, so the \
+             model {} how much participants differ.",
+            fixed(observed, 2),
+            range(Some(range_of_spread), |x| fixed(x, 2)),
+            if fits { "describes" } else { "does not describe" }
+        ));
+    }
+    alternatives(section, model, checks);
+    influence(section, results, model, checks);
+}
+
+fn count_of(number: usize) -> String {
+    if number == 0 { "None".to_owned() } else { whole(number as u64) }
+}
+
+fn alternatives(section: &mut Section, model: &Model, checks: &Checks) {
+    let row = |a: &Alternative| {
+        let slopes = match a.slopes {
+            Slopes::None => "no",
+            Slopes::Independent => "independent",
+            Slopes::Correlated => "correlated",
+        };
+        let numbers = [a.loglik, a.aic, a.bic].map(|value| fixed(value, 2));
+        let cells = [a.link.to_string(), slopes.to_owned(), a.parameters.to_string()];
+        cells.into_iter().chain(numbers).collect()
+    };
+    let numbers = ["Parameters", "Log-likelihood", "AIC", "BIC"];
+    let rows = checks.alternatives.iter().map(row).collect();
+    section.table("Models of the same ratings; the first is the one above", &["Link", "Random slopes"], &numbers, rows);
+    let aic = |a: &Alternative| a.aic.unwrap_or(f64::INFINITY);
+    let Some(best) = checks.alternatives.iter().min_by(|l, r| aic(l).total_cmp(&aic(r))) else { return };
+    let own = checks.alternatives.first().map_or(f64::NAN, aic);
+    /// A smaller difference in AIC is not evidence for either model (Burnham & Anderson 2002, p. 70).
+    const CLEAR: f64 = 4.0;
+    section.text(if own - aic(best) > CLEAR {
+        format!(
+            "By AIC, the {} model {} describes the ratings better, by {}.",
+            best.link,
+            if best.slopes == Slopes::None { "without random slopes" } else { "with random slopes" },
+            fixed(own - aic(best), 1)
+        )
+    } else {
+        format!("By AIC, none of these models is clearly better than the {} model above.", model.link)
+    });
+}
+
+fn influence(section: &mut Section, results: &Results, model: &Model, checks: &Checks) {
+    if checks.influence.is_empty() || model.contrasts.is_empty() {
+        return;
+    }
+    let heads: Vec<String> = (model.contrasts.iter())
+        .map(|c| {
+            format!(
+                "{} {} – {}",
+                names::factor(&c.factor),
+                names::level(&c.factor, &c.level),
+                names::level(&c.factor, &c.other)
+            )
+        })
+        .collect();
+    let mut rows = vec![
+        std::iter::once("nobody".to_owned())
+            .chain(model.contrasts.iter().map(|c| fixed(c.estimate, 2)))
+            .collect::<Vec<_>>(),
+    ];
+    rows.extend(checks.influence.iter().map(|one| {
+        std::iter::once(one.subject.clone()).chain(one.estimates.iter().map(|estimate| fixed(*estimate, 2))).collect()
+    }));
+    section.table(
+        "Contrasts on the latent scale without each participant",
+        &["Without"],
+        &heads.iter().map(String::as_str).collect::<Vec<_>>(),
+        rows,
+    );
+    let changes = |contrast: &Contrast, place: usize| -> Vec<String> {
+        let flips = |one: &&Influence| one.estimates[place].is_some_and(|estimate| estimate * contrast.estimate < 0.0);
+        checks.influence.iter().filter(flips).map(|one| one.subject.clone()).collect()
+    };
+    for (place, contrast) in model.contrasts.iter().enumerate() {
+        let clear = contrast.interval.is_some_and(|interval| interval.low > 0.0 || interval.high < 0.0);
+        let who = changes(contrast, place);
+        if clear && !who.is_empty() {
+            let name = names::factor(&contrast.factor);
+            section.text(format!("Without {}, the effect of {name} changes its direction.", short_list(&who, 6)));
+        }
+    }
+    if results.people() > checks.influence.len() {
+        section.note("Participants are left out only in studies with up to 60 of them.");
+    }
 }
 
 /// Describes the fitted model in one line: `Fitted: cumulative-link mixed model (Laplace), logit link, terms width,
@@ -117,8 +396,12 @@ fn call(results: &Results, model: &Model) -> String {
     }
     let mut function = "clm";
     let mut nodes = String::new();
-    if model.random.is_some() {
+    if let Some(random) = &model.random {
         parts.push("(1 | subject)".to_owned());
+        parts.extend(random.slopes.iter().map(|slope| match slope.name.strip_prefix("num:") {
+            Some(number) => format!("(0 + {number} | subject)"),
+            None => format!("(1 | subject:{})", slope.name),
+        }));
         function = "clmm";
         if results.spec.quadrature > 1 {
             nodes = format!(", nAGQ = {}", results.spec.quadrature);
@@ -149,11 +432,16 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
     ));
     section.code(call(results, model));
     section.text(sentence(results, model));
-    if mixed && results.is_inferential() {
+    let slopes = model.random.as_ref().map_or(0, |random| random.slopes.len());
+    if slopes > 0 {
         section.text(
-            "In the model, participants differ only in how high they rate; every effect is the same for all. If effects \
-             differ between participants, the model’s intervals are too narrow. The rank tests, which treat each participant \
-             as one observation, do not make this assumption.",
+            "Participants also differ in the effects: each has a deviation u at every level of a factor, or in the slope on a \
+             number, with a standard deviation of its own. Tests and intervals of an effect therefore hold for other people.",
+        );
+    } else if mixed && results.is_inferential() {
+        section.text(
+            "In this model, participants differ only in how high they rate; every effect is the same for all. Its tests of \
+             effects within participants are not used in the summary, which relies on exact rank tests instead.",
         );
     }
 }
@@ -165,29 +453,23 @@ fn coefficients(section: &mut Section, results: &Results, model: &Model) {
     } else {
         section.text(meaning(results, model));
         let odds = model.link == Link::Logit;
-        coefficient_table(section, results, "Coefficients of the model", &model.coefficients, odds);
+        coefficient_table(section, "Coefficients of the model", &model.coefficients, odds);
     }
     if !model.scale.is_empty() {
         let caption = "Effects on the spread of the ratings (log scale)";
-        coefficient_table(section, results, caption, &model.scale, false);
+        coefficient_table(section, caption, &model.scale, false);
     }
 }
 
 /// Adds a table of coefficients, with odds ratios if requested.
-fn coefficient_table(section: &mut Section, results: &Results, caption: &str, all: &[Coefficient], odds: bool) {
-    let inferential = results.is_inferential();
-    let mut numbers = vec!["Estimate"];
-    numbers.extend(inferential.then_some(["SE", "z", "p", "95\u{a0}% interval"]).into_iter().flatten());
-    numbers.extend(odds.then_some("Odds ratio"));
-    numbers.extend((odds && inferential).then_some("95\u{a0}% interval of the odds ratio"));
+fn coefficient_table(section: &mut Section, caption: &str, all: &[Coefficient], odds: bool) {
+    let mut numbers = vec!["Estimate", "SE", "95\u{a0}% interval"];
+    numbers.extend(odds.then_some(["Odds ratio", "95\u{a0}% interval of the odds ratio"]).into_iter().flatten());
     let row = |c: &Coefficient| {
-        let interval = Interval::wald(c.estimate, c.se);
-        let mut cells = vec![c.name.clone(), fixed(c.estimate, 3)];
-        if inferential {
-            cells.extend([fixed(c.se, 3), fixed(c.z, 2), probability(c.p), range(interval, |x| fixed(x, 2))]);
-        }
-        cells.extend(odds.then(|| ratio(c.estimate.exp())));
-        cells.extend((odds && inferential).then(|| range(interval, |x| ratio(x.exp()))));
+        let mut cells = vec![c.name.clone(), fixed(c.estimate, 3), fixed(c.se, 3), range(c.interval, |x| fixed(x, 2))];
+        cells.extend(
+            odds.then(|| [ratio(c.estimate.exp()), range(c.interval, |x| ratio(x.exp()))]).into_iter().flatten(),
+        );
         cells
     };
     section.table(caption, &["Coefficient"], &numbers, all.iter().map(row).collect());
@@ -205,18 +487,29 @@ fn meaning(results: &Results, model: &Model) -> String {
         Link::Probit => "One unit is a standard deviation of the latent ratings.",
     };
     if !results.is_inferential() {
-        text += " With one participant, there are no intervals that apply to other people, so none are given.";
+        text += " The intervals are about other trials of this participant, not about other people.";
     }
     text
 }
 
 /// Adds a table of likelihood-ratio tests, if there are any.
-fn tests(section: &mut Section, heading: &str, about: &str, caption: &str, tests: &[TermTest]) {
+fn tests(section: &mut Section, heading: &str, about: &str, caption: &str, tests: &[TermTest], corrected: bool) {
     if tests.is_empty() {
         return;
     }
-    let row = |test: &TermTest| vec![test.term.clone(), fixed(test.lr, 2), test.df.to_string(), probability(test.p)];
+    let row = |test: &TermTest| {
+        let mut cells = vec![test.term.clone(), fixed(test.lr, 2), test.df.to_string(), probability(test.p)];
+        cells.extend(corrected.then(|| probability(test.p_holm)));
+        cells
+    };
+    let mut numbers = vec!["χ²", "df", "p"];
+    numbers.extend(corrected.then_some("Holm-corrected p"));
     section.heading(heading);
     section.text(about);
-    section.table(caption, &["Term"], &["χ²", "df", "p"], tests.iter().map(row).collect());
+    section.table(caption, &["Term"], &numbers, tests.iter().map(row).collect());
+    for test in tests {
+        if let Some(reason) = test.withheld {
+            section.note(format!("No p for {}: {reason}.", test.term));
+        }
+    }
 }

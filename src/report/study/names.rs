@@ -49,13 +49,6 @@ pub(super) fn participant(subject: &SubjectResults) -> &str {
     subject.group.names.first().map_or("", String::as_str)
 }
 
-/// True if a factor can meaningfully increase, as numbers do; directions do not, because they are circular.
-pub(super) fn is_ordered(counts: &Counts, name: &str) -> bool {
-    let is_direction =
-        ["orientation", "angle", "hue", "direction"].iter().any(|word| name.to_lowercase().contains(word));
-    !is_direction && counts.factor(name).is_some_and(|(_, factor)| factor.numbers.is_some())
-}
-
 /// Returns the answers of a definition, such as `0 (No band)`.
 pub(super) fn categories_of(protocol: &Protocol) -> Vec<String> {
     let categories = protocol.response.categories.iter().enumerate();

@@ -1,21 +1,18 @@
 //! Sections about model-free results: rank tests, which treat each participant as one observation, and agreement
 //! between and within participants.
 
-use super::{cautions::LOW_KAPPA, names};
+use super::{cautions::LOW_KAPPA, findings::ALPHA, names};
 use crate::{
     analysis::{
         Results,
-        rank_tests::{PMethod, Pair},
+        rank_tests::{EXACT_PARTICIPANTS, PERMUTATIONS, PMethod, Pair},
         results::FactorResults,
     },
     report::document::{
         Section,
-        numbers::{count, fixed, probability, short_list, unit, whole, with_interval},
+        numbers::{count, fixed, list, mean, probability, range, short_list, unit, whole, with_interval},
     },
 };
-
-/// With fewer participants than this, the χ² distribution is only a rough approximation for Friedman's statistic.
-const FEW_PARTICIPANTS: usize = 6;
 
 /// Describes the rank tests.
 pub(super) fn section(results: &Results) -> Section {
@@ -27,11 +24,11 @@ pub(super) fn section(results: &Results) -> Section {
         section.text("No factor has two levels, so there is nothing to compare.");
     } else {
         section.text(
-            "For these tests, each participant’s ratings at a level are averaged, and only the order of the means counts. \
-             Friedman’s test asks whether any level is rated differently; Kendall’s W measures how consistently participants \
+            "For these tests, each participant’s ratings at a level are averaged over those conditions of the other factors \
+             that the participant rated at every level, and only the order of the means counts. Friedman’s test asks whether any level is rated differently; Kendall’s W measures how consistently participants \
              order the levels, from 0 (not at all) to 1 (identically).",
         );
-        friedman(&mut section, results, &tested);
+        friedman(&mut section, &tested);
         section.text(
             "Wilcoxon’s signed-rank test compares two levels. Holm’s correction limits the probability of any false \
              alarm among all pairs of a factor.",
@@ -41,7 +38,7 @@ pub(super) fn section(results: &Results) -> Section {
     section
 }
 
-fn friedman(section: &mut Section, results: &Results, factors: &[&FactorResults]) {
+fn friedman(section: &mut Section, factors: &[&FactorResults]) {
     let row = |factor: &&FactorResults| {
         let test = factor.friedman;
         vec![
@@ -59,11 +56,36 @@ fn friedman(section: &mut Section, results: &Results, factors: &[&FactorResults]
     section.table("Friedman’s test of each factor", &["Factor"], &numbers, factors.iter().map(row).collect());
     for factor in factors.iter().filter(|factor| !factor.incomplete.is_empty()) {
         let (name, who) = (names::factor(&factor.name), short_list(&factor.incomplete, 12));
-        section.note(format!("Excluded from the tests of {name} because a level is missing: {who}."));
+        section.note(format!("Excluded from the tests of {name}, because no condition of the other factors was rated at every level: {who}."));
     }
-    if results.people() < FEW_PARTICIPANTS {
-        let people = results.people();
-        section.note(format!("With {people} participants, the p values of Friedman’s test are approximate."));
+    let between: Vec<&str> = factors.iter().filter(|f| !f.within).map(|factor| names::factor(&factor.name)).collect();
+    if !between.is_empty() {
+        let list = list(&between);
+        section.note(format!("Each participant rated only one level of {list}, so these tests do not apply to it."));
+    }
+    let methods: Vec<PMethod> = factors.iter().filter_map(|factor| factor.friedman).map(|test| test.method).collect();
+    let approximate = methods.contains(&PMethod::ChiSquared);
+    section.note(match (approximate, methods.contains(&PMethod::Permutations)) {
+        (true, _) => format!(
+            "With more than {EXACT_PARTICIPANTS} participants, p comes from the χ² distribution, which is then accurate."
+        ),
+        (false, true) => format!(
+            "The p values are exact: over all orders in which participants could rank the levels or, if there are too many, \
+             over {} random orders.",
+            whole(PERMUTATIONS as u64)
+        ),
+        (false, false) => "The p values are exact: over all orders in which participants could rank the levels.".to_owned(),
+    });
+    for (factor, test) in factors.iter().filter_map(|factor| Some((factor, factor.friedman?))) {
+        if test.least_p > ALPHA {
+            section.note(format!(
+                "With {} and {} levels, p of {} cannot be below {}, regardless of the ratings.",
+                count(test.subjects as u64, "participant"),
+                test.levels,
+                names::factor(&factor.name),
+                probability(test.least_p)
+            ));
+        }
     }
 }
 
@@ -75,6 +97,7 @@ fn pairs(section: &mut Section, factor: &FactorResults) {
         vec![
             format!("{} – {}", level(&pair.level), level(&pair.other)),
             fixed(pair.difference, 2),
+            range(pair.interval, mean),
             pair.test.n.to_string(),
             fixed(pair.test.v, 1),
             probability(pair.test.p),
@@ -82,7 +105,7 @@ fn pairs(section: &mut Section, factor: &FactorResults) {
         ]
     };
     section.heading(format!("Pairs of levels: {name}"));
-    let numbers = ["Difference of means", "Nonzero differences", "V", "p", "Holm-corrected p"];
+    let numbers = ["Difference of means", "95\u{a0}% t interval", "Nonzero differences", "V", "p", "Holm-corrected p"];
     let rows = pairs.pairs.iter().map(row).collect();
     section.table(format!("Wilcoxon’s signed-rank tests of {name}"), &["Pair"], &numbers, rows);
     let method = if pairs.pairs.iter().any(|pair| pair.test.method == PMethod::Normal) {
@@ -119,8 +142,13 @@ pub(super) fn agreement(results: &Results) -> Section {
     }
     section.heading("Within participants");
     let Some((kappa, interval)) = results.kappa else {
-        section
-            .text("According to the files, no participant rated a condition twice, so test–retest agreement cannot be computed.");
+        section.text(match results.measured.repeats_without_order() {
+            0 => "No participant rated a condition twice, so test–retest agreement cannot be computed.",
+            _ => {
+                "Conditions were rated repeatedly, but the files do not say which rating came first, so test–retest agreement \
+                 cannot be computed."
+            }
+        });
         return section;
     };
     section.text(format!(

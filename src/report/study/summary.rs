@@ -19,6 +19,9 @@ const RELIABLE: f64 = 0.8;
 /// Krippendorff's α at or above which tentative conclusions are allowed.
 const TENTATIVE: f64 = 0.667;
 
+/// With fewer participants than this, the summary says that they are few.
+const FEW_PEOPLE: usize = 6;
+
 /// A study's conclusions, in sentences.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Summary {
@@ -70,6 +73,11 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
         let values = category_values(counts);
         let sum: f64 = counts.rows.iter().map(|row| row.count as f64 * values[row.rating as usize]).sum();
         lead.push(format!("Their overall mean is {}.", mean(sum / counts.total() as f64)));
+    }
+    if (2..FEW_PEOPLE).contains(&results.people()) {
+        lead.push(
+            "These are few people: intervals are wide, and only large and consistent effects can be found.".to_owned(),
+        );
     }
     lead.extend(health::finished_sentence(source));
     lead
