@@ -201,6 +201,10 @@ fn covariance(fitted: &Fitted) -> Option<DMatrix<f64>> {
             (finite_part(fitted, &fitted.clm.information), finite)
         }
     };
+    // A fit that needed no errors has no information.
+    if information.nrows() != free.len() {
+        return None;
+    }
     // With a singular covariance of correlated effects, the likelihood is flat in a direction that no effect needs.
     let inverse = match information.clone().cholesky() {
         Some(factor) => factor.inverse(),

@@ -11,7 +11,7 @@ use super::{
     link::Link,
     model::{ModelError, ModelSpec, Note, Random, Slopes},
     random::{Loadings, RandomPart, is_within},
-    search::{self, MixedFit, Settings},
+    search::{self, MixedFit, MixedFitEnd, Settings},
     terms::{Term, Terms, Variable},
 };
 use crate::analysis::{
@@ -216,7 +216,13 @@ fn fit_mixed(fitted: &Fitted, how: How<'_>) -> Option<MixedFit> {
             value * fitted.random.units()[parameter];
     }
     let settings = Settings { plain, start: start.as_ref(), free: &free, tolerance, errors: how.errors };
-    search::fit(&data, settings)
+    let found = search::fit(&data, settings);
+    let good = |fit: &MixedFit| matches!(fit.end, MixedFitEnd::Converged | MixedFitEnd::Boundary);
+    if how.held.is_some() || start.is_none() || found.as_ref().is_some_and(good) {
+        return found;
+    }
+    // The similar fit was not so similar.
+    search::fit(&data, Settings { start: None, ..settings }).or(found)
 }
 
 impl Fitted<'_> {

@@ -102,17 +102,20 @@ impl<'a> Search<'a> {
     /// the fit without random effects.
     fn begin(data: &'a ClmmData, settings: Settings<'_>) -> Option<Self> {
         let mut best: Option<Self> = None;
-        let psi = |intercept: f64| {
+        let psi = |(intercept, slope): (f64, f64)| {
             let mut psi = vec![0.0; data.loadings.parameters()];
             for (place, &parameter) in data.loadings.deviations.iter().enumerate() {
-                psi[parameter] = if place == 0 { intercept } else { 0.3 };
+                psi[parameter] = if place == 0 { intercept } else { slope };
             }
             let start = settings.plain;
             DVector::from_iterator(start.len() + psi.len(), start.iter().copied().chain(psi))
         };
         let starts: Vec<DVector<f64>> = match settings.start {
             Some(start) => vec![start.clone()],
-            None => [0.25, 0.6, 1.2, 3.0].map(psi).to_vec(),
+            None => {
+                let several = if data.loadings.effects() > 1 { &[(0.6, 1.5), (1.2, 3.0)][..] } else { &[] };
+                [(0.25, 0.3), (0.6, 0.3), (1.2, 0.3), (3.0, 0.3)].iter().chain(several).copied().map(psi).collect()
+            }
         };
         for at in starts {
             let mut modes = best.as_ref().map_or_else(|| data.modes(), |best| best.modes.clone());
