@@ -24,7 +24,7 @@ pub struct SubjectMeans {
     /// Participants excluded because no cell of the other factors has ratings at every level.
     pub incomplete: Vec<String>,
     /// Means that differ by less than this are equal: they differ only by rounding errors.
-    tolerance: f64,
+    pub tolerance: f64,
 }
 
 impl SubjectMeans {

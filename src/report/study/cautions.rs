@@ -87,9 +87,8 @@ fn nothing_found(results: &Results) -> Option<String> {
         .collect();
     let (people, unclear_list) = (count(results.people() as u64, "participant"), list(&unclear));
     (!unclear.is_empty()).then(|| {
-        format!(
-            "This study, with {people}, found no clear effect of {unclear_list}. This does not show that there is none."
-        )
+        let what = if results.is_inferential() { "This study" } else { "These trials" };
+        format!("{what}, with {people}, found no clear effect of {unclear_list}. This does not show that there is none.")
     })
 }
 
@@ -147,7 +146,7 @@ fn pairs_without_power(results: &Results, factor: &FactorResults) -> Option<Stri
              regardless of the ratings."
         ),
         n => format!(
-            "No test can tell which levels of {name} differ: with {people} and {n} pairs, the smallest p that is \
+            "Wilcoxon’s tests cannot tell which levels of {name} differ: with {people} and {n} pairs, the smallest p that is \
              possible after Holm’s correction is {least}, regardless of the ratings."
         ),
     })

@@ -1,0 +1,312 @@
+//! Tests of inference with few people: each test and interval says no more than the data carry.
+
+use machband::analysis::{
+    Comparison, Link, ModelSpec, Note, Options, Random, Resampling, Results, Slopes, Withheld, analyze,
+    counts::{Measured, MeasuredBuilder},
+    fit, fit_with_tests,
+    rank_tests::{PERMUTATIONS, PMethod, SubjectMeans, friedman, pairs, wilcoxon},
+    summary::by_factor,
+    terms::Terms,
+};
+use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::common::{golden_path, table};
+
+/// Ratings 0–3 of a latent value: thresholds at −1.5, 0 and 1.5, and logistic noise.
+fn rate(latent: f64, rng: &mut ChaCha8Rng) -> String {
+    let uniform: f64 = rng.random_range(1e-9..1.0 - 1e-9);
+    let latent = latent + (uniform / (1.0 - uniform)).ln();
+    [-1.5, 0.0, 1.5].iter().filter(|threshold| latent > **threshold).count().to_string()
+}
+
+/// A study of one factor with levels a, b, …: `shift` returns the latent value for a person and a level.
+fn study(people: usize, levels: &[&str], ratings: usize, seed: u64, shift: impl Fn(usize, usize) -> f64) -> Measured {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut builder = MeasuredBuilder::new(&["level"]).with_categories(&["0", "1", "2", "3"]);
+    for person in 0..people {
+        for (index, level) in levels.iter().enumerate() {
+            for _ in 0..ratings {
+                let rating = rate(shift(person, index), &mut rng);
+                builder.add_counts(&format!("S{person:02}"), &[*level], &rating, 1).unwrap();
+            }
+        }
+    }
+    builder.finish()
+}
+
+fn quick() -> Options {
+    Options { resampling: Resampling { draws: 99, seed: 1 }, ..Options::default() }
+}
+
+fn slopes(slopes: Slopes) -> ModelSpec {
+    ModelSpec { random: Random::Subject, slopes, ..ModelSpec::new(Terms::parse("level").unwrap()) }
+}
+
+/// Complete enumerations by another program: tests/golden/ordinal/exact.csv.
+#[test]
+fn rank_tests_match_complete_enumeration() {
+    let (_, rows) = table(&golden_path("ordinal").join("exact.csv"));
+    for row in &rows {
+        let number = |text: &str| text.parse::<f64>().unwrap();
+        let values: Vec<Vec<f64>> = row[1].split(';').map(|one| one.split(' ').map(number).collect()).collect();
+        let (statistic, p) = (number(&row[2]), number(&row[3]));
+        if row[0] == "wilcoxon" {
+            let test = wilcoxon(&values.iter().map(|pair| pair[0] - pair[1]).collect::<Vec<_>>(), 1e-9);
+            assert!((test.p - p).abs() < 1e-9 && (test.v - statistic).abs() < 1e-9, "{row:?} {test:?}");
+            continue;
+        }
+        let levels = (0..values[0].len()).map(|level| level.to_string()).collect();
+        let people = values.into_iter().enumerate().map(|(person, row)| (person.to_string(), row)).collect();
+        let means = SubjectMeans { levels, rows: people, incomplete: Vec::new(), tolerance: 1e-9 };
+        let Some(test) = friedman(&means, PERMUTATIONS) else {
+            assert_eq!(p, 1.0, "{row:?}");
+            continue;
+        };
+        assert!((test.p - p).abs() < 1e-9 && test.method == PMethod::Exact, "{row:?} {test:?}");
+        assert!((test.chi_squared - statistic).abs() < 1e-9, "{row:?} {test:?}");
+    }
+    assert!(rows.len() > 30);
+}
+
+/// Random orders agree with the enumeration, and beyond the last number of participants with exact p values, the χ²
+/// distribution is accurate to 0.002.
+#[test]
+fn permutations_and_chi_squared_agree_where_they_meet() {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let mut means = |people: usize, levels: usize| SubjectMeans {
+        levels: (0..levels).map(|level| level.to_string()).collect(),
+        rows: (0..people).map(|p| (p.to_string(), (0..levels).map(|_| rng.random::<f64>()).collect())).collect(),
+        incomplete: Vec::new(),
+        tolerance: 1e-12,
+    };
+    let (mut enumerated, mut drawn) = (0, 0);
+    for (people, levels) in [(200, 3), (200, 3), (200, 4), (200, 5), (12, 4), (9, 6)] {
+        let means = means(people, levels);
+        let test = friedman(&means, PERMUTATIONS).unwrap();
+        let chi_squared = statrs::function::gamma::gamma_ur(test.df as f64 / 2.0, test.chi_squared / 2.0);
+        // The standard error of 100,000 draws is at most 0.0016.
+        let slack = if test.method == PMethod::Permutations { 0.005 } else { 0.0 };
+        if people == 200 {
+            assert!((test.p - chi_squared).abs() < 0.002 + slack, "{people} × {levels}: {test:?}, χ² {chi_squared}");
+        }
+        enumerated += usize::from(test.method == PMethod::Exact);
+        drawn += usize::from(test.method == PMethod::Permutations);
+    }
+    assert!(enumerated > 0 && drawn > 0, "{enumerated} {drawn}");
+}
+
+/// Means of 0.1, 0.2 and 0.3 differ from a mean of 0.2 by 3e-17 in binary, but are equal.
+#[test]
+fn equal_means_are_equal() {
+    let mut builder = MeasuredBuilder::new(&["level"]).with_categories(&["0.1", "0.2", "0.3"]);
+    for subject in ["a", "b", "c", "d", "e", "f"] {
+        ["0.1", "0.2", "0.3"].iter().for_each(|rating| builder.add_counts(subject, &["low"], rating, 1).unwrap());
+        builder.add_counts(subject, &["high"], "0.2", 1).unwrap();
+    }
+    let means = SubjectMeans::new(&builder.finish().counts, 0);
+    assert_ne!(means.rows[0].1[0], means.rows[0].1[1], "the means differ in their last bit");
+    assert_eq!(friedman(&means, PERMUTATIONS), None);
+    let pairs = pairs(&means).pairs;
+    assert_eq!((pairs[0].test.n, pairs[0].test.zeros, pairs[0].test.p), (0, 6, 1.0));
+}
+
+/// Level a was mostly rated on the easy side and c on the hard side. The side matters and the level does not: pooled
+/// means differ, but means of cell means and the tests do not.
+#[test]
+fn unequal_numbers_of_ratings_are_no_effect() {
+    let mut builder = MeasuredBuilder::new(&["level", "side"]).with_categories(&["0", "1", "2", "3"]);
+    for subject in 0..8 {
+        for (level, easy, hard) in [("a", 6, 2), ("b", 4, 4), ("c", 2, 6)] {
+            for (side, number, ratings) in [("easy", easy, ["3", "2"]), ("hard", hard, ["0", "1"])] {
+                let subject = subject.to_string();
+                ratings.iter().for_each(|r| builder.add_counts(&subject, &[level, side], r, number / 2).unwrap());
+            }
+        }
+    }
+    let counts = builder.finish().counts;
+    let means: Vec<f64> = by_factor(&counts, 0).iter().map(|group| group.summary.mean).collect();
+    assert_eq!(means, [1.5, 1.5, 1.5]);
+    assert_eq!(friedman(&SubjectMeans::new(&counts, 0), PERMUTATIONS), None, "all levels are alike");
+    assert!(friedman(&SubjectMeans::new(&counts, 1), PERMUTATIONS).unwrap().p < 0.01);
+}
+
+/// Half of the people rate b higher and half lower. A model in which everyone has the same effect finds one where there
+/// is none; with slopes, it does not.
+#[test]
+fn people_who_differ_are_not_an_effect() {
+    let mut found = [0, 0];
+    for seed in 0..20 {
+        let mut rng = ChaCha8Rng::seed_from_u64(100 + seed);
+        let own: Vec<f64> = (0..8).map(|_| rng.random_range(-1.2..1.2)).collect();
+        let measured = study(8, &["a", "b"], 60, seed, |person, level| if level == 1 { own[person] } else { 0.0 });
+        for (place, slopes_of) in [Slopes::None, Slopes::Independent].into_iter().enumerate() {
+            let report = fit_with_tests(&measured.counts, &slopes(slopes_of)).unwrap();
+            found[place] += usize::from(report.terms[0].p.unwrap() < 0.05);
+        }
+    }
+    assert!(found[0] >= 7 && found[1] <= 4, "of 20 studies: {found:?}");
+}
+
+#[test]
+fn slopes_that_are_zero_or_impossible_are_said() {
+    let same = study(6, &["a", "b", "c"], 8, 4, |person, _| 0.3 * person as f64);
+    let mut said = false;
+    for seed in 4..12 {
+        let measured = study(6, &["a", "b", "c"], 8, seed, |person, _| 0.3 * person as f64);
+        let model = fit(&measured.counts, &slopes(Slopes::Independent)).unwrap();
+        let sd = model.random.as_ref().unwrap().slopes[0].sd;
+        let note = model.notes.contains(&Note::NoSlopeVariance { term: "level".to_owned() });
+        assert_eq!(sd == 0.0, note || model.notes.contains(&Note::NoSubjectVariance), "{:?}", model.notes);
+        said |= note;
+    }
+    assert!(said, "some study has no slope variance");
+    let single = study(6, &["a", "b", "c"], 1, 5, |_, _| 0.0);
+    let model = fit(&single.counts, &slopes(Slopes::Independent)).unwrap();
+    assert!(model.notes.contains(&Note::NoSlope { term: "level".to_owned() }), "{:?}", model.notes);
+    assert!(model.random.unwrap().slopes.is_empty());
+    // Quadrature is for a single effect; with slopes, Laplace's approximation is used and said.
+    let spec = ModelSpec { quadrature: 7, ..slopes(Slopes::Independent) };
+    let model = fit(&same.counts, &spec).unwrap();
+    assert!(model.notes.contains(&Note::QuadratureIgnored) && model.method == "clmm-laplace", "{model:?}");
+}
+
+/// Two people in each group cannot tell groups apart. Before, p was below 0.05 in 21 % of studies without an effect.
+#[test]
+fn tests_between_few_people_are_withheld() {
+    for (people, withheld) in [(4, Some(Withheld::FewPerLevel)), (8, None)] {
+        let mut rng = ChaCha8Rng::seed_from_u64(9);
+        let mut builder = MeasuredBuilder::new(&["group"]).with_categories(&["0", "1", "2", "3"]);
+        for person in 0..people {
+            let own: f64 = rng.random_range(-2.0..2.0);
+            for _ in 0..12 {
+                let group = ["x", "y"][person % 2];
+                builder.add_counts(&person.to_string(), &[group], &rate(own, &mut rng), 1).unwrap();
+            }
+        }
+        let results = analyze(builder.finish(), &quick());
+        let report = results.model.as_ref().unwrap();
+        assert_eq!(report.terms[0].withheld, withheld);
+        assert_eq!(report.terms[0].p.is_none(), withheld.is_some());
+        assert_eq!(report.model.coefficients[0].interval.is_none(), withheld.is_some());
+        assert!(!results.factors[0].within && results.factors[0].friedman.is_none());
+    }
+}
+
+/// Simulated p values are at least 1 in draws + 1, the same for the same seed, and given below twelve people only.
+#[test]
+fn few_people_are_calibrated_by_simulation() {
+    let strong = |people| study(people, &["a", "b"], 12, 2, |_, level| 2.5 * level as f64);
+    let results = analyze(strong(5), &quick());
+    let test = &results.model.as_ref().unwrap().terms[0];
+    assert_eq!((test.p, test.draws), (Some(0.01), Some(99)), "{test:?}");
+    assert_eq!(analyze(strong(5), &quick()).model, results.model);
+    let many = analyze(strong(12), &quick());
+    let test = &many.model.as_ref().unwrap().terms[0];
+    assert!(test.draws.is_none() && test.p.unwrap() < 1e-6, "{test:?}");
+}
+
+/// The test of a factor with two levels and the interval of its coefficient agree.
+#[test]
+fn intervals_agree_with_tests() {
+    let mut excluded = 0;
+    for seed in 0..16 {
+        let results = analyze(study(5, &["a", "b"], 10, seed, |_, level| 0.5 * level as f64), &quick());
+        let report = results.model.as_ref().unwrap();
+        let (p, interval) = (report.terms[0].p.unwrap(), report.model.coefficients[0].interval.unwrap());
+        let excludes = interval.low > 0.0 || interval.high < 0.0;
+        assert!(excludes == (p < 0.05) || (p - 0.05).abs() < 0.011, "seed {seed}: p {p}, {interval:?}");
+        excluded += usize::from(excludes);
+        let random = report.model.random.as_ref().unwrap();
+        let around =
+            |sd: f64, interval: machband::analysis::interval::Interval| interval.low <= sd && sd <= interval.high;
+        assert!(around(random.sd, random.interval.unwrap()), "{random:?}");
+    }
+    assert!((1..16).contains(&excluded), "{excluded}");
+}
+
+fn person() -> Results {
+    analyze(study(1, &["a", "b", "c"], 20, 7, |_, level| level as f64), &quick())
+}
+
+/// One person who rated repeatedly allows inference about that person.
+#[test]
+fn one_person_is_a_case_of_their_own() {
+    let results = person();
+    let report = results.model.as_ref().unwrap();
+    assert!(report.terms[0].p.unwrap() < 0.05 && report.model.random.is_none());
+    assert!(report.model.coefficients[1].interval.unwrap().low > 0.0);
+    assert!(results.factors[0].levels.iter().all(|level| level.summary.interval.is_some()));
+    assert!(results.factors[0].friedman.is_none() && results.alpha.is_none());
+}
+
+/// In an interaction, each factor is compared at each level of the other, and Holm's correction never lowers p.
+#[test]
+fn interactions_have_simple_effects() {
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    let mut builder = MeasuredBuilder::new(&["level", "side"]).with_categories(&["0", "1", "2", "3"]);
+    for person in 0..10 {
+        for (level, side, effect) in [("a", "l", 0.0), ("b", "l", 2.0), ("a", "r", 0.0), ("b", "r", 0.0)] {
+            for _ in 0..10 {
+                builder.add_counts(&person.to_string(), &[level, side], &rate(effect, &mut rng), 1).unwrap();
+            }
+        }
+    }
+    let options = Options { terms: Some(Terms::parse("level*side").unwrap()), ..quick() };
+    let results = analyze(builder.finish(), &options);
+    let comparisons = &results.model.as_ref().unwrap().comparisons;
+    let at = |side: &str| {
+        let found = |c: &&Comparison| c.factor == "level" && c.at == Some(("side".to_owned(), side.to_owned()));
+        comparisons.iter().find(found).unwrap()
+    };
+    assert!(at("l").p_holm.unwrap() < 0.05 && at("r").p_holm.unwrap() > 0.05, "{comparisons:?}");
+    assert!((at("l").estimate - 2.0).abs() < 0.8 && at("l").interval.unwrap().low > 0.0);
+    assert!(comparisons.iter().all(|c| c.p_holm.unwrap() >= c.p.unwrap()) && comparisons.len() == 4);
+}
+
+/// The probability of superiority by numerical integration, and its symmetry.
+#[test]
+fn superiority_is_a_probability() {
+    for link in [Link::Logit, Link::Probit] {
+        assert!((link.superiority(0.0) - 0.5).abs() < 1e-12 && link.superiority(800.0) == 1.0, "{link}");
+        for difference in [1e-6, 1e-3, 0.1, 0.7, 2.0, 5.0] {
+            let step = 1e-3;
+            let integral: f64 = (-30_000..30_000)
+                .map(|i| f64::from(i) * step)
+                .map(|x| link.cdf(x + difference) * link.density(x) * step)
+                .sum();
+            let found = link.superiority(difference);
+            assert!((found - integral).abs() < 1e-6, "{link} {difference}: {found} {integral}");
+            assert!((found + link.superiority(-difference) - 1.0).abs() < 1e-12, "{link} {difference}");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+    /// The model with separate effects at each threshold is a model of ordered thresholds, so its likelihood is at most
+    /// that of the observed proportions. Before, cells without ratings gave ratios of 23 where 5.4 was possible.
+    #[test]
+    fn proportional_odds_never_exceed_saturation(tallies in prop::collection::vec(prop::array::uniform4(0_u64..5), 3)) {
+        let mut builder = MeasuredBuilder::new(&["level"]).with_categories(&["0", "1", "2", "3"]);
+        for (level, tally) in ["a", "b", "c"].iter().zip(&tallies) {
+            for (rating, count) in tally.iter().enumerate().filter(|(_, count)| **count > 0) {
+                builder.add_counts("S", &[*level], &rating.to_string(), *count).unwrap();
+            }
+        }
+        let counts = builder.finish().counts;
+        let Ok(report) = fit_with_tests(&counts, &ModelSpec::new(Terms::parse("level").unwrap())) else { return Ok(()) };
+        let saturated: f64 = tallies.iter().flat_map(|tally| {
+            let n: u64 = tally.iter().sum();
+            tally.iter().filter(|count| **count > 0).map(move |&count| count as f64 * (count as f64 / n as f64).ln())
+        }).sum();
+        for test in &report.proportional_odds {
+            let Some(lr) = test.lr else { continue };
+            let most = 2.0 * (saturated - report.model.loglik);
+            prop_assert!(lr <= most + 1e-6, "{lr} of {most}");
+            // With one factor, the wider model is the saturated one.
+            prop_assert!(lr > most - 1e-2 * (1.0 + most), "{lr} of {most}");
+        }
+    }
+}
