@@ -131,11 +131,15 @@ pub fn friedman(means: &SubjectMeans, permutations: usize) -> Option<Friedman> {
     let df = k - 1;
     let asymptotic = (chi_squared_tail(chi_squared, df), PMethod::ChiSquared);
     let (p, method) = if n > EXACT_PARTICIPANTS { asymptotic } else { permutation_probability(&rows, permutations) };
-    // All participants agree on one order; each of the k! orders does this.
-    let orders: f64 = (1..=k).map(|level| level as f64).product();
     let w = chi_squared / (subjects * df as f64);
-    let least_p = if n > EXACT_PARTICIPANTS { 0.0 } else { orders.powi(1 - n as i32) };
-    Some(Friedman { subjects: n, levels: k, chi_squared, df, p, method, w, least_p })
+    Some(Friedman { subjects: n, levels: k, chi_squared, df, p, method, w, least_p: least_friedman_p(n, k) })
+}
+
+/// Returns the smallest probability that Friedman's test can give: all participants agree on one order, and each order
+/// of the levels does this.
+pub(crate) fn least_friedman_p(participants: usize, levels: usize) -> f64 {
+    let orders: f64 = (1..=levels).map(|level| level as f64).product();
+    if participants > EXACT_PARTICIPANTS { 0.0 } else { orders.powi(1 - participants as i32) }
 }
 
 /// Returns the probability that the sum of squares of the rank sums is at least as large as observed if each

@@ -8,7 +8,7 @@ use super::{
     ratings::RatingOptions,
 };
 use crate::{
-    analysis::{ModelError, Options, Random, Resampling, Slopes, analyze_with},
+    analysis::{ModelError, Options, Random, Resampling, analyze_with},
     report::{
         AnalysisOutput, Provenance, check_folder,
         prediction::{PredictionError, StudyPrediction},
@@ -38,10 +38,6 @@ pub(super) struct Arguments {
     /// Random intercept for each participant [default: subject if there are at least two participants].
     #[arg(long, value_parser = named::<Random>(Random::NAMES))]
     random: Option<Random>,
-    /// Random slopes: for each term that varies within participants, as far as the design supports it (independent), or
-    /// with all their correlations (correlated).
-    #[arg(long, default_value = "independent", value_parser = named::<Slopes>(Slopes::NAMES))]
-    slopes: Slopes,
     /// Seed of the simulated studies that calibrate tests and intervals.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -81,7 +77,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         quadrature: arguments.model.quadrature.into(),
         scale: arguments.scale,
         max_coefficients: arguments.model.max_coefficients(),
-        slopes: arguments.slopes,
+        slopes: arguments.model.slopes,
         resampling: Resampling { draws: arguments.draws as usize, seed: arguments.seed },
         checks: true,
     };

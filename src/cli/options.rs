@@ -9,7 +9,7 @@ use clap::{
 
 use super::UsageError;
 use crate::{
-    analysis::{Link, MAX_COEFFICIENTS, MAX_NODES, terms::Terms},
+    analysis::{Link, MAX_COEFFICIENTS, MAX_NODES, Slopes, terms::Terms},
     light::{Bits, Dither, Transfer, Transfers},
     stimulus::{KINDS, Parameter, ParameterValue, Stimulus, catalog, recipe::Recipe},
     store,
@@ -33,6 +33,10 @@ pub(super) struct ModelOptions {
     /// Link function of the cumulative model.
     #[arg(long, default_value = "logit", value_parser = named::<Link>(Link::NAMES))]
     pub(super) link: Link,
+    /// Random slopes: for each term that varies within participants, as far as the design supports it (independent), or
+    /// with all their correlations (correlated).
+    #[arg(long, default_value = "independent", value_parser = named::<Slopes>(Slopes::NAMES))]
+    pub(super) slopes: Slopes,
     /// Number of nodes of the adaptive Gauss–Hermite quadrature; 1 is the Laplace approximation.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=MAX_NODES as i64))]
     pub(super) quadrature: u16,

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use machband::{
     analysis::{
-        power::{Effect, ModelChoice, Plan, Power, Sampling, Shift, Test, clopper_pearson},
+        Slopes,
+        power::{Effect, ModelChoice, Plan, Power, Sampling, Shift, Slope, Test, clopper_pearson},
         terms::Terms,
     },
     experiment::{OrderedLogit, Protocol},
@@ -26,7 +27,14 @@ fn oblique(oblique: f64) -> OrderedLogit {
 
 fn plan(protocol: &Protocol, observer: &OrderedLogit, shifts: &[Shift], terms: Option<&str>) -> Plan {
     let terms = terms.map(|terms| Terms::parse(terms).unwrap());
-    Plan::new(protocol, observer, shifts, &ModelChoice { terms, quadrature: 1, ..ModelChoice::default() }).unwrap()
+    Plan::new(protocol, observer, shifts, &[], &ModelChoice { terms, quadrature: 1, ..ModelChoice::default() }).unwrap()
+}
+
+/// Plans the design for people who differ in the effect of the orientation by this standard deviation.
+fn plan_with_slopes(observer: &OrderedLogit, sd: f64, slopes: Slopes) -> Plan {
+    let slope = Slope { factor: "orientation_deg".to_owned(), sd };
+    let model = ModelChoice { slopes, quadrature: 1, ..ModelChoice::default() };
+    Plan::new(&design(), observer, &[], &[slope], &model).unwrap()
 }
 
 /// Returns the powers of both tests of the orientation, each by number of participants.
@@ -41,29 +49,93 @@ fn powers(plan: &Plan, participants: &[u32], sampling: &Sampling) -> [Vec<Power>
     })
 }
 
-/// Compares with `tests/golden/power.csv`: a different program with different random numbers finds the same power.
+/// Asserts that a power and an estimate agree with R's, up to three standard errors. `alpha_error` is the standard error
+/// of the significance level in each of the two programs, if it comes from simulated studies.
+fn assert_agrees(line: &str, ours: &Power, found: &str, studies: &str, estimate: &str, alpha_error: f64) {
+    let number = |text: &str| text.parse::<f64>().unwrap();
+    let (share, theirs) = (ours.share(), number(found) / number(studies));
+    let both = (share + theirs) / 2.0;
+    let binomial = both * (1.0 - both) * (1.0 / ours.studies as f64 + 1.0 / number(studies));
+    // Where a test with one degree of freedom has a power of one half, it rises by φ(0) / (2 φ(1.96)) = 3.4 times as
+    // much as its level; elsewhere by less.
+    let error = (binomial + 2.0 * (3.4 * alpha_error).powi(2)).sqrt();
+    assert!((share - theirs).abs() <= 3.0 * error, "{line}: {share}");
+    if !estimate.is_empty() {
+        // The medians of at least 500 estimates, which have standard errors of at most 0.3.
+        let difference = ours.estimate.unwrap() - number(estimate);
+        assert!(difference.abs() < 0.06, "{line}: {ours:?}");
+    }
+}
+
+/// Compares with `tests/golden/power.csv`: a different program with different random numbers finds the same power, with p
+/// from studies without the effect for six people and from the χ² distribution for more.
 #[test]
 fn power_matches_r() {
-    let plan = plan(&design(), &oblique(0.6), &[], None);
-    let [likelihood_ratio, friedman] = powers(&plan, &[3, 6], &Sampling { studies: 1000, ..Sampling::default() });
+    let plan = plan_with_slopes(&oblique(0.6), 0.0, Slopes::None);
+    let [likelihood_ratio, friedman] = powers(&plan, &[6, 12, 16], &Sampling { studies: 1000, ..Sampling::default() });
     let lines: Vec<&str> = include_str!("../golden/power.csv").lines().skip(2).collect();
-    assert_eq!(lines.len(), 4);
+    assert_eq!(lines.len(), 6);
     for line in lines {
         let cells: Vec<&str> = line.split(',').collect();
-        let number = |place: usize| cells[place].parse::<f64>().unwrap();
-        // Three people often have tied means, and then Friedman's test does not exist.
-        let (ours, most) = if cells[1] == "friedman" { (&friedman, 5) } else { (&likelihood_ratio, 0) };
-        let ours = ours.iter().find(|power| f64::from(power.participants) == number(0)).unwrap();
-        let (share, theirs) = (ours.share(), number(3) / number(2));
-        let both = (share + theirs) / 2.0;
-        let error = (both * (1.0 - both) * (1.0 / 1000.0 + 1.0 / number(2))).sqrt();
-        assert!((share - theirs).abs() <= 3.5 * error, "{line}: {share}");
-        if let (Some(estimate), false) = (ours.estimate, cells[4].is_empty()) {
-            // The median of a thousand estimates, which have standard errors of about 0.4 and 0.3.
-            assert!((estimate - number(4)).abs() < 0.08, "{line}: {estimate}");
-        }
-        assert!(ours.studies == 1000 && ours.untested <= most, "{ours:?}");
+        let ours = if cells[1] == "friedman" { &friedman } else { &likelihood_ratio };
+        let ours = ours.iter().find(|power| power.participants.to_string() == cells[0]).unwrap();
+        let simulated = cells[0] == "6" && cells[1] == "likelihood-ratio";
+        let alpha_error = if simulated { (0.05_f64 * 0.95 / 999.0).sqrt() } else { 0.0 };
+        assert_agrees(line, ours, cells[3], cells[2], cells[4], alpha_error);
+        assert!(ours.studies == 1000 && ours.untested == 0, "{ours:?}");
     }
+}
+
+/// Compares with `tests/golden/power_slopes.csv`, where people differ in the effect.
+#[test]
+fn power_with_slopes_matches_r() {
+    let lines: Vec<&str> = include_str!("../golden/power_slopes.csv").lines().skip(2).collect();
+    assert_eq!(lines.len(), 2);
+    for line in lines {
+        let cells: Vec<&str> = line.split(',').collect();
+        let slopes = if cells[2] == "random-slopes" { Slopes::Independent } else { Slopes::None };
+        let plan = plan_with_slopes(&oblique(0.6), cells[1].parse().unwrap(), slopes);
+        let participants = cells[0].parse().unwrap();
+        let all = plan.run(&[participants], &Sampling { studies: 500, ..Sampling::default() }, &|_| ());
+        let of = |term: &str| {
+            let index = plan.hypotheses().iter().position(|hypothesis| hypothesis.term == term);
+            all.iter().find(|power| Some(power.hypothesis) == index).unwrap()
+        };
+        assert_agrees(line, of("orientation_deg"), cells[4], cells[3], cells[5], 0.0);
+        // Four logits: the model without them exists in every study, although its random slope must take their place.
+        assert_eq!(of("depth").found, 500, "{:?}", of("depth"));
+    }
+}
+
+/// With few people who differ in an effect that is 0 on average, a model with random slopes finds it as often as α says.
+/// A model without them mistakes the differences for an effect.
+#[test]
+fn slopes_keep_the_false_alarm_rate() {
+    let rate = |slopes| {
+        let plan = plan_with_slopes(&OrderedLogit::default(), 0.5, slopes);
+        let [ours, _] = powers(&plan, &[8], &Sampling { studies: 300, ..Sampling::default() });
+        assert_eq!(ours[0].untested, 0);
+        ours[0].share()
+    };
+    // Of the 300 studies, and of the 300 without the effect that they are compared with.
+    let error = (0.05_f64 * 0.95 * 2.0 / 300.0).sqrt();
+    let (with, without) = (rate(Slopes::Independent), rate(Slopes::None));
+    assert!((with - 0.05).abs() < 3.0 * error, "{with}");
+    assert!(without > 0.05 + 3.0 * error, "{without}");
+}
+
+/// Slopes have their own random numbers, and neither they nor other participants change anything else.
+#[test]
+fn slopes_leave_the_other_random_numbers_alone() {
+    let sampling = Sampling { studies: 20, ..Sampling::default() };
+    let with = |sd: f64| plan_with_slopes(&oblique(0.6), sd, Slopes::None).run(&[12], &sampling, &|_| ());
+    let plain = plan(&design(), &oblique(0.6), &[], None);
+    assert_ne!(with(0.0), with(0.5));
+    let friedman = |powers: &[Power]| -> Vec<usize> {
+        let tested = powers.iter().filter(|power| plain.hypotheses()[power.hypothesis].test == Test::Friedman);
+        tested.map(|power| power.found).collect()
+    };
+    assert_eq!(friedman(&with(0.0)), friedman(&plain.run(&[12], &sampling, &|_| ())));
 }
 
 /// Whitehead (1993), Statistics in Medicine 12, 2257: the power to distinguish two groups of n/2 ordered ratings with a
@@ -142,9 +214,10 @@ fn power_grows_with_people_and_with_the_effect() {
     assert!(small.is_sorted() && large.is_sorted(), "{small:?} {large:?}");
     assert!(large[1] > large[0] + 20 && large[3] > 190, "{large:?}");
     assert!(small.iter().zip(&large).all(|(small, large)| small + 10 < *large), "{small:?} {large:?}");
-    // With two people, Friedman's test cannot be significant. With more, its p has few values: its power rises and falls.
-    assert!(many[0] == 0 && many[3] > many[1] && many[3] > 170, "{many:?}");
-    assert!(few[1..].iter().zip(&many[1..]).all(|(few, many)| few + 10 < *many), "{few:?} {many:?}");
+    // With five people, the smallest p of Friedman's test of two levels is 1/16. With more, its p has few values: its
+    // power rises and falls.
+    assert!(many[..2] == [0, 0] && many[3] > many[2] && many[3] > 170, "{many:?}");
+    assert!(few[2..].iter().zip(&many[2..]).all(|(few, many)| few + 10 < *many), "{few:?} {many:?}");
 }
 
 /// Shifting one level has exactly the same effect, on every single rating, as the equivalent observer parameter.
@@ -249,6 +322,25 @@ fn the_table_the_sentences_and_the_csv_agree() {
     assert!(said.contains(&sentence), "{sentence}\n{said}");
     assert!(said.contains("mesh has no effect on this observer. The false-alarm rate, expected to be 5 %"), "{said}");
     assert!(said.contains("With 3 participants, Friedman's test of mesh cannot be significant"), "{said}");
+    assert!(
+        said.contains("With fewer than 12 participants, p of the model comes from 199 simulated studies"),
+        "{said}"
+    );
+    assert!(said.contains("Simulate that with --slope FACTOR=SD, such as --slope mesh=0.5."), "{said}");
+    assert_eq!(["slopes", "slope_sd"].map(|name| cell(0, name)), ["independent", ""]);
+    // People who differ in the effect, which only one of the models allows for.
+    let line = "quick --participants 2 --studies 3 --slope width=0.25 --slope depth=0.5 --slopes none --out slopes.csv";
+    let said = succeeds(folder.path(), line, "2");
+    assert!(
+        said.contains("and independently at each level of width (sd 0.25 logits) and at each level of depth"),
+        "{said}"
+    );
+    assert!(said.contains("The model has no random slope of width"), "{said}");
+    let (header, rows) = table(&folder.path().join("slopes.csv"));
+    let at = |name| header.iter().position(|column| column == name).unwrap();
+    assert_eq!((&*rows[0][at("slopes")], &*rows[0][at("slope_sd")]), ("none", "width=0.25 depth=0.5"));
+    let said = succeeds(folder.path(), &line.replace("--slopes none --out slopes.csv", ""), "2");
+    assert!(!said.contains("has no random slope"), "{said}");
     // An effect that nobody can see: every rating is 0, and there is no model.
     let blind = "quick --participants 1,2 --studies 9 --effect depth=-900 --effect lapse=0";
     let said = succeeds(folder.path(), blind, "2");
@@ -277,6 +369,12 @@ fn wrong_usage_is_reported() {
         ("--participants 2 --effect widht:0.1=2", "no such factor; expected one of width, depth"),
         ("--participants 2 --effect width:0.3=2", "--effect width:0.3: no such level; expected one of 0.02"),
         ("--participants 2 --effect fall=1 --effect fall=2", "fall is given twice"),
+        ("--participants 2 --slope widht=1", "--slope widht: no such factor; expected one of width, depth"),
+        ("--participants 2 --slope width", "--slope width: contains no =; expected FACTOR=SD"),
+        ("--participants 2 --slope width=inf", "--slope width=inf: the value is not a finite number"),
+        ("--participants 2 --slope width=-1", "--slope width=-1: the value is out of range; expected 0…1000 logits"),
+        ("--participants 2 --slope width=1 --slope width=2", "width is given twice; expected each slope once"),
+        ("--participants 2 --slopes some", "independent, correlated"),
         ("--participants 2 --terms widht", "did you mean width?"),
         ("--participants 2 --terms width,,depth", "--terms width,,depth: an empty name"),
         ("--participants 2 --terms depth,num:inv_n", "--terms num:inv_n: the term adds nothing to the other terms"),

@@ -116,18 +116,20 @@ pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> 
     let tested = parts.map(|(part, terms)| {
         terms.iter().filter(|term| !terms.is_marginal(term)).map(move |term| (part, term)).collect::<Vec<_>>()
     });
-    let without = |(part, term): (Part, &Term)| {
-        let mut spec = full.spec.clone();
-        match part {
-            Part::Location => spec.terms = spec.terms.without(term),
-            _ => spec.scale = spec.scale.without(term),
-        }
-        let how = How { random: Some(&full.random), near: full.mixed.as_ref(), ..How::default() };
-        let reduced = fit_terms(full.frame.clone(), spec, Vec::new(), how)?;
-        let difference = comparable(full, &reduced).then(|| full.loglik() - reduced.loglik());
-        Ok(TermTest::new(term, part, difference, full.rank().saturating_sub(reduced.rank())))
-    };
-    tested.concat().into_par_iter().map(without).collect()
+    tested.concat().into_par_iter().map(|(part, term)| without_term(full, part, term)).collect()
+}
+
+/// Tests one term by the likelihood ratio against the model without it.
+pub(crate) fn without_term(full: &Fitted, part: Part, term: &Term) -> Result<TermTest, ModelError> {
+    let mut spec = full.spec.clone();
+    match part {
+        Part::Location => spec.terms = spec.terms.without(term),
+        _ => spec.scale = spec.scale.without(term),
+    }
+    let how = How { random: Some(&full.random), near: full.mixed.as_ref(), ..How::default() };
+    let reduced = fit_terms(full.frame.clone(), spec, Vec::new(), how)?;
+    let difference = comparable(full, &reduced).then(|| full.loglik() - reduced.loglik());
+    Ok(TermTest::new(term, part, difference, full.rank().saturating_sub(reduced.rank())))
 }
 
 /// Returns whether both fits found a maximum of the same kind of likelihood.
@@ -218,7 +220,7 @@ impl TermTest {
     }
 
     /// Replaces the probability by that from simulated ratios.
-    pub(super) fn calibrate(&mut self, ratios: &[f64]) {
+    pub(crate) fn calibrate(&mut self, ratios: &[f64]) {
         let Some(lr) = self.lr else { return };
         let simulated = probability(ratios, lr);
         self.p = simulated.map(|(p, _)| p);

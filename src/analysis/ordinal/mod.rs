@@ -43,4 +43,5 @@ pub use resampling::Resampling;
 pub(super) use design::{Design, Span, check_size};
 pub(super) use estimates::{dot_ignoring_zero_weights, predictors, two_sided};
 pub(super) use fitting::fit_counts;
-pub(super) use likelihood_ratios::{chi_squared_tail, without_terms};
+pub(super) use likelihood_ratios::{chi_squared_tail, without_term, without_terms};
+pub(super) use random::terms_with_slopes;

@@ -178,6 +178,22 @@ impl RandomPart {
     }
 }
 
+/// Returns the terms of a specification in which participants may differ, as far as the design supports it.
+///
+/// # Errors
+/// Returns [`ModelError::TooManySlopes`] if correlated slopes have too many covariances.
+pub(crate) fn terms_with_slopes(frame: &Frame, spec: &ModelSpec) -> Result<Vec<Term>, ModelError> {
+    let mut notes = Vec::new();
+    RandomPart::new(frame, spec, &mut notes)?;
+    let mut terms: Vec<Term> = spec.terms.iter().cloned().collect();
+    match spec.slopes {
+        Slopes::None => terms.clear(),
+        Slopes::Independent => terms.retain(|term| !notes.contains(&Note::NoSlope { term: term.to_string() })),
+        Slopes::Correlated => terms.retain(|term| term.variables.len() == 1),
+    }
+    Ok(terms)
+}
+
 /// Returns the variables of a term that vary within most participants.
 fn within_part(frame: &Frame, term: &Term) -> Result<Term, ModelError> {
     let mut variables = Vec::new();

@@ -48,6 +48,16 @@ pub struct Hypothesis {
     pub(super) factor: Option<usize>,
     /// One weight per condition. The weighted sum of the fitted predictors is the estimate of the effect.
     pub(super) contrast: Option<DVector<f64>>,
+    /// What would be true without the effect; only for likelihood-ratio tests.
+    pub(super) absent: Option<Absent>,
+}
+
+/// The observer without the effect of a term.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Absent {
+    pub term: Term,
+    /// The linear predictor for each condition.
+    pub predictors: Vec<f64>,
 }
 
 /// A predictor of −∞ is replaced by one this far below all others, where ratings other than 0 have almost no
@@ -134,7 +144,15 @@ impl<'a> Layout<'a> {
         });
         let factors = self.factors(term)?;
         let effect = extremes.map(|(above, below)| self.effect(&part, above, below, &factors));
-        Ok(Hypothesis { term: term.to_string(), test: Test::LikelihoodRatio, effect, factor: None, contrast })
+        let predictors = (&self.predictors - &part).iter().copied().collect();
+        Ok(Hypothesis {
+            term: term.to_string(),
+            test: Test::LikelihoodRatio,
+            effect,
+            factor: None,
+            contrast,
+            absent: Some(Absent { term: term.clone(), predictors }),
+        })
     }
 
     /// Creates the hypothesis for Friedman's test of a factor from the mean predictor at each level, or returns `None`
@@ -160,6 +178,7 @@ impl<'a> Layout<'a> {
             effect: extremes.map(|(above, below)| self.effect(&part, above, below, &[factor])),
             factor: Some(factor),
             contrast: None,
+            absent: None,
         })
     }
 

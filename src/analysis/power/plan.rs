@@ -4,26 +4,28 @@ use rayon::prelude::*;
 use statrs::function::beta::beta_reg;
 
 use super::{
-    hypothesis::{Hypothesis, Layout, Test},
-    scenario::{PlanError, Scenario, Shift},
+    hypothesis::{Absent, Hypothesis, Layout, Test},
+    scenario::{PlanError, Scenario, Shift, Slope},
 };
 use crate::{
     analysis::{
-        Link, MAX_COEFFICIENTS, MAX_NODES, ModelError, ModelSpec, Random,
+        FEW_FOR_LIKELIHOOD_RATIOS, Link, MAX_COEFFICIENTS, MAX_NODES, ModelError, ModelSpec, Part, Random, Slopes,
         counts::Counts,
-        frame::Frame,
+        frame::{Frame, find_factor},
         interval::Interval,
         ordinal::{
-            check_size, chi_squared_tail, dot_ignoring_zero_weights, fit_counts, predictors, terms::Terms,
-            without_terms,
+            check_size, dot_ignoring_zero_weights, fit_counts, predictors, terms::Terms, terms_with_slopes,
+            without_term, without_terms,
         },
-        rank_tests::{SubjectMeans, friedman},
+        rank_tests::{SubjectMeans, friedman, least_friedman_p},
     },
     experiment::{OrderedLogit, Protocol},
 };
 
 /// Number of random orders in Friedman's test of a simulated study, if they cannot be enumerated.
 const PERMUTATIONS: usize = 1999;
+/// Fewest and most studies without an effect that calibrate its test.
+const WITHOUT_EFFECT: (u32, u32) = (199, 999);
 
 /// How studies are analyzed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,6 +33,8 @@ pub struct ModelChoice {
     /// Terms of the model. `None` means the main effects of all factors with two or more levels.
     pub terms: Option<Terms>,
     pub link: Link,
+    /// Random slopes of the model.
+    pub slopes: Slopes,
     /// Number of quadrature nodes; 1 is the Laplace approximation.
     pub quadrature: usize,
     /// True if the number of levels, conditions and coefficients has no limit.
@@ -60,6 +64,8 @@ pub struct Plan {
     scenario: Scenario,
     spec: ModelSpec,
     hypotheses: Vec<Hypothesis>,
+    /// The simulated slopes that the model allows for.
+    modeled: Vec<Slope>,
 }
 
 /// How often the test of one hypothesis was significant.
@@ -101,12 +107,13 @@ impl Plan {
         protocol: &Protocol,
         observer: &OrderedLogit,
         shifts: &[Shift],
+        slopes: &[Slope],
         model: &ModelChoice,
     ) -> Result<Self, PlanError> {
         if !(1..=MAX_NODES).contains(&model.quadrature) {
             return Err(ModelError::Quadrature { nodes: model.quadrature, most: MAX_NODES }.into());
         }
-        let scenario = Scenario::new(protocol, observer, shifts)?;
+        let scenario = Scenario::new(protocol, observer, shifts, slopes)?;
         let varied = scenario.empty.factors.iter().filter(|factor| factor.levels.len() > 1);
         let varied: Vec<&str> = varied.map(|factor| factor.name.as_str()).collect();
         let terms = model.terms.clone().unwrap_or_else(|| Terms::factors(&varied));
@@ -124,11 +131,19 @@ impl Plan {
         let spec = ModelSpec {
             link: model.link,
             random: Random::Subject,
+            slopes: model.slopes,
             quadrature: model.quadrature,
             max_coefficients,
             ..ModelSpec::new(terms)
         };
-        Ok(Self { scenario, spec, hypotheses })
+        let allowed = terms_with_slopes(&frame, &spec)?;
+        let allows = |slope: &&Slope| {
+            allowed.iter().flat_map(|term| &term.variables).any(|variable| {
+                find_factor(&outline, variable).is_ok_and(|(factor, _)| outline.factors[factor].name == slope.factor)
+            })
+        };
+        let modeled = scenario.slopes.iter().filter(allows).cloned().collect();
+        Ok(Self { scenario, spec, hypotheses, modeled })
     }
 
     /// Returns the hypotheses and their tests.
@@ -148,8 +163,38 @@ impl Plan {
     /// or `None` for other tests.
     pub fn least_p(&self, power: &Power) -> Option<f64> {
         let factor = self.hypotheses[power.hypothesis].factor?;
-        let df = self.scenario.empty.factors[factor].levels.len() - 1;
-        Some(chi_squared_tail(f64::from(power.participants) * df as f64, df))
+        Some(least_friedman_p(power.participants as usize, self.scenario.empty.factors[factor].levels.len()))
+    }
+
+    /// Returns how much the simulated people differ in the effects.
+    pub fn slopes(&self) -> &[Slope] {
+        &self.scenario.slopes
+    }
+
+    /// Returns the simulated slopes that the model of several participants does not allow for, so that its p values are
+    /// too small.
+    pub fn unmodeled(&self) -> impl Iterator<Item = &Slope> {
+        let varies = |slope: &Slope| {
+            self.scenario.empty.factor(&slope.factor).is_some_and(|(_, factor)| factor.levels.len() > 1)
+        };
+        self.slopes().iter().filter(move |slope| slope.sd > 0.0 && varies(slope) && !self.modeled.contains(slope))
+    }
+
+    /// Returns the number of studies without an effect that calibrate its likelihood ratio, or `None` if the χ²
+    /// distribution is accurate enough for this number of participants.
+    pub fn calibration(&self, participants: u32, sampling: &Sampling) -> Option<u32> {
+        let (fewest, most) = WITHOUT_EFFECT;
+        ((participants as usize) < FEW_FOR_LIKELIHOOD_RATIOS).then(|| sampling.studies.clamp(fewest, most))
+    }
+
+    /// Returns the number of participants that [`Self::run`] simulates, over all studies.
+    pub fn simulated(&self, participants: &[u32], sampling: &Sampling) -> u64 {
+        let calibrated = self.hypotheses.iter().filter(|hypothesis| hypothesis.absent.is_some()).count() as u64;
+        let studies = |people: u32| {
+            let without_effect = self.calibration(people, sampling).map_or(0, u64::from);
+            u64::from(sampling.studies) + calibrated * without_effect
+        };
+        participants.iter().map(|people| u64::from(*people) * studies(*people)).sum()
     }
 
     /// Returns the number of ratings that each participant gives.
@@ -161,23 +206,54 @@ impl Plan {
     /// study, `progress` receives its number of participants. Friedman's test needs at least two participants; with
     /// one, it is omitted.
     pub fn run(&self, participants: &[u32], sampling: &Sampling, progress: &(dyn Fn(u64) + Sync)) -> Vec<Power> {
-        let pieces: Vec<(u32, u32)> =
-            participants.iter().flat_map(|people| (0..sampling.studies).map(|study| (*people, study))).collect();
-        let outcomes: Vec<Vec<Outcome>> = (pieces.par_iter())
-            .map(|&(people, study)| {
+        participants.iter().flat_map(|people| self.powers(*people, sampling, progress)).collect()
+    }
+
+    fn powers(&self, people: u32, sampling: &Sampling, progress: &(dyn Fn(u64) + Sync)) -> Vec<Power> {
+        let nulls: Vec<Option<Vec<f64>>> = (self.hypotheses.iter())
+            .map(|hypothesis| {
+                let studies = self.calibration(people, sampling)?;
+                Some(self.ratios_without(hypothesis.absent.as_ref()?, people, studies, sampling.seed, progress))
+            })
+            .collect();
+        let outcomes: Vec<Vec<Outcome>> = (0..sampling.studies)
+            .into_par_iter()
+            .map(|study| {
                 let counts = self.scenario.study(people, study, sampling.seed);
-                let outcomes = outcomes(&counts, &self.spec, &self.hypotheses);
+                let outcomes = outcomes(&counts, &self.spec, &self.hypotheses, &nulls);
                 progress(people.into());
                 outcomes
             })
             .collect();
-        let mut powers = Vec::new();
-        for (people, outcomes) in participants.iter().zip(outcomes.chunks(sampling.studies.max(1) as usize)) {
-            let tested = (0..self.hypotheses.len())
-                .filter(|index| *people > 1 || self.hypotheses[*index].test != Test::Friedman);
-            powers.extend(tested.map(|index| power(*people, index, outcomes, sampling.alpha)));
-        }
-        powers
+        let tested =
+            (0..self.hypotheses.len()).filter(|index| people > 1 || self.hypotheses[*index].test != Test::Friedman);
+        tested.map(|index| power(people, index, &outcomes, sampling.alpha)).collect()
+    }
+
+    /// Returns the likelihood ratios of a term in studies in which it has no effect; not finite where a study allows no
+    /// fit.
+    ///
+    /// They calibrate the ratios in all planned studies, because a bootstrap within each one, as in an analysis, would
+    /// take hundreds of times as long. Like those of a bootstrap, these people have only the slopes that the model allows
+    /// for, so that a model without a slope that people do have gives as many false alarms here as in an analysis.
+    fn ratios_without(
+        &self,
+        absent: &Absent,
+        people: u32,
+        studies: u32,
+        seed: u64,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Vec<f64> {
+        // The model of one participant has no random effects.
+        let slopes: &[Slope] = if people > 1 { &self.modeled } else { &[] };
+        let ratio = |study: u32| {
+            let counts = self.scenario.study_without(&absent.predictors, slopes, people, study, seed);
+            let fitted = fit_counts(&counts, &self.spec, false).ok();
+            let test = fitted.and_then(|fitted| without_term(&fitted, Part::Location, &absent.term).ok());
+            progress(people.into());
+            test.and_then(|test| test.lr).unwrap_or(f64::NAN)
+        };
+        (0..studies).into_par_iter().map(ratio).collect()
     }
 }
 
@@ -210,25 +286,31 @@ struct Outcome {
     pub estimate: Option<f64>,
 }
 
-/// Returns the outcome of each hypothesis in a study.
-fn outcomes(counts: &Counts, spec: &ModelSpec, hypotheses: &[Hypothesis]) -> Vec<Outcome> {
+/// Returns the outcome of each hypothesis in a study. `nulls` are the likelihood ratios without the effect, for the
+/// hypotheses that they calibrate.
+fn outcomes(counts: &Counts, spec: &ModelSpec, hypotheses: &[Hypothesis], nulls: &[Option<Vec<f64>>]) -> Vec<Outcome> {
     // Omit the standard errors: likelihood-ratio tests do not need them.
     let fitted = fit_counts(counts, spec, false).ok();
     let tests = fitted.as_ref().and_then(|fitted| without_terms(fitted).ok());
     let conditions: Vec<u32> = (0..counts.conditions.len() as u32).collect();
     let predictors = (fitted.as_ref()).filter(|_| tests.is_some()).map(|fitted| predictors(fitted, &conditions));
-    let outcome = |hypothesis: &Hypothesis| match (hypothesis.test, hypothesis.factor) {
+    let probability = |hypothesis: &Hypothesis, null: &Option<Vec<f64>>| {
+        let mut test = tests.iter().flatten().find(|test| test.term == hypothesis.term)?.clone();
+        null.iter().for_each(|ratios| test.calibrate(ratios));
+        test.p
+    };
+    let outcome = |(hypothesis, null): (&Hypothesis, _)| match (hypothesis.test, hypothesis.factor) {
         (Test::Friedman, Some(factor)) => {
             Outcome { p: friedman(&SubjectMeans::new(counts, factor), PERMUTATIONS).map(|test| test.p), estimate: None }
         }
         _ => Outcome {
-            p: (tests.iter().flatten()).find(|test| test.term == hypothesis.term).and_then(|test| test.p),
+            p: probability(hypothesis, null),
             estimate: (hypothesis.contrast.as_ref().zip(predictors.as_ref()))
                 .map(|(contrast, predictors)| dot_ignoring_zero_weights(contrast.iter(), predictors.iter()))
                 .filter(|estimate| !estimate.is_nan()),
         },
     };
-    hypotheses.iter().map(outcome).collect()
+    hypotheses.iter().zip(nulls).map(outcome).collect()
 }
 
 /// Returns the exact interval of Clopper & Pearson (1934), Biometrika 26, 404, for `found` out of `all`. It covers the

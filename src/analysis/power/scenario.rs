@@ -26,9 +26,11 @@ pub enum PlanError {
     /// A condition of the definition is not valid.
     #[error(transparent)]
     Condition(#[from] ParameterError),
-    /// An effect was given for a factor that is not in the definition.
-    #[error("--effect {name}: no such factor; {}", expected_one_of(name, known))]
+    /// An effect or a slope was given for a factor that is not in the definition.
+    #[error("--{option} {name}: no such factor; {}", expected_one_of(name, known))]
     UnknownFactor {
+        /// `effect` or `slope`.
+        option: &'static str,
         name: String,
         /// Names of the definition's factors.
         known: Vec<String>,
@@ -64,6 +66,26 @@ pub struct Shift {
     pub logits: f64,
 }
 
+/// How much people differ in the effect of a factor: each participant's predictor deviates at each of its levels by an
+/// independent normal value. These are the deviations of R's `(1 | subject:factor)`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slope {
+    /// A factor of the definition.
+    pub factor: String,
+    /// Standard deviation in logits.
+    pub sd: f64,
+}
+
+/// Whether a simulated study is one of the planned ones or lacks an effect. Their random numbers are separate.
+#[derive(Clone, Copy)]
+enum Kind {
+    Planned = 0,
+    WithoutEffect = 2,
+}
+
+/// Added to [`Kind`] for the deviations, so that the ratings have the same random numbers with and without slopes.
+const DEVIATIONS: u8 = 1;
+
 /// A definition and its observer.
 #[derive(Clone, Debug)]
 pub(super) struct Scenario {
@@ -72,13 +94,20 @@ pub(super) struct Scenario {
     /// The observer's linear predictor for each condition, for a participant with an intercept of 0; −∞ if there is no
     /// band.
     pub predictors: Vec<f64>,
+    /// How much people differ in the effects, in the order of the factors.
+    pub slopes: Vec<Slope>,
     observer: OrderedLogit,
     repetitions: u32,
 }
 
 impl Scenario {
     /// Computes the conditions of a definition for an observer.
-    pub fn new(protocol: &Protocol, observer: &OrderedLogit, shifts: &[Shift]) -> Result<Self, PlanError> {
+    pub fn new(
+        protocol: &Protocol,
+        observer: &OrderedLogit,
+        shifts: &[Shift],
+        slopes: &[Slope],
+    ) -> Result<Self, PlanError> {
         let conditions = protocol.conditions()?;
         let shifts = shifts.iter().map(|shift| resolve(protocol, shift)).collect::<Result<Vec<_>, _>>()?;
         let added = |condition: &Condition| -> f64 {
@@ -104,7 +133,12 @@ impl Scenario {
         }
         empty.rows.clear();
         empty.subjects.clear();
-        Ok(Self { empty, predictors, observer: observer.clone(), repetitions: protocol.design.repetitions })
+        let mut slopes = slopes.to_vec();
+        for slope in &slopes {
+            factor_of(protocol, "slope", &slope.factor)?;
+        }
+        slopes.sort_by_key(|slope| protocol.factors.iter().position(|factor| factor.name == slope.factor));
+        Ok(Self { empty, predictors, slopes, observer: observer.clone(), repetitions: protocol.design.repetitions })
     }
 
     /// Returns every condition, in order.
@@ -122,26 +156,45 @@ impl Scenario {
         &self.observer
     }
 
-    /// Returns counts in which one participant rates every condition both lowest and highest, so that a design can be
-    /// laid out.
+    /// Returns counts in which one participant rates everything lowest and another rates everything highest, so that a
+    /// design can be laid out.
     pub fn outline(&self) -> Counts {
-        let ratings = [0, MAX_RATING];
-        let rows = self
-            .conditions()
-            .into_iter()
-            .flat_map(|condition| ratings.map(|rating| CountRow { subject: 0, condition, rating, count: 1 }));
-        Counts { subjects: vec!["S".to_owned()], rows: rows.collect(), ..self.empty.clone() }
+        let count = self.repetitions.into();
+        let rows = [(0, 0), (1, MAX_RATING)].into_iter().flat_map(|(subject, rating)| {
+            self.conditions().into_iter().map(move |condition| CountRow { subject, condition, rating, count })
+        });
+        Counts { subjects: ["S1", "S2"].map(str::to_owned).to_vec(), rows: rows.collect(), ..self.empty.clone() }
     }
 
     /// Simulates one study. A participant's ratings depend only on the seed, the study and the participant's number, so
     /// a larger study contains every smaller one.
     pub fn study(&self, people: u32, study: u32, seed: u64) -> Counts {
+        self.simulate(&self.predictors, &self.slopes, people, |purpose, subject| {
+            generator(seed, Kind::Planned as u8 | purpose, study, subject)
+        })
+    }
+
+    /// Simulates one study with other predictors and slopes, in which an effect is absent.
+    pub fn study_without(&self, predictors: &[f64], slopes: &[Slope], people: u32, study: u32, seed: u64) -> Counts {
+        self.simulate(predictors, slopes, people, |purpose, subject| {
+            generator(seed, Kind::WithoutEffect as u8 | purpose, study, subject)
+        })
+    }
+
+    fn simulate(
+        &self,
+        predictors: &[f64],
+        slopes: &[Slope],
+        people: u32,
+        generator: impl Fn(u8, u32) -> ChaCha8Rng,
+    ) -> Counts {
         let mut rows = Vec::new();
         for subject in 0..people {
-            let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            rng.set_stream(u64::from(study) << 32 | u64::from(subject));
+            let deviations = self.deviations(slopes, &mut generator(DEVIATIONS, subject));
+            let mut rng = generator(0, subject);
             let deviate: f64 = StandardNormal.sample(&mut rng);
-            for (condition, predictor) in (0..).zip(&self.predictors) {
+            let own = predictors.iter().zip(deviations).map(|(predictor, deviation)| predictor + deviation);
+            for (condition, predictor) in (0..).zip(own) {
                 let mut counts = [0; MAX_RATING as usize + 1];
                 for _ in 0..self.repetitions {
                     let rating = self.observer.rate_at(predictor + self.observer.subject_sd * deviate, &mut rng);
@@ -155,6 +208,29 @@ impl Scenario {
         let subjects = (1..=people).map(|number| format!("S{number:010}")).collect();
         Counts { subjects, rows, ..self.empty.clone() }
     }
+
+    /// Draws one participant's deviations at the levels of each factor, and returns their sum for each condition.
+    fn deviations(&self, slopes: &[Slope], rng: &mut ChaCha8Rng) -> Vec<f64> {
+        let mut sums = vec![0.0; self.empty.conditions.len()];
+        for slope in slopes {
+            let Some((factor, description)) = self.empty.factor(&slope.factor) else { continue };
+            let of_levels: Vec<f64> = description.levels.iter().map(|_| StandardNormal.sample(rng)).collect();
+            for (sum, levels) in sums.iter_mut().zip(&self.empty.conditions) {
+                *sum += levels[factor].map_or(0.0, |level| slope.sd * of_levels[level as usize]);
+            }
+        }
+        sums
+    }
+}
+
+/// Returns the random numbers of a participant for a purpose. Each purpose has its own key, and each participant in each
+/// study its own stream.
+fn generator(seed: u64, purpose: u8, study: u32, subject: u32) -> ChaCha8Rng {
+    let mut key = ChaCha8Rng::seed_from_u64(seed).get_seed();
+    key[0] ^= purpose;
+    let mut rng = ChaCha8Rng::from_seed(key);
+    rng.set_stream(u64::from(study) << 32 | u64::from(subject));
+    rng
 }
 
 fn level_names(protocol: &Protocol, condition: &Condition) -> Vec<String> {
@@ -162,11 +238,19 @@ fn level_names(protocol: &Protocol, condition: &Condition) -> Vec<String> {
     levels.map(|(factor, level)| factor.levels[*level].to_string().trim().to_owned()).collect()
 }
 
+/// Returns the index of the factor with this name, which an option gave.
+fn factor_of(protocol: &Protocol, option: &'static str, name: &str) -> Result<usize, PlanError> {
+    let known = || protocol.factors.iter().map(|factor| factor.name.clone()).collect();
+    (protocol.factors.iter().position(|factor| factor.name == name)).ok_or_else(|| PlanError::UnknownFactor {
+        option,
+        name: name.to_owned(),
+        known: known(),
+    })
+}
+
 /// Returns the indices of a shift's factor and level, and its logits.
 fn resolve(protocol: &Protocol, shift: &Shift) -> Result<(usize, usize, f64), PlanError> {
-    let known = || protocol.factors.iter().map(|factor| factor.name.clone()).collect();
-    let factor = (protocol.factors.iter().position(|factor| factor.name == shift.factor))
-        .ok_or_else(|| PlanError::UnknownFactor { name: shift.factor.clone(), known: known() })?;
+    let factor = factor_of(protocol, "effect", &shift.factor)?;
     let names: Vec<String> = protocol.factors[factor].levels.iter().map(ToString::to_string).collect();
     let number = levels::number_of(&shift.level);
     let same = |name: &String| *name == shift.level || (number.is_some() && levels::number_of(name) == number);

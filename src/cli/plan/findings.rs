@@ -1,7 +1,10 @@
 //! The findings of a plan: a table and sentences for the terminal, and the table as CSV.
 
 use crate::{
-    analysis::power::{Effect, Hypothesis, Plan, Power, Sampling, Test},
+    analysis::{
+        FEW_FOR_LIKELIHOOD_RATIOS, Slopes,
+        power::{Effect, Hypothesis, Plan, Power, Sampling, Slope, Test},
+    },
     cli::columns,
     experiment::Protocol,
     report::{
@@ -29,12 +32,17 @@ impl Findings<'_> {
         let (spec, Sampling { studies, alpha, seed }) = (self.plan.spec(), self.sampling);
         let heading = format!(
             "{}, observer {}: {} ratings from each participant, {studies} studies per number of participants, seed {seed}; \
-             {} model of {}, alpha {alpha}",
+             {} model of {} with {}, alpha {alpha}",
             self.protocol.name,
             self.observer,
             self.plan.ratings(),
             spec.link,
-            spec.terms
+            spec.terms,
+            match spec.slopes {
+                Slopes::None => "random intercepts only",
+                Slopes::Independent => "independent random slopes",
+                Slopes::Correlated => "correlated random slopes",
+            }
         );
         [vec![heading, String::new()], self.table(), vec![String::new()], self.sentences()].concat()
     }
@@ -187,16 +195,46 @@ impl Findings<'_> {
                 "With one participant, the model has no random intercept, so its findings apply only to that person.";
             remarks.push(text.to_owned());
         }
-        let sd = self.plan.observer().subject_sd;
-        let alike = if sd > 0.0 {
-            format!("differ only in their intercepts (sd {sd} logits)")
-        } else {
-            "are identical".to_owned()
-        };
-        remarks.push(format!(
-            "The simulated participants {alike}. If real ones also differ in the size of the effects, power is lower."
-        ));
+        let fewest = self.powers.iter().map(|power| power.participants).min();
+        if let Some(studies) = fewest.and_then(|people| self.plan.calibration(people, &self.sampling)) {
+            remarks.push(format!(
+                "With fewer than {FEW_FOR_LIKELIHOOD_RATIOS} participants, p of the model comes from {studies} simulated \
+                 studies without the effect."
+            ));
+        }
+        remarks.push(self.differences());
+        for slope in self.plan.unmodeled() {
+            remarks.push(format!(
+                "The model has no random slope of {}, in which the simulated participants differ, so it finds too many \
+                 effects of it.",
+                slope.factor
+            ));
+        }
         remarks
+    }
+
+    /// Says how the simulated participants differ.
+    fn differences(&self) -> String {
+        let sd = self.plan.observer().subject_sd;
+        let intercepts = if sd > 0.0 { format!("in their intercepts (sd {sd} logits)") } else { String::new() };
+        let varied = |slope: &&Slope| slope.sd > 0.0;
+        let slopes: Vec<String> = (self.plan.slopes().iter().filter(varied))
+            .map(|slope| format!("at each level of {} (sd {} logits)", slope.factor, slope.sd))
+            .collect();
+        if slopes.is_empty() {
+            let differ = if sd > 0.0 { format!("differ only {intercepts}") } else { "are identical".to_owned() };
+            let factor = self.protocol.factors.iter().rfind(|factor| factor.levels.len() > 1);
+            let example = factor.map_or_else(String::new, |factor| format!(", such as --slope {}=0.5", factor.name));
+            return format!(
+                "The simulated participants {differ}. If real ones also differ in the size of the effects, power is \
+                 lower. Simulate that with --slope FACTOR=SD{example}."
+            );
+        }
+        let and = if sd > 0.0 { " and " } else { "" };
+        format!(
+            "The simulated participants differ {intercepts}{and}independently {}. If real ones differ more, power is lower.",
+            slopes.join(" and ")
+        )
     }
 
     /// Writes one row for each number of participants and each test.
@@ -212,6 +250,8 @@ impl Findings<'_> {
         let effect = hypothesis.effect.as_ref();
         let maybe = |value: Option<f64>| value.map(number).unwrap_or_default();
         let interval = power.interval();
+        let slope_sd: Vec<String> =
+            self.plan.slopes().iter().map(|slope| format!("{}={}", slope.factor, slope.sd)).collect();
         let test = match hypothesis.test {
             Test::LikelihoodRatio => "likelihood-ratio",
             Test::Friedman => "friedman",
@@ -236,6 +276,8 @@ impl Findings<'_> {
             ("alpha", number(self.sampling.alpha)),
             ("link", spec.link.to_string()),
             ("terms", spec.terms.to_string()),
+            ("slopes", spec.slopes.to_string()),
+            ("slope_sd", slope_sd.join(" ")),
             ("quadrature", spec.quadrature.to_string()),
             ("seed", self.sampling.seed.to_string()),
             ("observer", self.observer.clone()),

@@ -8,7 +8,7 @@ use indicatif::ProgressBar;
 
 use super::{OutPath, UsageError, options::ModelOptions, print_line, progress_style};
 use crate::{
-    analysis::power::{ModelChoice, Plan, Power, Sampling, Shift},
+    analysis::power::{ModelChoice, Plan, Power, Sampling, Shift, Slope},
     experiment::{OrderedLogit, Protocol},
     light::names::expected_one_of,
     store::{Writer, definition, observer},
@@ -27,8 +27,13 @@ use findings::Findings;
     after_help = "Effects: NAME=VALUE sets a parameter of the observer: depth, fall, narrow, oblique, contrast, \
     infinite_as, strongest_width, subject_sd, lapse (see experiments/observers/paper.toml). FACTOR:LEVEL=LOGITS adds to \
     one level of any factor of the experiment.\n\n\
+    --slope FACTOR=SD lets people differ in the effect of a factor: each deviates at each of its levels by an independent \
+    normal value, as in R's (1 | subject:factor). The more they differ, the lower the power.\n\n\
+    Below 12 participants, p values of the model come from simulated studies without the effect: as many as --studies, \
+    but at least 199 and at most 999.\n\n\
     Results depend on the seed but not on the number of threads (ChaCha8, one stream per participant and study).\n\n\
     Examples:\n  machband plan orientation --participants 4,8,12 --effect oblique=0.5\n  \
+    machband plan orientation --participants 12 --effect oblique=0.5 --slope orientation_deg=0.5\n  \
     machband plan shaders --participants 8 --effect shader:gouraud=1 --effect shader:flat=2"
 )]
 pub(super) struct Arguments {
@@ -40,6 +45,9 @@ pub(super) struct Arguments {
     /// An effect to find: NAME=VALUE or FACTOR:LEVEL=LOGITS; can be repeated.
     #[arg(long = "effect", value_name = "NAME=VALUE")]
     effects: Vec<String>,
+    /// How much people differ in the effect of a factor, as the standard deviation in logits; can be repeated.
+    #[arg(long = "slope", value_name = "FACTOR=SD")]
+    deviations: Vec<String>,
     /// Number of studies to simulate for each number of participants.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     studies: u32,
@@ -69,14 +77,17 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         None => (observer::parse("paper.toml", observer::PAPER)?, "paper".to_owned()),
     };
     let (observer, shifts) = apply(observer, &arguments.effects, &protocol)?;
+    let slopes = slopes(&arguments.deviations)?;
     let options = &arguments.model;
     let model = ModelChoice {
         terms: options.terms()?,
         link: options.link,
+        slopes: options.slopes,
         quadrature: options.quadrature.into(),
         large: options.large,
     };
-    let plan = Plan::new(&protocol, &observer, &shifts, &model).map_err(|error| UsageError(error.to_string()))?;
+    let plan =
+        Plan::new(&protocol, &observer, &shifts, &slopes, &model).map_err(|error| UsageError(error.to_string()))?;
     let sampling = Sampling { studies: arguments.studies, alpha: arguments.alpha, seed: arguments.seed };
     let mut participants = arguments.participants.clone();
     participants.sort_unstable();
@@ -100,9 +111,8 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
 
 /// Runs the studies. Progress is counted in participants, because the time per study is proportional to their number.
 fn simulate(plan: &Plan, participants: &[u32], sampling: &Sampling) -> Vec<Power> {
-    let people: u64 = participants.iter().map(|people| u64::from(*people)).sum();
-    let total = people * u64::from(sampling.studies);
-    let bar = ProgressBar::new(total).with_style(progress_style("simulated participants"));
+    let bar =
+        ProgressBar::new(plan.simulated(participants, sampling)).with_style(progress_style("simulated participants"));
     let powers = plan.run(participants, sampling, &|people| bar.inc(people));
     bar.finish_and_clear();
     powers
@@ -114,8 +124,37 @@ fn proportion(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected a number between 0 and 1, such as 0.05".to_owned())
 }
 
-/// Largest number of logits that a level can add; far beyond the whole scale.
+/// Largest number of logits that a level can add, or by which people can differ; far beyond the whole scale.
 const MAX_LOGITS: f64 = 1000.0;
+
+/// Parses the values of an option, each of the form NAME=VALUE with a different name.
+fn assignments<'a>(option: &str, form: &str, texts: &'a [String]) -> Result<Vec<(&'a str, f64)>, UsageError> {
+    let mut parsed: Vec<(&str, f64)> = Vec::new();
+    for text in texts {
+        let error = |message: String| UsageError(format!("--{option} {text}: {message}"));
+        let (name, value) = text.rsplit_once('=').ok_or_else(|| error(format!("contains no =; expected {form}")))?;
+        let (name, number) = (name.trim(), value.trim().parse::<f64>().ok().filter(|value| value.is_finite()));
+        let value =
+            number.ok_or_else(|| error("the value is not a finite number; expected one such as 0.5".to_owned()))?;
+        if parsed.iter().any(|(other, _)| *other == name) {
+            return Err(error(format!("{name} is given twice; expected each {option} once")));
+        }
+        parsed.push((name, value));
+    }
+    Ok(parsed)
+}
+
+/// Parses how much people differ in the effects.
+fn slopes(texts: &[String]) -> Result<Vec<Slope>, UsageError> {
+    let slope = |(text, (factor, sd)): (&String, (&str, f64))| {
+        if (0.0..=MAX_LOGITS).contains(&sd) {
+            return Ok(Slope { factor: factor.to_owned(), sd });
+        }
+        Err(UsageError(format!("--slope {text}: the value is out of range; expected 0…{MAX_LOGITS} logits")))
+    };
+    let parsed = assignments("slope", "FACTOR=SD, such as width=0.5", texts)?;
+    texts.iter().zip(parsed).map(slope).collect()
+}
 
 /// Returns the observer with the requested effects, and the effects that none of its parameters can express.
 fn apply(
@@ -125,18 +164,9 @@ fn apply(
 ) -> Result<(OrderedLogit, Vec<Shift>), UsageError> {
     let mut observer = observer;
     let mut shifts: Vec<Shift> = Vec::new();
-    let mut names: Vec<&str> = Vec::new();
-    for effect in effects {
+    let form = "NAME=VALUE or FACTOR:LEVEL=LOGITS, such as oblique=0.5";
+    for (effect, (name, value)) in effects.iter().zip(assignments("effect", form, effects)?) {
         let error = |message: &str| UsageError(format!("--effect {effect}: {message}"));
-        let (name, value) = effect
-            .rsplit_once('=')
-            .ok_or_else(|| error("contains no =; expected NAME=VALUE or FACTOR:LEVEL=LOGITS, such as oblique=0.5"))?;
-        let (name, number) = (name.trim(), value.trim().parse::<f64>().ok().filter(|value| value.is_finite()));
-        let value = number.ok_or_else(|| error("the value is not a finite number; expected one such as 0.5"))?;
-        if names.contains(&name) {
-            return Err(error(&format!("{name} is given twice; expected each effect once")));
-        }
-        names.push(name);
         match name.split_once(':') {
             Some(_) if value.abs() > MAX_LOGITS => {
                 return Err(error(&format!("the value is out of range; expected {}…{MAX_LOGITS} logits", -MAX_LOGITS)));
