@@ -100,7 +100,7 @@ pub struct Friedman {
 }
 
 /// Up to this number of participants, the probability of Friedman's statistic is that over the participants' possible
-/// orders; beyond, that of the χ² distribution differs by less than 0.002.
+/// orders; beyond, small values from the χ² distribution differ by less than 0.002.
 pub const EXACT_PARTICIPANTS: usize = 200;
 /// Number of random orders, if there are too many to enumerate.
 pub const PERMUTATIONS: usize = 100_000;

@@ -74,7 +74,7 @@ fn value(model: &Model, quantity: &str, name: &str) -> f64 {
         "sd" if !["", "(Intercept)"].contains(&name) => slope().sd,
         "sd_se" if !["", "(Intercept)"].contains(&name) => slope().se.unwrap(),
         "sd" => model.random.as_ref().unwrap().sd,
-        "sd_se" => model.random.as_ref().unwrap().se.unwrap(),
+        "sd_se" => model.random.as_ref().unwrap().se.unwrap_or_else(|| panic!("{name}: {:?}", model.random)),
         "correlation" => {
             let random = model.random.as_ref().unwrap();
             let place = |name: &str| random.slopes.iter().position(|slope| slope.name.replace("num:", "") == name);

@@ -70,25 +70,29 @@ fn rank_tests_match_complete_enumeration() {
     assert!(rows.len() > 30);
 }
 
-/// Random orders agree with the enumeration, and beyond the last number of participants with exact p values, the χ²
-/// distribution is accurate to 0.002.
+/// At the last number of participants with exact p values, the χ² distribution is accurate to 0.002 for small p.
 #[test]
 fn permutations_and_chi_squared_agree_where_they_meet() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
-    let mut means = |people: usize, levels: usize| SubjectMeans {
-        levels: (0..levels).map(|level| level.to_string()).collect(),
-        rows: (0..people).map(|p| (p.to_string(), (0..levels).map(|_| rng.random::<f64>()).collect())).collect(),
-        incomplete: Vec::new(),
-        tolerance: 1e-12,
+    let mut means = |people: usize, levels: usize| {
+        // A small effect, so that p is where decisions are made.
+        let mut own = |level: usize| rng.random::<f64>() + 0.06 * level as f64;
+        SubjectMeans {
+            levels: (0..levels).map(|level| level.to_string()).collect(),
+            rows: (0..people).map(|p| (p.to_string(), (0..levels).map(&mut own).collect())).collect(),
+            incomplete: Vec::new(),
+            tolerance: 1e-12,
+        }
     };
     let (mut enumerated, mut drawn) = (0, 0);
-    for (people, levels) in [(200, 3), (200, 3), (200, 4), (200, 5), (12, 4), (9, 6)] {
+    for (people, levels) in [(200, 3), (200, 4), (12, 4), (9, 6)] {
         let means = means(people, levels);
         let test = friedman(&means, PERMUTATIONS).unwrap();
         let chi_squared = statrs::function::gamma::gamma_ur(test.df as f64 / 2.0, test.chi_squared / 2.0);
-        // The standard error of 100,000 draws is at most 0.0016.
-        let slack = if test.method == PMethod::Permutations { 0.005 } else { 0.0 };
+        // Three standard errors of 100,000 draws.
+        let slack = 3.0 * (test.p * (1.0 - test.p) / PERMUTATIONS as f64).sqrt();
         if people == 200 {
+            assert!(test.p < 0.3, "{test:?}");
             assert!((test.p - chi_squared).abs() < 0.002 + slack, "{people} × {levels}: {test:?}, χ² {chi_squared}");
         }
         enumerated += usize::from(test.method == PMethod::Exact);

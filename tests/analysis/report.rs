@@ -398,7 +398,7 @@ fn the_limits_of_a_model_are_stated() {
     assert_parts(finding(&independent, "with depth"), &["exact Friedman test: χ²", "mean rating at 1 is"]);
     assert_parts(finding(&mixed, "with depth"), &["likelihood-ratio test in 39 simulated studies: χ²"]);
     let crossed = with(&Options { terms: Some(Terms::parse("width*depth").unwrap()), ..options() });
-    finding(&crossed, "effects of width and depth depend on each other");
+    finding(&crossed, "the effects of width and depth depend on each other");
     assert!(!finding(&crossed, "with depth").contains("odds"), "an effect in an interaction has no single size");
     let probit = with(&Options { link: Link::Probit, ..options() });
     assert_parts(finding(&probit, "with depth"), &["standard deviations above"]);

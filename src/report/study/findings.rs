@@ -301,9 +301,12 @@ fn second_opinion(results: &Results, factor: &FactorResults, evidence: &Evidence
 pub(super) fn interactions(results: &Results) -> Vec<String> {
     let sentence = |term: &Term| {
         let test = likelihood_ratio(results, term)?;
-        let p = test.p?;
         let together = list(&term.variables.iter().map(|v| names::factor(v.name())).collect::<Vec<_>>());
         let what = if results.is_inferential() { "This study" } else { "These trials" };
+        let Some(p) = test.p else {
+            let reason = test.withheld.map_or_else(String::new, |reason| format!(": {reason}"));
+            return Some(format!("Whether the effects of {together} depend on each other could not be tested{reason}."));
+        };
         let simple = simple_effects(results, term);
         Some(match simple {
             _ if p >= ALPHA => {
