@@ -118,7 +118,7 @@ impl<'a> Frame<'a> {
 }
 
 /// Returns the index of the factor that a variable names, and true if the variable means the factor's reciprocal.
-pub(super) fn find_factor(counts: &Counts, variable: &Variable) -> Result<(usize, bool), ModelError> {
+pub(crate) fn find_factor(counts: &Counts, variable: &Variable) -> Result<(usize, bool), ModelError> {
     if let Some((index, _)) = counts.factor(variable.name()) {
         return Ok((index, false));
     }

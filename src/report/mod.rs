@@ -9,6 +9,7 @@ pub mod document;
 pub mod figures;
 mod output;
 pub mod prediction;
+mod script;
 pub mod skins;
 pub mod study;
 pub mod tables;

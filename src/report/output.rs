@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::{
     figures::{self, Figure},
     prediction::{PredictionError, StudyPrediction},
-    skins,
+    script, skins,
     study::{Parts, Provenance, Study, document},
     tables,
 };
@@ -91,6 +91,7 @@ fn tables(study: &Study, results: &Results) -> Vec<(String, Vec<u8>)> {
         ("agreement.csv".to_owned(), tables::agreement(results).csv()),
         ("counts.csv".to_owned(), tables::counts(&results.measured.counts, &study.source.shape)),
         ("model.json".to_owned(), model),
+        ("analysis.R".to_owned(), script::script(study, results).into_bytes()),
     ];
     files.extend(tables::predictions(results).map(|table| ("predictions.csv".to_owned(), table.csv())));
     let mut taken = HashSet::new();

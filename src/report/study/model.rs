@@ -12,6 +12,7 @@ use crate::{
             numbers::{count, fixed, mean, percent, probability, range, ratio, short_list, unit, whole, with_interval},
         },
         figures::Figure,
+        script,
     },
 };
 
@@ -388,28 +389,6 @@ fn sentence(results: &Results, model: &Model) -> String {
     )
 }
 
-/// Returns the call that fits the same model with R's `ordinal` package.
-fn call(results: &Results, model: &Model) -> String {
-    let mut parts: Vec<String> = results.spec.terms.iter().map(|term| term.to_string().replace("num:", "")).collect();
-    if parts.is_empty() {
-        parts.push("1".to_owned());
-    }
-    let mut function = "clm";
-    let mut nodes = String::new();
-    if let Some(random) = &model.random {
-        parts.push("(1 | subject)".to_owned());
-        parts.extend(random.slopes.iter().map(|slope| match slope.name.strip_prefix("num:") {
-            Some(number) => format!("(0 + {number} | subject)"),
-            None => format!("(1 | subject:{})", slope.name),
-        }));
-        function = "clmm";
-        if results.spec.quadrature > 1 {
-            nodes = format!(", nAGQ = {}", results.spec.quadrature);
-        }
-    }
-    format!("{function}(rating ~ {}, link = \"{}\"{nodes})", parts.join(" + "), model.link)
-}
-
 fn formula(section: &mut Section, results: &Results, model: &Model) {
     let mixed = model.random.is_some();
     let cdf = match model.link {
@@ -430,7 +409,7 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
     section.text(format!(
         "F is the {cdf} distribution function, θ are the thresholds and β the coefficients. In R’s notation:"
     ));
-    section.code(call(results, model));
+    section.code(script::call(results, model));
     section.text(sentence(results, model));
     let slopes = model.random.as_ref().map_or(0, |random| random.slopes.len());
     if slopes > 0 {
