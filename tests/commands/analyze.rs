@@ -1,6 +1,6 @@
 //! `machband analyze` and `machband counts`, as a user types them.
 
-use std::{collections::BTreeMap, fs};
+use std::{collections::BTreeMap, fs, path::Path, process::Command};
 
 use crate::common::{change_rating, fails, json, machband, session_csv, split, succeeds, table, text};
 
@@ -74,6 +74,7 @@ fn analyze_writes_every_documented_file() {
         assert!(fs::read_to_string(out.join(format!("{figure}.svg"))).unwrap().contains("<svg"));
     }
     assert!(fs::read_to_string(out.join("report.html")).unwrap().to_lowercase().contains("<!doctype html>"));
+    assert!(fs::read_to_string(out.join("analysis.R")).unwrap().contains("Rscript analysis.R"));
 }
 
 /// The same input and seed give the same bytes; a different seed changes only the intervals.
@@ -301,4 +302,78 @@ fn links_out_of_a_data_set_are_followed_with_a_warning() {
     fs::remove_file(&csv).unwrap();
     std::os::unix::fs::symlink("object", &csv).unwrap();
     succeeds(folder.path(), &split("counts results --out counts2.csv"));
+}
+
+/// Runs `analysis.R` in a folder. Returns what it printed, or `None` if there is no R with the package ordinal.
+fn run_script(folder: &Path) -> Option<String> {
+    let r = |arguments: &[&str]| Command::new("Rscript").args(arguments).current_dir(folder).output();
+    if !r(&["-e", "library(ordinal)"]).is_ok_and(|output| output.status.success()) {
+        let required = std::env::var_os("MACHBAND_REQUIRE_R").is_some_and(|value| value == "1");
+        assert!(!required, "Rscript with the package ordinal: not found");
+        eprintln!("SKIPPED: analysis.R was not run, because there is no Rscript with the package ordinal");
+        return None;
+    }
+    let output = r(&["analysis.R"]).unwrap();
+    let all = text(&output.stdout) + &text(&output.stderr);
+    assert!(output.status.success(), "{all}");
+    Some(all)
+}
+
+/// R finds the same numbers with the script that lies beside the report.
+#[test]
+fn the_script_finds_the_same_numbers_in_r() {
+    let folder = study("quick", 8);
+    for (out, options, expected) in [
+        ("zero", "--terms width --slopes none --quadrature 5", "width0.1"),
+        ("slopes", "--terms width,depth", "SD depth"),
+        ("correlated", "--terms orientation_deg --slopes correlated --link probit", "orientation_deg90"),
+        ("plain", "--terms width:num:inv_n --random none", "width0.02:inv_n"),
+    ] {
+        let line = format!("analyze results --out {out} --tables-only --draws 19 {options}");
+        succeeds(folder.path(), &split(&line));
+        if let Some(printed) = run_script(&folder.path().join(out)) {
+            assert!(printed.contains(expected) && printed.contains("largest difference: "), "{printed}");
+        }
+    }
+    // Without a model, there is nothing to fit.
+    fs::write(folder.path().join("same.csv"), "subject_id,width,rating\na,1,2\nb,2,2\n").unwrap();
+    succeeds(folder.path(), &split("analyze same.csv --out none --terms width --tables-only"));
+    let script = fs::read_to_string(folder.path().join("none/analysis.R")).unwrap();
+    assert!(script.ends_with("# There is nothing to repeat: every rating is 2; expected at least two different ones.\n"));
+}
+
+/// Names and levels with quotes, backslashes, spaces and other letters, words as categories, missing values, a number
+/// in the hundreds, a level whose ratings are all the same, and quadrature.
+#[test]
+fn the_script_quotes_any_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut rows = String::from("who is it,\"odd \"\"name\"\"\",time-ms,=group,answer\n");
+    let levels = ["\"a\"\"b\"", "c\\d", "é — ü", "it's", ""];
+    let mut state = 1_u32;
+    let mut random = |below: usize| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as usize % below
+    };
+    for trial in 0..360 {
+        let (who, level, time) = (trial % 9, random(levels.len()), random(4));
+        let latent = [0, 4, 1, 3, 2][who % 5] + level + time * [0, 1, 2, 3][who % 4] + random(8);
+        let answer = ["low", "\"medium, mostly\"", "high"][if level == 3 { 2 } else { (latent / 5).min(2) }];
+        rows += &format!("p {who},{},{},{},{answer}\n", levels[level], [100, 250, 400, 900][time], ["a", "b"][who % 2]);
+    }
+    fs::write(folder.path().join("odd.csv"), rows).unwrap();
+    let arguments = ["analyze", "odd.csv", "--out", "a", "--subject", "who is it", "--response", "answer", "--tables-only"];
+    let categories = ["--categories", r#"low,"medium, mostly",high"#, "--draws", "19"];
+    let terms = ["--terms", r#"odd "name",num:time-ms,=group"#];
+    succeeds(folder.path(), &[&arguments[..], &categories, &terms].concat());
+    let out = folder.path().join("a");
+    let script = fs::read_to_string(out.join("analysis.R")).unwrap();
+    assert!(script.is_ascii() && script.contains(r#"levels = c("a\"b", "c\\d", "it's", "#), "{script}");
+    if let Some(printed) = run_script(&out) {
+        assert!(printed.contains("SD num:time-ms, per 100"), "{printed}");
+    }
+    let quadrature = ["--terms", "=group", "--slopes", "none", "--quadrature", "5", "--force"];
+    succeeds(folder.path(), &[&arguments[..], &categories, &quadrature].concat());
+    if let Some(printed) = run_script(&out) {
+        assert!(printed.contains("SD (Intercept)"), "{printed}");
+    }
 }
