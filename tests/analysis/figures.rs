@@ -6,7 +6,7 @@ use std::{
 };
 
 use machband::{
-    analysis::{Options, Results, analyze, counts::MeasuredBuilder, terms::Terms},
+    analysis::{Options, Resampling, Results, analyze, counts::MeasuredBuilder, terms::Terms},
     display::frames::Refresh,
     experiment::RatingRow,
     report::figures::{self, Figure},

@@ -339,7 +339,9 @@ fn the_script_finds_the_same_numbers_in_r() {
     fs::write(folder.path().join("same.csv"), "subject_id,width,rating\na,1,2\nb,2,2\n").unwrap();
     succeeds(folder.path(), &split("analyze same.csv --out none --terms width --tables-only"));
     let script = fs::read_to_string(folder.path().join("none/analysis.R")).unwrap();
-    assert!(script.ends_with("# There is nothing to repeat: every rating is 2; expected at least two different ones.\n"));
+    assert!(
+        script.ends_with("# There is nothing to repeat: every rating is 2; expected at least two different ones.\n")
+    );
 }
 
 /// Names and levels with quotes, backslashes, spaces and other letters, words as categories, missing values, a number
@@ -361,7 +363,8 @@ fn the_script_quotes_any_name() {
         rows += &format!("p {who},{},{},{},{answer}\n", levels[level], [100, 250, 400, 900][time], ["a", "b"][who % 2]);
     }
     fs::write(folder.path().join("odd.csv"), rows).unwrap();
-    let arguments = ["analyze", "odd.csv", "--out", "a", "--subject", "who is it", "--response", "answer", "--tables-only"];
+    let arguments =
+        ["analyze", "odd.csv", "--out", "a", "--subject", "who is it", "--response", "answer", "--tables-only"];
     let categories = ["--categories", r#"low,"medium, mostly",high"#, "--draws", "19"];
     let terms = ["--terms", r#"odd "name",num:time-ms,=group"#];
     succeeds(folder.path(), &[&arguments[..], &categories, &terms].concat());

@@ -88,7 +88,9 @@ fn nothing_found(results: &Results) -> Option<String> {
     let (people, unclear_list) = (count(results.people() as u64, "participant"), list(&unclear));
     (!unclear.is_empty()).then(|| {
         let what = if results.is_inferential() { "This study" } else { "These trials" };
-        format!("{what}, with {people}, found no clear effect of {unclear_list}. This does not show that there is none.")
+        format!(
+            "{what}, with {people}, found no clear effect of {unclear_list}. This does not show that there is none."
+        )
     })
 }
 

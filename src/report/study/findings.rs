@@ -305,7 +305,9 @@ pub(super) fn interactions(results: &Results) -> Vec<String> {
         let what = if results.is_inferential() { "This study" } else { "These trials" };
         let Some(p) = test.p else {
             let reason = test.withheld.map_or_else(String::new, |reason| format!(": {reason}"));
-            return Some(format!("Whether the effects of {together} depend on each other could not be tested{reason}."));
+            return Some(format!(
+                "Whether the effects of {together} depend on each other could not be tested{reason}."
+            ));
         };
         let simple = simple_effects(results, term);
         Some(match simple {
