@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use machband::analysis::{
-    Coefficient, Link, Model, ModelSpec, Part, Random, Slopes,
+    Coefficient, Link, Model, ModelSpec, Note, Part, Random, Slopes,
     agreement::{Retest, ordinal_alpha},
     counts::{Counts, MeasuredBuilder},
     fit, fit_with_tests,
@@ -71,8 +71,10 @@ fn value(model: &Model, quantity: &str, name: &str) -> f64 {
         "coefficient_se" => coefficient(&model.coefficients, name, true),
         "scale" => coefficient(&model.scale, name, false),
         "scale_se" => coefficient(&model.scale, name, true),
+        // A slope that the design does not support is left out; in these data sets, its standard deviation is 0.
+        "sd" if model.notes.iter().any(|note| *note == Note::NoSlope { term: name.to_owned() }) => 0.0,
         "sd" if !["", "(Intercept)"].contains(&name) => slope().sd,
-        "sd_se" if !["", "(Intercept)"].contains(&name) => slope().se.unwrap(),
+        "sd_se" if !["", "(Intercept)"].contains(&name) => slope().se.unwrap_or_else(|| panic!("{name}: {:?}", model.random)),
         "sd" => model.random.as_ref().unwrap().sd,
         "sd_se" => model.random.as_ref().unwrap().se.unwrap_or_else(|| panic!("{name}: {:?}", model.random)),
         "correlation" => {

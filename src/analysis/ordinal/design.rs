@@ -244,6 +244,15 @@ impl Standard {
         }
         (x, standard)
     }
+
+    /// Scales and centers other rows of the same columns.
+    pub fn apply(&self, mut x: DMatrix<f64>) -> DMatrix<f64> {
+        for (index, mut column) in x.column_iter_mut().enumerate() {
+            column.add_scalar_mut(-self.centers[index]);
+            column /= self.scales[index];
+        }
+        x
+    }
 }
 
 /// Returns the matrix that converts θ, β, ζ and any further parameters from standardized columns to the scale of the

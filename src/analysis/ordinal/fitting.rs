@@ -171,7 +171,7 @@ pub(super) fn layout(fitted: &Fitted) -> Layout {
     let frame = &fitted.frame;
     let (conditions, row_of) = distinct_rows(frame, &[&fitted.x], &fitted.random);
     let offset = fitted.x.offset(&conditions);
-    let (x, _) = Standard::of(fitted.x.matrix(&conditions), true);
+    let x = fitted.standards.0.apply(fitted.x.matrix(&conditions));
     let mut observations = Vec::new();
     let mut subjects = Vec::new();
     // Rows are sorted by participant. Conditions that share a design row are combined.
