@@ -74,7 +74,9 @@ fn value(model: &Model, quantity: &str, name: &str) -> f64 {
         // A slope that the design does not support is left out; in these data sets, its standard deviation is 0.
         "sd" if model.notes.iter().any(|note| *note == Note::NoSlope { term: name.to_owned() }) => 0.0,
         "sd" if !["", "(Intercept)"].contains(&name) => slope().sd,
-        "sd_se" if !["", "(Intercept)"].contains(&name) => slope().se.unwrap_or_else(|| panic!("{name}: {:?}", model.random)),
+        "sd_se" if !["", "(Intercept)"].contains(&name) => {
+            slope().se.unwrap_or_else(|| panic!("{name}: {:?}", model.random))
+        }
         "sd" => model.random.as_ref().unwrap().sd,
         "sd_se" => model.random.as_ref().unwrap().se.unwrap_or_else(|| panic!("{name}: {:?}", model.random)),
         "correlation" => {

@@ -43,7 +43,8 @@ fn analyze_writes_every_documented_file() {
         let (sum, n) = sums[&row[..3]];
         let number = |i: usize| row[i].parse::<f64>().unwrap();
         assert!(number(3) == n && (number(4) - sum / n).abs() < 1e-12, "{row:?}");
-        assert!(number(10) <= sum / n && sum / n <= number(11), "{row:?}");
+        // If all participants have the same mean, there is no interval.
+        assert!(row[10].is_empty() || (number(10) <= sum / n && sum / n <= number(11)), "{row:?}");
     }
     for factor in ["width", "depth", "orientation_deg"] {
         let (header, rows) = table(&out.join(format!("by_{factor}.csv")));
@@ -77,19 +78,22 @@ fn analyze_writes_every_documented_file() {
     assert!(fs::read_to_string(out.join("analysis.R")).unwrap().contains("Rscript analysis.R"));
 }
 
-/// The same input and seed give the same bytes; a different seed changes only the intervals.
+/// The same input and seed give the same bytes; a different seed changes only what simulated studies calibrate.
 #[test]
 fn an_analysis_is_reproducible() {
     let folder = study("quick", 6);
     let analyze = |out: &str, seed: u32| {
         let line = format!("analyze results --out {out} --tables-only --draws 19 --seed {seed}");
         succeeds(folder.path(), &split(&line));
-        table(&folder.path().join(out).join("cells.csv")).1
+        table(&folder.path().join(out).join("tests.csv")).1
     };
-    let (cells, other) = (analyze("a", 1), analyze("c", 2));
-    assert_eq!(cells, analyze("b", 1));
-    assert_ne!(cells, other);
-    assert!(cells.iter().zip(&other).all(|(one, other)| one[..10] == other[..10]));
+    let (tests, other) = (analyze("a", 1), analyze("c", 2));
+    assert_eq!(tests, analyze("b", 1));
+    assert_ne!(tests, other);
+    // The columns before p, and the tests that need no simulation.
+    assert!(tests.iter().zip(&other).all(|(one, other)| one[..7] == other[..7]));
+    let is_simulated = |row: &[String]| ["likelihood-ratio", "proportional-odds", "scale"].contains(&&*row[0]);
+    assert!(tests.iter().zip(&other).all(|(one, other)| one == other || is_simulated(one)));
     for file in ["model.json", "tests.csv", "counts.csv"] {
         let bytes = |out: &str| fs::read(folder.path().join(out).join(file)).unwrap();
         assert_eq!(bytes("a"), bytes("b"), "{file}");
@@ -184,17 +188,22 @@ fn non_numeric_scales_need_an_order() {
     }
 }
 
-/// A single participant's session is described, but nothing is inferred from it.
+/// What is inferred from a single participant's session is about that participant's trials.
 #[test]
-fn a_single_participant_is_only_described() {
+fn a_single_participant_is_a_case_of_its_own() {
     let folder = study("quick", 1);
     let output = succeeds(folder.path(), &split("analyze results --out a"));
     assert!(output.contains("24 ratings of 24 conditions by 1 participant, from 1 file"), "{output}");
     let out = folder.path().join("a");
-    assert!(["tests.csv", "agreement.csv"].iter().all(|name| table(&out.join(name)).1.is_empty()));
+    let (_, tests) = table(&out.join("tests.csv"));
+    assert!(!tests.is_empty() && table(&out.join("agreement.csv")).1.is_empty());
+    assert!(tests.iter().all(|row| !["friedman", "wilcoxon"].contains(&&*row[0])), "{tests:?}");
+    let ratios = tests.iter().filter(|row| row[0] == "likelihood-ratio");
+    assert!(ratios.clone().all(|row| row[11].contains("this participant's trials")), "{tests:?}");
+    // Every condition was rated once, so there is nothing to say about other trials of it.
     assert!(table(&out.join("cells.csv")).1.iter().all(|row| row[10].is_empty() && row[11].is_empty()));
     let model = json(&out.join("model.json"));
-    assert!(model["random"].is_null() && model["coefficients"][0]["p"].is_null(), "{model}");
+    assert!(model["random"].is_null() && model["scope"] == "trials of one participant", "{model}");
     assert!(model["sentences"][0].as_str().unwrap().contains("only one participant"), "{model}");
 }
 
@@ -218,11 +227,14 @@ fn terms_select_the_model() {
     }
     let probit = model("--terms width --link probit --random none");
     assert_eq!((&probit["link"], &probit["method"]), (&"probit".into(), &"clm".into()));
-    assert_eq!(model("--terms width --quadrature 10")["method"], "clmm-aghq-10");
+    assert_eq!(model("--terms width --quadrature 10 --slopes none")["method"], "clmm-aghq-10");
+    // Quadrature needs a single random effect.
+    assert_eq!(model("--terms width --quadrature 10")["method"], "clmm-laplace");
     for (options, expected) in [
         ("--terms widht", "did you mean width"),
         ("--terms num:depth", "num:inv_n"),
         ("--quadrature 0", "--quadrature"),
+        ("--terms width,depth,orientation_deg --slopes correlated", "expected at most 10"),
         ("--link cloglog", "logit"),
     ] {
         let error = fails(folder.path(), &split(&format!("analyze results --out b {options}")), 2);

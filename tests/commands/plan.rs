@@ -326,7 +326,7 @@ fn the_table_the_sentences_and_the_csv_agree() {
         said.contains("With fewer than 12 participants, p of the model comes from 199 simulated studies"),
         "{said}"
     );
-    assert!(said.contains("Simulate that with --slope FACTOR=SD, such as --slope mesh=0.5."), "{said}");
+    assert!(said.contains("Simulate that with --slope FACTOR=SD, such as --slope vertices=0.5."), "{said}");
     assert_eq!(["slopes", "slope_sd"].map(|name| cell(0, name)), ["independent", ""]);
     // People who differ in the effect, which only one of the models allows for.
     let line = "quick --participants 2 --studies 3 --slope width=0.25 --slope depth=0.5 --slopes none --out slopes.csv";
