@@ -207,7 +207,7 @@ fn without_an_effect_the_false_alarm_rate_is_alpha() {
 fn power_grows_with_people_and_with_the_effect() {
     let found = |effect: f64| {
         let sampling = Sampling { studies: 200, ..Sampling::default() };
-        let powers = powers(&plan(&design(), &oblique(effect), &[], None), &[2, 5, 10, 20], &sampling);
+        let powers = powers(&plan_with_slopes(&oblique(effect), 0.0, Slopes::None), &[2, 5, 10, 20], &sampling);
         powers.map(|powers| powers.iter().map(|power| power.found).collect::<Vec<_>>())
     };
     let ([small, few], [large, many]) = (found(0.3), found(0.8));
