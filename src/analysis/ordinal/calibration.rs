@@ -189,7 +189,10 @@ fn profile_deviations(full: &Fitted, random: &mut RandomEffect) {
 /// Returns the profile intervals of differences between two levels.
 fn contrasts(full: &Fitted, report: &ModelReport, limits: &[f64], wanted: &[(String, [u32; 2])]) -> Vec<Contrast> {
     let of_pair = |(factor, levels): &(String, [u32; 2])| {
-        let term = full.spec.terms.iter().position(|term| *term == Term::factor(factor))?;
+        let own = Term::factor(factor);
+        // An effect that depends on another factor has no single size.
+        let is_own = |term: &Term| *term == own && !full.spec.terms.is_marginal(term);
+        let term = full.spec.terms.iter().position(is_own)?;
         let (_, description) = full.frame.counts.factor(factor)?;
         let names = levels.map(|level| description.levels[level as usize].clone());
         let own = full.x.columns.iter().filter(|column| column.term == term).count();

@@ -179,7 +179,7 @@ impl Subject<'_> {
                 }
                 step /= 2.0;
                 // The limit of precision is reached, or the integrand is not a number.
-                if !(step.amax() >= 1e-4 * small) {
+                if step.amax().is_nan() || step.amax() < 1e-4 * small {
                     return point.h.is_finite().then_some(u);
                 }
             }

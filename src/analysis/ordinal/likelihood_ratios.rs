@@ -199,7 +199,7 @@ pub(super) fn scale_test(full: &Fitted, term: &Term) -> Result<TermTest, ModelEr
     spec.scale = Terms::new(spec.scale.iter().cloned().chain([term.clone()]));
     let larger = fit_terms(full.frame.clone(), spec, Vec::new(), How::default())?;
     let fine = larger.clm.end != FitEnd::Stalled && full.clm.end != FitEnd::Stalled;
-    let difference = fine.then(|| larger.clm.loglik - full.clm.loglik);
+    let difference = fine.then_some(larger.clm.loglik - full.clm.loglik);
     Ok(TermTest::new(term, Part::Scale, difference, larger.rank().saturating_sub(full.rank())))
 }
 

@@ -295,7 +295,7 @@ pub enum Note {
     NoSlopeVariance { term: String },
     /// There are too few ratings per participant and level for a random slope.
     #[error(
-        "the design does not support a random slope of {term}: expected at least two ratings per participant and level on average"
+        "the design does not support a random slope of {term}: expected at least two ratings per random effect on average"
     )]
     NoSlope { term: String },
     /// The correlated random effects have a variance of 0 in some direction.

@@ -241,10 +241,10 @@ impl<'a> Simulator<'a> {
             return counts;
         }
         let (mut left, mut before) = (n, 0.0);
-        for j in 0..categories - 1 {
+        for (j, count) in counts.iter_mut().take(categories - 1).enumerate() {
             let share = ((below(j) - before) / (1.0 - before)).clamp(0.0, 1.0);
-            counts[j] = Binomial::new(left, share).map_or(0, |binomial| binomial.sample(rng));
-            left -= counts[j];
+            *count = Binomial::new(left, share).map_or(0, |binomial| binomial.sample(rng));
+            left -= *count;
             before = below(j);
         }
         counts[categories - 1] = left;

@@ -61,8 +61,9 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
             _ => "not often",
         };
         format!(
-            "{}; if {name} made no difference{whose}, differences this large would {how} occur ({}, {p}).",
+            "{}; if {name} made no difference{whose}, {} would {how} occur ({}, {p}).",
             means(results, factor),
+            if evidence.is_rank_test { "orders this consistent" } else { "differences this large" },
             evidence.test
         )
     } else {
@@ -86,7 +87,22 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
                  overestimated.";
     }
     text.extend(second_opinion(results, factor, &evidence));
+    text.extend(people_differ(results, factor, evidence.p < ALPHA));
     text
+}
+
+/// Says that participants differ in the effect, if the interval of the deviations excludes 0.
+fn people_differ(results: &Results, factor: &FactorResults, found: bool) -> Option<String> {
+    let random = results.model.as_ref().ok()?.model.random.as_ref()?;
+    let slope = random.slopes.iter().find(|slope| slope.name == factor.name)?;
+    let interval = slope.interval.filter(|interval| interval.low > 0.0)?;
+    let (name, interval) = (names::factor(&factor.name), with_interval(Some(interval), |sd| fixed(sd, 2)));
+    let so = if found { "" } else { ", so the mean effect may hide opposite effects in individuals" };
+    Some(format!(
+        " Participants differ in the effect of {name}: their deviations at each level have a standard deviation of {} on the \
+         latent scale{interval}{so}.",
+        fixed(slope.sd, 2)
+    ))
 }
 
 impl Evidence {
@@ -246,7 +262,7 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
     let value = |estimate: f64| if odds { ratio(estimate.exp()) } else { fixed(estimate, 2) };
     let superiority = |estimate: f64| percent((100.0 * results.spec.link.superiority(estimate)).round() / 100.0);
     let of_pairs = format!(
-        "on the latent scale, {} of ratings at {higher} exceed a rating at {lower}{}",
+        "on the latent scale, the model expects a rating at {higher} to exceed one at {lower} in {} of pairs{}",
         superiority(estimate),
         with_interval(interval, superiority)
     );

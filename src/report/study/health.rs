@@ -58,9 +58,15 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
     }
     if unusual_behavior(results).is_empty() {
         section.heading("How participants answered");
-        section.text(
-            "In these data, every participant used several categories, and no response times or repeated ratings are unusual.",
-        );
+        let mut looked_at = Vec::new();
+        looked_at.extend(results.times.iter().any(Option::is_some).then_some("response times"));
+        looked_at.extend(results.kappa.is_some().then_some("repeated ratings"));
+        section.text(if looked_at.is_empty() {
+            "Every participant used several categories. There are no response times or repeated ratings to check."
+                .to_owned()
+        } else {
+            format!("Every participant used several categories, and no {} are unusual.", looked_at.join(" or "))
+        });
     }
     section
 }

@@ -151,7 +151,18 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
             results.options.resampling.seed
         );
     }
-    text += " Intervals of coefficients are profile-likelihood intervals.";
+    text += " Intervals of coefficients are profile-likelihood intervals";
+    text += if report.terms.iter().any(|test| test.draws.is_some()) {
+        ", with the limit of the likelihood ratio from the same studies."
+    } else {
+        "."
+    };
+    if report.proportional_odds.iter().any(|test| test.p.is_some()) {
+        text += " Proportional odds were tested for each term in the same way and corrected with Holm’s method.";
+    }
+    if !report.comparisons.is_empty() {
+        text += " Levels were compared in the model, corrected within each factor with Holm’s method.";
+    }
     if !results.is_inferential() {
         text += " All inference is about repeated trials of this participant.";
     }

@@ -74,7 +74,9 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     let odds: Vec<f64> = report.proportional_odds.iter().filter_map(|test| test.p_holm).collect();
     if !odds.is_empty() && odds.iter().all(|p| *p >= ALPHA) {
         let level = percent(ALPHA);
-        section.text(format!("No term shows a violation at {level}. With few ratings, tests have little power."));
+        section.text(format!(
+            "No term shows a violation at {level}. With few participants or ratings, tests have little power."
+        ));
     }
     tests(
         &mut section,
@@ -98,9 +100,10 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
 fn source_of_p(tests: &[TermTest]) -> String {
     match tests.iter().find_map(|test| test.draws) {
         Some(draws) => format!(
-            "With so few participants, or with related ratings, the χ² distribution is not accurate, so p values are the \
-             share of {draws} studies simulated from the model with a ratio at least as large; the smallest possible is \
-             {}.",
+            "The χ² distribution is not accurate with few or related ratings, so {draws} studies were simulated from the \
+             model. If k of their ratios, computed at the effects that generated them, are at least as large, p is (1 + k) / \
+             {}; the smallest possible p is {}.",
+            draws + 1,
             probability(1.0 / (1 + draws) as f64)
         ),
         None => "The p values come from the χ² distribution.".to_owned(),
@@ -154,8 +157,8 @@ fn effect_sizes(section: &mut Section, results: &Results, model: &Model) {
     section.heading("Effect sizes");
     let odds = model.link == Link::Logit;
     section.text(format!(
-        "Each row compares two levels: the ends of a trend, or the levels with the highest and the lowest mean, whose \
-         difference is then probably overestimated. {}The probability of superiority is the probability that a rating at \
+        "Each row compares two levels: the only two, the ends of a trend, or else those with the highest and the lowest mean, \
+         whose difference is then probably overestimated. {}The probability of superiority is the probability that a rating at \
          the first level is higher on the latent scale, where there are no ties. d is the difference in standard deviations of a \
          participant’s ratings on that scale.",
         if odds { "The odds ratio is that of a higher rating. " } else { "" }
@@ -193,9 +196,13 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
     section.heading("Comparisons of levels");
     section.text(format!(
         "Differences on the latent scale, in the model; those of factors in an interaction are given at each level of the \
-         other factor (simple effects). The p values and intervals use t distributions{}; Holm’s method corrects p for all \
-         comparisons of a factor.",
-        if results.is_inferential() { " with a degree of freedom less than there are participants" } else { "" }
+         other factor (simple effects). The p values and intervals use the {}, so they differ a little from the profile \
+         intervals above; Holm’s method corrects p for all comparisons of a factor, but the intervals are not corrected.",
+        if results.is_inferential() {
+            "t distribution with one degree of freedom for each participant but one, and standard errors widened by √(n / (n − 1))"
+        } else {
+            "normal distribution"
+        }
     ));
     let row = |c: &Comparison| {
         let level = |level: &str| names::level(&c.factor, level);
@@ -237,8 +244,8 @@ fn margins(section: &mut Section, report: &ModelReport) {
 fn fit_of_model(section: &mut Section, results: &Results, model: &Model, checks: &Checks, figures: &[Figure]) {
     section.heading("Does the model describe the ratings?");
     section.text(
-        "Studies were simulated from the model. Where an observed proportion lies outside the middle 95\u{a0}% of them, the \
-         model does not describe these ratings well; one in twenty does so by chance.",
+        "Studies were simulated from the model. An observed proportion outside the middle 95\u{a0}% of them suggests that the \
+         model does not describe these ratings. Because it was fitted to them, few should lie outside.",
     );
     section.figures(figures, &["predictive"]);
     let outside: Vec<&Proportion> = checks
@@ -247,9 +254,13 @@ fn fit_of_model(section: &mut Section, results: &Results, model: &Model, checks:
         .filter(|p| p.observed < p.range.low - 1e-9 || p.observed > p.range.high + 1e-9)
         .collect();
     section.text(format!(
-        "{} of {} proportions lie outside.",
-        count_of(outside.len()),
-        whole(checks.proportions.len() as u64)
+        "Of {}, {} outside.",
+        count(checks.proportions.len() as u64, "proportion"),
+        match outside.len() {
+            0 => "none lies".to_owned(),
+            1 => "one lies".to_owned(),
+            n => format!("{} lie", whole(n as u64)),
+        }
     ));
     let row = |p: &&Proportion| {
         vec![
@@ -269,19 +280,15 @@ fn fit_of_model(section: &mut Section, results: &Results, model: &Model, checks:
     if let Some((observed, range_of_spread)) = checks.spread {
         let fits = observed >= range_of_spread.low && observed <= range_of_spread.high;
         section.text(format!(
-            "The participants’ mean ratings have a standard deviation of {} categories; simulated studies have {}, so the \
-             model {} how much participants differ.",
+            "The participants’ mean ratings have a standard deviation of {} categories; simulated studies have {}, which \
+             is {} with the model.",
             fixed(observed, 2),
             range(Some(range_of_spread), |x| fixed(x, 2)),
-            if fits { "describes" } else { "does not describe" }
+            if fits { "consistent" } else { "not consistent" }
         ));
     }
     alternatives(section, model, checks);
     influence(section, results, model, checks);
-}
-
-fn count_of(number: usize) -> String {
-    if number == 0 { "None".to_owned() } else { whole(number as u64) }
 }
 
 fn alternatives(section: &mut Section, model: &Model, checks: &Checks) {
@@ -305,7 +312,7 @@ fn alternatives(section: &mut Section, model: &Model, checks: &Checks) {
     const CLEAR: f64 = 4.0;
     section.text(if own - aic(best) > CLEAR {
         format!(
-            "By AIC, the {} model {} describes the ratings better, by {}.",
+            "The {} model {} has a lower AIC, by {}.",
             best.link,
             if best.slopes == Slopes::None { "without random slopes" } else { "with random slopes" },
             fixed(own - aic(best), 1)
@@ -396,7 +403,15 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
         Link::Probit => "normal",
     };
     let (who, by, shift, normal) = if mixed {
-        (" and every participant", " by participant s", " − u[s]", ",   u[s] ~ N(0, σ²)")
+        match model.random.as_ref().map_or(0, |random| random.slopes.len()) {
+            0 => (" and every participant", " by participant s", " − u[s]", ",   u[s] ~ N(0, σ²)"),
+            _ => (
+                " and every participant",
+                " by participant s",
+                " − u[s] − v[s, i]",
+                ",   u[s] ~ N(0, σ²), v[s, i] the deviations of participant s",
+            ),
+        }
     } else {
         ("", "", "", "")
     };
@@ -414,8 +429,9 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
     let slopes = model.random.as_ref().map_or(0, |random| random.slopes.len());
     if slopes > 0 {
         section.text(
-            "Participants also differ in the effects: each has a deviation u at every level of a factor, or in the slope on a \
-             number, with a standard deviation of its own. Tests and intervals of an effect therefore hold for other people.",
+            "The model also lets participants differ in the effects: each has a deviation v at every level of a factor, or in \
+             the slope on a number, with a standard deviation for each term. Tests and intervals of these effects therefore \
+             allow for differences between people.",
         );
     } else if mixed && results.is_inferential() {
         section.text(

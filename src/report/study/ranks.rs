@@ -25,7 +25,7 @@ pub(super) fn section(results: &Results) -> Section {
     } else {
         section.text(
             "For these tests, each participant’s ratings at a level are averaged over those conditions of the other factors \
-             that the participant rated at every level, and only the order of the means counts. Friedman’s test asks whether any level is rated differently; Kendall’s W measures how consistently participants \
+             that the participant rated at every level. Friedman’s test uses only the order of each participant’s means. It asks whether any level is rated differently; Kendall’s W measures how consistently participants \
              order the levels, from 0 (not at all) to 1 (identically).",
         );
         friedman(&mut section, &tested);
@@ -114,7 +114,9 @@ fn pairs(section: &mut Section, factor: &FactorResults) {
         "The p values are exact; differences of 0 are excluded."
     };
     let least = probability(pairs.least_p);
-    section.note(format!("{method} The smallest possible p of these pairs after Holm’s correction is {least}."));
+    section.note(format!(
+        "{method} If no difference is 0, the smallest possible p of a pair after Holm’s correction is {least}."
+    ));
 }
 
 pub(super) fn agreement(results: &Results) -> Section {
@@ -132,7 +134,8 @@ pub(super) fn agreement(results: &Results) -> Section {
             ));
             section.note(
                 "Krippendorff’s limits of .800 and .667 are meant for coders who apply a rule. Participants may differ \
-                 because they see differently; in that case, a low α is a finding and not an error.",
+                 because they see differently; in that case, a low α is a finding and not an error. α is also near 0 if the \
+                 conditions hardly differ.",
             );
         }
         None if results.is_inferential() => section.text(
