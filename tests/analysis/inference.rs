@@ -198,6 +198,17 @@ fn tests_between_few_people_are_withheld() {
     }
 }
 
+/// With three ratings from each of four people, a test of proportional odds rejected in 63 % of studies without any effect.
+#[test]
+fn checks_of_assumptions_need_ratings() {
+    for (ratings, withheld) in [(1, Some(Withheld::FewRatings)), (8, None)] {
+        let results = analyze(study(4, &["a", "b", "c"], ratings, 3, |_, _| 0.0), &quick());
+        let test = &results.model.as_ref().unwrap().proportional_odds[0];
+        assert_eq!((test.withheld, test.p.is_none()), (withheld, withheld.is_some()), "{test:?}");
+        assert_eq!(test.p_holm.is_none(), withheld.is_some());
+    }
+}
+
 /// Simulated p values are at least 1 in draws + 1, the same for the same seed, and given below twelve people only.
 #[test]
 fn few_people_are_calibrated_by_simulation() {

@@ -22,6 +22,8 @@ const FEW_BETWEEN: usize = 100;
 const MAX_PROFILES: usize = 60;
 /// Smallest number of participants at each level of a factor that varies only between them.
 const LEAST_PER_LEVEL: usize = 3;
+/// Smallest number of ratings for each parameter of a model that is wider than the main one.
+const LEAST_PER_PARAMETER: u64 = 5;
 /// Above this number of ratings times terms, the simulation of a mixed model is limited to [`FEW_DRAWS`] studies. It
 /// keeps an analysis at about ten seconds with two threads.
 const MANY_RATINGS: usize = 2000;
@@ -72,9 +74,15 @@ pub fn fit_calibrated(
     Ok(report)
 }
 
-/// Withholds tests and intervals of terms that vary only between participants if a level has too few of them: even
-/// simulated distributions are then not accurate.
+/// Withholds tests and intervals of terms that vary only between participants if a level has too few of them, and tests
+/// of assumptions with too few ratings: even simulated distributions are then not accurate.
 fn withhold(full: &Fitted, report: &mut ModelReport, limits: &mut [f64]) {
+    let parameters = full.frame.categories.len() - 1 + full.rank();
+    for test in report.proportional_odds.iter_mut().chain(&mut report.scale) {
+        if full.frame.total() < LEAST_PER_PARAMETER * (parameters + test.df) as u64 && test.lr.is_some() {
+            (test.p, test.withheld) = (None, Some(Withheld::FewRatings));
+        }
+    }
     for (term, limit) in full.spec.terms.iter().zip(limits) {
         if full.mixed.is_some() && full.is_between(term) && full.least_people(term) < LEAST_PER_LEVEL {
             *limit = f64::NAN;
@@ -90,13 +98,12 @@ fn withhold(full: &Fitted, report: &mut ModelReport, limits: &mut [f64]) {
 fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut [f64], calibration: &Calibration<'_>) {
     let terms: Vec<&Term> = full.spec.terms.iter().collect();
     let named = |tests: &[TermTest]| -> Vec<&Term> {
-        let has_ratio = |term: &&&Term| tests.iter().any(|test| test.lr.is_some() && test.term == term.to_string());
+        let is_tested = |test: &TermTest| test.lr.is_some() && test.withheld.is_none();
+        let has_ratio = |term: &&&Term| tests.iter().any(|test| is_tested(test) && test.term == term.to_string());
         terms.iter().filter(has_ratio).copied().collect()
     };
     let what = Statistics {
-        terms: (named(&report.terms).into_iter())
-            .filter(|term| needs_simulation(full, term) && !is_withheld(&report.terms, term))
-            .collect(),
+        terms: named(&report.terms).into_iter().filter(|term| needs_simulation(full, term)).collect(),
         nominal: named(&report.proportional_odds),
         scale: named(&report.scale),
     };
@@ -131,10 +138,6 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut [f64], 
             *limit *= simulated / chi_squared_limit(df);
         }
     }
-}
-
-fn is_withheld(tests: &[TermTest], term: &Term) -> bool {
-    tests.iter().any(|test| test.term == term.to_string() && test.withheld.is_some())
 }
 
 /// Returns whether the ratio of a term does not have a χ² distribution with this number of participants.

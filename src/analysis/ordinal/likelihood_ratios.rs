@@ -61,6 +61,9 @@ pub enum Withheld {
     /// A level of a factor that varies only between participants has too few of them.
     #[error("a level has fewer than three participants")]
     FewPerLevel,
+    /// There are too few ratings for the parameters of the wider model.
+    #[error("there are fewer than five ratings for each parameter of the wider model")]
+    FewRatings,
     /// More than a tenth of the simulated studies allowed no fit.
     #[error("the data are too few: more than a tenth of the simulated studies allowed no fit")]
     TooFew,
