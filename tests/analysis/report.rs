@@ -236,6 +236,10 @@ fn quotable(results: &Results) -> Vec<String> {
             values.extend([end, -end].map(|end| 100.0 * model.link.superiority(end)));
         }
     }
+    for slope in model.random.iter().flat_map(|random| &random.slopes) {
+        values.push(slope.sd);
+        values.extend(slope.interval.iter().flat_map(|interval| [interval.low, interval.high]));
+    }
     values.push(results.options.resampling.draws as f64);
     let mut texts: Vec<String> = (values.iter())
         .flat_map(|value| (0..=4).map(move |decimals| without_zero(&format!("{value:.decimals$}"))))
