@@ -23,6 +23,7 @@ pub mod counts;
 mod frame;
 pub mod interval;
 mod levels;
+mod multiple;
 mod ordinal;
 pub mod power;
 pub mod rank_tests;

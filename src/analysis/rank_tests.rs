@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use serde::Serialize;
 
+pub use super::multiple::holm;
 use super::{
     counts::{CountRow, Counts},
     interval::{Interval, t_interval},
@@ -313,20 +314,6 @@ fn normal_probability(n: f64, ties: f64, v: f64) -> f64 {
     let variance = n * (n + 1.0) * (2.0 * n + 1.0) / 24.0 - ties / 48.0;
     let distance = ((v - n * (n + 1.0) / 4.0).abs() - 0.5).max(0.0);
     two_sided(distance / variance.sqrt())
-}
-
-/// Corrects probabilities for multiple testing by Holm's method (1979). The results are in the order of
-/// `probabilities`.
-pub fn holm(probabilities: &[f64]) -> Vec<f64> {
-    let mut order: Vec<usize> = (0..probabilities.len()).collect();
-    order.sort_by(|l, r| probabilities[*l].total_cmp(&probabilities[*r]));
-    let mut corrected = vec![0.0; probabilities.len()];
-    let mut most: f64 = 0.0;
-    for (rank, index) in order.into_iter().enumerate() {
-        most = most.max((probabilities.len() - rank) as f64 * probabilities[index]).min(1.0);
-        corrected[index] = most;
-    }
-    corrected
 }
 
 /// A comparison of two levels.

@@ -91,7 +91,7 @@ fn tables(study: &Study, results: &Results) -> Vec<(String, Vec<u8>)> {
         ("agreement.csv".to_owned(), tables::agreement(results).csv()),
         ("counts.csv".to_owned(), tables::counts(&results.measured.counts, &study.source.shape)),
         ("model.json".to_owned(), model),
-        ("analysis.R".to_owned(), script::script(study, results).into_bytes()),
+        ("analysis.R".to_owned(), script::script(&study.source.shape, results).into_bytes()),
     ];
     files.extend(tables::predictions(results).map(|table| ("predictions.csv".to_owned(), table.csv())));
     let mut taken = HashSet::new();

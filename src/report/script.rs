@@ -3,7 +3,7 @@
 
 use std::collections::HashSet;
 
-use super::{Study, tables::number};
+use super::tables::number;
 use crate::{
     analysis::{
         Model, Note, RandomEffect, Results,
@@ -11,7 +11,7 @@ use crate::{
         find_factor,
         terms::{Term, Variable},
     },
-    store::table::inert,
+    store::{ratings::Shape, table::inert},
 };
 
 /// Levels that `clmm` needs at least in a grouping factor.
@@ -30,7 +30,7 @@ pub(super) fn call(results: &Results, model: &Model) -> String {
 }
 
 /// Writes the script. If there is no model, or R cannot fit it, the script says why and does nothing.
-pub(super) fn script(study: &Study, results: &Results) -> String {
+pub(super) fn script(shape: &Shape, results: &Results) -> String {
     let introduction = format!(
         "# Fits the main model of this analysis again with R's ordinal, from counts.csv in this folder, and puts R's numbers\n\
          # beside machband's. Made by machband {}. The numbers agree if they differ by less than 0.001 standard errors;\n\
@@ -52,7 +52,7 @@ pub(super) fn script(study: &Study, results: &Results) -> String {
     if !used.is_empty() && model.subjects < FEWEST_PEOPLE {
         return nothing("clmm needs at least three participants");
     }
-    let mut text = introduction + "library(ordinal)\n\n" + &columns.data(study, model);
+    let mut text = introduction + "library(ordinal)\n\n" + &columns.data(shape, model);
     for number in columns.centered(&used) {
         text += &format!("data${number}_c <- data${number} - weighted.mean(data${number}, data$count)\n");
     }
@@ -263,9 +263,8 @@ impl<'a> Columns<'a> {
     }
 
     /// Reads the rows of the model, with its levels and categories in order.
-    fn data(&self, study: &Study, model: &Model) -> String {
+    fn data(&self, shape: &Shape, model: &Model) -> String {
         let counts = &self.results.measured.counts;
-        let shape = &study.source.shape;
         let mut text = "counts <- read.csv(\"counts.csv\", check.names = FALSE, colClasses = \"character\", \
                         na.strings = character(), encoding = \"UTF-8\")\n"
             .to_owned();

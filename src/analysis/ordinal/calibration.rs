@@ -2,17 +2,20 @@
 //! not accurate, and profile intervals.
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 use super::{
-    checks, estimates,
+    checks::{self, Checks},
+    estimates::{self, Prediction, predictions},
     fitting::{Fitted, fit_counts},
-    likelihood_ratios::{ModelReport, TermTest, Withheld, report_with_tests, scale_terms, scale_test},
-    model::{Contrast, ModelError, ModelSpec, RandomEffect},
+    likelihood_ratios::{TermTest, Withheld, nominal_tests, quantile, scale_terms, scale_test, without_terms},
+    margins::{self, Comparison, Margin},
+    model::{Contrast, Model, ModelError, ModelSpec, RandomEffect},
     profile::{self, Quantity, chi_squared_limit},
-    resampling::{Ratios, Resampling, Statistics, quantile, simulate},
+    resampling::{Ratios, Resampling, Statistics, simulate},
     terms::Term,
 };
-use crate::analysis::{counts::Counts, interval::Interval, rank_tests::holm};
+use crate::analysis::{counts::Counts, interval::Interval, multiple::holm};
 
 /// With fewer participants than this, likelihood ratios are calibrated by simulation.
 pub const FEW_FOR_LIKELIHOOD_RATIOS: usize = 12;
@@ -28,6 +31,49 @@ const LEAST_PER_PARAMETER: u64 = 5;
 /// keeps an analysis at about ten seconds with two threads.
 const MANY_RATINGS: usize = 2000;
 const FEW_DRAWS: usize = 199;
+
+/// A model with its tests.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ModelReport {
+    pub model: Model,
+    /// Tests of each term against the model without it.
+    pub terms: Vec<TermTest>,
+    /// Tests of proportional odds.
+    pub proportional_odds: Vec<TermTest>,
+    /// Tests of effects on the spread; empty unless requested.
+    pub scale: Vec<TermTest>,
+    /// The model's expected ratings in each condition on which it was fitted.
+    pub predictions: Vec<Prediction>,
+    /// The model's expected ratings at each level of each factor.
+    pub margins: Vec<Margin>,
+    /// Differences between levels.
+    pub comparisons: Vec<Comparison>,
+    /// How well the model describes the data; only for the main analysis.
+    pub checks: Option<Checks>,
+}
+
+/// Fits a model and computes its tests, with probabilities from the χ² distribution, and its predictions.
+///
+/// # Errors
+/// Returns the same errors as [`fit`](super::fit).
+pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, ModelError> {
+    report_with_tests(&fit_counts(counts, spec, true)?)
+}
+
+fn report_with_tests(full: &Fitted) -> Result<ModelReport, ModelError> {
+    let model = estimates::report(full);
+    let (terms, proportional_odds) = rayon::join(|| without_terms(full), || nominal_tests(full));
+    Ok(ModelReport {
+        terms: terms?,
+        proportional_odds: proportional_odds?,
+        scale: Vec::new(),
+        predictions: predictions(full, &model),
+        margins: margins::margins(full, &model),
+        comparisons: margins::comparisons(full, &model),
+        checks: None,
+        model,
+    })
+}
 
 /// How to calibrate tests and intervals.
 #[derive(Clone, Copy)]
@@ -70,7 +116,8 @@ pub fn fit_calibrated(
         profile_deviations(&full, random);
     }
     report.model.contrasts = contrasts(&full, &report, &limits, calibration.contrasts);
-    report.checks = calibration.checks.then(|| checks::checks(&full, &report.model.contrasts, calibration));
+    report.checks =
+        calibration.checks.then(|| checks::checks(&full, &report.model.contrasts, calibration.resampling.seed));
     Ok(report)
 }
 

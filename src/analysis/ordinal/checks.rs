@@ -4,7 +4,6 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    calibration::Calibration,
     estimates::difference,
     fitting::{Fitted, How, fit_counts, fit_terms},
     link::Link,
@@ -67,11 +66,9 @@ pub struct Influence {
 }
 
 /// Computes the checks of a fit, with its contrasts.
-pub(super) fn checks(full: &Fitted, contrasts: &[Contrast], calibration: &Calibration<'_>) -> Checks {
-    let ((alternatives, influence), (proportions, spread)) = rayon::join(
-        || rayon::join(|| alternatives(full), || influence(full, contrasts)),
-        || predictive(full, calibration.resampling.seed),
-    );
+pub(super) fn checks(full: &Fitted, contrasts: &[Contrast], seed: u64) -> Checks {
+    let ((alternatives, influence), (proportions, spread)) =
+        rayon::join(|| rayon::join(|| alternatives(full), || influence(full, contrasts)), || predictive(full, seed));
     Checks { alternatives, proportions, spread, influence }
 }
 

@@ -7,14 +7,17 @@ use super::{
     clm::{FitEnd, category_bounds, positive_definite},
     design::{self, Design},
     fitting::{Fitted, fit_counts, layout},
-    margins::{Widening, on_the_scale},
     model::{
         Coefficient, Model, ModelError, ModelSpec, Note, Random, RandomEffect, RandomSlope, SubjectMode, Threshold,
     },
     random::INTERCEPT,
     search::{MixedFit, MixedFitEnd},
 };
-use crate::analysis::{counts::Counts, interval::Interval, levels};
+use crate::analysis::{
+    counts::Counts,
+    interval::{Interval, t_quantile},
+    levels,
+};
 
 /// Fits a model.
 ///
@@ -398,4 +401,52 @@ pub(super) fn mean_gradient(
     let location = x.iter().map(|x| -sum * x / scale);
     let spreads = z.iter().map(|z| -spread * z);
     DVector::from_iterator(bounds.len() + x.len() + z.len(), thresholds.chain(location).chain(spreads))
+}
+
+/// How the standard errors of a fit are widened: those of maximum likelihood are too small with few participants.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Widening {
+    /// Degrees of freedom of the t distribution; infinite without random effects.
+    pub df: f64,
+    /// Factor of the standard errors.
+    pub factor: f64,
+}
+
+impl Widening {
+    /// Returns the widening for a quantity that varies between `people` participants, of whose means `estimated` are
+    /// estimated: as in a normal sample of participants, whose variance is divided by n instead of n minus `estimated`.
+    pub fn new(fitted: &Fitted, estimated: usize) -> Self {
+        let people = fitted.frame.subjects.len() as f64;
+        let df = people - estimated as f64;
+        if fitted.mixed.is_none() || df < 1.0 {
+            return Self { df: f64::INFINITY, factor: 1.0 };
+        }
+        Self { df, factor: (people / df).sqrt() }
+    }
+
+    /// Returns the number of standard errors to either end of a 95 % interval.
+    pub fn reach(self) -> f64 {
+        self.factor * if self.df.is_finite() { t_quantile(self.df) } else { crate::light::random::Z_95 }
+    }
+
+    /// Returns the two-sided probability of an estimate divided by its standard error.
+    pub fn probability(self, z: f64) -> f64 {
+        use statrs::distribution::{ContinuousCDF as _, StudentsT};
+        let t = z.abs() / self.factor;
+        match StudentsT::new(0.0, 1.0, self.df) {
+            Ok(distribution) if self.df.is_finite() => 2.0 * distribution.cdf(-t),
+            _ => two_sided(t),
+        }
+    }
+}
+
+/// Returns the interval of a mean rating on the logit of its place between the ends of the scale, so that it stays
+/// there.
+pub(super) fn on_the_scale(mean: f64, se: f64, reach: f64, values: &[f64]) -> Option<Interval> {
+    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    let span = high - low;
+    let share = (mean - low) / span;
+    let half = reach * se / (span * share * (1.0 - share));
+    let end = |sign: f64| low + span / (1.0 + (-(share / (1.0 - share)).ln() - sign * half).exp());
+    half.is_finite().then(|| Interval { low: end(-1.0), high: end(1.0) })
 }

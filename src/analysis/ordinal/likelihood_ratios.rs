@@ -5,14 +5,10 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::{
-    checks::Checks,
     clm::{ClmData, FitEnd},
     design::Design,
-    estimates::{self, Prediction, predictions},
     fitting::{Fitted, How, clm_data, fit_clm, fit_counts, fit_terms},
-    margins::{self, Comparison, Margin},
-    model::{Model, ModelError, ModelSpec, Random},
-    resampling::probability,
+    model::{ModelError, ModelSpec, Random},
     search::MixedFitEnd,
     terms::{Term, Terms},
 };
@@ -69,49 +65,6 @@ pub enum Withheld {
     TooFew,
 }
 
-/// A model with its tests.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ModelReport {
-    pub model: Model,
-    /// Tests of each term against the model without it.
-    pub terms: Vec<TermTest>,
-    /// Tests of proportional odds.
-    pub proportional_odds: Vec<TermTest>,
-    /// Tests of effects on the spread; empty unless requested.
-    pub scale: Vec<TermTest>,
-    /// The model's expected ratings in each condition on which it was fitted.
-    pub predictions: Vec<Prediction>,
-    /// The model's expected ratings at each level of each factor.
-    pub margins: Vec<Margin>,
-    /// Differences between levels.
-    pub comparisons: Vec<Comparison>,
-    /// How well the model describes the data; only for the main analysis.
-    pub checks: Option<Checks>,
-}
-
-/// Fits a model and computes its tests, with probabilities from the χ² distribution, and its predictions.
-///
-/// # Errors
-/// Returns the same errors as [`fit`](super::fit).
-pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, ModelError> {
-    report_with_tests(&fit_counts(counts, spec, true)?)
-}
-
-pub(super) fn report_with_tests(full: &Fitted) -> Result<ModelReport, ModelError> {
-    let model = estimates::report(full);
-    let (terms, proportional_odds) = rayon::join(|| without_terms(full), || nominal_tests(full));
-    Ok(ModelReport {
-        terms: terms?,
-        proportional_odds: proportional_odds?,
-        scale: Vec::new(),
-        predictions: predictions(full, &model),
-        margins: margins::margins(full, &model),
-        comparisons: margins::comparisons(full, &model),
-        checks: None,
-        model,
-    })
-}
-
 /// Tests each term by the likelihood ratio against the model without it. A term that is part of an interaction in the
 /// model is not tested, because the model without it would be the same model (as in R's `drop1`).
 pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
@@ -154,7 +107,7 @@ const MAX_NOMINAL: usize = 300;
 
 /// Tests the proportional odds of each term. The random effects are omitted, because this checks the scale and not the
 /// effects.
-fn nominal_tests(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
+pub(super) fn nominal_tests(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
     full.spec.terms.iter().collect::<Vec<_>>().into_par_iter().map(|term| nominal_test(full, term)).collect()
 }
 
@@ -235,4 +188,28 @@ impl TermTest {
 /// Returns P(χ² > x) for `df` degrees of freedom.
 pub(crate) fn chi_squared_tail(x: f64, df: usize) -> f64 {
     if x <= 0.0 { 1.0 } else { statrs::function::gamma::gamma_ur(df as f64 / 2.0, x / 2.0) }
+}
+
+/// A simulated distribution is used only if at least this share of the studies allowed a fit.
+const ENOUGH: f64 = 0.9;
+
+/// Returns the probability of a ratio at least as large as `observed`, and the number of simulated ratios. `None` if too
+/// few studies allowed a fit.
+pub(super) fn probability(ratios: &[f64], observed: f64) -> Option<(f64, usize)> {
+    let finite = || ratios.iter().filter(|ratio| ratio.is_finite());
+    let (number, larger) = (finite().count(), finite().filter(|ratio| **ratio >= observed - 1e-9).count());
+    let enough = number > 0 && number as f64 >= ENOUGH * ratios.len() as f64;
+    enough.then(|| ((1 + larger) as f64 / (1 + number) as f64, number))
+}
+
+/// Returns the ratio that a share of the simulated ratios does not exceed, or `None` if too few studies allowed a fit.
+pub(super) fn quantile(ratios: &[f64], share: f64) -> Option<f64> {
+    let mut finite: Vec<f64> = ratios.iter().copied().filter(|ratio| ratio.is_finite()).collect();
+    if finite.is_empty() || (finite.len() as f64) < ENOUGH * ratios.len() as f64 {
+        return None;
+    }
+    finite.sort_by(f64::total_cmp);
+    // A ratio above this one has a probability below 1 − share in [`probability`].
+    let rank = (share * (finite.len() + 1) as f64 + 1e-9).floor() as usize + 1;
+    finite.get(rank.clamp(1, finite.len()) - 1).copied()
 }

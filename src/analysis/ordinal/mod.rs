@@ -26,11 +26,11 @@ mod resampling;
 mod search;
 pub mod terms;
 
-pub use calibration::{Calibration, FEW_FOR_LIKELIHOOD_RATIOS, fit_calibrated};
+pub use calibration::{Calibration, FEW_FOR_LIKELIHOOD_RATIOS, ModelReport, fit_calibrated, fit_with_tests};
 pub use checks::{Alternative, Checks, Influence, Proportion};
 pub use clmm::MAX_NODES;
 pub use estimates::{Prediction, fit};
-pub use likelihood_ratios::{ModelReport, Part, TermTest, Withheld, fit_with_tests, scale_tests};
+pub use likelihood_ratios::{Part, TermTest, Withheld, scale_tests};
 pub use link::Link;
 pub use margins::{Comparison, Margin};
 pub use model::{

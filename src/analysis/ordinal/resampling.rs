@@ -62,30 +62,6 @@ pub(super) struct Ratios {
     pub scale: Vec<Vec<f64>>,
 }
 
-/// A simulated distribution is used only if at least this share of the studies allowed a fit.
-const ENOUGH: f64 = 0.9;
-
-/// Returns the probability of a ratio at least as large as `observed`, and the number of simulated ratios. `None` if too
-/// few studies allowed a fit.
-pub(super) fn probability(ratios: &[f64], observed: f64) -> Option<(f64, usize)> {
-    let finite = || ratios.iter().filter(|ratio| ratio.is_finite());
-    let (number, larger) = (finite().count(), finite().filter(|ratio| **ratio >= observed - 1e-9).count());
-    let enough = number > 0 && number as f64 >= ENOUGH * ratios.len() as f64;
-    enough.then(|| ((1 + larger) as f64 / (1 + number) as f64, number))
-}
-
-/// Returns the ratio that a share of the simulated ratios does not exceed, or `None` if too few studies allowed a fit.
-pub(super) fn quantile(ratios: &[f64], share: f64) -> Option<f64> {
-    let mut finite: Vec<f64> = ratios.iter().copied().filter(|ratio| ratio.is_finite()).collect();
-    if finite.is_empty() || (finite.len() as f64) < ENOUGH * ratios.len() as f64 {
-        return None;
-    }
-    finite.sort_by(f64::total_cmp);
-    // A ratio above this one has a probability below 1 − share in [`probability`].
-    let rank = (share * (finite.len() + 1) as f64 + 1e-9).floor() as usize + 1;
-    finite.get(rank.clamp(1, finite.len()) - 1).copied()
-}
-
 /// Simulates studies from a fit and computes the ratios in each. `progress` is called after each study.
 pub(super) fn simulate(full: &Fitted, what: &Statistics, settings: Resampling, progress: &(dyn Fn() + Sync)) -> Ratios {
     let simulator = Simulator::new(full, true);
