@@ -1,7 +1,7 @@
 //! Tests on the ranks of participants' mean ratings: Friedman's test with Kendall's W, and Wilcoxon's signed-rank test
 //! with Holm's correction.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use serde::Serialize;
@@ -182,14 +182,15 @@ fn enumerated(rows: &[Vec<u32>], is_extreme: impl Fn(&[u32]) -> bool) -> Option<
         return None;
     }
     let mut steps = 0;
-    let mut ways: HashMap<Vec<u32>, f64> = HashMap::from([(rows[0].clone(), 1.0)]);
+    // In order, so that the last digit of a sum is always the same.
+    let mut ways: BTreeMap<Vec<u32>, f64> = BTreeMap::from([(rows[0].clone(), 1.0)]);
     for row in &rows[1..] {
         let orders = orders(row);
         steps += ways.len() * orders.len();
         if steps > MAX_STEPS {
             return None;
         }
-        let mut next = HashMap::with_capacity(ways.len() * 2);
+        let mut next = BTreeMap::new();
         for (sums, number) in &ways {
             for order in &orders {
                 let sums: Vec<u32> = sums.iter().zip(order).map(|(sum, rank)| sum + rank).collect();
@@ -198,10 +199,7 @@ fn enumerated(rows: &[Vec<u32>], is_extreme: impl Fn(&[u32]) -> bool) -> Option<
         }
         ways = next;
     }
-    let mut extreme: Vec<f64> = ways.iter().filter(|(sums, _)| is_extreme(sums)).map(|(_, number)| *number).collect();
-    // Summed in a fixed order, so that the last digit does not depend on that of the map.
-    extreme.sort_by(f64::total_cmp);
-    Some(extreme.iter().sum::<f64>().min(1.0))
+    Some(ways.iter().filter(|(sums, _)| is_extreme(sums)).map(|(_, share)| share).sum::<f64>().min(1.0))
 }
 
 /// Returns every distinct order of some ranks; all are equally likely.
