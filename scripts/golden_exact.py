@@ -1,6 +1,6 @@
 """Exact p-values of rank tests by complete enumeration: exact.csv.
 
-    python scripts/check_exact.py > tests/golden/ordinal/exact.csv
+    python scripts/golden_exact.py > tests/golden/ordinal/exact.csv
 
 friedman: the table contains a row for each participant and a column for each level. The statistic is chi-squared, corrected
 for ties. p is the share of all k!^n ways of permuting the values within each row whose statistic is at least as large.
@@ -108,7 +108,7 @@ def wilcoxon(table):
 
 def main():
     versions = f"Python {platform.python_version()}, numpy {np.__version__}, scipy {scipy.__version__}"
-    print(f"# Exact p-values by complete enumeration, scripts/check_exact.py, {versions}.")
+    print(f"# Exact p-values by complete enumeration, scripts/golden_exact.py, {versions}.")
     out = csv.writer(sys.stdout, lineterminator="\n")
     out.writerow(["test", "table", "statistic", "p"])
     for text in FRIEDMAN:
