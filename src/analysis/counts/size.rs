@@ -1,5 +1,5 @@
 //! The largest study that is analyzed unless the user asks for more. Tests of all pairs of levels take quadratic time,
-//! the bootstrap keeps a number for every participant and sample, and a name is drawn in every chart.
+//! every simulated study has all participants, and a name is drawn in every chart.
 
 use super::table::Counts;
 

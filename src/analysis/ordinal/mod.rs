@@ -7,6 +7,9 @@
 //! | `random`, `clmm`, `search` | the random effects, the likelihood with them, and its maximum |
 //! | `fitting` | fits the models to counts |
 //! | `estimates`, `likelihood_ratios` | estimates, tests and predictions, on the scale of the data |
+//! | `resampling`, `profile` | studies simulated from a fit, and profile-likelihood intervals |
+//! | `margins`, `checks` | marginal means and comparisons, and how well the model describes the data |
+//! | `calibration` | the whole report on a model, with tests and intervals that hold for few participants |
 //! | `model` | fitted models, their notes, and the errors if there is no model |
 
 mod calibration;

@@ -106,6 +106,7 @@ fn source_of_p(tests: &[TermTest]) -> String {
             draws + 1,
             probability(1.0 / (1 + draws) as f64)
         ),
+        None if tests.iter().all(|test| test.p.is_none()) => "There are no p values, for the reasons below.".to_owned(),
         None => "The p values come from the χ² distribution.".to_owned(),
     }
 }
