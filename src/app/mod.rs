@@ -198,14 +198,14 @@ impl eframe::App for App {
 
     /// Returns the background of the page, or the uniform field of a trial. Clearing to this color costs nothing;
     /// without a GPU, drawing a full-screen rectangle would take most of a frame's time.
-    fn clear_color(&self, _: &egui::Visuals) -> [f32; 4] {
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         let ground = match &self.page {
-            Page::Session(session) => session.ground(),
-            Page::Timing(timing) => timing.ground(),
+            Page::Session(session) => Some(session.ground()),
+            Page::Timing(timing) => Some(timing.ground()),
             Page::Display(display) => display.ground(),
-            _ => ui::theme::PAGE,
+            _ => None,
         };
-        ground.to_normalized_gamma_f32()
+        ground.unwrap_or(ui::theme::ink_of(visuals).page).to_normalized_gamma_f32()
     }
 }
 

@@ -343,8 +343,8 @@ fn about(ui: &mut egui::Ui, source: &Source) {
         sessions => format!(" in {}", count(sessions, "session")),
     };
     hint(ui, format!("{}{sessions}.", count(ratings, "rating")));
-    problems(ui, "Errors", &source.errors, theme::ERROR);
-    problems(ui, "Warnings", &source.warnings, theme::NOTE);
+    problems(ui, "Errors", &source.errors, theme::ink(ui).error);
+    problems(ui, "Warnings", &source.warnings, theme::ink(ui).note);
 }
 
 fn problems(ui: &mut egui::Ui, title: &str, problems: &[FileError], color: egui::Color32) {

@@ -13,7 +13,7 @@ use super::{
     match_run::MatchRun,
 };
 use crate::{
-    app::ui::{Field, describe, note, paragraph, still_plot, table},
+    app::ui::{Field, describe, note, paragraph, still_plot, table, theme},
     display::{
         Channel, DisplayProfile, Viewing,
         matching::{ChannelGamma, GammaError, MatchSettings, Matching, estimate, transfers},
@@ -146,10 +146,11 @@ impl Findings for MatchFindings {
     }
 
     fn details(&self, ui: &mut egui::Ui) {
+        let ink = theme::ink(ui);
         let plot = still_plot("matching").height(260.0).x_axis_label("code").y_axis_label("fraction of full light");
         let shown = plot.legend(Legend::default().position(Corner::LeftTop)).show(ui, |plot| {
             for found in self.found() {
-                let ((color, marker), name) = (series(found.channel), found.channel.name());
+                let ((color, marker), name) = (series(ink, found.channel), found.channel.name());
                 let curve = (0..=255).map(f64::from).map(|code| [code, (code / 255.0).powf(found.gamma)]);
                 plot.line(Line::new(name, curve.collect::<Vec<_>>()).color(color).width(1.5));
                 plot.points(Points::new(name, vec![[found.code, found.share]]).shape(marker).radius(4.5).color(color));

@@ -9,7 +9,7 @@ use egui_plot::MarkerShape;
 use super::check::CheckPage;
 use crate::{
     app::ui::{
-        Dialog, Field, FileKind, Saving, Step, hint, paragraph, primary, secondary, section, show_error, theme::SERIES,
+        Dialog, Field, FileKind, Saving, Step, hint, paragraph, primary, secondary, section, show_error, theme::Ink,
         today, tool_page,
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
@@ -367,12 +367,12 @@ fn write(writer: &Writer, path: &Path, profile: &DisplayProfile) -> Result<Saved
 }
 
 /// Returns the color and marker of a channel in plots.
-pub fn series(channel: Channel) -> (Color32, MarkerShape) {
+pub fn series(ink: &Ink, channel: Channel) -> (Color32, MarkerShape) {
     match channel {
-        Channel::Red => (SERIES[5], MarkerShape::Square),
-        Channel::Green => (SERIES[2], MarkerShape::Up),
-        Channel::Blue => (SERIES[1], MarkerShape::Diamond),
-        Channel::Gray => (Color32::from_gray(0xd0), MarkerShape::Circle),
+        Channel::Red => (ink.series[5], MarkerShape::Square),
+        Channel::Green => (ink.series[2], MarkerShape::Up),
+        Channel::Blue => (ink.series[1], MarkerShape::Diamond),
+        Channel::Gray => (ink.text, MarkerShape::Circle),
     }
 }
 

@@ -1,9 +1,12 @@
 //! Measures the screen with a bank card held against it.
 
-use eframe::egui::{self, Color32, Id, Key, ScrollArea, Sense, Slider, SliderClamping, Stroke, Vec2};
+use eframe::egui::{self, Id, Key, ScrollArea, Sense, Slider, SliderClamping, Stroke, Vec2};
 
 use crate::{
-    app::ui::{Step, primary, secondary, show_error, theme::COLUMN},
+    app::ui::{
+        Step, primary, secondary, show_error,
+        theme::{COLUMN, ink},
+    },
     display::geometry::{CARD_WIDTH_CM, width_cm_from_card},
 };
 
@@ -96,8 +99,8 @@ impl CardHelper {
         }
         ScrollArea::horizontal().id_salt("outline").show(ui, |ui| {
             let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
-            let stroke = Stroke::new(1.0, Color32::WHITE);
-            ui.painter().rect(rect, 10.0, Color32::from_gray(0x3a), stroke, egui::StrokeKind::Inside);
+            let stroke = Stroke::new(1.0, ink(ui).text);
+            ui.painter().rect(rect, 10.0, ink(ui).outline, stroke, egui::StrokeKind::Inside);
         });
     }
 }

@@ -1,12 +1,12 @@
 //! Size of the screen, viewing distance, and the resulting size of a degree.
 
-use eframe::egui::{self, Color32, Stroke, TextEdit, Vec2};
+use eframe::egui::{self, Stroke, TextEdit, Vec2};
 
 use super::card::CardHelper;
 use crate::{
     app::ui::{
         Field, Monitor, ScreenFields, Step, describe, note, number, platform::Platform, secondary, show_error,
-        theme::SECONDARY, tool_page,
+        theme::ink, tool_page,
     },
     display::{GeometryError, Screen, Viewing, geometry::distance_cm},
 };
@@ -136,13 +136,14 @@ fn rulers(ui: &mut egui::Ui, viewing: &Viewing) {
         ui.allocate_exact_size(Vec2::new((width + 12.0).min(ui.available_width()), 84.0), egui::Sense::hover());
     describe(&response, "A ruler of ten centimeters");
     let painter = ui.painter_at(rect);
-    let stroke = Stroke::new(1.0, Color32::from_gray(0xec));
+    let ink = ink(ui);
+    let stroke = Stroke::new(1.0, ink.text);
     let tick = |x: f32, y: f32, height: f32, text: String| {
         let foot = rect.min + Vec2::new(x + 0.5, y);
         painter.line_segment([foot, foot - Vec2::new(0.0, height)], stroke);
         if !text.is_empty() {
             let align = if x == 0.0 { egui::Align2::LEFT_TOP } else { egui::Align2::CENTER_TOP };
-            painter.text(foot, align, text, egui::FontId::proportional(12.0), SECONDARY);
+            painter.text(foot, align, text, egui::FontId::proportional(12.0), ink.secondary);
         }
     };
     for mm in 0..=10 * RULER_CM {

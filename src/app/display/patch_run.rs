@@ -10,7 +10,7 @@ use eframe::egui::{
 use crate::{
     app::{
         display::calibrate::Run,
-        ui::{Step, describe, number, theme::NOTE},
+        ui::{Step, describe, number, theme::ink},
     },
     display::photometer::{ErrorLocation, Patch, Reading, Readings, is_same_level},
     store::{StoreError, Writer, readings},
@@ -134,7 +134,7 @@ impl PatchRun {
             ui.label(format!("{done} of {all} read{settling} · Enter: next · Backspace: previous · Esc: pause"));
         });
         if let Some(message) = &self.message {
-            ui.add(egui::Label::new(RichText::new(message).small().color(NOTE.gamma_multiply(0.7))).wrap());
+            ui.add(egui::Label::new(RichText::new(message).small().color(ink(ui).note.gamma_multiply(0.7))).wrap());
         }
         if accept {
             self.accept(at, remaining_s);

@@ -10,7 +10,7 @@ use super::{
     patch_run::{PatchRun, PatchView},
 };
 use crate::{
-    app::ui::{Field, hint, note, number, signed, still_plot, table},
+    app::ui::{Field, hint, note, number, signed, still_plot, table, theme},
     display::{
         Channel, DisplayProfile, Measurement, Viewing,
         photometer::{Calibration, Family, FittedChannel, Patch, PatchSettings, Sum, largest, patches},
@@ -189,10 +189,11 @@ fn plots(ui: &mut egui::Ui, calibration: &Calibration, family: Family) {
         let own = calibration.readings.all().iter().filter(|reading| reading.channel == one.channel);
         own.map(|reading| [reading.level, reading.luminance_cd_m2]).collect()
     };
+    let ink = theme::ink(ui);
     hint(ui, format!("Luminance: readings as points, {family} as lines."));
     plot("light", 260.0, "cd/m²").legend(Legend::default().position(Corner::LeftTop)).show(ui, |plot| {
         for one in channels {
-            let ((color, marker), name) = (series(one.channel), one.channel.name());
+            let ((color, marker), name) = (series(ink, one.channel), one.channel.name());
             let curve = (0..=STEPS).map(|step| step as f64 / STEPS as f64).map(|v| [v, one.curve.cd_m2(v)]);
             plot.line(Line::new(name, curve.collect::<Vec<_>>()).color(color).width(2.0));
             plot.points(Points::new(name, read(one)).shape(marker).radius(4.0).color(color));
@@ -201,7 +202,7 @@ fn plots(ui: &mut egui::Ui, calibration: &Calibration, family: Family) {
     hint(ui, "Residual of each reading, in 8-bit codes.");
     plot("errors", 160.0, "codes").include_y(-1.0).include_y(1.0).show(ui, |plot| {
         for one in channels {
-            let (color, marker) = series(one.channel);
+            let (color, marker) = series(ink, one.channel);
             let errors: Vec<[f64; 2]> =
                 read(one).iter().map(|[level, cd_m2]| [*level, 255.0 * (one.curve.encoded(*cd_m2) - level)]).collect();
             plot.points(Points::new(one.channel.name(), errors).shape(marker).radius(4.0).color(color));

@@ -13,8 +13,7 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Dialog, Field, FileKind, Monitor, ScreenFields, Step, hint, note, number, show_error, success, theme::PAGE,
-        today, tool_page,
+        Dialog, Field, FileKind, Monitor, ScreenFields, Step, hint, note, number, show_error, success, today, tool_page,
     },
     display::{DisplayProfile, Screen, Viewing},
 };
@@ -60,11 +59,11 @@ impl Display {
         &self.fields
     }
 
-    /// Returns the background color of the page.
-    pub fn ground(&self) -> Color32 {
+    /// Returns the background color while a screen is measured; `None` for the color of a page.
+    pub fn ground(&self) -> Option<Color32> {
         match &self.tool {
             Some(Tool::Timing(tool)) => tool.ground(),
-            _ => PAGE,
+            _ => None,
         }
     }
 

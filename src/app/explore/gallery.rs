@@ -29,8 +29,6 @@ const DITHERS: [&str; 4] = ["none", "ordered", "blue-noise", "random"];
 const NARROW: f32 = 760.0;
 /// Width of the column of labels, points.
 const LABELS: f32 = 108.0;
-/// Color of predicted bands; the curves have other colors.
-const BAND: Color32 = Color32::from_rgb(0xe0, 0x90, 0xc0);
 /// The strength that gets the longest mark; a just-visible band gets the shortest. Lengths are shares of the plotted
 /// range of light.
 const STRONGEST: f64 = 100.0;
@@ -225,10 +223,11 @@ impl Gallery {
         let width = (*size as f32 / ui.ctx().pixels_per_point()).max(420.0).min(room.max(300.0));
         let curves = &shown.curves;
         let marks = self.prediction.marks(stimulus, *size);
+        let band = theme::ink(ui).band;
         let lines: [(&str, &Vec<[f64; 2]>); 2] =
             [("after quantization", &curves.emitted), ("requested", &curves.requested)];
         let response = plot(ui, "profile", "light", width, &lines, |plot| {
-            marks.iter().for_each(|mark| draw_mark(plot, mark, &curves.requested));
+            marks.iter().for_each(|mark| draw_mark(plot, mark, &curves.requested, band));
         });
         if stimulus.is_line() {
             ui::describe(&response, &format!("Plot: light, {}", prediction::description(marks)));
@@ -244,7 +243,7 @@ impl Gallery {
 
 /// Draws an arrow from the curve at a predicted band, up for a bright band and down for a dark one. Stronger bands have
 /// longer arrows.
-fn draw_mark(plot: &mut PlotUi<'_>, mark: &Mark, curve: &[[f64; 2]]) {
+fn draw_mark(plot: &mut PlotUi<'_>, mark: &Mark, curve: &[[f64; 2]], color: Color32) {
     let light = || curve.iter().map(|point| point[1]);
     let (least, most) = (light().fold(f64::INFINITY, f64::min), light().fold(f64::NEG_INFINITY, f64::max));
     let share = (mark.strength.ln() / STRONGEST.ln()).clamp(0.0, 1.0);
@@ -256,8 +255,8 @@ fn draw_mark(plot: &mut PlotUi<'_>, mark: &Mark, curve: &[[f64; 2]]) {
         Polarity::Dark => (light - length, MarkerShape::Down),
     };
     let name = "predicted band";
-    plot.line(Line::new(name, vec![[mark.place, *light], [mark.place, tip]]).color(BAND).width(2.0));
-    plot.points(Points::new(name, vec![[mark.place, tip]]).color(BAND).shape(shape).radius(5.0).filled(true));
+    plot.line(Line::new(name, vec![[mark.place, *light], [mark.place, tip]]).color(color).width(2.0));
+    plot.points(Points::new(name, vec![[mark.place, tip]]).color(color).shape(shape).radius(5.0).filled(true));
 }
 
 /// Returns the lower end, upper end and step of a parameter's slider; `None` for a parameter whose values are not only
@@ -319,6 +318,7 @@ fn plot(
     lines: &[(&str, &Vec<[f64; 2]>)],
     over: impl FnOnce(&mut PlotUi<'_>),
 ) -> egui::Response {
+    let sides = theme::ink(ui).sides;
     let lowest = lines.iter().flat_map(|(_, points)| points.iter()).map(|point| point[1]).fold(f64::INFINITY, f64::min);
     ui::still_plot(id)
         .width(width)
@@ -330,7 +330,7 @@ fn plot(
         .y_axis_label(axis)
         .legend(Legend::default().position(Corner::LeftTop).text_style(egui::TextStyle::Small).background_alpha(0.5))
         .show(ui, |plot| {
-            for ((name, points), color) in lines.iter().zip(theme::SIDES) {
+            for ((name, points), color) in lines.iter().zip(sides) {
                 plot.line(Line::new(*name, (*points).clone()).color(color).width(1.5));
             }
             over(plot);

@@ -120,6 +120,7 @@ impl Finish {
         ui.label(self.protocol.instructions.ratings.replace("{x}", &along.name).replace("{lines}", lines));
         let labels: Vec<String> = along.levels.iter().map(ToString::to_string).collect();
         let last = labels.len().saturating_sub(1) as f64;
+        let ink = theme::ink(ui);
         still_plot("ratings")
             .height(280.0)
             .include_x(-0.3)
@@ -137,7 +138,7 @@ impl Finish {
             })
             .show(ui, |plot| {
                 for (i, (name, points)) in self.lines.iter().enumerate() {
-                    let (color, marker) = theme::series(i);
+                    let (color, marker) = ink.series(i);
                     plot.line(Line::new(name, points.clone()).color(color).width(2.0));
                     plot.points(Points::new(name, points.clone()).shape(marker).radius(5.0).color(color));
                 }

@@ -73,7 +73,7 @@ pub fn instructions(
         if page == 0 {
             ui.heading(&texts.welcome);
             if let Some(progress) = resumed {
-                ui.label(egui::RichText::new(fill(&texts.resumed, &progress)).color(theme::NOTE));
+                ui.label(egui::RichText::new(fill(&texts.resumed, &progress)).color(theme::ink(ui).note));
             }
             ui.add_space(8.0);
             for paragraph in texts.task.split("\n\n") {

@@ -44,7 +44,7 @@ impl Runner {
     }
 
     pub fn ground(&self) -> Color32 {
-        if let Stage::Trials(trials) = &self.0 { trials.ground() } else { theme::PAGE }
+        if let Stage::Trials(trials) = &self.0 { trials.ground() } else { theme::DARK_PAGE }
     }
 
     /// Returns whether every planned trial is rated.

@@ -323,7 +323,7 @@ impl Trials {
 
     /// Returns the background color: the color of the uniform field during trials.
     pub fn ground(&self) -> Color32 {
-        if self.is_trial() && self.unsaved_answer.is_none() { self.field } else { theme::PAGE }
+        if self.is_trial() && self.unsaved_answer.is_none() { self.field } else { theme::DARK_PAGE }
     }
 
     fn draw_trial(&mut self, ui: &mut egui::Ui, window_s: f64, input: &mut Input) {

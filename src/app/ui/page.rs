@@ -4,7 +4,10 @@ use std::convert::Infallible;
 
 use eframe::egui::{self, CentralPanel, Color32, Frame, Key, Popup, RichText, ScrollArea, Ui, Vec2};
 
-use super::{text::secondary, theme::COLUMN};
+use super::{
+    text::secondary,
+    theme::{COLUMN, ink},
+};
 
 /// Where a page leads after a frame. The step of a page that can only lead back is a plain `Step`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,7 +95,7 @@ pub fn heading(ui: &mut Ui, name: &str) -> bool {
 /// Draws the main button of a page, followed by a hint, such as its key; returns whether the button was clicked.
 pub fn primary(ui: &mut Ui, text: &str, enabled: bool, hint: &str) -> bool {
     let button = egui::Button::new(RichText::new(text).size(19.0).strong().color(Color32::BLACK))
-        .fill(Color32::from_rgb(0xe8, 0xd0, 0x70))
+        .fill(ink(ui).primary)
         .min_size(Vec2::new(180.0, 44.0));
     ui.horizontal(|ui| {
         let clicked = ui.add_enabled(enabled, button).clicked();

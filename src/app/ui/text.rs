@@ -2,10 +2,10 @@
 
 use eframe::egui::{self, Color32, Label, Response, RichText, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetText};
 
-use super::theme::{ERROR, NOTE, SECONDARY, SUCCESS};
+use super::theme::ink;
 
 pub fn secondary(text: impl Into<String>) -> RichText {
-    RichText::new(text).small().color(SECONDARY)
+    RichText::new(text).small().weak()
 }
 
 /// Draws text that wraps.
@@ -20,17 +20,17 @@ pub fn hint(ui: &mut Ui, text: impl Into<String>) {
 
 /// Draws a note that deserves attention.
 pub fn note(ui: &mut Ui, text: impl Into<String>) {
-    small(ui, text, NOTE);
+    small(ui, text, ink(ui).note);
 }
 
 /// Draws an error, next to the field or button that it concerns.
 pub fn show_error(ui: &mut Ui, text: impl Into<String>) {
-    small(ui, text, ERROR);
+    small(ui, text, ink(ui).error);
 }
 
 /// Draws a success message.
 pub fn success(ui: &mut Ui, text: impl Into<String>) {
-    small(ui, text, SUCCESS);
+    small(ui, text, ink(ui).success);
 }
 
 fn small(ui: &mut Ui, text: impl Into<String>, color: Color32) {
@@ -56,12 +56,13 @@ pub fn section(ui: &mut Ui, text: impl Into<String>) {
 pub fn tick(ui: &mut Ui, passed: bool) {
     let (rect, _) = ui.allocate_exact_size(Vec2::splat(18.0), Sense::hover());
     let at = |x: f32, y: f32| rect.lerp_inside(Vec2::new(x, y));
-    let stroke = Stroke::new(2.5, if passed { SUCCESS } else { NOTE });
+    let ink = ink(ui);
+    let stroke = Stroke::new(2.5, if passed { ink.success } else { ink.note });
     if passed {
         ui.painter().line(vec![at(0.1, 0.55), at(0.4, 0.85), at(0.9, 0.2)], stroke);
     } else {
         ui.painter().line_segment([at(0.5, 0.1), at(0.5, 0.62)], stroke);
-        ui.painter().circle_filled(at(0.5, 0.88), 2.0, NOTE);
+        ui.painter().circle_filled(at(0.5, 0.88), 2.0, ink.note);
     }
 }
 

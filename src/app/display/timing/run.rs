@@ -6,7 +6,7 @@ use eframe::egui::{CentralPanel, Color32, CursorIcon, Frame, Key, Pos2, Rect, Te
 
 use super::report::TimingReport;
 use crate::{
-    app::ui::{Monitor, page, paragraph, pixels, theme::PAGE},
+    app::ui::{Monitor, page, paragraph, pixels, theme::DARK_PAGE},
     display::frames::FrameTimes,
     light::{Bits, Quantizer, Transfer},
     stimulus::{MachBand, Stimulus},
@@ -115,7 +115,7 @@ impl TimingRun {
         match self.plan.scene {
             // Black, so that nothing of the warning page remains behind the patch.
             Scene::Patch if self.frame > 0 => Color32::BLACK,
-            Scene::Patch => PAGE,
+            Scene::Patch => DARK_PAGE,
             Scene::Trial => pixels::field(&self.quantizer, stimulus(0).field_light(0.5)),
         }
     }

@@ -10,11 +10,7 @@ use super::{
     run::{FLICKER_WARNING, Patch, Place, Scene, TimingPlan, TimingRun},
 };
 use crate::{
-    app::ui::{
-        Field, Monitor, Saving, Step, paragraph, primary, secondary, still_plot,
-        theme::{NOTE, PAGE, SECONDARY, SERIES, SUCCESS},
-        tool_page,
-    },
+    app::ui::{Field, Monitor, Saving, Step, paragraph, primary, secondary, still_plot, theme::ink, tool_page},
     report::figures,
     store::{StoreError, Writer},
 };
@@ -67,9 +63,9 @@ impl TimingTool {
         Step::back_if(back)
     }
 
-    /// Returns the background color of the page.
-    pub fn ground(&self) -> Color32 {
-        self.run.as_ref().map_or(PAGE, TimingRun::ground)
+    /// Returns the background color while frames are measured; `None` for the color of a page.
+    pub fn ground(&self) -> Option<Color32> {
+        self.run.as_ref().map(TimingRun::ground)
     }
 
     fn settings(&mut self, ui: &mut egui::Ui) {
@@ -84,14 +80,14 @@ impl TimingTool {
             Field::new("Patch size, pixels").choice(ui, &mut patch.size_px, &SIZES, u32::to_string);
             let places = [(Place::Corner, "Upper-left corner"), (Place::Center, "Center")];
             Field::new("Patch position").radio(ui, &mut patch.place, &places);
-            paragraph(ui, RichText::new(FLICKER_WARNING).color(NOTE));
+            paragraph(ui, RichText::new(FLICKER_WARNING).color(ink(ui).note));
         }
         ui.add_space(4.0);
     }
 
     fn found(&mut self, ui: &mut egui::Ui) {
         let Some(report) = &self.report else { return };
-        let color = if report.is_one_by_one() == Some(true) { SUCCESS } else { NOTE };
+        let color = if report.is_one_by_one() == Some(true) { ink(ui).success } else { ink(ui).note };
         paragraph(ui, RichText::new(report.verdict()).strong().color(color));
         ui.add_space(4.0);
         egui::Grid::new("timing").num_columns(2).spacing([24.0, 4.0]).show(ui, |ui| {
@@ -123,15 +119,16 @@ fn export(writer: &Writer, report: &TimingReport, path: &Path) -> Result<String,
 }
 
 fn plot(ui: &mut egui::Ui, report: &TimingReport) {
+    let ink = ink(ui);
     let points: Vec<[f64; 2]> =
         (1..).zip(report.intervals_us()).map(|(frame, us)| [f64::from(frame), f64::from(*us) * 1e-3]).collect();
     still_plot("intervals").height(220.0).include_y(0.0).x_axis_label("frame").y_axis_label("interval, ms").show(
         ui,
         |plot| {
             if let Some(refresh) = report.refresh {
-                plot.hline(HLine::new("refresh", refresh.seconds() * 1e3).color(SECONDARY));
+                plot.hline(HLine::new("refresh", refresh.seconds() * 1e3).color(ink.secondary));
             }
-            plot.points(Points::new("interval", points).radius(1.5).color(SERIES[1]));
+            plot.points(Points::new("interval", points).radius(1.5).color(ink.series[1]));
         },
     );
 }

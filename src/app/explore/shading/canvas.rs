@@ -99,7 +99,7 @@ pub fn interact(
     }
     if response.has_focus() {
         keys(ui, &response, compared, settings);
-        ui.painter().rect_stroke(rect, 0.0, Stroke::new(1.0, Color32::WHITE), egui::StrokeKind::Outside);
+        ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, theme::ink(ui).text), egui::StrokeKind::Outside);
     }
     let icon = match settings.target {
         DragTarget::ScanLine => CursorIcon::Crosshair,
@@ -229,11 +229,12 @@ fn grip(painter: &egui::Painter, at: Pos2) {
 
 /// Marks the position of the light; the mark is hollow if the light is behind the surface.
 fn draw_light_mark(painter: &egui::Painter, at: Pos2, before: bool) {
-    let fill = if before { theme::NOTE } else { Color32::TRANSPARENT };
-    painter.circle(at, 6.0, fill, Stroke::new(1.5, theme::NOTE));
+    let color = Color32::from_rgb(0xe8, 0xc8, 0x60);
+    let fill = if before { color } else { Color32::TRANSPARENT };
+    painter.circle(at, 6.0, fill, Stroke::new(1.5, color));
     for ray in 0..8 {
         let toward = Vec2::angled(ray as f32 * std::f32::consts::FRAC_PI_4);
-        painter.line_segment([at + toward * 9.0, at + toward * 13.0], Stroke::new(1.5, theme::NOTE));
+        painter.line_segment([at + toward * 9.0, at + toward * 13.0], Stroke::new(1.5, color));
     }
 }
 

@@ -10,7 +10,7 @@ use super::{
     pictures::{Drawer, DrawnBy},
 };
 use crate::{
-    app::ui::{Field, text, theme::SIDES},
+    app::ui::{Field, text, theme::ink},
     light::{Depth, Transfer},
     shading::{Correction, Gradients, Highlight, Scene, Shader, shapes::Shape},
     stimulus::Renderer,
@@ -46,7 +46,7 @@ pub fn preset(ui: &mut egui::Ui, compared: &mut Comparison) {
 /// Draws the controls of one side's renderer.
 pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
     let place = ["Left", "Right"][which];
-    ui.label(RichText::new(place).strong().color(SIDES[which]));
+    ui.label(RichText::new(place).strong().color(ink(ui).sides[which]));
     let name = |control: &str| format!("{place} {control}");
     let shade = &mut side.shade;
     field("shader", &name("shader")).choice(ui, &mut shade.shader, Shader::ALL, |shader| shader_title(*shader));

@@ -14,7 +14,7 @@ use crate::{
             gallery::slopes,
             prediction::{self, BandMapImage},
         },
-        ui::{describe, hint, pixels, still_plot, theme::SIDES, work::Latest},
+        ui::{describe, hint, pixels, still_plot, theme::ink, work::Latest},
     },
     light::{Bits, CodeImage, Quantizer, Transfer},
     shading::{Creases, Surface, crease},
@@ -88,7 +88,7 @@ impl Measurement {
             Some(Err(error)) => ("—", error.as_str()),
             None => ("…", ""),
         };
-        let label = ui.label(RichText::new(cell).small().color(SIDES[which]));
+        let label = ui.label(RichText::new(cell).small().color(ink(ui).sides[which]));
         if !details.is_empty() {
             label.on_hover_text(details);
         }
@@ -212,9 +212,10 @@ impl Scan {
 
 fn plot(ui: &mut egui::Ui, what: &str, titles: &[String; 2], curves: &[Curve; 2]) {
     hint(ui, format!("{what}, along the scan line, starting at its ring"));
+    let sides = ink(ui).sides;
     let plot = still_plot(what).width(ui.available_width()).height(ui.available_height()).y_axis_min_width(44.0);
     let plot = plot.show(ui, |plot| {
-        for ((pieces, color), title) in curves.iter().zip(SIDES).zip(titles) {
+        for ((pieces, color), title) in curves.iter().zip(sides).zip(titles) {
             for piece in pieces {
                 plot.line(Line::new(title.clone(), piece.clone()).color(color).width(1.5));
             }

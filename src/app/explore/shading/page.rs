@@ -18,7 +18,7 @@ use super::{
 use crate::{
     app::ui::{
         Dialog, Field, FileKind, Step, escaped, heading, hint, secondary, show_error,
-        theme::{self, SIDES},
+        theme::{self, ink},
     },
     light::CodeImage,
     shading::Surface,
@@ -215,7 +215,8 @@ impl ShadingPage {
 
     /// Draws the names of the renderers above their halves.
     fn titles(&mut self, ui: &mut egui::Ui, titles: &[String; 2]) {
-        let text = |i: usize| RichText::new(&titles[i]).strong().color(SIDES[i]);
+        let sides = ink(ui).sides;
+        let text = |i: usize| RichText::new(&titles[i]).strong().color(sides[i]);
         let height = ui.spacing().interact_size.y;
         ui.horizontal(|ui| {
             ui.set_min_height(height);
@@ -298,7 +299,7 @@ impl ShadingPage {
         ui.spacing_mut().interact_size.y = 14.0;
         egui::Grid::new("numbers").spacing([16.0, 2.0]).show(ui, |ui| {
             ui.label("");
-            for (side, color) in ["left", "right"].into_iter().zip(SIDES) {
+            for (side, color) in ["left", "right"].into_iter().zip(ink(ui).sides) {
                 ui.label(RichText::new(side).small().color(color));
             }
             ui.end_row();
