@@ -8,6 +8,7 @@
 //! | PNG images, and folders of images | [`image`], [`manifest`] |
 //! | OBJ meshes | [`mesh`] |
 //! | definitions, display profiles and simulated observers (TOML) | [`definition`], [`profile`], [`observer`] |
+//! | what the window remembers (TOML) | [`settings`] |
 //! | photometer readings, visual matches and stimulus profiles (CSV) | [`readings`], [`mod@matches`], [`curve`] |
 //! | identifies any file and finds all errors in it | [`check`](mod@check) |
 //!
@@ -32,6 +33,7 @@ pub mod ratings;
 pub mod readings;
 pub mod scene;
 pub mod session;
+pub mod settings;
 pub mod table;
 mod toml;
 

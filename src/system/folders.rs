@@ -58,6 +58,14 @@ pub fn data_folder() -> Option<PathBuf> {
     choose_native_strategy().ok().map(|user| user.data_dir().join("machband"))
 }
 
+/// Returns the program's folder in the user's folder for configuration, which may not exist yet:
+/// `$XDG_CONFIG_HOME/machband` or `~/.config/machband` on Linux, and the platform's own folder elsewhere. `None` if the
+/// user has no home folder.
+#[must_use]
+pub fn config_folder() -> Option<PathBuf> {
+    choose_native_strategy().ok().map(|user| user.config_dir().join("machband"))
+}
+
 /// Creates a folder and its parents. Only the user can open the folders that it creates (mode 700).
 ///
 /// # Errors

@@ -7,5 +7,5 @@ pub mod signals;
 mod threads;
 
 pub use clock::{after, before, check_clock, now};
-pub use folders::{data_folder, entries, make_private_folder, remove_tree};
+pub use folders::{config_folder, data_folder, entries, make_private_folder, remove_tree};
 pub use threads::{run_on_thread, start_threads, threads};

@@ -3,6 +3,7 @@
 pub mod dataset;
 pub mod frames;
 mod lock;
+pub mod overview;
 pub mod recorded;
 pub mod register;
 mod repair;

@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::{
-    dataset::{DATA_FILE, SIDECAR_SUFFIX, identity},
+    dataset::{DATA_FILE, identity},
     frames, register, results,
     sidecar::Sidecar,
 };
@@ -47,10 +47,7 @@ impl Recorded {
     /// every error.
     pub fn open(csv: &Path) -> Result<Self, StoreError> {
         let (stem, identity) = identity(csv).map_err(|message| FileErrors::whole(csv, message))?;
-        let sidecar_path = csv.with_file_name(format!("{stem}{SIDECAR_SUFFIX}"));
-        let sidecar = Sidecar::read(&sidecar_path)?.ok_or_else(|| {
-            FileErrors::whole(&sidecar_path, "does not exist; expected the sidecar that belongs to the data file")
-        })?;
+        let (sidecar_path, sidecar) = Sidecar::of(csv)?;
         let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
         let schedule = Schedule::new(&protocol, &identity, sidecar.seed)
             .map_err(|error| StoreError::Mismatch { path: sidecar_path.clone(), what: error.to_string() })?;

@@ -1,6 +1,9 @@
 //! The sidecar of a result file: everything about a session except its rows.
 
-use std::{collections::BTreeMap, path::Path};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -242,6 +245,21 @@ impl Sidecar {
             return Err(FileErrors::whole(path, "lists no sitting; expected at least one").into());
         }
         Ok(Some(read))
+    }
+
+    /// Reads the sidecar of a data file; also returns its path.
+    ///
+    /// # Errors
+    /// There is no sidecar, or it cannot be read.
+    pub fn of(csv: &Path) -> Result<(PathBuf, Self), StoreError> {
+        let path = csv.with_extension("json");
+        match Self::read(&path)? {
+            Some(sidecar) => Ok((path, sidecar)),
+            None => {
+                let what = "does not exist; expected the sidecar that belongs to the data file";
+                Err(FileErrors::whole(&path, what).into())
+            }
+        }
     }
 
     /// Writes the sidecar atomically.

@@ -1,0 +1,98 @@
+//! The sessions in a results folder and their states, for a list to choose from. Nothing is changed or locked.
+
+use std::{
+    cmp::Reverse,
+    collections::HashSet,
+    path::{Path, PathBuf},
+};
+
+use super::{
+    dataset::{DATA_FILE, identity},
+    results,
+    sidecar::Sidecar,
+};
+use crate::{
+    experiment::{Identity, Protocol, columns},
+    store::{FileErrors, StoreError, definition},
+    system::entries,
+};
+
+/// A session as a list shows it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SessionState {
+    /// Path of the data file.
+    pub csv: PathBuf,
+    /// Name of the experiment.
+    pub experiment: String,
+    pub identity: Identity,
+    /// Number of rated trials.
+    pub rated: usize,
+    /// Number of planned trials.
+    pub planned: usize,
+    /// Whether every planned trial is rated.
+    pub complete: bool,
+    /// When the last sitting began, RFC 3339, UTC.
+    pub started_at: String,
+}
+
+impl SessionState {
+    /// Returns the day of the last sitting in UTC, as `2026-01-31`.
+    pub fn day(&self) -> &str {
+        self.started_at.get(..10).unwrap_or_default()
+    }
+
+    /// Reads the definition and the viewing distance in cm of the last sitting, to resume the session.
+    ///
+    /// # Errors
+    /// The sidecar cannot be read.
+    pub fn to_resume(&self) -> Result<(Protocol, Option<f64>), StoreError> {
+        let (path, sidecar) = Sidecar::of(&self.csv)?;
+        let viewing = sidecar.sittings.last().and_then(|sitting| sitting.viewing.as_ref());
+        let distance_cm = viewing.and_then(|viewing| viewing["distance_cm"].as_f64());
+        Ok((definition::from_json(&path.display().to_string(), &sidecar.definition)?, distance_cm))
+    }
+
+    fn read(csv: PathBuf) -> Result<Self, StoreError> {
+        let (_, identity) = identity(&csv).map_err(|message| FileErrors::whole(&csv, message))?;
+        let (path, sidecar) = Sidecar::of(&csv)?;
+        let protocol = definition::from_json(&path.display().to_string(), &sidecar.definition)?;
+        let planned = protocol.main_trials().saturating_add(protocol.design.practice as usize);
+        // A complete session was rated to the end, so its rows need not be read.
+        let rated = if sidecar.complete {
+            planned
+        } else {
+            let rows = results::read(&csv, &columns(&protocol))?.rows;
+            rows.iter().map(|row| (row.phase, row.trial)).collect::<HashSet<_>>().len()
+        };
+        let started_at = sidecar.sittings.last().map(|sitting| sitting.started_at.clone()).unwrap_or_default();
+        Ok(Self { csv, experiment: protocol.name, identity, rated, planned, complete: sidecar.complete, started_at })
+    }
+}
+
+/// The sessions in a results folder.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overview {
+    /// Unfinished sessions first, then the latest first.
+    pub sessions: Vec<SessionState>,
+    /// The errors of sessions that cannot be read.
+    pub errors: Vec<String>,
+}
+
+impl Overview {
+    /// Reads the states of all sessions in a results folder. A folder that does not exist has no sessions.
+    #[must_use]
+    pub fn of(results: &Path) -> Self {
+        let mut overview = Self::default();
+        let datasets = entries(results).unwrap_or_default().into_iter();
+        let files = datasets.flat_map(|dataset| entries(&dataset.join("data")).unwrap_or_default());
+        let is_data = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().ends_with(DATA_FILE));
+        for csv in files.filter(is_data) {
+            match SessionState::read(csv) {
+                Ok(session) => overview.sessions.push(session),
+                Err(error) => overview.errors.push(error.to_string()),
+            }
+        }
+        overview.sessions.sort_by_cached_key(|session| (session.complete, Reverse(session.started_at.clone())));
+        overview
+    }
+}

@@ -1,0 +1,145 @@
+//! What the window remembers from one start to the next: one TOML file in the platform's folder for configuration.
+//! It never holds data about participants.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::{
+    FileErrors, StoreError,
+    file::{make_folder, read_text, write_file},
+    toml,
+};
+use crate::system::config_folder;
+
+/// Maximum number of remembered experiments, and of remembered analyses.
+const MAX_RECENT: usize = 8;
+
+/// The theme of the window. Sessions are dark in every theme.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ThemeChoice {
+    /// The system's theme; dark if the system does not say.
+    #[default]
+    System,
+    Light,
+    Dark,
+}
+
+/// The remembered settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    pub theme: ThemeChoice,
+    /// Factor by which text and controls are enlarged, 0.2…5.
+    pub zoom: f32,
+    /// Whether the start page explains what a Mach band is.
+    pub greeting: bool,
+    /// Whether sessions fill the screen.
+    pub full_screen: bool,
+    /// The results folder.
+    pub results: String,
+    pub screen: ScreenSettings,
+    pub recent: Recent,
+    /// The settings of each page, by its name.
+    pub pages: ::toml::Table,
+}
+
+/// The remembered screen.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ScreenSettings {
+    /// Name and size of the monitor. The width is used only on the same monitor.
+    pub monitor: String,
+    /// Width of the visible screen, cm, as typed; empty if it is not known.
+    pub width_cm: String,
+    /// Viewing distance, cm, as typed; empty to use the distance that a definition plans.
+    pub distance_cm: String,
+    /// Path of the display profile; empty for sRGB.
+    pub profile: String,
+}
+
+/// Files that were used recently, the latest first.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Recent {
+    /// Paths of definitions.
+    pub experiments: Vec<String>,
+    /// Paths of analyzed files and folders.
+    pub analyses: Vec<String>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            theme: ThemeChoice::default(),
+            zoom: 1.0,
+            greeting: true,
+            full_screen: true,
+            results: "results".to_owned(),
+            screen: ScreenSettings::default(),
+            recent: Recent::default(),
+            pages: ::toml::Table::new(),
+        }
+    }
+}
+
+/// Puts an entry at the front of a list of recent files.
+pub fn remember(recent: &mut Vec<String>, entry: &str) {
+    if recent.first().is_none_or(|first| first != entry) {
+        recent.retain(|other| other != entry);
+        recent.insert(0, entry.to_owned());
+        recent.truncate(MAX_RECENT);
+    }
+}
+
+/// The file with the settings.
+#[derive(Clone, Debug)]
+pub struct SettingsFile {
+    path: PathBuf,
+    /// What is in the file.
+    written: Settings,
+}
+
+impl SettingsFile {
+    /// Returns the path of the user's own file; `None` if the user has no home folder.
+    #[must_use]
+    pub fn default_path() -> Option<PathBuf> {
+        config_folder().map(|folder| folder.join("settings.toml"))
+    }
+
+    /// Reads the settings. A file that does not exist yet has the default settings.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is not a file of settings; it must then not be written, because that would destroy
+    /// what its owner wrote.
+    pub fn open(path: &Path) -> Result<(Self, Settings), FileErrors> {
+        let settings = if path.exists() { parse(&path.display().to_string(), &read_text(path)?)? } else { Settings::default() };
+        Ok((Self { path: path.to_owned(), written: settings.clone() }, settings))
+    }
+
+    /// Writes the settings if they differ from the file's.
+    ///
+    /// # Errors
+    /// I/O errors. The same settings are not written again.
+    pub fn save(&mut self, settings: &Settings) -> Result<(), StoreError> {
+        if self.written == *settings {
+            return Ok(());
+        }
+        self.written = settings.clone();
+        if let Some(folder) = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+            make_folder(folder)?;
+        }
+        // Plain data, so serialization cannot fail.
+        let text = ::toml::to_string(settings).unwrap_or_default();
+        write_file(&self.path, format!("{HEADER}{text}").as_bytes())
+    }
+}
+
+const HEADER: &str = "# What machband's window remembers. machband rewrites this file; remove it to start afresh.\nschema = 1\n";
+
+fn parse(file: &str, text: &str) -> Result<Settings, FileErrors> {
+    let (settings, mut document) = toml::read::<Settings>(file, text)?;
+    document.check_range("zoom", settings.zoom.into(), 0.2, 5.0);
+    document.finish(settings)
+}
