@@ -9,14 +9,17 @@ pub const CARD_WIDTH_CM: f64 = 8.56;
 
 /// Plausible numbers of pixels along a side of a screen.
 const SIDE_PX: std::ops::RangeInclusive<f64> = 16.0..=65_536.0;
-/// Plausible widths of a screen, from a viewfinder to a movie theater.
-const WIDTH_CM: std::ops::RangeInclusive<f64> = 1.0..=10_000.0;
-/// Plausible viewing distances.
-const DISTANCE_CM: std::ops::RangeInclusive<f64> = 1.0..=100_000.0;
+/// Plausible widths of a screen, from a phone held sideways to a projection on a wall.
+const WIDTH_CM: std::ops::RangeInclusive<f64> = 5.0..=500.0;
+/// Plausible viewing distances, from the eye's near point to the length of a large room.
+const DISTANCE_CM: std::ops::RangeInclusive<f64> = 10.0..=2000.0;
+/// Fewest pixels per degree, and pixels along the side of a stimulus, that show a ramp rather than steps.
+const MIN_PX_PER_DEGREE: f64 = 10.0;
+const MIN_STIMULUS_PX: f64 = 64.0;
 
 /// A quantity outside its plausible range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{quantity} {value} is outside {lowest}…{highest} {unit}; expected {expected}")]
+#[error("{quantity} {} is outside {lowest}…{highest} {unit}; expected {expected}", short(*value))]
 pub struct GeometryError {
     quantity: &'static str,
     value: f64,
@@ -24,6 +27,11 @@ pub struct GeometryError {
     lowest: f64,
     highest: f64,
     expected: &'static str,
+}
+
+/// Writes a number without hundreds of digits.
+fn short(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e7).contains(&value.abs()) { value.to_string() } else { format!("{value:.1e}") }
 }
 
 fn check(
@@ -59,7 +67,7 @@ impl Screen {
     /// wide.
     ///
     /// # Errors
-    /// Returns an error if a side is not within 16…65536 pixels or the width is not within 1…10000 cm.
+    /// Returns an error if a side is not within 16…65536 pixels or the width is not within 5…500 cm.
     pub fn new(width_px: u32, height_px: u32, width_cm: f64) -> Result<Screen, GeometryError> {
         for (quantity, side) in [("screen width", width_px), ("screen height", height_px)] {
             check(quantity, side.into(), &SIDE_PX, "pixels", "the screen's physical pixels")?;
@@ -111,7 +119,7 @@ impl Viewing {
     /// Creates a view of `screen` from a distance of `distance_cm` centimeters.
     ///
     /// # Errors
-    /// Returns an error if the distance is not within 1…100000 cm.
+    /// Returns an error if the distance is not within 10…2000 cm.
     pub fn new(screen: Screen, distance_cm: f64) -> Result<Viewing, GeometryError> {
         let expected = "the distance from the eye to the screen";
         Ok(Viewing { screen, distance_cm: check("distance", distance_cm, &DISTANCE_CM, "cm", expected)? })
@@ -152,6 +160,25 @@ impl Viewing {
     #[must_use]
     pub fn px_per_degree(&self) -> f64 {
         1f64.to_radians() * self.distance_cm * self.screen.px_per_cm()
+    }
+
+    /// Says why a stimulus of `deg` degrees cannot show a smooth ramp on this screen: it has too few pixels. `None` if
+    /// it has enough.
+    #[must_use]
+    pub fn coarseness(&self, deg: f64) -> Option<String> {
+        let (side, per_degree) = (self.px_from_deg(deg).round(), self.px_per_degree());
+        if side < MIN_STIMULUS_PX {
+            return Some(format!(
+                "The stimulus has only {side} × {side} pixels, too few for a smooth ramp; at least {MIN_STIMULUS_PX} \
+                    are needed. Sit farther away, or plan a larger stimulus."
+            ));
+        }
+        (per_degree < MIN_PX_PER_DEGREE).then(|| {
+            format!(
+                "One degree has only {per_degree:.1} pixels, so pixels are visible; at least {MIN_PX_PER_DEGREE} are \
+                    needed. Sit farther away, or check the screen's width."
+            )
+        })
     }
 }
 

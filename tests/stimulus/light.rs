@@ -267,7 +267,7 @@ fn size_angle_and_distance_determine_each_other() {
     assert!((viewing.px_from_deg(0.001) / 0.001 / viewing.px_per_degree() - 1.0).abs() < 1e-9);
     assert!(Viewing::new(viewing.screen(), f64::NAN).is_err());
     let message = Screen::new(1920, 1080, 0.0).unwrap_err().to_string();
-    assert_eq!(message, "screen width 0 is outside 1…10000 cm; expected the width of the lit part of the screen");
+    assert_eq!(message, "screen width 0 is outside 5…500 cm; expected the width of the lit part of the screen");
     assert!((width_cm_from_card(428.0, 1920).unwrap() - 38.4).abs() < 1e-12);
     assert!(width_cm_from_card(0.0, 1920).is_err());
 }

@@ -2,7 +2,7 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | [`theme`] | colors, sizes, the palette of plots |
+//! | [`theme`], [`logo`] | colors, sizes, the palette of plots; the logo |
 //! | [`text`] | paragraphs, hints, notes, errors |
 //! | [`page`] | pages, their headings, main buttons and keys; navigation |
 //! | [`fields`] | labeled controls; reading typed numbers |
@@ -16,6 +16,7 @@
 pub mod blit;
 pub mod dialog;
 pub mod fields;
+pub mod logo;
 pub mod page;
 pub mod pixels;
 pub mod platform;
@@ -28,7 +29,7 @@ pub mod work;
 
 pub use dialog::{Dialog, FileKind};
 pub use fields::{Field, number};
-pub use page::{Step, escaped, heading, page, page_from, primary, shortcut, tool_page};
+pub use page::{Step, end_frame, escaped, heading, page, page_from, primary, shortcut, tool_page};
 pub use plot::{still_plot, table};
 pub use saving::Saving;
 pub use screen::{Monitor, ScreenFields, today, window_px};

@@ -2,7 +2,7 @@
 
 use std::convert::Infallible;
 
-use eframe::egui::{self, CentralPanel, Color32, Frame, Key, Popup, RichText, ScrollArea, Ui, Vec2};
+use eframe::egui::{self, CentralPanel, Color32, Frame, Id, Key, Popup, RichText, ScrollArea, Ui, Vec2};
 
 use super::{
     text::secondary,
@@ -113,9 +113,22 @@ pub fn shortcut(ui: &Ui, key: Key) -> bool {
     !focused && ui.input(|input| input.key_pressed(key))
 }
 
-/// Returns whether Escape leaves the page. Call this before lists and dialogs are drawn, because Escape closes an open
-/// one first.
+/// Returns whether Escape leaves the page. Escape first closes the innermost thing: an open list or dialog, then the
+/// field in which the user is typing. Call this before lists and dialogs are drawn.
 pub fn escaped(ui: &Ui) -> bool {
     let open = Popup::is_any_open(ui.ctx()) || !ui.memory(|memory| memory.allows_interaction(ui.layer_id()));
-    !open && ui.input(|input| input.key_pressed(Key::Escape))
+    // egui has already taken the keyboard focus from the field in which the user was typing.
+    let typing = ui.data(|data| data.get_temp(typing_id())).unwrap_or(false);
+    !open && !typing && ui.input(|input| input.key_pressed(Key::Escape))
+}
+
+/// Remembers whether the user is typing in a field, so that [`escaped`] knows it in the next frame. Call this at the end
+/// of each frame.
+pub fn end_frame(ctx: &egui::Context) {
+    let typing = ctx.text_edit_focused();
+    ctx.data_mut(|data| data.insert_temp(typing_id(), typing));
+}
+
+fn typing_id() -> Id {
+    Id::unique("typing")
 }

@@ -14,7 +14,10 @@ use super::{
     input::{Input, Stamps},
     program::{Program, Shared, WindowError},
 };
+use crate::app::ui::logo;
 
+/// Size of the window at first, points. It fits a screen of 1366 × 768 pixels with its bars.
+const SIZE: egui::Vec2 = egui::vec2(1280.0, 700.0);
 /// Minimum size of the window outside sessions, points.
 pub const MIN_SIZE: egui::Vec2 = egui::vec2(420.0, 360.0);
 
@@ -39,7 +42,8 @@ fn options(fullscreen: bool) -> NativeOptions {
     let mut options = NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title("machband")
-            .with_inner_size([1100.0, 860.0])
+            .with_inner_size(SIZE)
+            .with_icon(logo::icon())
             .with_min_inner_size(MIN_SIZE)
             .with_fullscreen(fullscreen),
         // egui's dither would add noise to every pixel, including the stimulus.
