@@ -17,6 +17,8 @@ use crate::{
 pub const MAX_RATING: u8 = 3;
 /// Maximum number of trials per session.
 const MAX_TRIALS: usize = 100_000;
+/// Typical time to look at a stimulus and rate it, seconds.
+const RATING_S: f64 = 3.5;
 
 /// An error at one location of a definition.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -261,6 +263,14 @@ impl Protocol {
     /// Returns the number of main trials.
     pub fn main_trials(&self) -> usize {
         self.cells().saturating_mul(self.design.repetitions as usize)
+    }
+
+    /// Returns the estimated duration of a session in whole minutes, including one minute for the instructions.
+    pub fn minutes(&self) -> u64 {
+        let trials = self.main_trials() as f64 + f64::from(self.design.practice);
+        let minutes = trials * (self.recovery.duration_s + RATING_S) / 60.0;
+        // The cast saturates, so the duration of an invalid definition does no harm.
+        (minutes.ceil() as u64).saturating_add(1)
     }
 
     fn cells(&self) -> usize {

@@ -176,13 +176,11 @@ impl Home {
                     0 => String::new(),
                     n => format!("{n} practice and "),
                 };
-                let trials = protocol.main_trials() + protocol.design.practice as usize;
-                let minutes = trials as f64 * (protocol.recovery.duration_s + 3.5) / 60.0;
                 let text = format!(
-                    "{}. {practice}{} trials, about {:.0} min. You can also drop a .toml file on this window.",
+                    "{}. {practice}{} trials, about {} min. You can also drop a .toml file on this window.",
                     protocol.title,
                     protocol.main_trials(),
-                    minutes.ceil() + 1.0
+                    protocol.minutes()
                 );
                 ui::hint(ui, text);
             }
