@@ -6,6 +6,7 @@
 //! | [`text`] | paragraphs, hints, notes, errors |
 //! | [`page`] | pages, their headings, main buttons and keys; navigation |
 //! | [`fields`] | labeled controls; reading typed numbers |
+//! | [`mod@parameter`] | the control of a stimulus parameter |
 //! | [`dialog`] | the desktop's file dialogs, the Browse button |
 //! | [`plot`] | static plots; tables |
 //! | [`saving`] | the button that writes a file, and its question before it replaces one |
@@ -18,6 +19,7 @@ pub mod dialog;
 pub mod fields;
 pub mod logo;
 pub mod page;
+pub mod parameter;
 pub mod pixels;
 pub mod platform;
 pub mod plot;
@@ -30,6 +32,7 @@ pub mod work;
 pub use dialog::{Dialog, FileKind};
 pub use fields::{Field, number};
 pub use page::{Step, end_frame, escaped, heading, page, page_from, primary, shortcut, tool_page};
+pub use parameter::parameter;
 pub use plot::{still_plot, table};
 pub use saving::Saving;
 pub use screen::{Monitor, ScreenFields, today, window_px};
