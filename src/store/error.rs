@@ -13,6 +13,8 @@ pub struct FileError {
     pub file: String,
     /// Line and column, counted from 1; the column is in characters.
     pub position: Option<(usize, usize)>,
+    /// The key in a TOML file, such as `factors.width.2`; empty if no key is known.
+    pub key: String,
     /// What is wrong; what is expected.
     pub message: String,
 }
@@ -44,7 +46,7 @@ impl FileError {
 
     /// Creates an error about a whole file.
     pub fn whole(file: impl AsRef<Path>, message: impl Into<String>) -> Self {
-        Self { file: file.as_ref().display().to_string(), position: None, message: message.into() }
+        Self { file: file.as_ref().display().to_string(), position: None, key: String::new(), message: message.into() }
     }
 }
 

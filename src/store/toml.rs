@@ -16,8 +16,8 @@ pub(super) struct Document<'t> {
     file: &'t str,
     text: &'t str,
     table: DeTable<'t>,
-    /// Locations in the text, and the errors there.
-    errors: Vec<(usize, String)>,
+    /// Locations in the text, the errors there, and their keys.
+    errors: Vec<(usize, String, String)>,
     /// Locations of the values that could not be read.
     unread: Vec<usize>,
 }
@@ -52,7 +52,7 @@ pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Res
             document.error(name, format!("{name} is missing; expected {field} = …"));
         } else {
             let place = document.locate(path);
-            document.errors.push((place, explained(path, &message)));
+            document.errors.push((place, explained(path, &message), path.to_owned()));
             document.unread.push(place);
         }
         if document.unread.len() > MAX_UNREAD || !remove(&mut value, path) {
@@ -85,7 +85,7 @@ impl<'t> Document<'t> {
     pub(super) fn error(&mut self, path: &str, message: impl Into<String>) {
         let place = self.locate(path);
         if !self.unread.contains(&place) {
-            self.errors.push((place, message.into()));
+            self.errors.push((place, message.into(), path.to_owned()));
         }
     }
 
@@ -108,11 +108,11 @@ impl<'t> Document<'t> {
         self.errors.sort();
         // Lines are counted from one error to the next and not from the start, because there may be 100,000 errors.
         let (mut from, mut line, mut column) = (0, 1, 1);
-        let located = self.errors.into_iter().map(|(at, message)| {
+        let located = self.errors.into_iter().map(|(at, message, key)| {
             let (lines, columns) = position(&self.text[from..], at - from);
             (line, column) = if lines > 1 { (line + lines - 1, columns) } else { (line, column + columns - 1) };
             from = at;
-            FileError::at(self.file, (line, column), message)
+            FileError { key, ..FileError::at(self.file, (line, column), message) }
         });
         FileErrors(located.collect())
     }

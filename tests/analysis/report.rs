@@ -328,7 +328,8 @@ fn problems_with_the_data_are_reported() {
     };
     source.sessions[1] = SessionRead { rated: 60, dropped: Some(7), ..session(&protocol, "S002", other) };
     let message = "rating 4; expected 0…3".to_owned();
-    source.errors = vec![FileError { file: "S002.csv".to_owned(), position: Some((3, 9)), message }];
+    source.errors =
+        vec![FileError { file: "S002.csv".to_owned(), position: Some((3, 9)), key: String::new(), message }];
     let hash = "ab".repeat(32);
     source.files = vec![FileRead {
         path: PathBuf::from("S002.csv"),
@@ -432,7 +433,7 @@ fn names_are_text_and_never_markup() {
     let mut protocol = definition::open("quick").unwrap();
     protocol.title = nasty[0].repeat(9);
     protocol.response.question = nasty[2].to_owned();
-    source.errors = vec![FileError { file: nasty[1].to_owned(), position: None, message: nasty[2].to_owned() }];
+    source.errors = vec![FileError::whole(nasty[1], nasty[2])];
     let sitting = Sitting { incidents: vec![nasty[0].to_owned()], ..Sitting::default() };
     source.sessions = vec![session(&protocol, nasty[2], sitting)];
     source.protocol = Some(protocol);
