@@ -8,11 +8,14 @@
 //! | `explore` | the gallery of stimuli; shaders side by side |
 //! | `session` | preflight, instructions, trials, the last page |
 //! | `display` | tools that measure the screen |
-//! | `start` | Home and its form |
+//! | `start` | the experiments, the sessions, and the form that starts one |
 
 mod analysis;
 mod display;
 pub mod explore;
+mod help;
+mod memory;
+mod quit;
 mod session;
 mod start;
 mod ui;
@@ -22,9 +25,11 @@ use std::{path::PathBuf, time::Instant};
 
 use eframe::egui::{self, ViewportCommand};
 
+use memory::Memory;
+use quit::Quit;
 use session::Runner;
-use start::{Destination, Form, Home};
-use ui::Step;
+use start::{Destination, Start};
+use ui::{Place, SideChoice, Step, number};
 use window::Program;
 
 pub use display::timing;
@@ -35,8 +40,10 @@ pub use window::{Input, InputReport, Pressed, Stamps, WindowError};
 /// How the window starts.
 #[derive(Debug, Default)]
 pub struct Launch {
-    /// The session to start with; `None` to start on Home.
+    /// The session to start with; `None` to start on the start page.
     pub request: Option<Request>,
+    /// The file with the settings; `None` to start with the default settings and to remember nothing.
+    pub settings: Option<PathBuf>,
 }
 
 /// Opens the window; returns when it is closed.
@@ -56,26 +63,39 @@ pub fn time(request: timing::TimingRequest) -> Result<(), WindowError> {
     window::open(request.fullscreen, |cc, input| App { input, ..App::timing(cc, request) })
 }
 
-enum Page {
-    Home(Box<Home>),
+/// What the window shows.
+enum View {
+    /// One of the places, next to the side bar.
+    Places,
     Session(Box<Runner>),
-    Gallery(Box<explore::gallery::Gallery>),
-    Shading(Box<explore::shading::ShadingPage>),
-    Display(Box<display::Display>),
-    Analysis(Box<analysis::Analysis>),
     Timing(Box<timing::TimingPage>),
+}
+
+/// The dialog above the page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Dialog {
+    Help,
+    Settings,
 }
 
 /// The program's window.
 pub struct App {
-    page: Page,
-    /// The page to return to from the analysis, if it is not Home.
-    behind: Option<Page>,
+    view: View,
+    place: Place,
+    start: Start,
+    // The other places are created when the user first goes there, and keep their state.
+    gallery: Option<Box<explore::gallery::Gallery>>,
+    shading: Option<Box<explore::shading::ShadingPage>>,
+    display: Option<Box<display::Display>>,
+    analysis: Option<Box<analysis::Analysis>>,
+    /// The last page of a session, to which the analysis of its results leads back.
+    behind: Option<Box<Runner>>,
     /// Whether the window was started with a session, so that leaving the session closes the window.
     direct: bool,
+    dialog: Option<Dialog>,
+    quit: Quit,
     monitors: Vec<Monitor>,
-    /// The current values of Home's fields.
-    form: Form,
+    memory: Memory,
     /// Keys and clicks with their arrival times.
     input: Input,
 }
@@ -84,112 +104,148 @@ impl App {
     /// Shows the first page of a launch.
     pub fn new(cc: &eframe::CreationContext<'_>, launch: Launch) -> Self {
         let direct = launch.request.is_some();
-        let page = match launch.request {
-            Some(request) => Page::Session(Box::new(Runner::new(request))),
-            None => Page::Home(Box::default()),
-        };
-        Self::at(cc, page, direct)
+        let view = launch.request.map_or(View::Places, |request| View::Session(Box::new(Runner::new(request))));
+        Self { direct, memory: Memory::open(launch.settings), ..Self::at(cc, view) }
     }
 
     /// Creates the window of `machband timing`, which only measures frames.
     pub fn timing(cc: &eframe::CreationContext<'_>, request: timing::TimingRequest) -> Self {
-        Self::at(cc, Page::Timing(Box::new(timing::TimingPage::new(request))), true)
+        let view = View::Timing(Box::new(timing::TimingPage::new(request)));
+        Self { direct: true, ..Self::at(cc, view) }
     }
 
-    fn at(cc: &eframe::CreationContext<'_>, page: Page, direct: bool) -> Self {
+    fn at(cc: &eframe::CreationContext<'_>, view: View) -> Self {
         ui::theme::apply(&cc.egui_ctx);
         ui::blit::install(cc);
-        let (form, input) = (Form::default(), Input::default());
-        Self { page, behind: None, direct, monitors: Vec::new(), form, input }
+        Self {
+            view,
+            place: Place::default(),
+            start: Start::default(),
+            gallery: None,
+            shading: None,
+            display: None,
+            analysis: None,
+            behind: None,
+            direct: false,
+            dialog: None,
+            quit: Quit::default(),
+            monitors: Vec::new(),
+            memory: Memory::default(),
+            input: Input::default(),
+        }
     }
 
-    /// Draws the page; returns whether to stay, go back, or show another page.
-    fn draw(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) -> Step<Page> {
+    fn draw(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         let monitor = Monitor::current(ui.ctx(), frame);
-        match &mut self.page {
-            Page::Home(home) => {
+        let step = match &mut self.view {
+            View::Session(session) => session.show(ui, &monitor, &mut self.input, self.direct),
+            View::Timing(timing) => Step::back_if(timing.show(ui, &monitor)),
+            View::Places => return self.draw_places(ui, frame, &monitor),
+        };
+        match step {
+            Step::Stay => return,
+            Step::Next(data_set) => {
+                self.analysis = Some(Box::new(analysis::Analysis::of(ui.ctx(), data_set)));
+                self.place = Place::Analyze;
+                if let View::Session(session) = std::mem::replace(&mut self.view, View::Places) {
+                    self.behind = Some(session);
+                }
+            }
+            Step::Back if self.direct => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
+            Step::Back => {
+                let completed = matches!(&self.view, View::Session(session) if session.is_complete());
+                self.view = View::Places;
+                self.go(Place::Run, completed);
+            }
+        }
+        ui.ctx().request_repaint();
+    }
+
+    fn draw_places(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame, monitor: &Monitor) {
+        if !self.direct {
+            match ui::side_bar(ui, self.place) {
+                Some(SideChoice::Go(place)) => self.go(place, false),
+                Some(SideChoice::Help) => self.dialog = Some(Dialog::Help),
+                Some(SideChoice::Settings) => self.dialog = Some(Dialog::Settings),
+                None => {}
+            }
+        }
+        let step = match self.place {
+            Place::Run => {
                 self.monitors = Monitor::all(frame);
-                let step = home.show(ui, &monitor, &self.monitors);
-                self.form = home.form().clone();
-                step.map(|destination| self.page_of(destination))
+                self.start.show(ui, monitor, &self.monitors, &mut self.memory.settings)
             }
-            Page::Session(session) => {
-                let step = session.show(ui, &monitor, &mut self.input, self.direct);
-                step.map(|data_set| Page::Analysis(Box::new(analysis::Analysis::of(ui.ctx(), data_set))))
+            Place::Stimuli => {
+                let profile = self.start.checked().and_then(|checked| checked.display.clone()).unwrap_or_default();
+                let distance_cm = number(&self.start.screen().distance_cm);
+                let gallery = self
+                    .gallery
+                    .get_or_insert_with(|| Box::new(explore::gallery::Gallery::new(profile.clone(), distance_cm)));
+                gallery.set_screen(&profile, distance_cm);
+                gallery.show(ui).widen()
             }
-            Page::Gallery(gallery) => gallery.show(ui).widen(),
-            Page::Shading(shading) => shading.show(ui, frame.wgpu_render_state()).widen(),
-            Page::Display(display) => {
-                let step = display.show(ui, &monitor);
-                self.form.screen = display.fields().clone();
-                step.widen()
+            Place::Shading => self.shading.get_or_insert_default().show(ui, frame.wgpu_render_state()).widen(),
+            Place::Display => {
+                let protocol = self.start.checked().and_then(|checked| checked.protocol.as_ref());
+                let window_deg = protocol.map_or(10.0, |protocol| protocol.viewing.window_deg);
+                let fields = self.start.screen();
+                let display = self.display.get_or_insert_with(|| Box::new(display::Display::new(fields)));
+                display.show(ui, monitor, fields, window_deg).widen()
             }
-            Page::Analysis(analysis) => analysis.show(ui).widen(),
-            Page::Timing(timing) => Step::back_if(timing.show(ui, &monitor)),
+            Place::Analyze => {
+                let results = self.start.results();
+                let analysis = self.analysis.get_or_insert_with(|| Box::new(analysis::Analysis::new(&results)));
+                analysis.show(ui).widen()
+            }
+        };
+        match step {
+            Step::Stay => return,
+            Step::Next(Destination::Session(request)) => self.view = View::Session(Box::new(Runner::new(*request))),
+            Step::Next(Destination::Place(place)) => self.go(place, false),
+            Step::Back => match self.behind.take().filter(|_| self.place == Place::Analyze) {
+                Some(session) => self.view = View::Session(session),
+                None => self.go(Place::Run, false),
+            },
+        }
+        ui.ctx().request_repaint();
+    }
+
+    /// Goes to a place. `completed`: the last session is complete, so that the next participant is entered.
+    fn go(&mut self, place: Place, completed: bool) {
+        self.place = place;
+        self.behind = None;
+        if place == Place::Run {
+            self.start.refresh(completed, &self.memory.settings);
         }
     }
 
-    fn page_of(&self, destination: Destination) -> Page {
-        match destination {
-            Destination::Session(request) => Page::Session(Box::new(Runner::new(*request))),
-            Destination::Display { window_deg } => {
-                Page::Display(Box::new(display::Display::new(self.form.screen.clone(), window_deg)))
-            }
-            Destination::Gallery(profile, distance_cm) => {
-                Page::Gallery(Box::new(explore::gallery::Gallery::new(*profile, distance_cm)))
-            }
-            Destination::Shading => Page::Shading(Box::default()),
-            Destination::Analysis(results) => Page::Analysis(Box::new(analysis::Analysis::new(&results))),
+    fn draw_dialogs(&mut self, ctx: &egui::Context) {
+        let open = match self.dialog {
+            Some(Dialog::Help) => help::help(ctx, self.place),
+            Some(Dialog::Settings) => help::settings(ctx, &mut self.memory.settings, self.memory.problem.as_deref()),
+            None => true,
+        };
+        if !open {
+            self.dialog = None;
         }
     }
 
-    /// Returns the page to go back to; `None` to close the window.
-    fn page_behind(&mut self) -> Option<Page> {
-        if let Some(page) = self.behind.take() {
-            return Some(page);
-        }
-        if self.direct {
-            return None;
-        }
-        let mut form = self.form.clone();
-        if matches!(&self.page, Page::Session(session) if session.is_complete()) {
-            // After a completed session, the next participant is entered. After an interrupted one, the fields stay, so
-            // that it can be resumed.
-            form.participant.clear();
-        }
-        Some(Page::Home(Box::new(Home::again(form))))
-    }
-
-    /// Prevents closing while an answer is only in memory, because it would be lost.
-    fn keep_unsaved(&self, ctx: &egui::Context) {
-        let unsaved = matches!(&self.page, Page::Session(session) if session.is_unsaved());
-        if unsaved && ctx.input(|input| input.viewport().close_requested()) {
-            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
-        }
+    /// Asks before the window is closed while something would be left unfinished.
+    fn ask_before_closing(&mut self, ctx: &egui::Context) {
+        let session = if let View::Session(session) = &mut self.view { Some(&mut **session) } else { None };
+        self.quit.show(ctx, session);
     }
 }
 
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         self.input.frame(ui.input(|input| input.time), Instant::now());
-        let next = match self.draw(ui, frame) {
-            Step::Stay => None,
-            Step::Next(page) => Some(page),
-            Step::Back => match self.page_behind() {
-                Some(page) => Some(page),
-                None => {
-                    ui.ctx().send_viewport_cmd(ViewportCommand::Close);
-                    None
-                }
-            },
-        };
-        if let Some(page) = next {
-            let left = std::mem::replace(&mut self.page, page);
-            // An analysis opened at the end of a session leads back to that page.
-            self.behind = Some(left).filter(|left| matches!((left, &self.page), (Page::Session(_), Page::Analysis(_))));
-            ui.ctx().request_repaint();
-        }
-        self.keep_unsaved(ui.ctx());
+        self.memory.apply(ui.ctx(), !matches!(self.view, View::Places));
+        self.draw(ui, frame);
+        self.draw_dialogs(ui.ctx());
+        self.ask_before_closing(ui.ctx());
+        self.memory.save(ui.ctx());
+        ui::end_frame(ui.ctx());
     }
 
     fn on_exit(&mut self) {
@@ -199,11 +255,11 @@ impl eframe::App for App {
     /// Returns the background of the page, or the uniform field of a trial. Clearing to this color costs nothing;
     /// without a GPU, drawing a full-screen rectangle would take most of a frame's time.
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
-        let ground = match &self.page {
-            Page::Session(session) => Some(session.ground()),
-            Page::Timing(timing) => Some(timing.ground()),
-            Page::Display(display) => display.ground(),
-            _ => None,
+        let ground = match &self.view {
+            View::Session(session) => Some(session.ground()),
+            View::Timing(timing) => Some(timing.ground()),
+            View::Places if self.place == Place::Display => self.display.as_ref().and_then(|display| display.ground()),
+            View::Places => None,
         };
         ground.unwrap_or(ui::theme::ink_of(visuals).page).to_normalized_gamma_f32()
     }
@@ -211,7 +267,8 @@ impl eframe::App for App {
 
 impl Program for App {
     fn close(&mut self) -> Option<PathBuf> {
-        let Page::Session(session) = &mut self.page else { return None };
+        self.memory.save_now();
+        let View::Session(session) = &mut self.view else { return None };
         session.close().map(ToOwned::to_owned)
     }
 }

@@ -25,7 +25,7 @@ use std::{
     borrow::Cow,
     ffi::OsString,
     io::{ErrorKind, Write as _},
-    path::Path,
+    path::{Path, PathBuf},
     process::ExitCode,
 };
 
@@ -38,7 +38,7 @@ use crate::{
         document::numbers::count,
         terminal::{message, printable},
     },
-    store::{StoreError, Writer},
+    store::{StoreError, Writer, settings::SettingsFile},
     system::{
         now, run_on_thread,
         signals::{self, Signal},
@@ -52,7 +52,12 @@ use crate::{
 #[derive(Parser)]
 #[command(name = "machband", version, max_term_width = 100)]
 #[command(after_help = "Example: machband simulate quick --participants 3 && machband check results/quick/data/*.csv")]
+#[command(args_conflicts_with_subcommands = true)]
 struct Arguments {
+    /// File for what the window remembers [default: settings.toml in the user's folder for configuration].
+    #[cfg(feature = "window")]
+    #[arg(long, value_name = "FILE.toml")]
+    config: Option<PathBuf>,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -113,7 +118,10 @@ pub fn main() -> ExitCode {
 fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<()> {
     match arguments.command {
         #[cfg(feature = "window")]
-        None => crate::app::open(crate::app::Launch::default()).map_err(Into::into),
+        None => {
+            let settings = arguments.config.or_else(SettingsFile::default_path);
+            crate::app::open(crate::app::Launch { request: None, settings }).map_err(Into::into)
+        }
         #[cfg(not(feature = "window"))]
         None => Err(anyhow::anyhow!(
             "machband: built without a window; expected the feature `window`, or a command such as machband simulate quick"

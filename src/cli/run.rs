@@ -89,6 +89,6 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         changes,
         windowed: arguments.windowed,
     };
-    app::open(Launch { request: Some(request) })?;
+    app::open(Launch { request: Some(request), settings: None })?;
     Ok(())
 }

@@ -114,7 +114,8 @@ impl SettingsFile {
     /// The file cannot be read, or is not a file of settings; it must then not be written, because that would destroy
     /// what its owner wrote.
     pub fn open(path: &Path) -> Result<(Self, Settings), FileErrors> {
-        let settings = if path.exists() { parse(&path.display().to_string(), &read_text(path)?)? } else { Settings::default() };
+        let settings =
+            if path.exists() { parse(&path.display().to_string(), &read_text(path)?)? } else { Settings::default() };
         Ok((Self { path: path.to_owned(), written: settings.clone() }, settings))
     }
 
@@ -136,7 +137,8 @@ impl SettingsFile {
     }
 }
 
-const HEADER: &str = "# What machband's window remembers. machband rewrites this file; remove it to start afresh.\nschema = 1\n";
+const HEADER: &str =
+    "# What machband's window remembers. machband rewrites this file; remove it to start afresh.\nschema = 1\n";
 
 fn parse(file: &str, text: &str) -> Result<Settings, FileErrors> {
     let (settings, mut document) = toml::read::<Settings>(file, text)?;

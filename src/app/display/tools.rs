@@ -29,8 +29,6 @@ enum Tool {
 }
 
 pub struct Display {
-    /// Home's fields for the profile's path, the screen's width and the distance; they can also be set here.
-    fields: ScreenFields,
     /// Side of the planned stimulus, degrees.
     window_deg: f64,
     /// The path of the last profile that was read, and the profile or its errors.
@@ -45,18 +43,13 @@ pub struct Display {
 }
 
 impl Display {
-    /// Creates the page, with the values of Home's fields.
-    pub fn new(fields: ScreenFields, window_deg: f64) -> Self {
+    /// Creates the page for a screen that these fields describe.
+    pub fn new(fields: &ScreenFields) -> Self {
         let known = fields.profile().unwrap_or_default();
         let photometer = Calibrate::new(Photometer::default(), known.clone(), [true, true]);
         let by_eye = Calibrate::new(ByEye::default(), known, [true, false]);
         let (read, tool, dialog, saved) = Default::default();
-        Self { fields, window_deg, read, tool, dialog, saved, photometer, by_eye }
-    }
-
-    /// Returns the current values of Home's fields.
-    pub fn fields(&self) -> &ScreenFields {
-        &self.fields
+        Self { window_deg: 10.0, read, tool, dialog, saved, photometer, by_eye }
     }
 
     /// Returns the background color while a screen is measured; `None` for the color of a page.
@@ -67,12 +60,14 @@ impl Display {
         }
     }
 
-    /// Draws the open tool, or the list of tools.
-    pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Step {
-        let viewing = self.viewing(monitor);
+    /// Draws the open tool, or the list of tools. `fields` are the start page's fields for the profile's path, the
+    /// screen's width and the distance, which can also be set here; `window_deg` is the side of the planned stimulus.
+    pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, fields: &mut ScreenFields, window_deg: f64) -> Step {
+        self.window_deg = window_deg;
+        let viewing = viewing(fields, monitor);
         let step = match &mut self.tool {
-            None => return self.list(ui),
-            Some(Tool::Geometry(page)) => page.show(ui, monitor, &mut self.fields).widen(),
+            None => return self.list(ui, fields),
+            Some(Tool::Geometry(page)) => page.show(ui, monitor, fields).widen(),
             Some(Tool::Photometer) => self.photometer.show(ui, viewing.as_ref()),
             Some(Tool::ByEye) => self.by_eye.show(ui, viewing.as_ref()),
             Some(Tool::Check(page)) => page.show(ui).widen(),
@@ -83,7 +78,7 @@ impl Display {
             Step::Stay => return Step::Stay,
             Step::Back => {}
             Step::Next(saved) => {
-                self.fields.profile = saved.path.display().to_string();
+                fields.profile = saved.path.display().to_string();
                 // The file has changed, so it must be read again.
                 self.read = None;
                 self.saved = Some(saved);
@@ -94,31 +89,24 @@ impl Display {
         Step::Stay
     }
 
-    /// Returns the profile named in Home, read once per path.
-    fn profile(&mut self) -> Result<DisplayProfile, String> {
-        let path = self.fields.profile.trim().to_owned();
+    /// Returns the profile that the fields name, read once per path.
+    fn profile(&mut self, fields: &ScreenFields) -> Result<DisplayProfile, String> {
+        let path = fields.profile.trim().to_owned();
         if self.read.as_ref().is_none_or(|(read, _)| *read != path) {
-            self.read = Some((path, self.fields.profile()));
+            self.read = Some((path, fields.profile()));
         }
         self.read.as_ref().map_or_else(|| Ok(DisplayProfile::default()), |(_, found)| found.clone())
     }
 
-    /// Returns the viewing geometry, if the screen's width and the distance are known.
-    fn viewing(&self, monitor: &Monitor) -> Option<Viewing> {
-        let width_cm = number(&self.fields.screen_width_cm)?;
-        let screen = Screen::new(monitor.width_px, monitor.height_px, width_cm).ok()?;
-        Viewing::new(screen, number(&self.fields.distance_cm)?).ok()
-    }
-
-    fn list(&mut self, ui: &mut egui::Ui) -> Step {
-        let found = self.profile();
+    fn list(&mut self, ui: &mut egui::Ui, fields: &mut ScreenFields) -> Step {
+        let found = self.profile(fields);
         let (back, chosen) = tool_page(ui, "Display", |ui| {
             ui.label(
                 "The eye sees light, not codes. A display profile describes how much light this screen produces for \
                     each code.",
             );
             ui.add_space(8.0);
-            self.profile_field(ui, &found);
+            self.profile_field(ui, fields, &found);
             ui.add_space(8.0);
             let mut chosen = None;
             for (name, what, make) in TOOLS {
@@ -139,11 +127,11 @@ impl Display {
         Step::back_if(back)
     }
 
-    fn profile_field(&mut self, ui: &mut egui::Ui, found: &Result<DisplayProfile, String>) {
+    fn profile_field(&mut self, ui: &mut egui::Ui, fields: &mut ScreenFields, found: &Result<DisplayProfile, String>) {
         Field::new("Profile in use").show(ui, |ui, label| {
-            let field = egui::TextEdit::singleline(&mut self.fields.profile).desired_width(300.0);
+            let field = egui::TextEdit::singleline(&mut fields.profile).desired_width(300.0);
             ui.add(field.hint_text("sRGB, assumed")).labelled_by(label);
-            self.dialog.browse(ui, FileKind::Toml, "Choose a profile…", &mut self.fields.profile);
+            self.dialog.browse(ui, FileKind::Toml, "Choose a profile…", &mut fields.profile);
         });
         match found {
             Ok(profile) => {
@@ -154,12 +142,18 @@ impl Display {
             }
             Err(errors) => errors.lines().for_each(|line| show_error(ui, line)),
         }
-        self.saved = self.saved.take().filter(|saved| self.fields.profile.trim() == saved.path.display().to_string());
+        self.saved = self.saved.take().filter(|saved| fields.profile.trim() == saved.path.display().to_string());
         if let Some(SavedProfile { path, replaced }) = &self.saved {
             let done = if *replaced { "Replaced" } else { "Saved as" };
             success(ui, format!("{done} {}; now in use.", path.display()));
         }
     }
+}
+
+/// Returns the viewing geometry, if the screen's width and the distance are known.
+fn viewing(fields: &ScreenFields, monitor: &Monitor) -> Option<Viewing> {
+    let screen = Screen::new(monitor.width_px, monitor.height_px, number(&fields.screen_width_cm)?).ok()?;
+    Viewing::new(screen, number(&fields.distance_cm)?).ok()
 }
 
 /// A tool's name, a description of it, and a function that opens it.

@@ -43,6 +43,7 @@ pub struct Gallery {
     out: String,
     saving: Saving,
     display: DisplayProfile,
+    distance_cm: Option<f64>,
     prediction: Prediction,
 }
 
@@ -76,9 +77,19 @@ impl Gallery {
             out: "stimulus.png".to_owned(),
             saving: Saving::default(),
             display,
+            distance_cm,
         };
         gallery.choose(0);
         gallery
+    }
+
+    /// Uses another screen, or the same screen from another distance.
+    pub fn set_screen(&mut self, display: &DisplayProfile, distance_cm: Option<f64>) {
+        if self.display != *display || self.distance_cm != distance_cm {
+            self.display = display.clone();
+            self.distance_cm = distance_cm;
+            self.prediction = Prediction::new(ViewingPlace::new(display, distance_cm));
+        }
     }
 
     fn choose(&mut self, entry: usize) {

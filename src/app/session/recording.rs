@@ -135,6 +135,10 @@ impl Recording {
         std::mem::take(&mut self.rows)
     }
 
+    pub fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
     /// Returns the path of the file with the rows.
     pub fn csv(&self) -> &Path {
         self.store.csv()

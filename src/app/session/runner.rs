@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{Color32, Ui};
+use eframe::egui::{self, Color32, Ui};
 
 use super::{finish::Finish, preflight::Preflight, request::Request, trials::Trials};
 use crate::app::{
@@ -55,6 +55,30 @@ impl Runner {
     /// Returns whether an answer is only in memory.
     pub fn is_unsaved(&self) -> bool {
         matches!(&self.0, Stage::Trials(trials) if trials.is_unsaved())
+    }
+
+    /// Returns whether trials remain to be rated, so that leaving now interrupts the session.
+    pub fn is_running(&self) -> bool {
+        matches!(self.0, Stage::Trials(_))
+    }
+
+    /// Pauses the trials if they are running.
+    pub fn pause(&mut self, ctx: &egui::Context) {
+        if let Stage::Trials(trials) = &mut self.0 {
+            trials.pause(ctx);
+        }
+    }
+
+    /// Says how to resume the session after the window is closed.
+    pub fn how_to_resume(&self) -> String {
+        let saved = "Every answer so far is saved.";
+        let Stage::Trials(trials) = &self.0 else { return saved.to_owned() };
+        let identity = trials.identity();
+        let (subject, session) = (identity.subject(), identity.session());
+        format!(
+            "{saved} To resume, start machband again and press Resume next to {subject}, session {session}, on the \
+                first page."
+        )
     }
 
     /// Ends the trials if they are running; returns the path of the file with their rows.

@@ -20,7 +20,7 @@ use crate::{
         ui::{Monitor, Step, pixels, theme, window_px},
         window::{Input, MIN_SIZE, PressTime},
     },
-    experiment::{Effect, Event, Phase, ResponseScale, Session, State},
+    experiment::{Effect, Event, Identity, Phase, ResponseScale, Session, State},
     light::{Bits, Quantizer},
     store::{StoreError, sidecar::PreflightNote},
 };
@@ -142,6 +142,16 @@ impl Trials {
     /// Converts the window's time in seconds to session time.
     fn session_time(&self, window_s: f64) -> Duration {
         self.offset + Duration::try_from_secs_f64(window_s - self.window_start_s).unwrap_or_default()
+    }
+
+    /// Pauses before the next trial, or repeats the current one after the pause.
+    pub fn pause(&mut self, ctx: &egui::Context) {
+        let now = self.session_time(ctx.input(|input| input.time));
+        self.step(Event::Pause, now);
+    }
+
+    pub fn identity(&self) -> &Identity {
+        self.recording.identity()
     }
 
     /// Returns the phase of the current trial.

@@ -19,7 +19,7 @@ use crate::{
 };
 
 /// Width of the column of labels, points.
-pub const LABELS: f32 = 190.0;
+pub const LABELS: f32 = 160.0;
 
 /// The values of the fields, as typed.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,6 +76,8 @@ pub struct Checked {
     pub resume: bool,
     /// Side of the stimulus on this screen in physical pixels, and pixels per degree.
     pub stimulus_px: Option<(u32, f64)>,
+    /// Why the stimulus is too coarse on this screen, if it is.
+    pub coarse: Option<String>,
     /// The session to run, if there are no errors.
     pub request: Option<Request>,
 }
@@ -142,7 +144,7 @@ impl Form {
                 Ok(true) => {
                     let (subject, session) = (identity.subject(), identity.session());
                     let error = format!(
-                        "{subject} has already completed session {session}; expected another session or participant"
+                        "{subject} has already completed session {session}. Enter another session or participant."
                     );
                     errors.insert(Part::Session, error);
                 }
@@ -154,24 +156,51 @@ impl Form {
                 errors.insert(Part::Experiment, error.to_string());
             }
         }
-        let stimulus_px = self.geometry(monitor, protocol.as_ref(), &mut errors);
+        let viewing = self.viewing(monitor, &mut errors);
+        let deg = protocol.as_ref().map(|protocol| protocol.viewing.window_deg);
+        let stimulus_px = viewing.zip(deg).map(|(viewing, deg)| {
+            let side = stimulus_side_px(&viewing, deg);
+            let least = monitor.width_px.min(monitor.height_px);
+            if side > least {
+                let error = format!(
+                    "The {deg}° stimulus needs {side} pixels, but the screen has only {least}. Enter a shorter \
+                        distance, or use a larger screen."
+                );
+                errors.insert(Part::Distance, error);
+            }
+            (side, viewing.px_per_degree())
+        });
+        let coarse = viewing.zip(deg).and_then(|(viewing, deg)| viewing.coarseness(deg));
         let request = match (&protocol, &display, identity) {
-            (Some(protocol), Some(display), Some(identity)) if errors.is_empty() => Some(Request {
-                protocol: protocol.clone(),
-                identity,
-                seed: None,
-                results,
-                display: display.clone(),
-                distance_cm: number(&self.screen.distance_cm).unwrap_or(protocol.viewing.distance_cm),
-                screen_width_cm: number(&self.screen.screen_width_cm)
-                    .filter(|_| !self.screen.width_is_assumed(monitor)),
-                resume,
-                changes: Changes::Refuse,
-                windowed: false,
-            }),
+            (Some(protocol), Some(display), Some(identity)) if errors.is_empty() => {
+                Some(self.request(monitor, protocol, identity, display, resume))
+            }
             _ => None,
         };
-        Checked { protocol, display, errors, resume, stimulus_px, request }
+        Checked { protocol, display, errors, resume, stimulus_px, coarse, request }
+    }
+
+    /// Returns the request for a session with the screen and the results folder of this form.
+    pub fn request(
+        &self,
+        monitor: &Monitor,
+        protocol: &Protocol,
+        identity: Identity,
+        display: &DisplayProfile,
+        resume: bool,
+    ) -> Request {
+        Request {
+            protocol: protocol.clone(),
+            identity,
+            seed: None,
+            results: self.results.trim().into(),
+            display: display.clone(),
+            distance_cm: number(&self.screen.distance_cm).unwrap_or(protocol.viewing.distance_cm),
+            screen_width_cm: number(&self.screen.screen_width_cm).filter(|_| !self.screen.width_is_assumed(monitor)),
+            resume,
+            changes: Changes::Refuse,
+            windowed: false,
+        }
     }
 
     /// Reads the definition; converts it to gray if requested and if it has a color.
@@ -183,32 +212,15 @@ impl Form {
         })
     }
 
-    fn geometry(
-        &self,
-        monitor: &Monitor,
-        protocol: Option<&Protocol>,
-        errors: &mut BTreeMap<Part, String>,
-    ) -> Option<(u32, f64)> {
+    /// Returns the viewing geometry, or adds the errors in its fields.
+    fn viewing(&self, monitor: &Monitor, errors: &mut BTreeMap<Part, String>) -> Option<Viewing> {
         let cm =
-            |text: &str, what: &str| number(text).ok_or(format!("{text:?} is not a number; expected {what} in cm"));
-        let width = cm(&self.screen.screen_width_cm, "the width of the visible screen")
+            |text: &str, example: &str| number(text).ok_or(format!("Enter a number of centimeters, e.g. {example}."));
+        let width = cm(&self.screen.screen_width_cm, "53.1")
             .and_then(|cm| Screen::new(monitor.width_px, monitor.height_px, cm).map_err(|error| error.to_string()))
             .map_err(|error| errors.insert(Part::ScreenWidth, error));
-        let distance = cm(&self.screen.distance_cm, "the distance from eye to screen")
-            .map_err(|error| errors.insert(Part::Distance, error));
-        let viewing = Viewing::new(width.ok()?, distance.ok()?)
-            .map_err(|error| errors.insert(Part::Distance, error.to_string()))
-            .ok()?;
-        let deg = protocol?.viewing.window_deg;
-        let side = stimulus_side_px(&viewing, deg);
-        let least = monitor.width_px.min(monitor.height_px);
-        if side > least {
-            let error = format!(
-                "The {deg}° stimulus needs {side} px; the screen has {least}; expected a shorter distance or a larger screen"
-            );
-            errors.insert(Part::Distance, error);
-        }
-        Some((side, viewing.px_per_degree()))
+        let distance = cm(&self.screen.distance_cm, "57").map_err(|error| errors.insert(Part::Distance, error));
+        Viewing::new(width.ok()?, distance.ok()?).map_err(|error| errors.insert(Part::Distance, error.to_string())).ok()
     }
 }
 
@@ -216,13 +228,13 @@ impl Form {
 /// it.
 fn results_error(results: &Path) -> Option<String> {
     if results.as_os_str().is_empty() {
-        return Some("no folder is given; expected a path".to_owned());
+        return Some("Enter the path of a folder.".to_owned());
     }
     let existing = results.ancestors().find(|folder| folder.exists())?;
     let metadata = existing.metadata().ok()?;
     if !metadata.is_dir() {
-        return Some(format!("{} is a file; expected a folder", existing.display()));
+        return Some(format!("{} is a file. Enter the path of a folder.", existing.display()));
     }
     let read_only = metadata.permissions().readonly();
-    read_only.then(|| format!("{} is read-only; expected a folder with write access", existing.display()))
+    read_only.then(|| format!("{} is read-only. Choose a folder that you may write to.", existing.display()))
 }

@@ -1,7 +1,8 @@
-//! The Home page, on which the user chooses the experiment, the participant and the screen.
+//! The start page: the experiments to choose from, the sessions in the results folder, and the form that starts one.
 
+mod cards;
 mod form;
-mod home;
+mod page;
+mod sessions;
 
-pub use form::Form;
-pub use home::{Destination, Home};
+pub use page::{Destination, Start};

@@ -7,6 +7,7 @@
 //! | [`page`] | pages, their headings, main buttons and keys; navigation |
 //! | [`fields`] | labeled controls; reading typed numbers |
 //! | [`mod@parameter`] | the control of a stimulus parameter |
+//! | [`side_bar`] | the places of the program |
 //! | [`dialog`] | the desktop's file dialogs, the Browse button |
 //! | [`plot`] | static plots; tables |
 //! | [`saving`] | the button that writes a file, and its question before it replaces one |
@@ -25,6 +26,7 @@ pub mod platform;
 pub mod plot;
 pub mod saving;
 pub mod screen;
+pub mod side_bar;
 pub mod text;
 pub mod theme;
 pub mod work;
@@ -36,4 +38,5 @@ pub use parameter::parameter;
 pub use plot::{still_plot, table};
 pub use saving::Saving;
 pub use screen::{Monitor, ScreenFields, today, window_px};
+pub use side_bar::{Place, SideChoice, side_bar};
 pub use text::{describe, hint, note, paragraph, secondary, section, show_error, signed, success, tick};

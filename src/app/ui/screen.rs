@@ -61,6 +61,15 @@ impl Monitor {
         }
     }
 
+    /// Says what [`Monitor::assumed_width_cm`] assumes.
+    pub fn assumption(&self) -> String {
+        let scaled = match self.scale {
+            1.0 => String::new(),
+            scale => format!(" × the system's scale of {scale}"),
+        };
+        format!("Assumed (96 pixels per inch{scaled}); measure it before an actual study")
+    }
+
     /// Returns the width in cm if its pixels are 1/96 inch apart, as systems assume for unknown screens.
     pub fn assumed_width_cm(&self) -> f64 {
         f64::from(self.width_px) / self.scale.max(0.1) / 96.0 * 2.54

@@ -1,0 +1,120 @@
+//! Help: the keys of the page, and about the program. Settings that concern the whole window.
+
+use eframe::egui::{self, Context, Grid, Id, Modal, RichText, Ui};
+
+use super::ui::{Field, Place, hint, logo::logo, paragraph, secondary, section, theme::GAP};
+use crate::store::settings::{Settings, ThemeChoice};
+
+/// Width of a dialog's content, points.
+const WIDTH: f32 = 520.0;
+/// The choices for the zoom; the keys allow others.
+const ZOOMS: [f32; 6] = [0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
+/// Keys that work everywhere outside trials.
+const EVERYWHERE: &[(&str, &str)] = &[
+    ("Ctrl+1 … Ctrl+5", "Go to Run, Stimuli, Shading, Display, Analyze"),
+    ("Tab, Shift+Tab", "Go to the next or previous control"),
+    ("Esc", "Close a list or dialog; leave a field; then go back"),
+    ("Ctrl + and Ctrl −", "Enlarge or reduce text and controls; Ctrl+0 restores their size"),
+    ("Ctrl+Q", "Quit; asks first during a session"),
+    ("F1", "This help"),
+];
+
+/// Returns the keys of a place.
+fn keys_of(place: Place) -> &'static [(&'static str, &'static str)] {
+    match place {
+        Place::Run => &[
+            ("Enter", "Start or resume the session"),
+            ("In a session: 0 1 2 3", "Rate the image (a definition can choose other keys)"),
+            ("In a session: Backspace", "Withdraw the last answer, while the screen is even"),
+            ("In a session: S", "Show or hide the scale"),
+            ("In a session: Esc", "Pause"),
+        ],
+        Place::Stimuli => &[("Ctrl+Z, Ctrl+Shift+Z", "Undo, redo"), ("Arrow keys", "Move the slider with the focus")],
+        Place::Shading => &[
+            ("Arrow keys", "Rotate the mesh, or move the light or the scan line; Shift for small steps"),
+            ("Drag", "The same with the mouse; with the right button, move the light"),
+            ("Ctrl+Z, Ctrl+Shift+Z", "Undo, redo"),
+        ],
+        Place::Display => &[("Enter", "Accept a reading or a match"), ("Backspace", "Go back to the previous one")],
+        Place::Analyze => &[("Ctrl+O", "Open files"), ("Space on a column name", "Sort the table by that column")],
+    }
+}
+
+/// Draws the help; returns whether it stays open.
+pub fn help(ctx: &Context, place: Place) -> bool {
+    dialog(ctx, "help", |ui| {
+        ui.horizontal(|ui| {
+            logo(ui, 40.0);
+            ui.vertical(|ui| {
+                ui.label(RichText::new("machband").strong().size(20.0));
+                ui.label(secondary(format!(
+                    "version {}, commit {}",
+                    env!("CARGO_PKG_VERSION"),
+                    env!("MACHBAND_COMMIT")
+                )));
+            });
+        });
+        paragraph(ui, "Measure, analyze, generate and predict the visibility of Mach bands.");
+        section(ui, "Keys of this page");
+        keys(ui, "page", keys_of(place));
+        section(ui, "Keys everywhere");
+        keys(ui, "everywhere", EVERYWHERE);
+        section(ui, "About");
+        paragraph(ui, "License: MIT or Apache-2.0, as you choose.");
+        paragraph(
+            ui,
+            "To cite machband, use CITATION.cff in its source. The guide is in the folder docs: run.md for sessions, definitions.md for experiments, analyze.md for results. `machband --help` lists the commands.",
+        );
+    })
+}
+
+/// Draws the settings; returns whether they stay open.
+pub fn settings(ctx: &Context, settings: &mut Settings, notice: Option<&str>) -> bool {
+    dialog(ctx, "settings", |ui| {
+        ui.heading("Settings");
+        let themes =
+            [(ThemeChoice::System, "As the system"), (ThemeChoice::Light, "Light"), (ThemeChoice::Dark, "Dark")];
+        Field::new("Theme").column(120.0).show(ui, |ui, _| {
+            ui.horizontal_wrapped(|ui| {
+                for (choice, text) in themes {
+                    ui.radio_value(&mut settings.theme, choice, text);
+                }
+            });
+        });
+        hint(ui, "Sessions are always dark, so that pages between trials do not change the eye's adaptation.");
+        let title = |zoom: &f32| format!("{:.0} %", zoom * 100.0);
+        Field::new("Size").column(120.0).width(110.0).choice(ui, &mut settings.zoom, &ZOOMS, title);
+        hint(ui, "Also with Ctrl + and Ctrl −. Stimuli keep their size.");
+        ui.checkbox(&mut settings.greeting, "Explain Mach bands on the start page");
+        ui.checkbox(&mut settings.full_screen, "Run sessions on the full screen");
+        match notice {
+            Some(notice) => notice.lines().for_each(|line| super::ui::note(ui, line)),
+            None => hint(
+                ui,
+                "These settings are remembered, together with the screen, the results folder and recent files. Data about participants are not.",
+            ),
+        }
+    })
+}
+
+/// Draws a dialog with a Close button; returns whether it stays open.
+fn dialog(ctx: &Context, id: &str, add: impl FnOnce(&mut Ui)) -> bool {
+    let room = ctx.content_rect().size() - egui::Vec2::splat(96.0);
+    let modal = Modal::new(Id::unique(("dialog", id))).show(ctx, |ui| {
+        ui.set_width(WIDTH.min(room.x));
+        egui::ScrollArea::vertical().max_height(room.y).show(ui, add);
+        ui.add_space(GAP);
+        ui.button("Close").clicked()
+    });
+    !(modal.inner || modal.should_close())
+}
+
+fn keys(ui: &mut Ui, id: &str, keys: &[(&str, &str)]) {
+    Grid::new(id).num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
+        for (key, what) in keys {
+            ui.label(RichText::new(*key).strong());
+            paragraph(ui, *what);
+            ui.end_row();
+        }
+    });
+}
