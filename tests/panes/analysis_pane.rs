@@ -293,7 +293,7 @@ fn the_empty_page_and_errors_in_files() {
     click(&mut window, "Other data…");
     assert!(has(&window, "Open files…"));
     press(&mut window, Key::Escape);
-    wait_for(&mut window, "How visible are Mach bands?");
+    wait_for(&mut window, "Do you see a bright line?");
     type_into(&mut window, "Results folder", folder.path().join("results").to_str().unwrap());
     click_ending(&mut window, "e results…");
     click(&mut window, "Analyze tiny");
@@ -422,8 +422,8 @@ fn a_completed_session_can_be_analyzed_immediately() {
     let folder = tempfile::tempdir().unwrap();
     let text = DEFINITION.replace("repetitions = 3", "repetitions = 1").replace("practice = 2", "practice = 0");
     let request = request(folder.path(), definition::parse("tiny", &text).unwrap());
-    let mut window =
-        builder([1280.0, 1000.0], 1.0 / 60.0).build_eframe(|cc| App::new(cc, Launch { request: Some(request) }));
+    let mut window = builder([1280.0, 1000.0], 1.0 / 60.0)
+        .build_eframe(|cc| App::new(cc, Launch { request: Some(request), ..Launch::default() }));
     for page in ["These findings are saved", "Welcome", "The four answers", "Now the main part"] {
         wait_for(&mut window, page);
         press(&mut window, Key::Space);

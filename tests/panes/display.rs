@@ -61,7 +61,8 @@ fn protocol() -> Protocol {
 
 /// Launches a session on that screen.
 fn launch(results: &Path) -> Launch {
-    Launch { request: Some(Request { display: differing(), ..window::request(results, protocol()) }) }
+    let request = Request { display: differing(), ..window::request(results, protocol()) };
+    Launch { request: Some(request), ..Launch::default() }
 }
 
 fn sidecar(results: &Path) -> Sidecar {

@@ -27,7 +27,8 @@ fn protocol(recovery_s: f64, window_deg: f64) -> Protocol {
 }
 
 fn harness(request: Request) -> Window {
-    window::builder(SIZE, STEP_S).build_eframe(|cc| App::new(cc, Launch { request: Some(request) }))
+    window::builder(SIZE, STEP_S)
+        .build_eframe(|cc| App::new(cc, Launch { request: Some(request), ..Launch::default() }))
 }
 
 fn rows(results: &Path, protocol: &Protocol) -> Vec<TrialRecord> {
@@ -229,9 +230,9 @@ fn home_shows_errors_next_to_their_fields() {
     type_into(&mut harness, "Participant", "P7");
     assert!(harness.query_by_label_contains("expected letters A–Z").is_none());
     type_into(&mut harness, "Viewing distance, cm", "near");
-    harness.get_by_label_contains("is not a number");
+    harness.get_by_label_contains("Enter a number of centimeters, e.g. 57.");
     type_into(&mut harness, "Viewing distance, cm", "500");
-    harness.get_by_label_contains("expected a shorter distance");
+    harness.get_by_label_contains("Enter a shorter distance");
     type_into(&mut harness, "Viewing distance, cm", "50");
     type_into(&mut harness, "Display profile", "/nowhere.toml");
     harness.get_by_label_contains("cannot be opened");
@@ -258,7 +259,7 @@ fn home_shows_errors_next_to_their_fields() {
 fn the_gallery_shows_every_kind_and_explains_errors() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = window::home(SIZE, STEP_S);
-    click(&mut harness, "Gallery of stimuli…");
+    click(&mut harness, "Stimuli");
     for entry in machband::stimulus::catalog::all() {
         harness.get_by_label_contains(&entry.about[..20]);
         for parameter in entry.default_stimulus().parameters() {
@@ -294,5 +295,5 @@ fn the_gallery_shows_every_kind_and_explains_errors() {
     click(&mut harness, "Copy as command");
     harness.get_by_label_contains("--shading=phong");
     press(&mut harness, Key::Escape);
-    wait_for(&mut harness, "How visible are Mach bands?");
+    wait_for(&mut harness, "Do you see a bright line?");
 }

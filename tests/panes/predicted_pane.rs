@@ -41,7 +41,7 @@ fn sentence(stimulus: &Stimulus, size: u32) -> String {
 
 #[test]
 fn the_gallery_marks_both_ends_of_a_ramp_and_none_of_a_step() {
-    let mut window = open("Gallery of stimuli…", [1100.0, 860.0]);
+    let mut window = open("Stimuli", [1100.0, 860.0]);
     let ramp = |width| Stimulus::MachBand(MachBand { width, ..MachBand::default() });
     assert_eq!(text(&window, "Predicted visibility"), sentence(&ramp(0.4), 512));
     let set_width = |window: &mut Window, width: f64| {
@@ -66,7 +66,7 @@ fn the_gallery_marks_both_ends_of_a_ramp_and_none_of_a_step() {
 
 #[test]
 fn an_image_of_the_gallery_is_predicted() {
-    let mut window = open("Gallery of stimuli…", [1100.0, 860.0]);
+    let mut window = open("Stimuli", [1100.0, 860.0]);
     let to = catalog::all().iter().find(|entry| entry.kind == "kanizsa").unwrap();
     choose(&mut window, "Size, px", "256");
     choose(&mut window, "Stimulus", to.title);
@@ -109,7 +109,7 @@ fn predicted(window: &mut Window) -> [f64; 2] {
 
 #[test]
 fn the_demo_predicts_what_the_library_predicts() {
-    let mut window = open("Shading demo…", [760.0, 600.0]);
+    let mut window = open("Shading", [760.0, 600.0]);
     // The page has been drawn several times without waiting for the prediction.
     assert_eq!(visibilities(&window), ["…", "…"]);
     let [gouraud, c1] = predicted(&mut window);
@@ -138,9 +138,9 @@ fn the_demo_predicts_what_the_library_predicts() {
 fn the_pages_fit_small_and_large_windows() {
     for size in [[420.0, 360.0], [1100.0, 860.0]] {
         for (page, texts) in [
-            ("Gallery of stimuli…", &["Predicted visibility", "1 is just visible", "Export PNG", "Dither"][..]),
+            ("Stimuli", &["Predicted visibility", "1 is just visible", "Export PNG", "Dither"][..]),
             (
-                "Shading demo…",
+                "Shading",
                 &["Predicted bands", "predicted visibility", "A visibility of 1", "Triangles facing", "p95"][..],
             ),
         ] {

@@ -37,7 +37,7 @@ fn open_with_pixels(scale: f32) -> Option<Window> {
 fn opened(mut window: Window) -> Window {
     window.set_render_cursor(false);
     window.run_steps(3);
-    click(&mut window, "Shading demo…");
+    click(&mut window, "Shading");
     window.remove_cursor();
     window.run_steps(4);
     window
@@ -297,7 +297,7 @@ fn everything_has_a_name_and_fits_a_small_window() {
     window.get_by_label_contains("no graphics adapter");
     window.key_press(Key::Escape);
     window.run_steps(3);
-    window.get_by_label("Shading demo…");
+    window.get_by_label("Shading");
 }
 
 /// Small rotations about different axes add up to the expected rotation.
