@@ -22,7 +22,7 @@ use machband::{
 
 use crate::{
     common::{change_rating, session_csv, succeeds},
-    window::{Role, Window, builder, choose, click, home, press, request, texts, type_into, value, wait_for},
+    window::{Role, Window, builder, choose, click, home, leave, press, request, texts, type_into, value, wait_for},
 };
 
 const DEFINITION: &str = "schema = 1\nname = \"tiny\"\ntitle = \"A tiny study\"\n[stimulus]\nkind = \"mach-band\"\n\
@@ -54,7 +54,7 @@ fn click_ending(window: &mut Window, end: &str) {
 /// The analysis page, opened from Home.
 fn pane(size: [f32; 2]) -> Window {
     let mut window = home(size, 1.0 / 60.0);
-    click_ending(&mut window, "e results…");
+    click(&mut window, "Analyze");
     wait_for(&mut window, "Drop files or a folder");
     window
 }
@@ -292,10 +292,10 @@ fn the_empty_page_and_errors_in_files() {
     // Go back to the page without data, then to Home, and open the results folder from there.
     click(&mut window, "Other data…");
     assert!(has(&window, "Open files…"));
-    press(&mut window, Key::Escape);
+    leave(&mut window);
     wait_for(&mut window, "Do you see a bright line?");
     type_into(&mut window, "Results folder", folder.path().join("results").to_str().unwrap());
-    click_ending(&mut window, "e results…");
+    click(&mut window, "Analyze");
     click(&mut window, "Analyze tiny");
     wait_for(&mut window, "Participants: 2 of 2");
 }
@@ -437,6 +437,6 @@ fn a_completed_session_can_be_analyzed_immediately() {
     wait_for(&mut window, "Participants: 1 of 1");
     wait_until_idle(&mut window);
     window.get_by_label("6 ratings by 1 participant.");
-    press(&mut window, Key::Escape);
+    leave(&mut window);
     wait_for(&mut window, "Thank you!");
 }

@@ -12,7 +12,7 @@ use machband::{
 
 use crate::{
     common,
-    window::{self, Window, click, press, request, type_into, wait_for, walk_to_first_trial},
+    window::{self, Window, click, leave, press, request, type_into, wait_for, walk_to_first_trial},
 };
 
 const STEP_S: f32 = 1.0 / 60.0;
@@ -294,6 +294,6 @@ fn the_gallery_shows_every_kind_and_explains_errors() {
     machband::store::image::verify(&path).unwrap();
     click(&mut harness, "Copy as command");
     harness.get_by_label_contains("--shading=phong");
-    press(&mut harness, Key::Escape);
+    leave(&mut harness);
     wait_for(&mut harness, "Do you see a bright line?");
 }

@@ -136,7 +136,7 @@ fn the_demo_predicts_what_the_library_predicts() {
 
 #[test]
 fn the_pages_fit_small_and_large_windows() {
-    for size in [[420.0, 360.0], [1100.0, 860.0]] {
+    for size in [[520.0, 360.0], [1100.0, 860.0]] {
         for (page, texts) in [
             ("Stimuli", &["Predicted visibility", "1 is just visible", "Export PNG", "Dither"][..]),
             (

@@ -40,6 +40,15 @@ pub fn press(window: &mut Window, key: Key) {
     window.step();
 }
 
+/// Leaves a page with Escape, which first leaves the field in which the user is typing.
+pub fn leave(window: &mut Window) {
+    if window.ctx.text_edit_focused() {
+        press(window, Key::Escape);
+    }
+    press(window, Key::Escape);
+    window.run_steps(2);
+}
+
 /// Clicks a control; scrolls to it first if it is out of view.
 pub fn click(window: &mut Window, label: &str) {
     // Finds a control, not a label with the same text.

@@ -5,6 +5,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use eframe::egui::{TextStyle, Ui};
+
 use crate::{
     app::{
         session::{Request, stimulus_side_px},
@@ -18,8 +20,10 @@ use crate::{
     },
 };
 
-/// Width of the column of labels, points.
-pub const LABELS: f32 = 160.0;
+/// Returns the width of the column of labels, points.
+pub fn labels(ui: &Ui) -> f32 {
+    10.0 * TextStyle::Body.resolve(ui.style()).size - 22.0
+}
 
 /// The values of the fields, as typed.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,9 +88,9 @@ pub struct Checked {
 
 impl Checked {
     /// Creates the control for a field, with its error.
-    pub fn field(&self, part: Part) -> Field<'_> {
+    pub fn field(&self, ui: &Ui, part: Part) -> Field<'_> {
         let error = self.errors.get(&part).map_or("", String::as_str);
-        Field::new(part.label()).column(LABELS).error(error)
+        Field::new(part.label()).column(labels(ui)).error(error)
     }
 
     /// Returns whether a field has an error.

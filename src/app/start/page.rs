@@ -9,7 +9,7 @@ use eframe::egui::{
 
 use super::{
     cards::{Cards, extent},
-    form::{Checked, Form, LABELS, Part},
+    form::{Checked, Form, Part, labels},
     sessions::SessionList,
 };
 use crate::{
@@ -39,6 +39,8 @@ const SMALL: Vec2 = egui::vec2(760.0, 560.0);
 const NARROW: f32 = 520.0;
 /// Padding of a text field, points.
 const PADDING: f32 = 6.0;
+/// Maximum width of the form, points.
+const FORM: f32 = 760.0;
 /// Share of the height of the page's left half for experiments; the rest is for sessions.
 const CARDS: f32 = 0.56;
 
@@ -131,7 +133,8 @@ impl Start {
             let (panel, size) = if ui.available_width() < NARROW {
                 (Panel::top("choices"), 0.4 * ui.available_height())
             } else {
-                (Panel::left("choices"), (0.44 * ui.available_width()).floor())
+                let width = ui.available_width();
+                (Panel::left("choices"), (0.44 * width).max(width - FORM).floor())
             };
             let frame = Frame::NONE.inner_margin(egui::Margin { right: margin as i8, ..Default::default() });
             let panel = panel.resizable(false).exact_size(size).frame(frame).show_separator_line(false);
@@ -391,20 +394,20 @@ impl Start {
         let mut name = self.form.experiment.clone();
         // All fields of the form end at the same edge.
         ui.spacing_mut().text_edit_width = f32::INFINITY;
-        checked.field(Part::Experiment).hint("name, or path to a .toml file").text(ui, &mut name);
+        checked.field(ui, Part::Experiment).hint("name, or path to a .toml file").text(ui, &mut name);
         if name != self.form.experiment {
             self.choose_experiment(name);
         }
         let Form { participant, session, screen, .. } = &mut self.form;
-        checked.field(Part::Participant).hint("letters and digits").text(ui, participant);
-        checked.field(Part::Session).hint("1, 2, … for the same participant").text(ui, session);
-        checked.field(Part::Distance).hint("from eye to screen").text(ui, &mut screen.distance_cm);
+        checked.field(ui, Part::Participant).hint("letters and digits").text(ui, participant);
+        checked.field(ui, Part::Session).hint("1, 2, … for the same participant").text(ui, session);
+        checked.field(ui, Part::Distance).hint("from eye to screen").text(ui, &mut screen.distance_cm);
         if let Some(coarse) = &checked.coarse {
-            Field::new("").column(LABELS).show(ui, |ui, _| ui::note(ui, coarse));
+            Field::new("").column(labels(ui)).show(ui, |ui, _| ui::note(ui, coarse));
         }
         self.width_field(ui, checked, monitor, here);
         let measure = self.profile_field(ui, checked);
-        checked.field(Part::Results).show(ui, |ui, label| {
+        checked.field(ui, Part::Results).show(ui, |ui, label| {
             ui.horizontal(|ui| {
                 let field = TextEdit::singleline(&mut self.form.results).desired_width(room(ui, 1));
                 ui.add(field).labelled_by(label);
@@ -416,7 +419,7 @@ impl Start {
     }
 
     fn width_field(&mut self, ui: &mut Ui, checked: &Checked, monitor: &Monitor, here: &Monitor) {
-        checked.field(Part::ScreenWidth).show(ui, |ui, label| {
+        checked.field(ui, Part::ScreenWidth).show(ui, |ui, label| {
             ui.horizontal(|ui| {
                 let width = &mut self.form.screen.screen_width_cm;
                 ui.add(TextEdit::singleline(width).desired_width(90.0)).labelled_by(label);
@@ -442,7 +445,7 @@ impl Start {
 
     /// Draws the field for the profile; returns whether the user wants to measure the screen.
     fn profile_field(&mut self, ui: &mut Ui, checked: &Checked) -> bool {
-        checked.field(Part::Profile).show(ui, |ui, label| {
+        checked.field(ui, Part::Profile).show(ui, |ui, label| {
             let path = &mut self.form.screen.profile;
             let mut measure = false;
             ui.horizontal(|ui| {
@@ -491,14 +494,16 @@ impl Start {
                 );
             }
         };
-        let field = Field::new("Screen").column(LABELS);
+        let field = Field::new("Screen").column(labels(ui));
         field.show(ui, |ui, label| ui.horizontal_wrapped(|ui| line(ui, label)));
     }
 
     fn start(&mut self, ui: &mut Ui, checked: &Checked, settings: &Settings) -> Option<Destination> {
         let text = if checked.resume { "Resume" } else { "Start" };
+        let small = ui.available_width() < 380.0;
         let hint = match (&checked.request, checked.resume) {
             (None, _) => "Something above needs attention.",
+            (Some(_), _) if small => "Or press Enter.",
             (Some(_), true) => "This session was interrupted. It resumes with the remaining trials.",
             (Some(_), false) => "Or press Enter. Esc pauses at any time; every answer is saved immediately.",
         };

@@ -6,7 +6,7 @@ use eframe::egui::{self, CentralPanel, Color32, Frame, Id, Key, Popup, RichText,
 
 use super::{
     text::secondary,
-    theme::{COLUMN, ink},
+    theme::{COLUMN, MARGIN, ink},
 };
 
 /// Where a page leads after a frame. The step of a page that can only lead back is a plain `Step`.
@@ -66,7 +66,7 @@ pub fn page_from<R>(ui: &mut Ui, top: f32, add: impl FnOnce(&mut Ui) -> R) -> R 
         .inner
     };
     let scrolling = |ui: &mut Ui| ScrollArea::vertical().auto_shrink(false).show(ui, column).inner;
-    CentralPanel::default().frame(Frame::NONE.inner_margin(24.0)).show(ui, scrolling).inner
+    CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN)).show(ui, scrolling).inner
 }
 
 /// Draws a page for one tool, with its name, a back button and its content. Returns whether the user left it, with the
@@ -96,7 +96,8 @@ pub fn heading(ui: &mut Ui, name: &str) -> bool {
 pub fn primary(ui: &mut Ui, text: &str, enabled: bool, hint: &str) -> bool {
     let button = egui::Button::new(RichText::new(text).size(19.0).strong().color(Color32::BLACK))
         .fill(ink(ui).primary)
-        .min_size(Vec2::new(180.0, 44.0));
+        // As high as the style's other buttons and half as much again.
+        .min_size(1.4 * Vec2::new(4.0 * ui.spacing().interact_size.y, ui.spacing().interact_size.y));
     ui.horizontal(|ui| {
         let clicked = ui.add_enabled(enabled, button).clicked();
         if !hint.is_empty() {

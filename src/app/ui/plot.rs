@@ -1,13 +1,17 @@
 //! Static plots, and tables of numbers.
 
-use eframe::egui::{AsIdSalt, Grid, ScrollArea, Ui};
+use eframe::egui::{AsIdSalt, Color32, Grid, ScrollArea, Ui};
 use egui_plot::Plot;
 
 use super::text::secondary;
 
+/// Grid lines: a translucent gray, fainter than any curve in both themes.
+const GRID: Color32 = Color32::from_rgba_premultiplied(0x1c, 0x1c, 0x1c, 0x38);
+
 /// Creates a static plot. Dragging and scrolling move the page, not the plot.
 pub fn still_plot<'a>(id: impl AsIdSalt) -> Plot<'a> {
     Plot::new(id)
+        .grid_color(GRID)
         .allow_drag(false)
         .allow_zoom(false)
         .allow_scroll(false)

@@ -5,11 +5,11 @@ use eframe::egui::{self, Align, Button, Frame, Key, KeyboardShortcut, Layout, Mo
 use super::{
     logo::logo,
     text::name,
-    theme::{GAP, LARGE_GAP, SMALL_GAP, ink},
+    theme::{self, GAP, LARGE_GAP, SMALL_GAP, ink},
 };
 
 /// Width of the bar, points, and its width in a window that is narrower than [`NARROW`].
-const WIDTHS: [f32; 2] = [140.0, 92.0];
+const WIDTHS: [f32; 2] = [140.0, 96.0];
 const NARROW: f32 = 900.0;
 
 /// A place of the program. Each keeps its state when the user goes to another.
@@ -48,13 +48,17 @@ pub fn side_bar(ui: &mut Ui, here: Place) -> Option<SideChoice> {
     let frame = Frame::NONE.fill(ink(ui).card).inner_margin(GAP);
     let bar = Panel::left("places").resizable(false).exact_size(WIDTHS[usize::from(narrow)]).frame(frame);
     bar.show(ui, |ui| {
+        if narrow {
+            theme::compact(ui);
+        }
+        ui.spacing_mut().item_spacing.y = SMALL_GAP;
         ui.horizontal(|ui| {
             logo(ui, 28.0);
             if !narrow {
                 ui.label(RichText::new("machband").strong().size(18.0));
             }
         });
-        ui.add_space(LARGE_GAP);
+        ui.add_space(if narrow { SMALL_GAP } else { LARGE_GAP });
         let mut choice = None;
         for (place, title, about, key) in Place::ALL {
             let shortcut = KeyboardShortcut::new(Modifiers::COMMAND, key);
@@ -63,14 +67,12 @@ pub fn side_bar(ui: &mut Ui, here: Place) -> Option<SideChoice> {
             if clicked || ui.input_mut(|input| input.consume_shortcut(&shortcut)) {
                 choice = Some(SideChoice::Go(place));
             }
-            ui.add_space(SMALL_GAP);
         }
         ui.with_layout(Layout::bottom_up(Align::Min), |ui| {
             let help = item(ui, "Help", false).on_hover_text("Keys of this page, and about machband (F1).");
             if help.clicked() || ui.input(|input| input.key_pressed(Key::F1)) {
                 choice = Some(SideChoice::Help);
             }
-            ui.add_space(SMALL_GAP);
             if item(ui, "Settings", false).on_hover_text("Theme and size of the window.").clicked() {
                 choice = Some(SideChoice::Settings);
             }
@@ -82,7 +84,8 @@ pub fn side_bar(ui: &mut Ui, here: Place) -> Option<SideChoice> {
 
 fn item(ui: &mut Ui, title: &str, selected: bool) -> egui::Response {
     let text = if selected { RichText::new(title).strong() } else { RichText::new(title) };
-    let button = Button::selectable(selected, text).min_size(egui::vec2(ui.available_width(), 34.0));
+    let height = ui.spacing().interact_size.y + 4.0;
+    let button = Button::selectable(selected, text).min_size(egui::vec2(ui.available_width(), height)).truncate();
     let response = ui.add(button);
     name(ui, &response, title);
     response

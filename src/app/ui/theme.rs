@@ -9,7 +9,7 @@ use egui_plot::MarkerShape;
 
 use crate::report::figures::palette::{ON_DARK, ON_WHITE, Rgb};
 
-/// The spacing scale, points: between the parts of a line, between lines, between groups, and around a page.
+/// The spacing scale, points: between the parts of a line, between lines, between groups, and around a page of text.
 pub const SMALL_GAP: f32 = 4.0;
 pub const GAP: f32 = 8.0;
 pub const LARGE_GAP: f32 = 16.0;
@@ -40,8 +40,6 @@ pub struct Ink {
     pub success: Color32,
     /// The main button of a page, which has black text.
     pub primary: Color32,
-    /// Grid lines of a plot, fainter than any curve.
-    pub grid: Color32,
     /// Predicted bands.
     pub band: Color32,
     /// Colors of the series in a plot: the colors of the figures.
@@ -68,7 +66,6 @@ const DARK: Ink = Ink {
     note: Color32::from_rgb(0xe8, 0xc8, 0x60),
     success: Color32::from_rgb(0x90, 0xd0, 0xa0),
     primary: Color32::from_rgb(0xe8, 0xd0, 0x70),
-    grid: Color32::from_gray(0x38),
     band: Color32::from_rgb(0xe0, 0x90, 0xc0),
     series: colors(ON_DARK),
     sides: [colors(ON_DARK)[1], Color32::from_rgb(0xe8, 0xc8, 0x60)],
@@ -84,7 +81,6 @@ const LIGHT: Ink = Ink {
     note: Color32::from_rgb(0x6c, 0x48, 0x00),
     success: Color32::from_rgb(0x12, 0x56, 0x2c),
     primary: Color32::from_rgb(0xf0, 0xc8, 0x48),
-    grid: Color32::from_gray(0xdc),
     band: Color32::from_rgb(0xa0, 0x30, 0x78),
     series: colors(ON_WHITE),
     sides: [colors(ON_WHITE)[1], colors(ON_WHITE)[2]],

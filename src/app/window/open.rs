@@ -19,7 +19,7 @@ use crate::app::ui::logo;
 /// Size of the window at first, points. It fits a screen of 1366 × 768 pixels with its bars.
 const SIZE: egui::Vec2 = egui::vec2(1280.0, 700.0);
 /// Minimum size of the window outside sessions, points.
-pub const MIN_SIZE: egui::Vec2 = egui::vec2(420.0, 360.0);
+pub const MIN_SIZE: egui::Vec2 = egui::vec2(520.0, 360.0);
 
 /// Opens the window; returns when it is closed. `make` creates the program that runs in it.
 ///
