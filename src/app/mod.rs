@@ -214,8 +214,15 @@ impl App {
     fn go(&mut self, place: Place, completed: bool) {
         self.place = place;
         self.behind = None;
-        if place == Place::Run {
-            self.start.refresh(completed, &self.memory.settings);
+        match place {
+            Place::Run => self.start.refresh(completed, &self.memory.settings),
+            Place::Analyze => {
+                let results = self.start.results();
+                if let Some(analysis) = &mut self.analysis {
+                    analysis.offer(&results);
+                }
+            }
+            _ => {}
         }
     }
 

@@ -195,11 +195,11 @@ fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
     let mut harness = small();
     click(&mut harness, "Size and distance");
     let width = |harness: &Window| value(harness, "Width of the display area, cm");
-    // 420 pixels at 96 pixels per inch.
-    assert_eq!(width(&harness), "11.1");
+    // 520 pixels at 96 pixels per inch.
+    assert_eq!(width(&harness), "13.8");
     harness.get_by_label_contains("This width assumes");
     click(&mut harness, "Measure with a card…");
-    harness.get_by_label("The screen is 11.1 cm wide.");
+    harness.get_by_label("The screen is 13.8 cm wide.");
     // Every part of the dialog can be reached by scrolling.
     harness.get_by_label("Cancel").scroll_to_me();
     harness.run_steps(30);
@@ -207,7 +207,7 @@ fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
     assert!(cancel.bottom() <= 360.0 - 24.0 && cancel.right() <= 520.0 - 24.0, "{cancel:?}");
     press(&mut harness, Key::Enter);
     harness.run_steps(3);
-    assert_eq!(width(&harness), "11.1");
+    assert_eq!(width(&harness), "13.8");
     // The outline is 8.56 · 420/11.1 = 324 pixels wide; with 20 fewer, the screen is 8.56 · 420/304 = 11.8 cm wide.
     click(&mut harness, "Measure with a card…");
     for _ in 0..20 {

@@ -281,14 +281,14 @@ fn the_exported_file_is_the_view() {
 
 #[test]
 fn everything_has_a_name_and_fits_a_small_window() {
-    let mut window = opened(builder([760.0, 560.0], 1.0 / 60.0).build_eframe(|cc| App::new(cc, Launch::default())));
+    let mut window = opened(builder([900.0, 560.0], 1.0 / 60.0).build_eframe(|cc| App::new(cc, Launch::default())));
     for label in ["Preset", "Left shader", "Right shader", "Mesh", "Rotate about x", "Light, degrees upward", "Diffuse"]
     {
         let rect = window.get_by_label(label).rect();
-        assert!(rect.left() >= 0.0 && rect.right() <= 300.0, "{label}: {rect:?}");
+        assert!(rect.left() >= 140.0 && rect.right() <= 440.0, "{label}: {rect:?}");
     }
     let rect = picture(&window);
-    assert!(rect.width() >= 400.0 && rect.height() >= 250.0 && rect.right() <= 760.0 && rect.bottom() <= 560.0);
+    assert!(rect.width() >= 400.0 && rect.height() >= 250.0 && rect.right() <= 900.0 && rect.bottom() <= 560.0);
     window.get_by_label("Scan line").click();
     window.run_steps(3);
     assert!(picture(&window).height() >= 120.0);

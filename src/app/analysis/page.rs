@@ -48,11 +48,9 @@ struct Pending {
 impl Analysis {
     /// Creates the page without data. It offers the experiments in a results folder and lets the user open other files.
     pub fn new(results: &Path) -> Self {
-        let mut found = entries(results).unwrap_or_default();
-        found.retain(|path| has_data(path));
-        Self {
+        let mut page = Self {
             typed: String::new(),
-            found,
+            found: Vec::new(),
             dialog: Dialog::default(),
             reading: None,
             error: None,
@@ -60,7 +58,15 @@ impl Analysis {
             order: None,
             paths: Vec::new(),
             open: None,
-        }
+        };
+        page.offer(results);
+        page
+    }
+
+    /// Offers the experiments that are in a results folder now.
+    pub fn offer(&mut self, results: &Path) {
+        self.found = entries(results).unwrap_or_default();
+        self.found.retain(|path| has_data(path));
     }
 
     /// Creates the page that opens a data set.
