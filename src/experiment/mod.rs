@@ -5,9 +5,11 @@
 //! participants.
 
 mod condition;
+mod faults;
 mod frame_log;
 mod identity;
 mod observer;
+mod participant;
 mod protocol;
 mod record;
 mod schedule;
@@ -15,12 +17,13 @@ mod session;
 mod texts;
 
 pub use condition::{Condition, Factor};
+pub use faults::{DefinitionError, DefinitionErrors};
 pub use frame_log::{FrameRun, Shown};
 pub use identity::{Identity, IdentityError};
 pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, simulate, visibilities};
+pub use participant::{AnswerError, Answers, FieldKind, FieldSpec, MAX_ANSWER, ParticipantField, ParticipantFields};
 pub use protocol::{
-    Category, DefinitionError, DefinitionErrors, Design, MAX_RATING, Order, Presentation, Protocol, Recovery,
-    ResponseScale, ViewingPlan, name_error,
+    Category, Design, MAX_RATING, Order, Presentation, Protocol, Recovery, ResponseScale, ViewingPlan, name_error,
 };
 pub use record::{
     Column, LATER_COLUMN_COUNT, Rating, RatingRow, RowContext, Seconds, TrialRecord, columns, columns_by_header,

@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize, Serializer, ser::SerializeMap as _};
 
 use super::{
     condition::{Condition, Factor, cross, serialize_factors},
+    faults::{DefinitionError, DefinitionErrors},
+    participant::ParticipantFields,
     texts::Texts,
 };
 use crate::{
@@ -19,34 +21,6 @@ pub const MAX_RATING: u8 = 3;
 const MAX_TRIALS: usize = 100_000;
 /// Typical time to look at a stimulus and rate it, seconds.
 const RATING_S: f64 = 3.5;
-
-/// An error at one location of a definition.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct DefinitionError {
-    /// Keys and array indices joined by dots: `factors.width.2`.
-    pub path: String,
-    /// What is wrong, and what is expected.
-    pub message: String,
-}
-
-/// The errors in a definition.
-#[derive(Clone, Debug, Default)]
-pub struct DefinitionErrors(pub Vec<DefinitionError>);
-
-impl DefinitionErrors {
-    /// Adds an error at a path.
-    pub fn add(&mut self, path: impl Into<String>, message: impl Into<String>) {
-        self.0.push(DefinitionError { path: path.into(), message: message.into() });
-    }
-
-    /// Adds an error unless `value` is finite and within `low…high`.
-    fn check_range(&mut self, path: &str, value: f64, low: f64, high: f64, meaning: &str) {
-        if !(low..=high).contains(&value) {
-            let key = path.rsplit('.').next().unwrap_or(path);
-            self.add(path, format!("{key} {value} is outside {low}…{high}; expected {meaning}"));
-        }
-    }
-}
 
 /// An experiment: what is varied, in what order it is shown, and how it is shown and rated. It is serialized in the
 /// form of a definition, so that the copy in a sidecar can be read back.
@@ -74,6 +48,9 @@ pub struct Protocol {
     pub response: ResponseScale,
     /// The planned viewing geometry.
     pub viewing: ViewingPlan,
+    /// What is asked about the participant before the first page.
+    #[serde(skip_serializing_if = "ParticipantFields::is_empty")]
+    pub participant: ParticipantFields,
     /// The participant's texts.
     pub instructions: Texts,
 }
@@ -324,6 +301,7 @@ impl Protocol {
         errors.check_range("viewing.distance_cm", self.viewing.distance_cm, 1.0, 10_000.0, "cm from eye to screen");
         errors.check_range("viewing.window_deg", self.viewing.window_deg, 0.01, 170.0, "degrees of visual angle");
         self.response_errors(&mut errors);
+        self.participant.check(&mut errors);
         errors.0
     }
 

@@ -12,8 +12,8 @@ use super::{
 };
 use crate::{
     experiment::{
-        Category, DefinitionError, DefinitionErrors, Design, Factor, Presentation, Protocol, Recovery, ResponseScale,
-        Texts, ViewingPlan,
+        Category, DefinitionError, DefinitionErrors, Design, Factor, ParticipantFields, Presentation, Protocol,
+        Recovery, ResponseScale, Texts, ViewingPlan,
     },
     light::names::expected_one_of,
     stimulus::{KINDS, MachBand, ParameterValue, Stimulus},
@@ -113,6 +113,7 @@ struct Form {
     presentation: Option<Presentation>,
     response: ResponseForm,
     viewing: ViewingPlan,
+    participant: ParticipantFields,
     instructions: Texts,
 }
 
@@ -151,6 +152,7 @@ impl Form {
             presentation: self.presentation,
             response: scale(self.response, &mut errors),
             viewing: self.viewing,
+            participant: self.participant,
             instructions: self.instructions,
         };
         // A value that could not be read would only cause follow-up errors.

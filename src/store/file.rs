@@ -444,6 +444,20 @@ fn lock_in_turn(file: &File) -> std::io::Result<()> {
     }
 }
 
+/// Does something while this program holds the lock of a file that several programs share and that is never replaced.
+/// Creates the file if it does not exist.
+///
+/// # Errors
+/// The file cannot be locked; the errors of `act`.
+pub(super) fn in_turn<T>(path: &Path, act: impl FnOnce() -> Result<T, StoreError>) -> Result<T, StoreError> {
+    let file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(io(path, "open"))?;
+    file.metadata().and_then(|found| is_data(&found)).and_then(|()| lock_in_turn(&file)).map_err(io(path, "lock"))?;
+    let done = act();
+    // Closing the file unlocks it too, unless a child process has a copy of it.
+    let _ = file.unlock();
+    done
+}
+
 /// Appends a line to a file that several programs share, and waits until it is on disk. A new file begins with
 /// `header`. Each program waits until the others have written their lines. An incomplete last line, which an
 /// interrupted program left, is removed.

@@ -14,9 +14,10 @@ use crate::{
     experiment::{Column, Protocol, columns},
     store::{
         StoreError,
-        dataset::{self, DESCRIPTION},
+        dataset::{self, DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED},
         file::{make_folder, write_file, write_json},
         open::read_regular,
+        participants::{self, MISSING},
         recorded::Recorded,
         sidecar::Sitting,
     },
@@ -24,8 +25,6 @@ use crate::{
 
 /// Version of the BIDS standard.
 const VERSION: &str = "1.11.1";
-/// How BIDS writes a missing value.
-const MISSING: &str = "n/a";
 /// Our columns that have a different name in BIDS. The first two come first in the table, followed by the picture's
 /// file. Onset and duration keep our names: with the BIDS names, a behavioral table would be mistaken for a table of
 /// events.
@@ -46,7 +45,7 @@ pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<Strin
     write_json(&to.join(DESCRIPTION), &description(experiments, notes))?;
     write_file(&to.join("README.md"), readme(experiments).as_bytes())?;
     write_file(&to.join("CHANGES"), changes(experiments).as_bytes())?;
-    write_participants(experiments, to)?;
+    write_participants(experiments, to, notes)?;
     for experiment in experiments {
         psych_ds::copy(experiment, &to.join("sourcedata").join(&experiment.name))?;
         let common = experiment.has_one_definition();
@@ -344,26 +343,18 @@ fn changes(experiments: &[Experiment]) -> String {
     format!("1.0.0 {day}\n  - Sessions up to this date, exported by machband {version}.\n{changed}")
 }
 
-/// Writes one row per participant. It contains only what is known: the number of sessions, and whether a person or a
-/// simulated observer rated.
-fn write_participants(experiments: &[Experiment], to: &Path) -> Result<(), StoreError> {
+/// Writes one row per participant: what they answered, the number of sessions, and whether a person or a simulated
+/// observer rated.
+fn write_participants(experiments: &[Experiment], to: &Path, notes: &mut Vec<String>) -> Result<(), StoreError> {
     let mut participants: BTreeMap<&str, Vec<&Recorded>> = BTreeMap::new();
     for session in experiments.iter().flat_map(|experiment| &experiment.sessions) {
         participants.entry(session.identity.subject()).or_default().push(session);
     }
-    let mut text = "participant_id\tobserver\tsessions\tcomplete_sessions\n".to_owned();
-    for (subject, sessions) in participants {
-        let number = |is: fn(&Recorded) -> bool| sessions.iter().filter(|session| is(session)).count();
-        let complete = number(|session| session.rated().0 == session.rated().1);
-        let observer = match number(|session| session.sidecar.sittings.iter().any(|one| one.observer.is_some())) {
-            0 => "person",
-            some if some == sessions.len() => "simulated",
-            _ => "both",
-        };
-        text += &format!("sub-{subject}\t{observer}\t{}\t{complete}\n", sessions.len());
-    }
-    write_file(&to.join("participants.tsv"), text.as_bytes())?;
-    let described = json!({
+    let datasets = experiments.iter().flat_map(Experiment::datasets);
+    let (answered, descriptions, differences) =
+        participants::collect(datasets, &participants.keys().copied().collect())?;
+    notes.extend(differences);
+    let mut described = json!({
         "participant_id": { "Description": "Participant." },
         "observer": {
             "Description": "Type of observer.",
@@ -372,5 +363,25 @@ fn write_participants(experiments: &[Experiment], to: &Path) -> Result<(), Store
         "sessions": { "Description": "Sessions of all tasks in this data set." },
         "complete_sessions": { "Description": "Sessions in which every planned trial was rated." },
     });
-    write_json(&to.join("participants.json"), &described)
+    // A column that someone added by hand may have one of these names.
+    let columns: Vec<&String> = answered.columns().iter().filter(|column| described.get(column).is_none()).collect();
+    let heads = columns.iter().map(|column| format!("\t{column}")).collect::<String>();
+    let mut text = format!("participant_id\tobserver\tsessions\tcomplete_sessions{heads}\n");
+    for (subject, sessions) in participants {
+        let number = |is: fn(&Recorded) -> bool| sessions.iter().filter(|session| is(session)).count();
+        let complete = number(|session| session.rated().0 == session.rated().1);
+        let observer = match number(|session| session.sidecar.sittings.iter().any(|one| one.observer.is_some())) {
+            0 => "person",
+            some if some == sessions.len() => "simulated",
+            _ => "both",
+        };
+        let answers = columns.iter().map(|column| format!("\t{}", answered.get(subject, column).unwrap_or(MISSING)));
+        let answers: String = answers.collect();
+        text += &format!("sub-{subject}\t{observer}\t{}\t{complete}{answers}\n", sessions.len());
+    }
+    for column in columns {
+        described[column] = descriptions.get(column).cloned().unwrap_or_else(|| json!({ "Description": column }));
+    }
+    write_file(&to.join(PARTICIPANTS), text.as_bytes())?;
+    write_json(&to.join(PARTICIPANTS_DESCRIBED), &described)
 }

@@ -8,11 +8,12 @@ use crate::{
     experiment::columns,
     store::{
         StoreError,
-        dataset::{self, DATA_FILE, SIDECAR_SUFFIX, describe},
+        dataset::{self, DATA_FILE, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX, describe},
         error::io,
-        file::{make_folder, write_file},
+        file::{make_folder, write_file, write_json},
         frames,
         open::read_regular,
+        participants,
         recorded::Recorded,
         results,
     },
@@ -65,7 +66,8 @@ fn append(path: &Path, text: &str) -> Result<(), StoreError> {
     write_file(path, &content)
 }
 
-/// Copies an experiment's sessions unchanged, together with the files that describe their data set.
+/// Copies an experiment's sessions unchanged, together with the files that describe their data set and the rows of their
+/// participants.
 pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreError> {
     let data = folder.join("data");
     make_folder(&data)?;
@@ -75,6 +77,11 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreEr
         if from.is_file() && !to.exists() {
             copy_file(&from, &to)?;
         }
+    }
+    let (participants, described, _) = participants::collect(experiment.datasets(), &experiment.subjects())?;
+    if !participants.is_empty() {
+        write_file(&folder.join(PARTICIPANTS), participants.text().as_bytes())?;
+        write_json(&folder.join(PARTICIPANTS_DESCRIBED), &described.into())?;
     }
     for session in &experiment.sessions {
         let stem = session.stem();

@@ -12,7 +12,7 @@ use crate::{
     experiment::{columns, name_error},
     store::{
         FileError, FileErrors,
-        dataset::{self, DATA_FILE, SIDECAR_SUFFIX},
+        dataset::{self, DATA_FILE, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX},
         frames,
         recorded::Recorded,
         table::is_formula,
@@ -45,6 +45,16 @@ impl Experiment {
         self.sessions.iter().all(|session| session.protocol == self.sessions[0].protocol)
     }
 
+    /// Returns the data sets of the sessions, each once.
+    pub fn datasets(&self) -> BTreeSet<&Path> {
+        self.sessions.iter().filter_map(|session| dataset::of(&session.csv)).collect()
+    }
+
+    /// Returns the IDs of the participants.
+    pub fn subjects(&self) -> BTreeSet<&str> {
+        self.sessions.iter().map(|session| session.identity.subject()).collect()
+    }
+
     /// Returns a line for each exported file that was changed after its session ended, with only the name of the file.
     pub fn changed(&self) -> impl Iterator<Item = String> {
         self.sessions.iter().flat_map(changed)
@@ -71,7 +81,8 @@ pub(super) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErr
         let name = csv.file_name().unwrap_or_default().to_string_lossy();
         let stem = name.strip_suffix(DATA_FILE).unwrap_or(&name);
         paths.extend([SIDECAR_SUFFIX, frames::SUFFIX].map(|suffix| csv.with_file_name(format!("{stem}{suffix}"))));
-        paths.extend(dataset::of(csv).into_iter().flat_map(|dataset| DESCRIBING.map(|name| dataset.join(name))));
+        let names = DESCRIBING.into_iter().chain([PARTICIPANTS, PARTICIPANTS_DESCRIBED]);
+        paths.extend(dataset::of(csv).into_iter().flat_map(|dataset| names.clone().map(|name| dataset.join(name))));
     }
     let links = paths.into_iter().filter_map(|path| {
         let target = fs::read_link(&path).ok()?;

@@ -34,6 +34,11 @@ pub const REGISTER: &str = "sessions.csv";
 pub(in crate::store) const REGISTER_HEADER: &str =
     "at,event,data_file,definition_sha256,seed,data_bytes,data_sha256,sidecar_sha256";
 
+/// Name of the table of the participants, which is next to the description of the data set.
+pub const PARTICIPANTS: &str = "participants.tsv";
+/// Name of the file that describes its columns.
+pub const PARTICIPANTS_DESCRIBED: &str = "participants.json";
+
 /// The paths of the files of one session.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SessionPaths {
@@ -91,8 +96,8 @@ impl SessionPaths {
     /// Reports the first link.
     pub(crate) fn refuse_links(&self) -> Result<(), StoreError> {
         let data = self.dataset.join("data");
-        let register = self.dataset.join(REGISTER);
-        for path in [&self.dataset, &data, &self.csv, &self.sidecar, &self.frames, &register] {
+        let shared = [REGISTER, PARTICIPANTS, PARTICIPANTS_DESCRIBED].map(|name| self.dataset.join(name));
+        for path in [&self.dataset, &data, &self.csv, &self.sidecar, &self.frames].into_iter().chain(&shared) {
             if let Ok(target) = fs::read_link(path) {
                 return Err(StoreError::Link { path: path.clone(), target });
             }
@@ -209,7 +214,14 @@ fn variable(column: &Column) -> Value {
 }
 
 fn readme(protocol: &Protocol) -> String {
-    let Protocol { name, title, .. } = protocol;
+    let Protocol { name, title, participant, .. } = protocol;
+    let participants = match participant.is_empty() {
+        true => String::new(),
+        false => format!(
+            "- `{PARTICIPANTS}`: what each participant answered before the first page, with the columns described in
+  `{PARTICIPANTS_DESCRIBED}`.\n"
+        ),
+    };
     let version = env!("CARGO_PKG_VERSION");
     format!(
         "# {title}
@@ -221,7 +233,7 @@ Ratings recorded with machband {version}, using the definition `{name}`.
   definition and the seed that determine the order of its trials, the program, the screen, the geometry, and the meaning
   of each column.
 - `data/…{frames}`: every frame interval, if a screen was used.
-- `{REGISTER}`: when each session started, was resumed and ended, with the hashes of its files at that time.
+{participants}- `{REGISTER}`: when each session started, was resumed and ended, with the hashes of its files at that time.
   It is not exported.
 
 Missing values are empty. A corrected response is a separate row with `attempt` + 1; the last attempt of a trial
@@ -242,7 +254,7 @@ Sessions are added while they are recorded and are never changed afterward. Reco
 fn ignored() -> String {
     let [by_the_text, _] = IGNORE;
     format!(
-        "# Frame intervals describe a session and are not its data.\n*{frames}\n# The events and hashes of the sessions, for machband verify.\n{REGISTER}\n# Exists only while a session runs.\n*{lock}\n# Lines that machband repair removed from a data file.\n*{DAMAGED}*\n# This list, under the name used in the text of the standard.\n{by_the_text}\n",
+        "# Frame intervals describe a session and are not its data.\n*{frames}\n# The events and hashes of the sessions, for machband verify.\n{REGISTER}\n# The participants, in the form of another standard.\n{PARTICIPANTS}\n{PARTICIPANTS_DESCRIBED}\n# Exists only while a session runs.\n*{lock}\n# Lines that machband repair removed from a data file.\n*{DAMAGED}*\n# This list, under the name used in the text of the standard.\n{by_the_text}\n",
         frames = frames::SUFFIX,
         lock = lock::SUFFIX,
     )

@@ -4,6 +4,7 @@ pub mod dataset;
 pub mod frames;
 mod lock;
 pub mod overview;
+pub mod participants;
 pub mod recorded;
 pub mod register;
 mod repair;

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::{
-    experiment::{Condition, GENERATOR, Protocol, columns},
+    experiment::{Answers, Condition, GENERATOR, Protocol, columns},
     light::{Bits, Dither, Transfer, Transfers},
     stimulus::recipe::Recipe,
     store::{
@@ -57,6 +57,9 @@ pub struct Sidecar {
     pub sittings: Vec<Sitting>,
     /// Description, unit and levels of every column.
     pub columns: Map<String, Value>,
+    /// What the participant answered before the first page; absent if nothing was asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub participant: Option<Answers>,
     /// Reveals whether files were changed after the session ended; absent until the session ends.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seal: Option<Seal>,
@@ -85,8 +88,18 @@ pub struct Seal {
 /// Returns the linked-data context. schema.org does not define the keys of a sidecar; without this context, readers of
 /// linked data would look for them there.
 fn context() -> Value {
-    let own =
-        ["definition", "definition_sha256", "seed", "generator", "onset", "complete", "sittings", "columns", "seal"];
+    let own = [
+        "definition",
+        "definition_sha256",
+        "seed",
+        "generator",
+        "onset",
+        "complete",
+        "sittings",
+        "columns",
+        "participant",
+        "seal",
+    ];
     let mut context = Map::from_iter([("@vocab".to_owned(), "http://schema.org/".into())]);
     context.extend(own.map(|key| (key.to_owned(), Value::Null)));
     context.into()
@@ -188,6 +201,7 @@ impl Sidecar {
             complete: false,
             sittings: vec![sitting],
             columns,
+            participant: None,
             seal: None,
         }
     }

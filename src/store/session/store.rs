@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use super::{
-    dataset::{REGISTER, SessionPaths},
+    dataset::{PARTICIPANTS, REGISTER, SessionPaths},
     frames::{FrameFile, FrameRow},
     lock::{self, LockFile},
+    participants,
     recorded::order_errors,
     register::{Entry, Event, Register},
     results::{Recovered, ResultFile},
@@ -13,7 +14,7 @@ use super::{
     sidecar::{Seal, Sidecar, Sitting},
 };
 use crate::{
-    experiment::{Identity, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns},
+    experiment::{Answers, Identity, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns},
     store::{FileError, FileErrors, StoreError, definition, file::exists},
 };
 
@@ -233,6 +234,24 @@ impl SessionStore {
         written.is_ok()
     }
 
+    /// Keeps what the participant answered before the first page: in the sidecar, and in the participants of the data
+    /// set. A failure is noted, and the session continues. The sidecar is written again when the sitting ends.
+    pub fn keep_participant(&mut self, answers: Answers) {
+        self.sidecar.participant = Some(answers);
+        self.enter_participant();
+        if let Err(error) = self.sidecar.write(&self.paths.sidecar) {
+            self.note(format!("the answers about the participant were not saved at once: {error}"));
+        }
+    }
+
+    fn enter_participant(&mut self) {
+        let Some(answers) = &self.sidecar.participant else { return };
+        let (dataset, subject) = (&self.paths.dataset, self.identity.subject());
+        if let Err(error) = participants::enter(dataset, subject, &self.protocol.participant, answers) {
+            self.note(format!("the participant could not be entered into {PARTICIPANTS}: {error}"));
+        }
+    }
+
     /// Returns the path of the data file.
     pub fn csv(&self) -> &Path {
         self.rows.file.path()
@@ -282,6 +301,7 @@ impl SessionStore {
             self.prepare()?;
             self.rows.file.continue_in(&self.paths.csv)?;
             self.lock_again();
+            self.enter_participant();
             self.sidecar.write(&self.paths.sidecar)?;
             self.register(Event::Moved);
             Ok(())
@@ -318,6 +338,7 @@ impl SessionStore {
         self.lock_again();
         undescribed.into_iter().for_each(|what| self.note(what));
         self.note(format!("a row could not be saved; the session was moved from {from}"));
+        self.enter_participant();
         self.sidecar.write(&self.paths.sidecar)?;
         self.register(Event::Moved);
         Ok(())

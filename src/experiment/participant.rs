@@ -1,0 +1,304 @@
+//! What a session asks about the participant before its first page.
+
+use std::fmt;
+
+use serde::{
+    Deserialize, Deserializer, Serialize, Serializer,
+    de::{MapAccess, Visitor},
+    ser::SerializeMap as _,
+};
+
+use super::faults::DefinitionErrors;
+use crate::light::names::expected_one_of;
+
+/// The fields of a definition's `[participant]` table, in its order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ParticipantFields(pub Vec<ParticipantField>);
+
+/// One field: a number, a text, a choice, or a text to agree to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParticipantField {
+    /// Its key, which is its column in `participants.tsv`.
+    pub name: String,
+    /// Its form in the definition.
+    pub spec: FieldSpec,
+}
+
+/// A field as it is written in a definition. Only its own keys are part of the definition's hash.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FieldSpec {
+    /// Whether the session begins only with an answer.
+    pub required: bool,
+    /// What the participant reads next to the field.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub label: Option<String>,
+    /// A text to agree to. The answer is the day on which the participant agreed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub text: Option<String>,
+    /// The possible answers, as they are recorded.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub choices: Vec<String>,
+    /// The possible answers as the participant reads them; empty if they read the recorded ones.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub choice_labels: Vec<String>,
+    /// Whether the answer is a number.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub number: bool,
+}
+
+impl Default for FieldSpec {
+    fn default() -> Self {
+        Self { required: true, label: None, text: None, choices: Vec::new(), choice_labels: Vec::new(), number: false }
+    }
+}
+
+/// How a field is answered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FieldKind {
+    /// A number.
+    Number,
+    /// Any text of one line.
+    Text,
+    /// One of several answers.
+    Choice,
+    /// Agreement to a text, which is recorded as a day.
+    Agreement,
+}
+
+/// Why an answer is not accepted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AnswerError {
+    /// A required answer is missing.
+    Missing,
+    /// The answer is not a number, or not a possible age.
+    NotANumber,
+    /// A spreadsheet would take the answer for a formula.
+    Formula,
+}
+
+/// The answers of one participant, by the names of the fields. A question without an answer is not among them.
+pub type Answers = serde_json::Map<String, serde_json::Value>;
+
+/// A field that people know by its name, with the answers that BIDS allows.
+struct Known {
+    name: &'static str,
+    label: &'static str,
+    description: &'static str,
+    choices: &'static [&'static str],
+    /// Whether the definition may have other answers.
+    open: bool,
+}
+
+/// The names with a meaning of their own.
+const KNOWN: [Known; 5] = [
+    Known { name: "age", label: "Age in years", description: "Age of the participant.", choices: &[], open: true },
+    Known {
+        name: "sex",
+        label: "Sex",
+        description: "Sex, as reported by the participant.",
+        choices: &["female", "male", "other"],
+        open: false,
+    },
+    Known {
+        name: "handedness",
+        label: "Handedness",
+        description: "Handedness, as reported by the participant.",
+        choices: &["right", "left", "ambidextrous"],
+        open: false,
+    },
+    Known {
+        name: "vision",
+        label: "How do you see the screen?",
+        description: "Vision during the session, as reported by the participant.",
+        choices: &["without glasses", "with glasses", "with contact lenses"],
+        open: true,
+    },
+    Known {
+        name: "consent",
+        label: "Consent",
+        description: "Day on which the participant agreed to the text of the definition.",
+        choices: &[],
+        open: true,
+    },
+];
+
+/// The columns that `participants.tsv` and its export have for other things.
+const TAKEN: [&str; 6] = ["participant_id", "session_id", "observer", "sessions", "complete_sessions", "species"];
+/// The largest age that a person can have, years.
+const MAX_AGE: f64 = 130.0;
+/// Longest answer, characters.
+pub const MAX_ANSWER: usize = 200;
+
+impl ParticipantFields {
+    /// True if nothing is asked.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Adds the errors of all fields.
+    pub(super) fn check(&self, errors: &mut DefinitionErrors) {
+        self.0.iter().for_each(|field| field.check_definition(errors));
+    }
+}
+
+impl ParticipantField {
+    fn known(&self) -> Option<&'static Known> {
+        KNOWN.iter().find(|known| known.name == self.name)
+    }
+
+    /// Returns how the field is answered.
+    pub fn kind(&self) -> FieldKind {
+        if self.spec.text.is_some() {
+            FieldKind::Agreement
+        } else if self.spec.number || self.name == "age" {
+            FieldKind::Number
+        } else if self.choices().is_empty() {
+            FieldKind::Text
+        } else {
+            FieldKind::Choice
+        }
+    }
+
+    /// Returns what the participant reads next to the field.
+    pub fn label(&self) -> String {
+        let known = || self.known().map(|known| known.label.to_owned());
+        let from_name = || {
+            let mut letters = self.name.replace('_', " ").chars().collect::<Vec<_>>();
+            letters[..1].iter_mut().for_each(|first| first.make_ascii_uppercase());
+            letters.into_iter().collect()
+        };
+        self.spec.label.clone().or_else(known).unwrap_or_else(from_name)
+    }
+
+    /// Returns the possible answers, as they are recorded.
+    pub fn choices(&self) -> Vec<&str> {
+        match self.known() {
+            Some(known) if self.spec.choices.is_empty() => known.choices.to_vec(),
+            _ => self.spec.choices.iter().map(String::as_str).collect(),
+        }
+    }
+
+    /// Returns each possible answer with what the participant reads.
+    pub fn options(&self) -> Vec<(&str, &str)> {
+        let choices = self.choices();
+        let labels = self.spec.choice_labels.iter().map(String::as_str);
+        let labels: Vec<_> = if self.spec.choice_labels.is_empty() { choices.clone() } else { labels.collect() };
+        choices.into_iter().zip(labels).collect()
+    }
+
+    /// Returns the meaning of the column and its unit, for people who read the data.
+    pub fn description(&self) -> (String, Option<&'static str>) {
+        let known = self.known().map(|known| known.description.to_owned());
+        (known.unwrap_or_else(|| self.label()), (self.name == "age").then_some("years"))
+    }
+
+    /// Returns what is recorded for an answer as it was typed or chosen; `None` if it is empty. For an agreement, the
+    /// answer is the day, or empty.
+    ///
+    /// # Errors
+    /// Why the answer is not accepted.
+    pub fn answer(&self, typed: &str) -> Result<Option<serde_json::Value>, AnswerError> {
+        let text = typed.split_whitespace().collect::<Vec<_>>().join(" ");
+        if text.is_empty() {
+            return if self.spec.required { Err(AnswerError::Missing) } else { Ok(None) };
+        }
+        if self.kind() != FieldKind::Number {
+            let is_formula = text.starts_with(['=', '+', '-', '@']);
+            return if is_formula { Err(AnswerError::Formula) } else { Ok(Some(text.into())) };
+        }
+        // Many countries use a decimal comma.
+        let number: Option<f64> = text.replace(',', ".").parse().ok().filter(|number: &f64| number.is_finite());
+        let number = number.filter(|age| self.name != "age" || (0.0..=MAX_AGE).contains(age));
+        let number = number.ok_or(AnswerError::NotANumber)?;
+        let is_whole = number.fract() == 0.0 && number.abs() < 1e15;
+        Ok(Some(if is_whole { (number as i64).into() } else { number.into() }))
+    }
+
+    fn check_definition(&self, errors: &mut DefinitionErrors) {
+        let Self { name, spec } = self;
+        let path = format!("participant.{name}");
+        let first = |c: char| c.is_ascii_lowercase();
+        let rest = |c: char| first(c) || c.is_ascii_digit() || c == '_';
+        if !(name.len() <= 64 && name.starts_with(first) && name.chars().all(rest)) {
+            let expected = "expected at most 64 lowercase letters, digits and underscores, with a letter first";
+            return errors.add(path, format!("the name {name:?} is not allowed; {expected}"));
+        }
+        if TAKEN.contains(&name.as_str()) {
+            return errors.add(path, format!("{name} already has another meaning; expected another name"));
+        }
+        if name == "consent" && spec.text.is_none() {
+            errors.add(&path, "consent has no text; expected text = …, the text to agree to");
+        }
+        if name == "age" && spec.text.is_none() && !spec.choices.is_empty() {
+            errors.add(format!("{path}.choices"), "age has choices; expected none, because age is a number");
+        }
+        let kinds = [spec.text.is_some(), !spec.choices.is_empty(), spec.number];
+        if kinds.into_iter().filter(|is| *is).count() > 1 {
+            errors.add(&path, format!("{name} has more than one of text, choices and number; expected one of them"));
+        }
+        for (key, text) in [("label", &spec.label), ("text", &spec.text)] {
+            if text.as_ref().is_some_and(|text| text.trim().is_empty()) {
+                errors.add(format!("{path}.{key}"), format!("{key} is empty; expected what the participant reads"));
+            }
+        }
+        self.check_choices(&path, errors);
+    }
+
+    fn check_choices(&self, path: &str, errors: &mut DefinitionErrors) {
+        let Self { name, spec } = self;
+        for (i, choice) in spec.choices.iter().enumerate() {
+            let path = format!("{path}.choices.{i}");
+            let closed = self.known().filter(|known| !known.open);
+            if choice.trim() != choice || choice.is_empty() || choice.contains(['\t', '\n', '\r']) || choice == "n/a" {
+                errors.add(path, format!("choice {choice:?} cannot be recorded; expected text on one line"));
+            } else if choice.starts_with(['=', '+', '-', '@']) {
+                let expected = "expected text that begins with another character";
+                errors.add(path, format!("spreadsheets would treat choice {choice:?} as a formula; {expected}"));
+            } else if spec.choices[..i].contains(choice) {
+                errors.add(path, format!("choice {choice:?} appears twice; expected each choice once"));
+            } else if let Some(known) = closed.filter(|known| !known.choices.contains(&choice.as_str())) {
+                let expected = expected_one_of(choice, known.choices);
+                let hint = "choice_labels can have any words";
+                errors.add(path, format!("choice {choice:?} is not a value of {name} in BIDS; {expected}; {hint}"));
+            }
+        }
+        let (labels, choices) = (spec.choice_labels.len(), self.choices().len());
+        if labels != 0 && labels != choices {
+            let expected = format!("expected {choices}, one for each choice");
+            errors.add(format!("{path}.choice_labels"), format!("choice_labels has length {labels}; {expected}"));
+        }
+    }
+}
+
+impl Serialize for ParticipantFields {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        self.0.iter().try_for_each(|field| map.serialize_entry(&field.name, &field.spec))?;
+        map.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for ParticipantFields {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Fields;
+
+        impl<'de> Visitor<'de> for Fields {
+            type Value = ParticipantFields;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "struct ParticipantFields")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                let mut fields = Vec::new();
+                while let Some((name, spec)) = map.next_entry()? {
+                    fields.push(ParticipantField { name, spec });
+                }
+                Ok(ParticipantFields(fields))
+            }
+        }
+
+        deserializer.deserialize_map(Fields)
+    }
+}

@@ -1,0 +1,222 @@
+//! The participants of a data set, `participants.tsv` and its description `participants.json`, as in BIDS: one row for
+//! each participant with their latest answers. The sidecar of each session has the answers of that session.
+
+use std::{collections::BTreeSet, io::ErrorKind, path::Path};
+
+use serde_json::{Map, Value, json};
+
+use super::dataset::{PARTICIPANTS, PARTICIPANTS_DESCRIBED, REGISTER};
+use crate::{
+    experiment::{Answers, FieldKind, ParticipantFields},
+    store::{
+        FileError, FileErrors, StoreError,
+        error::io,
+        file::{in_turn, write_json, write_whole},
+        open::read_regular,
+        table::is_formula,
+    },
+};
+
+/// How BIDS writes a missing value.
+pub(in crate::store) const MISSING: &str = "n/a";
+/// The first column, which BIDS requires.
+const ID: &str = "participant_id";
+/// Maximum size of the table in bytes. A row has a few hundred.
+const MAX_FILE: u64 = 64 << 20;
+
+/// The rows of a `participants.tsv`. Columns and rows that the program does not know are kept.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(in crate::store) struct Participants {
+    columns: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Participants {
+    /// Reads the table of a data set; if there is none, it has no rows.
+    ///
+    /// # Errors
+    /// The file cannot be read, or it is not a table of participants.
+    pub fn read(dataset: &Path) -> Result<Self, StoreError> {
+        let path = dataset.join(PARTICIPANTS);
+        let text = match read_regular(&path, MAX_FILE) {
+            Ok(text) => String::from_utf8_lossy(&text).into_owned(),
+            Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
+            Err(error) => return Err(io(&path, "read")(error)),
+        };
+        let mut lines = text.trim_start_matches('\u{feff}').lines().filter(|line| !line.is_empty());
+        let cells = |line: &str| line.split('\t').map(str::to_owned).collect::<Vec<_>>();
+        let columns = lines.next().map_or_else(|| vec![ID.to_owned()], cells);
+        if columns[0] != ID {
+            let message = format!("the first column is {:?}; expected {ID}", columns[0]);
+            return Err(FileErrors(vec![FileError::at(&path, (1, 1), message)]).into());
+        }
+        let (mut rows, mut errors) = (Vec::new(), Vec::new());
+        for (line, number) in lines.zip(2..) {
+            let row = cells(line);
+            if row.len() != columns.len() {
+                let message = format!("the row has {} cells; expected {}", row.len(), columns.len());
+                errors.push(FileError::at(&path, (number, 1), message));
+            }
+            rows.push(row);
+        }
+        FileErrors::none(errors)?;
+        Ok(Self { columns, rows })
+    }
+
+    /// Returns the columns other than the participant.
+    pub fn columns(&self) -> &[String] {
+        self.columns.get(1..).unwrap_or_default()
+    }
+
+    /// Returns the value in a participant's row; `None` if it is missing.
+    pub fn get(&self, subject: &str, column: &str) -> Option<&str> {
+        let row = self.rows.iter().find(|row| is_of(row, subject))?;
+        let place = self.columns.iter().position(|name| name == column)?;
+        row.get(place).map(String::as_str).filter(|value| *value != MISSING)
+    }
+
+    /// Sets values in a participant's row, and adds the row and the columns that are missing. A value that is `None`
+    /// does not replace an earlier one.
+    fn put<'a>(&mut self, subject: &str, values: impl IntoIterator<Item = (&'a str, Option<String>)>) {
+        let at = self.rows.iter().position(|row| is_of(row, subject)).unwrap_or_else(|| {
+            let mut row = vec![MISSING.to_owned(); self.columns.len()];
+            row[0] = format!("sub-{subject}");
+            self.rows.push(row);
+            self.rows.len() - 1
+        });
+        for (name, value) in values {
+            let place = self.columns.iter().position(|column| column == name).unwrap_or_else(|| {
+                self.columns.push(name.to_owned());
+                self.rows.iter_mut().for_each(|row| row.push(MISSING.to_owned()));
+                self.columns.len() - 1
+            });
+            if let Some(value) = value {
+                self.rows[at][place] = value;
+            }
+        }
+    }
+
+    /// Adds the rows of these participants from the table of another data set. Earlier values are kept; returns a note
+    /// for each one that differs.
+    fn add(&mut self, other: &Self, subjects: &BTreeSet<&str>) -> Vec<String> {
+        let mut notes = Vec::new();
+        for row in &other.rows {
+            let Some(subject) = subjects.iter().find(|subject| is_of(row, subject)) else { continue };
+            let mut values = Vec::new();
+            for (column, value) in other.columns.iter().zip(row).skip(1) {
+                let known = self.get(subject, column);
+                if known.is_some_and(|known| known != value && value != MISSING) {
+                    notes.push(format!(
+                        "{PARTICIPANTS}: {column} of {subject} differs between experiments; the first value is used"
+                    ));
+                }
+                values.push((column.as_str(), Some(value.clone()).filter(|_| known.is_none())));
+            }
+            self.put(subject, values);
+        }
+        notes
+    }
+
+    /// True if there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// Returns the table as text.
+    pub fn text(&self) -> String {
+        let lines = std::iter::once(&self.columns).chain(&self.rows);
+        lines.map(|cells| cells.join("\t") + "\n").collect()
+    }
+}
+
+fn is_of(row: &[String], subject: &str) -> bool {
+    row[0].strip_prefix("sub-") == Some(subject)
+}
+
+/// Enters the answers of a participant into the table of a data set, and describes its columns. Other programs that do
+/// this at the same time wait for each other. Rows of other participants are kept.
+///
+/// # Errors
+/// The files cannot be read or written, or they are not a table of participants and its description. The table is then
+/// unchanged.
+pub(super) fn enter(
+    dataset: &Path,
+    subject: &str,
+    fields: &ParticipantFields,
+    answers: &Answers,
+) -> Result<(), StoreError> {
+    // The table is replaced as a whole, so it cannot be locked itself. The register of the data set is never replaced.
+    in_turn(&dataset.join(REGISTER), || {
+        let mut table = Participants::read(dataset)?;
+        let cell = |value: &Value| value.as_str().map_or_else(|| value.to_string(), |text| text.replace('\t', " "));
+        table.put(subject, fields.0.iter().map(|field| (&*field.name, answers.get(&field.name).map(cell))));
+        describe(dataset, fields)?;
+        write_whole(&dataset.join(PARTICIPANTS), table.text().as_bytes(), true)
+    })
+}
+
+/// Reads the description of the columns; if there is none, it is empty.
+///
+/// # Errors
+/// The file cannot be read, or it is not an object in JSON.
+fn described(dataset: &Path) -> Result<Map<String, Value>, StoreError> {
+    let path = dataset.join(PARTICIPANTS_DESCRIBED);
+    match read_regular(&path, MAX_FILE) {
+        Ok(text) => serde_json::from_slice(&text).map_err(|error| {
+            let message = format!("is not a description of columns: {error}; expected an object in JSON");
+            FileErrors(vec![FileError::at(&path, (error.line(), error.column()), message)]).into()
+        }),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(Map::new()),
+        Err(error) => Err(io(&path, "read")(error)),
+    }
+}
+
+/// Returns the rows of these participants from several data sets, the description of the columns, and notes about values
+/// that differ.
+///
+/// # Errors
+/// The files cannot be read; or a spreadsheet would interpret a cell as a formula.
+pub(in crate::store) fn collect<'a>(
+    datasets: impl IntoIterator<Item = &'a Path>,
+    subjects: &BTreeSet<&str>,
+) -> Result<(Participants, Map<String, Value>, Vec<String>), StoreError> {
+    let (mut all, mut descriptions, mut notes) = (Participants::default(), Map::new(), Vec::new());
+    all.columns.push(ID.to_owned());
+    for dataset in datasets {
+        let table = Participants::read(dataset)?;
+        let cells = || table.rows.iter().zip(2..).flat_map(|(row, line)| row.iter().map(move |cell| (line, cell)));
+        let errors = cells().filter(|(_, cell)| is_formula(cell)).map(|(line, cell)| {
+            let expected = "expected text that begins with another character";
+            let message = format!("spreadsheets would treat {cell:?} as a formula; {expected}");
+            FileError::at(dataset.join(PARTICIPANTS), (line, 1), message)
+        });
+        FileErrors::none(errors.collect())?;
+        notes.extend(all.add(&table, subjects));
+        for (column, description) in described(dataset)? {
+            descriptions.entry(column).or_insert(description);
+        }
+    }
+    Ok((all, descriptions, notes))
+}
+
+/// Describes the columns that are not described yet. Manual entries are kept.
+fn describe(dataset: &Path, fields: &ParticipantFields) -> Result<(), StoreError> {
+    let mut all = described(dataset)?;
+    let before = all.len();
+    all.entry(ID).or_insert_with(|| json!({ "Description": "Participant." }));
+    for field in &fields.0 {
+        let (description, unit) = field.description();
+        let mut entry = json!({ "Description": description });
+        if let Some(unit) = unit {
+            entry["Units"] = unit.into();
+        }
+        if let Some(text) = &field.spec.text {
+            entry["Text"] = text.as_str().into();
+        }
+        if field.kind() == FieldKind::Choice {
+            entry["Levels"] = field.options().into_iter().map(|(choice, label)| (choice, Value::from(label))).collect();
+        }
+        all.entry(&field.name).or_insert(entry);
+    }
+    if all.len() == before { Ok(()) } else { write_json(&dataset.join(PARTICIPANTS_DESCRIBED), &all.into()) }
+}
