@@ -245,9 +245,14 @@ impl Protocol {
     /// Returns the estimated duration of a session in whole minutes, including one minute for the instructions.
     pub fn minutes(&self) -> u64 {
         let trials = self.main_trials() as f64 + f64::from(self.design.practice);
-        let minutes = trials * (self.recovery.duration_s + RATING_S) / 60.0;
+        let minutes = trials * self.trial_s() / 60.0;
         // The cast saturates, so the duration of an invalid definition does no harm.
         (minutes.ceil() as u64).saturating_add(1)
+    }
+
+    /// Returns the estimated duration of a trial, seconds.
+    pub(super) fn trial_s(&self) -> f64 {
+        self.recovery.duration_s + RATING_S
     }
 
     fn cells(&self) -> usize {

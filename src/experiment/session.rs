@@ -17,6 +17,8 @@ pub enum Event {
     Frame,
     /// Continue from a page or a break.
     Continue,
+    /// Go back to the previous page of the instructions.
+    Back,
     /// The stimulus is rated now.
     Rate(u8),
     /// The stimulus was rated before this frame began.
@@ -155,8 +157,8 @@ pub struct Progress {
     pub done: usize,
     /// Number of trials planned.
     pub total: usize,
-    /// Time remaining, estimated from the pace so far; `None` before the first rating.
-    pub remaining: Option<Duration>,
+    /// Time remaining, estimated from the pace so far, or from the definition before the first rating.
+    pub remaining: Duration,
 }
 
 /// A running session.
@@ -279,7 +281,19 @@ impl Session {
         let total = self.schedule.trials.len();
         let left = self.missing.len() - self.position;
         let (time, rated) = self.pace;
-        Progress { done: total - left, total, remaining: (rated > 0).then(|| time / rated * left as u32) }
+        let planned = || Duration::try_from_secs_f64(self.protocol.trial_s()).unwrap_or_default();
+        let trial = time.checked_div(rated).unwrap_or_else(planned);
+        Progress { done: total - left, total, remaining: trial * left as u32 }
+    }
+
+    /// Returns whether [`Event::Back`] would have an effect now. A page after a rating leads only forward; there, the
+    /// rating can be undone.
+    pub fn can_go_back(&self) -> bool {
+        match self.state {
+            State::Instructions(page) => page > 0,
+            State::PhaseStart(_) => self.options.pages > 0 && self.pace.1 == 0,
+            _ => false,
+        }
     }
 
     /// Processes one event at `now`, the time since the session's start, which must never decrease. An event that does
@@ -292,6 +306,10 @@ impl Session {
                 let next = page + 1;
                 self.state =
                     if next < self.options.pages { State::Instructions(next) } else { State::PhaseStart(self.phase()) };
+            }
+            (Event::Back, _) if self.can_go_back() => {
+                let page = if let State::Instructions(page) = self.state { page } else { self.options.pages };
+                self.state = State::Instructions(page - 1);
             }
             (Event::Continue, State::PhaseStart(_) | State::Break) => self.recover(now),
             (Event::Rate(rating), State::Stimulus { .. } | State::Response { .. }) => {

@@ -208,22 +208,22 @@ fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
     press(&mut harness, Key::Enter);
     harness.run_steps(3);
     assert_eq!(width(&harness), "13.8");
-    // The outline is 8.56 · 420/11.1 = 324 pixels wide; with 20 fewer, the screen is 8.56 · 420/304 = 11.8 cm wide.
+    // The outline is 8.56 · 520/13.8 = 323 pixels wide; with 20 fewer, the screen is 8.56 · 520/303 = 14.7 cm wide.
     click(&mut harness, "Measure with a card…");
     for _ in 0..20 {
         press(&mut harness, Key::ArrowLeft);
     }
-    harness.get_by_label("The screen is 11.8 cm wide.");
+    harness.get_by_label("The screen is 14.7 cm wide.");
     press(&mut harness, Key::Enter);
     harness.run_steps(3);
-    assert_eq!(width(&harness), "11.8");
+    assert_eq!(width(&harness), "14.7");
     assert!(harness.query_by_label_contains("This width assumes").is_none());
     // Escape changes nothing.
     click(&mut harness, "Measure with a card…");
     press(&mut harness, Key::ArrowRight);
     leave(&mut harness);
     harness.run_steps(3);
-    assert_eq!(width(&harness), "11.8");
+    assert_eq!(width(&harness), "14.7");
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! The last page: thanks the participant, plots the ratings, and says where they are saved.
+//! The last page: thanks the participant and plots their ratings. A closed section tells the experimenter where the data
+//! are and how the frames were.
 
 use std::{collections::BTreeMap, path::PathBuf};
 
@@ -80,26 +81,10 @@ impl Finish {
                     ),
                 );
             }
-            ui.label(&texts.saved_in);
-            ui.add(egui::Label::new(egui::RichText::new(self.path.display().to_string()).monospace()).wrap());
-            ui.horizontal_wrapped(|ui| {
-                if ui.button(&texts.open_folder).clicked() {
-                    let folder = self.path.parent().unwrap_or(&self.path);
-                    self.opened = open::that_detached(folder)
-                        .err()
-                        .map(|error| format!("{}: cannot be opened: {error}", folder.display()));
-                }
-                // Participants who return must not see trends in their answers.
-                analyze = self.complete && ui.button("Analyze these results…").clicked();
-                leave = ui::primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
-            });
-            if let Some(frames) = &self.frames {
-                ui.add_space(8.0);
-                ui.add(egui::Label::new(ui::secondary(frames)).wrap());
-            }
-            if let Some(error) = &self.opened {
-                ui::show_error(ui, error);
-            }
+            leave = ui::primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
+            ui.add_space(theme::LARGE_GAP);
+            let section = egui::CollapsingHeader::new(ui::secondary(&texts.experimenter)).id_salt("experimenter");
+            section.show(ui, |ui| analyze = self.details(ui));
         });
         let focused = ui.ctx().memory(|memory| memory.focused().is_some());
         let entered = !focused && ui.input(|input| input.key_pressed(Key::Enter));
@@ -107,6 +92,30 @@ impl Finish {
             return Step::Next(data_set);
         }
         Step::back_if(leave || entered)
+    }
+
+    /// Draws what only the experimenter needs; returns whether they want to analyze the results.
+    fn details(&mut self, ui: &mut egui::Ui) -> bool {
+        let texts = &self.protocol.instructions;
+        ui.label(&texts.saved_in);
+        ui.add(egui::Label::new(egui::RichText::new(self.path.display().to_string()).monospace()).wrap());
+        let analyze = ui.horizontal_wrapped(|ui| {
+            if ui.button(&texts.open_folder).clicked() {
+                let folder = self.path.parent().unwrap_or(&self.path);
+                self.opened = open::that_detached(folder)
+                    .err()
+                    .map(|error| format!("{}: cannot be opened: {error}", folder.display()));
+            }
+            // Participants who return must not see trends in their answers.
+            self.complete && ui.button("Analyze these results…").clicked()
+        });
+        if let Some(frames) = &self.frames {
+            ui::hint(ui, frames);
+        }
+        if let Some(error) = &self.opened {
+            ui::show_error(ui, error);
+        }
+        analyze.inner
     }
 
     /// Returns the folder with all sessions of the experiment.
@@ -128,7 +137,7 @@ impl Finish {
             .include_y(-0.1)
             .include_y(f64::from(MAX_RATING) + 0.1)
             .x_axis_label(along.name.clone())
-            .y_axis_label("mean rating")
+            .y_axis_label(self.protocol.instructions.mean_rating.clone())
             .legend(Legend::default().position(Corner::RightTop))
             .x_grid_spacer(move |_| (0..=last as i64).map(|i| GridMark { value: i as f64, step_size: 1.0 }).collect())
             .y_grid_spacer(|_| (0..=MAX_RATING).map(|i| GridMark { value: f64::from(i), step_size: 1.0 }).collect())

@@ -1,5 +1,5 @@
-//! The pages that participants read before and between trials. Each page continues to the next; on the pause page,
-//! participants can also leave the session.
+//! The pages that participants read before and between trials. Each page continues to the next. The instructions also
+//! lead back; the pause page also leads to the instructions and out of the session.
 
 use eframe::egui::{self, Key, ProgressBar, TextureHandle};
 
@@ -60,9 +60,10 @@ fn drawn(protocol: &Protocol, (width, depth): (f64, Depth)) -> Stimulus {
     stimulus
 }
 
+/// Draws a page of the instructions, counted from 0. `back` says whether a page is before it.
 pub fn instructions(
     ui: &mut egui::Ui,
-    page: usize,
+    (page, back): (usize, bool),
     protocol: &Protocol,
     resumed: Option<Progress>,
     pictures: &mut CategoryPictures,
@@ -102,20 +103,37 @@ pub fn instructions(
             ui.add_space(8.0);
             ui.label(&texts.keys);
         }
-        ui.add_space(16.0);
-        next(ui, texts)
+        ui.add_space(theme::LARGE_GAP);
+        let step = next_or_back(ui, texts, back);
+        ui.add_space(theme::SMALL_GAP);
+        let pages = INSTRUCTION_PAGES.to_string();
+        let count = texts.page_count.replace("{page}", &(page + 1).to_string()).replace("{pages}", &pages);
+        ui.label(ui::secondary(count));
+        step
     })
 }
 
-/// Draws the page before practice or before the main trials.
-pub fn phase_start(ui: &mut egui::Ui, phase: Phase, texts: &Texts) -> Step<()> {
+/// Draws the page before practice or before the main trials. `back` says whether it leads back to the instructions.
+pub fn phase_start(ui: &mut egui::Ui, phase: Phase, protocol: &Protocol, back: bool) -> Step<()> {
+    let texts = &protocol.instructions;
     ui::page(ui, |ui| {
-        ui.label(match phase {
-            Phase::Practice => &texts.practice,
-            Phase::Main => &texts.main,
-        });
-        ui.add_space(16.0);
-        next(ui, texts)
+        let (text, scale) = match phase {
+            Phase::Practice => (&texts.practice, &texts.practice_scale),
+            Phase::Main => (&texts.main, &texts.main_scale),
+        };
+        ui.label(text);
+        ui.label(scale);
+        if phase == Phase::Practice {
+            ui.add_space(theme::GAP);
+            for category in &protocol.response.categories {
+                ui.horizontal(|ui| {
+                    ui.label(egui::RichText::new(category.key.to_string()).strong());
+                    ui::paragraph(ui, &category.label);
+                });
+            }
+        }
+        ui.add_space(theme::LARGE_GAP);
+        next_or_back(ui, texts, back)
     })
 }
 
@@ -123,39 +141,77 @@ pub fn phase_start(ui: &mut egui::Ui, phase: Phase, texts: &Texts) -> Step<()> {
 pub fn rest(ui: &mut egui::Ui, progress: &Progress, texts: &Texts) -> Step<()> {
     ui::page(ui, |ui| {
         ui.heading(&texts.pause_heading);
-        ui.label(fill(&texts.break_progress, progress));
-        ui.add(ProgressBar::new(progress.done as f32 / progress.total.max(1) as f32).desired_height(14.0));
-        ui.add_space(16.0);
-        next(ui, texts)
+        draw_progress(ui, progress, texts);
+        ui.add_space(theme::LARGE_GAP);
+        if next(ui, texts) { Step::Next(()) } else { Step::Stay }
     })
 }
 
+/// Where the pause page leads.
+pub enum PauseChoice {
+    Resume,
+    Reread,
+    Leave,
+}
+
 /// Draws the pause page. `why` says that the window became too small; `None` if the participant paused.
-pub fn paused(ui: &mut egui::Ui, texts: &Texts, why: Option<&str>) -> Step<()> {
+pub fn paused(ui: &mut egui::Ui, progress: &Progress, texts: &Texts, why: Option<&str>) -> Option<PauseChoice> {
     ui::page(ui, |ui| {
         ui.heading(&texts.paused);
         ui.label(&texts.paused_text);
         if let Some(why) = why {
             ui::show_error(ui, why);
         }
-        ui.add_space(16.0);
-        let next = next(ui, texts);
-        ui.add_space(8.0);
-        if ui.button(&texts.leave).clicked() { Step::Back } else { next }
+        ui.add_space(theme::GAP);
+        draw_progress(ui, progress, texts);
+        ui.add_space(theme::GAP);
+        ui.label(&texts.keys);
+        ui.add_space(theme::LARGE_GAP);
+        let resume = next(ui, texts).then_some(PauseChoice::Resume);
+        ui.add_space(theme::GAP);
+        let other = ui.horizontal_wrapped(|ui| {
+            let reread = ui.button(&texts.reread).clicked().then_some(PauseChoice::Reread);
+            let leave = ui.button(&texts.leave).clicked().then_some(PauseChoice::Leave);
+            reread.or(leave)
+        });
+        other.inner.or(resume)
     })
 }
 
-fn next(ui: &mut egui::Ui, texts: &Texts) -> Step<()> {
+fn draw_progress(ui: &mut egui::Ui, progress: &Progress, texts: &Texts) {
+    ui.label(fill(&texts.break_progress, progress));
+    ui.add(ProgressBar::new(progress.done as f32 / progress.total.max(1) as f32).desired_height(14.0));
+}
+
+/// Draws the button to the next page and, if there is a page before, the button back.
+fn next_or_back(ui: &mut egui::Ui, texts: &Texts, back: bool) -> Step<()> {
+    let next = next(ui, texts);
+    let keys = [Key::Backspace, Key::ArrowLeft];
+    let is_back = back && {
+        ui.add_space(theme::SMALL_GAP);
+        let clicked = ui.horizontal(|ui| {
+            let clicked = ui.button(&texts.previous).clicked();
+            ui.label(ui::secondary(&texts.previous_key));
+            clicked
+        });
+        clicked.inner || keys.into_iter().any(|key| ui::shortcut(ui, key))
+    };
+    match (next, is_back) {
+        (true, _) => Step::Next(()),
+        (false, true) => Step::Back,
+        (false, false) => Step::Stay,
+    }
+}
+
+/// Draws the button that continues; returns whether the participant does.
+fn next(ui: &mut egui::Ui, texts: &Texts) -> bool {
     // A control with keyboard focus handles Space and Enter itself.
-    let focused = ui.ctx().memory(|memory| memory.focused().is_some());
-    let key = !focused && ui.input(|input| input.key_pressed(Key::Space) || input.key_pressed(Key::Enter));
-    let clicked = ui::primary(ui, &texts.next, true, &texts.next_key);
-    if clicked || key { Step::Next(()) } else { Step::Stay }
+    let key = [Key::Space, Key::Enter].into_iter().any(|key| ui::shortcut(ui, key));
+    ui::primary(ui, &texts.next, true, &texts.next_key) || key
 }
 
 fn fill(text: &str, progress: &Progress) -> String {
-    let minutes =
-        progress.remaining.map_or("?".to_owned(), |left| format!("{:.0}", (left.as_secs_f64() / 60.0).ceil()));
+    let minutes = format!("{:.0}", (progress.remaining.as_secs_f64() / 60.0).ceil());
     text.replace("{done}", &progress.done.to_string())
         .replace("{total}", &progress.total.to_string())
         .replace("{minutes}", &minutes)

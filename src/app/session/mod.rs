@@ -1,9 +1,11 @@
-//! A session: preflight, instructions, trials, and the last page. [`Runner`] shows them in this order.
+//! A session: preflight, questions about the participant, instructions, trials, and the last page. [`Runner`] shows them in this order.
 
+mod feedback;
 mod findings;
 mod finish;
 mod frames;
 mod instructions;
+mod participant;
 mod preflight;
 mod recording;
 mod request;

@@ -6,13 +6,18 @@ use eframe::egui::{self, Key, RichText, ViewportCommand};
 
 use super::{
     findings::{self, Findings, PreviousSitting, Questions},
-    request::Request,
+    participant::ParticipantPage,
+    request::{Prepared, Request},
     trials::Trials,
 };
 use crate::{
     app::ui::{self, Monitor, Step, platform::Platform, theme, window_px},
     display::frames::FrameTimes,
-    store::sidecar::PreflightNote,
+    experiment::Answers,
+    store::{
+        dataset::SessionPaths,
+        sidecar::{PreflightNote, Sidecar},
+    },
 };
 
 /// Duration of the frame measurement after the window has settled, seconds.
@@ -32,6 +37,10 @@ pub struct Preflight {
     platform: Option<(Platform, Questions)>,
     /// The finding about the change in light between field and stimulus.
     light_steps: PreflightNote,
+    /// The page that asks about the participant, if the definition has questions that are not answered yet.
+    participant: Option<ParticipantPage>,
+    /// What the preflight found, while that page is shown.
+    ready: Option<(Prepared, Vec<PreflightNote>)>,
     /// Why the session could not begin, if it could not.
     refused: Option<String>,
     /// True if the page is about to scroll to that reason.
@@ -43,11 +52,33 @@ impl Preflight {
     pub fn new(request: Request) -> Self {
         let before = if request.resume { PreviousSitting::read(&request) } else { None };
         let light_steps = findings::light_steps(&request.protocol);
-        let frames = FrameTimes::default();
-        Self { request, before, since: None, frames, platform: None, light_steps, refused: None, reveal: false }
+        let participant =
+            asks(&request).then(|| ParticipantPage::new(&request.protocol.participant, &request.protocol.instructions));
+        Self {
+            request,
+            before,
+            since: None,
+            frames: FrameTimes::default(),
+            platform: None,
+            light_steps,
+            participant,
+            ready: None,
+            refused: None,
+            reveal: false,
+        }
     }
 
     pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Step<Box<Trials>> {
+        if let (Some(page), Some((prepared, notes))) = (&mut self.participant, self.ready.take()) {
+            let step = page.show(ui, self.refused.as_deref());
+            if let Step::Next(answers) = step {
+                return self.begin(ui.ctx(), prepared, notes, monitor, Some(answers));
+            }
+            if step == Step::Stay {
+                self.ready = Some((prepared, notes));
+            }
+            return Step::Stay;
+        }
         let now = ui.input(|input| input.time);
         let elapsed = now - *self.since.get_or_insert(now);
         if elapsed < SETTLE_S + MEASURE_S
@@ -82,10 +113,29 @@ impl Preflight {
             return self.back(ui.ctx());
         }
         let Some(prepared) = prepared.filter(|_| begin) else { return Step::Stay };
-        match Trials::begin(ui.ctx(), &self.request, &prepared, notes, monitor) {
+        self.refused = None;
+        if self.participant.is_some() {
+            self.ready = Some((prepared, notes));
+            ui.ctx().request_repaint();
+            return Step::Stay;
+        }
+        self.begin(ui.ctx(), prepared, notes, monitor, None)
+    }
+
+    /// Begins the session; stays on the page and says why if that is not possible.
+    fn begin(
+        &mut self,
+        ctx: &egui::Context,
+        prepared: Prepared,
+        notes: Vec<PreflightNote>,
+        monitor: &Monitor,
+        answers: Option<Answers>,
+    ) -> Step<Box<Trials>> {
+        match Trials::begin(ctx, &self.request, &prepared, notes.clone(), monitor, answers) {
             Ok(trials) => Step::Next(Box::new(trials)),
             Err(error) => {
                 (self.refused, self.reveal) = (Some(error.to_string()), true);
+                self.ready = self.participant.is_some().then_some((prepared, notes));
                 Step::Stay
             }
         }
@@ -140,4 +190,14 @@ impl Preflight {
             (begin || proceed, back.inner || escaped)
         })
     }
+}
+
+/// Returns whether the session asks about the participant. A resumed session asks only what it did not record.
+fn asks(request: &Request) -> bool {
+    let Request { protocol, results, identity, resume, .. } = request;
+    let recorded = || {
+        let paths = SessionPaths::new(results, protocol, identity);
+        Sidecar::read(&paths.sidecar).ok().flatten().is_some_and(|sidecar| sidecar.participant.is_some())
+    };
+    !protocol.participant.is_empty() && !(*resume && recorded())
 }

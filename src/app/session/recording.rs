@@ -19,7 +19,7 @@ use super::{
 use crate::{
     app::{ui::Monitor, window::InputReport},
     experiment::{
-        Identity, Resumed, RowContext, Schedule, Session, SessionOptions, State, TrialRecord, TrialResponse,
+        Answers, Identity, Resumed, RowContext, Schedule, Session, SessionOptions, State, TrialRecord, TrialResponse,
         session_seed,
     },
     light::CodeImage,
@@ -49,13 +49,14 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Creates or opens the files. Also returns the session, and the session's time at the start of this sitting.
+    /// Creates or opens the files, and keeps the participant's `answers`, if they were asked. Also returns the session, and the session's time at the start of this sitting.
     pub fn begin(
         request: &Request,
         prepared: &Prepared,
         notes: Vec<PreflightNote>,
         monitor: &Monitor,
         screen: &ScreenRefresh,
+        answers: Option<Answers>,
     ) -> Result<(Self, Session, Duration), StoreError> {
         let Request { protocol, identity, display, results, .. } = request;
         let hash = profile::hash(display);
@@ -73,7 +74,7 @@ impl Recording {
             pictures: Some(Pictures::new(protocol, prepared.size_px, &display.transfers, Some(hash))),
             ..Sitting::default()
         };
-        let (store, schedule, resumed, elapsed_s, number, rows) = if request.resume {
+        let (mut store, schedule, resumed, elapsed_s, number, rows) = if request.resume {
             let (store, found) =
                 SessionStore::resume(results, protocol, identity, request.seed, sitting, request.changes)?;
             (store, found.schedule, found.resumed, found.elapsed_s, found.sitting, found.rows)
@@ -84,6 +85,9 @@ impl Recording {
                 .map_err(|error| StoreError::Mismatch { path: store.csv().to_owned(), what: error.to_string() })?;
             (store, schedule, Resumed::default(), 0.0, 1, Vec::new())
         };
+        if let Some(answers) = answers {
+            store.keep_participant(answers);
+        }
         let offset = offset(elapsed_s, rows.first());
         let options = SessionOptions { pages: INSTRUCTION_PAGES, frames: screen.frames() };
         let session = Session::new(protocol.clone(), schedule, &resumed, options);

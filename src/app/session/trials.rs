@@ -8,9 +8,10 @@ use eframe::egui::{
 };
 
 use super::{
+    feedback::Feedback,
     finish::Finish,
     frames::ScreenRefresh,
-    instructions::{self, CategoryPictures},
+    instructions::{self, CategoryPictures, INSTRUCTION_PAGES, PauseChoice},
     recording::Recording,
     request::{Prepared, Request},
     unsaved_answer::{SaveChoice, UnsavedAnswerPage},
@@ -20,7 +21,7 @@ use crate::{
         ui::{Monitor, Step, pixels, theme, window_px},
         window::{Input, MIN_SIZE, PressTime},
     },
-    experiment::{Effect, Event, Identity, Phase, ResponseScale, Session, State},
+    experiment::{Answers, Effect, Event, Identity, Phase, ResponseScale, Session, State},
     light::{Bits, Quantizer},
     store::{StoreError, sidecar::PreflightNote},
 };
@@ -37,6 +38,11 @@ const GAP: f32 = 6.0;
 /// Minimum width of a button with a label, points. A narrower button shows only its key, because the label would be cut
 /// off.
 const MIN_LABELED_WIDTH: f32 = 100.0;
+
+/// Distance of a mark from the lower edge of the stimulus, points.
+const MARK_BELOW: f32 = 28.0;
+/// Height above the lower edge of the window that stays free for the scale and the text below a mark, points.
+const SCALE_ABOVE: f32 = 116.0;
 
 /// A running session.
 pub struct Trials {
@@ -60,22 +66,27 @@ pub struct Trials {
     unsaved_answer: Option<UnsavedAnswerPage>,
     resumed: bool,
     mouse_moved_s: f64,
+    feedback: Feedback,
+    /// The page of the instructions that is read again during a pause.
+    reread: Option<usize>,
     /// The keys held down, by physical position. A held key repeats but must count once. The repeat flag of the window
     /// system is not sufficient, because a key's meaning can change while it is down (Shift, Num Lock).
     held: BTreeSet<Key>,
 }
 
 impl Trials {
-    /// Creates or opens the files and shows the first page.
+    /// Creates or opens the files and shows the first page. `answers` is what the participant answered before, if they
+    /// were asked.
     pub fn begin(
         ctx: &egui::Context,
         request: &Request,
         prepared: &Prepared,
         notes: Vec<PreflightNote>,
         monitor: &Monitor,
+        answers: Option<Answers>,
     ) -> Result<Self, StoreError> {
         let screen = ScreenRefresh::new(monitor, prepared.refresh);
-        let (recording, session, offset) = Recording::begin(request, prepared, notes, monitor, &screen)?;
+        let (recording, session, offset) = Recording::begin(request, prepared, notes, monitor, &screen, answers)?;
         // On a screen smaller than the minimum window size, part of the stimulus would be cut off unnoticed.
         ctx.send_viewport_cmd(ViewportCommand::MinInnerSize(Vec2::splat(1.0)));
         let quantizer = Quantizer::new(&request.display.transfers, Bits::Eight);
@@ -96,6 +107,8 @@ impl Trials {
             unsaved_answer: None,
             resumed: request.resume,
             mouse_moved_s: f64::NEG_INFINITY,
+            feedback: Feedback::default(),
+            reread: None,
             held: BTreeSet::new(),
         };
         trials.scale_shown = trials.phase() == Some(Phase::Practice);
@@ -188,6 +201,8 @@ impl Trials {
         }
         for (key, place) in self.fresh_keys(ui) {
             match key {
+                // Leads from the instructions back to the pause page.
+                Key::Escape if self.reread.take().is_some() => {}
                 Key::Escape => self.step(Event::Pause, now),
                 Key::Backspace => self.step(Event::Undo, now),
                 Key::S if self.is_trial() => self.scale_shown = !self.scale_shown,
@@ -196,8 +211,11 @@ impl Trials {
                 _ => {
                     let digit = place.name().starts_with(|c: char| c.is_ascii_digit()).then_some(place);
                     let pressed_at = input.key(place);
-                    if let Some(rating) = self.rating(key).or_else(|| self.rating(digit?)) {
+                    let rating = self.rating(key).or_else(|| self.rating(digit?));
+                    if let Some(rating) = rating {
                         self.rate(rating, pressed_at, now);
+                    } else if self.is_trial() {
+                        self.feedback.wrong_key();
                     }
                 }
             }
@@ -230,7 +248,13 @@ impl Trials {
     }
 
     fn step(&mut self, event: Event, now: Duration) {
-        let Effect::Record(response) = self.session.step(event, now) else { return };
+        let undoes = event == Event::Undo && self.session.can_undo();
+        let effect = self.session.step(event, now);
+        if undoes {
+            self.feedback.undone(now);
+        }
+        let Effect::Record(response) = effect else { return };
+        self.feedback.answered(now);
         // The row is saved before anything else happens. In the meantime, the screen shows the field.
         match self.recording.record(&mut self.session, &response) {
             Ok(()) => _ = self.session.step(Event::Stored, now),
@@ -293,42 +317,57 @@ impl Trials {
     }
 
     fn draw(&mut self, ui: &mut egui::Ui, now: Duration, window_s: f64, input: &mut Input) -> Step<Box<Finish>> {
-        let texts = &self.session.protocol().instructions;
+        let back = self.session.can_go_back();
+        let protocol = self.session.protocol();
         let answer = match self.session.state() {
             State::Recovery { .. } | State::Stimulus { .. } | State::Response { .. } | State::Closing { .. } => {
-                self.draw_trial(ui, window_s, input);
+                self.draw_trial(ui, now, window_s, input);
                 Step::Stay
             }
             State::Instructions(page) => {
                 let resumed = self.resumed.then(|| self.session.progress());
-                instructions::instructions(
-                    ui,
-                    *page,
-                    self.session.protocol(),
-                    resumed,
-                    &mut self.categories,
-                    &self.quantizer,
-                )
+                let pictures = &mut self.categories;
+                instructions::instructions(ui, (*page, back), protocol, resumed, pictures, &self.quantizer)
             }
-            State::PhaseStart(phase) => instructions::phase_start(ui, *phase, texts),
-            State::Break => instructions::rest(ui, &self.session.progress(), texts),
+            State::PhaseStart(phase) => instructions::phase_start(ui, *phase, protocol, back),
+            State::Break => instructions::rest(ui, &self.session.progress(), &protocol.instructions),
             State::Paused(_) => {
-                let why = self.too_small(ui.ctx());
-                match instructions::paused(ui, texts, why.as_deref()) {
-                    Step::Next(()) if why.is_some() => Step::Stay,
-                    answer => answer,
-                }
+                self.draw_pause(ui, now);
+                Step::Stay
             }
             State::Done | State::Left => return self.finish(ui.ctx()),
         };
-        let paused = matches!(self.session.state(), State::Paused(_));
         match answer {
             Step::Stay => return Step::Stay,
-            Step::Next(()) => self.step(if paused { Event::Resume } else { Event::Continue }, now),
-            Step::Back => self.step(Event::Leave, now),
+            Step::Next(()) => self.step(Event::Continue, now),
+            Step::Back => self.step(Event::Back, now),
         }
         ui.ctx().request_repaint();
         Step::Stay
+    }
+
+    /// Draws the pause page, or the instructions that are read again during the pause.
+    fn draw_pause(&mut self, ui: &mut egui::Ui, now: Duration) {
+        let protocol = self.session.protocol();
+        if let Some(page) = self.reread {
+            let step =
+                instructions::instructions(ui, (page, true), protocol, None, &mut self.categories, &self.quantizer);
+            self.reread = match step {
+                Step::Stay => return,
+                Step::Next(()) => Some(page + 1).filter(|page| *page < INSTRUCTION_PAGES),
+                Step::Back => page.checked_sub(1),
+            };
+            ui.ctx().request_repaint();
+            return;
+        }
+        let why = self.too_small(ui.ctx());
+        match instructions::paused(ui, &self.session.progress(), &protocol.instructions, why.as_deref()) {
+            Some(PauseChoice::Resume) if why.is_none() => self.step(Event::Resume, now),
+            Some(PauseChoice::Reread) => self.reread = Some(0),
+            Some(PauseChoice::Leave) => self.step(Event::Leave, now),
+            _ => return,
+        }
+        ui.ctx().request_repaint();
     }
 
     /// Returns the background color: the color of the uniform field during trials.
@@ -336,10 +375,11 @@ impl Trials {
         if self.is_trial() && self.unsaved_answer.is_none() { self.field } else { theme::DARK_PAGE }
     }
 
-    fn draw_trial(&mut self, ui: &mut egui::Ui, window_s: f64, input: &mut Input) {
+    fn draw_trial(&mut self, ui: &mut egui::Ui, now: Duration, window_s: f64, input: &mut Input) {
         let rating_now = self.awaits_rating();
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
             if !matches!(self.session.state(), State::Stimulus { .. }) {
+                self.draw_feedback(ui, now);
                 return;
             }
             let schedule = self.session.schedule();
@@ -358,6 +398,18 @@ impl Trials {
             let frame = PressTime { at_s: window_s, uncertainty: None };
             self.clicked = Some((rating, input.click().unwrap_or(frame)));
         }
+    }
+
+    /// Draws feedback on the uniform field, below the place of the stimulus and above the scale.
+    fn draw_feedback(&mut self, ui: &egui::Ui, now: Duration) {
+        let protocol = self.session.protocol();
+        let area = ui.ctx().content_rect();
+        let below = area.center().y + self.size_px as f32 / ui.ctx().pixels_per_point() / 2.0 + MARK_BELOW;
+        let center = egui::pos2(area.center().x, below.min(area.bottom() - SCALE_ABOVE));
+        let keys: Vec<String> = protocol.response.categories.iter().map(|one| one.key.to_string()).collect();
+        let keys = protocol.instructions.answer_keys.replace("{keys}", &keys.join(" "));
+        let state = (self.session.state(), now);
+        self.feedback.draw(ui, state, protocol.recovery.duration(), center, self.field, &keys);
     }
 
     fn finish(&mut self, ctx: &egui::Context) -> Step<Box<Finish>> {

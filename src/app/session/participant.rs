@@ -1,0 +1,154 @@
+//! The page that asks about the participant before the first page of a session.
+
+use eframe::egui::{self, Key, Ui};
+
+use crate::{
+    app::ui::{self, Field, Step, theme, today},
+    experiment::{AnswerError, Answers, FieldKind, MAX_ANSWER, ParticipantField, ParticipantFields, Texts},
+};
+
+/// Width of the column of labels, points.
+const LABELS: f32 = 220.0;
+
+/// The questions of a definition and the answers so far.
+pub struct ParticipantPage {
+    fields: ParticipantFields,
+    texts: Texts,
+    /// The answers as typed or chosen, one for each field.
+    typed: Vec<String>,
+    /// Whether the participant has tried to continue, so that every error is shown.
+    tried: bool,
+    /// The field that gets the keyboard focus in the next frame.
+    focus: Option<usize>,
+}
+
+impl ParticipantPage {
+    pub fn new(fields: &ParticipantFields, texts: &Texts) -> Self {
+        let typed = vec![String::new(); fields.0.len()];
+        Self { fields: fields.clone(), texts: texts.clone(), typed, tried: false, focus: Some(0) }
+    }
+
+    /// Draws the page; returns the answers once they are complete. `refused` says why the session could not begin.
+    pub fn show(&mut self, ui: &mut Ui, refused: Option<&str>) -> Step<Answers> {
+        let back = ui::escaped(ui);
+        let entered = ui::shortcut(ui, Key::Enter);
+        let (proceed, left) = ui::page_from(ui, 0.06, |ui| {
+            ui.heading(&self.texts.about_you);
+            ui::paragraph(ui, &self.texts.about_you_text);
+            ui.add_space(theme::GAP);
+            let focus = self.focus.take();
+            for (at, (field, typed)) in self.fields.0.iter().zip(&mut self.typed).enumerate() {
+                let error = match field.answer(typed) {
+                    // An empty field is not an error before the participant tries to continue.
+                    Err(error) if self.tried || error != AnswerError::Missing => sentence(&self.texts, field, error),
+                    _ => "",
+                };
+                let first = draw(ui, field, typed, &self.texts, error);
+                if let Some(control) = first.filter(|_| focus == Some(at)) {
+                    control.request_focus();
+                    control.scroll_to_me(None);
+                }
+                ui.add_space(theme::GAP);
+            }
+            if let Some(refused) = refused {
+                ui::show_error(ui, refused);
+            }
+            let proceed = ui::primary(ui, &self.texts.next, true, "Enter");
+            ui.add_space(theme::SMALL_GAP);
+            let left = ui.horizontal(|ui| {
+                let left = ui.button(&self.texts.previous).clicked();
+                ui.label(ui::secondary("Esc"));
+                left
+            });
+            (proceed || entered, left.inner || back)
+        });
+        if left {
+            return Step::Back;
+        }
+        if !proceed {
+            return Step::Stay;
+        }
+        match self.answers() {
+            Ok(answers) => Step::Next(answers),
+            Err(at) => {
+                (self.tried, self.focus) = (true, Some(at));
+                ui.ctx().request_repaint();
+                Step::Stay
+            }
+        }
+    }
+
+    /// Returns all answers, or the first field whose answer is not accepted.
+    fn answers(&self) -> Result<Answers, usize> {
+        let mut answers = Answers::new();
+        for (at, (field, typed)) in self.fields.0.iter().zip(&self.typed).enumerate() {
+            if let Some(answer) = field.answer(typed).map_err(|_| at)? {
+                answers.insert(field.name.clone(), answer);
+            }
+        }
+        Ok(answers)
+    }
+}
+
+fn sentence<'t>(texts: &'t Texts, field: &ParticipantField, error: AnswerError) -> &'t str {
+    match error {
+        AnswerError::Missing if field.kind() == FieldKind::Agreement => &texts.agreement_missing,
+        AnswerError::Missing => &texts.answer_missing,
+        AnswerError::NotANumber => &texts.number_expected,
+        AnswerError::Formula => &texts.letter_expected,
+    }
+}
+
+/// Draws a field; returns its first control.
+fn draw(
+    ui: &mut Ui,
+    field: &ParticipantField,
+    typed: &mut String,
+    texts: &Texts,
+    error: &str,
+) -> Option<egui::Response> {
+    let mark = if field.spec.required { " *" } else { "" };
+    let label = field.label() + mark;
+    if let Some(text) = &field.spec.text {
+        return Some(agreement(ui, &label, text, typed, &format!("{}{mark}", texts.agree), error));
+    }
+    let form = Field::new(&label).column(LABELS).error(error);
+    if field.kind() != FieldKind::Choice {
+        let width = if field.kind() == FieldKind::Number { 90.0 } else { 300.0 };
+        let edit = egui::TextEdit::singleline(typed).desired_width(width).char_limit(MAX_ANSWER);
+        return Some(form.add(ui, edit));
+    }
+    form.show(ui, |ui, _| {
+        let mut first = None;
+        ui.horizontal_wrapped(|ui| {
+            for (choice, shown) in field.options() {
+                let radio = ui.radio(typed == choice, shown);
+                if radio.clicked() {
+                    // Choosing an answer again takes it back.
+                    let answer = if typed == choice { "" } else { choice };
+                    answer.clone_into(typed);
+                }
+                first.get_or_insert(radio);
+            }
+        });
+        first
+    })
+}
+
+/// Draws a text with a box to agree to it. The answer is the day.
+fn agreement(ui: &mut Ui, label: &str, text: &str, typed: &mut String, agree: &str, error: &str) -> egui::Response {
+    ui.label(egui::RichText::new(label).strong());
+    theme::card(ui).show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        text.split("\n\n").for_each(|paragraph| ui::paragraph(ui, paragraph));
+    });
+    let mut agreed = !typed.is_empty();
+    let tick = ui.checkbox(&mut agreed, agree);
+    if tick.changed() {
+        *typed = if agreed { today().to_string() } else { String::new() };
+    }
+    if !error.is_empty() {
+        ui::show_error(ui, error);
+    }
+    tick
+}
