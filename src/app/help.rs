@@ -2,11 +2,16 @@
 
 use eframe::egui::{self, Context, Grid, Id, Modal, RichText, Ui};
 
-use super::ui::{Field, Place, hint, logo::logo, paragraph, secondary, section, theme::GAP};
+use super::ui::{
+    Field, Place, hint,
+    logo::logo,
+    paragraph, secondary, section,
+    theme::{GAP, MARGIN},
+};
 use crate::store::settings::{Settings, ThemeChoice};
 
 /// Width of a dialog's content, points.
-const WIDTH: f32 = 520.0;
+const WIDTH: f32 = 560.0;
 /// The choices for the zoom; the keys allow others.
 const ZOOMS: [f32; 6] = [0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
 /// Keys that work everywhere outside trials.
@@ -25,7 +30,7 @@ fn keys_of(place: Place) -> &'static [(&'static str, &'static str)] {
         Place::Run => &[
             ("Enter", "Start or resume the session"),
             ("In a session: 0 1 2 3", "Rate the image (a definition can choose other keys)"),
-            ("In a session: Backspace", "Withdraw the last answer, while the screen is even"),
+            ("In a session: Backspace", "Withdraw the last answer, before the next image"),
             ("In a session: S", "Show or hide the scale"),
             ("In a session: Esc", "Pause"),
         ],
@@ -43,15 +48,13 @@ fn keys_of(place: Place) -> &'static [(&'static str, &'static str)] {
 /// Draws the help; returns whether it stays open.
 pub fn help(ctx: &Context, place: Place) -> bool {
     dialog(ctx, "help", |ui| {
+        let commit = env!("MACHBAND_COMMIT");
+        let commit = commit.get(..12).unwrap_or(commit);
         ui.horizontal(|ui| {
             logo(ui, 40.0);
             ui.vertical(|ui| {
                 ui.label(RichText::new("machband").strong().size(20.0));
-                ui.label(secondary(format!(
-                    "version {}, commit {}",
-                    env!("CARGO_PKG_VERSION"),
-                    env!("MACHBAND_COMMIT")
-                )));
+                ui.label(secondary(format!("version {}, commit {commit}", env!("CARGO_PKG_VERSION"))));
             });
         });
         paragraph(ui, "Measure, analyze, generate and predict the visibility of Mach bands.");
@@ -100,7 +103,8 @@ pub fn settings(ctx: &Context, settings: &mut Settings, notice: Option<&str>) ->
 /// Draws a dialog with a Close button; returns whether it stays open.
 fn dialog(ctx: &Context, id: &str, add: impl FnOnce(&mut Ui)) -> bool {
     let room = ctx.content_rect().size() - egui::Vec2::splat(96.0);
-    let modal = Modal::new(Id::unique(("dialog", id))).show(ctx, |ui| {
+    let frame = egui::Frame::popup(&ctx.global_style()).inner_margin(MARGIN);
+    let modal = Modal::new(Id::unique(("dialog", id))).frame(frame).show(ctx, |ui| {
         ui.set_width(WIDTH.min(room.x));
         egui::ScrollArea::vertical().max_height(room.y).show(ui, add);
         ui.add_space(GAP);
@@ -110,7 +114,7 @@ fn dialog(ctx: &Context, id: &str, add: impl FnOnce(&mut Ui)) -> bool {
 }
 
 fn keys(ui: &mut Ui, id: &str, keys: &[(&str, &str)]) {
-    Grid::new(id).num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
+    Grid::new(id).num_columns(2).min_col_width(180.0).spacing([16.0, 4.0]).show(ui, |ui| {
         for (key, what) in keys {
             ui.label(RichText::new(*key).strong());
             paragraph(ui, *what);

@@ -1,11 +1,17 @@
 //! The question before the window is closed during a session.
 
-use eframe::egui::{Context, Id, Modal, ViewportCommand};
+use eframe::egui::{Context, Frame, Id, Modal, ViewportCommand};
 
 use super::{
     session::Runner,
-    ui::{primary, theme::COLUMN},
+    ui::{
+        primary,
+        theme::{GAP, MARGIN},
+    },
 };
+
+/// Width of the question, points.
+const WIDTH: f32 = 480.0;
 
 /// The state of the question.
 #[derive(Default)]
@@ -32,10 +38,12 @@ impl Quit {
         if !self.asked {
             return;
         }
-        let modal = Modal::new(Id::unique("quit")).show(ctx, |ui| {
-            ui.set_width(COLUMN.min(ctx.content_rect().width() - 64.0).min(480.0));
+        let frame = Frame::popup(&ctx.global_style()).inner_margin(MARGIN);
+        let modal = Modal::new(Id::unique("quit")).frame(frame).show(ctx, |ui| {
+            ui.set_width(WIDTH.min(ctx.content_rect().width() - 4.0 * MARGIN));
             ui.heading("Quit during the session?");
             ui.label(session.how_to_resume());
+            ui.add_space(GAP);
             let stay = primary(ui, "Continue the session", true, "Esc");
             (stay, ui.button("Quit").clicked())
         });

@@ -22,7 +22,7 @@ use crate::{
 
 /// Returns the width of the column of labels, points.
 pub fn labels(ui: &Ui) -> f32 {
-    10.0 * TextStyle::Body.resolve(ui.style()).size - 22.0
+    10.0 * TextStyle::Body.resolve(ui.style()).size - 6.0
 }
 
 /// The values of the fields, as typed.

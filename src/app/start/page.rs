@@ -420,7 +420,7 @@ impl Start {
 
     fn width_field(&mut self, ui: &mut Ui, checked: &Checked, monitor: &Monitor, here: &Monitor) {
         checked.field(ui, Part::ScreenWidth).show(ui, |ui, label| {
-            ui.horizontal(|ui| {
+            ui.horizontal_wrapped(|ui| {
                 let width = &mut self.form.screen.screen_width_cm;
                 ui.add(TextEdit::singleline(width).desired_width(90.0)).labelled_by(label);
                 let measure = ui.add_enabled(monitor == here, Button::new("Measure with a card…"));
