@@ -240,9 +240,15 @@ impl Harness {
 
     /// Starts the window with a session of S001.
     pub fn run(&mut self, experiment: &str, arguments: &[&str]) {
+        let results = self.results();
+        let session = ["run", experiment, "--participant", "S001", "--results", &results];
+        self.start(&[&session[..], arguments].concat());
+    }
+
+    /// Starts the window with these arguments.
+    pub fn start(&mut self, arguments: &[&str]) {
         let window = self
             .command(MACHBAND)
-            .args(["run", experiment, "--participant", "S001", "--results", &self.results()])
             .args(arguments)
             .envs(self.environment.iter().cloned())
             .stdout(self.log("machband"))
@@ -302,6 +308,11 @@ impl Harness {
     pub fn xdotool(&self, arguments: &[&str]) {
         let output = self.command("xdotool").args(arguments).output().unwrap();
         assert!(output.status.success() && output.stderr.is_empty(), "xdotool {arguments:?}: {output:?}");
+    }
+
+    /// What xdotool prints; empty if it fails, as when there is no such window.
+    pub fn ask(&self, arguments: &[&str]) -> String {
+        common::text(&self.command("xdotool").args(arguments).output().unwrap().stdout).trim().to_owned()
     }
 
     pub fn press(&self, key: &str) {

@@ -13,6 +13,9 @@
 mod common;
 mod faults;
 mod harness;
+#[path = "../panes/window.rs"]
+mod pane;
+mod start;
 
 use std::{
     collections::{BTreeMap, BTreeSet},

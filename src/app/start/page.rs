@@ -37,6 +37,8 @@ const PICTURE_PX: u32 = 88;
 const SMALL: Vec2 = egui::vec2(760.0, 560.0);
 /// In a page narrower than this, in points, the experiments and sessions are above the form.
 const NARROW: f32 = 520.0;
+/// Minimum width of a text field with buttons after it, points.
+const MIN_FIELD: f32 = 120.0;
 /// Padding of a text field, points.
 const PADDING: f32 = 6.0;
 /// Maximum width of the form, points.
@@ -408,7 +410,7 @@ impl Start {
         self.width_field(ui, checked, monitor, here);
         let measure = self.profile_field(ui, checked);
         checked.field(ui, Part::Results).show(ui, |ui, label| {
-            ui.horizontal(|ui| {
+            ui.horizontal_wrapped(|ui| {
                 let field = TextEdit::singleline(&mut self.form.results).desired_width(room(ui, 1));
                 ui.add(field).labelled_by(label);
                 self.results.browse(ui, FileKind::Folder, "Choose the results folder…", &mut self.form.results);
@@ -448,7 +450,7 @@ impl Start {
         checked.field(ui, Part::Profile).show(ui, |ui, label| {
             let path = &mut self.form.screen.profile;
             let mut measure = false;
-            ui.horizontal(|ui| {
+            ui.horizontal_wrapped(|ui| {
                 let field = TextEdit::singleline(path).desired_width(room(ui, 2)).hint_text("sRGB");
                 ui.add(field).labelled_by(label);
                 self.profile.browse(ui, FileKind::Toml, "Choose a display profile…", path);
@@ -543,9 +545,10 @@ impl Start {
     }
 }
 
-/// Returns the width for a text field that a number of buttons follow on the same line.
+/// Returns the width for a text field that a number of buttons follow, on the same line if there is room.
 fn room(ui: &Ui, buttons: usize) -> f32 {
     let Vec2 { x: padding, .. } = ui.spacing().button_padding;
     let button = 76.0 + 2.0 * padding + ui.spacing().item_spacing.x;
-    (ui.available_width() - buttons as f32 * button - 2.0 * PADDING).max(60.0)
+    let room = ui.available_width() - buttons as f32 * button - 2.0 * PADDING;
+    if room < MIN_FIELD { ui.available_width() - 2.0 * PADDING } else { room }
 }

@@ -1,0 +1,162 @@
+//! Tests the start page and what surrounds it in the real window. A copy of the page without a display tells where each
+//! control is; the mouse and the keyboard of the virtual screen do the rest.
+
+use std::{fs, path::PathBuf, time::Duration};
+
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use machband::app::{App, Launch};
+
+use crate::{
+    common,
+    harness::{Harness, SHORT_DEFINITION, Shown, rows},
+    pane::{self, Role},
+};
+
+/// The program in the window, started without arguments, and a copy of it without a display.
+struct Desk {
+    harness: Harness,
+    /// The X window.
+    window: String,
+    copy: pane::Window,
+}
+
+impl Desk {
+    /// Starts the program with settings that name a results folder and a definition.
+    fn open() -> Option<Self> {
+        let mut harness = Harness::new()?;
+        let definition = harness.swift();
+        let settings = format!(
+            "schema = 1\ntheme = \"light\"\nresults = {:?}\n[recent]\nexperiments = [{definition:?}]\n",
+            harness.results()
+        );
+        fs::write(harness.dir.path().join("settings.toml"), settings).unwrap();
+        harness.start(&["--config", "settings.toml"]);
+        Some(Self::of(harness))
+    }
+
+    fn of(mut harness: Harness) -> Self {
+        harness.until("the window", |harness| !harness.ask(&["search", "--name", "^machband$"]).is_empty());
+        harness.at_rest();
+        let window = harness.ask(&["search", "--name", "^machband$"]);
+        let geometry = harness.ask(&["getwindowgeometry", "--shell", &window]);
+        let side = |name: &str| {
+            let line = geometry.lines().find_map(|line| line.strip_prefix(name)).unwrap();
+            line.parse::<f32>().unwrap()
+        };
+        // The copy must not write the program's file.
+        let settings = harness.dir.path().join("copy.toml");
+        fs::copy(harness.dir.path().join("settings.toml"), &settings).unwrap();
+        let launch = Launch { request: None, settings: Some(settings) };
+        let size = [side("WIDTH="), side("HEIGHT=")];
+        let mut copy = pane::builder(size, 1.0 / 60.0).build_eframe(|cc| App::new(cc, launch));
+        // The sessions are read on another thread.
+        for _ in 0..20 {
+            copy.step();
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        Self { harness, window, copy }
+    }
+
+    /// Clicks a control, in the window and in the copy.
+    fn click(&mut self, label: &str) {
+        let found =
+            self.copy.query_all_by_label_contains(label).find(|node| node.accesskit_node().role() != Role::Label);
+        let at =
+            found.unwrap_or_else(|| panic!("no {label:?}; there is {:?}", pane::texts(&self.copy))).rect().center();
+        let (x, y) = (at.x.to_string(), at.y.to_string());
+        self.harness.xdotool(&["mousemove", "--window", &self.window, &x, &y, "click", "1"]);
+        self.copy
+            .query_all_by_label_contains(label)
+            .find(|node| node.accesskit_node().role() != Role::Label)
+            .unwrap()
+            .click();
+        self.copy.run_steps(20);
+        std::thread::sleep(Duration::from_millis(400));
+    }
+
+    /// The screen once it no longer changes, with the mouse where it hovers over nothing.
+    fn screen(&mut self) -> Vec<u8> {
+        self.harness.xdotool(&["mousemove", "1", "1"]);
+        self.harness.at_rest();
+        self.harness.screen()
+    }
+
+    fn csv(&self) -> PathBuf {
+        common::session_csv(&self.harness.dir.path().join("results"), "swift", "P001")
+    }
+
+    fn settings(&self) -> String {
+        fs::read_to_string(self.harness.dir.path().join("settings.toml")).unwrap()
+    }
+}
+
+#[test]
+fn an_aborted_session_is_offered_and_resumed_by_one_click() {
+    let Some(mut desk) = Desk::open() else { return };
+    desk.click("A short session for tests");
+    desk.click("Hide");
+    desk.harness.press("Return");
+    let csv = desk.csv();
+    desk.harness.rate(&csv, "1");
+    desk.harness.rate(&csv, "2");
+    // Quitting during a trial asks. Esc answers no, and the same session continues.
+    desk.harness.stimulus();
+    desk.harness.press("ctrl+q");
+    desk.harness.until("the question", |harness| harness.shown() == Shown::Page);
+    std::thread::sleep(Duration::from_millis(700));
+    assert!(desk.harness.ended().is_none(), "quitting must ask");
+    desk.harness.press("Escape");
+    std::thread::sleep(Duration::from_millis(300));
+    desk.harness.rate(&csv, "3");
+    desk.harness.stimulus();
+    desk.harness.press("ctrl+q");
+    desk.harness.until("the question", |harness| harness.shown() == Shown::Page);
+    std::thread::sleep(Duration::from_millis(300));
+    // Quitting again answers yes.
+    desk.harness.press("ctrl+q");
+    assert!(desk.harness.wait_for_end().success());
+    assert_eq!(rows(&csv).len(), 3);
+
+    // The settings have survived; they name no participant.
+    let settings = desk.settings();
+    assert!(settings.contains("greeting = false") && settings.contains("theme = \"light\""), "{settings}");
+    assert!(!settings.contains("P001"), "{settings}");
+    let mut harness = desk.harness;
+    harness.start(&["--config", "settings.toml"]);
+    let mut desk = Desk::of(harness);
+    assert!(desk.copy.query_by_label("Hide").is_none(), "the copy has the settings of the program");
+    desk.copy.get_by_label_contains("P001 · session 1 · swift · 3 of 6");
+    desk.click("Resume P001, session 1 of swift");
+    for key in ["0", "1", "2"] {
+        desk.harness.rate(&csv, key);
+    }
+    desk.harness.until("the sidecar to say complete", |_| {
+        let sidecar = fs::read_to_string(csv.with_extension("json")).unwrap_or_default();
+        sidecar.contains("\"complete\": true")
+    });
+    let output = common::machband(desk.harness.dir.path(), &["verify", csv.parent().unwrap().to_str().unwrap()]);
+    assert!(output.status.success(), "{output:?}");
+}
+
+/// Escape closes an open list, then leaves a field, then goes back to the start page.
+#[test]
+fn escape_closes_the_innermost_thing_first() {
+    let Some(mut desk) = Desk::open() else { return };
+    let start = desk.screen();
+    desk.harness.press("ctrl+2");
+    desk.copy.key_press_modifiers(eframe::egui::Modifiers::COMMAND, eframe::egui::Key::Num2);
+    desk.copy.run_steps(30);
+    let gallery = desk.screen();
+    assert!(gallery != start);
+    desk.click("Stimulus");
+    assert!(desk.harness.screen() != gallery, "the list is open");
+    desk.harness.press("Escape");
+    assert!(desk.screen() == gallery, "Escape closes only the list");
+    desk.click("Export to");
+    desk.harness.press("Escape");
+    assert!(desk.screen() == gallery, "Escape leaves only the field");
+    desk.harness.press("Escape");
+    assert!(desk.screen() == start, "Escape leaves the page");
+    desk.harness.press("ctrl+q");
+    assert!(desk.harness.wait_for_end().success(), "outside a session, quitting does not ask");
+}
