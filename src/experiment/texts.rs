@@ -6,12 +6,12 @@ use serde::{Deserialize, Serialize, Serializer, ser::SerializeStruct as _};
 /// Defines the texts. A text that is marked `later` was added after the first version: it is omitted from the canonical
 /// form while it is the default, so that the hashes of older definitions stay the same.
 macro_rules! texts {
-    ($($(#[$meta:meta])* $name:ident = $default:expr $(, $later:ident)?;)*) => {
+    ($($(#[doc = $about:literal])+ $name:ident = $default:expr $(, $later:ident)?;)*) => {
         /// The participant's texts. The program fills in the placeholders in `{…}`.
         #[derive(Clone, Debug, PartialEq, Deserialize)]
         #[serde(default, deny_unknown_fields)]
         pub struct Texts {
-            $($(#[$meta])* pub $name: String,)*
+            $($(#[doc = $about])+ pub $name: String,)*
         }
 
         impl Default for Texts {
@@ -32,6 +32,9 @@ macro_rules! texts {
         }
 
         impl Texts {
+            /// Every text: its key in a definition, where it is shown, and its default.
+            pub const ALL: &[[&str; 3]] = &[$([stringify!($name), concat!($($about),+), $default]),*];
+
             /// Returns the key and the content of each text.
             pub fn entries(&self) -> impl Iterator<Item = (&'static str, &str)> {
                 [$((stringify!($name), self.$name.as_str())),*].into_iter()

@@ -1,6 +1,6 @@
 //! Experiment definitions: TOML files and built-in definitions.
 
-use std::{collections::HashSet, path::Path};
+use std::{borrow::Cow, collections::HashSet, path::Path};
 
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -43,23 +43,35 @@ built_in!("quick", "bangay2003", "orientation", "shaders");
 /// # Errors
 /// Returns every error in the file, or reports that neither such a definition nor such a file exists.
 pub fn open(name_or_path: impl AsRef<Path>) -> Result<Protocol, FileErrors> {
-    let path = name_or_path.as_ref();
-    let name = path.display().to_string();
-    if let Some(built_in) = BUILT_IN.iter().find(|built_in| built_in.name == path.as_os_str()) {
-        return parse(built_in.name, built_in.text);
+    let name_or_path = name_or_path.as_ref();
+    parse(&name_or_path.display().to_string(), &text(name_or_path)?)
+}
+
+/// Returns the text of a built-in definition, or of a file.
+///
+/// # Errors
+/// Reports that neither such a definition nor such a file exists, or why the file cannot be read.
+pub fn text(name_or_path: &Path) -> Result<Cow<'static, str>, FileErrors> {
+    if let Some(built_in) = built_in(name_or_path) {
+        return Ok(built_in.text.into());
     }
-    let looks_like_a_name = path.extension().is_none() && path.components().count() == 1;
-    if looks_like_a_name && !path.exists() {
+    let looks_like_a_name = name_or_path.extension().is_none() && name_or_path.components().count() == 1;
+    if looks_like_a_name && !name_or_path.exists() {
         let names: Vec<_> = BUILT_IN.iter().map(|built_in| built_in.name).collect();
         return Err(FileErrors::whole(
-            path,
+            name_or_path,
             format!(
                 "is neither a built-in definition nor a file; {}, or the path to a .toml file",
-                expected_one_of(&name, &names)
+                expected_one_of(&name_or_path.display().to_string(), &names)
             ),
         ));
     }
-    parse(&name, &read_text(path)?)
+    read_text(name_or_path).map(Cow::Owned)
+}
+
+/// Returns the built-in definition of this name, or `None` if there is none.
+pub fn built_in(name: &Path) -> Option<&'static BuiltIn> {
+    BUILT_IN.iter().find(|built_in| built_in.name == name.as_os_str())
 }
 
 /// Parses the text of a definition; `file` identifies it in messages.

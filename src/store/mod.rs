@@ -7,6 +7,7 @@
 //! | exports recorded sessions as BIDS or Psych-DS | [`mod@export`] |
 //! | PNG images, and folders of images | [`image`], [`manifest`] |
 //! | OBJ meshes | [`mesh`] |
+//! | edits a definition and keeps its comments | [`draft`] |
 //! | definitions, display profiles and simulated observers (TOML) | [`definition`], [`profile`], [`observer`] |
 //! | what the window remembers (TOML) | [`settings`] |
 //! | photometer readings, visual matches and stimulus profiles (CSV) | [`readings`], [`mod@matches`], [`curve`] |
@@ -18,6 +19,7 @@
 pub mod check;
 pub mod curve;
 pub mod definition;
+pub mod draft;
 mod error;
 pub mod export;
 mod file;

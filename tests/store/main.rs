@@ -5,6 +5,7 @@ mod common;
 
 mod definitions;
 mod dictionary;
+mod drafts;
 mod edits;
 mod export;
 mod folder;

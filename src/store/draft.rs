@@ -1,0 +1,263 @@
+//! Edits the text of a definition. Comments, order and layout stay as they are, except where a value changes.
+
+use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
+
+use super::{FileErrors, definition, toml};
+use crate::{experiment::Protocol, stimulus::Stimulus};
+
+/// The text of a definition while it is edited. Values are addressed by their keys: `name`, `design.repetitions`.
+#[derive(Clone, Debug)]
+pub struct Draft {
+    document: DocumentMut,
+    /// Whether the lines end in a carriage return and a line feed.
+    crlf: bool,
+}
+
+/// How a typed value is written in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Typed {
+    /// As text.
+    Text,
+    /// As a number if it is one, and otherwise as text.
+    Value,
+    /// As a list of such values, which are separated by commas. Text that contains a comma is typed in quotes.
+    Values,
+}
+
+impl Draft {
+    /// Reads a definition; `file` identifies it in messages. It may contain errors, which [`Draft::check`] reports.
+    ///
+    /// # Errors
+    /// The first place where the text is not TOML.
+    pub fn parse(file: &str, text: &str) -> Result<Self, FileErrors> {
+        // This reader reports the same errors as everywhere else.
+        toml::Document::parse(file, text)?;
+        let crlf = text.contains("\r\n");
+        let document = text.replace("\r\n", "\n").parse();
+        let document = document.map_err(|error: toml_edit::TomlError| FileErrors::whole(file, error.to_string()))?;
+        Ok(Self { document, crlf })
+    }
+
+    /// Returns the text of the file.
+    pub fn text(&self) -> String {
+        let text = self.document.to_string();
+        if self.crlf { text.replace('\n', "\r\n") } else { text }
+    }
+
+    /// Returns the definition.
+    ///
+    /// # Errors
+    /// Returns every error, with its key.
+    pub fn check(&self) -> Result<Protocol, FileErrors> {
+        definition::parse(&self.get("name").unwrap_or_default(), &self.text())
+    }
+
+    /// Returns a value as it would be typed; `None` if the file does not have it.
+    pub fn get(&self, key: &str) -> Option<String> {
+        let value = self.value(key)?;
+        Some(
+            value
+                .as_array()
+                .map_or_else(|| plain(value), |list| list.iter().map(listed).collect::<Vec<_>>().join(", ")),
+        )
+    }
+
+    /// Returns a list of texts; `None` if the file does not have it.
+    pub fn texts(&self, key: &str) -> Option<Vec<String>> {
+        Some(self.value(key)?.as_array()?.iter().map(plain).collect())
+    }
+
+    fn value(&self, key: &str) -> Option<&Value> {
+        let (table, key) = split(key);
+        match table {
+            "" => self.document.get(key)?,
+            table => self.document.get(table)?.as_table_like()?.get(key)?,
+        }
+        .as_value()
+    }
+
+    /// Changes a value. Its table is added if it is missing.
+    pub fn set(&mut self, key: &str, text: &str, typed: Typed) {
+        match typed {
+            Typed::Text => self.put(key, text.into()),
+            Typed::Value => self.put(key, value(text)),
+            Typed::Values => self.put_list(key, values(text)),
+        }
+    }
+
+    /// Changes a list of texts.
+    pub fn set_texts(&mut self, key: &str, texts: &[String]) {
+        self.put_list(key, texts.iter().map(Value::from).collect());
+    }
+
+    /// Removes a value or a table.
+    pub fn remove(&mut self, key: &str) {
+        let (table, name) = split(key);
+        let root = self.document.as_table_mut();
+        let table = if table.is_empty() {
+            Some(root as &mut dyn TableLike)
+        } else {
+            root.get_mut(table).and_then(Item::as_table_like_mut)
+        };
+        if let Some(table) = table {
+            table.remove(name);
+        }
+    }
+
+    /// Changes the kind of the stimulus, and removes the parameters that the new kind does not have.
+    pub fn set_kind(&mut self, kind: &str) {
+        self.put("stimulus.kind", kind.into());
+        let known = Stimulus::default_of(kind);
+        let known = |name: &str| known.as_ref().is_some_and(|stimulus| stimulus.get(name).is_some());
+        let unknown: Vec<String> =
+            self.keys("stimulus").into_iter().filter(|key| key != "kind" && !known(key)).collect();
+        unknown.iter().for_each(|key| self.remove(&format!("stimulus.{key}")));
+    }
+
+    /// Returns the names of the factors, in their order.
+    pub fn factors(&self) -> Vec<String> {
+        self.keys("factors")
+    }
+
+    fn keys(&self, table: &str) -> Vec<String> {
+        let table = self.document.get(table).and_then(Item::as_table_like);
+        table.map_or_else(Vec::new, |table| table.iter().map(|(key, _)| key.to_owned()).collect())
+    }
+
+    /// Exchanges two factors that follow each other; `first` is the index of the first one.
+    pub fn exchange_factors(&mut self, first: usize) {
+        let mut names = self.factors();
+        if first + 1 >= names.len() {
+            return;
+        }
+        names.swap(first, first + 1);
+        let place = |key: &toml_edit::Key| names.iter().position(|name| name == key.get());
+        match self.document.get_mut("factors") {
+            Some(Item::Table(table)) => table.sort_values_by(|a, _, b, _| place(a).cmp(&place(b))),
+            Some(Item::Value(Value::InlineTable(table))) => table.sort_values_by(|a, _, b, _| place(a).cmp(&place(b))),
+            _ => {}
+        }
+    }
+
+    /// Returns a table, which is added if it is missing; `None` if its key has a value that is not a table.
+    fn table(&mut self, name: &str) -> Option<&mut dyn TableLike> {
+        let root = self.document.as_table_mut();
+        match name {
+            "" => Some(root),
+            name => root.entry(name).or_insert(Item::Table(Table::new())).as_table_like_mut(),
+        }
+    }
+
+    fn put(&mut self, key: &str, mut value: Value) {
+        let (table, key) = split(key);
+        let Some(table) = self.table(table) else { return };
+        match table.get_mut(key) {
+            Some(Item::Value(old)) => {
+                // The spaces and comments around the old value.
+                *value.decor_mut() = old.decor().clone();
+                *old = value;
+            }
+            _ => drop(table.insert(key, Item::Value(value))),
+        }
+    }
+
+    fn put_list(&mut self, key: &str, values: Vec<Value>) {
+        let (table, name) = split(key);
+        let list = self.table(table).and_then(|table| table.get_mut(name)).and_then(Item::as_array_mut);
+        match list {
+            Some(list) => change(list, values),
+            None => self.put(key, Value::Array(values.into_iter().collect())),
+        }
+    }
+}
+
+/// Splits a key into its table, which is empty at the top level, and its name.
+fn split(key: &str) -> (&str, &str) {
+    key.split_once('.').unwrap_or(("", key))
+}
+
+/// Changes the items of a list. Only the items between the first and the last change are touched, so that the others
+/// keep their comments.
+fn change(list: &mut Array, values: Vec<Value>) {
+    let (old, new): (Vec<_>, Vec<_>) = (list.iter().map(listed).collect(), values.iter().map(listed).collect());
+    let front = old.iter().zip(&new).take_while(|(a, b)| a == b).count();
+    let back = old[front..].iter().rev().zip(new[front..].iter().rev()).take_while(|(a, b)| a == b).count();
+    let is_one_line = !list.to_string().contains('\n');
+    let (old_end, new_end) = (old.len() - back, new.len() - back);
+    for (i, value) in values.into_iter().enumerate().take(new_end).skip(front) {
+        if i < old_end {
+            list.replace(i, value);
+        } else {
+            // On a line of its own, indented as the first item.
+            let prefix = list.get(0).map(prefix).unwrap_or_default();
+            let indent = prefix.rfind('\n').map_or(" ", |at| &prefix[at..]);
+            list.insert_formatted(i, value.decorated(indent, ""));
+        }
+    }
+    for i in (new_end..old_end).rev() {
+        let removed = prefix(&list.remove(i));
+        // A comment before this item, on the line of the item before it, belongs to that item.
+        let comment = removed.rsplit_once('\n').map_or("", |(comment, _)| comment);
+        match list.get_mut(i) {
+            Some(next) => {
+                let kept = format!("{comment}{}", prefix(next));
+                next.decor_mut().set_prefix(kept);
+            }
+            None => list.set_trailing(format!("{comment}{}", list.trailing().as_str().unwrap_or_default())),
+        }
+    }
+    if is_one_line {
+        list.fmt();
+    }
+}
+
+/// Returns the spaces and comments before a value.
+fn prefix(value: &Value) -> String {
+    value.decor().prefix().and_then(|prefix| prefix.as_str()).unwrap_or_default().to_owned()
+}
+
+/// Returns the text of a value without quotes.
+fn plain(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.clone().decorated("", "").to_string(), ToOwned::to_owned)
+}
+
+/// Returns a value as it is typed in a list: text in quotes only if it would otherwise be read as something else.
+fn listed(item: &Value) -> String {
+    let text = plain(item);
+    let reads_back = matches!(&values(&text)[..], [one] if plain(one) == text && one.is_str() == item.is_str());
+    if reads_back { text } else { Value::from(text).decorated("", "").to_string() }
+}
+
+/// Reads a typed value: a number, in the form in which it was typed if possible, or text.
+fn value(text: &str) -> Value {
+    let text = text.trim();
+    if !text.parse().is_ok_and(f64::is_finite) {
+        return text.into();
+    }
+    let number = text.parse().ok().filter(|value: &Value| value.is_integer() || value.is_float());
+    number
+        .or_else(|| Some(text.parse::<i64>().ok()?.into()))
+        .unwrap_or_else(|| text.parse::<f64>().unwrap_or(0.0).into())
+}
+
+/// Reads a list of values that are separated by commas. Brackets around it are allowed, as in the file.
+fn values(text: &str) -> Vec<Value> {
+    let text = text.trim();
+    let text = text.strip_prefix('[').and_then(|text| text.strip_suffix(']')).unwrap_or(text);
+    let mut quote = None;
+    let is_between = |c: char| {
+        match quote {
+            None if c == '"' || c == '\'' => quote = Some(c),
+            Some(open) if c == open => quote = None,
+            _ => {}
+        }
+        c == ',' && quote.is_none()
+    };
+    let mut items: Vec<&str> = text.split(is_between).map(str::trim).collect();
+    // The comma at the end may have been typed before the next value.
+    if items.last().is_some_and(|last| last.is_empty()) {
+        items.pop();
+    }
+    let quoted = |item: &str| item.parse().ok().filter(|value: &Value| value.is_str());
+    items.into_iter().map(|item| quoted(item).unwrap_or_else(|| value(item))).collect()
+}
