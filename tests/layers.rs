@@ -30,6 +30,7 @@ const FLOORS: &[(&str, u32)] = &[
     ("app/ui", 6),
     ("app/window", 7),
     ("app/analysis", 8),
+    ("app/editor", 8),
     ("app/explore", 8),
     ("app/session", 8),
     ("app/display", 9),

@@ -5,6 +5,7 @@
 //! | `ui` | elements that all pages share |
 //! | `window` | the event loop, timestamps of keys, and the loss of the window |
 //! | `analysis` | reading files and showing the results |
+//! | `editor` | duplicating and editing a definition |
 //! | `explore` | the gallery of stimuli; shaders side by side |
 //! | `session` | preflight, instructions, trials, the last page |
 //! | `display` | tools that measure the screen |
@@ -12,6 +13,7 @@
 
 mod analysis;
 mod display;
+mod editor;
 pub mod explore;
 mod help;
 mod memory;

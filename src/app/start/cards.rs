@@ -142,15 +142,6 @@ impl Card {
     }
 }
 
-/// Returns the number of trials and the estimated duration of a session.
-pub fn extent(protocol: &Protocol) -> String {
-    let practice = match protocol.design.practice {
-        0 => String::new(),
-        n => format!("{n} practice and "),
-    };
-    format!("{practice}{} trials, about {} min", protocol.main_trials(), protocol.minutes())
-}
-
 /// Draws text in a corner of a rectangle, cut off with dots after `rows` rows.
 fn text(ui: &Ui, rect: Rect, text: &str, style: (TextStyle, Color32), rows: usize, align: Align2) {
     let (font, color) = (style.0.resolve(ui.style()), style.1);

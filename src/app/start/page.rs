@@ -8,7 +8,7 @@ use eframe::egui::{
 };
 
 use super::{
-    cards::{Cards, extent},
+    cards::Cards,
     form::{Checked, Form, Part, labels},
     sessions::SessionList,
 };
@@ -373,7 +373,7 @@ impl Start {
                     match &checked.protocol {
                         Some(protocol) => {
                             ui.add(egui::Label::new(RichText::new(&protocol.title).strong().size(18.0)).wrap());
-                            ui::hint(ui, format!("{}.", extent(protocol)));
+                            ui::hint(ui, format!("{}.", ui::extent(protocol)));
                         }
                         None => _ = ui.label(RichText::new("Session").strong().size(18.0)),
                     }

@@ -3,7 +3,7 @@
 //! | file | contents |
 //! |---|---|
 //! | [`theme`], [`logo`] | colors, sizes, the palette of plots; the logo |
-//! | [`text`] | paragraphs, hints, notes, errors |
+//! | [`text`] | paragraphs, hints, notes, errors; the extent of a session |
 //! | [`page`] | pages, their headings, main buttons and keys; navigation |
 //! | [`fields`] | labeled controls; reading typed numbers |
 //! | [`mod@parameter`] | the control of a stimulus parameter |
@@ -39,4 +39,4 @@ pub use plot::{still_plot, table};
 pub use saving::Saving;
 pub use screen::{Monitor, ScreenFields, today, window_px};
 pub use side_bar::{Place, SideChoice, side_bar};
-pub use text::{describe, hint, note, paragraph, secondary, section, show_error, signed, success, tick};
+pub use text::{describe, extent, hint, note, paragraph, secondary, section, show_error, signed, success, tick};

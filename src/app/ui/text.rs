@@ -3,6 +3,7 @@
 use eframe::egui::{self, Color32, Label, Response, RichText, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetText};
 
 use super::theme::ink;
+use crate::experiment::Protocol;
 
 pub fn secondary(text: impl Into<String>) -> RichText {
     RichText::new(text).small().weak()
@@ -80,4 +81,13 @@ pub fn describe(response: &Response, text: &str) {
 pub fn name(ui: &Ui, response: &Response, name: &str) {
     let ctx: &egui::Context = ui.ctx();
     ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
+}
+
+/// Returns the number of trials and the estimated duration of a session.
+pub fn extent(protocol: &Protocol) -> String {
+    let practice = match protocol.design.practice {
+        0 => String::new(),
+        n => format!("{n} practice and "),
+    };
+    format!("{practice}{} trials, about {} min", protocol.main_trials(), protocol.minutes())
 }

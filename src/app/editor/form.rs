@@ -1,0 +1,206 @@
+//! The draft of a definition, what was typed in each field, and the errors of each field.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
+
+use eframe::egui::{Response, TextEdit, Ui};
+
+use crate::{
+    app::ui::Field,
+    experiment::Protocol,
+    store::{
+        FileError, FileErrors, definition,
+        draft::{Draft, Typed},
+    },
+};
+
+/// Width of the column of labels, points.
+pub const LABELS: f32 = 150.0;
+/// Width of a field for a number, points.
+const NUMBER: f32 = 90.0;
+/// Width of a field for a number that can be absent, points.
+const OPTIONAL: f32 = 140.0;
+/// Maximum number of errors shown for one field.
+const MAX_SHOWN: usize = 3;
+
+pub struct Form {
+    draft: Draft,
+    /// What was typed, by the key of the field. The draft may have it in a different form.
+    typed: BTreeMap<String, String>,
+    /// The text of the draft when it was opened.
+    original: String,
+    changed: bool,
+    /// The definition as it was when it last had no errors.
+    protocol: Option<Protocol>,
+    /// Increases with each change.
+    revision: u64,
+    errors: Vec<FileError>,
+    /// The indices of the errors that this frame has shown next to their fields.
+    shown: BTreeSet<usize>,
+}
+
+impl Form {
+    /// Opens a copy of a definition, with a name of its own.
+    ///
+    /// # Errors
+    /// The definition cannot be read, or is not TOML. Any other error is shown next to its field.
+    pub fn open(name_or_path: &str) -> Result<Self, FileErrors> {
+        let mut draft = Draft::parse(name_or_path, &definition::text(Path::new(name_or_path))?)?;
+        let name = draft.get("name").unwrap_or_else(|| "my-study".to_owned());
+        draft.set("name", &format!("{name}-copy"), Typed::Text);
+        let mut form = Self {
+            original: draft.text(),
+            draft,
+            typed: BTreeMap::new(),
+            changed: false,
+            protocol: None,
+            revision: 0,
+            errors: Vec::new(),
+            shown: BTreeSet::new(),
+        };
+        form.check();
+        Ok(form)
+    }
+
+    /// Forgets which errors have been shown, so that a new frame can show them.
+    pub fn begin_frame(&mut self) {
+        self.shown.clear();
+    }
+
+    pub fn draft(&self) -> &Draft {
+        &self.draft
+    }
+
+    /// Returns whether anything was changed since the definition was opened.
+    pub fn is_changed(&self) -> bool {
+        self.changed
+    }
+
+    /// Returns the definition as it was when it last had no errors.
+    pub fn protocol(&self) -> Option<&Protocol> {
+        self.protocol.as_ref()
+    }
+
+    /// Returns a number that changes with each edit.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    pub fn errors(&self) -> &[FileError] {
+        &self.errors
+    }
+
+    /// Returns the errors that this frame has not shown next to a field.
+    pub fn unshown(&self) -> Vec<FileError> {
+        let unshown = self.errors.iter().enumerate().filter(|(i, _)| !self.shown.contains(i));
+        unshown.map(|(_, error)| error.clone()).collect()
+    }
+
+    /// Changes the draft.
+    pub fn edit(&mut self, change: impl FnOnce(&mut Draft)) {
+        change(&mut self.draft);
+        self.check();
+    }
+
+    /// Changes the draft so that other fields have new values, and forgets what was typed in them.
+    pub fn rebuild(&mut self, change: impl FnOnce(&mut Draft)) {
+        self.typed.clear();
+        self.edit(change);
+    }
+
+    fn check(&mut self) {
+        self.revision += 1;
+        self.changed = self.draft.text() != self.original;
+        match self.draft.check() {
+            Ok(protocol) => (self.protocol, self.errors) = (Some(protocol), Vec::new()),
+            Err(FileErrors(errors)) => self.errors = errors,
+        }
+    }
+
+    /// Returns the text of a field.
+    pub fn value(&self, key: &str, default: &str) -> String {
+        let typed = self.typed.get(key).cloned().or_else(|| self.draft.get(key));
+        typed.unwrap_or_else(|| default.to_owned())
+    }
+
+    /// Stores what was typed in a field.
+    pub fn type_value(&mut self, key: &str, text: &str, typed: Typed) {
+        self.typed.insert(key.to_owned(), text.to_owned());
+        self.edit(|draft| draft.set(key, text, typed));
+    }
+
+    /// Returns the errors of a field, one a line, and counts them as shown.
+    pub fn error(&mut self, key: &str) -> String {
+        let inside = |error: &FileError| error.key.strip_prefix(key).is_some_and(|rest| rest.starts_with('.'));
+        let here = |(i, error): (usize, &FileError)| (error.key == key || inside(error)).then_some(i);
+        let found: Vec<usize> = self.errors.iter().enumerate().filter_map(here).collect();
+        self.show(&found)
+    }
+
+    /// Like [`Form::error`], without the errors of the values in this table or list.
+    pub fn own_error(&mut self, key: &str) -> String {
+        let found: Vec<usize> = (0..self.errors.len()).filter(|i| self.errors[*i].key == key).collect();
+        self.show(&found)
+    }
+
+    fn show(&mut self, found: &[usize]) -> String {
+        self.shown.extend(found);
+        let mut lines: Vec<String> = found.iter().take(MAX_SHOWN).map(|i| self.errors[*i].message.clone()).collect();
+        if found.len() > MAX_SHOWN {
+            lines.push(format!("and {} more", found.len() - MAX_SHOWN));
+        }
+        lines.join("\n")
+    }
+
+    /// Draws a text field for a value, with its errors. `about` explains it.
+    pub fn text(&mut self, ui: &mut Ui, label: &str, key: &str, default: &str, about: &str) {
+        let width = (ui.available_width() - LABELS - 40.0).clamp(120.0, 420.0);
+        self.field(key, default, Typed::Text, about, |error, text| {
+            Field::new(label).column(LABELS).error(error).width(width).text(ui, text)
+        });
+    }
+
+    /// Draws a field for text of several lines, with its errors.
+    pub fn lines(&mut self, ui: &mut Ui, label: &str, key: &str, default: &str, about: &str) {
+        let width = (ui.available_width() - LABELS - 40.0).max(120.0);
+        self.field(key, default, Typed::Text, about, |error, text| {
+            let edit = TextEdit::multiline(text).desired_rows(2).desired_width(width);
+            Field::new(label).column(LABELS).error(error).add(ui, edit)
+        });
+    }
+
+    /// Draws a field for a number, with its errors.
+    pub fn number(&mut self, ui: &mut Ui, label: &str, key: &str, default: impl ToString, about: &str) {
+        self.field(key, &default.to_string(), Typed::Value, about, |error, text| {
+            Field::new(label).column(LABELS).error(error).width(NUMBER).text(ui, text)
+        });
+    }
+
+    /// Draws a field for a number that can be absent; `absent` says what that means, and `owner` is then removed.
+    pub fn optional(&mut self, ui: &mut Ui, label: &str, [key, owner]: [&str; 2], absent: &str, about: &str) {
+        self.field(key, "", Typed::Value, about, |error, text| {
+            Field::new(label).column(LABELS).error(error).width(OPTIONAL).hint(absent).text(ui, text)
+        });
+        if self.typed.get(key).is_some_and(|text| text.trim().is_empty()) {
+            self.typed.remove(key);
+            self.edit(|draft| draft.remove(owner));
+        }
+    }
+
+    fn field(
+        &mut self,
+        key: &str,
+        default: &str,
+        typed: Typed,
+        about: &str,
+        draw: impl FnOnce(&str, &mut String) -> Response,
+    ) {
+        let mut text = self.value(key, default);
+        let response = draw(&self.error(key), &mut text);
+        if response.on_hover_text(about).changed() {
+            self.type_value(key, &text, typed);
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! The page on which a definition is duplicated and edited without a text editor. [`Draft`](crate::store::draft::Draft)
+//! keeps the comments and the layout of the original.
+//!
+//! | file | contents |
+//! |---|---|
+//! | [`page`] | the page: leaving it, saving, the summary |
+//! | [`form`] | the draft, what was typed, and the errors of each field |
+//! | [`sections`] | the fields |
+//! | [`thumbnails`] | the stimuli of all conditions |
+
+mod form;
+mod page;
+mod sections;
+mod thumbnails;
+
+pub use page::Editor;

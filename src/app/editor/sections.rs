@@ -1,0 +1,263 @@
+//! The fields of a definition, in the order of its file.
+
+use eframe::egui::{CollapsingHeader, ComboBox, Response, Role, TextEdit, Ui, WidgetInfo};
+
+use super::form::{Form, LABELS};
+use crate::{
+    app::ui::{self, Field, parameter},
+    experiment::{Design, MAX_RATING, Recovery, ResponseScale, Texts, ViewingPlan},
+    stimulus::{KINDS, Parameter, Stimulus, catalog},
+    store::draft::Typed,
+};
+
+/// A default text longer than this gets a field of several lines, bytes.
+const LONG: usize = 70;
+
+/// Draws all fields.
+pub fn show(form: &mut Form, ui: &mut Ui) {
+    form.text(ui, "Name", "name", "", "The name of the file, the experiment and its data: a–z, 0–9 and hyphens.");
+    form.text(ui, "Title", "title", "", "One line that describes the experiment.");
+    stimulus(form, ui);
+    factors(form, ui);
+    design(form, ui);
+    timing(form, ui);
+    viewing(form, ui);
+    answers(form, ui);
+    texts(form, ui);
+}
+
+fn stimulus(form: &mut Form, ui: &mut Ui) {
+    ui::section(ui, "Stimulus");
+    let kind = form.value("stimulus.kind", "");
+    let mut chosen = kind.clone();
+    let error = form.error("stimulus.kind");
+    let kinds: Vec<String> = KINDS.iter().map(|kind| (*kind).to_owned()).collect();
+    let title = |kind: &String| catalog::entry(kind).map_or_else(|| kind.clone(), |entry| entry.title.to_owned());
+    Field::new("Kind").column(LABELS).error(&error).width(260.0).choice(ui, &mut chosen, &kinds, title);
+    if chosen != kind {
+        form.rebuild(|draft| draft.set_kind(&chosen));
+    }
+    let Some(default) = Stimulus::default_of(&chosen) else { return };
+    if let Some(entry) = catalog::entry(&chosen) {
+        ui::hint(ui, entry.about);
+    }
+    show_errors(ui, &form.own_error("stimulus"));
+    let factors = form.draft().factors();
+    for parameter in default.parameters() {
+        if factors.iter().any(|factor| factor == parameter.name) {
+            let name = parameter::label(parameter.name);
+            Field::new(&name)
+                .column(LABELS)
+                .show(ui, |ui, _| ui.horizontal(|ui| ui.label(ui::secondary("varies; see Factors"))));
+            continue;
+        }
+        let key = format!("stimulus.{}", parameter.name);
+        let before = form.value(&key, &default.get(parameter.name).map_or_else(String::new, |value| value.to_string()));
+        let mut text = before.clone();
+        ui::parameter(ui, LABELS, parameter, &mut text);
+        if text != before {
+            form.type_value(&key, &text, Typed::Value);
+        }
+        show_errors(ui, &form.error(&key));
+    }
+}
+
+fn factors(form: &mut Form, ui: &mut Ui) {
+    ui::section(ui, "Factors");
+    ui::hint(ui, "Every combination of their levels is a condition. Separate levels with commas: 0.02, 0.05, 0.1");
+    show_errors(ui, &form.own_error("factors"));
+    let names = form.draft().factors();
+    let kind = Stimulus::default_of(&form.value("stimulus.kind", ""));
+    let parameters = kind.map_or(&[][..], |stimulus| stimulus.parameters());
+    for (i, name) in names.iter().enumerate() {
+        let parameter = parameters.iter().find(|parameter| parameter.name == name);
+        factor(form, ui, name, parameter, [i, names.len()]);
+    }
+    let free = parameters.iter().filter(|parameter| !names.iter().any(|name| name == parameter.name));
+    let list = ComboBox::from_id_salt("add a factor").selected_text("Add a factor…").width(200.0).height(400.0);
+    let list = list.show_ui(ui, |ui| {
+        for parameter in free {
+            let choice = ui.selectable_label(false, parameter::label(parameter.name));
+            if choice.on_hover_text(parameter.description).clicked() {
+                let levels = with_level(parameter.levels_hint, "");
+                form.edit(|draft| draft.set(&format!("factors.{}", parameter.name), &levels, Typed::Values));
+            }
+        }
+    });
+    ui::text::name(ui, &list.response, "Add a factor");
+}
+
+/// Draws a factor. `place` is its index and the number of factors.
+fn factor(form: &mut Form, ui: &mut Ui, name: &str, parameter: Option<&'static Parameter>, place: [usize; 2]) {
+    let key = format!("factors.{name}");
+    let mut levels = form.value(&key, "");
+    let (error, label) = (form.error(&key), parameter::label(name));
+    let about = parameter.map_or_else(String::new, |p| format!("{}: {}", p.description, p.expected));
+    let line = |ui: &mut Ui| {
+        let width = (ui.available_width() - 262.0).clamp(120.0, 300.0);
+        let field = ui.add(TextEdit::singleline(&mut levels).desired_width(width)).on_hover_text(about);
+        ui::text::name(ui, &field, &format!("Levels of {label}"));
+        let mut changed = field.changed();
+        let list = ComboBox::from_id_salt(&key).selected_text("…").width(36.0).show_ui(ui, |ui| {
+            for hint in parameter.map_or(&[][..], |parameter| parameter.levels_hint) {
+                if ui.selectable_label(false, *hint).clicked() {
+                    levels = with_level(&[hint], &levels);
+                    changed = true;
+                }
+            }
+        });
+        ui::text::name(ui, &list.response, &format!("Suggested levels of {label}"));
+        list.response.on_hover_text("Adds a suggested level.");
+        let up = button(ui, "Up", place[0] > 0, &format!("Move {label} up")).clicked();
+        let down = button(ui, "Down", place[0] + 1 < place[1], &format!("Move {label} down")).clicked();
+        let remove = button(ui, "Remove", true, &format!("Remove {label}")).clicked();
+        (changed, up, down, remove)
+    };
+    let field = Field::new(&label).column(LABELS).error(&error);
+    let (changed, up, down, remove) = field.show(ui, |ui, _| ui.horizontal_wrapped(line).inner);
+    if changed {
+        form.type_value(&key, &levels, Typed::Values);
+    }
+    if up || down {
+        form.edit(|draft| draft.exchange_factors(if up { place[0] - 1 } else { place[0] }));
+    }
+    if remove {
+        form.rebuild(|draft| draft.remove(&key));
+    }
+}
+
+/// Appends levels to a typed list.
+fn with_level(new: &[&str], levels: &str) -> String {
+    let quoted = |level: &&str| if level.contains(',') { format!("\"{level}\"") } else { (*level).to_owned() };
+    let before = levels.trim().trim_end_matches(',');
+    let before = (!before.is_empty()).then(|| before.to_owned());
+    before.into_iter().chain(new.iter().map(quoted)).collect::<Vec<_>>().join(", ")
+}
+
+fn design(form: &mut Form, ui: &mut Ui) {
+    ui::section(ui, "Trials");
+    let default = Design::default();
+    form.number(ui, "Repetitions", "design.repetitions", default.repetitions, "Main trials for each condition.");
+    let about = "Practice trials before the main part; they are recorded, but not analyzed.";
+    form.number(ui, "Practice", "design.practice", default.practice, about);
+    let about = "Main trials between two breaks; 0 for no breaks.";
+    form.number(ui, "Break every", "design.break_every", default.break_every, about);
+    order(form, ui);
+    let about = "At most this many consecutive trials with the same level of a factor.";
+    form.optional(ui, "Longest run", ["design.max_run"; 2], "any length", about);
+}
+
+fn order(form: &mut Form, ui: &mut Ui) {
+    const KINDS: [(&str, &str); 3] = [
+        ("random", "Random: all trials shuffled together"),
+        ("blocked", "Blocked: one block for each level, in random order"),
+        ("latin", "Latin: blocks counterbalanced across participants"),
+    ];
+    let order = form.value("design.order", &Design::default().order.to_string());
+    let (mut kind, mut factor) = order.split_once(':').unwrap_or((&order, ""));
+    let names = form.draft().factors();
+    let error = form.error("design.order");
+    let title = |kind: &&str| KINDS.iter().find(|(name, _)| name == kind).map_or(*kind, |(_, title)| title).to_owned();
+    let field = Field::new("Order").column(LABELS).width(360.0).error(&error);
+    field.choice(ui, &mut kind, &KINDS.map(|(name, _)| name), title);
+    if kind != "random" && KINDS.iter().any(|(name, _)| *name == kind) {
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        if factor.is_empty() {
+            factor = names.first().copied().unwrap_or_default();
+        }
+        let field = Field::new("Blocks by").column(LABELS).width(200.0);
+        field.choice(ui, &mut factor, &names, |name| parameter::label(name));
+    }
+    let new = if kind == "random" || factor.is_empty() { kind.to_owned() } else { format!("{kind}:{factor}") };
+    if new != order {
+        form.type_value("design.order", &new, Typed::Text);
+    }
+}
+
+fn timing(form: &mut Form, ui: &mut Ui) {
+    ui::section(ui, "Timing");
+    let default = Recovery::default();
+    let about = "Duration of the uniform field between two stimuli.";
+    form.number(ui, "Recovery, s", "recovery.duration_s", default.duration_s, about);
+    let about = "Relative luminance of the uniform field, from 0 to 1, in linear light.";
+    form.number(ui, "Recovery level", "recovery.level", default.level, about);
+    let about = "Duration of each stimulus. The uniform field follows until it is rated.";
+    form.optional(ui, "Stimulus, s", ["presentation.duration_s", "presentation"], "until it is rated", about);
+}
+
+fn viewing(form: &mut Form, ui: &mut Ui) {
+    ui::section(ui, "Viewing");
+    let default = ViewingPlan::default();
+    let about = "Planned distance from the eye to the screen.";
+    form.number(ui, "Distance, cm", "viewing.distance_cm", default.distance_cm, about);
+    let about = "Side of the square stimulus, in degrees of visual angle.";
+    form.number(ui, "Stimulus size, °", "viewing.window_deg", default.window_deg, about);
+}
+
+fn answers(form: &mut Form, ui: &mut Ui) {
+    ui::section(ui, "Answers");
+    let default = ResponseScale::default();
+    form.text(ui, "Question", "response.question", &default.question, "Shown next to the scale.");
+    let mut labels = form.draft().texts("response.labels").unwrap_or_default();
+    let mut keys = form.draft().texts("response.keys").unwrap_or_default();
+    for (i, category) in default.categories.into_iter().enumerate() {
+        // A definition without labels or keys uses the defaults. With too few, the others are empty.
+        labels.extend((labels.len() <= i).then_some(category.label));
+        keys.extend((keys.len() <= i).then(|| category.key.to_string()));
+    }
+    let [mut labels_changed, mut keys_changed] = [false; 2];
+    for rating in 0..=usize::from(MAX_RATING) {
+        let errors = ["labels", "keys"].map(|list| form.error(&format!("response.{list}.{rating}")));
+        let errors = errors.join("\n");
+        let name = format!("Rating {rating}");
+        Field::new(&name).column(LABELS).error(errors.trim()).show(ui, |ui, _| {
+            ui.horizontal(|ui| {
+                let key = ui.add(TextEdit::singleline(&mut keys[rating]).desired_width(24.0));
+                ui::text::name(ui, &key, &format!("Key for rating {rating}"));
+                keys_changed |=
+                    key.on_hover_text("The key for this answer: a digit or a letter other than S.").changed();
+                let width = (ui.available_width() - 20.0).clamp(120.0, 380.0);
+                let label = ui.add(TextEdit::singleline(&mut labels[rating]).desired_width(width));
+                ui::text::name(ui, &label, &format!("Label of rating {rating}"));
+                labels_changed |= label.on_hover_text("What this answer means.").changed();
+            });
+        });
+    }
+    for (changed, key, mut texts) in
+        [(labels_changed, "response.labels", labels), (keys_changed, "response.keys", keys)]
+    {
+        if changed {
+            texts.truncate(usize::from(MAX_RATING) + 1);
+            form.edit(|draft| draft.set_texts(key, &texts));
+        }
+        show_errors(ui, &form.own_error(key));
+    }
+}
+
+fn texts(form: &mut Form, ui: &mut Ui) {
+    ui.add_space(6.0);
+    CollapsingHeader::new("What participants read").show(ui, |ui| {
+        ui::hint(ui, "In the participants' language. The program fills in the words in braces.");
+        for [name, about, default] in Texts::ALL {
+            let mut label = name.replace('_', " ");
+            label[..1].make_ascii_uppercase();
+            let key = format!("instructions.{name}");
+            if default.len() > LONG {
+                form.lines(ui, &label, &key, default, about.trim());
+            } else {
+                form.text(ui, &label, &key, default, about.trim());
+            }
+        }
+    });
+}
+
+fn show_errors(ui: &mut Ui, errors: &str) {
+    errors.lines().for_each(|error| ui::show_error(ui, error));
+}
+
+/// Draws a button that screen readers call `name`.
+fn button(ui: &mut Ui, text: &str, enabled: bool, name: &str) -> Response {
+    let button = ui.add_enabled(enabled, eframe::egui::Button::new(text));
+    button.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, name));
+    button.on_hover_text(name)
+}

@@ -1,0 +1,126 @@
+//! The stimuli of all conditions, drawn in the background.
+
+use eframe::egui::{Context, Sense, TextureHandle, Ui, Vec2};
+
+use crate::{
+    app::ui::{self, pixels, work::Latest},
+    experiment::{Condition, Factor, Protocol},
+    light::{Bits, CodeImage, Quantizer, Transfer},
+    stimulus::Stimulus,
+};
+
+/// Maximum number of thumbnails.
+const MAX_THUMBNAILS: usize = 200;
+/// Side of a thumbnail, points.
+const SIDE: f32 = 96.0;
+/// Number of thumbnails that are drawn at a time, so that the first ones appear soon.
+const BATCH: usize = 8;
+
+#[derive(Default)]
+pub struct Thumbnails {
+    /// The revision of the form and the side of a thumbnail in pixels.
+    of: Option<(u64, u32)>,
+    all: Vec<Thumbnail>,
+    conditions: usize,
+    /// The names of the factors, as captions list their levels.
+    factors: String,
+    work: Latest<(Vec<Stimulus>, u32), Vec<CodeImage>>,
+}
+
+struct Thumbnail {
+    stimulus: Stimulus,
+    levels: String,
+    /// The levels with the names of their factors.
+    description: String,
+    texture: Option<TextureHandle>,
+}
+
+impl Thumbnails {
+    /// Draws the number of conditions and their stimuli.
+    pub fn show(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64) {
+        let side = (SIDE * ui.ctx().pixels_per_point()).round() as u32;
+        if self.of != Some((revision, side)) {
+            self.refresh(protocol, self.of.is_some_and(|(_, old)| old == side));
+            self.of = Some((revision, side));
+        }
+        self.draw_next(ui.ctx(), side);
+        let n = self.conditions;
+        ui::section(ui, if n == 1 { "1 condition".to_owned() } else { format!("{n} conditions") });
+        let mut hint = Vec::new();
+        if !self.factors.is_empty() {
+            hint.push(format!("Each caption gives {}.", self.factors));
+        }
+        if n > self.all.len() {
+            hint.push(format!("The first {} are shown, {} are not.", self.all.len(), n - self.all.len()));
+        }
+        ui::hint(ui, hint.join(" "));
+        let gap = ui.spacing().item_spacing.x;
+        let per_row = ((ui.available_width() + gap) / (SIDE + gap)).max(1.0) as usize;
+        for row in self.all.chunks(per_row) {
+            ui.horizontal(|ui| row.iter().for_each(|thumbnail| thumbnail.show(ui)));
+        }
+    }
+
+    /// Lists the conditions. Those that were already listed keep their pictures if `keep` is true.
+    fn refresh(&mut self, protocol: &Protocol, keep: bool) {
+        let conditions = protocol.conditions().unwrap_or_default();
+        self.conditions = conditions.len();
+        let names: Vec<String> = protocol.factors.iter().map(|factor| ui::parameter::label(&factor.name)).collect();
+        self.factors = names.join("; ");
+        let old = std::mem::take(&mut self.all);
+        let thumbnail = |condition: Condition| {
+            let level = |(factor, index): (&Factor, &usize)| factor.levels[*index].to_string();
+            let levels: Vec<String> = protocol.factors.iter().zip(&condition.levels).map(level).collect();
+            let described: Vec<String> =
+                names.iter().zip(&levels).map(|(name, level)| format!("{name} {level}")).collect();
+            let before = old.iter().find(|old| keep && old.stimulus == condition.stimulus);
+            Thumbnail {
+                texture: before.and_then(|before| before.texture.clone()),
+                levels: levels.join("; "),
+                description: described.join("; "),
+                stimulus: condition.stimulus,
+            }
+        };
+        self.all = conditions.into_iter().take(MAX_THUMBNAILS).map(thumbnail).collect();
+    }
+
+    /// Draws the next stimuli that have no picture yet on another thread.
+    fn draw_next(&mut self, ctx: &Context, side: u32) {
+        let missing = self.all.iter().filter(|thumbnail| thumbnail.texture.is_none());
+        let stimuli: Vec<Stimulus> = missing.take(BATCH).map(|thumbnail| thumbnail.stimulus.clone()).collect();
+        if stimuli.is_empty() {
+            return;
+        }
+        let key = (stimuli.clone(), side);
+        self.work.want(ctx, key.clone(), || {
+            move || {
+                let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
+                Ok(stimuli.iter().map(|stimulus| stimulus.codes(side, &quantizer)).collect())
+            }
+        });
+        let Some(Ok(images)) = self.work.get(&key) else { return };
+        for (stimulus, image) in key.0.iter().zip(images) {
+            let texture = pixels::texture_of(ctx, "thumbnail", image);
+            let same = self.all.iter_mut().filter(|thumbnail| thumbnail.stimulus == *stimulus);
+            same.for_each(|thumbnail| thumbnail.texture = Some(texture.clone()));
+        }
+        ctx.request_repaint();
+    }
+}
+
+impl Thumbnail {
+    fn show(&self, ui: &mut Ui) {
+        ui.vertical(|ui| {
+            ui.set_width(SIDE);
+            ui.spacing_mut().item_spacing.y = 2.0;
+            let (rect, response) = ui.allocate_exact_size(Vec2::splat(SIDE), Sense::hover());
+            ui::describe(&response, &self.description);
+            match &self.texture {
+                Some(texture) if ui.is_rect_visible(rect) => pixels::draw_centered(ui, texture, rect),
+                _ => {}
+            }
+            ui.add(eframe::egui::Label::new(ui::secondary(&self.levels)).truncate());
+            response.on_hover_text(&self.description);
+        });
+    }
+}
