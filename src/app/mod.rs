@@ -85,6 +85,8 @@ pub struct App {
     view: View,
     place: Place,
     start: Start,
+    /// The copy of a definition that is edited at [`Place::Run`].
+    editor: Option<Box<editor::Editor>>,
     // The other places are created when the user first goes there, and keep their state.
     gallery: Option<Box<explore::gallery::Gallery>>,
     shading: Option<Box<explore::shading::ShadingPage>>,
@@ -123,6 +125,7 @@ impl App {
             view,
             place: Place::default(),
             start: Start::default(),
+            editor: None,
             gallery: None,
             shading: None,
             display: None,
@@ -173,6 +176,7 @@ impl App {
             }
         }
         let step = match self.place {
+            Place::Run if self.editor.is_some() => return self.draw_editor(ui),
             Place::Run => {
                 self.monitors = Monitor::all(frame);
                 self.start.show(ui, monitor, &self.monitors, &mut self.memory.settings)
@@ -203,12 +207,26 @@ impl App {
         match step {
             Step::Stay => return,
             Step::Next(Destination::Session(request)) => self.view = View::Session(Box::new(Runner::new(*request))),
+            Step::Next(Destination::Editor(definition)) => {
+                self.editor = Some(Box::new(editor::Editor::of(&definition)));
+            }
             Step::Next(Destination::Place(place)) => self.go(place, false),
             Step::Back => match self.behind.take().filter(|_| self.place == Place::Analyze) {
                 Some(session) => self.view = View::Session(session),
                 None => self.go(Place::Run, false),
             },
         }
+        ui.ctx().request_repaint();
+    }
+
+    fn draw_editor(&mut self, ui: &mut egui::Ui) {
+        let step = self.editor.as_mut().map_or(Step::Back, |editor| editor.show(ui));
+        match step {
+            Step::Stay => return,
+            Step::Back => self.go(Place::Run, false),
+            Step::Next(path) => self.start.choose_new(&path, &mut self.memory.settings),
+        }
+        self.editor = None;
         ui.ctx().request_repaint();
     }
 
@@ -243,6 +261,11 @@ impl App {
     fn ask_before_closing(&mut self, ctx: &egui::Context) {
         let session = if let View::Session(session) = &mut self.view { Some(&mut **session) } else { None };
         self.quit.show(ctx, session);
+        let closes = ctx.input(|input| input.viewport().close_requested());
+        if closes && self.editor.as_mut().is_some_and(|editor| editor.asks_before_closing()) {
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+            self.place = Place::Run;
+        }
     }
 }
 

@@ -11,6 +11,7 @@ mod window;
 mod analysis_pane;
 mod calibration;
 mod display;
+mod editor;
 mod home;
 mod predicted_pane;
 mod shading;

@@ -1,6 +1,9 @@
 //! The start page, on which the user chooses an experiment, a participant and the screen, or a session to resume.
 
-use std::{path::PathBuf, rc::Rc};
+use std::{
+    path::{Path, PathBuf},
+    rc::Rc,
+};
 
 use eframe::egui::{
     self, Button, CentralPanel, ComboBox, Frame, Key, Panel, RichText, ScrollArea, TextEdit, TextureHandle, Ui, Vec2,
@@ -49,6 +52,8 @@ const CARDS: f32 = 0.56;
 /// Where the start page leads.
 pub enum Destination {
     Session(Box<Request>),
+    /// The editor, with the name or path of the definition to duplicate.
+    Editor(String),
     Place(Place),
 }
 
@@ -140,10 +145,10 @@ impl Start {
             };
             let frame = Frame::NONE.inner_margin(egui::Margin { right: margin as i8, ..Default::default() });
             let panel = panel.resizable(false).exact_size(size).frame(frame).show_separator_line(false);
-            let resume = panel.show(ui, |ui| self.choices(ui, small, settings)).inner;
+            let (resume, duplicate) = panel.show(ui, |ui| self.choices(ui, small, settings)).inner;
             let resumed = resume.and_then(|session| self.resume(ui, &session, monitor, &checked, settings));
             let (start, measure) = self.session_form(ui, &checked, [monitor, here], monitors, settings);
-            resumed.or(start).or(measure).or(seen)
+            resumed.or(start).or(measure).or(seen).or(duplicate)
         });
         self.measure_with_card(ui.ctx(), here);
         next.inner.map_or(Step::Stay, Step::Next)
@@ -188,6 +193,14 @@ impl Start {
         if is_file && checked.protocol.is_some() {
             remember(&mut settings.recent.experiments, &absolute(experiment));
         }
+    }
+
+    /// Chooses a definition that was just saved, and shows a card for it.
+    pub fn choose_new(&mut self, path: &Path, settings: &mut Settings) {
+        let path = path.display().to_string();
+        remember(&mut settings.recent.experiments, &path);
+        self.choose_experiment(path);
+        self.refresh(false, settings);
     }
 
     /// Chooses an experiment, by its name or its path. A distance that the user typed stays.
@@ -290,14 +303,23 @@ impl Start {
         next
     }
 
-    /// Draws the experiments and the sessions to choose from; returns the session to resume.
-    fn choices(&mut self, ui: &mut Ui, small: bool, settings: &Settings) -> Option<SessionState> {
+    /// Draws the experiments and the sessions to choose from; returns the session to resume, and the editor if the
+    /// chosen definition is to be duplicated.
+    fn choices(
+        &mut self,
+        ui: &mut Ui,
+        small: bool,
+        settings: &Settings,
+    ) -> (Option<SessionState>, Option<Destination>) {
         let mut name = self.form.experiment.clone();
+        let mut duplicate = None;
         ui.horizontal(|ui| {
             ui.label(RichText::new("Experiments").strong().size(18.0));
             if self.experiment.browse(ui, FileKind::Toml, "Open a definition…", &mut name) {
                 self.cards.read(&settings.recent.experiments);
             }
+            let button = ui.button("Duplicate as…").on_hover_text("Edits a copy of the chosen definition in a form.");
+            duplicate = button.clicked().then(|| Destination::Editor(self.form.experiment.trim().to_owned()));
         });
         self.experiment.missing_error(ui);
         let height = CARDS * ui.available_height();
@@ -320,7 +342,7 @@ impl Start {
                 ui.label(ui::secondary(format!("{all}, {complete} of them done")));
             }
         });
-        self.sessions.show(ui, &results)
+        (self.sessions.show(ui, &results), duplicate)
     }
 
     /// Resumes a session from the list: with the definition and the distance of its last sitting, and the screen of the

@@ -1,0 +1,149 @@
+//! Tests the editor of definitions without a display.
+
+use std::path::Path;
+
+use eframe::egui::Key;
+use egui_kittest::kittest::Queryable as _;
+use machband::store::definition;
+
+use crate::window::{self, Window, choose, click, press, texts, type_into, value, wait_for};
+
+const SIZE: [f32; 2] = [1366.0, 768.0];
+
+/// Chooses a definition on the first page and opens a copy of it.
+fn duplicate(definition: &str) -> Window {
+    let mut window = window::home(SIZE, 1.0 / 60.0);
+    type_into(&mut window, "Experiment", definition);
+    click(&mut window, "Duplicate as…");
+    wait_for(&mut window, "Stimulus size");
+    window
+}
+
+/// Leaves the editor with Escape; `experiment` is then chosen on the first page.
+fn is_left(window: &mut Window, experiment: &str) {
+    window.run_steps(10);
+    assert!(window.query_by_label("Stimulus size, °").is_none(), "{:?}", texts(window));
+    assert_eq!(value(window, "Experiment"), experiment);
+}
+
+#[test]
+fn a_copy_is_edited_and_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = duplicate("quick");
+    wait_for(&mut window, "4 practice and 24 trials, about 4 min");
+    wait_for(&mut window, "24 conditions");
+    assert_eq!(value(&window, "Name"), "quick-copy");
+    // Errors appear next to their fields, and saving waits until they are corrected.
+    type_into(&mut window, "Levels of width", "0.05, wide, 0.05");
+    window.get_by_label_contains("width \"wide\" is not a number; expected");
+    window.get_by_label_contains("level 0.05 of width appears twice");
+    window.get_by_label_contains("2 errors");
+    type_into(&mut window, "Levels of width", "0.05, 0.5, 1");
+    assert!(window.query_by_label_contains("appears twice").is_none());
+    type_into(&mut window, "Repetitions", "many");
+    window.get_by_label_contains("design.repetitions is the text \"many\"; expected a whole number");
+    type_into(&mut window, "Repetitions", "2");
+    type_into(&mut window, "Name", "My study");
+    window.get_by_label_contains("name \"My study\" is not allowed");
+    type_into(&mut window, "Name", "my-study");
+    type_into(&mut window, "Stimulus, s", "0.5");
+    click(&mut window, "Remove orientation, °");
+    choose(&mut window, "Add a factor", "high");
+    type_into(&mut window, "Levels of high", "0.2, 0.75");
+    window.get_by_label_contains("high 0.2 is below low, which is 0.25");
+    type_into(&mut window, "Levels of high", "0.75");
+    click(&mut window, "Move high up");
+    choose(&mut window, "Order", "Latin: blocks counterbalanced across participants");
+    choose(&mut window, "Blocks by", "depth");
+    type_into(&mut window, "Label of rating 1", "Broad, weak band");
+    type_into(&mut window, "Key for rating 3", "s");
+    window.get_by_label_contains("key 's' cannot be an answer");
+    type_into(&mut window, "Key for rating 3", "4");
+    click(&mut window, "What participants read");
+    type_into(&mut window, "Welcome", "Willkommen");
+    wait_for(&mut window, "4 practice and 18 trials");
+    wait_for(&mut window, "9 conditions");
+    window.get_by_label("width 0.05; high 0.75; depth inf");
+    type_into(&mut window, "Folder", folder.path().to_str().unwrap());
+    // An existing file is replaced only after a question.
+    let path = folder.path().join("my-study.toml");
+    std::fs::write(&path, "precious").unwrap();
+    click(&mut window, "Save");
+    window.get_by_label_contains("my-study.toml already exists");
+    assert_eq!(std::fs::read(&path).unwrap(), b"precious");
+    click(&mut window, "Replace");
+    is_left(&mut window, path.to_str().unwrap());
+
+    let original = definition::BUILT_IN.iter().find(|built_in| built_in.name == "quick").unwrap().text;
+    let protocol = definition::open(&path).unwrap();
+    let expected = original
+        .replace("\"quick\"", "\"my-study\"")
+        .replace("width = [0.02, 0.1, 0.4, 0.8]\n", "width = [0.05, 0.5, 1]\nhigh = [0.75]\n")
+        .replace("orientation_deg = [0, 90]\n", "")
+        .replace("repetitions = 1", "repetitions = 2")
+        .replace("\"random\"", "\"latin:depth\"");
+    let saved = std::fs::read_to_string(&path).unwrap();
+    assert!(saved.starts_with(&expected), "{saved}");
+    assert_eq!(protocol.instructions.welcome, "Willkommen");
+    assert_eq!(protocol.presentation.map(|presentation| presentation.duration_s), Some(0.5));
+    let scale = protocol.response.categories.iter().map(|category| (category.label.as_str(), category.key));
+    let expected = [
+        ("No band", '0'),
+        ("Broad, weak band", '1'),
+        ("Narrow band, indistinct boundaries", '2'),
+        ("Narrow band, clearly defined", '4'),
+    ];
+    assert!(scale.eq(expected), "{saved}");
+}
+
+/// Every built-in definition can be opened without being changed, and the form works in a small window too.
+#[test]
+fn only_unsaved_changes_need_an_answer() {
+    for built_in in definition::BUILT_IN {
+        let mut window = duplicate(built_in.name);
+        window.run_steps(5);
+        press(&mut window, Key::Escape);
+        is_left(&mut window, built_in.name);
+    }
+    let mut window = duplicate("shaders");
+    window.set_size([600.0, 500.0].into());
+    window.run_steps(5);
+    choose(&mut window, "Kind", "Kanizsa triangle");
+    // The factors of the old kind are still there, with errors, until they are removed.
+    window.get_by_label_contains("unknown key \"mesh\" in [factors]");
+    click(&mut window, "Remove mesh");
+    assert!(window.query_by_label_contains("unknown key \"mesh\"").is_none());
+    press(&mut window, Key::Escape);
+    wait_for(&mut window, "Discard changes?");
+    click(&mut window, "Keep editing");
+    assert_eq!(value(&window, "Name"), "shaders-copy");
+    click(&mut window, "Back");
+    click(&mut window, "Discard changes");
+    is_left(&mut window, "shaders");
+}
+
+/// A definition with errors can be opened, so that they can be corrected; text that is not TOML cannot.
+#[test]
+fn files_with_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let path =
+        write("odd.toml", "schema = 1\nname = \"odd\"\nextra = 1\n[stimulus]\nkind = \"mach-band\"\nlow = 0.9\n");
+    let mut window = duplicate(path.to_str().unwrap());
+    window.get_by_label_contains("unknown key \"extra\"");
+    window.get_by_label_contains("is below low");
+    assert_eq!(value(&window, "Folder"), folder.path().to_str().unwrap());
+    click(&mut window, "Remove");
+    assert!(window.query_by_label_contains("unknown key").is_none());
+    let path = write("none.toml", "name = ");
+    let mut window = window::home(SIZE, 1.0 / 60.0);
+    type_into(&mut window, "Experiment", path.to_str().unwrap());
+    click(&mut window, "Duplicate as…");
+    window.get_by_label_contains("none.toml:1:8: is not valid TOML");
+    press(&mut window, Key::Escape);
+    assert!(Path::new(&value(&window, "Experiment")).ends_with("none.toml"));
+}
