@@ -3,16 +3,16 @@
 use std::path::Path;
 
 use eframe::egui::{self, CentralPanel, Color32, Frame, Panel, ScrollArea, TextureHandle, Ui};
-use egui_plot::{Corner, Legend, Line, MarkerShape, PlotUi, Points};
+use egui_plot::{Line, MarkerShape, PlotUi, Points};
 
 use crate::{
     app::{
         explore::prediction::{self, Mark, Prediction, ViewingPlace},
-        ui::{self, Field, Saving, Step, pixels, theme},
+        ui::{self, Field, History, Saving, Step, pixels, theme},
     },
     display::DisplayProfile,
     light::{Bits, Dither, Quantizer},
-    stimulus::{Parameter, ParameterValue, Stimulus, catalog, place, recipe::Recipe},
+    stimulus::{Parameter, ParameterError, ParameterValue, Stimulus, catalog, place, recipe::Recipe},
     store,
     vision::Polarity,
 };
@@ -20,24 +20,33 @@ use crate::{
 /// Number of samples of the plotted profile.
 const SAMPLES: u32 = 1024;
 /// The choices for the side of the image, physical pixels.
-const SIZES: [u32; 4] = [256, 384, 512, 768];
+const SIZES: [u32; 5] = [256, 384, 512, 768, 1024];
 /// The choices for the dither.
 const DITHERS: [&str; 4] = ["none", "ordered", "blue-noise", "random"];
 /// In a window narrower than this, in points, the image is below its controls.
 const NARROW: f32 = 760.0;
-/// Width of the column of labels, points.
-const LABELS: f32 = 108.0;
+/// Width of the column of controls and, in it, of the labels, points.
+const CONTROLS: f32 = 360.0;
+const LABELS: f32 = 100.0;
+/// Room on the left of the image for the vertical axes of the plots, points. The plots are as wide as the image, so that
+/// each place in a plot is below the same place in the image.
+const AXIS: f32 = 76.0;
+/// Height of a plot, and of everything below the image that should be visible with it, points.
+const PLOT: f32 = 190.0;
+const BELOW: f32 = PLOT + 36.0;
+/// If there is this much room on the right of the image, in points, the prediction is there.
+const BESIDE: f32 = 200.0;
 /// The strength that gets the longest mark; a just-visible band gets the shortest. Lengths are shares of the plotted
 /// range of light.
 const STRONGEST: f64 = 100.0;
 const MARKS: [f64; 2] = [0.06, 0.22];
 
+/// The page with the stimuli of the catalog.
 pub struct Gallery {
-    entry: usize,
-    /// Each parameter and the text in its control.
-    values: Vec<(&'static Parameter, String)>,
-    size: u32,
-    dither: Dither,
+    settings: Settings,
+    history: History<Settings>,
+    /// Whether the size has been chosen, so that the image and its plot fit the window.
+    is_fitted: bool,
     derivatives: bool,
     shown: Option<Shown>,
     out: String,
@@ -45,6 +54,17 @@ pub struct Gallery {
     display: DisplayProfile,
     distance_cm: Option<f64>,
     prediction: Prediction,
+}
+
+/// Everything that determines the image.
+#[derive(Clone, Debug, PartialEq)]
+struct Settings {
+    /// The place of the kind in the catalog.
+    entry: usize,
+    /// The text in the control of each parameter, for every kind. Each kind keeps its own values.
+    values: Vec<Vec<String>>,
+    size: u32,
+    dither: Dither,
 }
 
 /// Errors. Each belongs to the named parameter, or to the combination of parameters if it has no name.
@@ -57,30 +77,75 @@ struct Shown {
     curves: Curves,
 }
 
+/// Points of a plotted curve.
+type Curve = Vec<[f64; 2]>;
+
 /// Luminance of the strongest channel along a line through the center, in the direction of the orientation.
 struct Curves {
-    requested: Vec<[f64; 2]>,
-    emitted: Vec<[f64; 2]>,
+    requested: Curve,
+    emitted: Curve,
+}
+
+/// Returns the default values of a kind's parameters, as text.
+fn default_values(entry: &catalog::Entry) -> Vec<String> {
+    let stimulus = entry.default_stimulus();
+    let value =
+        |parameter: &Parameter| stimulus.get(parameter.name).map_or_else(String::new, |value| value.to_string());
+    stimulus.parameters().iter().map(value).collect()
+}
+
+impl Settings {
+    fn new(size: u32) -> Self {
+        let values = catalog::all().iter().map(default_values).collect();
+        Self { entry: 0, values, size, dither: Dither::None }
+    }
+
+    /// Returns these settings with the defaults of the chosen kind.
+    fn reset(&self) -> Self {
+        let mut values = self.values.clone();
+        values[self.entry] = default_values(self.kind());
+        Self { values, dither: Dither::None, ..self.clone() }
+    }
+
+    fn kind(&self) -> &'static catalog::Entry {
+        &catalog::all()[self.entry]
+    }
+
+    /// Returns the stimulus that the controls describe, or the errors in them.
+    fn stimulus(&self) -> Result<Stimulus, Faults> {
+        let mut stimulus = self.kind().default_stimulus();
+        let mut errors = Vec::new();
+        for (parameter, text) in stimulus.parameters().iter().zip(&self.values[self.entry]) {
+            let value: ParameterValue = text.parse().unwrap_or_else(|never| match never {});
+            if let Err(ParameterError { value, problem, expected, .. }) = stimulus.set(parameter.name, &value) {
+                errors.push((Some(parameter.name), format!("{value} {problem}. Enter {expected}.")));
+            }
+        }
+        if errors.is_empty()
+            && let Err(found) = stimulus.validate()
+        {
+            errors.extend(found.iter().map(|error| (None, error.to_string())));
+        }
+        if errors.is_empty() { Ok(stimulus) } else { Err(errors) }
+    }
 }
 
 impl Gallery {
     /// Creates the gallery for a screen described by `display`, viewed from `distance_cm` centimeters if that is known.
     pub fn new(display: DisplayProfile, distance_cm: Option<f64>) -> Self {
-        let mut gallery = Self {
+        let settings = Settings::new(SIZES[0]);
+        Self {
             prediction: Prediction::new(ViewingPlace::new(&display, distance_cm)),
-            entry: 0,
-            values: Vec::new(),
-            size: 512,
-            dither: Dither::None,
+            history: History::new(settings.clone()),
+            settings,
+            is_fitted: false,
             derivatives: false,
             shown: None,
             out: "stimulus.png".to_owned(),
             saving: Saving::default(),
             display,
             distance_cm,
-        };
-        gallery.choose(0);
-        gallery
+        }
     }
 
     /// Uses another screen, or the same screen from another distance.
@@ -92,58 +157,52 @@ impl Gallery {
         }
     }
 
-    fn choose(&mut self, entry: usize) {
-        self.entry = entry;
-        self.saving = Saving::default();
-        let stimulus = catalog::all()[entry].default_stimulus();
-        let value = |name: &str| stimulus.get(name).map_or_else(String::new, |value| value.to_string());
-        self.values = stimulus.parameters().iter().map(|parameter| (parameter, value(parameter.name))).collect();
-    }
-
-    /// Returns the stimulus that the controls describe, or the errors in them.
-    fn stimulus(&self) -> Result<Stimulus, Faults> {
-        let mut stimulus = catalog::all()[self.entry].default_stimulus();
-        let mut errors = Vec::new();
-        for (parameter, text) in &self.values {
-            let value: ParameterValue = text.parse().unwrap_or_else(|never| match never {});
-            if let Err(error) = stimulus.set(parameter.name, &value) {
-                errors.push((Some(parameter.name), error.to_string()));
-            }
+    /// Chooses the largest size with which the image and its plot fit the window, once.
+    fn fit(&mut self, ui: &Ui) {
+        if self.is_fitted {
+            return;
         }
-        if errors.is_empty()
-            && let Err(found) = stimulus.validate()
-        {
-            errors.extend(found.iter().map(|error| (None, error.to_string())));
-        }
-        if errors.is_empty() { Ok(stimulus) } else { Err(errors) }
+        self.is_fitted = true;
+        let room = (ui.available_height() - 2.0 * theme::LARGE_GAP - BELOW) * ui.ctx().pixels_per_point();
+        let size = SIZES.iter().rev().find(|size| **size as f32 <= room).unwrap_or(&SIZES[0]);
+        self.settings = Settings::new(*size);
+        self.history = History::new(self.settings.clone());
     }
 
     pub fn show(&mut self, ui: &mut Ui) -> Step {
         let escaped = ui::escaped(ui);
-        let stimulus = self.stimulus();
+        theme::compact(ui);
+        self.fit(ui);
+        let stimulus = self.settings.stimulus();
         if let Ok(stimulus) = &stimulus {
             self.refresh(ui.ctx(), stimulus);
         }
         let errors = stimulus.err().unwrap_or_default();
-        let frame = Frame::NONE.inner_margin(16.0);
-        let scrolling = || ScrollArea::vertical().auto_shrink(false);
+        let frame = Frame::NONE.inner_margin(theme::LARGE_GAP);
         let mut back = false;
         if ui.available_width() < NARROW {
             CentralPanel::default().frame(frame).show(ui, |ui| {
-                scrolling().show(ui, |ui| {
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                     // Leaves room for the scroll bar.
                     ui.set_max_width(ui.available_width() - 6.0);
                     back = self.controls(ui, &errors);
+                    self.export(ui);
                     ui.separator();
-                    self.picture(ui);
+                    ScrollArea::horizontal().id_salt("picture").show(ui, |ui| self.picture(ui));
                 });
             });
         } else {
-            Panel::left("gallery").resizable(false).exact_size(370.0).frame(frame).show(ui, |ui| {
-                scrolling().show(ui, |ui| back = self.controls(ui, &errors));
+            Panel::left("gallery").resizable(false).exact_size(CONTROLS).frame(frame).show(ui, |ui| {
+                // The export stays in view while the controls scroll.
+                let below = Frame::NONE.inner_margin(egui::Margin { top: 8, ..egui::Margin::ZERO });
+                Panel::bottom("gallery export").frame(below).show(ui, |ui| self.export(ui));
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| back = self.controls(ui, &errors));
             });
-            CentralPanel::default().frame(frame).show(ui, |ui| scrolling().show(ui, |ui| self.picture(ui)));
+            CentralPanel::default().frame(frame).show(ui, |ui| {
+                ScrollArea::both().auto_shrink(false).show(ui, |ui| self.picture(ui));
+            });
         }
+        self.history.record(ui, &self.settings);
         Step::back_if(back || escaped)
     }
 
@@ -151,14 +210,16 @@ impl Gallery {
     fn refresh(&mut self, ctx: &egui::Context, stimulus: &Stimulus) {
         let recipe = Recipe {
             stimulus: stimulus.clone(),
-            size: self.size,
+            size: self.settings.size,
             transfers: self.display.transfers.clone(),
             bits: Bits::Eight,
-            dither: self.dither,
+            dither: self.settings.dither.clone(),
             seed: 1,
             display_sha256: self.display.measured.is_some().then(|| store::profile::hash(&self.display)),
         };
-        self.prediction.refresh(ctx, stimulus, self.size);
+        if self.settings.kind().no_bands.is_none() {
+            self.prediction.refresh(ctx, stimulus, recipe.size);
+        }
         if self.shown.as_ref().is_some_and(|shown| shown.recipe == recipe) {
             return;
         }
@@ -169,49 +230,63 @@ impl Gallery {
         self.shown = Some(Shown { recipe, texture, curves });
     }
 
-    /// Draws all settings and exports; returns whether to go back.
+    /// Draws all settings; returns whether to go back.
     fn controls(&mut self, ui: &mut Ui, errors: &Faults) -> bool {
-        let back = ui::heading(ui, "Gallery");
-        let mut chosen = self.entry;
+        let back = ui::heading(ui, "Stimuli");
         let entries: Vec<usize> = (0..catalog::all().len()).collect();
-        Field::new("Stimulus").width(250.0).choice(ui, &mut chosen, &entries, |i| catalog::all()[*i].title.to_owned());
-        if chosen != self.entry {
-            self.choose(chosen);
-        }
-        ui::hint(ui, catalog::all()[self.entry].about);
-        ui.add_space(8.0);
+        let kind = Field::new("Stimulus").column(LABELS);
+        kind.choice(ui, &mut self.settings.entry, &entries, |i| catalog::all()[*i].title.to_owned());
+        let initial = self.settings.reset();
+        self.history.show(ui, &mut self.settings, initial);
+        ui::hint(ui, self.settings.kind().about);
+        ui.add_space(theme::SMALL_GAP);
         let show = |ui: &mut Ui, name: Option<&str>| {
             errors.iter().filter(|(of, _)| *of == name).for_each(|(_, error)| ui::show_error(ui, error));
         };
-        for (parameter, text) in &mut self.values {
+        let Settings { entry, values, size, dither } = &mut self.settings;
+        let parameters = catalog::all()[*entry].default_stimulus().parameters();
+        for (parameter, text) in parameters.iter().zip(&mut values[*entry]) {
             ui::parameter(ui, LABELS, parameter, text);
             show(ui, Some(parameter.name));
         }
         show(ui, None);
-        ui.add_space(8.0);
-        ui.horizontal(|ui| {
-            Field::new("Size, px").width(80.0).choice(ui, &mut self.size, &SIZES, u32::to_string);
-            let dithers: Vec<Dither> = DITHERS.iter().filter_map(|name| name.parse().ok()).collect();
-            Field::new("Dither").width(110.0).choice(ui, &mut self.dither, &dithers, Dither::to_string);
-        });
-        ui.checkbox(&mut self.derivatives, "First and second derivative");
-        self.export(ui);
+        ui.add_space(theme::SMALL_GAP);
+        let dithers: Vec<Dither> = DITHERS.iter().filter_map(|name| name.parse().ok()).collect();
+        Field::new("Size, px")
+            .column(LABELS)
+            .choice(ui, size, &SIZES, u32::to_string)
+            .on_hover_text("The side of the image, in pixels of the screen.");
+        Field::new("Dither")
+            .column(LABELS)
+            .choice(ui, dither, &dithers, Dither::to_string)
+            .on_hover_text("How a value between two codes becomes one of them.");
+        ui.checkbox(&mut self.derivatives, "First and second derivative")
+            .on_hover_text("Adds plots of the slope and of its change. Mach bands appear where the slope changes.");
         back
     }
 
     fn export(&mut self, ui: &mut Ui) {
-        ui.add_space(8.0);
-        ui.separator();
         let Some(shown) = &self.shown else { return };
         ui::hint(ui, format!("Display: {}.", self.display.sentence()));
-        Field::new("Export to").width(250.0).text(ui, &mut self.out);
+        let field = Field::new("Export to").column(LABELS).width(ui.available_width() - LABELS - theme::GAP);
+        let field = field.text(ui, &mut self.out).on_hover_text(
+            "The ending chooses the format: .png for the image, .csv for the light along its orientation.",
+        );
+        if field.changed() {
+            self.saving = Saving::default();
+        }
         ui.horizontal_wrapped(|ui| {
             let path = Path::new(self.out.trim());
-            if let Some(writer) = self.saving.button(ui, "Export PNG", true, path, &[]) {
-                let written = store::image::write_recipe(&writer, path, &shown.recipe, &shown.recipe.quantizer());
-                self.saving.finish(path, written.map(|()| format!("Saved to {}", path.display())));
+            if let Some(writer) = self.saving.button(ui, "Export", true, path, &[]) {
+                let (recipe, quantizer) = (&shown.recipe, shown.recipe.quantizer());
+                let written = ui::ending(path, &["png", "csv"]).and_then(|ending| match ending {
+                    "csv" => store::curve::write_profile(&writer, path, recipe, &quantizer),
+                    _ => store::image::write_recipe(&writer, path, recipe, &quantizer),
+                });
+                self.saving.finish(path, written.map(|()| ui::saved(path)));
             }
-            if ui.button("Copy as command").clicked() {
+            let copy = ui.button("Copy as command");
+            if copy.on_hover_text("Copies the command that writes this image.").clicked() {
                 ui.ctx().copy_text(shown.recipe.command());
                 self.saving.finish(path, Ok(format!("Copied: {}", shown.recipe.command())));
             }
@@ -219,33 +294,72 @@ impl Gallery {
         self.saving.show(ui);
     }
 
+    /// Draws the image, what is predicted for it, and its plots.
     fn picture(&mut self, ui: &mut Ui) {
         let Some(shown) = &self.shown else { return };
         let Recipe { stimulus, size, .. } = &shown.recipe;
-        let room = ui.available_width();
-        let map = self.prediction.texture(ui.ctx(), stimulus, *size);
-        ScrollArea::horizontal().id_salt("stimulus").show(ui, |ui| {
-            pixels::picture(ui, map.as_ref().unwrap_or(&shown.texture), catalog::all()[self.entry].title);
+        let kind = self.settings.kind();
+        let is_predicted = kind.no_bands.is_none();
+        let room = ui.clip_rect().width();
+        let side = *size as f32 / ui.ctx().pixels_per_point();
+        if AXIS + side > room {
+            ui::note(
+                ui,
+                "The image is larger than its place here. Scroll to see all of it; its pixels are not scaled.",
+            );
+        }
+        let map = if is_predicted { self.prediction.texture(ui.ctx(), stimulus, *size) } else { None };
+        let beside = room - AXIS - side - 2.0 * ui.spacing().item_spacing.x;
+        let mut numbers = |ui: &mut Ui, width: f32| {
+            ui.vertical(|ui| {
+                ui.set_width(width.min(theme::COLUMN));
+                match kind.no_bands {
+                    None => self.prediction.show(ui, stimulus, *size),
+                    Some(why) => ui::paragraph(ui, format!("No Mach bands. {why}")),
+                }
+            });
+        };
+        ui.horizontal_top(|ui| {
+            let gap = std::mem::take(&mut ui.spacing_mut().item_spacing.x);
+            ui.add_space(AXIS);
+            pixels::picture(ui, map.as_ref().unwrap_or(&shown.texture), kind.title);
+            ui.spacing_mut().item_spacing.x = gap;
+            if beside >= BESIDE {
+                ui.add_space(gap);
+                numbers(ui, beside);
+            }
         });
-        self.prediction.show(ui, stimulus, *size);
-        ui.add_space(8.0);
-        let width = (*size as f32 / ui.ctx().pixels_per_point()).max(420.0).min(room.max(300.0));
+        if beside < BESIDE {
+            numbers(ui, room);
+        }
         let curves = &shown.curves;
-        let marks = self.prediction.marks(stimulus, *size);
-        let band = theme::ink(ui).band;
-        let lines: [(&str, &Vec<[f64; 2]>); 2] =
-            [("after quantization", &curves.emitted), ("requested", &curves.requested)];
-        let response = plot(ui, "profile", "light", width, &lines, |plot| {
-            marks.iter().for_each(|mark| draw_mark(plot, mark, &curves.requested, band));
+        let marks = if is_predicted { self.prediction.marks(stimulus, *size) } else { &[] };
+        let ink = theme::ink(ui);
+        let [after, requested] = ink.sides;
+        ui.horizontal(|ui| {
+            ui.add_space(AXIS);
+            let band = (!marks.is_empty()).then_some((ink.band, "predicted band"));
+            ui::legend(ui, [(requested, "requested"), (after, "after quantization")].into_iter().chain(band));
         });
+        // The requested light is drawn last: where the curves agree, it covers the other.
+        let lines = [(after, &curves.emitted), (requested, &curves.requested)];
+        let plot = |ui: &mut Ui, what: &str, lines: &[(Color32, &Curve)], marks: &[Mark]| {
+            plot(ui, what, AXIS + side, lines, |plot| {
+                marks.iter().for_each(|mark| draw_mark(plot, mark, &curves.requested, ink.band));
+            })
+        };
+        let response = plot(ui, "light, 1 = white", &lines, marks);
         if stimulus.is_line() {
-            ui::describe(&response, &format!("Plot: light, {}", prediction::description(marks)));
+            let bands = if is_predicted { prediction::description(marks) } else { "no Mach bands".to_owned() };
+            ui::describe(&response, &format!("Plot: light, {bands}"));
         }
         if self.derivatives {
             let slope = slopes(&curves.requested);
-            plot(ui, "slope", "first derivative", width, &[("slope, light per window", &slope)], |_| {});
-            let curvature = [("curvature, light per window²", &slopes(&slope))];
-            plot(ui, "curvature", "second derivative", width, &curvature, |_| {});
+            let curvature = slopes(&slope);
+            for (what, curve) in [("slope, per side", &slope), ("change of slope, per side²", &curvature)] {
+                let response = plot(ui, what, &[(requested, curve)], &[]);
+                ui::describe(&response, &format!("Plot: {what}"));
+            }
         }
     }
 }
@@ -268,28 +382,30 @@ fn draw_mark(plot: &mut PlotUi<'_>, mark: &Mark, curve: &[[f64; 2]], color: Colo
     plot.points(Points::new(name, vec![[mark.place, tip]]).color(color).shape(shape).radius(5.0).filled(true));
 }
 
+/// Draws a plot whose data area, right of its axis, is below the image.
 fn plot(
     ui: &mut Ui,
-    id: &str,
-    axis: &str,
+    what: &str,
     width: f32,
-    lines: &[(&str, &Vec<[f64; 2]>)],
+    lines: &[(Color32, &Curve)],
     over: impl FnOnce(&mut PlotUi<'_>),
 ) -> egui::Response {
-    let sides = theme::ink(ui).sides;
     let lowest = lines.iter().flat_map(|(_, points)| points.iter()).map(|point| point[1]).fold(f64::INFINITY, f64::min);
-    ui::still_plot(id)
+    ui::still_plot(what)
         .width(width)
-        .height(200.0)
+        .height(PLOT)
+        .y_axis_min_width(AXIS)
+        .set_margin_fraction(egui::vec2(0.0, 0.05))
+        .include_x(-0.5)
+        .include_x(0.5)
         // Nearly uniform light is shown as uniform, so that rounding is not magnified.
         .include_y(lowest - 0.02)
         .include_y(lowest + 0.02)
-        .x_axis_label("position, in window sides")
-        .y_axis_label(axis)
-        .legend(Legend::default().position(Corner::LeftTop).text_style(egui::TextStyle::Small).background_alpha(0.5))
+        .x_axis_label("distance from the center along the orientation, in sides of the image")
+        .y_axis_label(what)
         .show(ui, |plot| {
-            for ((name, points), color) in lines.iter().zip(sides) {
-                plot.line(Line::new(*name, (*points).clone()).color(color).width(1.5));
+            for (color, points) in lines {
+                plot.line(Line::new("", (*points).clone()).color(*color).width(2.0));
             }
             over(plot);
         })

@@ -8,8 +8,9 @@
 //! | [`fields`] | labeled controls; reading typed numbers |
 //! | [`mod@parameter`] | the control of a stimulus parameter |
 //! | [`side_bar`] | the places of the program |
+//! | [`history`] | undo and redo |
 //! | [`dialog`] | the desktop's file dialogs, the Browse button |
-//! | [`plot`] | static plots; tables |
+//! | [`plot`] | static plots and their legends; tables |
 //! | [`saving`] | the button that writes a file, and its question before it replaces one |
 //! | [`pixels`], [`blit`] | pictures, one pixel of the image for each pixel of the screen |
 //! | [`screen`], [`platform`] | the monitor, and what the window system reports about it |
@@ -18,6 +19,7 @@
 pub mod blit;
 pub mod dialog;
 pub mod fields;
+pub mod history;
 pub mod logo;
 pub mod page;
 pub mod parameter;
@@ -33,10 +35,11 @@ pub mod work;
 
 pub use dialog::{Dialog, FileKind};
 pub use fields::{Field, number};
+pub use history::History;
 pub use page::{Step, end_frame, escaped, heading, page, page_from, primary, shortcut, tool_page};
 pub use parameter::parameter;
-pub use plot::{still_plot, table};
-pub use saving::Saving;
+pub use plot::{legend, still_plot, table};
+pub use saving::{Saving, ending, full, saved};
 pub use screen::{Monitor, ScreenFields, today, window_px};
 pub use side_bar::{Place, SideChoice, side_bar};
 pub use text::{describe, extent, hint, note, paragraph, secondary, section, show_error, signed, success, tick};

@@ -2,8 +2,14 @@
 
 use eframe::egui::{self, ComboBox, Slider, TextEdit, Ui};
 
-use super::fields::Field;
+use super::{fields::Field, text};
 use crate::stimulus::{Parameter, ParameterValue, StimulusColor};
+
+/// Maximum width of a control, points.
+const CONTROL: f32 = 240.0;
+/// Width of a slider's number, and of the buttons beside a text field, points.
+const NUMBER: f32 = 60.0;
+const BUTTON: f32 = 32.0;
 
 /// Returns the lower end, upper end and step of a parameter's slider; `None` for a parameter whose values are not only
 /// numbers.
@@ -26,14 +32,17 @@ pub fn label(parameter: &str) -> String {
 }
 
 /// Draws the control of a parameter: a slider if it has a range, and otherwise a text field with a list of common
-/// values. A value outside the range can be typed; the page then shows the error.
+/// values, and a color picker if it is a color. A value outside the range can be typed; the page then shows the error.
 ///
 /// The labels are in a column of this width, points.
 pub fn parameter(ui: &mut Ui, column: f32, parameter: &'static Parameter, text: &mut String) {
-    Field::new(&label(parameter.name)).column(column).show(ui, |ui, label| {
+    let name = label(parameter.name);
+    Field::new(&name).column(column).show(ui, |ui, label| {
+        let room = ui.available_width().min(CONTROL);
         match (slider_range(parameter.name), text.parse::<f64>()) {
             (Some((least, most, step)), Ok(mut value)) => {
-                ui.spacing_mut().slider_width = 130.0;
+                ui.spacing_mut().interact_size.x = NUMBER;
+                ui.spacing_mut().slider_width = room - NUMBER - ui.spacing().item_spacing.x;
                 let slider = Slider::new(&mut value, least..=most)
                     .clamping(egui::SliderClamping::Never)
                     .step_by(step)
@@ -44,24 +53,52 @@ pub fn parameter(ui: &mut Ui, column: f32, parameter: &'static Parameter, text: 
             }
             _ => {
                 ui.horizontal(|ui| {
-                    let field = ui.add(TextEdit::singleline(text).desired_width(90.0));
+                    ui.spacing_mut().interact_size.x = BUTTON;
+                    let buttons = if is_color(parameter) { 2.0 } else { 1.0 };
+                    let width = room - buttons * (BUTTON + ui.spacing().item_spacing.x);
+                    let field = ui.add_sized([width, ui.spacing().interact_size.y], TextEdit::singleline(text));
                     field
                         .labelled_by(label)
                         .on_hover_text(format!("{}: {}", parameter.description, parameter.expected));
-                    ComboBox::from_id_salt(parameter.name).selected_text("…").width(40.0).show_ui(ui, |ui| {
+                    let list = ComboBox::from_id_salt(parameter.name).selected_text("").width(BUTTON);
+                    let list = list.show_ui(ui, |ui| {
                         let of_model = color_in_models(parameter, text);
                         for level in parameter.levels_hint.iter().map(|level| (*level).to_owned()).chain(of_model) {
                             ui.selectable_value(text, level.clone(), level);
                         }
                     });
+                    text::name(ui, &list.response, &format!("Values of {name}"));
+                    list.response.on_hover_text("Lists values to choose from.");
+                    if is_color(parameter) {
+                        pick_color(ui, &name, text);
+                    }
                 });
             }
         }
     });
 }
 
+fn is_color(parameter: &Parameter) -> bool {
+    parameter.name.starts_with("color")
+}
+
+/// Draws a button in the color of `text` that opens a color picker. A text that is not a color is shown as white. Like
+/// the weights of a stimulus, the picker's numbers are in linear light.
+fn pick_color(ui: &mut Ui, name: &str, text: &mut String) {
+    let mut rgb = text.parse::<StimulusColor>().map_or([1.0; 3], |color| color.rgb().map(|weight| weight as f32));
+    let button = ui.color_edit_button_rgb(&mut rgb);
+    text::name(ui, &button, &format!("Pick the {name}"));
+    if button.changed() {
+        let [r, g, b] = rgb.map(|weight| (f64::from(weight.clamp(0.0, 1.0)) * 1e3).round() / 1e3);
+        // A stimulus without light has no color, so the picker stops just above black.
+        let [r, g, b] = if [r, g, b] == [0.0; 3] { [0.001; 3] } else { [r, g, b] };
+        let weights = format!("{r},{g},{b}");
+        *text = weights.parse().map_or(weights, |color: StimulusColor| color.to_string());
+    }
+    button.on_hover_text("Opens a color picker.");
+}
+
 /// Returns the color in `text`, written in every color model; empty if the parameter is not a color.
 fn color_in_models(parameter: &Parameter, text: &str) -> Vec<String> {
-    let is_color = parameter.name.starts_with("color");
-    text.parse::<StimulusColor>().ok().filter(|_| is_color).map_or_else(Vec::new, StimulusColor::in_models)
+    text.parse::<StimulusColor>().ok().filter(|_| is_color(parameter)).map_or_else(Vec::new, StimulusColor::in_models)
 }

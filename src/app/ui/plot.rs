@@ -1,6 +1,6 @@
-//! Static plots, and tables of numbers.
+//! Static plots, their legends, and tables of numbers.
 
-use eframe::egui::{AsIdSalt, Color32, Grid, ScrollArea, Ui};
+use eframe::egui::{AsIdSalt, Color32, Grid, ScrollArea, Sense, Stroke, Ui, Vec2};
 use egui_plot::Plot;
 
 use super::text::secondary;
@@ -17,6 +17,22 @@ pub fn still_plot<'a>(id: impl AsIdSalt) -> Plot<'a> {
         .allow_scroll(false)
         .allow_boxed_zoom(false)
         .allow_double_click_reset(false)
+}
+
+/// Draws a legend: the name of each line after a piece of it. Unlike the legend inside a plot, it covers nothing.
+pub fn legend<'a>(ui: &mut Ui, lines: impl IntoIterator<Item = (Color32, &'a str)>) {
+    ui.horizontal_wrapped(|ui| {
+        for (color, name) in lines {
+            // The piece and its name stay on one line.
+            ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = 5.0;
+                let height = ui.text_style_height(&eframe::egui::TextStyle::Small);
+                let (rect, _) = ui.allocate_exact_size(Vec2::new(18.0, height), Sense::hover());
+                ui.painter().hline(rect.x_range(), rect.center().y, Stroke::new(3.0, color));
+                ui.label(secondary(name));
+            });
+        }
+    });
 }
 
 /// Draws a striped table that scrolls horizontally if it is too wide.

@@ -7,6 +7,28 @@ use eframe::egui::{Button, Ui};
 use super::text;
 use crate::store::{StoreError, Writer};
 
+/// Returns the ending of a path, which chooses the format of the file.
+///
+/// # Errors
+/// If the ending is not among `known`, all in lowercase.
+pub fn ending(path: &Path, known: &[&'static str]) -> Result<&'static str, StoreError> {
+    let is_ending = |ending: &&&str| path.extension().is_some_and(|typed| typed.eq_ignore_ascii_case(**ending));
+    known.iter().find(is_ending).copied().ok_or_else(|| StoreError::Protected {
+        path: path.to_owned(),
+        what: format!("end the name in .{}, which chooses the format", known.join(" or .")),
+    })
+}
+
+/// Returns the message after a file was written, with its full path.
+pub fn saved(path: &Path) -> String {
+    format!("Saved to {}", full(path).display())
+}
+
+/// Returns the full path, by which the file is found again from any folder.
+pub fn full(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
 /// The outcome of the last click on a button that writes a file, and whether another click replaces the file.
 #[derive(Default)]
 pub struct Saving {
@@ -46,7 +68,7 @@ impl Saving {
         self.asked = matches!(outcome, Err(StoreError::Occupied(_))).then(|| path.to_owned());
         self.outcome = Some(outcome.map_err(|error| match error {
             StoreError::Occupied(file) => {
-                format!("{} already exists. Replace it, or type a different name.", file.display())
+                format!("{} already exists. Replace it, or type a different name.", full(&file).display())
             }
             error => error.to_string(),
         }));
