@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Updates the documentation's pictures from the program itself:
-# docs/pictures/{home,shaders,categories,trial,dither,figure4a}.png.
+# docs/pictures/{start,stimuli,shaders,categories,trial,dither,figure4a}.png.
 #
 #   scripts/pictures.sh                             # with target/release/machband
 #   MACHBAND=target/debug/machband scripts/pictures.sh
@@ -97,22 +97,21 @@ picture() {
 
 cd "$work"
 
-# Home.
+# The start page, with finished sessions; the gallery and the shading demo as they first open.
+"$machband" simulate quick --participants 2 --seed 1 >/dev/null
 "$machband" &
 children+=($!)
-home=$!
+start=$!
 until_so has_window
 rest
-picture "$(window)" home.png
-
-# The shading demo as it first opens, from its button on Home.
-before=$(screen)
-xdotool mousemove --window "$(window)" 662 621 click 1
-until_so changed_from "$before"
-rest
+picture "$(window)" start.png
+press_to_next ctrl+2
+picture "$(window)" stimuli.png
+press_to_next ctrl+3
 picture "$(window)" shaders.png
-kill "$home"
-wait "$home" 2>/dev/null || true
+kill "$start"
+wait "$start" 2>/dev/null || true
+rm -r results
 
 # A session of `quick` with a short recovery and the simulated observer's answers.
 sed 's/^duration_s = .*/duration_s = 0.5/' "$root/experiments/quick.toml" >quick.toml
@@ -166,4 +165,4 @@ convert "$work/none.png" "$work/blue-noise.png" -normalize -crop 400x160+0+0 +re
 "$machband" analyze "$work/analyzed" --out "$work/analysis" >/dev/null
 cp "$work/analysis/figure4a.png" "$pictures/figure4a.png"
 
-echo "$pictures: home.png, shaders.png, categories.png, trial.png, dither.png, figure4a.png"
+echo "$pictures: start.png, stimuli.png, shaders.png, categories.png, trial.png, dither.png, figure4a.png"

@@ -1,14 +1,19 @@
 //! Tests the start page and what surrounds it in the real window. A copy of the page without a display tells where each
 //! control is; the mouse and the keyboard of the virtual screen do the rest.
 
-use std::{fs, path::PathBuf, time::Duration};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    time::Duration,
+};
 
+use eframe::egui::{Key, Modifiers, Pos2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::app::{App, Launch};
 
 use crate::{
     common,
-    harness::{Harness, SHORT_DEFINITION, Shown, rows},
+    harness::{Harness, SHORT_DEFINITION, Shown, pattern, rows},
     pane::{self, Role},
 };
 
@@ -34,6 +39,7 @@ impl Desk {
         Some(Self::of(harness))
     }
 
+    /// Copies the program in the window, which shows the start page.
     fn of(mut harness: Harness) -> Self {
         harness.until("the window", |harness| !harness.ask(&["search", "--name", "^machband$"]).is_empty());
         harness.at_rest();
@@ -63,8 +69,7 @@ impl Desk {
             self.copy.query_all_by_label_contains(label).find(|node| node.accesskit_node().role() != Role::Label);
         let at =
             found.unwrap_or_else(|| panic!("no {label:?}; there is {:?}", pane::texts(&self.copy))).rect().center();
-        let (x, y) = (at.x.to_string(), at.y.to_string());
-        self.harness.xdotool(&["mousemove", "--window", &self.window, &x, &y, "click", "1"]);
+        self.click_at(at);
         self.copy
             .query_all_by_label_contains(label)
             .find(|node| node.accesskit_node().role() != Role::Label)
@@ -74,6 +79,32 @@ impl Desk {
         std::thread::sleep(Duration::from_millis(400));
     }
 
+    /// Clicks only in the window.
+    fn click_at(&self, at: Pos2) {
+        let (x, y) = (at.x.to_string(), at.y.to_string());
+        self.harness.xdotool(&["mousemove", "--window", &self.window, &x, &y, "click", "1"]);
+    }
+
+    /// Goes to a place by its number.
+    fn go(&mut self, place: usize) {
+        self.harness.press(&format!("ctrl+{place}"));
+        let key = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5][place - 1];
+        self.copy.key_press_modifiers(Modifiers::COMMAND, key);
+        self.copy.run_steps(30);
+    }
+
+    /// Replaces the text of a field, in the window and in the copy.
+    fn type_into(&mut self, label: &str, text: &str) {
+        // A click on a field that is out of view would miss it in the window.
+        let field = self.copy.query_all_by_label(label).find(|node| node.value().is_some()).unwrap().rect();
+        assert!(self.copy.ctx.content_rect().contains_rect(field), "{label}: {field:?}");
+        self.click(label);
+        self.harness.xdotool(&["key", "ctrl+a"]);
+        self.harness.xdotool(&["type", "--delay", "30", text]);
+        pane::type_into(&mut self.copy, label, text);
+        std::thread::sleep(Duration::from_millis(300));
+    }
+
     /// The screen once it no longer changes, with the mouse where it hovers over nothing.
     fn screen(&mut self) -> Vec<u8> {
         self.harness.xdotool(&["mousemove", "1", "1"]);
@@ -81,8 +112,16 @@ impl Desk {
         self.harness.screen()
     }
 
-    fn csv(&self) -> PathBuf {
-        common::session_csv(&self.harness.dir.path().join("results"), "swift", "P001")
+    /// The rows of the first participant of an experiment.
+    fn csv(&self, experiment: &str) -> PathBuf {
+        common::session_csv(&self.harness.dir.path().join("results"), experiment, "P001")
+    }
+
+    fn wait_until_complete(&mut self, csv: &Path) {
+        self.harness.until("the sidecar to say complete", |_| {
+            let sidecar = fs::read_to_string(csv.with_extension("json")).unwrap_or_default();
+            sidecar.contains("\"complete\": true")
+        });
     }
 
     fn settings(&self) -> String {
@@ -96,7 +135,7 @@ fn an_aborted_session_is_offered_and_resumed_by_one_click() {
     desk.click("A short session for tests");
     desk.click("Hide");
     desk.harness.press("Return");
-    let csv = desk.csv();
+    let csv = desk.csv("swift");
     desk.harness.rate(&csv, "1");
     desk.harness.rate(&csv, "2");
     // Quitting during a trial asks. Esc answers no, and the same session continues.
@@ -130,10 +169,7 @@ fn an_aborted_session_is_offered_and_resumed_by_one_click() {
     for key in ["0", "1", "2"] {
         desk.harness.rate(&csv, key);
     }
-    desk.harness.until("the sidecar to say complete", |_| {
-        let sidecar = fs::read_to_string(csv.with_extension("json")).unwrap_or_default();
-        sidecar.contains("\"complete\": true")
-    });
+    desk.wait_until_complete(&csv);
     let output = common::machband(desk.harness.dir.path(), &["verify", csv.parent().unwrap().to_str().unwrap()]);
     assert!(output.status.success(), "{output:?}");
 }
@@ -143,9 +179,7 @@ fn an_aborted_session_is_offered_and_resumed_by_one_click() {
 fn escape_closes_the_innermost_thing_first() {
     let Some(mut desk) = Desk::open() else { return };
     let start = desk.screen();
-    desk.harness.press("ctrl+2");
-    desk.copy.key_press_modifiers(eframe::egui::Modifiers::COMMAND, eframe::egui::Key::Num2);
-    desk.copy.run_steps(30);
+    desk.go(2);
     let gallery = desk.screen();
     assert!(gallery != start);
     desk.click("Stimulus");
@@ -159,4 +193,47 @@ fn escape_closes_the_innermost_thing_first() {
     assert!(desk.screen() == start, "Escape leaves the page");
     desk.harness.press("ctrl+q");
     assert!(desk.harness.wait_for_end().success(), "outside a session, quitting does not ask");
+}
+
+/// An experiment is duplicated, changed, run and analyzed without a text editor.
+#[test]
+fn an_experiment_is_duplicated_run_and_analyzed() {
+    let Some(mut desk) = Desk::open() else { return };
+    desk.click("A short session for tests");
+    desk.click("Duplicate as…");
+    desk.type_into("Name", "own");
+    desk.type_into("Levels of width", "0.3, 0.6, 0.9");
+    let path = desk.harness.dir.path().join("own.toml");
+    desk.click("Remove depth");
+    // The copy would write the same file.
+    let save = desk.copy.get_by_label("Save").rect().center();
+    desk.click_at(save);
+    desk.harness.until("the definition", |_| path.exists());
+    let text = fs::read_to_string(&path).unwrap();
+    assert_eq!(
+        text,
+        SHORT_DEFINITION.replace("swift", "own").replace("[0.1, 0.8]\ndepth = [1, \"inf\"]", "[0.3, 0.6, 0.9]")
+    );
+    desk.screen();
+    desk.harness.press("Return");
+    let csv = desk.csv("own");
+    for i in 0..5 {
+        desk.harness.rate(&csv, pattern(i));
+    }
+    desk.wait_until_complete(&csv);
+    let main: Vec<_> = rows(&csv).into_iter().filter(|row| row["phase"] == "main").collect();
+    assert_eq!(main.len(), 3);
+    // Back to the start page, and on to the results.
+    desk.harness.until("the last page", |harness| harness.shown() == Shown::Page);
+    desk.screen();
+    desk.harness.press("Return");
+    desk.screen();
+    let mut desk = Desk::of(desk.harness);
+    desk.go(5);
+    let offered = desk.screen();
+    desk.click("Analyze own");
+    pane::wait_for(&mut desk.copy, "3 ratings by 1 participant.");
+    desk.harness.until("the results", |harness| harness.screen() != offered);
+    desk.harness.press("ctrl+q");
+    assert!(desk.harness.wait_for_end().success());
 }

@@ -313,7 +313,7 @@ impl Start {
     ) -> (Option<SessionState>, Option<Destination>) {
         let mut name = self.form.experiment.clone();
         let mut duplicate = None;
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new("Experiments").strong().size(18.0));
             if self.experiment.browse(ui, FileKind::Toml, "Open a definition…", &mut name) {
                 self.cards.read(&settings.recent.experiments);

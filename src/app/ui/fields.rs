@@ -10,7 +10,7 @@ use eframe::{
 use super::text;
 
 /// On a page narrower than this many times the width of the label column, the labels are above the controls.
-const NARROW: f32 = 2.2;
+const NARROW: f32 = 2.0;
 /// Width reserved for a slider's number, points.
 const NUMBER: f32 = 62.0;
 /// Minimum remaining width on a line for a slider and its number, points.
