@@ -157,8 +157,10 @@ pub struct Progress {
     pub done: usize,
     /// Number of trials planned.
     pub total: usize,
-    /// Time remaining, estimated from the pace so far, or from the definition before the first rating.
-    pub remaining: Duration,
+    /// Time remaining, estimated from the pace so far; `None` before the first rating.
+    pub remaining: Option<Duration>,
+    /// Time remaining, estimated from the definition.
+    pub planned: Duration,
 }
 
 /// A running session.
@@ -281,9 +283,9 @@ impl Session {
         let total = self.schedule.trials.len();
         let left = self.missing.len() - self.position;
         let (time, rated) = self.pace;
-        let planned = || Duration::try_from_secs_f64(self.protocol.trial_s()).unwrap_or_default();
-        let trial = time.checked_div(rated).unwrap_or_else(planned);
-        Progress { done: total - left, total, remaining: trial * left as u32 }
+        let planned = Duration::try_from_secs_f64(self.protocol.trial_s() * left as f64).unwrap_or_default();
+        let remaining = (rated > 0).then(|| time / rated * left as u32);
+        Progress { done: total - left, total, remaining, planned }
     }
 
     /// Returns whether [`Event::Back`] would have an effect now. A page after a rating leads only forward; there, the

@@ -82,8 +82,8 @@ texts! {
     next_key = "Space";
     /// Button that returns to the page before.
     previous = "Back", later;
-    /// Names of the keys that return to the page before.
-    previous_key = "Backspace or ←", later;
+    /// Name of the key that returns to the page before.
+    previous_key = "Backspace", later;
     /// Which page of the instructions is shown; `{page}` and `{pages}` are filled in.
     page_count = "Page {page} of {pages}", later;
     /// Shown on the uniform field after a key that has no meaning; `{keys}` is filled in.

@@ -285,6 +285,16 @@ mod machine {
             assert_eq!((record.recovery.as_millis(), record.response_time.as_millis()), (500, 700));
             assert_eq!((record.frames, record.dropped_frames), (None, None));
         }
+        // The pages before the first rating lead back; those after it do not.
+        let mut driver = Driver::new(&ten(), FrameCount::Off, &[]);
+        driver.until(|state| matches!(state, State::PhaseStart(_)));
+        for expected in [State::Instructions(1), State::Instructions(0), State::Instructions(0)] {
+            driver.session.step(Event::Back, driver.now);
+            assert_eq!(driver.session.state(), &expected);
+        }
+        driver.until(|state| *state == State::PhaseStart(Phase::Main));
+        driver.session.step(Event::Back, driver.now);
+        assert_eq!(driver.session.state(), &State::PhaseStart(Phase::Main));
         // There is no break after the last trial.
         let mut driver =
             Driver::new(&protocol("width = [0.1, 0.2]", "repetitions = 2\nbreak_every = 2"), FrameCount::Off, &[]);

@@ -114,7 +114,7 @@ pub fn instructions(
 }
 
 /// Draws the page before practice or before the main trials. `back` says whether it leads back to the instructions.
-pub fn phase_start(ui: &mut egui::Ui, phase: Phase, protocol: &Protocol, back: bool) -> Step<()> {
+pub fn phase_start(ui: &mut egui::Ui, phase: Phase, protocol: &Protocol, progress: &Progress, back: bool) -> Step<()> {
     let texts = &protocol.instructions;
     ui::page(ui, |ui| {
         let (text, scale) = match phase {
@@ -123,8 +123,10 @@ pub fn phase_start(ui: &mut egui::Ui, phase: Phase, protocol: &Protocol, back: b
         };
         ui.label(text);
         ui.label(scale);
-        if phase == Phase::Practice {
-            ui.add_space(theme::GAP);
+        ui.add_space(theme::GAP);
+        if phase == Phase::Main {
+            draw_progress(ui, progress, texts);
+        } else {
             for category in &protocol.response.categories {
                 ui.horizontal(|ui| {
                     ui.label(egui::RichText::new(category.key.to_string()).strong());
@@ -211,7 +213,8 @@ fn next(ui: &mut egui::Ui, texts: &Texts) -> bool {
 }
 
 fn fill(text: &str, progress: &Progress) -> String {
-    let minutes = format!("{:.0}", (progress.remaining.as_secs_f64() / 60.0).ceil());
+    let remaining = progress.remaining.unwrap_or(progress.planned);
+    let minutes = format!("{:.0}", (remaining.as_secs_f64() / 60.0).ceil());
     text.replace("{done}", &progress.done.to_string())
         .replace("{total}", &progress.total.to_string())
         .replace("{minutes}", &minutes)

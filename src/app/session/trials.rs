@@ -329,7 +329,7 @@ impl Trials {
                 let pictures = &mut self.categories;
                 instructions::instructions(ui, (*page, back), protocol, resumed, pictures, &self.quantizer)
             }
-            State::PhaseStart(phase) => instructions::phase_start(ui, *phase, protocol, back),
+            State::PhaseStart(phase) => instructions::phase_start(ui, *phase, protocol, &self.session.progress(), back),
             State::Break => instructions::rest(ui, &self.session.progress(), &protocol.instructions),
             State::Paused(_) => {
                 self.draw_pause(ui, now);
