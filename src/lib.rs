@@ -12,7 +12,7 @@
 //!
 //! | floor | module | contents |
 //! |---|---|---|
-//! | 0 | [`system`] | the clock, threads, signals and folders of the operating system |
+//! | 0 | [`system`] | the clock, threads, signals, folders and fonts of the operating system |
 //! | 0 | [`light`] | interpolation I_n, transfer functions, conversion of light to codes, images |
 //! | 1 | [`display`] | visual angle, cm and pixels; the properties of a screen |
 //! | 1 | [`shading`] | meshes, illumination, shaders on the CPU and the GPU, and jumps in the slope of their light |

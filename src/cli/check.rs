@@ -9,14 +9,15 @@ use indicatif::ProgressBar;
 
 use super::{print_line, progress_style, warn};
 use crate::{
-    report::document::numbers::count,
+    report::{document::numbers::count, terminal::message},
     store::{self, dataset::REGISTER, image::MAX_PIXELS, ratings, register::Register, verify},
     system::entries,
 };
 
 /// Check definitions, result files, display profiles, readings, observers and images, and report every error.
 ///
-/// For a display profile that is old or dated in the future, prints a warning to stderr; this is not an error.
+/// For a display profile that is old or dated in the future, and for texts that this computer has no font for, prints a
+/// warning to stderr; this is not an error.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband check my-study.toml results/quick/data/*.csv")]
 pub(super) struct CheckArguments {
@@ -36,6 +37,9 @@ pub(super) fn check(arguments: &CheckArguments) -> anyhow::Result<()> {
             Ok(found) => {
                 if let Some(profile) = &found.profile {
                     warn(file, profile);
+                }
+                if let Some(warning) = &found.warning {
+                    message("warning", &format!("{}: {warning}", file.display()));
                 }
                 print_line(&format!("{}: {}", file.display(), found.sentence))?;
             }

@@ -13,6 +13,7 @@ mod participant;
 mod protocol;
 mod record;
 mod schedule;
+mod scripts;
 mod session;
 mod texts;
 

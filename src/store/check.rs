@@ -1,6 +1,10 @@
 //! Identifies the type of a file and finds every error in it, not only the first.
 
-use std::{collections::HashMap, io::Read as _, path::Path};
+use std::{
+    collections::{BTreeSet, HashMap},
+    io::Read as _,
+    path::Path,
+};
 
 use super::{
     FileError, FileErrors, dataset, definition,
@@ -17,6 +21,7 @@ use super::{
 use crate::{
     display::DisplayProfile,
     experiment::{Identity, Protocol, Schedule, columns_by_header},
+    system::fonts,
 };
 
 /// A file without errors.
@@ -26,11 +31,13 @@ pub struct Checked {
     pub sentence: String,
     /// The display profile, if the file is one. Callers need it because its reliability depends on today's date.
     pub profile: Option<DisplayProfile>,
+    /// What does not work on this computer, if anything.
+    pub warning: Option<String>,
 }
 
 impl From<String> for Checked {
     fn from(sentence: String) -> Self {
-        Self { sentence, profile: None }
+        Self { sentence, profile: None, warning: None }
     }
 }
 
@@ -51,7 +58,7 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
     let path = name_or_path.as_ref();
     let name = path.display().to_string();
     if definition::BUILT_IN.iter().any(|built_in| built_in.name == path.as_os_str()) {
-        return check_definition(definition::open(path)?).map(Checked::from);
+        return check_definition(definition::open(path)?);
     }
     let sentence = match path.extension().and_then(|extension| extension.to_str()) {
         Some("csv") if name.ends_with(frames::SUFFIX) => check_frames(path),
@@ -79,7 +86,8 @@ fn check_toml(file: &str, text: &str) -> Result<Checked, FileErrors> {
     let document = Document::parse(file, text)?;
     if document.has("transfer") || document.has("channels") {
         let profile = profile::parse(file, text)?;
-        return Ok(Checked { sentence: format!("display profile {}", profile.sentence()), profile: Some(profile) });
+        let sentence = format!("display profile {}", profile.sentence());
+        return Ok(Checked { sentence, profile: Some(profile), warning: None });
     }
     if document.has("spread") {
         observer::parse_vision(file, text)?;
@@ -89,20 +97,34 @@ fn check_toml(file: &str, text: &str) -> Result<Checked, FileErrors> {
         observer::parse(file, text)?;
         return Ok("parameters of the ordered-logit observer".to_owned().into());
     }
-    check_definition(definition::parse(file, text)?).map(Checked::from)
+    check_definition(definition::parse(file, text)?)
 }
 
-fn check_definition(protocol: Protocol) -> Result<String, FileErrors> {
+fn check_definition(protocol: Protocol) -> Result<Checked, FileErrors> {
     let trial = |error: String| FileErrors::whole(&protocol.name, error);
     let identity = Identity::new("S001", "1").map_err(|error| trial(error.to_string()))?;
     Schedule::new(&protocol, &identity, 1).map_err(|error| trial(error.to_string()))?;
-    Ok(format!(
+    let sentence = format!(
         "definition {}: {} practice and {} main trials, order {}",
         protocol.name,
         protocol.design.practice,
         protocol.main_trials(),
         protocol.design.order
-    ))
+    );
+    let (_, missing) = fonts::covering(&protocol.foreign_letters());
+    Ok(Checked { sentence, profile: None, warning: missing_fonts(&missing) })
+}
+
+/// How many characters a sentence lists.
+const MOST_LISTED: usize = 20;
+
+/// Says that no font of this computer has these characters; `None` if there are none.
+pub fn missing_fonts(missing: &BTreeSet<char>) -> Option<String> {
+    let listed: Vec<String> = missing.iter().take(MOST_LISTED).map(|c| format!("U+{:04X}", u32::from(*c))).collect();
+    let more = if missing.len() > MOST_LISTED { ", …" } else { "" };
+    let listed = listed.join(", ");
+    (!missing.is_empty())
+        .then(|| format!("No font on this computer has these characters of the participant's texts: {listed}{more}."))
 }
 
 /// Checks a result file against the definition and the seed in its sidecar. The sidecar may be missing only outside a

@@ -81,7 +81,9 @@ pub fn built_in(name: &Path) -> Option<&'static BuiltIn> {
 pub fn parse(file: &str, text: &str) -> Result<Protocol, FileErrors> {
     let (form, mut document) = toml::read::<Form>(file, text)?;
     let (protocol, errors) = form.protocol();
-    errors.into_iter().for_each(|error| document.error(&error.path, error.message));
+    // A sidecar may have such texts from an earlier version, so only files are checked for them.
+    let errors = errors.into_iter().chain(protocol.script_errors());
+    errors.for_each(|error| document.error(&error.path, error.message));
     document.finish(protocol)
 }
 

@@ -1,8 +1,9 @@
-//! Floor 0: the clock, threads, signals and folders of the operating system. Any of them can fail, but these functions
+//! Floor 0: the clock, threads, signals, folders and fonts of the operating system. Any of them can fail, but these functions
 //! never panic.
 
 mod clock;
 mod folders;
+pub mod fonts;
 pub mod signals;
 mod threads;
 

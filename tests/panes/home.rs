@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use eframe::egui::Key;
-use egui_kittest::kittest::Queryable as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
     app::{App, Launch, Request},
     experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord, columns},
@@ -44,7 +44,22 @@ fn a_whole_session_with_a_break_a_pause_and_an_undone_rating() {
     let folder = tempfile::tempdir().unwrap();
     let protocol = protocol(0.5, 10.0);
     let mut harness = harness(request(folder.path(), protocol.clone()));
-    walk_to_first_trial(&mut harness);
+    // The pages lead back too.
+    wait_for(&mut harness, "These findings are saved");
+    press(&mut harness, Key::Space);
+    for (page, key) in [
+        ("Welcome", Key::Space),
+        ("The four answers", Key::Space),
+        ("First some practice", Key::Backspace),
+        ("The four answers", Key::ArrowLeft),
+        ("Welcome", Key::Backspace),
+        ("Welcome", Key::Space),
+        ("The four answers", Key::Space),
+        ("First some practice", Key::Space),
+    ] {
+        wait_for(&mut harness, page);
+        press(&mut harness, key);
+    }
 
     // This key is too early: there is nothing to rate yet.
     press(&mut harness, Key::Num3);
@@ -60,9 +75,16 @@ fn a_whole_session_with_a_break_a_pause_and_an_undone_rating() {
     press(&mut harness, Key::Backspace);
     harness.run_steps(35);
     press(&mut harness, Key::Num0);
-    // After a pause during a stimulus, the stimulus is shown again.
+    // After a pause during a stimulus, the stimulus is shown again. The instructions can be read during the pause.
     harness.run_steps(35);
     press(&mut harness, Key::Escape);
+    wait_for(&mut harness, "Paused");
+    wait_for(&mut harness, "2 of 5 done");
+    click(&mut harness, "Read the instructions again");
+    for (page, key) in [("Page 1 of 2", Key::Space), ("Page 2 of 2", Key::Backspace), ("Page 1 of 2", Key::Escape)] {
+        wait_for(&mut harness, page);
+        press(&mut harness, key);
+    }
     wait_for(&mut harness, "Paused");
     press(&mut harness, Key::Space);
     harness.run_steps(35);
@@ -75,7 +97,10 @@ fn a_whole_session_with_a_break_a_pause_and_an_undone_rating() {
         press(&mut harness, Key::Num1);
     }
     wait_for(&mut harness, "Thank you!");
-    harness.get_by_label("Open the folder");
+    // What only the experimenter needs is in a closed section.
+    assert!(harness.query_by_label("Open the folder").is_none());
+    click(&mut harness, "For the experimenter");
+    wait_for(&mut harness, "Open the folder");
 
     let rows = rows(folder.path(), &protocol);
     let seen: Vec<_> = rows.iter().map(|row| (row.phase.to_string(), row.trial, row.attempt, row.rating.0)).collect();
@@ -162,6 +187,99 @@ fn a_session_that_was_left_can_be_resumed() {
     let rows = rows(folder.path(), &protocol);
     let seen: Vec<_> = rows.iter().map(|row| (row.trial, row.sitting, row.rating.0)).collect();
     assert_eq!(seen, [(1, 1, 1), (1, 1, 2), (2, 2, 0)]);
+}
+
+/// Questions about the participant: what is wrong is said in plain words, and the answers are kept.
+#[test]
+fn the_participant_is_asked_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut protocol = protocol(0.2, 10.0);
+    protocol.participant = definition::parse("asking", ASKING).unwrap().participant;
+    let mut first = harness(request(folder.path(), protocol.clone()));
+    wait_for(&mut first, "These findings are saved");
+    press(&mut first, Key::Space);
+    wait_for(&mut first, "About you");
+    assert!(first.query_by_label_contains("Please answer").is_none());
+    click(&mut first, "Continue");
+    wait_for(&mut first, "Please answer this question.");
+    wait_for(&mut first, "Please read this and tick the box.");
+    type_into(&mut first, "Age in years *", "young");
+    wait_for(&mut first, "Enter a number, e.g. 27.");
+    type_into(&mut first, "Age in years *", "27");
+    assert!(first.query_by_label_contains("Enter a number").is_none());
+    click(&mut first, "d");
+    click(&mut first, "I have read this and agree. *");
+    assert!(!folder.path().join("panes").exists(), "nothing is written before the participant has agreed");
+    click(&mut first, "Continue");
+    wait_for(&mut first, "Welcome");
+    let rows = std::fs::read_to_string(folder.path().join("panes/participants.tsv")).unwrap();
+    let today = sidecar(folder.path()).participant.unwrap()["consent"].as_str().unwrap().to_owned();
+    assert_eq!(rows, format!("participant_id\tage\tsex\tconsent\nsub-P001\t27\tother\t{today}\n"));
+    assert_eq!((today.len(), today.matches('-').count()), (10, 2));
+    drop(first);
+
+    let mut second = harness(Request { resume: true, ..request(folder.path(), protocol) });
+    wait_for(&mut second, "These findings are saved");
+    press(&mut second, Key::Space);
+    wait_for(&mut second, "Welcome");
+}
+
+const ASKING: &str = "schema = 1\nname = \"panes\"\n[stimulus]\nkind = \"mach-band\"\n[participant]\nage = {}\n\
+     sex = { choice_labels = [\"w\", \"m\", \"d\"], required = false }\nconsent = { text = \"I take part.\" }\n";
+
+/// A session whose texts this computer has no font for does not begin.
+#[test]
+fn characters_without_a_font_are_reported_before_the_session() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut protocol = protocol(0.2, 10.0);
+    // The last character of the last private area.
+    protocol.instructions.welcome.push('\u{10fffd}');
+    let mut harness = harness(request(folder.path(), protocol));
+    wait_for(&mut harness, "No font on this computer has these characters of the participant's texts: U+10FFFD.");
+    press(&mut harness, Key::Space);
+    harness.run_steps(5);
+    assert!(!folder.path().join("panes").exists());
+}
+
+/// Japanese texts are shown with a font of the system and stay within a narrow window. The window of a test fails at a
+/// character that no font has.
+#[test]
+fn japanese_texts_fit_into_a_narrow_window() {
+    let (_, missing) = machband::system::fonts::covering(&"あ帯".chars().collect());
+    if !missing.is_empty() {
+        assert!(std::env::var_os("MACHBAND_REQUIRE_FONT").is_none_or(|v| v != "1"), "no Japanese font is installed");
+        // Not with `eprintln!`, because the test harness captures it.
+        let _ = std::io::Write::write_all(&mut std::io::stderr(), b"SKIPPED: Japanese texts: no font is installed\n");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/quick-ja.toml");
+    let mut protocol = definition::open(path).unwrap();
+    protocol.viewing.window_deg = 5.0;
+    let texts = protocol.instructions.clone();
+    let request = request(folder.path(), protocol);
+    let builder = window::builder([420.0, 900.0], STEP_S);
+    let mut harness = builder.build_eframe(|cc| App::new(cc, Launch { request: Some(request), ..Launch::default() }));
+    wait_for(&mut harness, "These findings are saved");
+    press(&mut harness, Key::Space);
+    let fits = |harness: &mut Window, text: &str| {
+        wait_for(harness, text);
+        harness.run_steps(2);
+        for node in harness.query_all_by_label_contains("") {
+            assert!(node.rect().right() <= 421.0, "{:?} at {:?}", node.accesskit_node().label(), node.rect());
+        }
+    };
+    fits(&mut harness, &texts.about_you);
+    click(&mut harness, "裸眼");
+    click(&mut harness, &format!("{} *", texts.agree));
+    click(&mut harness, &texts.next);
+    for text in [&texts.welcome, &texts.categories, &texts.practice] {
+        fits(&mut harness, text);
+        press(&mut harness, Key::Space);
+    }
+    harness.run_steps(130);
+    press(&mut harness, Key::Escape);
+    fits(&mut harness, &texts.paused);
 }
 
 #[test]

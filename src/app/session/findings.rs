@@ -1,6 +1,8 @@
 //! What the preflight finds about the screen, the window and the stimulus, as plain sentences, and the questions that
 //! it asks.
 
+use std::collections::BTreeSet;
+
 use eframe::egui;
 
 use super::request::{Prepared, Request, stimulus_side_px};
@@ -12,6 +14,7 @@ use crate::{
     },
     experiment::Protocol,
     store::{
+        check::missing_fonts,
         dataset::SessionPaths,
         profile,
         sidecar::{PreflightNote, Sidecar},
@@ -247,6 +250,13 @@ fn geometry(
     };
     notes.push(note("stimulus_fits", fits, sentence));
     fits.then_some((viewing, size_px))
+}
+
+/// Reports the characters of the participant's texts that no font has; `None` if every character has one. They would be
+/// shown as boxes.
+pub fn fonts(missing: &BTreeSet<char>) -> Option<PreflightNote> {
+    let sentence = missing_fonts(missing)?;
+    Some(note("fonts", false, format!("{sentence} Install a font for them, and start again.")))
 }
 
 /// Reports the largest change over time in the light of any channel, between the uniform field and any stimulus.

@@ -11,7 +11,7 @@ use super::{
     trials::Trials,
 };
 use crate::{
-    app::ui::{self, Monitor, Step, platform::Platform, theme, window_px},
+    app::ui::{self, Monitor, Step, fonts::TextFonts, platform::Platform, theme, window_px},
     display::frames::FrameTimes,
     experiment::Answers,
     store::{
@@ -35,6 +35,8 @@ pub struct Preflight {
     frames: FrameTimes,
     /// The system's report about the screen and the remaining questions, once the window has settled.
     platform: Option<(Platform, Questions)>,
+    /// The fonts for the participant's texts.
+    fonts: TextFonts,
     /// The finding about the change in light between field and stimulus.
     light_steps: PreflightNote,
     /// The page that asks about the participant, if the definition has questions that are not answered yet.
@@ -60,6 +62,7 @@ impl Preflight {
             since: None,
             frames: FrameTimes::default(),
             platform: None,
+            fonts: TextFonts::default(),
             light_steps,
             participant,
             ready: None,
@@ -81,7 +84,10 @@ impl Preflight {
         }
         let now = ui.input(|input| input.time);
         let elapsed = now - *self.since.get_or_insert(now);
-        if elapsed < SETTLE_S + MEASURE_S
+        let texts = self.request.protocol.participant_texts().map(|(_, text)| text);
+        let missing = self.fonts.find(ui.ctx(), texts).map(findings::fonts);
+        if missing.is_none()
+            || elapsed < SETTLE_S + MEASURE_S
             || (self.frames.intervals_us().len() < MEASURE_FRAMES && elapsed < SETTLE_S + 5.0 * MEASURE_S)
         {
             if elapsed > SETTLE_S {
@@ -95,6 +101,7 @@ impl Preflight {
             });
             return if ui::escaped(ui) { self.back(ui.ctx()) } else { Step::Stay };
         }
+        let missing = missing.flatten();
         let (platform, mut questions) = self.platform.take().unwrap_or_else(|| {
             let platform = Platform::of(monitor);
             let questions = Questions::new(&platform, &self.request.display);
@@ -105,6 +112,8 @@ impl Preflight {
         let Findings { mut notes, prepared } =
             findings::all(&self.request, self.before.as_ref(), monitor, &platform, &self.frames, window, scale);
         notes.push(self.light_steps.clone());
+        let prepared = prepared.filter(|_| missing.is_none());
+        notes.extend(missing);
         let (begin, back) = self.draw(ui, &notes, &mut questions, prepared.is_some());
         self.reveal = false;
         notes.extend(questions.notes());

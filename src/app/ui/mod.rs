@@ -5,6 +5,7 @@
 //! | [`theme`], [`logo`] | colors, sizes, the palette of plots; the logo |
 //! | [`text`] | paragraphs, hints, notes, errors; the extent of a session |
 //! | [`page`] | pages, their headings, main buttons and keys; navigation |
+//! | [`fonts`] | fonts of the system for texts in other scripts |
 //! | [`fields`] | labeled controls; reading typed numbers |
 //! | [`mod@parameter`] | the control of a stimulus parameter |
 //! | [`side_bar`] | the places of the program |
@@ -20,6 +21,7 @@ pub mod blit;
 pub mod dialog;
 pub mod fields;
 pub mod history;
+pub mod fonts;
 pub mod logo;
 pub mod page;
 pub mod parameter;
