@@ -19,9 +19,11 @@ run() {
 }
 
 # Eight simulated participants with practice trials. S001 corrects a response, is interrupted while a row is written,
-# and resumes.
+# and resumes. In another task, S001 has answered questions.
 run tools sample-study "$results"
 run machband simulate quick --participants 8 --results "$results" --resume
+run machband simulate examples/quick-ja.toml --participants 1 --results "$results" --resume
+grep -q $'^sub-S001\t27\tother\t' "$results/quick-ja/participants.tsv"
 # A task with shaded meshes.
 run machband simulate shaders --participants 1 --results "$results"
 for format in bids psych-ds; do

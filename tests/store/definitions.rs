@@ -54,6 +54,13 @@ window_deg = 10.0
 welcome = "Hello"
 "#;
 
+/// Every kind of question about the participant, to replace the head of the last table.
+const PARTICIPANT: &str = "[participant]\nage = { required = false }\nsex = { choice_labels = [\"w\", \"m\", \"d\"] }\nvision = {}\n\
+     consent = { text = \"I take part.\" }\nhobby = { label = \"Hobby\", required = false }\nyears = { number = true }\n[instructions]";
+
+/// The hash of [`BASE`] in version 0.1.0.
+const BASE_HASH: &str = "acd1d29facfbba1b4f8ad5d7afc7625d589e48939eed53bbba22f41188c0c3cb";
+
 /// Asserts that one error starts with `start`, which is its place, and contains `part` of its message.
 fn assert_error(error: &FileErrors, start: &str, part: &str) {
     let fits = |m: &String| m.starts_with(start) && m.contains(part) && m.contains("expected");
@@ -173,6 +180,25 @@ keys = ["0", "1", "2", "3"] => keys = ["a", "s", "d", "f"] => 29:14 => key 's' c
 keys = ["0", "1", "2", "3"] => keys = ["a", "ß", "d", "f"] => 29:14 => key 'ß' cannot be an answer
 keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2", "33"] => 29:24 => response.keys.3 is the text "33" | a character
 labels = ["a", "b", "c", "d"] => labels = ["a", " ", "c", "d"] => 28:16 => label is empty
+# The participant.
+[instructions] => [participant]\nage = 3\n[instructions] => 36:1 => participant.age is 3 | a table
+[instructions] => [participant]\nage = { requird = true }\n[instructions] => 36:9 => unknown key "requird" in [participant.age] | did you mean required?
+[instructions] => [participant]\nage = { choices = ["old"] }\n[instructions] => 36:9 => age has choices
+[instructions] => [participant]\nconsent = {}\n[instructions] => 36:1 => consent has no text
+[instructions] => [participant]\nconsent = { text = " " }\n[instructions] => 36:13 => text is empty
+[instructions] => [participant]\nx = { choices = ["a"], number = true }\n[instructions] => 36:1 => x has more than one of
+[instructions] => [participant]\nx = { choices = ["a", "a"] }\n[instructions] => 36:23 => choice "a" appears twice
+[instructions] => [participant]\nx = { choices = ["n/a"] }\n[instructions] => 36:18 => choice "n/a" cannot be recorded
+[instructions] => [participant]\nx = { choices = ["=1"] }\n[instructions] => 36:18 => choice "=1" as a formula
+[instructions] => [participant]\nsex = { choices = ["femal"] }\n[instructions] => 36:20 => "femal" | did you mean female? | choice_labels
+[instructions] => [participant]\nsex = { choice_labels = ["w"] }\n[instructions] => 36:9 => choice_labels has length 1; expected 3
+[instructions] => [participant]\nX = {}\n[instructions] => 36:1 => "X" is not allowed | lowercase
+[instructions] => [participant]\nsessions = {}\n[instructions] => 36:1 => sessions already has another meaning
+# Scripts.
+welcome = "Hello" => welcome = "שלום" => 36:1 => Hebrew, which is written from right to left
+question = "How?" => question = "كيف؟" => 27:1 => Arabic
+labels = ["a", "b", "c", "d"] => labels = ["a", "b", "c", "ᠠ"] => 28:26 => Mongolian, which is written from top to bottom
+[instructions] => [participant]\nage = { label = "ܐ" }\n[instructions] => 36:9 => Syriac
 # Too many trials.
 practice = 4 => practice = 4000000000 => 11:2 => 4000000012 trials | at most
 repetitions = 2 => repetitions = 4000000000 => 11:2 => 24000000004 trials | at most
@@ -323,6 +349,7 @@ fn a_sidecar_preserves_the_definition_and_its_hash() {
     let other = "\u{22}\u{5c}\t\u{7f}é\u{1F600} '''\"\"\" \u{0}";
     let mut odd = definition::parse("mine.toml", BASE).unwrap();
     odd.title = other.to_owned();
+    odd.participant = definition::parse("mine.toml", &BASE.replace("[instructions]", PARTICIPANT)).unwrap().participant;
     odd.instructions.welcome = format!("{other}\n\n{other}");
     odd.recovery.duration_s = 1.0 / 3.0;
     odd.design.order = Order::Latin("depth".to_owned());
@@ -352,6 +379,9 @@ fn a_sidecar_preserves_the_definition_and_its_hash() {
         BASE.replace("repetitions = 2", "repetitions = 0b10"),
         BASE.replace("[recovery]\nduration_s = 2.0\nlevel = 0.5\n", ""),
         BASE.replace("\n", "\r\n"),
+        BASE.replace("[instructions]", "[participant]\n[instructions]"),
+        // A text that is newer than the first version of definitions.
+        BASE.replace("[instructions]", "[instructions]\npage_count = \"Page {page} of {pages}\""),
     ];
     for text in same {
         assert_eq!(hash(&text), hash(BASE), "{text}");
@@ -361,7 +391,12 @@ fn a_sidecar_preserves_the_definition_and_its_hash() {
         BASE.replace("max_run = 3\n", ""),
         BASE.replace("level = 0.5", "level = 0.51"),
         BASE.replace("\"Hello\"", "\"Hallo\""),
+        BASE.replace("[instructions]", "[instructions]\npage_count = \"{page}/{pages}\""),
+        BASE.replace("[instructions]", "[participant]\nage = {}\n[instructions]"),
+        BASE.replace("[instructions]", "[participant]\nage = { required = false }\n[instructions]"),
     ];
+    // The hash of a definition that was recorded by an earlier version.
+    assert_eq!(hash(BASE), BASE_HASH);
     let hashes: HashSet<String> = others.iter().map(|text| hash(text)).chain([hash(BASE)]).collect();
     assert_eq!(hashes.len(), others.len() + 1);
 }

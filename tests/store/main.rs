@@ -12,6 +12,7 @@ mod folder;
 mod frame_files;
 mod fuzz_corpus;
 mod integrity;
+mod participants;
 mod reading;
 mod recording;
 mod session;

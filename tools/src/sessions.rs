@@ -89,8 +89,10 @@ const SEED: u64 = 1;
 /// Writes the first half of an interrupted session that contains a corrected response.
 ///
 /// Participant S001 of `quick` rates a few trials and corrects one rating; then the program is killed while it writes a
-/// row. `machband simulate quick --results RESULTS --resume` continues the session. A simulated observer never corrects
-/// a rating and is never interrupted, so this session is needed to test how exports handle both.
+/// row. `machband simulate quick --results RESULTS --resume` continues the session. Participant S001 of
+/// `examples/quick-ja.toml` has answered its questions and can be resumed in the same way. A simulated observer never corrects
+/// a rating, is never interrupted and answers no questions, so these sessions are needed to test how exports handle
+/// that.
 pub fn sample(results: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let protocol = definition::open("quick")?;
     let identity = Identity::new("S001", "1")?;
@@ -103,6 +105,11 @@ pub fn sample(results: &Path) -> Result<(), Box<dyn std::error::Error>> {
         pictures: Some(Pictures::without_screen(&protocol)),
         ..Sitting::default()
     };
+    // A participant who has answered the questions of a definition, and has yet to see a trial.
+    let asking = definition::open(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/quick-ja.toml"))?;
+    let asked = Sitting { pictures: Some(Pictures::without_screen(&asking)), ..sitting.clone() };
+    let answers = serde_json::json!({ "age": 27, "sex": "other", "vision": "with glasses", "consent": "2026-01-31" });
+    SessionStore::create(results, &asking, &identity, SEED, asked)?.keep_participant(serde_json::from_value(answers)?);
     let mut store = SessionStore::create(results, &protocol, &identity, SEED, sitting)?;
     let context = RowContext { protocol: &protocol, schedule: &schedule, identity: &identity, sitting: 1 };
     let options = SessionOptions { pages: 0, frames: FrameCount::Off };

@@ -148,7 +148,9 @@ pub(super) fn enter(
     // The table is replaced as a whole, so it cannot be locked itself. The register of the data set is never replaced.
     in_turn(&dataset.join(REGISTER), || {
         let mut table = Participants::read(dataset)?;
-        let cell = |value: &Value| value.as_str().map_or_else(|| value.to_string(), |text| text.replace('\t', " "));
+        let cell = |value: &Value| {
+            value.as_str().map_or_else(|| value.to_string(), |text| text.replace(['\t', '\n', '\r'], " "))
+        };
         table.put(subject, fields.0.iter().map(|field| (&*field.name, answers.get(&field.name).map(cell))));
         describe(dataset, fields)?;
         write_whole(&dataset.join(PARTICIPANTS), table.text().as_bytes(), true)

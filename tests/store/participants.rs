@@ -1,0 +1,163 @@
+//! What a session asks about its participant: which answers count, and that none is lost.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use machband::{
+    experiment::{AnswerError, Answers, Identity, ParticipantField, Protocol},
+    store::{
+        dataset::SessionPaths,
+        definition,
+        export::{Choice, Format, export},
+        session::{Changes, SessionStore},
+        sidecar::Sidecar,
+    },
+};
+use serde_json::{Value, json};
+
+use crate::{
+    common::{json as read_json, text, verified},
+    recording::{SEED, TEXT, rate, sitting},
+};
+
+const QUESTIONS: &str = "[participant]\nage = {}\nsex = { required = false }\nconsent = { text = \"I take part.\" }\n\
+     hobby = { required = false }\n";
+
+fn asking() -> Protocol {
+    definition::parse("asking.toml", &format!("{TEXT}{QUESTIONS}")).unwrap()
+}
+
+fn answers(entries: &[(&str, Value)]) -> Answers {
+    entries.iter().map(|(name, answer)| ((*name).to_owned(), answer.clone())).collect()
+}
+
+/// A complete session of a participant with these answers.
+fn session(results: &Path, subject: &str, number: &str, answers: Answers) {
+    let (protocol, identity) = (asking(), Identity::new(subject, number).unwrap());
+    let mut store = SessionStore::create(results, &protocol, &identity, SEED, sitting()).unwrap();
+    store.keep_participant(answers);
+    rate(&mut store, (&protocol, &identity), None, 100, false).unwrap();
+}
+
+fn csv_of(results: &Path, subject: &str) -> PathBuf {
+    SessionPaths::new(results, &asking(), &Identity::new(subject, "1").unwrap()).csv
+}
+
+fn table(path: &Path) -> Vec<Vec<String>> {
+    fs::read_to_string(path).unwrap().lines().map(|line| line.split('\t').map(str::to_owned).collect()).collect()
+}
+
+#[test]
+fn answers_are_checked_in_the_form_in_which_people_give_them() {
+    let fields = asking().participant.0;
+    let field = |name: &str| fields.iter().find(|field| field.name == name).unwrap();
+    let age = |typed: &str| field("age").answer(typed);
+    assert_eq!([" 27 ", "27,5", "1e1"].map(|typed| age(typed).unwrap().unwrap()), [json!(27), json!(27.5), json!(10)]);
+    for (typed, error) in [
+        ("", AnswerError::Missing),
+        (" ", AnswerError::Missing),
+        ("old", AnswerError::NotANumber),
+        ("-1", AnswerError::NotANumber),
+        ("1999", AnswerError::NotANumber),
+        ("inf", AnswerError::NotANumber),
+    ] {
+        assert_eq!(age(typed), Err(error), "{typed:?}");
+    }
+    assert_eq!(field("hobby").answer("\tchess and \n go "), Ok(Some(json!("chess and go"))));
+    assert_eq!((field("hobby").answer(""), field("hobby").answer("=1")), (Ok(None), Err(AnswerError::Formula)));
+    let labels: Vec<_> = fields.iter().map(ParticipantField::label).collect();
+    assert_eq!(labels, ["Age in years", "Sex", "Consent", "Hobby"]);
+    assert_eq!(field("sex").choices(), ["female", "male", "other"]);
+}
+
+#[test]
+fn no_participant_is_lost_among_sessions_that_run_at_the_same_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let results = folder.path();
+    let one = |i: i32| {
+        let hobby = if i == 3 { json!("chess\tand go") } else { Value::Null };
+        let given = [("age", json!(20 + i)), ("consent", json!("2026-01-31")), ("hobby", hobby)];
+        let given = given.into_iter().filter(|(_, answer)| !answer.is_null());
+        session(results, &format!("S{i:03}"), "1", answers(&given.collect::<Vec<_>>()));
+    };
+    std::thread::scope(|scope| (1..=8).for_each(|i| drop(scope.spawn(move || one(i)))));
+    let dataset = results.join("small-one");
+    let path = dataset.join("participants.tsv");
+    let mut rows = table(&path);
+    assert_eq!(rows.remove(0), ["participant_id", "age", "sex", "consent", "hobby"]);
+    rows.sort();
+    assert_eq!(rows.len(), 8);
+    assert_eq!(rows[2], ["sub-S003", "23", "n/a", "2026-01-31", "chess and go"]);
+    let described = read_json(&dataset.join("participants.json"));
+    assert_eq!((&described["age"]["Units"], &described["consent"]["Text"]), (&json!("years"), &json!("I take part.")));
+    assert_eq!(described["sex"]["Levels"], json!({ "female": "female", "male": "male", "other": "other" }));
+    let csv = csv_of(results, "S003");
+    let sidecar = Sidecar::read(&csv.with_extension("json")).unwrap().unwrap();
+    assert_eq!(sidecar.participant.unwrap()["age"], 23);
+    assert_eq!(verified(&csv).errors, []);
+
+    // Columns and rows that people add are kept. A later session updates only what was answered.
+    let edited = fs::read_to_string(&path).unwrap().replace('\n', "\tx\r\n").replacen("\tx\r", "\tgroup\r", 1);
+    fs::write(&path, edited + "sub-lab\tn/a\tn/a\tn/a\tn/a\ty\r\n").unwrap();
+    session(results, "S003", "2", answers(&[("age", json!(24)), ("sex", json!("other"))]));
+    let rows = table(&path);
+    let row = |id: &str| rows.iter().find(|row| row[0] == id).unwrap().join(" ");
+    assert_eq!((rows.len(), row("sub-S003")), (10, "sub-S003 24 other 2026-01-31 chess and go x".to_owned()));
+    assert_eq!((row("sub-lab"), rows[0][5].as_str()), ("sub-lab n/a n/a n/a n/a y".to_owned(), "group"));
+
+    // Exports contain the rows of the exported participants.
+    for (format, within) in [(Format::Bids, ""), (Format::Bids, "sourcedata/small-one"), (Format::PsychDs, "small-one")]
+    {
+        let scratch = tempfile::tempdir().unwrap();
+        let to = scratch.path().join("out");
+        export(results, &to, format, Choice::default()).unwrap();
+        let rows = table(&to.join(within).join("participants.tsv"));
+        let age = rows[0].iter().position(|name| name == "age").unwrap();
+        let row = rows.iter().find(|row| row[0] == "sub-S003").unwrap();
+        assert_eq!((rows.len(), row[age].as_str(), row.last().unwrap().as_str()), (9, "24", "x"), "{rows:?}");
+        assert_eq!(read_json(&to.join(within).join("participants.json"))["age"]["Units"], "years");
+    }
+}
+
+/// A table that is not one of participants is not touched. The session has the answers, and says so.
+#[test]
+fn a_table_that_cannot_be_read_stays_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("small-one/participants.tsv");
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    fs::write(&path, "name\tage\nAnn\t3\n").unwrap();
+    session(folder.path(), "S001", "1", answers(&[("age", json!(31)), ("consent", json!("2026-01-31"))]));
+    assert_eq!(fs::read_to_string(&path).unwrap(), "name\tage\nAnn\t3\n");
+    let csv = csv_of(folder.path(), "S001");
+    let sidecar = Sidecar::read(&csv.with_extension("json")).unwrap().unwrap();
+    assert_eq!(sidecar.participant.as_ref().unwrap()["age"], 31);
+    let incident = &sidecar.sittings[0].incidents[0];
+    assert!(incident.contains("participants.tsv:1:1") && incident.contains("expected participant_id"), "{incident}");
+    // The answers are sealed with the rest of the sidecar.
+    let changed = fs::read_to_string(csv.with_extension("json")).unwrap().replace("\"age\": 31", "\"age\": 13");
+    fs::write(csv.with_extension("json"), changed).unwrap();
+    assert_ne!(verified(&csv).errors, []);
+}
+
+/// After a session was moved to another folder, its participant is there too; a resumed session keeps its answers.
+#[test]
+fn answers_move_with_their_session() {
+    let folder = tempfile::tempdir().unwrap();
+    let (first, second) = (folder.path().join("first"), folder.path().join("second"));
+    let (protocol, identity) = (asking(), Identity::new("S001", "1").unwrap());
+    let mut store = SessionStore::create(&first, &protocol, &identity, SEED, sitting()).unwrap();
+    store.keep_participant(answers(&[("age", json!(27)), ("consent", json!("2026-01-31"))]));
+    store.continue_in(&second).unwrap();
+    store.finish(false, "2026-01-31T00:00:00Z".to_owned(), None).unwrap();
+    drop(store);
+    assert_eq!(table(&second.join("small-one/participants.tsv"))[1][..2], ["sub-S001", "27"]);
+    let (mut store, found) =
+        SessionStore::resume(&second, &protocol, &identity, None, sitting(), Changes::Refuse).unwrap();
+    rate(&mut store, (&protocol, &identity), Some(&found), 100, false).unwrap();
+    let csv = csv_of(&second, "S001");
+    assert_eq!(read_json(&csv.with_extension("json"))["participant"]["age"], 27);
+    let printed = text(&crate::common::machband(folder.path(), &["verify", "second"]).stdout);
+    assert!(printed.contains("no errors"), "{printed}");
+}
