@@ -433,6 +433,8 @@ fn a_completed_session_can_be_analyzed_immediately() {
         press(&mut window, key);
     }
     wait_for(&mut window, "Thank you!");
+    click(&mut window, "For the experimenter");
+    wait_for(&mut window, "e these results…");
     click_ending(&mut window, "e these results…");
     wait_for(&mut window, "Participants: 1 of 1");
     wait_until_idle(&mut window);

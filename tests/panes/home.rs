@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use eframe::egui::Key;
+use eframe::egui::{Key, Shape};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
     app::{App, Launch, Request},
@@ -148,6 +148,42 @@ fn a_whole_session_with_a_break_a_pause_and_an_undone_rating() {
     // A click takes effect in the next frame, so the stimulus is shown longer than the response time.
     assert!(rows[1..].iter().all(|row| row.stimulus_s == Some(row.response_time_s)));
     assert!(rows.iter().all(|row| row.late_onset == Some(false)));
+}
+
+/// Returns the number of lines in the last frame, and its texts.
+fn drawn(harness: &Window) -> (usize, Vec<String>) {
+    let shapes = || harness.output().shapes.iter().map(|clipped| &clipped.shape);
+    let lines = shapes().filter(|shape| matches!(shape, Shape::LineSegment { .. } | Shape::Path(_))).count();
+    let text = |shape: &Shape| if let Shape::Text(text) = shape { Some(text.galley.text().to_owned()) } else { None };
+    (lines, shapes().filter_map(text).collect())
+}
+
+/// The field acknowledges answers and names the keys; nothing is drawn on a stimulus.
+#[test]
+fn the_field_acknowledges_answers_and_the_stimulus_stays_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = harness(request(folder.path(), protocol(0.5, 10.0)));
+    walk_to_first_trial(&mut harness);
+    harness.run_steps(32);
+    press(&mut harness, Key::Num1);
+    wait_for(&mut harness, "Now the main part");
+    wait_for(&mut harness, "The scale is now hidden.");
+    press(&mut harness, Key::Space);
+    harness.run_steps(35);
+    let nothing = (0, Vec::new());
+    press(&mut harness, Key::X);
+    assert_eq!(drawn(&harness), nothing, "a stimulus");
+    press(&mut harness, Key::Num2);
+    assert_eq!(drawn(&harness), (1, vec!["Keys: 0 1 2 3".to_owned()]));
+    // Both are gone by the middle of the recovery.
+    harness.run_steps(16);
+    assert_eq!(drawn(&harness), nothing);
+    press(&mut harness, Key::Backspace);
+    assert_eq!(drawn(&harness), (2, Vec::new()), "an arrow");
+    harness.run_steps(35);
+    assert_eq!(drawn(&harness), nothing, "the same stimulus");
+    press(&mut harness, Key::Num0);
+    assert_eq!(drawn(&harness), (1, Vec::new()), "the same mark for every answer");
 }
 
 /// A session is left in the main part and resumed. The participant sees no plot, and the scale stays hidden.

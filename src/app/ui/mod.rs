@@ -20,8 +20,8 @@
 pub mod blit;
 pub mod dialog;
 pub mod fields;
-pub mod history;
 pub mod fonts;
+pub mod history;
 pub mod logo;
 pub mod page;
 pub mod parameter;
