@@ -95,7 +95,9 @@ fn factor(form: &mut Form, ui: &mut Ui, name: &str, parameter: Option<&'static P
     let about = parameter.map_or_else(String::new, |p| format!("{}: {}", p.description, p.expected));
     let line = |ui: &mut Ui| {
         let width = (ui.available_width() - 262.0).clamp(120.0, 300.0);
-        let field = ui.add(TextEdit::singleline(&mut levels).desired_width(width)).on_hover_text(about);
+        // A long list wraps.
+        let field = TextEdit::multiline(&mut levels).desired_rows(1).desired_width(width).return_key(None);
+        let field = ui.add(field).on_hover_text(about);
         ui::text::name(ui, &field, &format!("Levels of {label}"));
         let mut changed = field.changed();
         let list = ComboBox::from_id_salt(&key).selected_text("…").width(36.0).show_ui(ui, |ui| {
@@ -114,7 +116,7 @@ fn factor(form: &mut Form, ui: &mut Ui, name: &str, parameter: Option<&'static P
         (changed, up, down, remove)
     };
     let field = Field::new(&label).column(LABELS).error(&error);
-    let (changed, up, down, remove) = field.show(ui, |ui, _| ui.horizontal_wrapped(line).inner);
+    let (changed, up, down, remove) = field.show(ui, |ui, _| ui.horizontal_top(line).inner);
     if changed {
         form.type_value(&key, &levels, Typed::Values);
     }

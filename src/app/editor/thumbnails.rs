@@ -57,7 +57,7 @@ impl Thumbnails {
         let gap = ui.spacing().item_spacing.x;
         let per_row = ((ui.available_width() + gap) / (SIDE + gap)).max(1.0) as usize;
         for row in self.all.chunks(per_row) {
-            ui.horizontal(|ui| row.iter().for_each(|thumbnail| thumbnail.show(ui)));
+            ui.horizontal_top(|ui| row.iter().for_each(|thumbnail| thumbnail.show(ui)));
         }
     }
 
@@ -119,7 +119,7 @@ impl Thumbnail {
                 Some(texture) if ui.is_rect_visible(rect) => pixels::draw_centered(ui, texture, rect),
                 _ => {}
             }
-            ui.add(eframe::egui::Label::new(ui::secondary(&self.levels)).truncate());
+            ui::hint(ui, &self.levels);
             response.on_hover_text(&self.description);
         });
     }
