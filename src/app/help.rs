@@ -29,6 +29,7 @@ fn keys_of(place: Place) -> &'static [(&'static str, &'static str)] {
     match place {
         Place::Run => &[
             ("Enter", "Start or resume the session"),
+            ("Ctrl+S", "In a duplicated experiment: save it"),
             ("In a session: 0 1 2 3", "Rate the image (a definition can choose other keys)"),
             ("In a session: Backspace", "Withdraw the last answer, before the next image"),
             ("In a session: S", "Show or hide the scale"),

@@ -205,9 +205,7 @@ fn an_experiment_is_duplicated_run_and_analyzed() {
     desk.type_into("Levels of width", "0.3, 0.6, 0.9");
     let path = desk.harness.dir.path().join("own.toml");
     desk.click("Remove depth");
-    // The copy would write the same file.
-    let save = desk.copy.get_by_label("Save").rect().center();
-    desk.click_at(save);
+    desk.harness.press("ctrl+s");
     desk.harness.until("the definition", |_| path.exists());
     let text = fs::read_to_string(&path).unwrap();
     assert_eq!(

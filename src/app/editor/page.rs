@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf, absolute};
 
-use eframe::egui::{CentralPanel, Context, Frame, Id, Modal, Panel, ScrollArea, Ui};
+use eframe::egui::{CentralPanel, Context, Frame, Id, Key, KeyboardShortcut, Modal, Modifiers, Panel, ScrollArea, Ui};
 
 use super::{form::Form, sections, thumbnails::Thumbnails};
 use crate::{
@@ -14,6 +14,8 @@ use crate::{
 const NARROW: f32 = 1100.0;
 /// Width of the form, points.
 const FORM: f32 = 640.0;
+/// The keys that save the definition.
+const SAVE: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::S);
 /// Width of the label of the folder, points.
 const FOLDER: f32 = 60.0;
 
@@ -73,6 +75,11 @@ impl Editor {
         let frame = Frame::NONE.inner_margin(theme::LARGE_GAP);
         let (mut back, mut saved) = (false, None);
         if ui.available_width() < NARROW {
+            let summary = Panel::bottom("summary").resizable(false).frame(frame);
+            summary.show(ui, |ui| {
+                theme::compact(ui);
+                saved = self.summary(ui);
+            });
             CentralPanel::default().frame(frame).show(ui, |ui| {
                 theme::compact(ui);
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -81,7 +88,6 @@ impl Editor {
                     back = ui::heading(ui, &heading);
                     self.fields(ui);
                     ui.separator();
-                    saved = self.summary(ui);
                     self.conditions(ui);
                 });
             });
@@ -144,8 +150,10 @@ impl Editor {
             1 => "1 error needs attention. The conditions are those before it.".to_owned(),
             n => format!("{n} errors need attention. The conditions are those before them."),
         };
-        let clicked = ui::primary(ui, self.saving.caption("Save", &path), form.errors().is_empty(), &hint);
-        let written = clicked.then(|| {
+        let valid = form.errors().is_empty();
+        let clicked = ui::primary(ui, self.saving.caption("Save", &path), valid, &hint);
+        let saves = clicked || valid && ui.input_mut(|input| input.consume_shortcut(&SAVE));
+        let written = saves.then(|| {
             let writer = self.saving.writer(&path, &[self.of.clone().into()]);
             writer.write(&path, form.draft().text().as_bytes())
         });

@@ -241,6 +241,7 @@ fn geometry(
     notes.push(note("physical_size", known_cm.is_some(), sentence));
     let deg = request.protocol.viewing.window_deg;
     let size_px = stimulus_side_px(&viewing, deg);
+    notes.extend(viewing.coarseness(deg).map(|sentence| note("coarse", false, sentence)));
     let fits = size_px <= width.min(height);
     let sentence = match fits {
         true => format!("The {deg}° stimulus is {size_px} × {size_px} pixels and fits."),

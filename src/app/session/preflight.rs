@@ -45,8 +45,6 @@ pub struct Preflight {
     ready: Option<(Prepared, Vec<PreflightNote>)>,
     /// Why the session could not begin, if it could not.
     refused: Option<String>,
-    /// True if the page is about to scroll to that reason.
-    reveal: bool,
 }
 
 impl Preflight {
@@ -67,7 +65,6 @@ impl Preflight {
             participant,
             ready: None,
             refused: None,
-            reveal: false,
         }
     }
 
@@ -115,7 +112,6 @@ impl Preflight {
         let prepared = prepared.filter(|_| missing.is_none());
         notes.extend(missing);
         let (begin, back) = self.draw(ui, &notes, &mut questions, prepared.is_some());
-        self.reveal = false;
         notes.extend(questions.notes());
         self.platform = Some((platform, questions));
         if back {
@@ -143,7 +139,7 @@ impl Preflight {
         match Trials::begin(ctx, &self.request, &prepared, notes.clone(), monitor, answers) {
             Ok(trials) => Step::Next(Box::new(trials)),
             Err(error) => {
-                (self.refused, self.reveal) = (Some(error.to_string()), true);
+                self.refused = Some(error.to_string());
                 self.ready = self.participant.is_some().then_some((prepared, notes));
                 Step::Stay
             }
@@ -162,6 +158,18 @@ impl Preflight {
         let escaped = ui::escaped(ui);
         let proceed = ui::shortcut(ui, Key::Space) || ui::shortcut(ui, Key::Enter);
         let Request { protocol, identity, .. } = &self.request;
+        let (begin, back) = ui::footer(ui, |ui| {
+            if let Some(refused) = &self.refused {
+                ui::show_error(ui, refused);
+            }
+            let begin = ui::primary(ui, "Continue", ready, "Space. These findings are saved with the data.");
+            let back = ui.horizontal(|ui| {
+                let back = ui.button("Back").clicked();
+                ui.label(ui::secondary("Esc"));
+                back
+            });
+            (begin, back.inner)
+        });
         ui::page_from(ui, 0.02, |ui| {
             ui.heading("Before the session");
             let (subject, session) = (identity.subject(), identity.session());
@@ -182,22 +190,8 @@ impl Preflight {
             ui.label(RichText::new("Please check these yourself").strong());
             ui::hint(ui, "The program cannot detect these. Items that you do not check are recorded as not confirmed.");
             questions.show(ui);
-            ui.add_space(16.0);
-            if let Some(refused) = &self.refused {
-                ui::show_error(ui, refused);
-            }
-            let begin = ui::primary(ui, "Continue", ready, "Space. These findings are saved with the data.");
-            ui.add_space(4.0);
-            let back = ui.horizontal(|ui| {
-                let back = ui.button("Back").clicked();
-                ui.label(ui::secondary("Esc"));
-                back
-            });
-            if self.reveal {
-                ui.scroll_to_cursor(None);
-            }
-            (begin || proceed, back.inner || escaped)
-        })
+        });
+        (begin || proceed, back || escaped)
     }
 }
 

@@ -2,11 +2,11 @@
 
 use std::convert::Infallible;
 
-use eframe::egui::{self, CentralPanel, Color32, Frame, Id, Key, Popup, RichText, ScrollArea, Ui, Vec2};
+use eframe::egui::{self, CentralPanel, Color32, Frame, Id, Key, Panel, Popup, RichText, ScrollArea, Ui, Vec2};
 
 use super::{
     text::secondary,
-    theme::{COLUMN, MARGIN, ink},
+    theme::{COLUMN, GAP, MARGIN, ink},
 };
 
 /// Where a page leads after a frame. The step of a page that can only lead back is a plain `Step`.
@@ -47,23 +47,36 @@ pub fn page<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
     page_from(ui, 0.18, add)
 }
 
+/// Draws the lower edge of a page, which stays in view when the page scrolls: its main button. Call this before the page
+/// is drawn.
+pub fn footer<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
+    let frame = Frame::NONE.inner_margin(egui::vec2(MARGIN, GAP));
+    let panel = Panel::bottom("footer").resizable(false).show_separator_line(false).frame(frame);
+    panel.show(ui, |ui| centered(ui, add)).inner
+}
+
+/// Draws a column in the middle of the available width.
+fn centered<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
+    let width = ui.available_width().min(COLUMN);
+    let margin = (ui.available_width() - width) / 2.0;
+    let content = |ui: &mut Ui| {
+        ui.set_width(width);
+        add(ui)
+    };
+    ui.horizontal(|ui| {
+        ui.add_space(margin);
+        ui.vertical(content).inner
+    })
+    .inner
+}
+
 /// Draws a page that begins at this share of the window's height.
 pub fn page_from<R>(ui: &mut Ui, top: f32, add: impl FnOnce(&mut Ui) -> R) -> R {
     let column = |ui: &mut Ui| {
-        let width = ui.available_width().min(COLUMN);
-        let margin = (ui.available_width() - width) / 2.0;
         // A small window has no room for the space at the top.
         let spare = ui.available_height() - 560.0;
         ui.add_space((ui.available_height() * top).min(spare.max(0.0)));
-        let content = |ui: &mut Ui| {
-            ui.set_width(width);
-            add(ui)
-        };
-        ui.horizontal(|ui| {
-            ui.add_space(margin);
-            ui.vertical(content).inner
-        })
-        .inner
+        centered(ui, add)
     };
     let scrolling = |ui: &mut Ui| ScrollArea::vertical().auto_shrink(false).show(ui, column).inner;
     CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN)).show(ui, scrolling).inner
