@@ -145,10 +145,14 @@ impl Editor {
         });
         let folder = absolute(self.folder.trim()).unwrap_or_else(|_| self.folder.trim().into());
         let path = folder.join(format!("{}.toml", form.draft().get("name").unwrap_or_default()));
-        let hint = match form.errors().len() {
-            0 => format!("as {}", path.display()),
-            1 => "1 error needs attention. The conditions are those before it.".to_owned(),
-            n => format!("{n} errors need attention. The conditions are those before them."),
+        let hint = match form.errors() {
+            [] => format!("as {}", path.display()),
+            errors => {
+                let mut fields: Vec<&str> = errors.iter().map(|error| field_of(&error.key)).collect();
+                fields.dedup();
+                let count = if errors.len() == 1 { "1 error".to_owned() } else { format!("{} errors", errors.len()) };
+                format!("{count} in {}. Below are the conditions without this change.", fields.join(", "))
+            }
         };
         let valid = form.errors().is_empty();
         let clicked = ui::primary(ui, self.saving.caption("Save", &path), valid, &hint);
@@ -174,7 +178,8 @@ impl Editor {
 
     /// Asks whether to discard the changes; returns whether the user agreed.
     fn discards(&mut self, ctx: &Context) -> bool {
-        let shown = Modal::new(Id::unique("discard changes")).show(ctx, |ui| {
+        let frame = Frame::popup(&ctx.global_style()).inner_margin(theme::LARGE_GAP);
+        let shown = Modal::new(Id::unique("discard changes")).frame(frame).show(ctx, |ui| {
             ui.heading("Discard changes?");
             ui.label("The changes to this copy have not been saved.");
             ui.horizontal(|ui| {
@@ -187,4 +192,9 @@ impl Editor {
         self.leaving = !(keep || shown.should_close());
         discard
     }
+}
+
+/// Returns the key without the index in a list.
+fn field_of(key: &str) -> &str {
+    key.match_indices('.').nth(1).map_or(key, |(end, _)| &key[..end])
 }

@@ -1,6 +1,6 @@
 //! The fields of a definition, in the order of its file.
 
-use eframe::egui::{CollapsingHeader, ComboBox, Response, Role, TextEdit, Ui, WidgetInfo};
+use eframe::egui::{Align, CollapsingHeader, ComboBox, Layout, Response, Role, TextEdit, Ui, WidgetInfo};
 
 use super::form::{Form, LABELS};
 use crate::{
@@ -116,7 +116,8 @@ fn factor(form: &mut Form, ui: &mut Ui, name: &str, parameter: Option<&'static P
         (changed, up, down, remove)
     };
     let field = Field::new(&label).column(LABELS).error(&error);
-    let (changed, up, down, remove) = field.show(ui, |ui, _| ui.horizontal_top(line).inner);
+    let (changed, up, down, remove) =
+        field.show(ui, |ui, _| ui.with_layout(Layout::left_to_right(Align::TOP).with_main_wrap(true), line).inner);
     if changed {
         form.type_value(&key, &levels, Typed::Values);
     }
