@@ -151,7 +151,7 @@ impl Editor {
                 let mut fields: Vec<&str> = errors.iter().map(|error| field_of(&error.key)).collect();
                 fields.dedup();
                 let count = if errors.len() == 1 { "1 error".to_owned() } else { format!("{} errors", errors.len()) };
-                format!("{count} in {}. Below are the conditions without this change.", fields.join(", "))
+                format!("{count} in {}. The conditions shown are the last ones without errors.", fields.join(", "))
             }
         };
         let valid = form.errors().is_empty();
