@@ -202,5 +202,6 @@ fn asks(request: &Request) -> bool {
         let paths = SessionPaths::new(results, protocol, identity);
         Sidecar::read(&paths.sidecar).ok().flatten().is_some_and(|sidecar| sidecar.participant.is_some())
     };
-    !protocol.participant.is_empty() && !(*resume && recorded())
+    let is_recorded = *resume && recorded();
+    !protocol.participant.is_empty() && !is_recorded
 }

@@ -17,7 +17,7 @@ use crate::{
         dataset::{self, DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED},
         file::{make_folder, write_file, write_json},
         open::read_regular,
-        participants::{self, MISSING},
+        participants::{Collected, MISSING, collect},
         recorded::Recorded,
         sidecar::Sitting,
     },
@@ -351,8 +351,8 @@ fn write_participants(experiments: &[Experiment], to: &Path, notes: &mut Vec<Str
         participants.entry(session.identity.subject()).or_default().push(session);
     }
     let datasets = experiments.iter().flat_map(Experiment::datasets);
-    let (answered, descriptions, differences) =
-        participants::collect(datasets, &participants.keys().copied().collect())?;
+    let Collected { participants: answered, descriptions, notes: differences } =
+        collect(datasets, &participants.keys().copied().collect())?;
     notes.extend(differences);
     let mut described = json!({
         "participant_id": { "Description": "Participant." },

@@ -13,7 +13,7 @@ use crate::{
         file::{make_folder, write_file, write_json},
         frames,
         open::read_regular,
-        participants,
+        participants::{Collected, collect},
         recorded::Recorded,
         results,
     },
@@ -78,10 +78,10 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreEr
             copy_file(&from, &to)?;
         }
     }
-    let (participants, described, _) = participants::collect(experiment.datasets(), &experiment.subjects())?;
+    let Collected { participants, descriptions, .. } = collect(experiment.datasets(), &experiment.subjects())?;
     if !participants.is_empty() {
         write_file(&folder.join(PARTICIPANTS), participants.text().as_bytes())?;
-        write_json(&folder.join(PARTICIPANTS_DESCRIBED), &described.into())?;
+        write_json(&folder.join(PARTICIPANTS_DESCRIBED), &descriptions.into())?;
     }
     for session in &experiment.sessions {
         let stem = session.stem();

@@ -25,7 +25,7 @@ const ID: &str = "participant_id";
 const MAX_FILE: u64 = 64 << 20;
 
 /// The rows of a `participants.tsv`. Columns and rows that the program does not know are kept.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::store) struct Participants {
     columns: Vec<String>,
     rows: Vec<Vec<String>>,
@@ -173,17 +173,26 @@ fn described(dataset: &Path) -> Result<Map<String, Value>, StoreError> {
     }
 }
 
-/// Returns the rows of these participants from several data sets, the description of the columns, and notes about values
-/// that differ.
+/// What several data sets say about their participants.
+pub(in crate::store) struct Collected {
+    /// One row for each participant.
+    pub participants: Participants,
+    /// The description of the columns.
+    pub descriptions: Map<String, Value>,
+    /// Notes about values that differ.
+    pub notes: Vec<String>,
+}
+
+/// Collects what several data sets say about these participants.
 ///
 /// # Errors
 /// The files cannot be read; or a spreadsheet would interpret a cell as a formula.
 pub(in crate::store) fn collect<'a>(
     datasets: impl IntoIterator<Item = &'a Path>,
     subjects: &BTreeSet<&str>,
-) -> Result<(Participants, Map<String, Value>, Vec<String>), StoreError> {
-    let (mut all, mut descriptions, mut notes) = (Participants::default(), Map::new(), Vec::new());
-    all.columns.push(ID.to_owned());
+) -> Result<Collected, StoreError> {
+    let mut participants = Participants { columns: vec![ID.to_owned()], rows: Vec::new() };
+    let (mut descriptions, mut notes) = (Map::new(), Vec::new());
     for dataset in datasets {
         let table = Participants::read(dataset)?;
         let cells = || table.rows.iter().zip(2..).flat_map(|(row, line)| row.iter().map(move |cell| (line, cell)));
@@ -193,12 +202,12 @@ pub(in crate::store) fn collect<'a>(
             FileError::at(dataset.join(PARTICIPANTS), (line, 1), message)
         });
         FileErrors::none(errors.collect())?;
-        notes.extend(all.add(&table, subjects));
+        notes.extend(participants.add(&table, subjects));
         for (column, description) in described(dataset)? {
             descriptions.entry(column).or_insert(description);
         }
     }
-    Ok((all, descriptions, notes))
+    Ok(Collected { participants, descriptions, notes })
 }
 
 /// Describes the columns that are not described yet. Manual entries are kept.
