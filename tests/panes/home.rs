@@ -429,23 +429,32 @@ fn the_gallery_shows_every_kind_and_explains_errors() {
     }
     // The last kind is a shaded cylinder: an unknown shading is rejected, a known one is accepted.
     type_into(&mut harness, "shading", "raytraced");
-    harness.get_by_label_contains("expected flat, gouraud or phong");
+    harness.get_by_label_contains("Enter flat, gouraud or phong.");
     type_into(&mut harness, "shading", "phong");
-    assert!(harness.query_by_label_contains("expected flat").is_none());
+    assert!(harness.query_by_label_contains("Enter flat").is_none());
 
     // The exported file can be verified from its own recipe.
     let path = folder.path().join("cylinder.png");
     type_into(&mut harness, "Export to", &path.display().to_string());
-    click(&mut harness, "Export PNG");
+    click(&mut harness, "Export");
+    harness.get_by_label(&format!("Saved to {}", path.display()));
     let said = machband::store::image::verify(&path).unwrap();
     assert!(said.contains("shaded-cylinder"), "{said}");
     // An existing file is replaced only after a question.
     std::fs::write(&path, "precious").unwrap();
-    click(&mut harness, "Export PNG");
+    click(&mut harness, "Export");
     harness.get_by_label_contains("already exists");
     assert_eq!(std::fs::read(&path).unwrap(), b"precious");
     click(&mut harness, "Replace");
     machband::store::image::verify(&path).unwrap();
+    // The ending chooses the format.
+    type_into(&mut harness, "Export to", &path.with_extension("jpg").display().to_string());
+    click(&mut harness, "Export");
+    harness.get_by_label_contains("end the name in .png or .csv");
+    let csv = path.with_extension("csv");
+    type_into(&mut harness, "Export to", &csv.display().to_string());
+    click(&mut harness, "Export");
+    assert!(std::fs::read_to_string(&csv).unwrap().starts_with("x,linear,code_r"));
     click(&mut harness, "Copy as command");
     harness.get_by_label_contains("--shading=phong");
     leave(&mut harness);

@@ -1,7 +1,7 @@
 //! Tests the predicted bands in the gallery and in the shading demo without a display: they agree with the library, and
 //! the window does not wait for them.
 
-use eframe::egui::{Vec2, accesskit::Role};
+use eframe::egui::{Key, Modifiers, Vec2, accesskit::Role};
 use egui_kittest::kittest::{By, NodeT as _, Queryable as _};
 use machband::{
     app::explore::shading::Comparison,
@@ -12,7 +12,7 @@ use machband::{
 
 use crate::{
     shading::await_numbers,
-    window::{Window, choose, click, home, wait_for},
+    window::{Window, choose, click, home, type_into, value, wait_for},
 };
 
 fn open(page: &str, size: [f32; 2]) -> Window {
@@ -64,10 +64,46 @@ fn the_gallery_marks_both_ends_of_a_ramp_and_none_of_a_step() {
     assert_eq!(text(&window, "Predicted visibility"), sentence(&ramp(0.0), 512));
 }
 
+/// The plot has the same left and right edge as the image, and Undo, Redo and Reset restore the settings. Each kind keeps
+/// its own; a kind without Mach bands says why instead of a number.
+#[test]
+fn settings_of_the_gallery_are_undone_and_kept_for_each_kind() {
+    let mut window = open("Stimuli", [1366.0, 740.0]);
+    let image = window.get_by_label("Mach band").rect();
+    let plot = window.get_by_label_contains("Plot: light, ").rect();
+    assert_eq!([image.left(), image.right()], [plot.left(), plot.right()]);
+    assert!(plot.bottom() <= 740.0 && window.get_by_label("Copy as command").rect().bottom() <= 740.0);
+
+    type_into(&mut window, "depth", "3");
+    choose(&mut window, "Dither", "ordered");
+    let settings = |window: &Window| [value(window, "depth"), value(window, "Dither")];
+    click(&mut window, "Undo");
+    assert_eq!(settings(&window), ["3", "none"]);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window.run_steps(2);
+    assert_eq!(settings(&window), ["1", "none"]);
+    for _ in 0..2 {
+        window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+        window.run_steps(2);
+    }
+    assert_eq!(settings(&window), ["3", "ordered"]);
+    for entry in catalog::all().iter().filter_map(|entry| entry.no_bands.map(|why| (entry.title, why))) {
+        choose(&mut window, "Stimulus", entry.0);
+        window.get_by_label(&format!("No Mach bands. {}", entry.1));
+        assert!(window.query_by_label_contains("Predicted visibility").is_none());
+    }
+    choose(&mut window, "Stimulus", "Mach band");
+    assert_eq!(settings(&window), ["3", "ordered"]);
+    click(&mut window, "Reset");
+    assert_eq!(settings(&window), ["1", "none"]);
+    click(&mut window, "Undo");
+    assert_eq!(settings(&window), ["3", "ordered"]);
+}
+
 #[test]
 fn an_image_of_the_gallery_is_predicted() {
     let mut window = open("Stimuli", [1100.0, 860.0]);
-    let to = catalog::all().iter().find(|entry| entry.kind == "kanizsa").unwrap();
+    let to = catalog::all().iter().find(|entry| entry.kind == "shaded-mesh").unwrap();
     choose(&mut window, "Size, px", "256");
     choose(&mut window, "Stimulus", to.title);
     wait_for(&mut window, "Predicted visibility");
@@ -138,7 +174,7 @@ fn the_demo_predicts_what_the_library_predicts() {
 fn the_pages_fit_small_and_large_windows() {
     for size in [[520.0, 360.0], [1100.0, 860.0]] {
         for (page, texts) in [
-            ("Stimuli", &["Predicted visibility", "1 is just visible", "Export PNG", "Dither"][..]),
+            ("Stimuli", &["Predicted visibility", "1 is just visible", "Export", "Dither"][..]),
             (
                 "Shading",
                 &["Predicted bands", "predicted visibility", "A visibility of 1", "Triangles facing", "p95"][..],

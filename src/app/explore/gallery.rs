@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use eframe::egui::{self, CentralPanel, Color32, Frame, Panel, ScrollArea, TextureHandle, Ui};
-use egui_plot::{Line, MarkerShape, PlotUi, Points};
+use egui_plot::{GridMark, Line, MarkerShape, PlotUi, Points};
 
 use crate::{
     app::{
@@ -213,7 +213,7 @@ impl Gallery {
             size: self.settings.size,
             transfers: self.display.transfers.clone(),
             bits: Bits::Eight,
-            dither: self.settings.dither.clone(),
+            dither: self.settings.dither,
             seed: 1,
             display_sha256: self.display.measured.is_some().then(|| store::profile::hash(&self.display)),
         };
@@ -401,8 +401,9 @@ fn plot(
         // Nearly uniform light is shown as uniform, so that rounding is not magnified.
         .include_y(lowest - 0.02)
         .include_y(lowest + 0.02)
-        .x_axis_label("distance from the center along the orientation, in sides of the image")
+        .x_axis_label("position along the orientation, in sides of the image")
         .y_axis_label(what)
+        .x_grid_spacer(|_| (-2..=2).map(|i| GridMark { value: f64::from(i) / 4.0, step_size: 0.25 }).collect())
         .show(ui, |plot| {
             for (color, points) in lines {
                 plot.line(Line::new("", (*points).clone()).color(*color).width(2.0));

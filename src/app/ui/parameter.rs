@@ -7,9 +7,10 @@ use crate::stimulus::{Parameter, ParameterValue, StimulusColor};
 
 /// Maximum width of a control, points.
 const CONTROL: f32 = 240.0;
-/// Width of a slider's number, and of the buttons beside a text field, points.
+/// Widths of a slider's number, of the button of a list, and of the button of a color picker, points.
 const NUMBER: f32 = 60.0;
-const BUTTON: f32 = 32.0;
+const LIST: f32 = 38.0;
+const PICKER: f32 = 32.0;
 
 /// Returns the lower end, upper end and step of a parameter's slider; `None` for a parameter whose values are not only
 /// numbers.
@@ -53,14 +54,14 @@ pub fn parameter(ui: &mut Ui, column: f32, parameter: &'static Parameter, text: 
             }
             _ => {
                 ui.horizontal(|ui| {
-                    ui.spacing_mut().interact_size.x = BUTTON;
-                    let buttons = if is_color(parameter) { 2.0 } else { 1.0 };
-                    let width = room - buttons * (BUTTON + ui.spacing().item_spacing.x);
-                    let field = ui.add_sized([width, ui.spacing().interact_size.y], TextEdit::singleline(text));
+                    ui.spacing_mut().interact_size.x = PICKER;
+                    let gap = ui.spacing().item_spacing.x;
+                    let picker = if is_color(parameter) { PICKER + gap } else { 0.0 };
+                    let field = ui.add(TextEdit::singleline(text).desired_width(room - LIST - gap - picker));
                     field
                         .labelled_by(label)
                         .on_hover_text(format!("{}: {}", parameter.description, parameter.expected));
-                    let list = ComboBox::from_id_salt(parameter.name).selected_text("").width(BUTTON);
+                    let list = ComboBox::from_id_salt(parameter.name).selected_text("").width(PICKER);
                     let list = list.show_ui(ui, |ui| {
                         let of_model = color_in_models(parameter, text);
                         for level in parameter.levels_hint.iter().map(|level| (*level).to_owned()).chain(of_model) {
