@@ -201,8 +201,36 @@ fn presets_set_the_values() {
     assert_eq!(value(&window, "Right depth n"), "5");
     assert_eq!(value(&window, "Right strip b"), "0.20");
     assert_eq!(value(&window, "Right vertex"), "off");
+    // A preset also sets the view; departing from it leaves its name.
+    choose(&mut window, "Left shader", "Flat");
+    assert_eq!(value(&window, "Preset"), "Custom");
+    click(&mut window, "Undo");
+    assert_eq!(value(&window, "Preset"), "Figure 8 (h): fixed (5, 0.2)");
     choose(&mut window, "Preset", "Gouraud and C1 normals");
     window.get_by_label_contains("Gouraud on the left, Phong with C1 normals on the right");
+    let view = value(&window, "Rotate about y");
+    let from = picture(&window).center() + Vec2::new(-120.0, -60.0);
+    drag(&mut window, from, from + Vec2::new(60.0, 0.0), PointerButton::Primary);
+    assert_ne!(value(&window, "Rotate about y"), view);
+    assert_eq!(value(&window, "Preset"), "Custom");
+    // A drag is one change.
+    click(&mut window, "Undo");
+    assert_eq!(value(&window, "Rotate about y"), view);
+    click(&mut window, "Redo");
+    assert_ne!(value(&window, "Rotate about y"), view);
+    click(&mut window, "Reset");
+    assert_eq!(
+        [value(&window, "Rotate about y"), value(&window, "Preset")],
+        [view, "Gouraud and C1 normals".to_owned()]
+    );
+    // The hint about strips and the keys to the colors are shown where they apply.
+    assert!(window.query_by_label_contains("Exact shows a ripple").is_none());
+    choose(&mut window, "Left shader", "Exact");
+    window.get_by_label_contains("Exact shows a ripple");
+    for (layer, key) in [("Creases", "Key: from no jump"), ("Predicted bands", "Key: from dark band")] {
+        click(&mut window, layer);
+        window.get_by_label_contains(key);
+    }
 }
 
 #[test]
@@ -258,7 +286,7 @@ fn the_exported_file_is_the_view() {
         let shown = pixels(&mut window);
         let path = folder.path().join(format!("view-{i}.png"));
         type_into(&mut window, "Export to", &path.display().to_string());
-        click(&mut window, "Export PNG");
+        click(&mut window, "Export");
         window.get_by_label_contains("Saved to");
         let (width, pixels, parameters) = read(&path);
         let wrong = shown.iter().zip(&pixels).enumerate().filter(|(i, (shown, file))| {
@@ -271,7 +299,7 @@ fn the_exported_file_is_the_view() {
         assert_eq!(parameters["transfer"], "srgb");
         // A second export asks before it overwrites the file.
         let before = std::fs::metadata(&path).unwrap().modified().unwrap();
-        click(&mut window, "Export PNG");
+        click(&mut window, "Export");
         window.get_by_label_contains("already exists");
         assert_eq!(std::fs::metadata(&path).unwrap().modified().unwrap(), before);
         click(&mut window, "Replace");

@@ -218,13 +218,23 @@ impl BandMapImage<'_> {
         CodeImage { width, height, samples: Samples::Eight(codes.collect()) }
     }
 
+    /// Returns the code of a band over a middle gray. The share of the full strength is −1 for the strongest dark band
+    /// and 1 for the strongest bright band.
+    pub fn scale(share: f64) -> u8 {
+        Self::over((GROUND[0] + GROUND[1]) / 2.0, share)
+    }
+
+    fn over(ground: f64, share: f64) -> u8 {
+        let end = if share > 0.0 { 255.0 } else { 0.0 };
+        (ground + (end - ground) * share.abs()).round() as u8
+    }
+
     /// Returns the code at the place `i` of the map.
     fn code(&self, i: usize) -> u8 {
         let strength = self.map.bright[i] - self.map.dark[i];
         let share = (strength / self.full_scale.max(FAINT)).clamp(-1.0, 1.0);
         let ground =
             GROUND[0] + (GROUND[1] - GROUND[0]) * Transfer::Srgb.encoded_from_linear(self.light[i].clamp(0.0, 1.0));
-        let end = if share > 0.0 { 255.0 } else { 0.0 };
-        (ground + (end - ground) * share.abs()).round() as u8
+        Self::over(ground, share)
     }
 }

@@ -11,7 +11,7 @@ const REDO: [KeyboardShortcut; 2] = [
 ];
 
 /// The earlier states of the settings of a page. A drag, or the text typed into a field, counts as one change.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct History<T> {
     past: Vec<T>,
     /// The last recorded state.

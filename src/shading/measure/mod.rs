@@ -13,5 +13,5 @@ mod picture;
 mod truth;
 
 pub use creases::{Creases, EdgeCrease, NOISE, at_vertices};
-pub use picture::picture;
+pub use picture::{color, picture};
 pub use truth::Truth;

@@ -41,7 +41,9 @@ fn linear(encoded: [f64; 3]) -> [f32; 3] {
     encoded.map(|value| Transfer::Srgb.linear_from_encoded(value) as f32)
 }
 
-fn color(share: f64) -> [f64; 3] {
+/// Returns the color of a jump that is this share of the largest, as encoded sRGB.
+#[must_use]
+pub fn color(share: f64) -> [f64; 3] {
     let at = share.clamp(0.0, 1.0) * (MAP.len() - 1) as f64;
     let low = (at as usize).min(MAP.len() - 2);
     let (a, b) = (DVec3::from_array(MAP[low]), DVec3::from_array(MAP[low + 1]));

@@ -188,6 +188,9 @@ pub fn draw_marks(ui: &egui::Ui, rect: Rect, compared: &Comparison, settings: &V
     let painter = ui.painter().with_clip_rect(rect.expand(9.0));
     if settings.layer != Layer::Difference {
         let x = rect.left() + rect.width() * settings.divider as f32;
+        if ui.memory(|memory| memory.has_focus(Id::unique("shading divider"))) {
+            painter.vline(x, rect.y_range(), Stroke::new(4.0, ui.visuals().selection.stroke.color));
+        }
         painter.vline(x, rect.y_range(), Stroke::new(1.0, Color32::from_gray(0x80)));
         grip(&painter, Pos2::new(x.clamp(rect.left() + 9.0, rect.right() - 9.0), rect.bottom() - 26.0));
     }

@@ -58,6 +58,12 @@ impl Comparison {
         side.shoot(frame, &(&self.transfer).into())
     }
 
+    /// Returns this comparison for another transfer function, which belongs to the display and to no preset.
+    #[must_use]
+    pub fn on_display(self, transfer: &Transfer) -> Self {
+        Self { transfer: transfer.clone(), ..self }
+    }
+
     /// Rotates the mesh by `right` degrees to the right and `down` degrees downward, from the viewer's perspective.
     pub fn turn(&mut self, right: f64, down: f64) {
         let before = self.scene.view(1, 1).rotation;
@@ -176,16 +182,16 @@ fn rounded(value: f64) -> f64 {
     (value * 1000.0).round() / 1000.0
 }
 
-/// Returns the presets: the initial comparison and the figures of the paper. Each has a mesh and the shader to compare
-/// with Gouraud's. The views and lights of the paper's figures are unknown.
-pub fn presets() -> Vec<(&'static str, MeshChoice, Shade)> {
+/// Returns the presets: the initial comparison and the figures of the paper, each with Gouraud's shader on the left. The
+/// views and lights of the paper's figures are unknown, so all have the initial ones.
+pub fn presets() -> Vec<(&'static str, Comparison)> {
     let fixed = |n, boundary| Shade { depth: Depth::Finite(n), boundary, ..Shade::new(Shader::Fixed) };
     let vertex = |n, b| Shade { vertex: Correction::Printed, ..fixed(n, b) };
     let reweighted = |n, b| Shade { reweight: Correction::Printed, ..fixed(n, b) };
     let cube = MeshChoice::Named(Shape::Cube, 8);
     let [coarse, fine] = [313, 771].map(|vertices| MeshChoice::Named(Shape::Blob, vertices));
     let first = Comparison::default();
-    vec![
+    let presets = [
         ("Gouraud and C1 normals", first.mesh.clone(), first.sides[1].shade),
         ("Gouraud and Patch", first.mesh, Shade::new(Shader::Patch)),
         ("Figure 8 (a): flat", cube.clone(), Shade::new(Shader::Flat)),
@@ -211,5 +217,8 @@ pub fn presets() -> Vec<(&'static str, MeshChoice, Shade)> {
         ("Figure 12 (b): 1538, fixed (3, 0.2)", fine.clone(), fixed(3, 0.2)),
         ("Figure 12 (c): 1538, vertex (3, 0.2)", fine.clone(), vertex(3, 0.2)),
         ("Figure 12 (d): 1538, reweighted (3, 0.33)", fine, reweighted(3, 0.33)),
-    ]
+    ];
+    let comparison =
+        |mesh, shade| Comparison { mesh, sides: [Renderer::gouraud(), Renderer::new(shade)], ..Comparison::default() };
+    presets.into_iter().map(|(name, mesh, shade)| (name, comparison(mesh, shade))).collect()
 }

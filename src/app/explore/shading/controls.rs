@@ -31,15 +31,16 @@ fn field<'a>(label: &'a str, name: &'a str) -> Field<'a> {
 
 /// Draws the list of presets.
 pub fn preset(ui: &mut egui::Ui, compared: &mut Comparison) {
-    let presets = presets();
-    let sides = |shade| [Renderer::gouraud(), Renderer::new(shade)];
-    let before = presets.iter().position(|(_, mesh, shade)| compared.mesh == *mesh && compared.sides == sides(*shade));
+    let presets: Vec<(&str, Comparison)> =
+        presets().into_iter().map(|(name, preset)| (name, preset.on_display(&compared.transfer))).collect();
+    let before = presets.iter().position(|(_, preset)| preset == compared);
     let mut chosen = before;
     let all: Vec<Option<usize>> = (0..presets.len()).map(Some).collect();
-    let name = |chosen: &Option<usize>| chosen.map_or("custom", |i| presets[i].0).to_owned();
-    Field::new("Preset").column(LABEL).choice(ui, &mut chosen, &all, name);
+    let name = |chosen: &Option<usize>| chosen.map_or("Custom", |i| presets[i].0).to_owned();
+    let list = Field::new("Preset").column(LABEL).choice(ui, &mut chosen, &all, name);
+    list.on_hover_text("Sets the mesh, both shaders, the view, the light and the material.");
     if let Some(i) = chosen.filter(|_| chosen != before) {
-        (compared.mesh, compared.sides) = (presets[i].1.clone(), sides(presets[i].2));
+        compared.clone_from(&presets[i].1);
     }
 }
 
@@ -56,19 +57,29 @@ pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
             Gradients::Ring => "plane through neighbors".to_owned(),
             Gradients::Quadric => "quadric through neighbors".to_owned(),
         };
-        field("slopes from", &name("slopes")).choice(ui, &mut shade.gradients, Gradients::ALL, title);
+        field("slopes from", &name("slopes"))
+            .choice(ui, &mut shade.gradients, Gradients::ALL, title)
+            .on_hover_text("How the slope of the light at a vertex is estimated.");
     }
     if shade.has_strip() {
         let depths: Vec<Depth> = (1..=Depth::MAX_FINITE).map(Depth::Finite).chain([Depth::Infinite]).collect();
-        field("depth n", &name("depth n")).choice(ui, &mut shade.depth, &depths, |depth| depth_title(*depth));
+        field("depth n", &name("depth n"))
+            .choice(ui, &mut shade.depth, &depths, |depth| depth_title(*depth))
+            .on_hover_text("The continuity depth: n − 1 derivatives vanish at the ends of the strip.");
         let most = if shade.shader == Shader::Cut { 1.0 } else { 1.0 / 3.0 };
         shade.boundary = shade.boundary.min(most);
-        field("strip b", &name("strip b")).slider(ui, &mut shade.boundary, 0.0..=most, 0.01);
+        field("strip b", &name("strip b"))
+            .slider(ui, &mut shade.boundary, 0.0..=most, 0.01)
+            .on_hover_text("The width of the strip along each edge, as a share of the triangle.");
     }
     if shade.shader.interpolates_light() {
         let title = |correction: &Correction| correction.name().to_owned();
-        field("vertex", &name("vertex")).choice(ui, &mut shade.vertex, Correction::ALL, title);
-        field("reweight", &name("reweight")).choice(ui, &mut shade.reweight, Correction::ALL, title);
+        field("vertex", &name("vertex"))
+            .choice(ui, &mut shade.vertex, Correction::ALL, title)
+            .on_hover_text("The paper's correction at the vertices, as printed or repaired.");
+        field("reweight", &name("reweight"))
+            .choice(ui, &mut shade.reweight, Correction::ALL, title)
+            .on_hover_text("The paper's correction by the length of the normal, as printed or repaired.");
     } else {
         // A correction that was chosen for another shader must not stay on unseen.
         (shade.vertex, shade.reweight) = (Correction::Off, Correction::Off);
@@ -76,6 +87,7 @@ pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
     if !shade.shader.lights_pixels() {
         let response = ui.checkbox(&mut side.naive, "ignore gamma: interpolate codes");
         text::name(ui, &response, &name("ignores gamma"));
+        response.on_hover_text("Interpolates the codes of the vertices instead of their light, as older programs do.");
     }
 }
 

@@ -11,7 +11,7 @@ use super::{
     measures::{SHORTER_SIDE_DEG, predicted_size},
 };
 use crate::{
-    app::ui::{Field, Saving},
+    app::ui::{Field, Saving, ending, saved},
     light::CodeImage,
     store::{self, StoreError},
 };
@@ -38,16 +38,17 @@ impl Export {
             *self = Self { typed: Some(name.clone()).filter(|name| !name.trim().is_empty()), ..Self::default() };
         }
         let path = PathBuf::from(name.trim());
-        if let Some(writer) = self.saving.button(ui, "Export PNG", true, &path, &[]) {
+        if let Some(writer) = self.saving.button(ui, "Export", true, &path, &[]) {
             let not_ready = || StoreError::Protected {
                 path: path.clone(),
                 what: "this view is not ready yet; try again in a moment".to_owned(),
             };
-            let written = view().ok_or_else(not_ready).and_then(|(image, parameters)| {
+            let view = ending(&path, &["png"]).and_then(|_| view().ok_or_else(not_ready));
+            let written = view.and_then(|(image, parameters)| {
                 let transfers = compared.transfer.clone().into();
                 store::image::write_shaded(&writer, &path, &image, &transfers, &parameters)
             });
-            self.saving.finish(&path, written.map(|()| format!("Saved to {}", path.display())));
+            self.saving.finish(&path, written.map(|()| saved(&path)));
         }
         self.saving.show(ui);
     }

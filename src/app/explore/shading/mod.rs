@@ -6,6 +6,7 @@
 //! | `pictures` | drawing on the graphics card or the CPU, only if something has changed |
 //! | `measures` | creases and predicted bands of both sides; light along a line |
 //! | `canvas` | the image and dragging on it |
+//! | `key` | keys to the colors of the layers |
 //! | `controls`, `export` | the panel of controls |
 //! | `page` | the complete page |
 
@@ -13,6 +14,7 @@ mod canvas;
 mod comparison;
 mod controls;
 mod export;
+mod key;
 mod measures;
 mod page;
 mod pictures;

@@ -12,20 +12,21 @@ use super::{
     comparison::{Comparison, MeshChoice, title},
     controls,
     export::{self, Export},
+    key,
     measures::{self, Measurement, SHORTER_SIDE_DEG, Scan},
     pictures::{Difference, Drawer, DrawnBy, Picture, Pictures, divided},
 };
 use crate::{
     app::ui::{
-        Dialog, Field, FileKind, Step, escaped, heading, hint, secondary, show_error,
+        Dialog, Field, FileKind, History, Step, escaped, heading, hint, secondary, show_error,
         theme::{self, ink},
     },
     light::CodeImage,
-    shading::Surface,
+    shading::{Shader, Surface},
 };
 
 /// Height of the plots below the picture, points.
-const PLOTS: f32 = 170.0;
+const PLOTS: f32 = 190.0;
 /// In a window narrower than the first value, the view has the height of the second and is above the controls; both in
 /// points.
 const NARROW: f32 = 640.0;
@@ -37,6 +38,8 @@ const NUMBERS: f32 = 156.0;
 #[derive(Default)]
 pub struct ShadingPage {
     compared: Comparison,
+    /// The earlier comparisons.
+    history: History<Comparison>,
     settings: ViewSettings,
     /// The last valid mesh and its surface.
     surface: Option<(MeshChoice, Arc<Surface>)>,
@@ -66,35 +69,52 @@ impl ShadingPage {
         let width = (ui.available_width() * 0.36).clamp(272.0, 340.0);
         let is_narrow = ui.available_width() < NARROW;
         let frame = Frame::NONE.inner_margin(12.0);
-        let mut column = |ui: &mut egui::Ui| {
-            theme::compact(ui);
-            // Leaves room for the scroll bar.
-            ui.set_max_width(ui.available_width() - 6.0);
-            let back = heading(ui, "Shading");
-            if is_narrow {
-                let plots = if self.settings.scan { PLOTS + 8.0 } else { 0.0 };
-                let size = egui::vec2(ui.available_width(), NARROW_VIEW + plots);
-                ui.allocate_ui(size, |ui| {
-                    ui.set_min_size(size);
-                    self.view(ui);
-                });
-                ui.separator();
-            }
-            self.controls(ui);
-            back
-        };
-        let scrolling = |ui: &mut egui::Ui| ScrollArea::vertical().auto_shrink(false).show(ui, &mut column).inner;
         let back = if is_narrow {
+            let scrolling = |ui: &mut egui::Ui| {
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.column(ui, true)).inner
+            };
             CentralPanel::default().frame(frame).show(ui, scrolling).inner
         } else {
-            let back = Panel::left("shading").resizable(false).exact_size(width).frame(frame).show(ui, scrolling).inner;
+            let back = Panel::left("shading").resizable(false).exact_size(width).frame(frame).show(ui, |ui| {
+                // The export stays in view while the controls scroll.
+                let below = Frame::NONE.inner_margin(egui::Margin { top: 8, ..egui::Margin::ZERO });
+                Panel::bottom("shading export").frame(below).show(ui, |ui| {
+                    theme::compact(ui);
+                    self.export(ui);
+                });
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.column(ui, false)).inner
+            });
+            let back = back.inner;
             CentralPanel::default().frame(frame).show(ui, |ui| {
                 theme::compact(ui);
                 self.view(ui);
             });
             back
         };
+        self.history.record(ui, &self.compared);
         Step::back_if(back || escaped)
+    }
+
+    /// Draws the column of controls; returns whether to go back. In a narrow window, it also contains the view.
+    fn column(&mut self, ui: &mut egui::Ui, is_narrow: bool) -> bool {
+        theme::compact(ui);
+        // Leaves room for the scroll bar.
+        ui.set_max_width(ui.available_width() - 6.0);
+        let back = heading(ui, "Shading");
+        if is_narrow {
+            let plots = if self.settings.scan { PLOTS + 8.0 } else { 0.0 };
+            let size = egui::vec2(ui.available_width(), NARROW_VIEW + plots);
+            ui.allocate_ui(size, |ui| {
+                ui.set_min_size(size);
+                self.view(ui);
+            });
+            ui.separator();
+        }
+        self.controls(ui);
+        if is_narrow {
+            self.export(ui);
+        }
+        back
     }
 
     fn controls(&mut self, ui: &mut egui::Ui) {
@@ -105,14 +125,18 @@ impl ShadingPage {
                 abruptly.",
         );
         controls::preset(ui, &mut self.compared);
+        self.history.show(ui, &mut self.compared, Comparison::default());
         for (which, side) in self.compared.sides.iter_mut().enumerate() {
             ui.separator();
             controls::side(ui, which, side);
         }
-        hint(
-            ui,
-            "If a strip is only a few pixels wide, Exact shows a ripple at the edges: increase b, or use Cut or Patch.",
-        );
+        if self.compared.sides.iter().any(|side| side.shade.shader == Shader::Exact) {
+            hint(
+                ui,
+                "If a strip is only a few pixels wide, Exact shows a ripple at the edges: increase b, or use Cut or \
+                    Patch.",
+            );
+        }
         ui.separator();
         controls::mesh(ui, &mut self.compared);
         self.file_field(ui);
@@ -123,8 +147,6 @@ impl ShadingPage {
         if let Some(drawer) = &mut self.drawer {
             controls::drawn_by(ui, drawer);
         }
-        ui.separator();
-        self.export(ui);
     }
 
     fn file_field(&mut self, ui: &mut egui::Ui) {
@@ -132,6 +154,9 @@ impl ShadingPage {
             .hint("path of an OBJ, PLY, glTF or GLB file, or drop one here")
             .width(ui.available_width());
         let field = field.text(ui, &mut self.file.path);
+        if field.changed() {
+            self.file.error = None;
+        }
         let mut open = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         ui.horizontal(|ui| {
             open |= ui.button("Open the file").clicked();
@@ -158,12 +183,18 @@ impl ShadingPage {
                 self.surface = Some((choice, Arc::new(Surface::new(mesh))));
                 None
             }
-            Err(error) => Some(error),
+            Err(error) => {
+                if let Some((valid, _)) = &self.surface {
+                    self.compared.mesh.clone_from(valid);
+                }
+                Some(error)
+            }
         };
     }
 
     fn view(&mut self, ui: &mut egui::Ui) {
         self.toolbar(ui);
+        self.explain(ui);
         let titles = self.compared.sides.each_ref().map(title);
         self.titles(ui, &titles);
         let below = NUMBERS + if self.settings.scan { PLOTS + 8.0 } else { 0.0 };
@@ -210,6 +241,25 @@ impl ShadingPage {
             if !settings.scan && settings.target == DragTarget::ScanLine {
                 settings.target = DragTarget::Mesh;
             }
+        });
+    }
+
+    /// Says what the colors of the layer mean or, above the images themselves, what dragging does. The line has the same
+    /// height for every layer, so that the picture keeps its size.
+    fn explain(&self, ui: &mut egui::Ui) {
+        let edition = self.pictures.as_ref().map_or(0, |pictures| pictures.edition);
+        let drag = match self.settings.target {
+            DragTarget::Mesh => {
+                "Drag the picture, or press the arrow keys, to rotate the mesh. The right mouse button moves the light."
+            }
+            DragTarget::Light => "Drag the picture, or press the arrow keys, to move the light.",
+            DragTarget::ScanLine => "Drag across the picture to draw the scan line; the arrow keys move it.",
+        };
+        ui.horizontal(|ui| match self.settings.layer {
+            Layer::Split => _ = ui.add(Label::new(secondary(drag)).truncate()),
+            Layer::Difference => key::difference(ui, self.settings.factor),
+            Layer::Creases => key::creases(ui, self.creases.get(edition).map(|creases| creases.full_scale)),
+            Layer::Bands => key::bands(ui, self.bands.get(edition).map(|bands| bands.full_scale)),
         });
     }
 

@@ -1,0 +1,58 @@
+//! Keys to the colors of the layers.
+
+use eframe::egui::{self, Color32, Label, Rect, Sense, Vec2};
+
+use crate::{
+    app::{
+        explore::prediction::BandMapImage,
+        ui::{describe, secondary},
+    },
+    shading::crease,
+};
+
+/// Size of a scale of colors, points.
+const SCALE: Vec2 = Vec2::new(120.0, 12.0);
+const STEPS: usize = 40;
+
+/// Draws the key to the differences between codes, which are amplified by `factor`.
+pub fn difference(ui: &mut egui::Ui, factor: u8) {
+    let most = 255_u8.div_ceil(factor.max(1));
+    key(ui, "the same code", gray, &format!("{most} codes apart or more"));
+}
+
+/// Draws the key to the creases. `full_scale` is the jump of slope with the last color, once it is known.
+pub fn creases(ui: &mut egui::Ui, full_scale: Option<f64>) {
+    let color = |share| {
+        let [r, g, b] = crease::color(share).map(|encoded| (encoded * 255.0).round() as u8);
+        Color32::from_rgb(r, g, b)
+    };
+    let most = full_scale.map_or_else(String::new, |most| format!("{most:.1e} light per pixel or more: "));
+    key(ui, "no jump of slope", color, &format!("{most}the steepest 5 % of Gouraud's"));
+}
+
+/// Draws the key to the predicted bands. `full_scale` is the strength of the lightest and darkest bands, once it is
+/// known.
+pub fn bands(ui: &mut egui::Ui, full_scale: Option<f64>) {
+    let strength = full_scale.map_or_else(String::new, |most| format!(", visibility {most:.1}"));
+    let color = |share: f64| Color32::from_gray(BandMapImage::scale(share * 2.0 - 1.0));
+    key(ui, &format!("dark band{strength}"), color, &format!("bright band{strength}"));
+}
+
+fn gray(share: f64) -> Color32 {
+    Color32::from_gray((share * 255.0).round() as u8)
+}
+
+/// Draws a scale of colors between the names of its ends.
+fn key(ui: &mut egui::Ui, least: &str, color: impl Fn(f64) -> Color32, most: &str) {
+    ui.label(secondary(least));
+    let (rect, response) = ui.allocate_exact_size(SCALE, Sense::hover());
+    describe(&response, &format!("Key: from {least} to {most}"));
+    let step = rect.width() / STEPS as f32;
+    for i in 0..STEPS {
+        let left = rect.left() + step * i as f32;
+        let part = Rect::from_x_y_ranges(left..=left + step, rect.y_range());
+        ui.painter().rect_filled(part, 0.0, color(i as f64 / (STEPS - 1) as f64));
+    }
+    // A wider page would change the size of the picture, and thus what is measured.
+    ui.add(Label::new(secondary(most)).truncate());
+}
