@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::{
-    counts::{CountRow, Counts},
+    counts::{CountRow, Counts, Factor},
     ordinal::{
         ModelError, Note,
         terms::{Terms, Variable},
@@ -102,18 +102,19 @@ impl<'a> Frame<'a> {
         let factor = &self.counts.factors[index];
         let mut values = vec![0.0; factor.levels.len()];
         for &level in &self.levels[index] {
-            let text = &factor.levels[level as usize];
-            let number = super::levels::number_of(text);
-            let value = if inverse { number.map(f64::recip) } else { number };
-            values[level as usize] = match value {
-                Some(value) if value.is_finite() => value,
-                Some(_) if !inverse && factor.name == "depth" => {
-                    return Err(ModelError::InfiniteDepth { name: factor.name.clone() });
-                }
-                _ => return Err(ModelError::NotANumber { factor: factor.name.clone(), level: text.clone() }),
-            };
+            values[level as usize] = level_number(factor, &factor.levels[level as usize], inverse)?;
         }
         Ok(values)
+    }
+}
+
+/// Returns the number of a factor's level, or its reciprocal if `inverse`.
+pub(crate) fn level_number(factor: &Factor, level: &str, inverse: bool) -> Result<f64, ModelError> {
+    let number = super::levels::number_of(level);
+    match if inverse { number.map(f64::recip) } else { number } {
+        Some(value) if value.is_finite() => Ok(value),
+        Some(_) if !inverse && factor.name == "depth" => Err(ModelError::InfiniteDepth { name: factor.name.clone() }),
+        _ => Err(ModelError::NotANumber { factor: factor.name.clone(), level: level.to_owned() }),
     }
 }
 

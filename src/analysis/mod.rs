@@ -30,7 +30,7 @@ pub mod rank_tests;
 pub mod results;
 pub mod summary;
 
-pub(crate) use frame::find_factor;
+pub(crate) use frame::{find_factor, level_number};
 pub use levels::{number_of, numbers_of};
 pub use ordinal::{
     Alternative, Calibration, Checks, Coefficient, Comparison, Contrast, FEW_FOR_LIKELIHOOD_RATIOS, Influence, Link,

@@ -75,10 +75,16 @@ pub fn check_folder(writer: &Writer, folder: &Path) -> Result<(), StoreError> {
 }
 
 fn pictures(figure: &Figure, folder: &Path) -> Result<[(String, Vec<u8>); 2], StoreError> {
-    let png = figure
-        .png()
-        .map_err(|error| StoreError::io(&folder.join(figure.name), "draw", std::io::Error::other(error.to_string())))?;
+    let png = png(figure, &folder.join(figure.name))?;
     Ok([(format!("{}.svg", figure.name), figure.svg.clone().into_bytes()), (format!("{}.png", figure.name), png)])
+}
+
+/// Returns a figure as the content of the PNG file at `path`.
+///
+/// # Errors
+/// The figure cannot be drawn.
+pub fn png(figure: &Figure, path: &Path) -> Result<Vec<u8>, StoreError> {
+    figure.png().map_err(|error| StoreError::io(path, "draw", std::io::Error::other(error.to_string())))
 }
 
 fn tables(study: &Study, results: &Results) -> Vec<(String, Vec<u8>)> {

@@ -172,7 +172,7 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     let (_folder, data_set) = study(6);
     let (study, results) = read(&data_set);
     let mut window = opened(&data_set);
-    for text in ["tiny: A tiny study", "108 ratings in 6 sessions", "are simulated"] {
+    for text in ["tiny: A tiny study", "6 participants, 6 sessions, 108 ratings.", "are simulated"] {
         assert_has(&window, text);
     }
     window.get_by_label("108 ratings by 6 participants.");
@@ -188,7 +188,7 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     click(&mut window, "Model");
     assert_has(&window, "probit link");
     for (terms, expected) in [
-        ("width,nothing", "nothing: no such factor; expected one of width, depth"),
+        ("width,nothing", "There is no factor nothing. Enter some of width, depth."),
         ("width,,depth", "an empty name"),
         ("num:width", "probit link, terms num:width"),
     ] {
@@ -197,6 +197,17 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     }
     click(&mut window, "Copy as command");
     assert_has(&window, "--terms num:width --link probit");
+    // Typed terms are used after a pause. While they are invalid, the last valid ones stay in use.
+    type_into(&mut window, "Terms", "wid");
+    assert_has(&window, "There is no factor wid.");
+    window.run_steps(60);
+    assert_has(&window, "probit link, terms num:width");
+    type_into(&mut window, "Terms", "width");
+    assert!(window.query_by_label_contains("There is no factor").is_none());
+    assert_has(&window, "probit link, terms num:width");
+    window.run_steps(40);
+    wait_until_idle(&mut window);
+    assert_has(&window, "probit link, terms width");
     // A column that is not a factor of the design becomes one if the terms name it.
     enter_terms(&mut window, "width,repetition");
     wait_for(&mut window, "repetition: 3 of 3 levels");
@@ -218,7 +229,8 @@ fn filters_narrow_the_analysis_and_its_export() {
     window.get_by_label("36 ratings by 3 participants. Filtered: 3 of 4 participants; width 0.1, 0.8.");
     let second = whole.measured.counts.subjects.iter().position(|name| name == "S002").unwrap() as u32;
     let left = study.measured.filtered(|subject| subject != second, |levels| levels[0] != Some(1));
-    assert_document(&mut window, &study, &analyze(left, &Options::default()));
+    let results = analyze(left, &Options::default());
+    assert_document(&mut window, &study, &results);
 
     let out = folder.path().join("out");
     type_into(&mut window, "Export to the folder", out.to_str().unwrap());
@@ -228,6 +240,23 @@ fn filters_narrow_the_analysis_and_its_export() {
     for file in ["report.html", "figure4a.svg", "figure4b.png", "by_width.csv", "tests.csv", "model.json"] {
         assert!(out.join(file).is_file(), "{file}");
     }
+    window.get_by_label("Open report");
+    window.get_by_label("Open folder");
+    // A figure saved by itself has the bytes of the exported one.
+    click(&mut window, "Description");
+    let figure = &figures::all(&results)[0];
+    click(&mut window, &format!("Save the figure: {}", figure.title));
+    for ending in ["svg", "png"] {
+        let alone = folder.path().join(format!("alone.{ending}"));
+        type_into(&mut window, "Save the figure as", alone.to_str().unwrap());
+        click(&mut window, "Save");
+        window.get_by_label(&format!("Saved to {}", alone.display()));
+        let exported = out.join(format!("{}.{ending}", figure.name));
+        assert!(std::fs::read(&alone).unwrap() == std::fs::read(exported).unwrap(), "{ending}");
+    }
+    type_into(&mut window, "Save the figure as", "alone.pdf");
+    click(&mut window, "Save");
+    assert_has(&window, "end the name in .svg or .png");
     let report = std::fs::read_to_string(out.join("report.html")).unwrap();
     assert!(report.contains("filtered in the window: 3 of 4 participants; width 0.1, 0.8"));
     let cells = std::fs::read_to_string(out.join("cells.csv")).unwrap();
@@ -355,7 +384,7 @@ fn ratings_in_words_are_put_in_order_first() {
     drop_on(&mut window, &[&path]);
     wait_for(&mut window, "What do the columns mean?");
     assert_eq!(value(&window, "Number of trials"), "one per row");
-    assert_has(&window, "words.csv:1: several columns have the name note; expected a different name for each");
+    assert_has(&window, "words.csv:1: Several columns are named note. Give each a different name.");
     assert!(!has(&window, "Factor note"));
     click(&mut window, "Factor n");
     click(&mut window, "Read these columns");

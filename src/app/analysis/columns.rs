@@ -70,10 +70,7 @@ impl Columns {
         hint(ui, format!("{name} was not written by machband. Identify its columns."));
         if !self.repeated.is_empty() {
             let names = self.repeated.join(", ");
-            show_error(
-                ui,
-                format!("{name}:1: several columns have the name {names}; expected a different name for each"),
-            );
+            show_error(ui, format!("{name}:1: Several columns are named {names}. Give each a different name."));
         }
         let columns: Vec<Option<String>> = std::iter::once(None).chain(self.header.iter().cloned().map(Some)).collect();
         let mut choice = |label, chosen: &mut Option<String>, all: &[Option<String>], none: &str| {
@@ -100,7 +97,7 @@ impl Columns {
         let same = self.subject.is_some() && [&self.response, &self.count].contains(&&self.subject)
             || self.response.is_some() && self.response == self.count;
         if same {
-            show_error(ui, "One column is used twice; expected a different column for each.");
+            show_error(ui, "One column is used twice. Choose a different column for each.");
         }
         let ready = self.subject.is_some() && self.response.is_some() && !same;
         let hint = if ready { "" } else { "Choose at least the participant and the rating." };

@@ -1,20 +1,23 @@
 //! Shows the document in the window. Each figure of the report is drawn at the size in pixels that it occupies.
 
-use std::sync::Arc;
+use std::{path::PathBuf, sync::Arc};
 
 use eframe::egui::{self, Color32, ColorImage, Label, Pos2, Rect, RichText, ScrollArea, Sense, TextureHandle, Vec2};
 
 use super::table::TableView;
 use crate::{
     app::ui::{
-        describe, hint, paragraph,
+        Field, Saving, describe, ending, hint, paragraph,
         pixels::{Canvas, draw_centered},
-        section, show_error, theme, tick,
+        saved, section, show_error,
+        text::name,
+        theme, tick,
         work::Latest,
     },
     report::{
         document::{Block, Document, Section},
         figures::Figure,
+        png,
     },
 };
 
@@ -122,12 +125,14 @@ struct FigureView {
     canvas: Canvas,
     /// The last image and its requested width in pixels; the image of the previous analysis until the new one is drawn.
     shown: Option<(Option<u32>, TextureHandle)>,
+    /// The path to save it to, while the user enters one, and the outcome.
+    saving: Option<(String, Saving)>,
 }
 
 impl FigureView {
     /// Creates a figure that has not been drawn yet.
     fn new(figure: Figure) -> Self {
-        Self { figure, drawn: Latest::default(), canvas: Canvas::default(), shown: None }
+        Self { figure, drawn: Latest::default(), canvas: Canvas::default(), shown: None, saving: None }
     }
 
     /// Shows the image of the previous figure until this one is drawn.
@@ -136,6 +141,7 @@ impl FigureView {
             return Some(earlier);
         }
         self.canvas = earlier.canvas;
+        self.saving = earlier.saving;
         self.shown = earlier.shown.map(|(_, texture)| (None, texture));
         None
     }
@@ -150,8 +156,37 @@ impl FigureView {
         if ui.is_rect_visible(rect) {
             self.draw(ui, rect);
         }
-        paragraph(ui, RichText::new(&self.figure.title).strong());
+        ui.horizontal_wrapped(|ui| {
+            ui.add(Label::new(RichText::new(&self.figure.title).strong()).wrap());
+            let save = ui.small_button("Save…");
+            name(ui, &save, &format!("Save the figure: {}", self.figure.title));
+            if save.on_hover_text("Saves this figure alone, as SVG or PNG.").clicked() {
+                let path = format!("{}.svg", self.figure.name);
+                self.saving = if self.saving.is_some() { None } else { Some((path, Saving::default())) };
+            }
+        });
+        self.save(ui);
         hint(ui, &self.figure.caption);
+    }
+
+    /// Draws the controls that save the figure. Its ending chooses the format.
+    fn save(&mut self, ui: &mut egui::Ui) {
+        let Some((typed, saving)) = &mut self.saving else { return };
+        ui.horizontal_wrapped(|ui| {
+            let field = Field::new("Save the figure as").width(240.0).text(ui, typed);
+            if field.on_hover_text("End the name in .svg or .png, which chooses the format.").changed() {
+                *saving = Saving::default();
+            }
+            let path = PathBuf::from(typed.trim());
+            if let Some(writer) = saving.button(ui, "Save", true, &path, &[]) {
+                let written = ending(&path, &["svg", "png"]).and_then(|ending| match ending {
+                    "svg" => writer.write(&path, self.figure.svg.as_bytes()),
+                    _ => writer.write(&path, &png(&self.figure, &path)?),
+                });
+                saving.finish(&path, written.map(|()| saved(&path)));
+            }
+        });
+        saving.show(ui);
     }
 
     fn draw(&mut self, ui: &mut egui::Ui, rect: Rect) {

@@ -10,7 +10,7 @@ use eframe::egui;
 use crate::{
     analysis::{Link, Options, Random, Results, Slopes},
     app::ui::{
-        Dialog, FileKind, Saving, hint, secondary,
+        Dialog, FileKind, Saving, full, hint, secondary, show_error,
         work::{BackgroundTask, Progress},
     },
     report::{Provenance, Study, study::shell_command, write_all},
@@ -32,6 +32,10 @@ pub struct Export {
     work: Option<(PathBuf, BackgroundTask<Result<usize, StoreError>>)>,
     saving: Saving,
     copied: Option<String>,
+    /// The folder with the last export.
+    written: Option<PathBuf>,
+    /// Why it could not be opened.
+    not_opened: Option<String>,
 }
 
 pub struct Exported<'a> {
@@ -56,6 +60,8 @@ impl Export {
             work: None,
             saving: Saving::default(),
             copied: None,
+            written: None,
+            not_opened: None,
         }
     }
 
@@ -80,13 +86,14 @@ impl Export {
             }
         });
         if changed {
-            self.saving = Saving::default();
+            self.forget();
         }
         if let Some(Exported { filter, .. }) = exported.filter(|exported| !exported.filter.is_empty()) {
             hint(ui, format!("The export includes only the data shown: {filter}."));
         }
         self.dialog.missing_error(ui);
         self.saving.show(ui);
+        self.open_buttons(ui);
         let whole = exported.filter(|exported| exported.filter.is_empty());
         let copy = ui.add_enabled(whole.is_some(), egui::Button::new("Copy as command"));
         let copy = copy.on_disabled_hover_text("The command analyzes all data; select everything first.").clicked();
@@ -104,18 +111,41 @@ impl Export {
         let Some((folder, work)) = &self.work else { return };
         let outcome = match work.poll() {
             Progress::Running => return,
-            Progress::Done(files) => files.map(|files| format!("{files} files written to {}", folder.display())),
+            Progress::Done(files) => files.map(|files| format!("{files} files written to {}", full(folder).display())),
             Progress::Lost => Err(StoreError::Protected {
                 path: folder.clone(),
                 what: "the export ended unexpectedly; expected files in the folder".to_owned(),
             }),
         };
+        self.written = outcome.is_ok().then(|| folder.clone());
         self.saving.finish(folder, outcome);
         self.work = None;
         ctx.request_repaint();
     }
 
+    fn forget(&mut self) {
+        (self.saving, self.written, self.not_opened) = (Saving::default(), None, None);
+    }
+
+    /// Draws the buttons that open the last export in other programs.
+    fn open_buttons(&mut self, ui: &mut egui::Ui) {
+        let Some(folder) = &self.written else { return };
+        ui.horizontal_wrapped(|ui| {
+            for (text, path) in [("Open report", folder.join("report.html")), ("Open folder", folder.clone())] {
+                if ui.button(text).clicked() {
+                    let opened = open::that_detached(&path);
+                    self.not_opened =
+                        opened.err().map(|error| format!("{} cannot be opened: {error}", full(&path).display()));
+                }
+            }
+        });
+        if let Some(error) = &self.not_opened {
+            show_error(ui, error);
+        }
+    }
+
     fn start(&mut self, ctx: &egui::Context, folder: PathBuf, writer: Writer, exported: &Exported<'_>) {
+        self.written = None;
         let (study, results, to) = (exported.study.clone(), exported.results.clone(), folder.clone());
         let mut command = self.command(exported);
         if !exported.filter.is_empty() {

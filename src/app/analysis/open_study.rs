@@ -1,6 +1,8 @@
 //! An open study: its filters and settings, and the resulting document.
 
 use std::{
+    cell::OnceCell,
+    collections::BTreeSet,
     path::PathBuf,
     sync::{
         Arc,
@@ -33,7 +35,7 @@ use crate::{
     },
     store::{
         FileError,
-        ratings::{ReadOptions, SessionRead, Source},
+        ratings::{ReadOptions, SessionRead, Source, column_names},
     },
 };
 
@@ -78,6 +80,8 @@ pub struct OpenStudy {
     section: &'static str,
     export: Export,
     request: Option<Request>,
+    /// The names of all columns of the files, once they are needed.
+    columns: OnceCell<BTreeSet<String>>,
 }
 
 /// The filters and options of an analysis.
@@ -89,9 +93,10 @@ struct Query {
 
 /// The results of an analysis, without the document.
 struct Outcome {
-    query: Query,
     results: Arc<Results>,
     figures: Vec<Figure>,
+    /// The selected data as a phrase; empty if nothing is excluded.
+    filter: String,
 }
 
 impl OpenStudy {
@@ -111,6 +116,7 @@ impl OpenStudy {
             study: Arc::new(study),
             read_options,
             request: None,
+            columns: OnceCell::new(),
         }
     }
 
@@ -123,6 +129,8 @@ impl OpenStudy {
             settings: before.settings,
             section: before.section,
             export: before.export,
+            // The earlier results stay until the new ones are ready.
+            shown: before.shown,
             ..Self::new(study, Vec::new(), read_options)
         }
     }
@@ -199,8 +207,7 @@ impl OpenStudy {
 
     /// Runs one analysis at a time. Newer requests wait, and only the latest of them is run.
     fn analyze(&mut self, ctx: &egui::Context) {
-        let Ok(options) = self.settings.options() else { return };
-        let query = Query { filters: self.filters.clone(), options };
+        let query = Query { filters: self.filters.clone(), options: self.settings.options() };
         if self.work.is_some() || self.asked.as_ref() == Some(&query) {
             return;
         }
@@ -255,7 +262,7 @@ impl OpenStudy {
             return;
         };
         let counts = &outcome.results.measured.counts;
-        let left = outcome.query.filters.sentence(&self.study.measured.counts);
+        let left = &outcome.filter;
         let filtered = if left.is_empty() { String::new() } else { format!(" Filtered: {left}.") };
         let people = count(outcome.results.people() as u64, "participant");
         hint(ui, format!("{} by {people}.{filtered}", count(counts.total(), "rating")));
@@ -276,7 +283,7 @@ impl OpenStudy {
     /// Draws the controls: files, filters, model, export.
     fn controls(&mut self, ui: &mut egui::Ui) {
         let source = &self.study.source;
-        about(ui, source);
+        about(ui, &self.study);
         let unfinished = source.sessions.iter().any(SessionRead::is_unfinished);
         if unfinished || source.files.iter().any(|file| file.unfinished > 0) {
             let mut complete = self.read_options.complete_only;
@@ -303,8 +310,8 @@ impl OpenStudy {
             self.filters = Filters::new(counts);
         }
         ui.separator();
-        let error = self.shown.as_ref().and_then(|(outcome, _)| outcome.results.model.as_ref().err());
-        self.settings.show(ui, counts, self.filters.people(), error);
+        let is_column = |name: &str| self.columns.get_or_init(|| columns(&self.study.source)).contains(name);
+        self.settings.show(ui, counts, &self.filters, &is_column);
         ui.separator();
         // Only displayed results can be exported, not results that are still being computed.
         let outcome = self.shown.as_ref().filter(|_| self.work.is_none()).map(|(outcome, _)| outcome);
@@ -312,7 +319,7 @@ impl OpenStudy {
             study: &self.study,
             read_options: &self.read_options,
             results: &outcome.results,
-            filter: outcome.query.filters.sentence(counts),
+            filter: outcome.filter.clone(),
         });
         self.export.show(ui, exported.as_ref());
         self.read_columns_of_terms();
@@ -330,7 +337,8 @@ impl OpenStudy {
 }
 
 /// Draws a short description of where the ratings come from; the document has the details.
-fn about(ui: &mut egui::Ui, source: &Source) {
+fn about(ui: &mut egui::Ui, study: &Study) {
+    let source = &study.source;
     let title = match (&source.protocol, source.files.first()) {
         (Some(protocol), _) => format!("{}: {}", protocol.name, protocol.title),
         (None, Some(file)) => file.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
@@ -338,13 +346,19 @@ fn about(ui: &mut egui::Ui, source: &Source) {
     };
     paragraph(ui, RichText::new(title).strong());
     let ratings = source.files.iter().map(|file| file.ratings).sum();
+    let people = study.measured.counts.subjects.len() as u64;
     let sessions = match source.sessions.len() as u64 {
         0 => String::new(),
-        sessions => format!(" in {}", count(sessions, "session")),
+        sessions => format!(", {}", count(sessions, "session")),
     };
-    hint(ui, format!("{}{sessions}.", count(ratings, "rating")));
+    hint(ui, format!("{}{sessions}, {}.", count(people, "participant"), count(ratings, "rating")));
     problems(ui, "Errors", &source.errors, theme::ink(ui).error);
     problems(ui, "Warnings", &source.warnings, theme::ink(ui).note);
+}
+
+/// Returns the names of all columns of the files.
+fn columns(source: &Source) -> BTreeSet<String> {
+    source.files.iter().filter_map(|file| column_names(&file.path).ok()).flatten().collect()
 }
 
 fn problems(ui: &mut egui::Ui, title: &str, problems: &[FileError], color: egui::Color32) {
@@ -398,7 +412,8 @@ impl Outcome {
         let results = Arc::new(analyze_with(measured, &query.options, &|done, all| simulated.set(done, all)));
         let figures = figures::all(&results);
         let document = document(&study.source, &results, Parts { figures: &figures, ..Parts::default() });
-        Some((Self { query, results, figures }, document))
+        let filter = query.filters.sentence(&study.measured.counts);
+        Some((Self { results, figures, filter }, document))
     }
 }
 

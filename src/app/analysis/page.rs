@@ -98,7 +98,9 @@ impl Analysis {
         let escaped = escaped(ui) && ui.memory(|memory| memory.focused().is_none());
         self.take_files(ui.ctx());
         self.take_study();
-        let open = self.open.as_mut().filter(|_| self.columns.is_none() && self.reading.is_none());
+        // While its files are read again, the study stays in view.
+        let is_reading = self.reading.as_ref().is_some_and(|pending| !pending.again);
+        let open = self.open.as_mut().filter(|_| self.columns.is_none() && !is_reading);
         let back = match open.map(|open| open.show(ui)) {
             None => self.show_start(ui),
             Some(Step::Stay) => false,
@@ -162,7 +164,16 @@ impl Analysis {
             Request::Columns => {
                 self.columns = self.open.as_ref().and_then(|open| Columns::of(&self.paths, &open.read_options));
             }
-            Request::Read(read_options) => self.read(ctx, self.paths.clone(), read_options, true),
+            Request::Read(read_options) => {
+                // The study requests the same again in every frame until it is read.
+                let is_asked = |pending: &Pending| {
+                    let asked = &pending.read_options;
+                    (asked.complete_only, &asked.also) == (read_options.complete_only, &read_options.also)
+                };
+                if !self.reading.as_ref().is_some_and(is_asked) {
+                    self.read(ctx, self.paths.clone(), read_options, true);
+                }
+            }
         }
     }
 

@@ -6,10 +6,16 @@ use crate::{
     analysis::{
         Link, MAX_NODES, ModelError, Options, Random, Slopes,
         counts::{Counts, Factor, Measured},
-        terms::{TermError, Terms},
+        find_factor, level_number,
+        terms::{Terms, Variable},
     },
     app::ui::{Field, secondary, show_error, text::name},
 };
+
+/// Width of the column of labels, points.
+const LABELS: f32 = 124.0;
+/// Seconds without a key after which typed terms are used.
+const PAUSE_S: f64 = 0.4;
 
 /// Checklists of the participants and of the levels of every factor.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +54,26 @@ impl Filters {
             |subject| self.people[subject as usize],
             |condition| self.factors.iter().zip(condition).all(is_checked),
         )
+    }
+
+    /// Checks that the terms name factors, or columns that can become factors, and use as numbers only selected levels
+    /// that are numbers.
+    fn check(&self, terms: &Terms, counts: &Counts, is_column: &dyn Fn(&str) -> bool) -> Result<(), ModelError> {
+        for variable in terms.iter().flat_map(|term| &term.variables) {
+            let (index, inverse) = match find_factor(counts, variable) {
+                Ok(found) => found,
+                Err(_) if is_column(variable.name()) => continue,
+                Err(error) => return Err(error),
+            };
+            let factor = &counts.factors[index];
+            let selected = factor.levels.iter().zip(&self.factors[index]).filter(|(_, selected)| **selected);
+            if let Variable::Number(_) = variable {
+                selected
+                    .map(|(level, _)| level)
+                    .try_for_each(|level| level_number(factor, level, inverse).map(drop))?;
+            }
+        }
+        Ok(())
     }
 
     /// Returns the selection as a phrase; empty if nothing is excluded.
@@ -130,26 +156,25 @@ pub struct Settings {
     options: Options,
     /// The terms as they are being typed.
     typed: String,
-    /// The terms as they were when the field last lost focus.
-    terms: String,
+    /// When they were last changed, seconds.
+    changed_s: f64,
+    /// The last valid terms, which are used; `None` for all factors.
+    terms: Option<Terms>,
 }
 
 impl Settings {
     /// Returns the requested analysis.
-    ///
-    /// # Errors
-    /// If the text is not a valid list of terms.
-    pub fn options(&self) -> Result<Options, TermError> {
-        let terms = if self.terms.trim().is_empty() { None } else { Some(Terms::parse(&self.terms)?) };
-        Ok(Options { terms, ..self.options.clone() })
+    pub fn options(&self) -> Options {
+        Options { terms: self.terms.clone(), ..self.options.clone() }
     }
 
-    /// Draws the controls. `error` says why the last model could not be fitted.
-    pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts, people: usize, error: Option<&ModelError>) {
-        self.terms_field(ui, counts, error);
+    /// Draws the controls. `is_column` says whether the files have a column that is not a factor yet.
+    pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters, is_column: &dyn Fn(&str) -> bool) {
+        self.terms_field(ui, counts, filters, is_column);
+        let people = filters.people();
         let options = &mut self.options;
         let links = [Link::Logit, Link::Probit];
-        Field::new("Link").width(90.0).choice(ui, &mut options.link, &links, |link| link.to_string());
+        Field::new("Link").column(LABELS).width(130.0).choice(ui, &mut options.link, &links, |link| link.to_string());
         let several = people > 1;
         let mut random = several && options.random.is_none();
         let response = ui.add_enabled(several, egui::Checkbox::new(&mut random, "Random intercept per participant"));
@@ -160,19 +185,24 @@ impl Settings {
         ui.add_enabled_ui(random, |ui| {
             let slopes = [Slopes::Independent, Slopes::Correlated, Slopes::None];
             Field::new("Random slopes")
+                .column(LABELS)
                 .width(130.0)
-                .choice(ui, &mut options.slopes, &slopes, |slopes| slopes.to_string());
+                .choice(ui, &mut options.slopes, &slopes, |slopes| slopes.to_string())
+                .on_hover_text("How much the effects of the terms may differ between participants.");
         });
         ui.add_enabled_ui(random && options.slopes == Slopes::None, |ui| {
-            Field::new("Quadrature nodes").show(ui, |ui, label| {
-                ui.add(DragValue::new(&mut options.quadrature).range(1..=MAX_NODES).speed(0.1)).labelled_by(label);
-                ui.label(secondary(if options.quadrature == 1 { "Laplace" } else { "Gauss–Hermite" }));
+            Field::new("Quadrature nodes").column(LABELS).show(ui, |ui, label| {
+                ui.horizontal(|ui| {
+                    ui.add(DragValue::new(&mut options.quadrature).range(1..=MAX_NODES).speed(0.1)).labelled_by(label);
+                    ui.label(secondary(if options.quadrature == 1 { "Laplace" } else { "Gauss–Hermite" }));
+                });
             });
         });
-        ui.checkbox(&mut options.scale, "Also test effects on the spread");
+        ui.checkbox(&mut options.scale, "Also test effects on the spread")
+            .on_hover_text("Tests whether the ratings vary more under some conditions than under others.");
     }
 
-    fn terms_field(&mut self, ui: &mut egui::Ui, counts: &Counts, error: Option<&ModelError>) {
+    fn terms_field(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters, is_column: &dyn Fn(&str) -> bool) {
         let varied = counts.factors.iter().filter(|factor| factor.levels.len() > 1);
         let hint = varied.map(|factor| factor.name.as_str()).collect::<Vec<_>>().join(",");
         let label = ui.label("Terms");
@@ -182,19 +212,45 @@ impl Settings {
             "List factors by name. Use num:NAME for a numeric factor, a:b for an interaction, and a*b for both factors \
              and their interaction. num:inv_n is 1/depth. If this is empty, the model uses every factor.",
         );
-        // While the user is typing, names may be incomplete, so the text is used only once the field loses focus.
-        if field.lost_focus() || field.has_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
-            self.terms.clone_from(&self.typed);
+        let now = ui.input(|input| input.time);
+        if field.changed() {
+            self.changed_s = now;
         }
-        let wrong = self.options().err().map(|error| error.to_string());
-        if let Some(text) = wrong.or_else(|| error.filter(|error| is_about_terms(error)).map(ToString::to_string)) {
-            show_error(ui, text.strip_prefix("--terms ").unwrap_or(&text));
+        // Every prefix of a list of terms would be analyzed without a pause.
+        let left = self.changed_s + PAUSE_S - now;
+        let entered = field.lost_focus() || field.has_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        match self.parsed(counts, filters, is_column) {
+            Ok(terms) if terms == self.terms => {}
+            Ok(terms) if left <= 0.0 || entered => self.terms = terms,
+            Ok(_) => ui.ctx().request_repaint_after_secs(left as f32),
+            Err(error) => show_error(ui, error),
+        }
+    }
+
+    /// Returns the typed terms, or what is wrong with them.
+    fn parsed(
+        &self,
+        counts: &Counts,
+        filters: &Filters,
+        is_column: &dyn Fn(&str) -> bool,
+    ) -> Result<Option<Terms>, String> {
+        if self.typed.trim().is_empty() {
+            return Ok(None);
+        }
+        let plain = |error: String| error.strip_prefix("--terms ").map_or(error.clone(), ToOwned::to_owned);
+        let terms = Terms::parse(&self.typed).map_err(|error| plain(error.to_string()))?;
+        match filters.check(&terms, counts, is_column) {
+            Ok(()) => Ok(Some(terms)),
+            Err(ModelError::UnknownFactor { name, known }) => {
+                Err(format!("There is no factor {name}. Enter some of {}.", known.join(", ")))
+            }
+            Err(error) => Err(plain(error.to_string())),
         }
     }
 
     /// Returns the names in the terms that are not among these factors.
     pub fn missing(&self, known: &[&str]) -> Vec<String> {
-        let Ok(Options { terms: Some(terms), .. }) = self.options() else { return Vec::new() };
+        let Some(terms) = &self.terms else { return Vec::new() };
         let mut names: Vec<String> = Vec::new();
         for name in terms.iter().flat_map(|term| &term.variables).map(|variable| variable.name()) {
             let from_depth = name == "inv_n" && known.contains(&"depth");
@@ -204,9 +260,4 @@ impl Settings {
         }
         names
     }
-}
-
-/// Returns whether a model failed because of its terms. The error is then shown next to the field.
-fn is_about_terms(error: &ModelError) -> bool {
-    matches!(error, ModelError::UnknownFactor { .. } | ModelError::NotANumber { .. } | ModelError::InfiniteDepth { .. })
 }

@@ -71,10 +71,12 @@ impl TableView {
     fn header(&self, ui: &mut egui::Ui, rect: Rect, height: f32) -> Option<usize> {
         let mut clicked = None;
         for (column, text) in self.table.header.iter().enumerate() {
-            let button = Button::new(RichText::new(text).color(theme::ink(ui).secondary)).frame(false);
+            let button = Button::new(RichText::new(text).color(theme::ink(ui).secondary)).frame_when_inactive(false);
             let response = self.cell(ui, rect, height, (0, column), |ui| ui.add(button));
             name(ui, &response, &format!("Sort by {text}"));
             if let Some((_, down)) = self.sorted.filter(|(sorted, _)| *sorted == column) {
+                let order = if down { "descending" } else { "ascending" };
+                ui.ctx().accesskit_node_builder(response.id, |node| node.set_description(format!("sorted, {order}")));
                 // The arrow is on the side that has room. It is painted, because the font has no arrows.
                 let is_text = column < self.table.texts;
                 let x = if is_text { response.rect.right() + 6.0 } else { response.rect.left() - 6.0 };
