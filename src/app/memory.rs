@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use eframe::egui::{Context, ThemePreference};
 
+use toml::{Table, Value};
+
 use crate::{
     report::terminal::message,
     store::settings::{Settings, SettingsFile, ThemeChoice},
@@ -40,6 +42,16 @@ impl Memory {
                 Self { problem: Some(problem), ..Self::default() }
             }
         }
+    }
+
+    /// Returns the remembered settings of a page; empty if there are none.
+    pub fn page(&self, name: &str) -> Table {
+        self.settings.pages.get(name).and_then(Value::as_table).cloned().unwrap_or_default()
+    }
+
+    /// Remembers the settings of a page.
+    pub fn set_page(&mut self, name: &str, settings: Table) {
+        self.settings.pages.insert(name.to_owned(), Value::Table(settings));
     }
 
     /// Applies the theme and the zoom to the window; the zoom may also have been changed with its keys. Sessions are

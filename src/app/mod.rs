@@ -34,6 +34,8 @@ use start::{Destination, Start};
 use ui::{Place, SideChoice, Step, number};
 use window::Program;
 
+use crate::store::settings::remember;
+
 pub use display::timing;
 pub use session::Request;
 pub use ui::{Monitor, platform::is_resampled};
@@ -184,13 +186,28 @@ impl App {
             Place::Stimuli => {
                 let profile = self.start.checked().and_then(|checked| checked.display.clone()).unwrap_or_default();
                 let distance_cm = number(&self.start.screen().distance_cm);
-                let gallery = self
-                    .gallery
-                    .get_or_insert_with(|| Box::new(explore::gallery::Gallery::new(profile.clone(), distance_cm)));
+                let gallery = self.gallery.get_or_insert_with(|| {
+                    let mut gallery = Box::new(explore::gallery::Gallery::new(profile.clone(), distance_cm));
+                    gallery.recall(&self.memory.page("stimuli"));
+                    gallery
+                });
                 gallery.set_screen(&profile, distance_cm);
-                gallery.show(ui).widen()
+                let step = gallery.show(ui).widen();
+                self.memory.set_page("stimuli", gallery.remembered());
+                step
             }
-            Place::Shading => self.shading.get_or_insert_default().show(ui, frame.wgpu_render_state()).widen(),
+            Place::Shading => {
+                let shading = self.shading.get_or_insert_with(|| {
+                    let mut shading = Box::<explore::shading::ShadingPage>::default();
+                    shading.recall(&self.memory.page("shading"));
+                    shading
+                });
+                let step = shading.show(ui, frame.wgpu_render_state()).widen();
+                if !ui.input(|input| input.pointer.any_down()) {
+                    self.memory.set_page("shading", shading.remembered());
+                }
+                step
+            }
             Place::Display => {
                 let protocol = self.start.checked().and_then(|checked| checked.protocol.as_ref());
                 let window_deg = protocol.map_or(10.0, |protocol| protocol.viewing.window_deg);
@@ -201,7 +218,11 @@ impl App {
             Place::Analyze => {
                 let results = self.start.results();
                 let analysis = self.analysis.get_or_insert_with(|| Box::new(analysis::Analysis::new(&results)));
-                analysis.show(ui).widen()
+                let step = analysis.show(ui, &self.memory.settings.recent.analyses).widen();
+                if let Some(path) = analysis.opened() {
+                    remember(&mut self.memory.settings.recent.analyses, &path.display().to_string());
+                }
+                step
             }
         };
         match step {

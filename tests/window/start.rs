@@ -17,6 +17,9 @@ use crate::{
     pane::{self, Role},
 };
 
+/// The zoom of the window: more of a page fits the small screen.
+const ZOOM: f32 = 0.75;
+
 /// The program in the window, started without arguments, and a copy of it without a display.
 struct Desk {
     harness: Harness,
@@ -31,7 +34,7 @@ impl Desk {
         let mut harness = Harness::new()?;
         let definition = harness.swift();
         let settings = format!(
-            "schema = 1\ntheme = \"light\"\nresults = {:?}\n[recent]\nexperiments = [{definition:?}]\n",
+            "schema = 1\ntheme = \"light\"\nzoom = {ZOOM:?}\nresults = {:?}\n[recent]\nexperiments = [{definition:?}]\n",
             harness.results()
         );
         fs::write(harness.dir.path().join("settings.toml"), settings).unwrap();
@@ -49,11 +52,13 @@ impl Desk {
             let line = geometry.lines().find_map(|line| line.strip_prefix(name)).unwrap();
             line.parse::<f32>().unwrap()
         };
-        // The copy must not write the program's file.
+        // The copy must not write the program's file. Without a window, it has the same layout in a larger size.
         let settings = harness.dir.path().join("copy.toml");
-        fs::copy(harness.dir.path().join("settings.toml"), &settings).unwrap();
+        let text = fs::read_to_string(harness.dir.path().join("settings.toml")).unwrap();
+        assert!(text.contains(&format!("zoom = {ZOOM:?}")), "{text}");
+        fs::write(&settings, text.replace(&format!("zoom = {ZOOM:?}"), "zoom = 1.0")).unwrap();
         let launch = Launch { request: None, settings: Some(settings) };
-        let size = [side("WIDTH="), side("HEIGHT=")];
+        let size = [side("WIDTH=") / ZOOM, side("HEIGHT=") / ZOOM];
         let mut copy = pane::builder(size, 1.0 / 60.0).build_eframe(|cc| App::new(cc, launch));
         // The sessions are read on another thread.
         for _ in 0..20 {
@@ -81,7 +86,7 @@ impl Desk {
 
     /// Clicks only in the window.
     fn click_at(&self, at: Pos2) {
-        let (x, y) = (at.x.to_string(), at.y.to_string());
+        let [x, y] = [at.x, at.y].map(|points| (points * ZOOM).to_string());
         self.harness.xdotool(&["mousemove", "--window", &self.window, &x, &y, "click", "1"]);
     }
 

@@ -94,7 +94,14 @@ impl Analysis {
         self.read(ctx, paths, ReadOptions::default(), false);
     }
 
-    pub fn show(&mut self, ui: &mut egui::Ui) -> Step {
+    /// Returns the file or folder that is open; `None` if there is none, or if there are several.
+    pub fn opened(&self) -> Option<PathBuf> {
+        let [path] = self.paths.as_slice() else { return None };
+        self.open.as_ref().and_then(|_| std::path::absolute(path).ok())
+    }
+
+    /// Draws the page. `recent` are the paths that were opened recently.
+    pub fn show(&mut self, ui: &mut egui::Ui, recent: &[String]) -> Step {
         let escaped = escaped(ui) && ui.memory(|memory| memory.focused().is_none());
         self.take_files(ui.ctx());
         self.take_study();
@@ -102,7 +109,7 @@ impl Analysis {
         let is_reading = self.reading.as_ref().is_some_and(|pending| !pending.again);
         let open = self.open.as_mut().filter(|_| self.columns.is_none() && !is_reading);
         let back = match open.map(|open| open.show(ui)) {
-            None => self.show_start(ui),
+            None => self.show_start(ui, recent),
             Some(Step::Stay) => false,
             Some(Step::Back) => true,
             Some(Step::Next(request)) => {
@@ -178,7 +185,7 @@ impl Analysis {
     }
 
     /// Draws the page while no study is open.
-    fn show_start(&mut self, ui: &mut egui::Ui) -> bool {
+    fn show_start(&mut self, ui: &mut egui::Ui, recent: &[String]) -> bool {
         let ctx = ui.ctx().clone();
         page_from(ui, 0.02, |ui| {
             let back = heading(ui, "Analysis");
@@ -209,7 +216,7 @@ impl Analysis {
             if self.columns.is_some() || self.order.is_some() {
                 ui.separator();
             }
-            let chosen = self.choose(ui);
+            let chosen = self.choose(ui, recent);
             self.dialog.missing_error(ui);
             if keep {
                 self.columns = None;
@@ -225,7 +232,7 @@ impl Analysis {
     }
 
     /// Lists what can be analyzed; returns the file or folder to open.
-    fn choose(&mut self, ui: &mut egui::Ui) -> Option<PathBuf> {
+    fn choose(&mut self, ui: &mut egui::Ui, recent: &[String]) -> Option<PathBuf> {
         let mut chosen = None;
         paragraph(
             ui,
@@ -246,6 +253,16 @@ impl Analysis {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             if ui.button(format!("Analyze {name}")).on_hover_text(path.display().to_string()).clicked() {
                 chosen = Some(path.clone());
+            }
+        }
+        let is_found = |path: &Path| self.found.iter().any(|found| std::path::absolute(found).is_ok_and(|f| f == path));
+        let others: Vec<&Path> = recent.iter().map(Path::new).filter(|path| !is_found(path)).collect();
+        if !others.is_empty() {
+            section(ui, "Opened recently");
+        }
+        for path in others {
+            if ui.button(path.display().to_string()).clicked() {
+                chosen = Some(path.to_owned());
             }
         }
         ui.add_space(6.0);

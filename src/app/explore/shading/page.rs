@@ -6,10 +6,11 @@ use eframe::{
     egui::{self, CentralPanel, Frame, Key, Label, Panel, Rect, RichText, ScrollArea, TextureHandle, UiBuilder},
     egui_wgpu::RenderState,
 };
+use toml::{Table, Value};
 
 use super::{
     canvas::{self, DragTarget, Layer, ViewSettings},
-    comparison::{Comparison, MeshChoice, title},
+    comparison::{Comparison, MeshChoice, presets, title},
     controls,
     export::{self, Export},
     key,
@@ -63,6 +64,22 @@ struct FileField {
 }
 
 impl ShadingPage {
+    /// Applies the remembered preset; an unknown one is ignored.
+    pub fn recall(&mut self, remembered: &Table) {
+        let name = remembered.get("preset").and_then(Value::as_str);
+        if let Some((_, preset)) = presets().into_iter().find(|(preset, _)| Some(*preset) == name) {
+            self.history = History::new(preset.clone());
+            self.compared = preset;
+        }
+    }
+
+    /// Returns the preset to remember; empty if the comparison is no preset.
+    pub fn remembered(&self) -> Table {
+        let is_shown = |preset: &Comparison| preset.clone().on_display(&self.compared.transfer) == self.compared;
+        let found = presets().into_iter().find(|(_, preset)| is_shown(preset));
+        found.map(|(name, _)| ("preset".to_owned(), name.into())).into_iter().collect()
+    }
+
     pub fn show(&mut self, ui: &mut egui::Ui, state: Option<&RenderState>) -> Step {
         self.drawer.get_or_insert_with(|| Drawer::new(state));
         let escaped = escaped(ui);
