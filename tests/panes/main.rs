@@ -13,6 +13,7 @@ mod calibration;
 mod display;
 mod editor;
 mod home;
+mod names;
 mod predicted_pane;
 mod shading;
 mod system;

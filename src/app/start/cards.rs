@@ -26,6 +26,8 @@ const PADDING: f32 = 8.0;
 /// The cards, in the order in which they are shown.
 #[derive(Default)]
 pub struct Cards {
+    /// The files that have a card, before the built-in definitions.
+    files: Vec<String>,
     cards: Vec<Card>,
 }
 
@@ -39,11 +41,19 @@ struct Card {
 }
 
 impl Cards {
+    /// Reads the definitions if these are not the files that have a card.
+    pub fn update(&mut self, files: &[String]) {
+        if self.files != files || self.cards.is_empty() {
+            self.read(files);
+        }
+    }
+
     /// Reads the built-in definitions and these files again, because they may have changed. Pictures of definitions
     /// that have not changed stay.
     pub fn read(&mut self, files: &[String]) {
         let mut before = std::mem::take(&mut self.cards);
-        let names = BUILT_IN.iter().map(|built_in| built_in.name).chain(files.iter().map(String::as_str));
+        self.files = files.to_vec();
+        let names = files.iter().map(String::as_str).chain(BUILT_IN.iter().map(|built_in| built_in.name));
         for experiment in names {
             let protocol = definition::open(experiment).map_err(|errors| errors.to_string());
             let known = before.iter().position(|card| card.experiment == experiment && card.protocol == protocol);

@@ -129,6 +129,7 @@ impl Start {
         }
         let checked = self.check(monitor);
         self.remember(settings, monitor, &checked);
+        self.cards.update(&settings.recent.experiments);
         let small = ui.available_width() < SMALL.x || ui.available_height() < SMALL.y;
         if small {
             theme::compact(ui);
@@ -145,7 +146,7 @@ impl Start {
             };
             let frame = Frame::NONE.inner_margin(egui::Margin { right: margin as i8, ..Default::default() });
             let panel = panel.resizable(false).exact_size(size).frame(frame).show_separator_line(false);
-            let (resume, duplicate) = panel.show(ui, |ui| self.choices(ui, small, settings)).inner;
+            let (resume, duplicate) = panel.show(ui, |ui| self.choices(ui, small)).inner;
             let resumed = resume.and_then(|session| self.resume(ui, &session, monitor, &checked, settings));
             let (start, measure) = self.session_form(ui, &checked, [monitor, here], monitors, settings);
             resumed.or(start).or(measure).or(seen).or(duplicate)
@@ -164,7 +165,6 @@ impl Start {
             self.form.screen.screen_width_cm.clone_from(&screen.width_cm);
             self.width_origin = Some((screen.width_cm.clone(), "Remembered for this screen"));
         }
-        self.cards.read(&settings.recent.experiments);
         self.suggest(monitor);
     }
 
@@ -190,8 +190,10 @@ impl Start {
             settings.screen.distance_cm = if is_planned { String::new() } else { screen.distance_cm.clone() };
         }
         let is_file = !BUILT_IN.iter().any(|built_in| built_in.name == experiment.trim());
-        if is_file && checked.protocol.is_some() {
-            remember(&mut settings.recent.experiments, &absolute(experiment));
+        let path = absolute(experiment);
+        // The order of the cards stays while the user chooses among them.
+        if is_file && checked.protocol.is_some() && !settings.recent.experiments.contains(&path) {
+            remember(&mut settings.recent.experiments, &path);
         }
     }
 
@@ -305,19 +307,12 @@ impl Start {
 
     /// Draws the experiments and the sessions to choose from; returns the session to resume, and the editor if the
     /// chosen definition is to be duplicated.
-    fn choices(
-        &mut self,
-        ui: &mut Ui,
-        small: bool,
-        settings: &Settings,
-    ) -> (Option<SessionState>, Option<Destination>) {
+    fn choices(&mut self, ui: &mut Ui, small: bool) -> (Option<SessionState>, Option<Destination>) {
         let mut name = self.form.experiment.clone();
         let mut duplicate = None;
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new("Experiments").strong().size(18.0));
-            if self.experiment.browse(ui, FileKind::Toml, "Open a definition…", &mut name) {
-                self.cards.read(&settings.recent.experiments);
-            }
+            self.experiment.browse(ui, FileKind::Toml, "Open a definition…", &mut name);
             let button = ui.button("Duplicate as…").on_hover_text("Edits a copy of the chosen definition in a form.");
             duplicate = button.clicked().then(|| Destination::Editor(self.form.experiment.trim().to_owned()));
         });

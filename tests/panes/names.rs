@@ -1,0 +1,130 @@
+//! Every control has a name for assistive technology, and the keyboard reaches it.
+
+use eframe::egui::{Key, Modifiers};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+
+use crate::window::{Role, Window, choose, click, home, press, type_into};
+
+/// The controls without a name.
+fn nameless(window: &Window) -> Vec<String> {
+    let is_control = |role: Role| {
+        matches!(
+            role,
+            Role::Button
+                | Role::CheckBox
+                | Role::ColorWell
+                | Role::ComboBox
+                | Role::Link
+                | Role::MultilineTextInput
+                | Role::RadioButton
+                | Role::Slider
+                | Role::SpinButton
+                | Role::TextInput
+        )
+    };
+    let nodes = window.root().children_recursive();
+    let controls = nodes.filter(|node| is_control(node.accesskit_node().role()));
+    let is_nameless = |label: Option<String>| label.is_none_or(|label| label.trim().is_empty());
+    controls
+        .filter(|node| is_nameless(node.accesskit_node().label()))
+        .map(|node| {
+            format!("{:?} with the value {:?} at {:?}", node.accesskit_node().role(), node.value(), node.rect())
+        })
+        .collect()
+}
+
+fn go(window: &mut Window, place: Key) {
+    window.key_press_modifiers(Modifiers::COMMAND, place);
+    window.run_steps(30);
+}
+
+#[test]
+fn every_control_of_every_place_has_a_name() {
+    let mut window = home([1366.0, 768.0], 1.0 / 60.0);
+    let named = |window: &Window, page: &str| {
+        let found = nameless(window);
+        assert!(found.is_empty(), "{page}: {found:#?}");
+        let buttons = window.query_all_by_role(Role::Button).count();
+        assert!(buttons > 5, "{page}: only {buttons} buttons");
+    };
+    named(&window, "Run");
+    click(&mut window, "Duplicate as…");
+    window.run_steps(10);
+    named(&window, "the editor");
+    press(&mut window, Key::Escape);
+    window.run_steps(5);
+    press(&mut window, Key::F1);
+    window.run_steps(5);
+    window.get_by_label_contains("Keys of this page");
+    named(&window, "the help");
+    press(&mut window, Key::Escape);
+    window.run_steps(5);
+    assert!(window.query_by_label_contains("Keys of this page").is_none(), "Escape closes only the dialog");
+    click(&mut window, "Settings");
+    named(&window, "the settings");
+    click(&mut window, "Close");
+    go(&mut window, Key::Num2);
+    for entry in machband::stimulus::catalog::all() {
+        choose(&mut window, "Stimulus", entry.title);
+        named(&window, entry.title);
+    }
+    go(&mut window, Key::Num3);
+    named(&window, "Shading");
+    go(&mut window, Key::Num4);
+    named(&window, "Display");
+    for tool in
+        ["Size and distance", "Photometer", "Gamma by eye", "Check the gamma", "Steps of equal brightness", "Timing"]
+    {
+        click(&mut window, tool);
+        named(&window, tool);
+        press(&mut window, Key::Escape);
+        window.run_steps(5);
+    }
+    go(&mut window, Key::Num5);
+    named(&window, "Analyze");
+}
+
+/// Tab reaches every enabled button of the start page, and what has the focus says so.
+#[test]
+fn the_keyboard_reaches_every_button_of_the_start_page() {
+    let mut window = home([1366.0, 768.0], 1.0 / 60.0);
+    let mut reached = std::collections::BTreeSet::new();
+    for _ in 0..60 {
+        press(&mut window, Key::Tab);
+        let focused = window.root().children_recursive().find(|node| node.is_focused());
+        let label = focused.and_then(|node| node.accesskit_node().label());
+        reached.insert(label.expect("something has the focus"));
+    }
+    for label in
+        ["Run", "Analyze", "Help", "Settings", "See more stimuli", "Hide", "Duplicate as…", "Participant", "Start"]
+    {
+        assert!(reached.contains(label), "{label}: only {reached:?}");
+    }
+}
+
+/// Implausible sizes are refused or named before the session, without hundreds of digits.
+#[test]
+fn implausible_geometry_is_refused_or_named() {
+    let mut window = home([1366.0, 768.0], 1.0 / 60.0);
+    for (field, text, expected) in [
+        ("Screen width, cm", "3", "screen width 3 is outside 5…500 cm"),
+        ("Screen width, cm", "600", "screen width 600 is outside 5…500 cm"),
+        ("Screen width, cm", &"9".repeat(300), "screen width 1.0e300 is outside"),
+        ("Screen width, cm", "36", ""),
+        ("Viewing distance, cm", "5", "distance 5 is outside 10…2000 cm"),
+        ("Viewing distance, cm", "3000", "distance 3000 is outside 10…2000 cm"),
+        ("Viewing distance, cm", "10", "One degree has only 6.6 pixels"),
+        ("Viewing distance, cm", "50", ""),
+    ] {
+        type_into(&mut window, field, text);
+        if expected.is_empty() {
+            assert!(window.query_by_label_contains("outside").is_none(), "the error leaves with its cause");
+            assert!(window.query_by_label_contains("has only").is_none(), "the note leaves with its cause");
+        } else {
+            window.get_by_label_contains(expected);
+        }
+    }
+    press(&mut window, Key::Escape);
+    type_into(&mut window, "Screen width, cm", "500");
+    window.get_by_label_contains("The stimulus has only 24 × 24 pixels");
+}
