@@ -25,7 +25,7 @@ use std::{
     borrow::Cow,
     ffi::OsString,
     io::{ErrorKind, Write as _},
-    path::{Path, PathBuf},
+    path::Path,
     process::ExitCode,
 };
 
@@ -38,7 +38,7 @@ use crate::{
         document::numbers::count,
         terminal::{message, printable},
     },
-    store::{StoreError, Writer, settings::SettingsFile},
+    store::{StoreError, Writer},
     system::{
         now, run_on_thread,
         signals::{self, Signal},
@@ -57,7 +57,7 @@ struct Arguments {
     /// File for what the window remembers [default: settings.toml in the user's folder for configuration].
     #[cfg(feature = "window")]
     #[arg(long, value_name = "FILE.toml")]
-    config: Option<PathBuf>,
+    config: Option<std::path::PathBuf>,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -119,7 +119,7 @@ fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<()> {
     match arguments.command {
         #[cfg(feature = "window")]
         None => {
-            let settings = arguments.config.or_else(SettingsFile::default_path);
+            let settings = arguments.config.or_else(crate::store::settings::SettingsFile::default_path);
             crate::app::open(crate::app::Launch { request: None, settings }).map_err(Into::into)
         }
         #[cfg(not(feature = "window"))]

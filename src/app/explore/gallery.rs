@@ -424,6 +424,7 @@ fn plot(
         .x_axis_label("position along the orientation, in sides of the image")
         .y_axis_label(what)
         .x_grid_spacer(|_| (-2..=2).map(|i| GridMark { value: f64::from(i) / 4.0, step_size: 0.25 }).collect())
+        .x_axis_formatter(|mark, _| mark.value.to_string())
         .show(ui, |plot| {
             for (color, points) in lines {
                 plot.line(Line::new("", (*points).clone()).color(*color).width(2.0));
