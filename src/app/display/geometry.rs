@@ -27,7 +27,7 @@ impl GeometryPage {
         Self { window_deg: window_deg.to_string(), reported_cm: None, card: None }
     }
 
-    /// Draws the page. Width and distance are Home's fields.
+    /// Draws the page. Width and distance are fields of the start page.
     pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, fields: &mut ScreenFields) -> Step {
         let (back, ()) = tool_page(ui, "Size and distance", |ui| {
             ui.label("Visual angles are correct only if the screen's width and the viewing distance are correct.");

@@ -18,7 +18,7 @@ use crate::{
 };
 
 /// Minimum width and the height of a card, points; the height in a small window.
-const SIZE: Vec2 = Vec2::new(240.0, 82.0);
+const SIZE: Vec2 = Vec2::new(220.0, 82.0);
 const SMALL_HEIGHT: f32 = 44.0;
 /// Distance from the edge of a card to its content, points.
 const PADDING: f32 = 8.0;

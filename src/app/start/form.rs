@@ -1,4 +1,4 @@
-//! The form on Home and the errors in its fields.
+//! The form on the start page and the errors in its fields.
 
 use std::{
     collections::BTreeMap,

@@ -82,7 +82,7 @@ pub fn window_px(ctx: &egui::Context) -> (u32, u32) {
     (size.x.round() as u32, size.y.round() as u32)
 }
 
-/// The settings of the screen, as typed; Home and the Display pages share them.
+/// The settings of the screen, as typed; the start page and the Display pages share them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ScreenFields {
     /// Path of the display profile; empty for sRGB.

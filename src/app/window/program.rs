@@ -58,8 +58,8 @@ fn lost(reason: &str, rows: Option<&Path>) -> String {
     let (place, expected) = match rows {
         Some(rows) => (
             rows.display().to_string(),
-            "every saved answer is on disk; to resume, use the same command with --resume, or enter the same \
-                participant and session on Home",
+            "every saved answer is on disk; to resume, use the same command with --resume, or press Resume \
+                next to it on the start page",
         ),
         None => ("display".to_owned(), "expected a window system and graphics driver that keep running"),
     };
