@@ -15,5 +15,6 @@ mod editor;
 mod home;
 mod names;
 mod predicted_pane;
+mod settings;
 mod shading;
 mod system;
