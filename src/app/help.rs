@@ -20,7 +20,7 @@ const EVERYWHERE: &[(&str, &str)] = &[
     ("Tab, Shift+Tab", "Go to the next or previous control"),
     ("Esc", "Close a list or dialog; leave a field; then go back"),
     ("Ctrl + and Ctrl −", "Enlarge or reduce text and controls; Ctrl+0 restores their size"),
-    ("Ctrl+Q", "Quit; asks first during a session"),
+    ("Ctrl+Q", "Quit; asks first during a session, or if a copy is not saved"),
     ("F1", "This help"),
 ];
 
@@ -77,7 +77,7 @@ pub fn settings(ctx: &Context, settings: &mut Settings, notice: Option<&str>) ->
     dialog(ctx, "settings", |ui| {
         ui.heading("Settings");
         let themes =
-            [(ThemeChoice::System, "As the system"), (ThemeChoice::Light, "Light"), (ThemeChoice::Dark, "Dark")];
+            [(ThemeChoice::System, "Follow the system"), (ThemeChoice::Light, "Light"), (ThemeChoice::Dark, "Dark")];
         Field::new("Theme").column(120.0).show(ui, |ui, _| {
             ui.horizontal_wrapped(|ui| {
                 for (choice, text) in themes {
@@ -90,7 +90,7 @@ pub fn settings(ctx: &Context, settings: &mut Settings, notice: Option<&str>) ->
         Field::new("Size").column(120.0).width(110.0).choice(ui, &mut settings.zoom, &ZOOMS, title);
         hint(ui, "Also with Ctrl + and Ctrl −. Stimuli keep their size.");
         ui.checkbox(&mut settings.greeting, "Explain Mach bands on the start page");
-        ui.checkbox(&mut settings.full_screen, "Run sessions on the full screen");
+        ui.checkbox(&mut settings.full_screen, "Run sessions full screen");
         match notice {
             Some(notice) => notice.lines().for_each(|line| super::ui::note(ui, line)),
             None => hint(

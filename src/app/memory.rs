@@ -3,11 +3,12 @@
 
 use std::path::PathBuf;
 
-use eframe::egui::{Context, ThemePreference};
+use eframe::egui::{Context, Panel, ThemePreference, Ui};
 
 use toml::{Table, Value};
 
 use crate::{
+    app::ui::{note, theme},
     report::terminal::message,
     store::settings::{Settings, SettingsFile, ThemeChoice},
 };
@@ -23,6 +24,8 @@ pub struct Memory {
     file: Option<SettingsFile>,
     /// Why the settings are not remembered, if a file was requested.
     pub problem: Option<String>,
+    /// Whether the user has hidden the problem.
+    hidden: bool,
     /// The settings in the last frame, and when they last changed.
     last: Option<(Settings, f64)>,
 }
@@ -52,6 +55,18 @@ impl Memory {
     /// Remembers the settings of a page.
     pub fn set_page(&mut self, name: &str, settings: Table) {
         self.settings.pages.insert(name.to_owned(), Value::Table(settings));
+    }
+
+    /// Says at the top of the page why the settings are not remembered, until the user hides it.
+    pub fn show_problem(&mut self, ui: &mut Ui) {
+        let Some(problem) = self.problem.as_ref().filter(|_| !self.hidden) else { return };
+        let frame = theme::card(ui).outer_margin(theme::GAP);
+        let panel = Panel::top("problem").resizable(false).show_separator_line(false).frame(frame);
+        let hidden = panel.show(ui, |ui| {
+            problem.lines().for_each(|line| note(ui, line));
+            ui.button("Understood").clicked()
+        });
+        self.hidden = hidden.inner;
     }
 
     /// Applies the theme and the zoom to the window; the zoom may also have been changed with its keys. Sessions are

@@ -180,6 +180,7 @@ impl App {
         let step = match self.place {
             Place::Run if self.editor.is_some() => return self.draw_editor(ui),
             Place::Run => {
+                self.memory.show_problem(ui);
                 self.monitors = Monitor::all(frame);
                 self.start.show(ui, monitor, &self.monitors, &mut self.memory.settings)
             }

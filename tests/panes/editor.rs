@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use eframe::egui::Key;
+use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use machband::store::definition;
 
@@ -78,6 +78,7 @@ fn a_copy_is_edited_and_saved() {
     let protocol = definition::open(&path).unwrap();
     let expected = original
         .replace("\"quick\"", "\"my-study\"")
+        .replace("A first look at Mach bands", "A first look at Mach bands (copy)")
         .replace("width = [0.02, 0.1, 0.4, 0.8]\n", "width = [0.05, 0.5, 1]\nhigh = [0.75]\n")
         .replace("orientation_deg = [0, 90]\n", "")
         .replace("repetitions = 1", "repetitions = 2")
@@ -120,6 +121,35 @@ fn only_unsaved_changes_need_an_answer() {
     click(&mut window, "Back");
     click(&mut window, "Discard changes");
     is_left(&mut window, "shaders");
+}
+
+/// Errors that appear and leave on the page while the user types do not move the focus to another field.
+#[test]
+fn typing_stays_in_its_field_when_errors_come_and_go() {
+    let mut window = duplicate("quick");
+    type_into(&mut window, "Repetitions", "9");
+    for digit in ["9", "9", "9", "9", "9"] {
+        window
+            .query_all_by_label("Repetitions")
+            .find(|node| node.is_focused())
+            .expect("the focus stays")
+            .type_text(digit);
+        window.run_steps(3);
+    }
+    assert_eq!(value(&window, "Repetitions"), "999999");
+    window.get_by_label_contains("error");
+    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.step();
+    for digit in ["2", "5"] {
+        window
+            .query_all_by_label("Repetitions")
+            .find(|node| node.is_focused())
+            .expect("the focus stays")
+            .type_text(digit);
+        window.run_steps(3);
+    }
+    assert_eq!(value(&window, "Repetitions"), "25");
+    assert_eq!(value(&window, "Practice"), "4");
 }
 
 /// A definition with errors can be opened, so that they can be corrected; text that is not TOML cannot.

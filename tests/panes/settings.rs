@@ -61,6 +61,10 @@ fn a_broken_file_is_explained_and_left_as_it_is() {
     ] {
         fs::write(&path, broken).unwrap();
         let mut window = opened(&path);
+        // The start page says it first, and then the settings do.
+        window.get_by_label_contains(expected);
+        click(&mut window, "Understood");
+        assert!(window.query_by_label_contains(expected).is_none());
         click(&mut window, "Settings");
         window.get_by_label_contains(expected);
         window.get_by_label_contains("changes are not remembered");

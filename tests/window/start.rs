@@ -215,7 +215,10 @@ fn an_experiment_is_duplicated_run_and_analyzed() {
     let text = fs::read_to_string(&path).unwrap();
     assert_eq!(
         text,
-        SHORT_DEFINITION.replace("swift", "own").replace("[0.1, 0.8]\ndepth = [1, \"inf\"]", "[0.3, 0.6, 0.9]")
+        SHORT_DEFINITION
+            .replace("swift", "own")
+            .replace("for tests", "for tests (copy)")
+            .replace("[0.1, 0.8]\ndepth = [1, \"inf\"]", "[0.3, 0.6, 0.9]")
     );
     desk.screen();
     desk.harness.press("Return");

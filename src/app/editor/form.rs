@@ -50,6 +50,9 @@ impl Form {
         let mut draft = Draft::parse(name_or_path, &definition::text(Path::new(name_or_path))?)?;
         let name = draft.get("name").unwrap_or_else(|| "my-study".to_owned());
         draft.set("name", &format!("{name}-copy"), Typed::Text);
+        if let Some(title) = draft.get("title") {
+            draft.set("title", &format!("{title} (copy)"), Typed::Text);
+        }
         let mut form = Self {
             original: draft.text(),
             draft,
@@ -166,7 +169,7 @@ impl Form {
     pub fn lines(&mut self, ui: &mut Ui, label: &str, key: &str, default: &str, about: &str) {
         let width = (ui.available_width() - LABELS - 40.0).max(120.0);
         self.field(key, default, Typed::Text, about, |error, text| {
-            let edit = TextEdit::multiline(text).desired_rows(2).desired_width(width);
+            let edit = TextEdit::multiline(text).id_salt(("field", label)).desired_rows(2).desired_width(width);
             Field::new(label).column(LABELS).error(error).add(ui, edit)
         });
     }

@@ -137,7 +137,7 @@ impl Editor {
         Field::new("Folder").column(FOLDER).show(ui, |ui, label| {
             ui.horizontal_wrapped(|ui| {
                 let width = (ui.available_width() - 120.0).clamp(120.0, 420.0);
-                let field = eframe::egui::TextEdit::singleline(&mut self.folder).desired_width(width);
+                let field = eframe::egui::TextEdit::singleline(&mut self.folder).id_salt("folder").desired_width(width);
                 ui.add(field).labelled_by(label).on_hover_text("The folder for the new file.");
                 self.dialog.browse(ui, FileKind::Folder, "Choose the folder…", &mut self.folder);
             });
@@ -182,11 +182,8 @@ impl Editor {
         let shown = Modal::new(Id::unique("discard changes")).frame(frame).show(ctx, |ui| {
             ui.heading("Discard changes?");
             ui.label("The changes to this copy have not been saved.");
-            ui.horizontal(|ui| {
-                let keep = ui.button("Keep editing").clicked();
-                (keep, ui.button("Discard changes").clicked())
-            })
-            .inner
+            let keep = ui::primary(ui, "Keep editing", true, "Esc");
+            (keep, ui.button("Discard changes").clicked())
         });
         let (keep, discard) = shown.inner;
         self.leaving = !(keep || shown.should_close());

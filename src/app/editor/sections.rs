@@ -96,7 +96,11 @@ fn factor(form: &mut Form, ui: &mut Ui, name: &str, parameter: Option<&'static P
     let line = |ui: &mut Ui| {
         let width = (ui.available_width() - 262.0).clamp(120.0, 300.0);
         // A long list wraps.
-        let field = TextEdit::multiline(&mut levels).desired_rows(1).desired_width(width).return_key(None);
+        let field = TextEdit::multiline(&mut levels)
+            .id_salt(("levels", name))
+            .desired_rows(1)
+            .desired_width(width)
+            .return_key(None);
         let field = ui.add(field).on_hover_text(about);
         ui::text::name(ui, &field, &format!("Levels of {label}"));
         let mut changed = field.changed();
@@ -215,12 +219,13 @@ fn answers(form: &mut Form, ui: &mut Ui) {
         let name = format!("Rating {rating}");
         Field::new(&name).column(LABELS).error(errors.trim()).show(ui, |ui, _| {
             ui.horizontal(|ui| {
-                let key = ui.add(TextEdit::singleline(&mut keys[rating]).desired_width(24.0));
+                let key = ui.add(TextEdit::singleline(&mut keys[rating]).id_salt(("key", rating)).desired_width(24.0));
                 ui::text::name(ui, &key, &format!("Key for rating {rating}"));
                 keys_changed |=
                     key.on_hover_text("The key for this answer: a digit or a letter other than S.").changed();
                 let width = (ui.available_width() - 20.0).clamp(120.0, 380.0);
-                let label = ui.add(TextEdit::singleline(&mut labels[rating]).desired_width(width));
+                let label =
+                    ui.add(TextEdit::singleline(&mut labels[rating]).id_salt(("label", rating)).desired_width(width));
                 ui::text::name(ui, &label, &format!("Label of rating {rating}"));
                 labels_changed |= label.on_hover_text("What this answer means.").changed();
             });

@@ -185,12 +185,13 @@ impl Gallery {
         self.is_fitted = true;
         let room = (ui.available_height() - 2.0 * theme::LARGE_GAP - BELOW) * ui.ctx().pixels_per_point();
         let size = SIZES.iter().rev().find(|size| **size as f32 <= room).unwrap_or(&SIZES[0]);
-        self.settings = Settings::new(*size);
+        self.settings.size = *size;
         self.history = History::new(self.settings.clone());
     }
 
     pub fn show(&mut self, ui: &mut Ui) -> Step {
-        let escaped = ui::escaped(ui);
+        // Escape first answers the question whether to replace a file.
+        let escaped = ui::escaped(ui) && !self.saving.cancel();
         theme::compact(ui);
         self.fit(ui);
         let stimulus = self.settings.stimulus();

@@ -18,7 +18,7 @@ use super::{
 };
 use crate::{
     app::{
-        ui::{Monitor, Step, pixels, theme, window_px},
+        ui::{Monitor, Step, pixels, release_focus, theme, window_px},
         window::{Input, MIN_SIZE, PressTime},
     },
     experiment::{Answers, Effect, Event, Identity, Phase, ResponseScale, Session, State},
@@ -342,6 +342,7 @@ impl Trials {
             Step::Next(()) => self.step(Event::Continue, now),
             Step::Back => self.step(Event::Back, now),
         }
+        release_focus(ui.ctx());
         ui.ctx().request_repaint();
         Step::Stay
     }
@@ -357,6 +358,7 @@ impl Trials {
                 Step::Next(()) => Some(page + 1).filter(|page| *page < INSTRUCTION_PAGES),
                 Step::Back => page.checked_sub(1),
             };
+            release_focus(ui.ctx());
             ui.ctx().request_repaint();
             return;
         }
@@ -367,6 +369,7 @@ impl Trials {
             Some(PauseChoice::Leave) => self.step(Event::Leave, now),
             _ => return,
         }
+        release_focus(ui.ctx());
         ui.ctx().request_repaint();
     }
 

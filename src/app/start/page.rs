@@ -47,7 +47,7 @@ const PADDING: f32 = 6.0;
 /// Maximum width of the form, points.
 const FORM: f32 = 760.0;
 /// Share of the height of the page's left half for experiments; the rest is for sessions.
-const CARDS: f32 = 0.56;
+const CARDS: f32 = 0.6;
 
 /// Where the start page leads.
 pub enum Destination {
@@ -334,7 +334,7 @@ impl Start {
             ui.label(RichText::new("Sessions").strong().size(18.0));
             let (all, complete) = self.sessions.counts();
             if all > 0 {
-                ui.label(ui::secondary(format!("{all}, {complete} of them done")));
+                ui.label(ui::secondary(format!("{complete} of {all} done")));
             }
         });
         (self.sessions.show(ui, &results), duplicate)

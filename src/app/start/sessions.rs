@@ -39,7 +39,7 @@ impl SessionList {
         }
         let Overview { sessions, errors } = &self.shown;
         if sessions.is_empty() && errors.is_empty() {
-            hint(ui, format!("There are no sessions in {} yet.", results.display()));
+            hint(ui, format!("There are no sessions in the folder {} yet.", results.display()));
             return None;
         }
         let mut resume = None;

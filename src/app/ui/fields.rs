@@ -110,7 +110,9 @@ impl<'a> Field<'a> {
     /// Draws a single-line text field.
     pub fn text(self, ui: &mut Ui, value: &mut String) -> Response {
         let width = self.width.unwrap_or(ui.spacing().text_edit_width);
-        self.add(ui, TextEdit::singleline(value).desired_width(width).hint_text(self.hint))
+        // Errors that appear on the page change the IDs of what follows; a field must keep its focus.
+        let edit = TextEdit::singleline(value).id_salt(("field", self.name.unwrap_or(self.label)));
+        self.add(ui, edit.desired_width(width).hint_text(self.hint))
     }
 
     /// Draws a slider. The value keeps all its digits until the slider is moved.

@@ -38,7 +38,9 @@ pub mod work;
 pub use dialog::{Dialog, FileKind};
 pub use fields::{Field, number};
 pub use history::History;
-pub use page::{Step, end_frame, escaped, footer, heading, page, page_from, primary, shortcut, tool_page};
+pub use page::{
+    Step, end_frame, escaped, footer, heading, page, page_from, primary, release_focus, shortcut, tool_page,
+};
 pub use parameter::parameter;
 pub use plot::{legend, still_plot, table};
 pub use saving::{Saving, ending, full, saved};

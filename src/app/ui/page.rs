@@ -143,6 +143,13 @@ pub fn end_frame(ctx: &egui::Context) {
     ctx.data_mut(|data| data.insert_temp(typing_id(), typing));
 }
 
+/// Takes the keyboard focus from the control that has it, when another page appears: Space is then a key of that page.
+pub fn release_focus(ctx: &egui::Context) {
+    if let Some(focused) = ctx.memory(|memory| memory.focused()) {
+        ctx.memory_mut(|memory| memory.surrender_focus(focused));
+    }
+}
+
 fn typing_id() -> Id {
     Id::unique("typing")
 }

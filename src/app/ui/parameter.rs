@@ -57,7 +57,11 @@ pub fn parameter(ui: &mut Ui, column: f32, parameter: &'static Parameter, text: 
                     ui.spacing_mut().interact_size.x = PICKER;
                     let gap = ui.spacing().item_spacing.x;
                     let picker = if is_color(parameter) { PICKER + gap } else { 0.0 };
-                    let field = ui.add(TextEdit::singleline(text).desired_width(room - LIST - gap - picker));
+                    let field = ui.add(
+                        TextEdit::singleline(text)
+                            .id_salt(("field", parameter.name))
+                            .desired_width(room - LIST - gap - picker),
+                    );
                     field
                         .labelled_by(label)
                         .on_hover_text(format!("{}: {}", parameter.description, parameter.expected));

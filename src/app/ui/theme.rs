@@ -147,6 +147,8 @@ fn sizes(style: &mut Style) {
     style.spacing.icon_width = 18.0;
     style.spacing.icon_width_inner = 11.0;
     style.spacing.text_edit_width = 300.0;
+    // A scroll bar that can be seen says that there is more.
+    style.spacing.scroll.dormant_handle_opacity = 0.6;
 }
 
 fn visuals(visuals: &mut Visuals) {
