@@ -42,14 +42,16 @@ pub struct Form {
 }
 
 impl Form {
-    /// Opens a copy of a definition, with a name of its own.
+    /// Opens a copy of a definition, with a name that no file in the folder has.
     ///
     /// # Errors
     /// The definition cannot be read, or is not TOML. Any other error is shown next to its field.
-    pub fn open(name_or_path: &str) -> Result<Self, FileErrors> {
+    pub fn open(name_or_path: &str, folder: &Path) -> Result<Self, FileErrors> {
         let mut draft = Draft::parse(name_or_path, &definition::text(Path::new(name_or_path))?)?;
         let name = draft.get("name").unwrap_or_else(|| "my-study".to_owned());
-        draft.set("name", &format!("{name}-copy"), Typed::Text);
+        let copy = |number: u32| if number == 1 { format!("{name}-copy") } else { format!("{name}-copy-{number}") };
+        let is_free = |copy: &String| !folder.join(format!("{copy}.toml")).exists();
+        draft.set("name", &(1..).map(copy).find(is_free).unwrap_or_default(), Typed::Text);
         if let Some(title) = draft.get("title") {
             draft.set("title", &format!("{title} (copy)"), Typed::Text);
         }

@@ -43,7 +43,7 @@ impl Editor {
         let folder = absolute(folder).unwrap_or_default();
         Self {
             of: name_or_path.to_owned(),
-            form: Form::open(name_or_path).map_err(|error| error.to_string()),
+            form: Form::open(name_or_path, &folder).map_err(|error| error.to_string()),
             folder: folder.display().to_string(),
             dialog: Dialog::default(),
             saving: Saving::default(),
