@@ -127,27 +127,20 @@ fn only_unsaved_changes_need_an_answer() {
 #[test]
 fn typing_stays_in_its_field_when_errors_come_and_go() {
     let mut window = duplicate("quick");
+    let digits = |window: &mut Window, digits: &[&str]| {
+        for digit in digits {
+            let fields = window.query_all_by_label("Repetitions");
+            fields.into_iter().find(|node| node.is_focused()).expect("the focus stays").type_text(digit);
+            window.run_steps(3);
+        }
+    };
     type_into(&mut window, "Repetitions", "9");
-    for digit in ["9", "9", "9", "9", "9"] {
-        window
-            .query_all_by_label("Repetitions")
-            .find(|node| node.is_focused())
-            .expect("the focus stays")
-            .type_text(digit);
-        window.run_steps(3);
-    }
+    digits(&mut window, &["9"; 5]);
     assert_eq!(value(&window, "Repetitions"), "999999");
     window.get_by_label_contains("error");
     window.key_press_modifiers(Modifiers::COMMAND, Key::A);
     window.step();
-    for digit in ["2", "5"] {
-        window
-            .query_all_by_label("Repetitions")
-            .find(|node| node.is_focused())
-            .expect("the focus stays")
-            .type_text(digit);
-        window.run_steps(3);
-    }
+    digits(&mut window, &["2", "5"]);
     assert_eq!(value(&window, "Repetitions"), "25");
     assert_eq!(value(&window, "Practice"), "4");
 }
