@@ -34,7 +34,7 @@ use start::{Destination, Start};
 use ui::{Place, SideChoice, Step, number};
 use window::Program;
 
-use crate::store::settings::remember;
+use crate::{display::DisplayProfile, store::settings::remember};
 
 pub use display::timing;
 pub use session::Request;
@@ -185,14 +185,15 @@ impl App {
                 self.start.show(ui, monitor, &self.monitors, &mut self.memory.settings)
             }
             Place::Stimuli => {
-                let profile = self.start.checked().and_then(|checked| checked.display.clone()).unwrap_or_default();
                 let distance_cm = number(&self.start.screen().distance_cm);
+                let assumed = DisplayProfile::default();
+                let profile = self.start.checked().and_then(|checked| checked.display.as_ref()).unwrap_or(&assumed);
                 let gallery = self.gallery.get_or_insert_with(|| {
                     let mut gallery = Box::new(explore::gallery::Gallery::new(profile.clone(), distance_cm));
                     gallery.recall(&self.memory.page("stimuli"));
                     gallery
                 });
-                gallery.set_screen(&profile, distance_cm);
+                gallery.set_screen(profile, distance_cm);
                 let step = gallery.show(ui).widen();
                 self.memory.set_page("stimuli", gallery.remembered());
                 step

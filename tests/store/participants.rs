@@ -139,6 +139,22 @@ fn a_table_that_cannot_be_read_stays_as_it_is() {
     let changed = fs::read_to_string(csv.with_extension("json")).unwrap().replace("\"age\": 31", "\"age\": 13");
     fs::write(csv.with_extension("json"), changed).unwrap();
     assert_ne!(verified(&csv).errors, []);
+    // Another encoding and a row that is too short, after an empty line: nothing is replaced, and the line is right.
+    for (number, (table, expected)) in [
+        (&b"participant_id\tnote\nsub-S009\tM\xfcller\n"[..], "is not UTF-8 text"),
+        (&b"participant_id\tnote\n\nsub-S009\n"[..], "participants.tsv:3:1: the row has 1 cells; expected 2"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        fs::write(&path, table).unwrap();
+        let subject = format!("T{number}");
+        session(folder.path(), &subject, "1", answers(&[("age", json!(31)), ("consent", json!("2026-01-31"))]));
+        assert_eq!(fs::read(&path).unwrap(), table);
+        let sidecar = Sidecar::read(&csv_of(folder.path(), &subject).with_extension("json")).unwrap().unwrap();
+        let incident = &sidecar.sittings[0].incidents[0];
+        assert!(incident.contains(expected), "{incident}");
+    }
 }
 
 /// After a session was moved to another folder, its participant is there too; a resumed session keeps its answers.

@@ -39,19 +39,22 @@ impl Participants {
     pub fn read(dataset: &Path) -> Result<Self, StoreError> {
         let path = dataset.join(PARTICIPANTS);
         let text = match read_regular(&path, MAX_FILE) {
-            Ok(text) => String::from_utf8_lossy(&text).into_owned(),
+            // The table is written again as a whole, so replacing bytes here would destroy what others entered.
+            Ok(text) => String::from_utf8(text)
+                .map_err(|_| FileErrors::whole(&path, "is not UTF-8 text; expected a table encoded in UTF-8"))?,
             Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
             Err(error) => return Err(io(&path, "read")(error)),
         };
-        let mut lines = text.trim_start_matches('\u{feff}').lines().filter(|line| !line.is_empty());
+        let lines = (1..).zip(text.trim_start_matches('\u{feff}').lines());
+        let mut lines = lines.filter(|(_, line)| !line.is_empty());
         let cells = |line: &str| line.split('\t').map(str::to_owned).collect::<Vec<_>>();
-        let columns = lines.next().map_or_else(|| vec![ID.to_owned()], cells);
+        let columns = lines.next().map_or_else(|| vec![ID.to_owned()], |(_, line)| cells(line));
         if columns[0] != ID {
             let message = format!("the first column is {:?}; expected {ID}", columns[0]);
             return Err(FileErrors(vec![FileError::at(&path, (1, 1), message)]).into());
         }
         let (mut rows, mut errors) = (Vec::new(), Vec::new());
-        for (line, number) in lines.zip(2..) {
+        for (number, line) in lines {
             let row = cells(line);
             if row.len() != columns.len() {
                 let message = format!("the row has {} cells; expected {}", row.len(), columns.len());
