@@ -1,6 +1,6 @@
 //! `machband analyze`
 
-use std::time::Duration;
+use std::{ffi::OsString, time::Duration};
 
 use super::{
     OutPath, UsageError,
@@ -8,31 +8,23 @@ use super::{
     ratings::RatingOptions,
 };
 use crate::{
-    analysis::{ModelError, Options, Random, Resampling, analyze_with},
+    analysis::{ModelError, Options, Random, Resampling, Results, analyze_with},
     report::{
-        AnalysisOutput, Provenance, check_folder,
+        AnalysisOutput, Provenance, Study, check_folder,
         prediction::{PredictionError, StudyPrediction},
         skins,
-        study::{Parts, document},
+        study::{Parts, document, shell_command},
         write_all,
     },
     store::{Writer, table},
+    system::now,
 };
 
-/// Analyze ratings: descriptive statistics, ordinal model, tests, figures and a report.
-///
-/// Reads result files, folders of result files, tables of counts, or any CSV file with column names. If part of the
-/// input has errors, every error is reported, the rest is analyzed, and the exit status is 1. Files that were changed
-/// after their session ended are analyzed with a warning.
+/// What to analyze, and how.
 #[derive(clap::Args)]
-#[command(after_help = "Examples: machband analyze results/bangay2003 --out analysis\n          \
-    machband analyze ratings.csv --subject id --response score --terms width,num:inv_n --out analysis")]
-pub(super) struct Arguments {
+pub struct AnalysisOptions {
     #[command(flatten)]
     ratings: RatingOptions,
-    /// Folder for tables, figures and report.html; --force replaces an earlier analysis.
-    #[arg(long, value_name = "DIR", value_hint = clap::ValueHint::DirPath)]
-    out: OutPath,
     #[command(flatten)]
     model: ModelOptions,
     /// Random intercept for each participant [default: subject if there are at least two participants].
@@ -47,50 +39,84 @@ pub(super) struct Arguments {
     /// Also test each term for an effect on the spread of the ratings.
     #[arg(long)]
     scale: bool,
+}
+
+/// Analyze ratings: descriptive statistics, ordinal model, tests, figures and a report.
+///
+/// Reads result files, folders of result files, tables of counts, or any CSV file with column names. If part of the
+/// input has errors, every error is reported, the rest is analyzed, and the exit status is 1. Files that were changed
+/// after their session ended are analyzed with a warning.
+#[derive(clap::Args)]
+#[command(after_help = "Examples: machband analyze results/bangay2003 --out analysis\n          \
+    machband analyze ratings.csv --subject id --response score --terms width,num:inv_n --out analysis")]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    analysis: AnalysisOptions,
+    /// Folder for tables, figures and report.html; --force replaces an earlier analysis.
+    #[arg(long, value_name = "DIR", value_hint = clap::ValueHint::DirPath)]
+    out: OutPath,
     /// Write only the tables and model.json.
     #[arg(long)]
     tables_only: bool,
 }
 
-pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
+impl AnalysisOptions {
+    /// Reads the ratings.
+    ///
+    /// # Errors
+    /// There is nothing to analyze, the study is too large, or the order of its categories is not known.
+    pub fn read(&self) -> anyhow::Result<Study> {
+        let terms = self.model.terms()?;
+        let names = terms.iter().flatten().flat_map(|term| &term.variables).map(|variable| variable.name().to_owned());
+        let study = self.ratings.read(&names.collect::<Vec<_>>(), true, self.model.large)?;
+        let counts = &study.measured.counts;
+        if !counts.is_ordered(study.source.shape.categories.as_deref()) {
+            let texts = table::list(counts.categories.iter().take(12));
+            let message = format!(
+                "--response {}: {texts} are not numbers; expected their order, lowest first, such as --categories {}",
+                study.source.shape.response,
+                shlex::try_quote(&texts).unwrap_or_default()
+            );
+            return Err(UsageError(message).into());
+        }
+        Ok(study)
+    }
+
+    /// Analyzes the ratings; `progress` learns the number of simulated studies that are done, and of all.
+    ///
+    /// # Errors
+    /// The requested model is impossible.
+    pub fn analyze(&self, study: &Study, progress: &(dyn Fn(usize, usize) + Sync)) -> anyhow::Result<Results> {
+        let options = Options {
+            terms: self.model.terms()?,
+            link: self.model.link,
+            random: self.random,
+            quadrature: self.model.quadrature.into(),
+            scale: self.scale,
+            max_coefficients: self.model.max_coefficients(),
+            slopes: self.model.slopes,
+            resampling: Resampling { draws: self.draws as usize, seed: self.seed },
+            checks: true,
+        };
+        let results = analyze_with(study.measured.clone(), &options, progress);
+        match &results.model {
+            Err(error) if is_usage(error) => Err(UsageError(error.to_string()).into()),
+            _ => Ok(results),
+        }
+    }
+}
+
+pub(super) fn run(arguments: &Arguments, words: &[OsString], writer: &Writer) -> anyhow::Result<()> {
     check_folder(writer, &arguments.out)?;
-    let terms = arguments.model.terms()?;
-    let names: Vec<String> =
-        terms.iter().flatten().flat_map(|term| &term.variables).map(|variable| variable.name().to_owned()).collect();
     let progress = super::spinner("reading");
-    let study = arguments.ratings.read(&names, true, arguments.model.large)?;
+    let study = arguments.analysis.read()?;
     progress.set_message("analyzing");
-    let counts = &study.measured.counts;
-    if !counts.is_ordered(study.source.shape.categories.as_deref()) {
-        let texts = table::list(counts.categories.iter().take(12));
-        let message = format!(
-            "--response {}: {texts} are not numbers; expected their order, lowest first, such as --categories {}",
-            study.source.shape.response,
-            shlex::try_quote(&texts).unwrap_or_default()
-        );
-        return Err(UsageError(message).into());
-    }
-    let options = Options {
-        terms,
-        link: arguments.model.link,
-        random: arguments.random,
-        quadrature: arguments.model.quadrature.into(),
-        scale: arguments.scale,
-        max_coefficients: arguments.model.max_coefficients(),
-        slopes: arguments.model.slopes,
-        resampling: Resampling { draws: arguments.draws as usize, seed: arguments.seed },
-        checks: true,
-    };
-    let results = analyze_with(study.measured.clone(), &options, &|done, all| {
+    let results = arguments.analysis.analyze(&study, &|done, all| {
         progress.set_message(format!("analyzing: simulated study {done} of {all}"));
-    });
-    if let Err(error) = &results.model
-        && is_usage(error)
-    {
-        return Err(UsageError(error.to_string()).into());
-    }
+    })?;
     progress.set_message(if arguments.tables_only { "writing" } else { "predicting, drawing and writing" });
-    let provenance = Provenance::of_process();
+    let words = words.iter().skip(1).map(|word| word.to_string_lossy().into_owned());
+    let provenance = Provenance::new(shell_command(words), now());
     let AnalysisOutput { files, prediction } =
         write_all(writer, &study, &results, &provenance, &arguments.out, arguments.tables_only)?;
     progress.finish_and_clear();

@@ -1,17 +1,13 @@
 //! `machband check` and `machband verify`
 
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    path::{Path, PathBuf},
-};
+use std::path::PathBuf;
 
 use indicatif::ProgressBar;
 
 use super::{print_line, progress_style, warn};
 use crate::{
     report::{document::numbers::count, terminal::message},
-    store::{self, dataset::REGISTER, image::MAX_PIXELS, ratings, register::Register, verify},
-    system::entries,
+    store::{self, image::MAX_PIXELS, verify},
 };
 
 /// Check definitions, result files, display profiles, readings, observers and images, and report every error.
@@ -62,63 +58,31 @@ pub(super) struct VerifyArguments {
     folder: PathBuf,
 }
 
-/// Maximum number of errors that are kept until all sessions are verified.
-const MAX_ERRORS: usize = 1000;
-
 pub(super) fn verify(arguments: &VerifyArguments) -> anyhow::Result<()> {
-    let registers = registers(&arguments.folder);
-    // If every session was deleted, the register still lists them.
-    let files = ratings::data_files(&arguments.folder).or_else(|error| match registers.is_empty() {
-        true => Err(error),
-        false => Ok(Vec::new()),
-    })?;
-    let bar = ProgressBar::new(files.len() as u64).with_style(progress_style("sessions"));
-    let mut renderer = verify::Renderer::default();
-    let (mut errors, mut further) = (Vec::new(), 0);
-    let mut folders: BTreeSet<PathBuf> =
-        files.iter().filter_map(|csv| Some(csv.parent()?.parent()?.to_owned())).collect();
-    folders.extend(registers);
-    let mut listed = BTreeMap::new();
-    for folder in &folders {
-        let register = Register::read(folder).unwrap_or_else(|error| {
-            errors.push(error.to_string());
-            Register::default()
-        });
-        errors.extend(register.missing(folder).iter().map(ToString::to_string));
-        errors.extend(verify::unexpected_files(folder).iter().map(ToString::to_string));
-        for path in verify::temporary_files(folder) {
-            print_line(&format!("note: {}: was left by a killed program; it can be deleted", path.display()))?;
-        }
-        listed.insert(folder, register);
-    }
-    let unlisted = Register::default();
-    for csv in &files {
-        let folder = csv.parent().and_then(Path::parent).map(Path::to_owned).unwrap_or_default();
-        let found = verify::session(csv, &mut renderer, listed.get(&folder).unwrap_or(&unlisted));
-        bar.suspend(|| print_line(&format!("{}: {}", csv.display(), sentence(&found))))?;
+    let bar = ProgressBar::no_length().with_style(progress_style("sessions"));
+    let mut printed = Ok(());
+    let found = verify::data_sets(&arguments.folder, |csv, found, all| {
+        bar.set_length(all as u64);
+        printed = bar.suspend(|| print_line(&format!("{}: {}", csv.display(), sentence(found))));
         bar.inc(1);
-        for error in &found.errors {
-            if errors.len() < MAX_ERRORS { errors.push(error.to_string()) } else { further += 1 }
-        }
-    }
+        printed.is_ok()
+    })?;
     bar.finish_and_clear();
-    if further > 0 {
-        errors.push(format!("{}: further errors: {further}; expected none", arguments.folder.display()));
-    }
+    printed?;
+    found.left.iter().try_for_each(|path| {
+        print_line(&format!("note: {}: was left by a killed program; it can be deleted", path.display()))
+    })?;
+    let errors: Vec<String> = found.errors.iter().map(ToString::to_string).collect();
     if errors.is_empty() {
-        print_line(&format!("{} verified; no errors", count(files.len() as u64, "session")))
+        print_line(&format!("{} verified; no errors", count(found.sessions as u64, "session")))
     } else {
         Err(anyhow::anyhow!(errors.join("\n")))
     }
 }
 
-/// Returns the data sets that have a register: the folder itself, or the folders in it.
-fn registers(folder: &Path) -> Vec<PathBuf> {
-    let folders = std::iter::once(folder.to_owned()).chain(entries(folder).unwrap_or_default());
-    folders.filter(|folder| folder.join(REGISTER).is_file()).collect()
-}
-
-fn sentence(found: &verify::Verified) -> String {
+/// Summarizes the findings about one session.
+#[must_use]
+pub fn sentence(found: &verify::Verified) -> String {
     let verify::Verified { rows, rated: (rated, planned), pictures, sealed, errors, notes } = found;
     let mut parts = vec![
         format!(

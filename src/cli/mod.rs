@@ -31,7 +31,13 @@ use std::{
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
-pub use self::outputs::{FittedPath, NewFolder, OutPath};
+pub use self::{
+    analyze::AnalysisOptions,
+    check::sentence,
+    outputs::{FittedPath, NewFolder, OutPath},
+    shade::{Arguments as ShadeOptions, Drawing},
+    simulate::{Arguments as SimulateOptions, Watcher, sessions as simulate_sessions},
+};
 use crate::{
     display::DisplayProfile,
     report::{
@@ -86,22 +92,42 @@ enum Command {
 /// Invalid arguments found after parsing; the exit status is 2.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
-struct UsageError(String);
+pub struct UsageError(String);
 
 /// Returns the definition of all commands and their options.
 pub fn definition() -> clap::Command {
     outputs::with_force(Arguments::command())
 }
 
+/// Reads the options of a command from `words`, as the command line would.
+///
+/// # Errors
+/// An option is not known or its value is invalid.
+pub fn parse<Options: clap::Args>(words: impl IntoIterator<Item = OsString>) -> Result<Options, UsageError> {
+    let command = Options::augment_args(clap::Command::new("machband").no_binary_name(true));
+    command.try_get_matches_from(words).and_then(|matches| Options::from_arg_matches(&matches)).map_err(|error| {
+        let text = error.render().to_string();
+        let lines = text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
+        let lines: Vec<&str> = lines.map(str::trim).filter(|line| !line.is_empty()).collect();
+        UsageError(lines.join("; ").trim_start_matches("error: ").to_owned())
+    })
+}
+
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
+    ExitCode::from(run_with(std::env::args_os().collect()))
+}
+
+/// Runs the program with these arguments, of which the first is the program's name, and returns the exit status.
+pub fn run_with(arguments: Vec<OsString>) -> u8 {
     let definition = definition();
-    let matches = definition.clone().try_get_matches().unwrap_or_else(|error| refuse(&error));
-    let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| refuse(&error));
+    let matches = definition.clone().try_get_matches_from(&arguments);
+    let matches = matches.unwrap_or_else(|error| refuse(&error, &arguments));
+    let parsed = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| refuse(&error, &arguments));
     let called = matches.subcommand().and_then(|(name, matches)| Some((definition.find_subcommand(name)?, matches)));
     let writer = called.map_or_else(|| Ok(Writer::default()), |(command, matches)| outputs::writer(command, matches));
     let started = start_threads().map_err(Into::into).and_then(|()| Ok(writer?));
-    let status = match started.and_then(|writer| run(arguments, &writer)) {
+    let status = match started.and_then(|writer| run(parsed, &arguments, &writer)) {
         Ok(()) => 0,
         Err(error) => {
             // Each line is an error with its cause.
@@ -111,11 +137,11 @@ pub fn main() -> ExitCode {
             if is_output || error.is::<UsageError>() { 2 } else { 1 }
         }
     };
-    ExitCode::from(signals::received().map_or(status, Signal::status))
+    signals::received().map_or(status, Signal::status)
 }
 
-/// Runs a command; `writer` writes its outputs.
-fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<()> {
+/// Runs a command, which was given as `words`; `writer` writes its outputs.
+fn run(arguments: Arguments, words: &[OsString], writer: &Writer) -> anyhow::Result<()> {
     match arguments.command {
         #[cfg(feature = "window")]
         None => {
@@ -132,7 +158,7 @@ fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<()> {
         Some(Command::Check(arguments)) => check::check(&arguments),
         Some(Command::Plan(arguments)) => plan::run(&arguments, writer),
         Some(Command::Predict(arguments)) => predict::run(&arguments, writer),
-        Some(Command::Analyze(arguments)) => analyze::run(&arguments, writer),
+        Some(Command::Analyze(arguments)) => analyze::run(&arguments, words, writer),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments, writer),
         Some(Command::Counts(arguments)) => ratings::counts(&arguments, writer),
         Some(Command::Export(arguments)) => export::run(&arguments),
@@ -148,9 +174,9 @@ fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<()> {
 
 /// Ends the program with clap's message: help, or the error in the arguments. The error repeats arguments, which may
 /// contain control characters.
-fn refuse(error: &clap::Error) -> ! {
-    let is_harmless = |argument: OsString| matches!(printable(&argument.to_string_lossy()), Cow::Borrowed(_));
-    if !error.use_stderr() || std::env::args_os().all(is_harmless) {
+fn refuse(error: &clap::Error, arguments: &[OsString]) -> ! {
+    let is_harmless = |argument: &OsString| matches!(printable(&argument.to_string_lossy()), Cow::Borrowed(_));
+    if !error.use_stderr() || arguments.iter().all(is_harmless) {
         error.exit();
     }
     for line in error.render().to_string().lines() {

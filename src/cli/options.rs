@@ -11,7 +11,7 @@ use super::UsageError;
 use crate::{
     analysis::{Link, MAX_COEFFICIENTS, MAX_NODES, Slopes, terms::Terms},
     light::{Bits, Dither, Transfer, Transfers},
-    stimulus::{KINDS, Parameter, ParameterValue, Stimulus, catalog, recipe::Recipe},
+    stimulus::{KINDS, Parameter, Stimulus, catalog, recipe::Recipe},
     store,
 };
 
@@ -149,23 +149,8 @@ impl StimulusOptions {
     /// # Errors
     /// Reports every parameter that the kind does not have, and every invalid value.
     pub(super) fn stimulus(&self) -> anyhow::Result<Stimulus> {
-        let fail = |errors: Vec<String>| UsageError(errors.join("\n"));
-        let mut stimulus = Stimulus::default_of(&self.kind).ok_or_else(|| {
-            fail(vec![format!("kind {} is not known; expected one of {}", self.kind, KINDS.join(", "))])
-        })?;
-        let mut errors = Vec::new();
-        for (name, text) in &self.given {
-            let value: ParameterValue = text.parse().unwrap_or_else(|never| match never {});
-            if let Err(error) = stimulus.set(name, &value) {
-                errors.push(error.to_string());
-            }
-        }
-        if errors.is_empty()
-            && let Err(found) = stimulus.validate()
-        {
-            errors.extend(found.iter().map(ToString::to_string));
-        }
-        if errors.is_empty() { Ok(stimulus) } else { Err(fail(errors).into()) }
+        let given = self.given.iter().map(|(name, text)| (*name, text.parse().unwrap_or_else(|never| match never {})));
+        Stimulus::with_parameters(&self.kind, given).map_err(|errors| UsageError(errors.join("\n")).into())
     }
 }
 

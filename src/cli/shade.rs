@@ -14,7 +14,7 @@ use super::{
     print_line,
 };
 use crate::{
-    light::{Bits, Depth, LinearImage, Quantizer, Transfer},
+    light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Transfer, Transfers},
     shading::{
         Correction, Creases, EdgeKind, Frame, Gradients, Highlight, Mesh, Normals, Scene, Shade, Shader, Surface,
         Truth, crease,
@@ -37,7 +37,7 @@ use crate::{
     allow_negative_numbers = true,
     after_help = "Example: machband shade --mesh blob --vertices 313 --shader exact --depth 3 --boundary 0.2 --out exact.png --metrics exact.json"
 )]
-pub(super) struct Arguments {
+pub struct Arguments {
     /// A scene of several meshes, with their materials, transparency, and lamps, in place of the options for one mesh.
     #[arg(value_name = "SCENE.toml", conflicts_with_all = ONE_MESH)]
     scene: Option<PathBuf>,
@@ -204,81 +204,102 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         return Err(UsageError(message.to_owned()).into());
     }
     if let (Some(scene), Some(out)) = (&arguments.scene, &arguments.out) {
-        return arguments.draw_scene(scene, out, writer);
+        let (transfers, _) = arguments.transfer.transfers()?;
+        let (codes, notes, text) = arguments.scene_codes(scene, &transfers)?;
+        notes.iter().for_each(|note| message("note", note));
+        let description = json!({ "scene": scene.display().to_string(), "size": arguments.size, "toml": text });
+        return Ok(store::image::write_shaded(writer, out, &codes, &transfers, &description)?);
     }
-    let (renderer, scene, viewing) = (arguments.renderer()?, arguments.scene()?, arguments.viewing()?);
-    let (transfers, _) = arguments.transfer.transfers()?;
-    let surface = Surface::new(arguments.mesh()?.estimated(arguments.normals));
-    let frame = scene.frame(&surface, arguments.size, arguments.size);
     if arguments.shader.is_none() && (arguments.metrics.is_some() || arguments.creases.is_some()) {
         let message = "--metrics and --creases measure a shader; expected --shader SHADER".to_owned();
         return Err(UsageError(message).into());
     }
-    if arguments.truth.is_some() && arguments.fine_file().is_none() && frame.smooth.is_none() {
-        let message = format!(
-            "--truth: the smooth surface behind {} is not known; expected --truth FILE with a finer mesh",
-            arguments.mesh.display()
-        );
-        return Err(UsageError(message).into());
-    }
-    if frame.triangles.is_empty() {
-        anyhow::bail!("{}: no triangle faces the viewer; expected at least one", arguments.mesh.display());
-    }
-    let non_manifold = surface.edges.edges.iter().filter(|edge| edge.kind == EdgeKind::NonManifold).count();
-    if non_manifold > 0 {
-        message(
-            "note",
-            &format!(
-                "{}: shading is not smooth across edges that belong to more than two triangles, or to neighbors with opposite winding ({non_manifold} found)",
-                arguments.mesh.display()
-            ),
-        );
-    }
-    let fine = arguments.fine()?;
-    let shot = renderer.shoot(&frame, &transfers);
-    let description = arguments.describe(&scene, &renderer);
+    let (mesh, note) = arguments.mesh()?;
+    note.iter().for_each(|note| message("note", note));
+    let drawing = arguments.drawing(mesh)?;
+    drawing.note.iter().for_each(|note| message("note", note));
+    let Drawing { transfers, frame, description, .. } = &drawing;
     if let Some(out) = &arguments.out {
-        let image = match arguments.truth(&frame, fine.as_ref()).filter(|_| arguments.draws_truth()) {
-            Some(truth) => truth.picture(&shot.frame),
-            None => shot.image(),
-        };
-        note_clipped(&image);
-        let codes = Quantizer::new(shot.transfers.clone(), arguments.bits).quantize(&image);
-        store::image::write_shaded(writer, out, &codes, &transfers, &description)?;
+        let (codes, note) = drawing.codes();
+        note.iter().for_each(|note| message("note", note));
+        store::image::write_shaded(writer, out, &codes, transfers, description)?;
     }
-    let plain = frame.clone().unpainted();
     if let Some(path) = &arguments.metrics {
-        let seen = scene.frame(&surface, ViewingConditions::PICTURE_PX, ViewingConditions::PICTURE_PX).unpainted();
-        let judged = Judged::new(&viewing, &seen, arguments.truth(&seen, fine.as_ref()).as_ref())
-            .map_err(|error| anyhow::anyhow!("--window {}: {error}", arguments.window))?;
-        let measured = |renderer: &Renderer| {
-            let creases = renderer.shoot(&plain, &transfers).creases();
-            arguments.measured(creases, &renderer.shoot(&seen, &transfers), &judged, &viewing)
-        };
-        let own = measured(&renderer)?;
-        let gouraud = if renderer.is_gouraud() { own.clone() } else { measured(&Renderer::gouraud())? };
-        let mut metrics = description.clone();
-        append(&mut metrics, measurements(&surface, &frame, &own, &gouraud, &viewing));
-        append(&mut metrics, compared(&own, &gouraud, &judged));
+        let (metrics, own, gouraud) = drawing.measure()?;
         writer.write(path, format!("{metrics:#}\n").as_bytes())?;
-        summarize(renderer.shade.shader, &own, &gouraud, &viewing)?;
+        summarize(drawing.renderer.shade.shader, &own, &gouraud, &drawing.viewing)?;
     }
     if let Some(path) = &arguments.creases {
-        let creases = renderer.shoot(&plain, &transfers).creases();
+        let plain = frame.clone().unpainted();
+        let creases = drawing.renderer.shoot(&plain, transfers).creases();
         let picture = crease::picture(&plain, &creases, Creases::of_gouraud(&plain).p95);
         let codes = Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&picture);
-        store::image::write_shaded(writer, path, &codes, &Transfer::Srgb.into(), &description)?;
+        store::image::write_shaded(writer, path, &codes, &Transfer::Srgb.into(), description)?;
     }
     Ok(())
 }
 
-/// Says how many pixels are brighter than white.
-pub(super) fn note_clipped(image: &LinearImage) {
-    let clipped = image.data.chunks_exact(3).filter(|pixel| pixel.iter().any(|light| *light > 1.0)).count();
-    if clipped > 0 {
-        let pixels = count(clipped as u64, "pixel");
-        message("note", &format!("light above white is clipped, which creates edges ({pixels})"));
+/// A mesh in its place, with everything that determines how it looks.
+pub struct Drawing<'a> {
+    arguments: &'a Arguments,
+    renderer: Renderer,
+    scene: Scene,
+    viewing: ViewingConditions,
+    transfers: Transfers,
+    surface: Surface,
+    frame: Frame,
+    /// A finer mesh for the same surface, if one was given.
+    fine: Option<Surface>,
+    /// Every parameter.
+    description: Value,
+    /// What is unusual about the mesh.
+    pub note: Option<String>,
+}
+
+impl Drawing<'_> {
+    /// Returns the codes of the picture, and a note if light was clipped.
+    #[must_use]
+    pub fn codes(&self) -> (CodeImage, Option<String>) {
+        let shot = self.renderer.shoot(&self.frame, &self.transfers);
+        let truth = self.arguments.truth(&self.frame, self.fine.as_ref()).filter(|_| self.arguments.draws_truth());
+        let image = truth.map_or_else(|| shot.image(), |truth| truth.picture(&shot.frame));
+        let codes = Quantizer::new(shot.transfers.clone(), self.arguments.bits).quantize(&image);
+        (codes, clipped(&image))
     }
+
+    /// Returns the measurements that `--metrics` writes.
+    ///
+    /// # Errors
+    /// The picture is too small for a prediction.
+    pub fn metrics(&self) -> anyhow::Result<Value> {
+        self.measure().map(|(metrics, ..)| metrics)
+    }
+
+    /// Returns the measurements of this picture and of Gouraud's.
+    fn measure(&self) -> anyhow::Result<(Value, Measured, Measured)> {
+        let Self { arguments, renderer, viewing, transfers, surface, frame, .. } = self;
+        let (plain, side) = (frame.clone().unpainted(), ViewingConditions::PICTURE_PX);
+        let seen = self.scene.frame(surface, side, side).unpainted();
+        let judged = Judged::new(viewing, &seen, arguments.truth(&seen, self.fine.as_ref()).as_ref())
+            .map_err(|error| anyhow::anyhow!("--window {}: {error}", arguments.window))?;
+        let measured = |renderer: &Renderer| {
+            let creases = renderer.shoot(&plain, transfers).creases();
+            arguments.measured(creases, &renderer.shoot(&seen, transfers), &judged, viewing)
+        };
+        let own = measured(renderer)?;
+        let gouraud = if renderer.is_gouraud() { own.clone() } else { measured(&Renderer::gouraud())? };
+        let mut metrics = self.description.clone();
+        append(&mut metrics, measurements(surface, frame, &own, &gouraud, viewing));
+        append(&mut metrics, compared(&own, &gouraud, &judged));
+        Ok((metrics, own, gouraud))
+    }
+}
+
+/// Says how many pixels are brighter than white, if any.
+fn clipped(image: &LinearImage) -> Option<String> {
+    let clipped = image.data.chunks_exact(3).filter(|pixel| pixel.iter().any(|light| *light > 1.0)).count();
+    let pixels = count(clipped as u64, "pixel");
+    (clipped > 0).then(|| format!("light above white is clipped, which creates edges ({pixels})"))
 }
 
 /// Returns `value` relative to Gouraud's; `None` if Gouraud's is only rounding error.
@@ -382,17 +403,54 @@ fn measurements(
 }
 
 impl Arguments {
-    /// Draws a scene of several meshes.
-    fn draw_scene(&self, scene: &Path, out: &OutPath, writer: &Writer) -> anyhow::Result<()> {
-        let (transfers, _) = self.transfer.transfers()?;
-        let SceneFile { composition, text, notes } = store::scene::read(scene)?;
-        notes.iter().for_each(|note| message("note", note));
+    /// Draws a scene of several meshes. Returns the codes, notes on what is unusual, and the text of the file.
+    ///
+    /// # Errors
+    /// The scene or one of its meshes cannot be read.
+    fn scene_codes(&self, scene: &Path, transfers: &Transfers) -> anyhow::Result<(CodeImage, Vec<String>, String)> {
+        let SceneFile { composition, text, mut notes } = store::scene::read(scene)?;
         let image = composition.image(self.size, self.size);
-        note_clipped(&image);
-        let description = json!({ "scene": scene.display().to_string(), "size": self.size, "toml": text });
-        let codes = Quantizer::new(transfers.clone(), self.bits).quantize(&image);
-        store::image::write_shaded(writer, out, &codes, &transfers, &description)?;
-        Ok(())
+        notes.extend(clipped(&image));
+        Ok((Quantizer::new(transfers, self.bits).quantize(&image), notes, text))
+    }
+
+    /// Draws the scene that the options name, if they name one. Returns the codes, and notes on what is unusual.
+    ///
+    /// # Errors
+    /// The scene or one of its meshes cannot be read.
+    pub fn scene_picture(&self) -> anyhow::Result<Option<(CodeImage, Vec<String>)>> {
+        let Some(scene) = &self.scene else { return Ok(None) };
+        let (codes, notes, _) = self.scene_codes(scene, &self.transfer.transfers()?.0)?;
+        Ok(Some((codes, notes)))
+    }
+
+    /// Puts a mesh in its place.
+    ///
+    /// # Errors
+    /// An option is impossible, a file cannot be read, or no triangle faces the viewer.
+    pub fn drawing(&self, mesh: Mesh) -> anyhow::Result<Drawing<'_>> {
+        let (renderer, scene, viewing) = (self.renderer()?, self.scene()?, self.viewing()?);
+        let (transfers, _) = self.transfer.transfers()?;
+        let surface = Surface::new(mesh.estimated(self.normals));
+        let frame = scene.frame(&surface, self.size, self.size);
+        let name = self.mesh.display();
+        if self.truth.is_some() && self.fine_file().is_none() && frame.smooth.is_none() {
+            let message = format!(
+                "--truth: the smooth surface behind {name} is not known; expected --truth FILE with a finer mesh"
+            );
+            return Err(UsageError(message).into());
+        }
+        if frame.triangles.is_empty() {
+            anyhow::bail!("{name}: no triangle faces the viewer; expected at least one");
+        }
+        let non_manifold = surface.edges.edges.iter().filter(|edge| edge.kind == EdgeKind::NonManifold).count();
+        let note = (non_manifold > 0).then(|| {
+            format!(
+                "{name}: shading is not smooth across edges that belong to more than two triangles, or to neighbors with opposite winding ({non_manifold} found)"
+            )
+        });
+        let (fine, description) = (self.fine()?, self.describe(&scene, &renderer));
+        Ok(Drawing { arguments: self, renderer, scene, viewing, transfers, surface, frame, fine, description, note })
     }
 
     fn renderer(&self) -> Result<Renderer, UsageError> {
@@ -476,11 +534,15 @@ impl Arguments {
         }
     }
 
-    fn mesh(&self) -> anyhow::Result<Mesh> {
+    /// Returns the mesh that the options name, and a note if it was repaired.
+    ///
+    /// # Errors
+    /// There is no such shape, or the file cannot be read.
+    pub fn mesh(&self) -> anyhow::Result<(Mesh, Option<String>)> {
         let path = &self.mesh;
         if let Some(shape) = path.to_str().and_then(|name| name.parse::<Shape>().ok()) {
-            return shapes::mesh(shape, self.vertices)
-                .map_err(|error| UsageError(format!("--vertices: {error}")).into());
+            let mesh = shapes::mesh(shape, self.vertices);
+            return Ok((mesh.map_err(|error| UsageError(format!("--vertices: {error}")))?, None));
         }
         if path.extension().is_none() && !path.exists() {
             let names = Shape::NAMES.join(", ");
@@ -491,10 +553,8 @@ impl Arguments {
             .into());
         }
         let file = store::mesh::read(path, self.crease)?;
-        if let Some(note) = file.note(path) {
-            message("note", &note);
-        }
-        Ok(file.mesh)
+        let note = file.note(path);
+        Ok((file.mesh, note))
     }
 
     /// Describes all parameters of the image.

@@ -1,7 +1,7 @@
 //! `machband simulate`
 
 use std::{
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::OnceLock,
     thread,
     time::{Duration, Instant},
@@ -23,11 +23,7 @@ use crate::{
         session::{Changes, Interrupted, SessionStore},
         sidecar::{Pictures, Sitting},
     },
-    system::{
-        after, before, check_clock, now,
-        signals::{self, Ended},
-        threads,
-    },
+    system::{after, before, check_clock, now, signals, threads},
 };
 
 /// Number of sessions that run at the same time. A session spends most of its time waiting for the disk (every row is
@@ -38,7 +34,7 @@ const AT_A_TIME: usize = 32;
 /// opens.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband simulate bangay2003 --participants 8 --seed 1 --results results")]
-pub(super) struct Arguments {
+pub struct Arguments {
     /// Built-in definition or path to a .toml file.
     experiment: PathBuf,
     /// Number of participants; their IDs start at S001.
@@ -78,46 +74,84 @@ enum ObserverKind {
 /// Data shared by all sessions of a run.
 struct Simulation<'a> {
     arguments: &'a Arguments,
-    protocol: Protocol,
+    protocol: &'a Protocol,
     observer: Box<dyn Observer>,
     /// How the sidecars describe the observer.
     description: serde_json::Value,
     pictures: Pictures,
     /// Hashes of the pictures, which are rendered when the first session ends, so that no row waits for them.
     hashes: OnceLock<Vec<String>>,
-    bar: ProgressBar,
+    watcher: &'a dyn Watcher,
+}
+
+/// Whoever waits for a simulation.
+pub trait Watcher: Sync {
+    /// Learns that `trials` more trials are done.
+    fn advance(&self, trials: u64);
+    /// Receives a warning.
+    fn warn(&self, warning: &str);
+    /// Says whether to go on; `place` is where the answers are.
+    ///
+    /// # Errors
+    /// The sessions should end.
+    fn check(&self, place: &Path) -> anyhow::Result<()>;
+}
+
+impl Watcher for ProgressBar {
+    fn advance(&self, trials: u64) {
+        self.inc(trials);
+    }
+
+    fn warn(&self, warning: &str) {
+        self.suspend(|| super::message("warning", warning));
+    }
+
+    fn check(&self, place: &Path) -> anyhow::Result<()> {
+        Ok(signals::check(place)?)
+    }
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let protocol = definition::open(&arguments.experiment)?;
-    let (observer, description) = observer(arguments, &protocol)?;
     let started = Instant::now();
-    let total = arguments.participants as usize;
-    let trials = total * (protocol.main_trials() + protocol.design.practice as usize);
-    let simulation = Simulation {
-        arguments,
-        pictures: Pictures::without_screen(&protocol),
-        protocol,
-        observer,
-        description,
-        hashes: OnceLock::new(),
-        bar: ProgressBar::new(trials as u64).with_style(progress_style("trials")),
-    };
-    check_clock()?;
+    let trials = arguments.trials(&protocol);
+    let bar = ProgressBar::new(trials).with_style(progress_style("trials"));
     signals::watch();
-    let (threads, begin) = threads(AT_A_TIME.min(total))?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).spawn_handler(begin).build()?;
-    let done = pool.install(|| (1..=total).into_par_iter().try_for_each(|number| simulation.session(number)));
-    simulation.bar.finish_and_clear();
+    let done = sessions(arguments, &protocol, &bar);
+    bar.finish_and_clear();
     done?;
-    let name = &simulation.protocol.name;
     super::print_line(&format!(
-        "{} of {name} in {}, {}, {:.1} s",
-        count(total as u64, "session"),
-        arguments.results.join(name).display(),
-        count(trials as u64, "row"),
+        "{} of {} in {}, {}, {:.1} s",
+        count(arguments.participants.into(), "session"),
+        protocol.name,
+        arguments.results.join(&protocol.name).display(),
+        count(trials, "row"),
         started.elapsed().as_secs_f64()
     ))
+}
+
+impl Arguments {
+    /// Returns the number of trials in all sessions of a definition.
+    #[must_use]
+    pub fn trials(&self, protocol: &Protocol) -> u64 {
+        u64::from(self.participants) * (protocol.main_trials() as u64 + u64::from(protocol.design.practice))
+    }
+}
+
+/// Runs the sessions of a definition, which need not be the one that `arguments` name.
+///
+/// # Errors
+/// The observer is invalid, a session cannot be stored, or `watcher` ended it.
+pub fn sessions(arguments: &Arguments, protocol: &Protocol, watcher: &dyn Watcher) -> anyhow::Result<()> {
+    let (observer, description) = observer(arguments, protocol)?;
+    let pictures = Pictures::without_screen(protocol);
+    let simulation =
+        Simulation { arguments, pictures, protocol, observer, description, hashes: OnceLock::new(), watcher };
+    check_clock()?;
+    let total = arguments.participants as usize;
+    let (threads, begin) = threads(AT_A_TIME.min(total))?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).spawn_handler(begin).build()?;
+    pool.install(|| (1..=total).into_par_iter().try_for_each(|number| simulation.session(number)))
 }
 
 /// Returns the observer, and how the sidecars describe it.
@@ -149,8 +183,8 @@ fn observer(arguments: &Arguments, protocol: &Protocol) -> anyhow::Result<(Box<d
 
 impl Simulation<'_> {
     fn session(&self, number: usize) -> anyhow::Result<()> {
-        let Self { arguments, protocol, bar, .. } = self;
-        signals::check(&arguments.results)?;
+        let Self { arguments, protocol, watcher, .. } = *self;
+        watcher.check(&arguments.results)?;
         let identity = Identity::new(&format!("S{number:03}"), "1")?;
         let sitting = Sitting {
             started_at: now().to_string(),
@@ -174,9 +208,9 @@ impl Simulation<'_> {
         if partial_line.is_some() {
             let file = store.csv().display();
             let text = format!("{file}: an incomplete last row was removed; its trial will be shown again");
-            bar.suspend(|| super::message("warning", &text));
+            watcher.warn(&text);
         }
-        bar.inc(resumed.done.len() as u64);
+        watcher.advance(resumed.done.len() as u64);
         if store.is_complete() {
             return Ok(());
         }
@@ -188,11 +222,11 @@ impl Simulation<'_> {
         let mut session = Session::new(protocol.clone(), schedule.clone(), &resumed, options);
         let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting };
         let rated = simulate(&mut session, self.observer.as_ref(), &identity, elapsed, |response| {
-            bar.inc(1);
+            watcher.advance(1);
             store.append(&TrialRecord::new(&context, response, after(origin, response.onset)))?;
-            anyhow::Ok(signals::check(store.csv())?)
+            watcher.check(store.csv())
         });
-        if rated.as_ref().is_err_and(|error| !error.is::<Ended>()) {
+        if rated.as_ref().is_err_and(|error| error.is::<StoreError>()) {
             return rated;
         }
         // A signal may arrive during the last trial.

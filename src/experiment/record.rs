@@ -14,17 +14,36 @@ use super::{
 };
 use crate::{light::interpolation::Depth, stimulus::ParameterValue};
 
+/// The value of a cell, for programs that read data as numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CellValue {
+    /// An empty cell.
+    Missing,
+    Whole(i64),
+    /// A number, which may be infinite.
+    Number(f64),
+    Text(String),
+    /// A point in time.
+    Time(Timestamp),
+}
+
 /// A value in one cell of a CSV file.
 trait Cell: Sized {
     fn to_cell(&self) -> String;
+    fn value(&self) -> CellValue {
+        CellValue::Text(self.to_cell())
+    }
     fn from_cell(text: &str) -> Result<Self, String>;
 }
 
 macro_rules! plain_cell {
-    ($($kind:ty => $expected:literal),*) => {$(
+    ($($kind:ty => $expected:literal, $value:expr;)*) => {$(
         impl Cell for $kind {
             fn to_cell(&self) -> String {
                 self.to_string()
+            }
+            fn value(&self) -> CellValue {
+                $value(self)
             }
             fn from_cell(text: &str) -> Result<Self, String> {
                 text.parse().map_err(|_| format!("expected {}", $expected))
@@ -33,16 +52,22 @@ macro_rules! plain_cell {
     )*};
 }
 plain_cell! {
-    u32 => "a whole number",
-    u64 => "a whole number",
-    Depth => "a whole number from 1 to 32, or inf",
-    Phase => "practice or main"
+    u32 => "a whole number", |whole: &u32| CellValue::Whole((*whole).into());
+    u64 => "a whole number", |whole: &u64| i64::try_from(*whole).map_or(CellValue::Number(*whole as f64), CellValue::Whole);
+    Depth => "a whole number from 1 to 32, or inf", |depth: &Depth| CellValue::Number(match depth {
+        Depth::Finite(n) => (*n).into(),
+        Depth::Infinite => f64::INFINITY,
+    });
+    Phase => "practice or main", |phase: &Phase| CellValue::Text(phase.to_string());
 }
 
 impl Cell for Timestamp {
     /// Writes the time to the millisecond.
     fn to_cell(&self) -> String {
         format!("{self:.3}")
+    }
+    fn value(&self) -> CellValue {
+        CellValue::Time(*self)
     }
     fn from_cell(text: &str) -> Result<Self, String> {
         text.parse().map_err(|_| "expected an RFC 3339 time such as 2026-01-31T09:30:00Z".to_owned())
@@ -52,6 +77,9 @@ impl Cell for Timestamp {
 impl Cell for bool {
     fn to_cell(&self) -> String {
         u8::from(*self).to_string()
+    }
+    fn value(&self) -> CellValue {
+        CellValue::Whole((*self).into())
     }
     fn from_cell(text: &str) -> Result<Self, String> {
         match text {
@@ -75,6 +103,9 @@ impl Cell for f64 {
     fn to_cell(&self) -> String {
         self.to_string()
     }
+    fn value(&self) -> CellValue {
+        CellValue::Number(*self)
+    }
     fn from_cell(text: &str) -> Result<Self, String> {
         match text.parse() {
             Ok(value) if f64::is_finite(value) => Ok(value),
@@ -90,6 +121,9 @@ pub struct Rating(pub u8);
 impl Cell for Rating {
     fn to_cell(&self) -> String {
         self.0.to_string()
+    }
+    fn value(&self) -> CellValue {
+        CellValue::Whole(self.0.into())
     }
     fn from_cell(text: &str) -> Result<Self, String> {
         match text.parse() {
@@ -110,6 +144,9 @@ impl Cell for Seconds {
     fn to_cell(&self) -> String {
         format!("{:.4}", self.0)
     }
+    fn value(&self) -> CellValue {
+        CellValue::Number(self.0)
+    }
     fn from_cell(text: &str) -> Result<Self, String> {
         match f64::from_cell(text) {
             Ok(seconds) if (0.0..=MAX_TIME_S).contains(&seconds) => Ok(Self(seconds)),
@@ -121,6 +158,9 @@ impl Cell for Seconds {
 impl<T: Cell> Cell for Option<T> {
     fn to_cell(&self) -> String {
         self.as_ref().map_or_else(String::new, Cell::to_cell)
+    }
+    fn value(&self) -> CellValue {
+        self.as_ref().map_or(CellValue::Missing, Cell::value)
     }
     fn from_cell(text: &str) -> Result<Self, String> {
         if text.is_empty() { Ok(None) } else { T::from_cell(text).map(Some) }
@@ -170,6 +210,14 @@ macro_rules! record {
                 cells.extend(self.extra_factors.iter().cloned());
                 cells.extend([$(Cell::to_cell(&self.$later),)*]);
                 cells
+            }
+
+            /// Returns the values of the cells, in the same order. The factors without a column of their own are texts.
+            pub fn values(&self) -> Vec<CellValue> {
+                let mut values = vec![$(Cell::value(&self.$name),)*];
+                values.extend(self.extra_factors.iter().map(Cell::value));
+                values.extend([$(Cell::value(&self.$later),)*]);
+                values
             }
 
             /// Reads a row whose cells are in the order of [`columns`].
@@ -259,8 +307,14 @@ pub fn columns(protocol: &Protocol) -> Vec<Column> {
 /// Returns the columns of a file whose definition is unknown: the columns that every file has, and any others in its
 /// header.
 pub fn columns_by_header<'a>(header: impl Iterator<Item = &'a str>) -> Vec<Column> {
-    let name = |name: &str| Column { name: name.to_owned(), ..Column::default() };
-    let known = |known: &[(&str, &str, &str)]| known.iter().map(|(known, ..)| name(known)).collect::<Vec<_>>();
+    let column = |(name, unit, description): &(&str, &str, &str)| Column {
+        name: (*name).to_owned(),
+        description: (*description).to_owned(),
+        unit: (*unit).to_owned(),
+        ..Column::default()
+    };
+    let name = |name| column(&(name, "", ""));
+    let known = |known: &[(&str, &str, &str)]| known.iter().map(column).collect::<Vec<_>>();
     let is_extra = |column: &&str| LATER_COLUMNS.iter().all(|(later, ..)| later != column);
     let extra = header.skip(FIXED.len()).filter(is_extra).map(name);
     known(FIXED).into_iter().chain(extra).chain(known(LATER_COLUMNS)).collect()

@@ -1,6 +1,8 @@
 //! Images: light, and the codes that represent it. Rows run from top to bottom, and pixels from left to right; red,
 //! green and blue are interleaved.
 
+use super::Transfers;
+
 /// An image of relative luminances, 0…1, proportional to light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearImage {
@@ -80,6 +82,23 @@ impl CodeImage {
             Samples::Eight(codes) => Some(codes),
             Samples::Sixteen(_) => None,
         }
+    }
+
+    /// Returns the light that a screen with these transfer functions emits.
+    #[must_use]
+    pub fn light(&self, transfers: &Transfers) -> LinearImage {
+        let light = |encoded: [f64; 3]| transfers.linear_from_encoded(encoded).map(|light| light as f32);
+        let data = match &self.samples {
+            Samples::Eight(codes) => {
+                let pixels = codes.as_chunks::<3>().0.iter();
+                pixels.flat_map(|pixel| light(pixel.map(|code| f64::from(code) / 255.0))).collect()
+            }
+            Samples::Sixteen(codes) => {
+                let pixels = codes.as_chunks::<3>().0.iter();
+                pixels.flat_map(|pixel| light(pixel.map(|code| f64::from(code) / 65535.0))).collect()
+            }
+        };
+        LinearImage { width: self.width, height: self.height, data }
     }
 
     /// Returns the red, green and blue codes in column `x` and row `y`, both counted from 0 at the top left.

@@ -15,5 +15,5 @@ pub mod study;
 pub mod tables;
 pub mod terminal;
 
-pub use output::{AnalysisOutput, check_folder, png, write_all};
+pub use output::{AnalysisOutput, Contents, Predicted, check_folder, png, report_files, table_files, write_all};
 pub use study::{Provenance, Study};

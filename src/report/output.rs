@@ -23,13 +23,19 @@ use crate::{
 /// A file that every analysis has.
 const CELLS: &str = "cells.csv";
 
+/// What the vision model predicted, and the time it took.
+pub type Predicted = (Result<StudyPrediction, PredictionError>, Duration);
+
 /// The files that were written, and the prediction.
 #[derive(Debug)]
 pub struct AnalysisOutput {
     pub files: Vec<PathBuf>,
-    /// The vision model's prediction, and the time it took; `None` if only tables were requested.
-    pub prediction: Option<(Result<StudyPrediction, PredictionError>, Duration)>,
+    /// The vision model's prediction; `None` if only tables were requested.
+    pub prediction: Option<Predicted>,
 }
+
+/// The files of an analysis: their names and contents.
+pub type Contents = Vec<(String, Vec<u8>)>;
 
 /// Writes an analysis into a folder: the tables and the model and, unless `tables_only` is set, the figures and the
 /// report. Writes nothing if one of the files cannot be written.
@@ -46,23 +52,38 @@ pub fn write_all(
 ) -> Result<AnalysisOutput, StoreError> {
     check_folder(writer, folder)?;
     writer.make_folder(folder)?;
-    let mut contents = tables(study, results);
+    let mut contents = table_files(study, results);
     let mut prediction = None;
     if !tables_only {
-        let start = Instant::now();
-        let predict = || (StudyPrediction::of(&study.source, &results.measured.counts), start.elapsed());
-        let ((predicted, took), mut figures) = rayon::join(predict, || figures::all(results));
-        figures.extend(predicted.iter().flat_map(|predicted| figures::predicted(results, &predicted.ratings)));
-        let parts = Parts { figures: &figures, prediction: Some(&predicted), provenance: Some(provenance) };
-        let page = skins::html(&document(&study.source, results, parts), provenance);
-        contents.push(("report.html".to_owned(), page.into_bytes()));
-        let pictures: Result<Vec<_>, StoreError> = figures.par_iter().map(|figure| pictures(figure, folder)).collect();
-        contents.extend(pictures?.into_iter().flatten());
-        prediction = Some((predicted, took));
+        let (further, predicted) = report_files(study, results, provenance, folder)?;
+        contents.extend(further);
+        prediction = Some(predicted);
     }
     let files: Vec<_> = contents.into_iter().map(|(name, content)| (folder.join(name), content)).collect();
     writer.write_all(&files)?;
     Ok(AnalysisOutput { files: files.into_iter().map(|(path, _)| path).collect(), prediction })
+}
+
+/// Returns the report and the figures. `folder` is where they will be, for error messages.
+///
+/// # Errors
+/// A figure cannot be drawn.
+pub fn report_files(
+    study: &Study,
+    results: &Results,
+    provenance: &Provenance,
+    folder: &Path,
+) -> Result<(Contents, Predicted), StoreError> {
+    let start = Instant::now();
+    let predict = || (StudyPrediction::of(&study.source, &results.measured.counts), start.elapsed());
+    let ((predicted, took), mut figures) = rayon::join(predict, || figures::all(results));
+    figures.extend(predicted.iter().flat_map(|predicted| figures::predicted(results, &predicted.ratings)));
+    let parts = Parts { figures: &figures, prediction: Some(&predicted), provenance: Some(provenance) };
+    let page = skins::html(&document(&study.source, results, parts), provenance);
+    let mut contents = vec![("report.html".to_owned(), page.into_bytes())];
+    let pictures: Result<Vec<_>, StoreError> = figures.par_iter().map(|figure| pictures(figure, folder)).collect();
+    contents.extend(pictures?.into_iter().flatten());
+    Ok((contents, (predicted, took)))
 }
 
 /// Checks before work starts that an analysis can be written into a folder, which need not exist yet.
@@ -87,7 +108,8 @@ pub fn png(figure: &Figure, path: &Path) -> Result<Vec<u8>, StoreError> {
     figure.png().map_err(|error| StoreError::io(path, "draw", std::io::Error::other(error.to_string())))
 }
 
-fn tables(study: &Study, results: &Results) -> Vec<(String, Vec<u8>)> {
+/// Returns the tables, the model and the script that repeats it in R.
+pub fn table_files(study: &Study, results: &Results) -> Contents {
     let mut model = serde_json::to_vec_pretty(&tables::model(results)).unwrap_or_default();
     model.push(b'\n');
     let mut files = vec![

@@ -12,7 +12,7 @@ use super::{
     profiles::{Chevreul, Cornsweet, Cylinder},
     shaded_mesh::ShadedMesh,
 };
-use crate::light::{Bits, CodeImage, LinearImage, Quantizer, Samples};
+use crate::light::{Bits, CodeImage, LinearImage, Quantizer, Samples, names::expected_one_of};
 
 macro_rules! stimuli {
     ($($(#[$meta:meta])* $name:ident,)*) => {
@@ -134,6 +134,26 @@ impl Stimulus {
             Self::Kanizsa(kanizsa) => Drawing::Area(kanizsa),
             Self::ShadedMesh(mesh) => Drawing::Area(mesh),
         }
+    }
+
+    /// Makes a stimulus of the kind `kind` from some of its parameters; the others have their defaults.
+    ///
+    /// # Errors
+    /// Returns a message for every error: a kind that is not known, parameters that the kind does not have, and invalid
+    /// values.
+    pub fn with_parameters<'a>(
+        kind: &str,
+        given: impl IntoIterator<Item = (&'a str, ParameterValue)>,
+    ) -> Result<Stimulus, Vec<String>> {
+        let mut stimulus = Stimulus::default_of(kind)
+            .ok_or_else(|| vec![format!("kind {kind:?} is not known; {}", expected_one_of(kind, KINDS))])?;
+        let given = given.into_iter();
+        let mut errors: Vec<_> = given.filter_map(|(name, value)| stimulus.set(name, &value).err()).collect();
+        if errors.is_empty() {
+            errors.extend(stimulus.validate().err().into_iter().flatten());
+        }
+        let errors: Vec<String> = errors.iter().map(ToString::to_string).collect();
+        if errors.is_empty() { Ok(stimulus) } else { Err(errors) }
     }
 
     /// Returns whether the stimulus varies only along its orientation.

@@ -8,7 +8,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::color::{ColorError, StimulusColor};
-use crate::light::{Depth, DepthError};
+use crate::light::{Depth, DepthError, names::expected_one_of};
 
 /// One parameter of a stimulus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,7 +94,7 @@ impl ParameterError {
             parameter: name.to_owned(),
             value: format!("= {value}"),
             problem: format!("sets a parameter that {kind} does not have"),
-            expected: format!("one of {}", names.join(", ")),
+            expected: expected_one_of(name, &names).replacen("expected ", "", 1),
         }
     }
 }

@@ -31,13 +31,6 @@ impl Provenance {
             made_at,
         }
     }
-
-    /// Describes an analysis by the current process, now. The command is the program's bare name with the process's
-    /// arguments.
-    pub fn of_process() -> Self {
-        let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
-        Self::new(shell_command(arguments), crate::system::now())
-    }
 }
 
 /// Returns this program's name and the arguments, quoted for a POSIX shell.

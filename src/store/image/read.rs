@@ -52,17 +52,7 @@ fn light(name: &str, content: &[u8], transfers: Option<&Transfers>, pixels: u64)
         Some(transfers) => transfers.clone(),
         None => declared(name, &info)?.into(),
     };
-    let light = |encoded: [f64; 3]| transfers.linear_from_encoded(encoded).map(|light| light as f32);
-    let data = match &image.samples {
-        Samples::Eight(codes) => {
-            codes.as_chunks::<3>().0.iter().flat_map(|pixel| light(pixel.map(|code| f64::from(code) / 255.0))).collect()
-        }
-        Samples::Sixteen(codes) => {
-            let pixels = codes.as_chunks::<3>().0.iter();
-            pixels.flat_map(|pixel| light(pixel.map(|code| f64::from(code) / 65535.0))).collect()
-        }
-    };
-    Ok(LinearImage { width: image.width, height: image.height, data })
+    Ok(image.light(&transfers))
 }
 
 /// Returns the transfer function that a file declares. An `sRGB` chunk has precedence over `gAMA` (PNG, 3rd edition).

@@ -19,6 +19,8 @@ mod texture;
 
 use std::path::Path;
 
+use glam::DVec3;
+
 use super::{FileErrors, file::read_bytes};
 use crate::shading::Mesh;
 
@@ -78,5 +80,36 @@ fn parse_in(folder: Option<&Path>, file: &str, content: &[u8], crease_deg: f64) 
         (obj::parse(file, content)?, "at least one line \"f 1 2 3\"")
     };
     let (mesh, reversed) = faces.mesh(file, crease_deg, expected)?;
+    Ok(MeshFile { mesh, reversed })
+}
+
+/// Makes a mesh of `triangles`, as indices of `positions`, as if it were from a file; `name` identifies it in messages.
+/// `normals` are given for each position or not at all.
+///
+/// # Errors
+/// A position that does not exist, and the same errors as [`parse`].
+///
+/// # Panics
+/// Panics if there are normals, but not as many as positions.
+pub fn from_arrays(
+    name: &str,
+    positions: &[DVec3],
+    triangles: &[[u32; 3]],
+    normals: Option<&[DVec3]>,
+    crease_deg: f64,
+) -> Result<MeshFile, FileErrors> {
+    assert!(normals.is_none_or(|normals| normals.len() == positions.len()), "one normal for each position");
+    let mut faces = faces::Faces::default();
+    let normal = |corner: u32| normals?[corner as usize].try_normalize();
+    for (index, corners) in triangles.iter().enumerate() {
+        if let Some(corner) = corners.iter().find(|corner| **corner as usize >= positions.len()) {
+            let message =
+                format!("triangle {index} refers to vertex {corner}; expected a number below {}", positions.len());
+            return Err(FileErrors::whole(name, message));
+        }
+        let corners = corners.map(|corner| (faces.site(positions[corner as usize]), normal(corner)));
+        faces.polygons.push(corners);
+    }
+    let (mesh, reversed) = faces.mesh(name, crease_deg, "at least one triangle")?;
     Ok(MeshFile { mesh, reversed })
 }

@@ -10,7 +10,7 @@ use jiff::Timestamp;
 use rayon::prelude::*;
 
 use super::{
-    dataset::{DATA_FILE, SIDECAR_SUFFIX, identity},
+    dataset::{DATA_FILE, REGISTER, SIDECAR_SUFFIX, identity},
     frames::{self, FrameRow},
     recorded::Recorded,
     register::Register,
@@ -19,7 +19,7 @@ use super::{
 use crate::{
     experiment::{GENERATOR, Phase},
     stimulus::recipe::Recipe,
-    store::{FileError, FileErrors, definition, file::temporary_for, image},
+    store::{FileError, FileErrors, definition, file::temporary_for, image, ratings},
     system::entries,
 };
 
@@ -40,6 +40,19 @@ pub struct Verified {
     pub notes: Vec<String>,
 }
 
+/// The findings about all sessions in a folder.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct VerifiedFolder {
+    /// Number of sessions.
+    pub sessions: usize,
+    /// Everything that is wrong, also with the data sets as a whole.
+    pub errors: Vec<FileError>,
+    /// Incomplete files that a killed program left; see [`temporary_files`].
+    pub left: Vec<PathBuf>,
+}
+
+/// Maximum number of errors that are kept until all sessions are verified.
+const MAX_ERRORS: usize = 1000;
 /// Maximum side length of a picture that is rendered again. No screen is larger.
 const MAX_SIDE: u32 = 8192;
 /// Maximum number of pixels rendered for one session. A hundred pictures for a 4K screen have half a billion, and a
@@ -86,6 +99,54 @@ impl Renderer {
         }
         hashes
     }
+}
+
+/// Verifies all sessions in a results folder, or in the folder of one experiment. `each` learns the data file of every
+/// session, the findings about it, and the number of sessions; if it returns false, the rest is skipped.
+///
+/// # Errors
+/// The folder cannot be read, or it contains no sessions.
+pub fn data_sets(
+    folder: &Path,
+    mut each: impl FnMut(&Path, &Verified, usize) -> bool,
+) -> Result<VerifiedFolder, FileErrors> {
+    let folders = std::iter::once(folder.to_owned()).chain(entries(folder).unwrap_or_default());
+    let registers: Vec<PathBuf> = folders.filter(|folder| folder.join(REGISTER).is_file()).collect();
+    // If every session was deleted, the register still lists them.
+    let files = ratings::data_files(folder).or_else(|error| match registers.is_empty() {
+        true => Err(error),
+        false => Ok(Vec::new()),
+    })?;
+    let dataset = |csv: &Path| csv.parent().and_then(Path::parent).map(Path::to_owned);
+    let mut datasets: BTreeSet<PathBuf> = files.iter().filter_map(|csv| dataset(csv)).collect();
+    datasets.extend(registers);
+    let mut found = VerifiedFolder { sessions: files.len(), ..VerifiedFolder::default() };
+    let mut listed = BTreeMap::new();
+    for dataset in datasets {
+        let register = Register::read(&dataset).unwrap_or_else(|errors| {
+            found.errors.extend(errors.0);
+            Register::default()
+        });
+        found.errors.extend(register.missing(&dataset));
+        found.errors.extend(unexpected_files(&dataset));
+        found.left.extend(temporary_files(&dataset));
+        listed.insert(dataset, register);
+    }
+    let (unlisted, mut renderer, mut further) = (Register::default(), Renderer::default(), 0);
+    for csv in &files {
+        let register = dataset(csv).and_then(|dataset| listed.get(&dataset)).unwrap_or(&unlisted);
+        let verified = session(csv, &mut renderer, register);
+        if !each(csv, &verified, files.len()) {
+            break;
+        }
+        for error in verified.errors {
+            if found.errors.len() < MAX_ERRORS { found.errors.push(error) } else { further += 1 }
+        }
+    }
+    if further > 0 {
+        found.errors.push(FileError::whole(folder, format!("further errors: {further}; expected none")));
+    }
+    Ok(found)
 }
 
 /// Verifies one session, given the path of its data file and the register of its data set.
