@@ -1,0 +1,75 @@
+"""machband: measure, analyze, generate and predict the visibility of Mach bands.
+
+Mach bands are the bright and dark lines that people see where the slope of luminance changes. This package contains the
+whole program, as the command ``machband``, and its parts as functions of NumPy arrays:
+
+========================  ==========================================================================================
+`stimulus`, `light`,      exact stimuli as codes or as light
+`profile`
+`kinds`, `parameters`     what can be shown, and what can be varied
+`interpolate`,            the functions behind the stimuli
+`transfer`,
+`visual_angle`
+`predict`                 how visible the bands in a stimulus or an image are
+`mesh`, `shade`           shaded meshes, and how smooth they are
+`Definition`,             experiments: their conditions and trials, and simulated sessions
+`simulate`
+`read_results`,           recorded data
+`analyze`, `verify`,
+`export`
+========================  ==========================================================================================
+
+Light is linear and relative to the screen's maximum, 0 to 1. Angles are in degrees, times in seconds. Tables are
+`pandas.DataFrame` objects if pandas is installed, and otherwise dicts of arrays. Long work shows its progress if tqdm is
+installed, and stops on Ctrl+C. A value, file or data set that is not as it should be raises `Error`, a `ValueError`,
+with the words of the command.
+"""
+
+from ._experiment import Definition, simulate
+from ._machband import Error, __version__
+from ._shading import Mesh, Shaded, mesh, shade
+from ._stimulus import (
+    Parameter,
+    VisualAngle,
+    interpolate,
+    kinds,
+    light,
+    parameters,
+    profile,
+    stimulus,
+    transfer,
+    visual_angle,
+)
+from ._study import Analysis, Exported, Figure, Verification, analyze, export, read_results, verify
+from ._vision import Prediction, predict
+
+__all__ = [
+    "Analysis",
+    "Definition",
+    "Error",
+    "Exported",
+    "Figure",
+    "Mesh",
+    "Parameter",
+    "Prediction",
+    "Shaded",
+    "Verification",
+    "VisualAngle",
+    "__version__",
+    "analyze",
+    "export",
+    "interpolate",
+    "kinds",
+    "light",
+    "mesh",
+    "parameters",
+    "predict",
+    "profile",
+    "read_results",
+    "shade",
+    "simulate",
+    "stimulus",
+    "transfer",
+    "verify",
+    "visual_angle",
+]

@@ -1,0 +1,118 @@
+"""What several modules share: names with suggestions, options of commands, tables, and progress."""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import inspect
+import os
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, ParamSpec, TypeVar
+
+import numpy as np
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+#: A table: a `pandas.DataFrame` if pandas is installed, and otherwise a dict of arrays.
+Table = Any
+
+
+def suggests(function: Callable[P, T]) -> Callable[P, T]:
+    """Make a function name the nearest keyword if it is called with an unknown one."""
+    known = list(inspect.signature(function).parameters)
+
+    @functools.wraps(function)
+    def checked(*args: P.args, **kwargs: P.kwargs) -> T:
+        for name in kwargs:
+            if name not in known:
+                near = difflib.get_close_matches(name, known, 1)
+                question = f"; did you mean {near[0]!r}?" if near else ""
+                names = ", ".join(known)
+                message = f"{function.__name__}() got an unexpected keyword argument {name!r}"
+                raise TypeError(f"{message}; expected one of {names}{question}")
+        return function(*args, **kwargs)
+
+    return checked
+
+
+def value(given: object) -> float | str:
+    """Return a parameter in the form that files use: a number, or text such as ``1,0.5,0``."""
+    if isinstance(given, (str, bool)):
+        return str(given)
+    if isinstance(given, (list, tuple, np.ndarray)) and np.ndim(given) == 1:
+        return ",".join(text(part) for part in given)
+    try:
+        return float(given)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        raise TypeError(f"{given!r} is neither a number nor text; expected one of them") from None
+
+
+def text(given: object) -> str:
+    """Return a value as the text that commands and files use."""
+    number = value(given)
+    if isinstance(number, float):
+        return str(int(number)) if number.is_integer() else repr(number)
+    return number
+
+
+def options(**given: object) -> list[str]:
+    """Return the options of a command; those that are `None` or `False` are left out."""
+    words = []
+    for name, option in given.items():
+        flag = "--" + name.replace("_", "-")
+        if isinstance(option, (bool, np.bool_)):
+            words += [flag] if option else []
+        elif isinstance(option, os.PathLike):
+            words.append(f"{flag}={os.fspath(option)}")
+        elif option is not None:
+            words.append(f"{flag}={text(option)}")
+    return words
+
+
+def quoted(names: object) -> str | None:
+    """Return a list of names as one line of CSV."""
+    if names is None or isinstance(names, str):
+        return names
+    return ",".join('"' + str(name).replace('"', '""') + '"' for name in names)  # type: ignore[attr-defined]
+
+
+def table(columns: Mapping[str, np.ndarray[Any, Any]], described: list[tuple[str, str, str]] | None = None) -> Table:
+    """Return columns as a table. The units and descriptions of columns go into `DataFrame.attrs`."""
+    try:
+        import pandas
+    except ImportError:
+        return dict(columns)
+    frame = pandas.DataFrame(dict(columns), copy=False)
+    for name, column in columns.items():
+        if column.dtype.kind == "M":
+            frame[name] = frame[name].dt.tz_localize("UTC")
+    if described is not None:
+        frame.attrs["units"] = {name: unit for name, unit, _ in described if unit}
+        frame.attrs["descriptions"] = {name: description for name, _, description in described if description}
+    return frame
+
+
+@contextmanager
+def progress(unit: str) -> Iterator[Callable[[int, int], None] | None]:
+    """Provide a function that shows the work done and the total in a bar, if tqdm is installed."""
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        yield None
+        return
+    bar: Any = None
+
+    def show(done: int, total: int) -> None:
+        nonlocal bar
+        if bar is None:
+            bar = tqdm(total=total, unit=f" {unit}", leave=False)
+        bar.total = total
+        bar.update(done - bar.n)
+
+    try:
+        yield show
+    finally:
+        if bar is not None:
+            bar.close()

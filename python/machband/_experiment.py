@@ -1,0 +1,164 @@
+"""Definitions of experiments, and simulated sessions."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Mapping
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from . import _machband
+from ._common import Table, options, progress, suggests, table
+from ._study import read_results
+
+
+def _plain(given: object) -> Any:
+    """Return a value that JSON can hold; infinity is ``inf``, as in a definition file."""
+    if isinstance(given, Mapping):
+        return {str(key): _plain(item) for key, item in given.items() if item is not None}
+    if isinstance(given, (list, tuple, np.ndarray)):
+        return [_plain(item) for item in given]
+    if isinstance(given, np.generic):
+        given = given.item()
+    return "inf" if given == float("inf") else given
+
+
+class Definition:
+    """The definition of an experiment: its stimuli, design and procedure.
+
+    Examples
+    --------
+    >>> definition = Definition.load("bangay2003")
+    >>> definition.factors
+    ['width', 'depth', 'orientation_deg']
+    """
+
+    _native: _machband.Definition
+
+    def __init__(self, name_or_path: str | PathLike[str]) -> None:
+        """Read a definition; the same as `load`."""
+        self._native = _machband.Definition.load(os.fspath(name_or_path))
+
+    @classmethod
+    def load(cls, name_or_path: str | PathLike[str]) -> Definition:
+        """Read a built-in definition by its name, such as ``quick`` or ``bangay2003``, or a TOML file."""
+        return cls(name_or_path)
+
+    @classmethod
+    def from_dict(cls, keys: Mapping[str, Any]) -> Definition:
+        """Make a definition from the keys of a definition file.
+
+        >>> Definition.from_dict({
+        ...     "schema": 1,
+        ...     "name": "widths",
+        ...     "stimulus": {"kind": "mach-band", "color": "gray"},
+        ...     "factors": {"width": [0.1, 0.2, 0.4]},
+        ... }).conditions()["width"].tolist()
+        [0.1, 0.2, 0.4]
+        """
+        definition = cls.__new__(cls)
+        definition._native = _machband.Definition.from_json(json.dumps(_plain(keys)))
+        return definition
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all keys, with their defaults; the form in the sidecars."""
+        keys: dict[str, Any] = json.loads(self._native.to_json())
+        return keys
+
+    @property
+    def name(self) -> str:
+        """The name, which names the folder of the results."""
+        return self._native.name
+
+    @property
+    def title(self) -> str:
+        """What the window shows."""
+        return self._native.title
+
+    @property
+    def factors(self) -> list[str]:
+        """Names of the factors."""
+        return self._native.factors
+
+    @property
+    def sha256(self) -> str:
+        """Hash of the content, as in the sidecars."""
+        return self._native.sha256
+
+    def conditions(self) -> Table:
+        """Return a table of the conditions: the kind of stimulus, and every parameter."""
+        return table(self._native.conditions())
+
+    @suggests
+    def schedule(self, participant: str = "S001", session: str = "1", seed: int = 1) -> Table:
+        """Return a table of the trials of a session: phase, block, trial, repetition, condition, and the factors.
+
+        ``condition`` is the row of the table that `conditions` returns, counted from 0. The order is the one that the
+        window and the commands use for this participant, session and seed.
+        """
+        return table(self._native.schedule(participant, session, seed))
+
+    def __repr__(self) -> str:
+        """Name the definition."""
+        return f"<Definition {self.name!r}: {self.title}>"
+
+
+@suggests
+def simulate(
+    definition: Definition | str | PathLike[str],
+    participants: int = 1,
+    seed: int = 1,
+    observer: str = "paper",
+    *,
+    observer_file: str | PathLike[str] | None = None,
+    results: str | PathLike[str] | None = None,
+    resume: bool = False,
+) -> Table:
+    """Run simulated sessions, with the same program and files as real ones, and return their rows.
+
+    Parameters
+    ----------
+    definition
+        A definition, the name of a built-in one, or the path of a file.
+    participants
+        Number of participants; their IDs are S001, S002, …
+    seed
+        Seed of the order of trials and of the observers.
+    observer
+        ``paper`` follows Bangay's findings, ``random`` presses keys at random, ``vision`` rates the visibility that the
+        model of vision predicts.
+    observer_file
+        Parameters of the observer ``paper`` or ``vision``.
+    results
+        Folder in which the sessions are kept. Without it, they are deleted after they were read.
+    resume
+        Resume an interrupted run in `results`.
+
+    Returns
+    -------
+    A table with one row a trial, as from `read_results`.
+
+    Examples
+    --------
+    >>> len(simulate("quick", participants=2, seed=7))
+    60
+    """
+    if not isinstance(definition, Definition):
+        definition = Definition(definition)
+    with tempfile.TemporaryDirectory(prefix="machband-") as temporary:
+        folder = temporary if results is None else os.fspath(results)
+        given = options(
+            participants=participants,
+            seed=seed,
+            observer=observer,
+            observer_file=observer_file,
+            results=folder,
+            resume=resume,
+        )
+        with progress("trials") as show:
+            _machband.simulate(definition._native, given, show)
+        return read_results(os.path.join(folder, definition.name))

@@ -1,0 +1,317 @@
+"""Recorded data: reading, analyzing, verifying and exporting them."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+import tempfile
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from . import _machband
+from ._common import Table, options, progress, quoted, suggests, table
+
+
+def read_results(folder: str | PathLike[str]) -> Table:
+    """Read all sessions in a results folder, or one data file, without losing anything.
+
+    Parameters
+    ----------
+    folder
+        A results folder, the folder of one experiment, or a data file.
+
+    Returns
+    -------
+    A table with one row for each recorded trial: practice trials, and ratings that were corrected later, are included.
+    IDs are text; times of day are UTC; depth is a number, of which one may be infinite. In a DataFrame,
+    ``attrs["units"]`` and ``attrs["descriptions"]`` say what the columns mean. To use what an analysis uses, keep the
+    rows whose phase is ``main``, and of each trial the last attempt.
+    """
+    with progress("sessions") as show:
+        columns, described = _machband.read_results(os.fspath(folder), show)
+    return table(columns, described)
+
+
+class Figure(NamedTuple):
+    """A figure of an analysis. A notebook shows it."""
+
+    name: str
+    #: The drawing.
+    svg: str
+    #: The same drawing, 1600 pixels wide.
+    png: bytes
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the figure to a file, whose name ends in ``.svg`` or ``.png``."""
+        path = Path(path)
+        if path.suffix not in (".svg", ".png"):
+            raise ValueError(f"{path} is neither an SVG nor a PNG file; expected a name that ends in .svg or .png")
+        path.write_bytes(self.png if path.suffix == ".png" else self.svg.encode())
+
+
+class Analysis:
+    """An analysis of ratings, from `analyze`. A notebook shows its summary and figures."""
+
+    def __init__(self, native: _machband.Analysis) -> None:
+        """Wrap the results."""
+        self._native = native
+        #: Warnings and errors about the input.
+        self.warnings, self.errors = native.problems()
+
+    @cached_property
+    def tables(self) -> dict[str, Table]:
+        """The tables that ``machband analyze`` writes: ``cells``, ``by_FACTOR``, ``tests``, ``agreement``, …"""
+        return {name: table(columns) for name, columns in self._native.tables()}
+
+    @cached_property
+    def files(self) -> dict[str, bytes]:
+        """The tables, the model and the R script, by their file names, with the bytes that the command writes."""
+        return dict(self._native.table_files())
+
+    @cached_property
+    def model(self) -> dict[str, Any]:
+        """The ordinal model, as in ``model.json``: thresholds, coefficients, their standard errors and p."""
+        model: dict[str, Any] = json.loads(self.files["model.json"])
+        return model
+
+    @property
+    def summary(self) -> str:
+        """The sentences at the beginning of the report."""
+        return "\n".join(self._native.summary())
+
+    @cached_property
+    def _report_files(self) -> dict[str, bytes]:
+        return dict(self._native.report_files())
+
+    @cached_property
+    def figures(self) -> dict[str, Figure]:
+        """The figures: ``figure4a``, ``figure4b``, …"""
+        files = self._report_files
+        names = [name.removesuffix(".svg") for name in files if name.endswith(".svg")]
+        return {name: Figure(name, files[f"{name}.svg"].decode(), files[f"{name}.png"]) for name in names}
+
+    @cached_property
+    def report(self) -> str:
+        """The whole report as an HTML page."""
+        return self._report_files["report.html"].decode()
+
+    def save(self, folder: str | PathLike[str], *, tables_only: bool = False, force: bool = False) -> list[Path]:
+        """Write the tables, figures and report into a folder; with `force`, replace an earlier analysis there."""
+        return [Path(path) for path in self._native.save(os.fspath(folder), tables_only, force)]
+
+    def __repr__(self) -> str:
+        """Return the summary."""
+        return self.summary
+
+    def _repr_html_(self) -> str:
+        lines = "".join(f"<p>{html.escape(line)}</p>" for line in self._native.summary())
+        return lines + "".join(figure.svg[figure.svg.find("<svg") :] for figure in self.figures.values())
+
+
+def _write(data: Mapping[str, Any], path: str) -> None:
+    """Write a table as CSV, with numbers in their shortest form and missing values empty."""
+    names, columns = [], []
+    for name in data:
+        column = data[name]
+        if getattr(getattr(column, "dtype", None), "tz", None) is not None:
+            column = column.dt.tz_convert(None)
+        array = np.asarray(column)
+        if array.ndim != 1:
+            raise ValueError(f"column {name!r} has shape {array.shape}; expected one dimension")
+        if array.dtype.kind in "iub":
+            columns.append(np.ascontiguousarray(array, np.int64))
+        elif array.dtype.kind == "f":
+            columns.append(np.ascontiguousarray(array, np.float64))
+        elif array.dtype.kind == "M":
+            columns.append([f"{time}Z" for time in np.datetime_as_string(array, "ms")])
+        else:
+            missing = np.asarray(column.isna()) if hasattr(column, "isna") else [cell is None for cell in array]
+            columns.append(["" if gone else str(cell) for gone, cell in zip(missing, array, strict=True)])
+        names.append(str(name))
+    lengths = {len(column) for column in columns}
+    if len(lengths) > 1:
+        raise ValueError(f"the columns have {sorted(lengths)} rows; expected the same number")
+    _machband.write_table(path, names, columns)
+
+
+def _paths(data: object) -> Iterator[str]:
+    if isinstance(data, (str, os.PathLike)):
+        yield os.fspath(data)
+    elif isinstance(data, Sequence):
+        for path in data:
+            yield from _paths(path)
+    else:
+        raise TypeError(f"{type(data).__name__} is not a table or a path; expected a DataFrame, a dict or paths")
+
+
+@suggests
+def analyze(
+    data: Any,
+    *,
+    subject: str | None = None,
+    response: str | None = None,
+    categories: Sequence[str] | None = None,
+    count: str | None = None,
+    factors: Sequence[str] | None = None,
+    terms: str | Sequence[str] | None = None,
+    link: str = "logit",
+    slopes: str = "independent",
+    random: str | None = None,
+    quadrature: int = 1,
+    seed: int = 1,
+    draws: int = 999,
+    scale: bool = False,
+    complete_only: bool = False,
+    large: bool = False,
+) -> Analysis:
+    """Analyze ratings, as ``machband analyze`` does: descriptive statistics, ordinal mixed model, tests, figures.
+
+    Parameters
+    ----------
+    data
+        A DataFrame or a dict of columns; or result files, folders, tables of counts, or any CSV files.
+    subject
+        Column with the participant; ``subject_id`` by default.
+    response
+        Column with the ordered response; by default ``rating``, on the scale from 0 to 3.
+    categories
+        Categories of the response, lowest first, if they are not numbers.
+    count
+        Column with the number of trials in each row; ``count`` by default, if there is one.
+    factors
+        Columns with the factors; by default those of the definition or of the terms.
+    terms
+        Terms of the model, such as ``["width", "num:depth"]`` or ``"width*depth"``; by default every factor that varies.
+    link
+        ``logit`` or ``probit``.
+    slopes
+        Random slopes: ``none``, ``independent`` or ``correlated``.
+    random
+        ``none`` or ``subject``; by default ``subject`` if there are at least two participants.
+    quadrature
+        Number of nodes of the adaptive Gauss–Hermite quadrature; 1 is the Laplace approximation.
+    seed, draws
+        Seed and number of the simulated studies that calibrate tests and intervals.
+    scale
+        Also test each term for an effect on the spread of the ratings.
+    complete_only
+        Exclude sessions with unrated trials.
+    large
+        Also analyze a study that is larger than usual.
+
+    Returns
+    -------
+    The results. Problems with the data are warnings; what is sound is analyzed.
+
+    Examples
+    --------
+    >>> ratings = simulate("quick", participants=4, seed=3)
+    >>> analyze(ratings, draws=19).tables["by_width"]["width"].tolist()
+    [0.05, 0.1, 0.2, 0.4]
+    """
+    given = options(
+        subject=subject,
+        response=response,
+        categories=quoted(categories),
+        count=count,
+        factors=quoted(factors),
+        terms=terms if terms is None or isinstance(terms, str) else ",".join(terms),
+        link=link,
+        slopes=slopes,
+        random=random,
+        quadrature=quadrature,
+        seed=seed,
+        draws=draws,
+        scale=scale,
+        complete_only=complete_only,
+        large=large,
+    )
+    with tempfile.TemporaryDirectory(prefix="machband-") as temporary, progress("simulated studies") as show:
+        if hasattr(data, "keys") and hasattr(data, "__getitem__"):
+            paths = [os.path.join(temporary, "table.csv")]
+            _write(data, paths[0])
+        else:
+            paths = list(_paths(data))
+        analysis = Analysis(_machband.analyze([*given, "--", *paths], show))
+    for problem in [*analysis.warnings, *analysis.errors]:
+        warnings.warn(problem.replace(temporary + os.sep, ""), stacklevel=3)
+    return analysis
+
+
+@dataclass(frozen=True)
+class Verification:
+    """What `verify` found. It is true if nothing is wrong."""
+
+    #: For each session, the path of its data file, and a sentence about it.
+    sessions: dict[Path, str]
+    #: Everything that is wrong.
+    errors: list[str]
+    #: Incomplete files that a killed program left, which can be deleted.
+    left: list[Path]
+
+    def __bool__(self) -> bool:
+        """Return whether nothing is wrong."""
+        return not self.errors
+
+
+def verify(folder: str | PathLike[str]) -> Verification:
+    """Verify recorded sessions, as ``machband verify`` does.
+
+    Every row is checked against the definition and the seed, every picture that was shown is rendered again and its hash
+    compared, and every file is compared with the hash that was recorded at the end of the session.
+    """
+    with progress("sessions") as show:
+        sessions, errors, left = _machband.verify(os.fspath(folder), show)
+    return Verification({Path(path): found for path, found in sessions}, errors, [Path(path) for path in left])
+
+
+class Exported(NamedTuple):
+    """What `export` wrote."""
+
+    experiments: list[str]
+    sessions: int
+    rows: int
+    pictures: int
+
+
+@suggests
+def export(
+    folder: str | PathLike[str],
+    out: str | PathLike[str],
+    format: str = "bids",
+    *,
+    complete_only: bool = False,
+    accept_changes: bool = False,
+) -> Exported:
+    """Export recorded sessions as a data set that passes the standard's validator, as ``machband export`` does.
+
+    Parameters
+    ----------
+    folder
+        A results folder, or the folder of one experiment.
+    out
+        A new or empty folder outside the data.
+    format
+        ``bids`` or ``psych-ds``.
+    complete_only
+        Exclude sessions with unrated trials.
+    accept_changes
+        Also export files that were changed after their session ended; the export then names them.
+    """
+    experiments, counts, notes = _machband.export(
+        os.fspath(folder), os.fspath(out), format, complete_only, accept_changes
+    )
+    for note in notes:
+        warnings.warn(note, stacklevel=3)
+    return Exported(experiments, *counts)

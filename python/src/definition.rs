@@ -1,0 +1,132 @@
+//! Definitions of experiments, their trials, and simulated sessions.
+
+use std::{ffi::OsString, path::PathBuf};
+
+use machband::{
+    cli::{self, SimulateOptions},
+    experiment::{CellValue, Condition, Identity, Protocol, Schedule},
+    stimulus::ParameterValue,
+    store::definition,
+};
+use pyo3::{prelude::*, types::PyDict};
+
+use crate::{
+    error, job,
+    table::{self, Column},
+};
+
+/// The definition of an experiment.
+#[pyclass(frozen, module = "machband._machband")]
+pub struct Definition(Protocol);
+
+#[pymethods]
+impl Definition {
+    /// Reads a built-in definition or a file.
+    #[staticmethod]
+    fn load(name_or_path: PathBuf) -> PyResult<Self> {
+        definition::open(name_or_path).map(Self).map_err(error)
+    }
+
+    /// Reads a definition that has the keys of a file, as JSON.
+    #[staticmethod]
+    fn from_json(text: &str) -> PyResult<Self> {
+        let value: serde_json::Value = serde_json::from_str(text).map_err(error)?;
+        let text = toml::to_string(&value).map_err(error)?;
+        definition::parse("definition", &text).map(Self).map_err(|errors| {
+            // The lines of the text mean nothing to the caller.
+            let messages: Vec<&str> = errors.0.iter().map(|error| error.message.as_str()).collect();
+            error(messages.join("\n"))
+        })
+    }
+
+    /// Returns all keys, with their defaults, as JSON.
+    fn to_json(&self) -> PyResult<String> {
+        serde_json::to_string(&self.0).map_err(error)
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.0.name
+    }
+
+    #[getter]
+    fn title(&self) -> &str {
+        &self.0.title
+    }
+
+    /// SHA-256 of the content, as in the sidecars.
+    #[getter]
+    fn sha256(&self) -> String {
+        definition::hash(&self.0)
+    }
+
+    /// Names of the factors.
+    #[getter]
+    fn factors(&self) -> Vec<&str> {
+        self.0.factors.iter().map(|factor| factor.name.as_str()).collect()
+    }
+
+    /// Returns the conditions as columns: the kind, and every parameter of the stimulus.
+    fn conditions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let conditions = self.0.conditions().map_err(error)?;
+        let kind: Vec<_> = conditions.iter().map(|_| CellValue::Text(self.0.stimulus.kind().to_owned())).collect();
+        let names = self.0.stimulus.parameters().iter().map(|parameter| parameter.name);
+        let parameters = names.map(|name| (name.to_owned(), parameter(&conditions, name)));
+        table::columns(py, [("stimulus".to_owned(), Column::of(&kind))].into_iter().chain(parameters))
+    }
+
+    /// Returns the trials of a session as columns. `condition` counts the conditions from 0.
+    fn schedule<'py>(
+        &self,
+        py: Python<'py>,
+        participant: &str,
+        session: &str,
+        seed: u64,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let identity = Identity::new(participant, session).map_err(error)?;
+        let (protocol, seed) = (self.0.clone(), seed);
+        let schedule = job::run(py, None, false, move |_| Ok(Schedule::new(&protocol, &identity, seed)?))?;
+        let whole =
+            |of: fn(&machband::experiment::Trial) -> i64| Column::Whole(schedule.trials.iter().map(of).collect());
+        let phases = schedule.trials.iter().map(|trial| Some(trial.phase.to_string())).collect();
+        let fixed = [
+            ("phase", Column::Text(phases)),
+            ("block", whole(|trial| trial.block.into())),
+            ("trial", whole(|trial| trial.number.into())),
+            ("repetition", whole(|trial| trial.repetition.into())),
+            ("condition", whole(|trial| trial.condition as i64)),
+        ];
+        let shown: Vec<Condition> =
+            schedule.trials.iter().map(|trial| schedule.conditions[trial.condition].clone()).collect();
+        let factors = self.0.factors.iter().map(|factor| (factor.name.clone(), parameter(&shown, &factor.name)));
+        table::columns(py, fixed.map(|(name, column)| (name.to_owned(), column)).into_iter().chain(factors))
+    }
+}
+
+/// Returns a parameter of each condition.
+fn parameter(conditions: &[Condition], name: &str) -> Column {
+    let value = |condition: &Condition| match condition.stimulus.get(name) {
+        Some(ParameterValue::Number(number)) => CellValue::Number(number),
+        Some(ParameterValue::Text(text)) if text == "inf" => CellValue::Number(f64::INFINITY),
+        Some(ParameterValue::Text(text)) => CellValue::Text(text),
+        None => CellValue::Missing,
+    };
+    Column::of(&conditions.iter().map(value).collect::<Vec<_>>())
+}
+
+/// Runs simulated sessions as the command does, with its options.
+#[pyfunction]
+pub fn simulate(
+    py: Python<'_>,
+    definition: &Bound<'_, Definition>,
+    options: Vec<OsString>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<()> {
+    let protocol = definition.get().0.clone();
+    let name = OsString::from(&protocol.name);
+    let options: SimulateOptions = cli::parse(std::iter::once(name).chain(options)).map_err(error)?;
+    job::run(py, progress, true, move |job| {
+        job.start(options.trials(&protocol));
+        cli::simulate_sessions(&options, &protocol, job)
+    })
+}

@@ -1,0 +1,53 @@
+//! The extension module of the Python package `machband`: thin functions over the library, which take and return NumPy
+//! arrays. The package in `machband/` documents them, names their arguments and builds data frames.
+//!
+//! Every function that computes runs on threads of its own ([`job`]), without the interpreter's lock.
+
+mod definition;
+mod job;
+mod light;
+mod mesh;
+mod study;
+mod table;
+mod vision;
+
+use std::{ffi::OsString, io::Write as _};
+
+use pyo3::{create_exception, exceptions::PyValueError, prelude::*};
+
+create_exception!(machband, Error, PyValueError, "A value, file or data set is not as machband expects it.");
+
+/// Turns any error of the library into a Python exception with the same words.
+fn error(error: impl std::fmt::Display) -> PyErr {
+    Error::new_err(error.to_string())
+}
+
+/// Runs the program with these arguments, of which the first is the program's name, and returns the exit status.
+#[pyfunction]
+fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    py.detach(|| {
+        let status = machband::cli::run_with(arguments);
+        let _ = std::io::stdout().flush();
+        status
+    })
+}
+
+/// The functions and classes.
+#[pymodule]
+mod _machband {
+    #[pymodule_export]
+    use super::{
+        Error,
+        definition::{Definition, simulate},
+        light::{encode, interpolate, kinds, light, parameters, profile, stimulus, visual_angle},
+        main,
+        mesh::{mesh, shade, shade_scene},
+        study::{Analysis, analyze, export, read_results, verify},
+        table::write_table,
+        vision::{predict_codes, predict_light, predict_stimulus},
+    };
+
+    #[pymodule_export]
+    #[allow(non_upper_case_globals)]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+}

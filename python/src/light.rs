@@ -1,0 +1,222 @@
+//! Stimuli as arrays, and the functions that turn light into codes.
+
+use std::path::PathBuf;
+
+use machband::{
+    display::{Screen, Viewing},
+    light::{Bits, CodeImage, Depth, Interpolation, LinearImage, Samples, Transfer, Transfers},
+    stimulus::{
+        ParameterValue, Stimulus, catalog,
+        recipe::{MAX_SIZE, Recipe},
+    },
+    store::{self, curve},
+};
+use numpy::{IntoPyArray as _, PyArray1, PyArrayMethods as _, PyReadonlyArray1};
+use pyo3::{prelude::*, types::PyDict};
+
+use crate::{error, job};
+
+/// Parameters of a stimulus, or options of a command: names and values.
+pub type Given = Vec<(String, Value)>;
+
+/// A number or text.
+#[derive(FromPyObject, IntoPyObject)]
+pub enum Value {
+    Number(f64),
+    Text(String),
+}
+
+impl From<Value> for ParameterValue {
+    fn from(value: Value) -> Self {
+        match value {
+            Value::Number(number) if number == f64::INFINITY => Self::Text("inf".to_owned()),
+            Value::Number(number) => Self::Number(number),
+            Value::Text(text) => text.parse().unwrap_or_else(|never| match never {}),
+        }
+    }
+}
+
+/// Makes a stimulus from its kind and its parameters.
+pub fn stimulus_of(kind: &str, given: Given) -> PyResult<Stimulus> {
+    let given: Vec<(String, ParameterValue)> = given.into_iter().map(|(name, value)| (name, value.into())).collect();
+    let given = given.iter().map(|(name, value)| (name.as_str(), value.clone()));
+    Stimulus::with_parameters(kind, given).map_err(|errors| error(errors.join("\n")))
+}
+
+/// Returns the transfer functions, which are given by name or by a display profile, and the profile's hash.
+pub fn transfers_of(transfer: Option<&str>, display: Option<&PathBuf>) -> PyResult<(Transfers, Option<String>)> {
+    match (transfer, display) {
+        (Some(_), Some(_)) => Err(error("transfer and display exclude each other; expected one of them")),
+        (Some(transfer), None) => Ok((transfer.parse().map_err(error)?, None)),
+        (None, Some(path)) => {
+            let profile = store::profile::open(path).map_err(error)?;
+            let hash = store::profile::hash(&profile);
+            Ok((profile.transfers, Some(hash)))
+        }
+        (None, None) => Ok((Transfer::Srgb.into(), None)),
+    }
+}
+
+/// Returns the size if an image can have it.
+fn checked(size: u32) -> PyResult<u32> {
+    let is_possible = (1..=MAX_SIZE).contains(&size);
+    if is_possible { Ok(size) } else { Err(error(format!("size {size} is outside 1…{MAX_SIZE}; expected pixels"))) }
+}
+
+/// How the light of a stimulus becomes codes.
+#[derive(FromPyObject)]
+pub struct Coding {
+    #[pyo3(item)]
+    size: u32,
+    #[pyo3(item)]
+    bits: u32,
+    #[pyo3(item)]
+    transfer: Option<String>,
+    #[pyo3(item)]
+    display: Option<PathBuf>,
+    #[pyo3(item)]
+    dither: Option<String>,
+    #[pyo3(item)]
+    seed: u64,
+}
+
+impl Coding {
+    fn recipe(self, stimulus: Stimulus) -> PyResult<Recipe> {
+        let (transfers, display_sha256) = transfers_of(self.transfer.as_deref(), self.display.as_ref())?;
+        Ok(Recipe {
+            stimulus,
+            size: checked(self.size)?,
+            transfers,
+            bits: self.bits.to_string().parse::<Bits>().map_err(|wrong| error(format!("bits {wrong}")))?,
+            dither: self.dither.as_deref().unwrap_or("none").parse().map_err(error)?,
+            seed: self.seed,
+            display_sha256,
+        })
+    }
+}
+
+/// Returns codes as an array of shape (height, width, 3), without a copy.
+pub fn codes_array(py: Python<'_>, image: CodeImage) -> PyResult<Bound<'_, PyAny>> {
+    let shape = [image.height as usize, image.width as usize, 3];
+    Ok(match image.samples {
+        Samples::Eight(codes) => codes.into_pyarray(py).reshape(shape)?.into_any(),
+        Samples::Sixteen(codes) => codes.into_pyarray(py).reshape(shape)?.into_any(),
+    })
+}
+
+/// Returns the codes of a stimulus.
+#[pyfunction]
+pub fn stimulus<'py>(py: Python<'py>, kind: &str, parameters: Given, coding: Coding) -> PyResult<Bound<'py, PyAny>> {
+    let recipe = coding.recipe(stimulus_of(kind, parameters)?)?;
+    codes_array(py, job::run(py, None, false, move |_| Ok(recipe.codes(&recipe.quantizer())))?)
+}
+
+/// Returns the light of a stimulus.
+#[pyfunction]
+pub fn light<'py>(py: Python<'py>, kind: &str, parameters: Given, size: u32) -> PyResult<Bound<'py, PyAny>> {
+    let (stimulus, size) = (stimulus_of(kind, parameters)?, checked(size)?);
+    let LinearImage { width, height, data } = job::run(py, None, false, move |_| Ok(stimulus.linear(size)))?;
+    Ok(data.into_pyarray(py).reshape([height as usize, width as usize, 3])?.into_any())
+}
+
+/// Returns the columns of the profile that the command `stimulus --profile` writes.
+#[pyfunction]
+pub fn profile<'py>(py: Python<'py>, kind: &str, parameters: Given, coding: Coding) -> PyResult<Bound<'py, PyDict>> {
+    let recipe = coding.recipe(stimulus_of(kind, parameters)?)?;
+    let samples = job::run(py, None, false, move |_| Ok(curve::samples(&recipe, &recipe.quantizer())))?;
+    let columns = PyDict::new(py);
+    let number = |of: fn(&curve::Sample) -> f64| samples.iter().map(of).collect::<Vec<_>>().into_pyarray(py);
+    let code = |i: usize| samples.iter().map(|sample| sample.codes[i]).collect::<Vec<_>>().into_pyarray(py);
+    columns.set_item("x", number(|sample| sample.x))?;
+    columns.set_item("linear", number(|sample| sample.linear))?;
+    for (i, name) in ["code_r", "code_g", "code_b"].into_iter().enumerate() {
+        columns.set_item(name, code(i))?;
+    }
+    columns.set_item("emitted", number(|sample| sample.emitted))?;
+    Ok(columns)
+}
+
+/// Returns the kinds of stimulus, and a sentence about each.
+#[pyfunction]
+pub fn kinds() -> Vec<(&'static str, &'static str)> {
+    catalog::all().iter().map(|entry| (entry.kind, entry.about)).collect()
+}
+
+/// A parameter: its name, default, unit, meaning and range.
+type Described = (&'static str, Option<Value>, &'static str, &'static str, &'static str);
+
+/// Returns the parameters of a kind.
+#[pyfunction]
+pub fn parameters(kind: &str) -> PyResult<Vec<Described>> {
+    let stimulus = stimulus_of(kind, Vec::new())?;
+    let value = |name| {
+        stimulus.get(name).map(|value| match value {
+            ParameterValue::Number(number) => Value::Number(number),
+            ParameterValue::Text(text) => Value::Text(text),
+        })
+    };
+    let all = stimulus.parameters().iter();
+    Ok(all.map(|p| (p.name, value(p.name), p.unit, p.description, p.expected)).collect())
+}
+
+/// Applies `f` to every element.
+fn map<'py>(
+    py: Python<'py>,
+    values: &PyReadonlyArray1<'py, f64>,
+    f: impl Fn(f64) -> f64,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    Ok(values.as_slice()?.iter().map(|value| f(*value)).collect::<Vec<_>>().into_pyarray(py))
+}
+
+/// Returns I_n of every element.
+#[pyfunction]
+pub fn interpolate<'py>(
+    py: Python<'py>,
+    u: PyReadonlyArray1<'py, f64>,
+    depth: Value,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let depth = ParameterValue::from(depth).to_string();
+    let interpolation = Interpolation::new(depth.parse::<Depth>().map_err(error)?);
+    map(py, &u, |u| if u.is_nan() { u } else { interpolation.value(u) })
+}
+
+/// Encodes light, or decodes encoded values.
+#[pyfunction]
+pub fn encode<'py>(
+    py: Python<'py>,
+    values: PyReadonlyArray1<'py, f64>,
+    transfer: &str,
+    inverse: bool,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let transfer: Transfer = transfer.parse().map_err(error)?;
+    map(
+        py,
+        &values,
+        |value| {
+            if inverse { transfer.linear_from_encoded(value) } else { transfer.encoded_from_linear(value) }
+        },
+    )
+}
+
+/// Returns the visual angle, the size and the number of pixels of lengths that are given in one of these units, and the
+/// pixels per degree at the center of the screen.
+#[pyfunction]
+#[allow(clippy::type_complexity)]
+pub fn visual_angle<'py>(
+    py: Python<'py>,
+    values: PyReadonlyArray1<'py, f64>,
+    unit: &str,
+    screen: (u32, f64),
+    distance_cm: f64,
+) -> PyResult<([Bound<'py, PyArray1<f64>>; 3], f64)> {
+    let screen = Screen::new(screen.0, screen.0, screen.1).map_err(error)?;
+    let viewing = Viewing::new(screen, distance_cm).map_err(error)?;
+    let px = |value: f64| match unit {
+        "deg" => viewing.px_from_deg(value),
+        "cm" => value * screen.px_per_cm(),
+        _ => value,
+    };
+    let deg = map(py, &values, |value| if unit == "deg" { value } else { viewing.deg_from_px(px(value)) })?;
+    let cm = map(py, &values, |value| if unit == "cm" { value } else { px(value) / screen.px_per_cm() })?;
+    Ok(([deg, cm, map(py, &values, px)?], viewing.px_per_degree()))
+}

@@ -1,0 +1,86 @@
+//! Shaded meshes.
+
+use std::{ffi::OsString, path::Path};
+
+use glam::DVec3;
+use machband::{
+    cli::{self, ShadeOptions},
+    shading::Mesh,
+    store,
+};
+use numpy::{IntoPyArray as _, PyArrayMethods as _, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::{error, job, light::codes_array};
+
+/// A mesh as arrays: positions, triangles, and normals.
+#[derive(FromPyObject)]
+pub struct Arrays<'py>(PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, u32>, Option<PyReadonlyArray2<'py, f64>>, f64);
+
+fn triples<T: Copy + numpy::Element>(array: &PyReadonlyArray2<'_, T>) -> PyResult<Vec<[T; 3]>> {
+    Ok(array.as_slice()?.as_chunks::<3>().0.to_vec())
+}
+
+/// Makes the mesh of arrays, which have three columns, and a note if it was repaired.
+fn mesh_of(Arrays(positions, triangles, normals, crease_deg): &Arrays<'_>) -> PyResult<(Mesh, Option<String>)> {
+    let vectors = |array| triples(array).map(|rows| rows.into_iter().map(DVec3::from_array).collect::<Vec<_>>());
+    let normals = normals.as_ref().map(vectors).transpose()?;
+    let file =
+        store::mesh::from_arrays("mesh", &vectors(positions)?, &triples(triangles)?, normals.as_deref(), *crease_deg);
+    let file = file.map_err(error)?;
+    let note = file.note(Path::new("mesh"));
+    Ok((file.mesh, note))
+}
+
+/// Returns the positions, triangles and normals of the mesh that the command's options name.
+#[pyfunction]
+#[allow(clippy::type_complexity)]
+pub fn mesh(
+    py: Python<'_>,
+    options: Vec<OsString>,
+) -> PyResult<(Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyAny>)> {
+    let options: ShadeOptions = cli::parse(options).map_err(error)?;
+    let (mesh, note) = options.mesh().map_err(error)?;
+    job::warn(py, note.as_slice())?;
+    let vectors = |of: fn(&machband::shading::Vertex) -> DVec3| {
+        let flat: Vec<f64> = mesh.vertices.iter().flat_map(|vertex| of(vertex).to_array()).collect();
+        Ok::<_, PyErr>(flat.into_pyarray(py).reshape([mesh.vertices.len(), 3])?.into_any())
+    };
+    let triangles: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
+    let triangles = triangles.into_pyarray(py).reshape([mesh.triangles.len(), 3])?.into_any();
+    Ok((vectors(|vertex| vertex.position)?, triangles, vectors(|vertex| vertex.normal)?))
+}
+
+/// Shades a mesh with the command's options. Returns the codes, and the measurements as JSON if they are wanted.
+#[pyfunction]
+pub fn shade<'py>(
+    py: Python<'py>,
+    options: Vec<OsString>,
+    mesh: Option<Arrays<'py>>,
+    measure: bool,
+) -> PyResult<(Bound<'py, PyAny>, Option<String>)> {
+    let options: ShadeOptions = cli::parse(options).map_err(error)?;
+    let (mesh, note) = match &mesh {
+        Some(arrays) => mesh_of(arrays)?,
+        None => options.mesh().map_err(error)?,
+    };
+    let (codes, metrics, notes) = job::run(py, None, false, move |_| {
+        let drawing = options.drawing(mesh)?;
+        let (codes, clipped) = drawing.codes();
+        let metrics = measure.then(|| drawing.metrics()).transpose()?;
+        let notes: Vec<String> = [note, drawing.note.clone(), clipped].into_iter().flatten().collect();
+        Ok((codes, metrics, notes))
+    })?;
+    job::warn(py, &notes)?;
+    Ok((codes_array(py, codes)?, metrics.map(|metrics| metrics.to_string())))
+}
+
+/// Draws the scene of a file.
+#[pyfunction]
+pub fn shade_scene(py: Python<'_>, options: Vec<OsString>) -> PyResult<Bound<'_, PyAny>> {
+    let options: ShadeOptions = cli::parse(options).map_err(error)?;
+    let picture = job::run(py, None, false, move |_| options.scene_picture())?;
+    let (codes, notes) = picture.ok_or_else(|| error("no scene; expected the path to a scene"))?;
+    job::warn(py, &notes)?;
+    codes_array(py, codes)
+}

@@ -1,0 +1,218 @@
+//! Recorded data: reading, analyzing, verifying and exporting them.
+
+use std::{
+    ffi::OsString,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use machband::{
+    analysis::Results,
+    cli::{self, AnalysisOptions},
+    experiment::{self, CellValue, TrialRecord},
+    report::{self, Provenance, Study, study::shell_command},
+    stimulus::Stimulus,
+    store::{
+        FileErrors, Writer,
+        export::{self as exports, Choice, Format},
+        ratings, results, verify as verification,
+    },
+    system::now,
+};
+use pyo3::{
+    prelude::*,
+    types::{PyBytes, PyDict},
+};
+
+use crate::{
+    error,
+    job::{self, Job},
+    table::{self, Column},
+};
+
+/// Columns, and for each its unit and its description.
+type Described = (Vec<(String, Column)>, Vec<(String, String, String)>);
+
+/// Returns the rows of all sessions in a folder as columns, and the unit and the description of each column.
+#[pyfunction]
+#[allow(clippy::type_complexity)]
+pub fn read_results(
+    py: Python<'_>,
+    folder: PathBuf,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Bound<'_, PyDict>, Vec<(String, String, String)>)> {
+    let (columns, described) = job::run(py, progress, false, move |job| read(&folder, job))?;
+    Ok((table::columns(py, columns)?, described))
+}
+
+fn read(folder: &Path, job: &Job) -> anyhow::Result<Described> {
+    let files = if folder.is_file() { vec![folder.to_owned()] } else { ratings::data_files(folder)? };
+    let (mut described, mut sessions) = (Vec::new(), Vec::new());
+    for (i, csv) in files.iter().enumerate() {
+        job.set(i, files.len());
+        let header = ratings::column_names(csv).map_err(|error| FileErrors(vec![error]))?;
+        let columns = experiment::columns_by_header(header.iter().map(String::as_str));
+        let rows = results::read(csv, &columns)?.rows;
+        let kind = rows.first().and_then(|row| Stimulus::default_of(&row.stimulus));
+        // The later columns stay the last ones.
+        let mut place = 0;
+        for mut column in columns.iter().cloned() {
+            let known = kind.iter().flat_map(|kind| kind.parameters()).find(|known| known.name == column.name);
+            if let Some(known) = known.filter(|_| column.description.is_empty()) {
+                (column.unit, column.description) = (known.unit.to_owned(), known.description.to_owned());
+            }
+            let found = described.iter().position(|known: &experiment::Column| known.name == column.name);
+            place = found.unwrap_or_else(|| {
+                described.insert(place, column);
+                place
+            }) + 1;
+        }
+        sessions.push((columns, rows));
+    }
+    let column = |name: &str| {
+        let values = sessions.iter().flat_map(|(columns, rows)| {
+            let index = columns.iter().position(|column| column.name == name);
+            rows.iter().map(move |row| index.map_or(CellValue::Missing, |index| value(row, index)))
+        });
+        Column::of(&values.collect::<Vec<_>>())
+    };
+    let columns = described.iter().map(|described| (described.name.clone(), column(&described.name))).collect();
+    let described = described.into_iter().map(|column| (column.name, column.unit, column.description)).collect();
+    Ok((columns, described))
+}
+
+/// Returns the value in a column. A factor without a type of its own is a number if it looks like one.
+fn value(row: &TrialRecord, index: usize) -> CellValue {
+    match row.values().swap_remove(index) {
+        CellValue::Text(text) if row.extra_factors.contains(&text) => match text.parse::<f64>() {
+            Ok(number) if !number.is_nan() => CellValue::Number(number),
+            _ if text.is_empty() => CellValue::Missing,
+            _ => CellValue::Text(text),
+        },
+        value => value,
+    }
+}
+
+/// An analysis: the ratings, and the results.
+#[pyclass(frozen, module = "machband._machband")]
+pub struct Analysis {
+    study: Arc<Study>,
+    results: Arc<Results>,
+    command: String,
+}
+
+/// Analyzes ratings with the command's options. Progress counts the simulated studies.
+#[pyfunction]
+pub fn analyze(py: Python<'_>, options: Vec<OsString>, progress: Option<Py<PyAny>>) -> PyResult<Analysis> {
+    let words = options.iter().map(|word| word.to_string_lossy().into_owned());
+    let command = shell_command(std::iter::once("analyze".to_owned()).chain(words));
+    let options: AnalysisOptions = cli::parse(options).map_err(error)?;
+    let (study, results) = job::run(py, progress, false, move |job| {
+        let study = options.read()?;
+        let results = options.analyze(&study, &|done, total| job.set(done, total))?;
+        Ok((Arc::new(study), Arc::new(results)))
+    })?;
+    Ok(Analysis { study, results, command })
+}
+
+/// Files: their names and contents.
+type Files<'py> = Vec<(String, Bound<'py, PyBytes>)>;
+
+#[pymethods]
+impl Analysis {
+    /// Returns the tables as columns, by the names of their files without `.csv`.
+    fn tables<'py>(&self, py: Python<'py>) -> PyResult<Vec<(String, Bound<'py, PyDict>)>> {
+        let (study, results) = (Arc::clone(&self.study), Arc::clone(&self.results));
+        let tables = job::run(py, None, false, move |_| {
+            let files = report::table_files(&study, &results).into_iter();
+            let tables = files.filter_map(|(name, content)| Some((name.strip_suffix(".csv")?.to_owned(), content)));
+            tables.map(|(name, content)| Ok((name, table::from_csv(&content)?))).collect::<anyhow::Result<Vec<_>>>()
+        })?;
+        tables.into_iter().map(|(name, columns)| Ok((name, table::columns(py, columns)?))).collect()
+    }
+
+    /// Returns the tables, the model and the script as the command writes them.
+    fn table_files<'py>(&self, py: Python<'py>) -> Files<'py> {
+        let files = report::table_files(&self.study, &self.results).into_iter();
+        files.map(|(name, content)| (name, PyBytes::new(py, &content))).collect()
+    }
+
+    /// Returns the report and the figures.
+    fn report_files<'py>(&self, py: Python<'py>) -> PyResult<Files<'py>> {
+        let (study, results, provenance) = (Arc::clone(&self.study), Arc::clone(&self.results), self.provenance());
+        let files = job::run(py, None, false, move |_| {
+            Ok(report::report_files(&study, &results, &provenance, Path::new("."))?.0)
+        })?;
+        Ok(files.into_iter().map(|(name, content)| (name, PyBytes::new(py, &content))).collect())
+    }
+
+    /// Writes all files into a folder.
+    fn save(&self, py: Python<'_>, folder: PathBuf, tables_only: bool, force: bool) -> PyResult<Vec<PathBuf>> {
+        let (study, results, provenance) = (Arc::clone(&self.study), Arc::clone(&self.results), self.provenance());
+        job::run(py, None, true, move |_| {
+            let read: Vec<PathBuf> = study.source.files.iter().map(|file| file.path.clone()).collect();
+            let writer = Writer::new(read, force);
+            Ok(report::write_all(&writer, &study, &results, &provenance, &folder, tables_only)?.files)
+        })
+    }
+
+    /// Returns the sentences of the summary.
+    fn summary(&self) -> Vec<String> {
+        let document = report::study::document(&self.study.source, &self.results, report::study::Parts::default());
+        document.sections.first().map(report::skins::terminal).unwrap_or_default()
+    }
+
+    /// Returns the warnings about the input, and its errors.
+    fn problems(&self) -> (Vec<String>, Vec<String>) {
+        let texts = |errors: &[machband::store::FileError]| errors.iter().map(ToString::to_string).collect();
+        (texts(&self.study.source.warnings), texts(&self.study.source.errors))
+    }
+}
+
+impl Analysis {
+    fn provenance(&self) -> Provenance {
+        Provenance::new(self.command.clone(), now())
+    }
+}
+
+/// Verifies the sessions in a folder. Returns the path of each with a sentence about it, all errors, and the incomplete
+/// files that a killed program left.
+#[pyfunction]
+#[allow(clippy::type_complexity)]
+pub fn verify(
+    py: Python<'_>,
+    folder: PathBuf,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Vec<(PathBuf, String)>, Vec<String>, Vec<PathBuf>)> {
+    job::run(py, progress, false, move |job| {
+        let mut sessions = Vec::new();
+        let found = verification::data_sets(&folder, |csv, found, all| {
+            sessions.push((csv.to_owned(), cli::sentence(found)));
+            job.set(sessions.len(), all);
+            true
+        })?;
+        Ok((sessions, found.errors.iter().map(ToString::to_string).collect(), found.left))
+    })
+}
+
+/// Exports the sessions in a folder. Returns the names of the experiments; the numbers of sessions, rows and pictures;
+/// and notes.
+#[pyfunction]
+#[allow(clippy::type_complexity)]
+pub fn export(
+    py: Python<'_>,
+    folder: PathBuf,
+    out: PathBuf,
+    format: &str,
+    complete_only: bool,
+    accept_changes: bool,
+) -> PyResult<(Vec<String>, [usize; 3], Vec<String>)> {
+    let format = match format {
+        "bids" => Format::Bids,
+        "psych-ds" => Format::PsychDs,
+        other => return Err(error(format!("format {other:?} is not known; expected one of bids, psych-ds"))),
+    };
+    let choice = Choice { complete_only, accept_changes };
+    let exported = job::run(py, None, true, move |_| Ok(exports::export(&folder, &out, format, choice)?))?;
+    Ok((exported.experiments, [exported.sessions, exported.rows, exported.pictures], exported.notes))
+}
