@@ -145,7 +145,7 @@ def simulate(
     Examples
     --------
     >>> len(simulate("quick", participants=2, seed=7))
-    60
+    56
     """
     if not isinstance(definition, Definition):
         definition = Definition(definition)

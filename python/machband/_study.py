@@ -63,11 +63,17 @@ class Figure(NamedTuple):
 class Analysis:
     """An analysis of ratings, from `analyze`. A notebook shows its summary and figures."""
 
-    def __init__(self, native: _machband.Analysis) -> None:
-        """Wrap the results."""
+    #: Warnings about the input.
+    warnings: list[str]
+    #: Everything that is wrong with the input; the rest was analyzed.
+    errors: list[str]
+
+    def __init__(self, native: _machband.Analysis, folder: str) -> None:
+        """Wrap the results; messages leave out the folder of temporary files."""
         self._native = native
-        #: Warnings and errors about the input.
-        self.warnings, self.errors = native.problems()
+        self.warnings, self.errors = (
+            [problem.replace(folder + os.sep, "") for problem in problems] for problems in native.problems()
+        )
 
     @cached_property
     def tables(self) -> dict[str, Table]:
@@ -121,7 +127,8 @@ class Analysis:
 
 def _write(data: Mapping[str, Any], path: str) -> None:
     """Write a table as CSV, with numbers in their shortest form and missing values empty."""
-    names, columns = [], []
+    names: list[str] = []
+    columns: list[Any] = []
     for name in data:
         column = data[name]
         if getattr(getattr(column, "dtype", None), "tz", None) is not None:
@@ -243,9 +250,9 @@ def analyze(
             _write(data, paths[0])
         else:
             paths = list(_paths(data))
-        analysis = Analysis(_machband.analyze([*given, "--", *paths], show))
+        analysis = Analysis(_machband.analyze([*given, "--", *paths], show), temporary)
     for problem in [*analysis.warnings, *analysis.errors]:
-        warnings.warn(problem.replace(temporary + os.sep, ""), stacklevel=3)
+        warnings.warn(problem, stacklevel=3)
     return analysis
 
 

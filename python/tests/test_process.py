@@ -1,0 +1,173 @@
+"""The package as a guest in a process: threads, forks, Ctrl+C, memory, and what is not installed."""
+
+import gc
+import multiprocessing
+import os
+import re
+import resource
+import signal
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import machband
+from conftest import needs
+
+
+def test_eight_threads_at_once():
+    work = [
+        lambda: machband.stimulus(size=256, dither="random").tobytes(),
+        lambda: machband.stimulus("shaded-mesh", size=96).tobytes(),
+        lambda: machband.predict("kanizsa", size=128).visibility,
+        lambda: machband.shade("torus", size=64).metrics["crease_rms"],
+        lambda: machband.simulate("quick", seed=2).rating.tolist(),
+        lambda: machband.Definition("bangay2003").schedule(seed=4).condition.tolist(),
+        lambda: machband.analyze({"subject_id": [1, 1, 2, 2] * 9, "rating": [0, 1, 2, 3] * 9, "a": [1, 2] * 18},
+                                 factors=["a"], draws=19).files["cells.csv"],
+        lambda: machband.interpolate(np.linspace(0, 1, 1000), 5).tolist(),
+    ]
+    alone = [job() for job in work]
+    with ThreadPoolExecutor(8) as threads:
+        for _ in range(4):
+            assert [future.result() for future in [threads.submit(job) for job in work]] == alone
+
+
+def test_other_threads_run_meanwhile():
+    thread = threading.Thread(target=lambda: machband.predict("kanizsa", size=1024))
+    longest, last = 0.0, time.perf_counter()
+    thread.start()
+    while thread.is_alive():
+        time.sleep(0.001)
+        longest, last = max(longest, time.perf_counter() - last), time.perf_counter()
+    # The lock is never held for the whole computation, which takes seconds.
+    assert longest < 1
+
+
+def test_a_forked_process_works():
+    machband.stimulus(size=64)
+    if "fork" not in multiprocessing.get_all_start_methods():
+        pytest.skip("this system cannot fork")
+    child = os.fork()
+    if child == 0:
+        os._exit(0 if machband.predict("kanizsa", size=64).visibility >= 0 else 1)
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline:
+        done, status = os.waitpid(child, os.WNOHANG)
+        if done:
+            assert status == 0
+            return
+        time.sleep(0.05)
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    pytest.fail("the child process hangs")
+
+
+@pytest.mark.parametrize(
+    "work",
+    [
+        "machband.analyze(machband.simulate('bangay2003', participants=8), draws=1_000_000)",
+        "machband.simulate('bangay2003', participants=1_000_000)",
+        "machband.predict('kanizsa', size=4096)",
+    ],
+)
+def test_ctrl_c_stops_long_work(work, tmp_path):
+    code = f"import machband\nprint('ready', flush=True)\n{work}"
+    process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=tmp_path,
+                               env={**os.environ, "TMPDIR": str(tmp_path)})
+    assert process.stdout.readline() == b"ready\n"
+    time.sleep(2)
+    start = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert b"KeyboardInterrupt" in errors and process.returncode != 0
+    assert time.monotonic() - start < 30
+    # Nothing is left behind.
+    assert not list(tmp_path.iterdir())
+
+
+def resident():
+    """Return the memory of this process in MB."""
+    status = Path("/proc/self/status")
+    if not status.exists():
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return int(re.search(r"VmRSS:\s+(\d+)", status.read_text())[1]) / 1024
+
+
+def test_ten_thousand_calls_leak_nothing():
+    codes = machband.stimulus("kanizsa", size=48)
+    definition = machband.Definition("quick")
+    mesh = machband.mesh("cube")
+
+    def call():
+        machband.stimulus(size=64)
+        machband.light(size=32)
+        machband.profile(size=64)
+        machband.interpolate(np.zeros(1000), 3)
+        machband.predict(codes)
+        machband.shade(*mesh, size=32, metrics=False)
+        definition.schedule()
+        with pytest.raises(machband.Error):
+            machband.stimulus(wdith=1)
+
+    def calls(number):
+        for _ in range(number):
+            call()
+        gc.collect()
+        return resident()
+
+    before = calls(250)
+    # Eight functions in each turn: ten thousand calls.
+    after = calls(1250)
+    assert after - before < 8, f"{before} MB, then {after} MB"
+
+
+def test_without_pandas_tables_are_dicts():
+    code = (
+        "import sys; sys.modules['pandas'] = None; sys.modules['tqdm'] = None\n"
+        "import machband, numpy\n"
+        "rows = machband.simulate('quick', participants=2)\n"
+        "assert type(rows) is dict and rows['width'].dtype == float and rows['started_at'].dtype == 'datetime64[ms]'\n"
+        "found = machband.analyze(rows, draws=19)\n"
+        "assert type(found.tables['cells']) is dict and 'pandas' not in repr(sys.modules.get('machband'))\n"
+        "print(len(rows['rating']))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "56\n"
+
+
+def test_the_command_is_the_program(command):
+    assert command("--version").strip() == f"machband {machband.__version__}"
+    assert "did you mean" in command("simulate", "qiuck", status=1)
+    assert "error:" in command("stimulus", status=2)
+    assert "Usage:" in command("--help")
+
+
+def test_the_command_ends_on_ctrl_c(tmp_path):
+    process = subprocess.Popen(
+        [sys.executable, "-m", "machband", "simulate", "bangay2003", "--participants", "100000"], cwd=tmp_path,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    time.sleep(3)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130 and b"--resume" in errors
+
+
+def test_psychopy_shows_the_codes():
+    needs("psychopy")
+    from psychopy import visual
+
+    import machband.psychopy
+
+    window = visual.Window((300, 300), units="pix", fullscr=False, allowGUI=False, checkTiming=False)
+    try:
+        for given in [{"color": "gray"}, {"orientation_deg": 90, "dither": "random"}, {"kind": "kanizsa"}]:
+            machband.psychopy.stim(window, size=256, **given).draw()
+            shown = np.asarray(window.getMovieFrame(buffer="back"))[22:278, 22:278]
+            assert np.array_equal(shown, machband.stimulus(size=256, **given))
+    finally:
+        window.close()

@@ -1,0 +1,233 @@
+"""Experiments and data: one truth with the command, and nothing lost."""
+
+import csv
+import io
+import warnings
+import xml.etree.ElementTree
+
+import numpy as np
+import pandas
+import pytest
+
+import machband
+
+
+def test_a_definition_from_a_dict_is_the_files(tmp_path):
+    keys = machband.Definition.load("bangay2003").to_dict()
+    again = machband.Definition.from_dict(
+        {
+            "schema": 1,
+            "name": "bangay2003",
+            "title": keys["title"],
+            "stimulus": {"kind": "mach-band", "low": 0.25, "high": 0.75, "color": "yellow"},
+            "factors": {
+                "width": np.array([0.02, 0.05, 0.1, 0.2, 0.4, 0.8]),
+                "depth": [1, 2, 3, 4, float("inf")],
+                "orientation_deg": (0, 45, 90, 135),
+            },
+            "design": {"repetitions": 2, "practice": 12, "break_every": 40, "order": "random"},
+            "viewing": keys["viewing"],
+            "recovery": keys["recovery"],
+            "instructions": keys["instructions"],
+            "response": {"question": keys["response"]["question"]},
+        }
+    )
+    assert again.conditions().equals(machband.Definition("bangay2003").conditions())
+    assert again.schedule("P1", "2", 7).equals(machband.Definition("bangay2003").schedule("P1", "2", 7))
+    file = tmp_path / "d.toml"
+    file.write_text('schema = 1\nname = "d"\n[stimulus]\nkind = "cornsweet"\n')
+    assert machband.Definition(file).sha256 == machband.Definition.from_dict(
+        {"schema": 1, "name": "d", "stimulus": {"kind": "cornsweet"}}
+    ).sha256
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({"schema": 1, "name": "a", "stimulus": {"kind": "mach-band"}, "factors": {"widht": [1]}}, "did you mean width"),
+        ({"schema": 1, "nmae": "a"}, "did you mean name"),
+        ({"schema": 1, "name": "a b", "stimulus": {"kind": "mach-band"}}, "name"),
+        ({}, "schema is missing"),
+    ],
+)
+def test_wrong_definitions_are_refused(keys, words):
+    with pytest.raises(machband.Error, match=words):
+        machband.Definition.from_dict(keys)
+
+
+def test_an_unknown_definition_is_named():
+    with pytest.raises(machband.Error, match="did you mean quick"):
+        machband.Definition("qiuck")
+
+
+def test_the_trials_are_the_sessions(sessions):
+    _, rows = sessions
+    planned = machband.Definition("quick").schedule("S002", "1", 5)
+    shown = rows[rows.subject_id == "S002"].reset_index(drop=True)
+    for name in ["phase", "block", "trial", "repetition", "width", "depth"]:
+        assert planned[name].tolist() == shown[name].tolist()
+    conditions = machband.Definition("quick").conditions()
+    assert conditions["width"].take(planned["condition"]).tolist() == planned["width"].tolist()
+
+
+def test_sessions_are_the_commands(command, sessions, tmp_path):
+    folder, _ = sessions
+    command("simulate", "quick", "--participants", 6, "--seed", 5, "--results", "results")
+    for ours in sorted((folder / "quick" / "data").glob("*_data.csv")):
+        told = list(csv.DictReader(io.StringIO((tmp_path / "results" / "quick" / "data" / ours.name).read_text())))
+        found = list(csv.DictReader(io.StringIO(ours.read_text())))
+        for row in [*told, *found]:
+            del row["started_at"]
+        assert found == told
+
+
+def test_reading_loses_nothing(sessions):
+    folder, rows = sessions
+    texts = []
+    for file in sorted((folder / "quick" / "data").glob("*_data.csv")):
+        texts += list(csv.DictReader(io.StringIO(file.read_text())))
+    assert len(rows) == len(texts) and list(rows) == list(texts[0])
+    for name in rows:
+        for cell, text in zip(rows[name], [row[name] for row in texts], strict=True):
+            if text == "":
+                assert pandas.isna(cell)
+            elif name == "started_at":
+                assert cell == pandas.Timestamp(text)
+            elif isinstance(cell, str):
+                assert cell == text
+            else:
+                assert cell == float(text)
+    assert rows.attrs["units"]["response_time_s"] == "s"
+    assert "band" in rows.attrs["descriptions"]["rating"]
+    assert isinstance(rows.subject_id[0], str) and str(rows.started_at.dt.tz) == "UTC"
+
+
+def test_factors_of_several_experiments_become_columns(tmp_path):
+    for name, factor in [("one", {"levels": [3, 5]}), ("two", {"contrast": [0.2, 0.4]})]:
+        kind = "chevreul" if name == "one" else "cornsweet"
+        known = machband.parameters(kind)
+        factors = {key: levels for key, levels in factor.items() if key in known} or {"high": [0.6, 0.7]}
+        keys = {"schema": 1, "name": name, "stimulus": {"kind": kind}, "factors": factors, "design": {"practice": 0}}
+        machband.simulate(machband.Definition.from_dict(keys), results=tmp_path)
+    rows = machband.read_results(tmp_path)
+    assert set(rows.experiment) == {"one", "two"}
+
+
+@pytest.mark.parametrize("given", [{}, {"terms": ["width", "num:inv_n"], "link": "probit", "random": "none"}])
+def test_tables_are_the_commands(command, sessions, tmp_path, given):
+    folder, rows = sessions
+    words = ["--terms", "width,num:inv_n", "--link", "probit", "--random", "none"] if given else []
+    command("analyze", folder / "quick", "--out", "analysis", "--draws", 19, *words)
+    found = machband.analyze(folder / "quick", draws=19, **given)
+    names = {path.name for path in (tmp_path / "analysis").iterdir()}
+    for name, content in found.files.items():
+        told = (tmp_path / "analysis" / name).read_bytes()
+        # The script says where the data are.
+        assert content == told or name == "analysis.R"
+    assert names == {*found.files, *found._report_files}
+    for name in ["figure4a.svg", "figure4b.png"]:
+        assert found._report_files[name] == (tmp_path / "analysis" / name).read_bytes()
+    assert found.tables["cells"]["n"].sum() == found.model["nobs"]
+
+
+def test_a_data_frame_has_the_results_of_its_files(sessions):
+    folder, rows = sessions
+    files, frame = machband.analyze(folder / "quick", draws=19), machband.analyze(rows, draws=19)
+    columns = machband.analyze({name: rows[name].tolist() for name in ["subject_id", "rating", "width", "depth"]},
+                               subject="subject_id", response="rating", factors=["width", "depth"], draws=19)
+    main = rows[rows.phase == "main"]
+    for table in files.tables:
+        assert files.tables[table].equals(frame.tables[table]), table
+    assert columns.tables["cells"]["n"].sum() == len(rows) and files.tables["cells"]["n"].sum() == len(main)
+    assert files.model["loglik"] == frame.model["loglik"]
+    by_width = main.groupby("width").rating.mean()
+    assert np.allclose(files.tables["by_width"].set_index("width")["mean"], by_width)
+
+
+def test_a_notebook_shows_the_results(sessions, tmp_path):
+    found = machband.analyze(sessions[0], draws=19)
+    html = found._repr_html_()
+    assert html.count("<svg") == len(found.figures) >= 5 and "participants" in html
+    for figure in found.figures.values():
+        assert xml.etree.ElementTree.fromstring(figure._repr_svg_()).tag.endswith("svg")
+        figure.save(tmp_path / "figure.png")
+        assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
+    assert found.report.startswith("<!DOCTYPE html>") and repr(found) == found.summary
+    written = found.save(tmp_path / "analysis")
+    assert {path.name for path in written} == {*found.files, *found._report_files}
+    with pytest.raises(machband.Error, match="exists"):
+        found.save(tmp_path / "analysis")
+    found.save(tmp_path / "analysis", force=True)
+
+
+def test_ordered_texts_missing_values_and_counts():
+    frame = pandas.DataFrame(
+        {
+            "who": ["007", "007", "8", "8"] * 6,
+            "answer": ["low", "mid, or so", "high", None] * 6,
+            "width": np.float32([0.5, 1, 0.5, 1] * 6),
+            "n": np.int8([1, 2, 3, 4] * 6),
+        }
+    )
+    given = dict(subject="who", response="answer", factors=["width"], draws=19)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        found = machband.analyze(frame, count="n", categories=["low", "mid, or so", "high"], **given)
+    assert [str(warning.message) for warning in caught] == [*found.warnings, *found.errors]
+    assert len(found.errors) == 6 and all("answer" in error and "/" not in error for error in found.errors[:5])
+    assert found.tables["cells"]["width"].tolist() == [0.5, 1]
+    assert found.tables["cells"]["n"].tolist() == [24, 12]
+    assert found.tables["subjects"]["subject_id"].tolist() == ["007", "8"]
+
+
+@pytest.mark.parametrize(
+    ("data", "given", "error", "words"),
+    [
+        ("missing", {}, machband.Error, "missing"),
+        (7, {}, TypeError, "int is not a table"),
+        ({"a": [1], "b": [1, 2]}, {}, ValueError, "same number"),
+        ({"a": [[1]]}, {}, ValueError, "one dimension"),
+        ({"subject_id": ["a"], "rating": [1]}, {"link": "lgoit"}, machband.Error, "logit"),
+        ({"subject_id": ["a"], "rating": [1]}, {"lnik": "logit"}, TypeError, "did you mean 'link'"),
+        ({"subject_id": ["a", "b"], "rating": [1, 2]}, {"terms": "depht"}, machband.Error, "depht"),
+    ],
+)
+def test_wrong_data_are_refused(data, given, error, words):
+    with pytest.raises(error, match=words):
+        machband.analyze(data, **given)
+
+
+def test_changes_are_found(tmp_path):
+    machband.simulate("quick", participants=2, results=tmp_path)
+    assert machband.verify(tmp_path) and len(machband.verify(tmp_path / "quick").sessions) == 2
+    file = next((tmp_path / "quick" / "data").glob("*S001*_data.csv"))
+    text = file.read_text()
+    file.write_text(text.replace(",mach-band,", ",mach-band,", 1).replace("0.25,0.75", "0.25,0.70", 1))
+    found = machband.verify(tmp_path)
+    assert not found and any("S001" in error for error in found.errors)
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(machband.Error, match="contains no session"):
+        machband.verify(tmp_path / "empty")
+
+
+@pytest.mark.parametrize("format", ["bids", "psych-ds"])
+def test_an_export_is_the_commands(command, sessions, tmp_path, format):
+    folder, _ = sessions
+    found = machband.export(folder, tmp_path / "ours", format)
+    assert found.experiments == ["quick"] and found.sessions == 6
+    command("export", folder, "--format", format, "--out", "told")
+    files = lambda root: {path.relative_to(root): path.read_bytes() for path in root.rglob("*") if path.is_file()}
+    assert files(tmp_path / "ours") == files(tmp_path / "told")
+    with pytest.raises(machband.Error, match="empty"):
+        machband.export(folder, tmp_path / "ours", format)
+    with pytest.raises(machband.Error, match="bids, psych-ds"):
+        machband.export(folder, tmp_path / "new", "bdis")
+
+
+def test_an_interrupted_simulation_resumes(tmp_path):
+    machband.simulate("quick", participants=1, results=tmp_path)
+    with pytest.raises(machband.Error, match="S001"):
+        machband.simulate("quick", participants=2, results=tmp_path)
+    assert len(machband.simulate("quick", participants=2, results=tmp_path, resume=True)) == 56
+    with pytest.raises(machband.Error, match="vision"):
+        machband.simulate("quick", observer="visoin")

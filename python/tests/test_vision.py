@@ -1,0 +1,72 @@
+"""Predictions equal the command's."""
+
+import json
+
+import numpy as np
+import pytest
+
+import machband
+
+
+@pytest.mark.parametrize("given", [{}, {"width": 0.1, "depth": 3}, {"kind": "kanizsa"}, {"orientation_deg": 45}])
+def test_a_stimulus_has_the_commands_prediction(command, given):
+    kind = given.get("kind", "mach-band")
+    rest = {name: value for name, value in given.items() if name != "kind"}
+    words = [f"--{name.removesuffix('_deg')}={value}" for name, value in rest.items()]
+    told = json.loads(command("predict", "--kind", kind, *words, "--window", 8, "--json"))
+    found = machband.predict(kind, window_deg=8, **rest)
+    for name in ["visibility", "detection", "predicted_rating"]:
+        assert getattr(found, name) == pytest.approx(told[name], abs=6e-5)
+    assert (found.along is None) == (found.map is not None)
+
+
+@pytest.mark.parametrize("bits", [8, 16])
+def test_an_image_has_the_commands_prediction(command, bits):
+    codes = machband.stimulus("vasarely", size=200, bits=bits)
+    command("stimulus", "--kind", "vasarely", "--size", 200, "--bits", bits, "--out", "image.png")
+    told = json.loads(command("predict", "--image", "image.png", "--window", 5, "--json"))
+    found = machband.predict(codes, window_deg=5)
+    assert found.visibility == pytest.approx(told["visibility"], abs=6e-5)
+    assert found.bands == pytest.approx((told["bands"]["bright"], told["bands"]["dark"]))
+    assert found.lines == pytest.approx((told["lines"]["bright"], told["lines"]["dark"]))
+    # The map's strongest places are the visibility, apart from the interpolation between pixels.
+    assert found.map[0].shape == (200, 200)
+    assert found.map[0].max() == pytest.approx(found.bands[0], rel=0.1)
+    assert machband.predict(codes, ppd=40).visibility == found.visibility
+
+
+def test_light_gray_and_strided_images():
+    codes = machband.stimulus("kanizsa", size=128, color="gray", bits=16)
+    expected = machband.predict(codes).visibility
+    assert machband.predict(codes[:, :, 0]).visibility == expected
+    wide = np.zeros((128, 256, 3), np.uint16)
+    wide[:, ::2] = codes
+    assert machband.predict(wide[:, ::2]).visibility == expected
+    light = machband.transfer(codes / 65535, inverse=True)
+    assert machband.predict(light).visibility == pytest.approx(expected, rel=1e-5)
+    assert machband.predict(np.asfortranarray(light.astype(np.float32))).visibility == pytest.approx(expected, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("image", "given", "error", "words"),
+    [
+        (np.zeros((8, 8, 4)), {}, ValueError, r"shape \(8, 8, 4\)"),
+        (np.zeros(8), {}, ValueError, "shape"),
+        (np.zeros((0, 8, 3)), {}, ValueError, "at least one pixel"),
+        (np.zeros((64, 64), int), {}, TypeError, "dtype int64"),
+        (np.zeros((64, 64)), {}, machband.Error, "black"),
+        (np.full((64, 64), np.nan), {}, machband.Error, "NaN"),
+        (np.full((64, 64), -0.5), {}, machband.Error, "negative"),
+        (np.ones((64, 64)), {"window_deg": 0}, machband.Error, "window_deg 0"),
+        (np.ones((64, 64)), {"ppd": np.inf}, machband.Error, "ppd inf"),
+        (np.ones((64, 64)), {"ppd": 1, "window_deg": 1}, TypeError, "one of them"),
+        (np.ones((64, 64)), {"width": 1}, TypeError, "width"),
+        (np.ones((64, 64)), {"transfer": "srgb"}, TypeError, "linear light"),
+        (np.ones((4000, 4000), np.uint8), {}, ValueError, "large=True"),
+        ("mach-band", {"widht": 1}, machband.Error, "did you mean width"),
+        ("mach-band", {"size": 4}, machband.Error, "size 4"),
+    ],
+)
+def test_wrong_images_are_refused(image, given, error, words):
+    with pytest.raises(error, match=words):
+        machband.predict(image, **given)
