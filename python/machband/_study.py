@@ -225,7 +225,7 @@ def analyze(
     --------
     >>> ratings = simulate("quick", participants=4, seed=3)
     >>> analyze(ratings, draws=19).tables["by_width"]["width"].tolist()
-    [0.05, 0.1, 0.2, 0.4]
+    [0.02, 0.1, 0.4, 0.8]
     """
     given = options(
         subject=subject,
