@@ -6,6 +6,7 @@ import difflib
 import functools
 import inspect
 import os
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, ParamSpec, TypeVar
@@ -98,7 +99,10 @@ def table(columns: Mapping[str, np.ndarray[Any, Any]], described: list[tuple[str
 def progress(unit: str) -> Iterator[Callable[[int, int], None] | None]:
     """Provide a function that shows the work done and the total in a bar, if tqdm is installed."""
     try:
-        from tqdm.auto import tqdm
+        with warnings.catch_warnings():
+            # A notebook without widgets shows the bar as text.
+            warnings.simplefilter("ignore")
+            from tqdm.auto import tqdm
     except ImportError:
         yield None
         return

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import json
 import os
 import tempfile
@@ -121,8 +120,9 @@ class Analysis:
         return self.summary
 
     def _repr_html_(self) -> str:
-        lines = "".join(f"<p>{html.escape(line)}</p>" for line in self._native.summary())
-        return lines + "".join(figure.svg[figure.svg.find("<svg") :] for figure in self.figures.values())
+        drawings = (figure.svg[figure.svg.find("<svg") + 4 :] for figure in self.figures.values())
+        figures = "".join(f'<div style="flex: 1 1 26em; max-width: 40em"><svg style="width: 100%; height: auto"{drawing}</div>' for drawing in drawings)
+        return f'{self._native.summary_html()}<div style="display: flex; flex-wrap: wrap">{figures}</div>'
 
 
 def _write(data: Mapping[str, Any], path: str) -> None:

@@ -32,8 +32,9 @@ class Prediction:
     bands: tuple[float, float]
     #: Visibility of the strongest bright and dark lines that are in the light itself.
     lines: tuple[float, float]
-    #: For a stimulus that varies in one direction: for each band, its position in degrees to the right of the center,
-    #: its visibility, and whether it is bright. Otherwise `None`.
+    #: For a stimulus that varies in one direction: for each band with a visibility of at least 0.01, the strongest
+    #: first, its position in degrees along the orientation from the center, its visibility, and whether it is bright.
+    #: Otherwise `None`.
     along: list[tuple[float, float, bool]] | None
     #: For any other picture: the visibility of bright bands, and of dark bands, at each pixel. Otherwise `None`.
     map: tuple[Floats, Floats] | None

@@ -10,7 +10,7 @@ use machband::{
     analysis::Results,
     cli::{self, AnalysisOptions},
     experiment::{self, CellValue, TrialRecord},
-    report::{self, Provenance, Study, study::shell_command},
+    report::{self, Provenance, Study, document::Section, study::shell_command},
     stimulus::Stimulus,
     store::{
         FileErrors, Writer,
@@ -158,8 +158,12 @@ impl Analysis {
 
     /// Returns the sentences of the summary.
     fn summary(&self) -> Vec<String> {
-        let document = report::study::document(&self.study.source, &self.results, report::study::Parts::default());
-        document.sections.first().map(report::skins::terminal).unwrap_or_default()
+        self.first_section(report::skins::terminal)
+    }
+
+    /// Returns the summary as HTML without a page around it.
+    fn summary_html(&self) -> String {
+        self.first_section(report::skins::fragment)
     }
 
     /// Returns the warnings about the input, and its errors.
@@ -170,6 +174,12 @@ impl Analysis {
 }
 
 impl Analysis {
+    /// Shows the summary with a skin.
+    fn first_section<T: Default>(&self, skin: impl Fn(&Section) -> T) -> T {
+        let document = report::study::document(&self.study.source, &self.results, report::study::Parts::default());
+        document.sections.first().map(skin).unwrap_or_default()
+    }
+
     fn provenance(&self) -> Provenance {
         Provenance::new(self.command.clone(), now())
     }

@@ -31,6 +31,9 @@ impl View {
     }
 }
 
+/// A band of a line that is less visible than this is rounding error.
+const LEAST: f64 = 0.01;
+
 /// What is predicted for a stimulus or an image.
 struct Predicted {
     visibility: Visibility,
@@ -94,6 +97,7 @@ pub fn predict_stimulus<'py>(
                 bands: Some(
                     view.bands
                         .iter()
+                        .filter(|band| band.strength >= LEAST)
                         .map(|band| (band.at_deg, band.strength, band.polarity == Polarity::Bright))
                         .collect(),
                 ),

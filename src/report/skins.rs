@@ -138,6 +138,11 @@ fn figure_markup(figure: &Figure) -> Markup {
     }
 }
 
+/// Renders a section as HTML without a page around it, for notebooks.
+pub fn fragment(section: &Section) -> String {
+    markup! { @for block in &section.blocks { (block_markup(block)) } }.into_string()
+}
+
 /// Renders a section as text with one line per paragraph, which the terminal wraps. Tables and charts are omitted
 /// because they are in files.
 pub fn terminal(section: &Section) -> Vec<String> {

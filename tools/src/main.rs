@@ -2,6 +2,7 @@
 
 mod calibration;
 mod facts;
+mod package;
 mod peers;
 mod residuals;
 mod sessions;
@@ -81,6 +82,11 @@ enum Tool {
         /// Where to write the results.
         results: PathBuf,
     },
+    /// Write man pages, completions for shells and the icon, for scripts/deb.sh.
+    Package {
+        /// Where to write them.
+        folder: PathBuf,
+    },
     /// Open a window that only clears itself, for benches/frames_peers.py.
     BareWindow {
         /// Frames to count.
@@ -109,6 +115,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Tool::Picture { size, px_per_deg } => peers::picture(size, px_per_deg),
         Tool::LongSession { folder } => sessions::long(&folder.unwrap_or_else(std::env::temp_dir)),
         Tool::SampleStudy { results } => sessions::sample(&results),
+        Tool::Package { folder } => package::write(&folder),
         Tool::BareWindow { frames } => peers::bare_window(frames),
         Tool::BlueNoise { file } => {
             std::fs::write(&file, to_bytes(&void_and_cluster(machband::light::dither::MASK_SIZE, MASK_SEED)))?;

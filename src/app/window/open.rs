@@ -43,6 +43,7 @@ fn options(fullscreen: bool) -> NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title("machband")
             .with_inner_size(SIZE)
+            .with_app_id("machband")
             .with_icon(logo::icon())
             .with_min_inner_size(MIN_SIZE)
             .with_fullscreen(fullscreen),
