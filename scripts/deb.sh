@@ -19,7 +19,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 root=$work/root
 "$PROGRAMS/tools" package "$work"
-install -D -s -m 755 "$PROGRAMS/machband" "$root/usr/bin/machband"
+install -D -m 755 "$PROGRAMS/machband" "$root/usr/bin/machband"
 for page in "$work"/man1/*.1; do
     gzip -9n "$page"
     install -D -m 644 "$page.gz" "$root/usr/share/man/man1/$(basename "$page").gz"

@@ -7,6 +7,34 @@ from typing import Any, Final, final
 import numpy as np
 import numpy.typing as npt
 
+__all__ = [
+    "Analysis",
+    "Definition",
+    "Error",
+    "__version__",
+    "analyze",
+    "encode",
+    "export",
+    "interpolate",
+    "kinds",
+    "light",
+    "main",
+    "mesh",
+    "parameters",
+    "predict_codes",
+    "predict_light",
+    "predict_stimulus",
+    "profile",
+    "read_results",
+    "shade",
+    "shade_scene",
+    "simulate",
+    "stimulus",
+    "verify",
+    "visual_angle",
+    "write_table",
+]
+
 __version__: Final[str]
 
 _Path = str | PathLike[str]

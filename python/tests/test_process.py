@@ -4,7 +4,6 @@ import gc
 import multiprocessing
 import os
 import re
-import resource
 import signal
 import subprocess
 import sys
@@ -18,6 +17,8 @@ import pytest
 
 import machband
 from conftest import needs
+
+on_linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc and sends signals of Linux")
 
 
 def test_eight_threads_at_once():
@@ -68,6 +69,7 @@ def test_a_forked_process_works():
     pytest.fail("the child process hangs")
 
 
+@on_linux
 @pytest.mark.parametrize(
     "work",
     [
@@ -93,12 +95,10 @@ def test_ctrl_c_stops_long_work(work, tmp_path):
 
 def resident():
     """Return the memory of this process in MB."""
-    status = Path("/proc/self/status")
-    if not status.exists():
-        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    return int(re.search(r"VmRSS:\s+(\d+)", status.read_text())[1]) / 1024
+    return int(re.search(r"VmRSS:\s+(\d+)", Path("/proc/self/status").read_text())[1]) / 1024
 
 
+@on_linux
 def test_ten_thousand_calls_leak_nothing():
     codes = machband.stimulus("kanizsa", size=48)
     definition = machband.Definition("quick")
@@ -147,6 +147,7 @@ def test_the_command_is_the_program(command):
     assert "Usage:" in command("--help")
 
 
+@on_linux
 def test_the_command_ends_on_ctrl_c(tmp_path):
     process = subprocess.Popen(
         [sys.executable, "-m", "machband", "simulate", "bangay2003", "--participants", "100000"], cwd=tmp_path,
@@ -157,6 +158,8 @@ def test_the_command_ends_on_ctrl_c(tmp_path):
     assert process.returncode == 130 and b"--resume" in errors
 
 
+# Its own warnings do not matter here.
+@pytest.mark.filterwarnings("ignore")
 def test_psychopy_shows_the_codes():
     needs("psychopy")
     from psychopy import visual

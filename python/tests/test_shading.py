@@ -21,12 +21,14 @@ def test_arrays_equal_the_shape_that_they_came_from():
     assert mesh.vertices.shape == mesh.normals.shape == (mesh.vertices.shape[0], 3)
     assert np.allclose(np.linalg.norm(mesh.normals, axis=1), 1)
     for shader in ["flat", "gouraud", "phong", "c1-phong", "patch"]:
-        named = machband.shade("torus", n_vertices=200, shader=shader, size=128)
-        arrays = machband.shade(*mesh, shader=shader, size=128)
+        measure = shader == "c1-phong"
+        named = machband.shade("torus", n_vertices=200, shader=shader, size=128, metrics=measure)
+        arrays = machband.shade(*mesh, shader=shader, size=128, metrics=measure)
         assert np.array_equal(named.image, arrays.image)
-        assert arrays.metrics["crease_rms"] == pytest.approx(named.metrics["crease_rms"], abs=1e-9)
-        # The arrays do not say which surface they approximate.
-        assert arrays.metrics["residual"] is None and named.metrics["residual"] is not None
+        if measure:
+            assert arrays.metrics["crease_rms"] == pytest.approx(named.metrics["crease_rms"], abs=1e-9)
+            # The arrays do not say which surface they approximate.
+            assert arrays.metrics["residual"] is None and named.metrics["residual"] is not None
 
 
 def test_the_picture_turns_with_the_mesh():
