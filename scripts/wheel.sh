@@ -17,6 +17,8 @@ if [ "$(uname)" = Linux ]; then
     "$tools/bin/python" -m pip install --quiet ziglang
     portable=(--zig --compatibility manylinux2014)
 fi
+# Paths of this machine would be in the wheel.
+export RUSTFLAGS="--remap-path-prefix=$HOME/.cargo=/cargo --remap-path-prefix=$PWD=/machband"
 PATH="$tools/bin:$PATH" "$tools/bin/maturin" build --manifest-path python/Cargo.toml --locked --profile dist \
     ${portable[@]+"${portable[@]}"} --out "$out"
 ls -l "$out"

@@ -1,10 +1,13 @@
 //! Stimuli as arrays, and the functions that turn light into codes.
 
-use std::path::PathBuf;
+use std::{
+    path::PathBuf,
+    sync::{Arc, Mutex, PoisonError},
+};
 
 use machband::{
     display::{Screen, Viewing},
-    light::{Bits, CodeImage, Depth, Interpolation, LinearImage, Samples, Transfer, Transfers},
+    light::{Bits, CodeImage, Depth, Interpolation, LinearImage, Quantizer, Samples, Transfer, Transfers},
     stimulus::{
         ParameterValue, Stimulus, catalog,
         recipe::{MAX_SIZE, Recipe},
@@ -95,6 +98,16 @@ impl Coding {
     }
 }
 
+/// Returns the quantizer for a recipe. The last one is kept, because the next stimulus is mostly for the same display.
+fn quantizer(recipe: &Recipe) -> Arc<Quantizer> {
+    static LAST: Mutex<Option<Arc<Quantizer>>> = Mutex::new(None);
+    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    match last.as_ref().filter(|last| last.bits() == recipe.bits && *last.transfers() == recipe.transfers) {
+        Some(last) => Arc::clone(last),
+        None => Arc::clone(last.insert(Arc::new(recipe.quantizer()))),
+    }
+}
+
 /// Returns codes as an array of shape (height, width, 3), without a copy.
 pub fn codes_array(py: Python<'_>, image: CodeImage) -> PyResult<Bound<'_, PyAny>> {
     let shape = [image.height as usize, image.width as usize, 3];
@@ -108,7 +121,7 @@ pub fn codes_array(py: Python<'_>, image: CodeImage) -> PyResult<Bound<'_, PyAny
 #[pyfunction]
 pub fn stimulus<'py>(py: Python<'py>, kind: &str, parameters: Given, coding: Coding) -> PyResult<Bound<'py, PyAny>> {
     let recipe = coding.recipe(stimulus_of(kind, parameters)?)?;
-    codes_array(py, job::run(py, None, false, move |_| Ok(recipe.codes(&recipe.quantizer())))?)
+    codes_array(py, job::run(py, None, false, move |_| Ok(recipe.codes(&quantizer(&recipe))))?)
 }
 
 /// Returns the light of a stimulus.
@@ -123,7 +136,7 @@ pub fn light<'py>(py: Python<'py>, kind: &str, parameters: Given, size: u32) -> 
 #[pyfunction]
 pub fn profile<'py>(py: Python<'py>, kind: &str, parameters: Given, coding: Coding) -> PyResult<Bound<'py, PyDict>> {
     let recipe = coding.recipe(stimulus_of(kind, parameters)?)?;
-    let samples = job::run(py, None, false, move |_| Ok(curve::samples(&recipe, &recipe.quantizer())))?;
+    let samples = job::run(py, None, false, move |_| Ok(curve::samples(&recipe, &quantizer(&recipe))))?;
     let columns = PyDict::new(py);
     let number = |of: fn(&curve::Sample) -> f64| samples.iter().map(of).collect::<Vec<_>>().into_pyarray(py);
     let code = |i: usize| samples.iter().map(|sample| sample.codes[i]).collect::<Vec<_>>().into_pyarray(py);
