@@ -43,7 +43,7 @@ _Floats = npt.NDArray[np.float64]
 _Columns = dict[str, npt.NDArray[Any]]
 _Progress = Callable[[int, int], None] | None
 _Arrays = tuple[_Floats, npt.NDArray[np.uint32], _Floats | None, float]
-_View = tuple[float | None, float | None, float]
+_View = tuple[float | None, float | None, float | None, _Path | None]
 
 class Error(ValueError): ...
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -45,7 +46,8 @@ def predict(
     *,
     window_deg: float | None = None,
     ppd: float | None = None,
-    white: float = 100.0,
+    white: float | None = None,
+    display: str | PathLike[str] | None = None,
     size: int | None = None,
     transfer: str | None = None,
     large: bool = False,
@@ -63,7 +65,9 @@ def predict(
     ppd
         Pixels per degree, in place of `window_deg`.
     white
-        Luminance of white in cd/m².
+        Luminance of white in cd/m²; by default that of `display`, or 100.
+    display
+        Path of a display profile, which says what the codes of an image mean and how bright white is.
     size
         Side of the stimulus in pixels, from 16; by default 1024 if it varies in one direction only, otherwise 512.
     transfer
@@ -88,7 +92,7 @@ def predict(
         if transfer is not None:
             raise TypeError("predict() got transfer, which means something only for the codes of an image")
         given = _parameters(parameters)
-        return Prediction(**_machband.predict_stimulus(image_or_kind, given, size, (window_deg, ppd, white)))
+        return Prediction(**_machband.predict_stimulus(image_or_kind, given, size, (window_deg, ppd, white, display)))
     if parameters or size is not None:
         name = next(iter(parameters), "size")
         raise TypeError(f"predict() got {name}, which means something only for a stimulus, not for an image")
@@ -102,7 +106,7 @@ def predict(
         raise ValueError(f"the image has shape {image.shape}; expected at least one pixel")
     if height * width > MAX_PIXELS and not large:
         raise ValueError(f"the image has {width} × {height} pixels; expected at most {MAX_PIXELS}, or large=True")
-    view = (window_deg, ppd, white)
+    view = (window_deg, ppd, white, display)
     if image.dtype in (np.uint8, np.uint16):
         codes = np.ascontiguousarray(image).ravel()
         return Prediction(**_machband.predict_codes(codes, (height, width), transfer, view))

@@ -3,7 +3,7 @@
 use std::{ffi::OsString, path::PathBuf};
 
 use machband::{
-    cli::{self, SimulateOptions},
+    cli::{self, simulate as simulation},
     experiment::{CellValue, Condition, Identity, Protocol, Schedule},
     stimulus::ParameterValue,
     store::definition,
@@ -124,9 +124,9 @@ pub fn simulate(
 ) -> PyResult<()> {
     let protocol = definition.get().0.clone();
     let name = OsString::from(&protocol.name);
-    let options: SimulateOptions = cli::parse(std::iter::once(name).chain(options)).map_err(error)?;
+    let options: simulation::Arguments = cli::parse(std::iter::once(name).chain(options)).map_err(error)?;
     job::run(py, progress, true, move |job| {
         job.start(options.trials(&protocol));
-        cli::simulate_sessions(&options, &protocol, job)
+        simulation::sessions(&options, &protocol, job)
     })
 }

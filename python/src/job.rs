@@ -12,7 +12,7 @@ use std::{
     time::Duration,
 };
 
-use machband::cli::Watcher;
+use machband::cli::simulate::Watcher;
 use pyo3::{exceptions::PyRuntimeError, prelude::*};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 

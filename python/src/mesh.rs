@@ -4,7 +4,7 @@ use std::{ffi::OsString, path::Path};
 
 use glam::DVec3;
 use machband::{
-    cli::{self, ShadeOptions},
+    cli::{self, shade::Arguments as ShadeOptions},
     shading::Mesh,
     store,
 };

@@ -8,7 +8,7 @@ use std::{
 
 use machband::{
     analysis::Results,
-    cli::{self, AnalysisOptions},
+    cli::{self, analyze::AnalysisOptions, check},
     experiment::{self, CellValue, TrialRecord},
     report::{self, Provenance, Study, document::Section, study::shell_command},
     stimulus::Stimulus,
@@ -197,7 +197,7 @@ pub fn verify(
     job::run(py, progress, false, move |job| {
         let mut sessions = Vec::new();
         let found = verification::data_sets(&folder, |csv, found, all| {
-            sessions.push((csv.to_owned(), cli::sentence(found)));
+            sessions.push((csv.to_owned(), check::sentence(found)));
             job.set(sessions.len(), all);
             true
         })?;

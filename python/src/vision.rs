@@ -1,8 +1,11 @@
 //! Predicted visibility.
 
+use std::path::PathBuf;
+
 use machband::{
     light::{CodeImage, LinearImage, Samples, Transfers},
     stimulus::{StimulusPrediction, ViewingConditions},
+    store,
     vision::{BandMap, Criterion, PicturePrediction, Polarity, Visibility},
 };
 use numpy::{IntoPyArray as _, PyArrayMethods as _, PyReadonlyArray1};
@@ -13,21 +16,27 @@ use crate::{
     light::{Given, stimulus_of, transfers_of},
 };
 
-/// The width of the picture in degrees, or the pixels per degree, and the luminance of white.
+/// The width of the picture in degrees, or the pixels per degree; the luminance of white; and a display profile, which
+/// may have one.
 #[derive(FromPyObject)]
-pub struct View(Option<f64>, Option<f64>, f64);
+pub struct View(Option<f64>, Option<f64>, Option<f64>, Option<PathBuf>);
 
 impl View {
     /// Returns the conditions for a picture of this width.
     fn conditions(&self, width_px: u32) -> PyResult<ViewingConditions> {
-        let View(window_deg, ppd, white) = *self;
-        for (name, value) in [("window_deg", window_deg), ("ppd", ppd), ("white", Some(white))] {
+        let View(window_deg, ppd, white, ref display) = *self;
+        for (name, value) in [("window_deg", window_deg), ("ppd", ppd), ("white", white)] {
             if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
                 return Err(error(format!("{name} {value} is invalid; expected a number above 0")));
             }
         }
         let of_ppd = ppd.map(|ppd| f64::from(width_px) / ppd);
-        Ok(ViewingConditions { window_deg: window_deg.or(of_ppd).unwrap_or(10.0), white_cd_m2: white })
+        let profile = display.as_deref().map(store::profile::open).transpose().map_err(error)?;
+        let of_profile = profile.and_then(|profile| profile.luminance).map(|range| range.white_cd_m2);
+        Ok(ViewingConditions {
+            window_deg: window_deg.or(of_ppd).unwrap_or(10.0),
+            white_cd_m2: white.or(of_profile).unwrap_or(ViewingConditions::WHITE_CD_M2),
+        })
     }
 }
 
@@ -124,7 +133,7 @@ pub fn predict_codes<'py>(
     transfer: Option<String>,
     view: View,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (transfers, _) = transfers_of(transfer.as_deref(), None)?;
+    let (transfers, _) = transfers_of(transfer.as_deref(), view.3.as_ref())?;
     let samples = match codes {
         Codes::Eight(codes) => Samples::Eight(codes.as_slice()?.to_vec()),
         Codes::Sixteen(codes) => Samples::Sixteen(codes.as_slice()?.to_vec()),

@@ -47,6 +47,19 @@ def test_light_gray_and_strided_images():
     assert machband.predict(np.asfortranarray(light.astype(np.float32))).visibility == pytest.approx(expected, rel=1e-5)
 
 
+def test_a_display_profile_says_what_codes_mean(command, tmp_path):
+    levels = [0, 0.2, 0.4, 0.6, 0.8, 1]
+    lines = [f"gray,{level},{0.3 + 250 * level**1.8}" for level in levels]
+    (tmp_path / "readings.csv").write_text("\n".join(["channel,level,luminance_cd_m2", *lines]) + "\n")
+    command("calibrate", "readings.csv", "--out", "profile.toml")
+    codes = machband.stimulus("vasarely", size=128)
+    command("stimulus", "--kind", "vasarely", "--size", 128, "--out", "image.png")
+    told = json.loads(command("predict", "--image", "image.png", "--display", "profile.toml", "--json"))
+    found = machband.predict(codes, display=tmp_path / "profile.toml")
+    assert found.visibility == pytest.approx(told["visibility"], abs=6e-5)
+    assert found.visibility != machband.predict(codes).visibility
+
+
 @pytest.mark.parametrize(
     ("image", "given", "error", "words"),
     [

@@ -3,9 +3,9 @@
 //! The exit status is 0 for success, 1 for a failure, and 2 for wrong usage. Errors go to stderr as `error: WHERE: what
 //! is wrong; what is expected`, warnings go to stderr as `warning: WHERE: …`, and data go to stdout or the named files.
 
-mod analyze;
+pub mod analyze;
 mod calibrate;
-mod check;
+pub mod check;
 mod export;
 mod options;
 mod outputs;
@@ -15,8 +15,8 @@ mod ratings;
 mod repair;
 #[cfg(feature = "window")]
 mod run;
-mod shade;
-mod simulate;
+pub mod shade;
+pub mod simulate;
 mod stimulus;
 #[cfg(feature = "window")]
 mod timing;
@@ -31,13 +31,7 @@ use std::{
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
-pub use self::{
-    analyze::AnalysisOptions,
-    check::sentence,
-    outputs::{FittedPath, NewFolder, OutPath},
-    shade::{Arguments as ShadeOptions, Drawing},
-    simulate::{Arguments as SimulateOptions, Watcher, sessions as simulate_sessions},
-};
+pub use self::outputs::{FittedPath, NewFolder, OutPath};
 use crate::{
     display::DisplayProfile,
     report::{
