@@ -1,7 +1,7 @@
 """machband: measure, analyze, generate and predict the visibility of Mach bands.
 
 Mach bands are the bright and dark lines that people see where the slope of luminance changes. This package contains the
-whole program, as the command ``machband``, and its parts as functions of NumPy arrays:
+whole program, as the command ``machband``, and its parts as functions on NumPy arrays:
 
 ========================  ==========================================================================================
 `stimulus`, `light`,      exact stimuli as codes or as light
@@ -21,8 +21,8 @@ whole program, as the command ``machband``, and its parts as functions of NumPy 
 
 Light is linear and relative to the screen's maximum, 0 to 1. Angles are in degrees, times in seconds. Tables are
 `pandas.DataFrame` objects if pandas is installed, and otherwise dicts of arrays. Long work shows its progress if tqdm is
-installed, and stops on Ctrl+C. A value, file or data set that is not as it should be raises `Error`, a `ValueError`,
-with the words of the command.
+installed, and stops on Ctrl+C. An invalid value, file or data set raises `Error`, a `ValueError`, with the same message as
+the command.
 """
 
 from ._experiment import Definition, simulate
@@ -41,10 +41,11 @@ from ._stimulus import (
     visual_angle,
 )
 from ._study import Analysis, Exported, Figure, Verification, analyze, export, read_results, verify
-from ._vision import Prediction, predict
+from ._vision import Band, Prediction, predict
 
 __all__ = [
     "Analysis",
+    "Band",
     "Definition",
     "Error",
     "Exported",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import functools
 import inspect
+import operator
 import os
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -12,6 +13,8 @@ from contextlib import contextmanager
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
+
+from ._machband import Error
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -36,6 +39,24 @@ def suggests(function: Callable[P, T]) -> Callable[P, T]:
         return function(*args, **kwargs)
 
     return checked
+
+
+def whole(name: str, given: object, least: int = 0, most: int = 2**64 - 1) -> int:
+    """Return a whole number within a range."""
+    try:
+        number = int(given) if isinstance(given, float) and given.is_integer() else operator.index(given)  # type: ignore[arg-type]
+    except TypeError:
+        raise TypeError(f"{name} is {given!r}; expected a whole number") from None
+    if not least <= number <= most:
+        raise Error(f"{name} {number} is outside {least}…{most}; expected a whole number in this range")
+    return number
+
+
+def words(name: str, given: object) -> str | None:
+    """Return text, or `None`."""
+    if given is None or isinstance(given, str):
+        return given
+    raise TypeError(f"{name} is {given!r}; expected text")
 
 
 def value(given: object) -> float | str:
@@ -79,8 +100,12 @@ def quoted(names: object) -> str | None:
     return ",".join('"' + str(name).replace('"', '""') + '"' for name in names)  # type: ignore[attr-defined]
 
 
-def table(columns: Mapping[str, np.ndarray[Any, Any]], described: list[tuple[str, str, str]] | None = None) -> Table:
-    """Return columns as a table. The units and descriptions of columns go into `DataFrame.attrs`."""
+def table(
+    columns: Mapping[str, np.ndarray[Any, Any]],
+    described: list[tuple[str, str, str]] | None = None,
+    simulated: bool | None = None,
+) -> Table:
+    """Return columns as a table. What is known about them goes into `DataFrame.attrs`."""
     try:
         import pandas
     except ImportError:
@@ -91,6 +116,7 @@ def table(columns: Mapping[str, np.ndarray[Any, Any]], described: list[tuple[str
             frame[name] = frame[name].dt.tz_localize("UTC")
     if described is not None:
         frame.attrs["units"] = {name: unit for name, unit, _ in described if unit}
+        frame.attrs["simulated"] = simulated
         frame.attrs["descriptions"] = {name: description for name, _, description in described if description}
     return frame
 

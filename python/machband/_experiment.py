@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from os import PathLike
 from typing import Any
 
 import numpy as np
 
 from . import _machband
-from ._common import Table, options, progress, suggests, table
+from ._common import Table, options, progress, suggests, table, whole
 from ._study import read_results
 
 
@@ -20,11 +20,19 @@ def _plain(given: object) -> Any:
     """Return a value that JSON can hold; infinity is ``inf``, as in a definition file."""
     if isinstance(given, Mapping):
         return {str(key): _plain(item) for key, item in given.items() if item is not None}
-    if isinstance(given, (list, tuple, np.ndarray)):
-        return [_plain(item) for item in given]
     if isinstance(given, np.generic):
         given = given.item()
-    return "inf" if given == float("inf") else given
+    if isinstance(given, os.PathLike):
+        return os.fspath(given)
+    if isinstance(given, (str, bool, int)):
+        return given
+    if isinstance(given, float):
+        if given != given:
+            raise ValueError("a value is NaN; expected a number or text")
+        return "inf" if given == float("inf") else given
+    if isinstance(given, Iterable):
+        return [_plain(item) for item in given]
+    raise TypeError(f"{given!r} cannot be part of a definition; expected a number, text, a list or a dict")
 
 
 class Definition:
@@ -64,6 +72,29 @@ class Definition:
         definition._native = _machband.Definition.from_json(json.dumps(_plain(keys)))
         return definition
 
+    @classmethod
+    def _from_canonical(cls, text: str) -> Definition:
+        definition = cls.__new__(cls)
+        definition._native = _machband.Definition.from_canonical(text)
+        return definition
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as text."""
+        return Definition._from_canonical, (self._native.to_json(),)
+
+    def __eq__(self, other: object) -> bool:
+        """Compare the content."""
+        return isinstance(other, Definition) and self.sha256 == other.sha256
+
+    def __hash__(self) -> int:
+        """Hash the content."""
+        return hash(self.sha256)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the definition to a new TOML file, which the window and the commands read."""
+        with open(path, "x", encoding="utf-8") as file:
+            file.write(self._native.to_toml())
+
     def to_dict(self) -> dict[str, Any]:
         """Return all keys, with their defaults; the form in the sidecars."""
         keys: dict[str, Any] = json.loads(self._native.to_json())
@@ -100,7 +131,7 @@ class Definition:
         ``condition`` is the row of the table that `conditions` returns, counted from 0. The order is the one that the
         window and the commands use for this participant, session and seed.
         """
-        return table(self._native.schedule(participant, session, seed))
+        return table(self._native.schedule(participant, session, whole("seed", seed)))
 
     def __repr__(self) -> str:
         """Name the definition."""
@@ -109,7 +140,7 @@ class Definition:
 
 @suggests
 def simulate(
-    definition: Definition | str | PathLike[str],
+    definition: Definition | Mapping[str, Any] | str | PathLike[str],
     participants: int = 1,
     seed: int = 1,
     observer: str = "paper",
@@ -123,7 +154,7 @@ def simulate(
     Parameters
     ----------
     definition
-        A definition, the name of a built-in one, or the path of a file.
+        A definition, its keys as a dict, the name of a built-in one, or the path of a file.
     participants
         Number of participants; their IDs are S001, S002, …
     seed
@@ -134,26 +165,28 @@ def simulate(
     observer_file
         Parameters of the observer ``paper`` or ``vision``.
     results
-        Folder in which the sessions are kept. Without it, they are deleted after they were read.
+        Folder in which the sessions are kept. Without it, they are deleted after they have been read.
     resume
         Resume an interrupted run in `results`.
 
     Returns
     -------
-    A table with one row a trial, as from `read_results`.
+    A table with one row per trial, as from `read_results`.
 
     Examples
     --------
     >>> len(simulate("quick", participants=2, seed=7))
     56
     """
+    if isinstance(definition, Mapping):
+        definition = Definition.from_dict(definition)
     if not isinstance(definition, Definition):
         definition = Definition(definition)
     with tempfile.TemporaryDirectory(prefix="machband-") as temporary:
         folder = temporary if results is None else os.fspath(results)
         given = options(
-            participants=participants,
-            seed=seed,
+            participants=whole("participants", participants, 1, 1_000_000),
+            seed=whole("seed", seed),
             observer=observer,
             observer_file=observer_file,
             results=folder,

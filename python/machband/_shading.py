@@ -12,30 +12,33 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import options, suggests
+from ._common import options, suggests, whole
 from ._stimulus import Codes
 
 Triple = Sequence[float]
 
 
 class Mesh(NamedTuple):
-    """A mesh of triangles, as `shade` takes it."""
+    """A mesh of triangles, as `shade` takes it.
 
-    #: Positions, shape (n, 3): x right, y up, z toward the viewer.
+    `vertices` are positions of shape (n, 3): x right, y up, z toward the viewer. `triangles` are the indices of their
+    corners, shape (m, 3), counterclockwise as seen from outside. `normals` are the unit normals at the vertices, (n, 3).
+    """
+
     vertices: npt.NDArray[np.float64]
-    #: Indices of the corners, shape (m, 3), counterclockwise as seen from outside.
     triangles: npt.NDArray[np.uint32]
-    #: Unit normals at the vertices, shape (n, 3).
     normals: npt.NDArray[np.float64]
 
 
 class Shaded(NamedTuple):
-    """A shaded mesh."""
+    """A shaded mesh.
 
-    #: Codes of shape (size, size, 3), uint8 or uint16.
+    `image` has codes of shape (size, size, 3), uint8 or uint16. `metrics` has what ``machband shade --metrics`` writes:
+    the change of slope across the edges (``crease_rms``, …), the visibility of the bands (``visibility``, …), and the
+    difference from the smooth surface (``residual``), each also relative to Gouraud's; `None` if it was not wanted.
+    """
+
     image: Codes
-    #: What ``machband shade --metrics`` writes: the change of slope across the edges, the visibility of the bands, and
-    #: the difference from the smooth surface, each also relative to Gouraud's. `None` if it was not wanted.
     metrics: dict[str, Any] | None
 
 
@@ -45,7 +48,6 @@ def mesh(
     *,
     n_vertices: int = 313,
     crease: float = 180.0,
-    normals: str = "given",
 ) -> Mesh:
     """Return a built-in shape, or a mesh from an OBJ, PLY, glTF or GLB file.
 
@@ -64,7 +66,9 @@ def mesh(
     >>> mesh("blob", n_vertices=313).triangles.shape
     (622, 3)
     """
-    given = options(mesh=os.fspath(name_or_path), vertices=n_vertices, crease=crease, shader="phong")
+    given = options(
+        mesh=os.fspath(name_or_path), vertices=whole("n_vertices", n_vertices), crease=crease, shader="phong"
+    )
     return Mesh(*_machband.mesh(given))
 
 
@@ -82,7 +86,7 @@ def _rows(name: str, given: npt.ArrayLike, dtype: type) -> npt.NDArray[Any]:
 
 @suggests
 def shade(
-    vertices: npt.ArrayLike | str | PathLike[str] = "blob",
+    vertices: npt.ArrayLike | Mesh | str | PathLike[str] = "blob",
     triangles: npt.ArrayLike | None = None,
     normals: npt.ArrayLike | str | None = None,
     *,
@@ -119,13 +123,13 @@ def shade(
     Parameters
     ----------
     vertices
-        Positions of shape (n, 3). Or the name of a built-in shape, the path of a mesh, or the path of a scene
-        (``.toml``) with several meshes and lamps, which has no metrics.
+        Positions of shape (n, 3). Or a whole `Mesh`, the name of a built-in shape, the path of a mesh, or the path of a
+        scene (``.toml``) with several meshes and lamps, which has no metrics.
     triangles
         Indices of the corners, shape (m, 3), counterclockwise as seen from outside.
     normals
-        Normals at the vertices, shape (n, 3); without them, they are the means of the faces' normals. Or how to estimate
-        them: ``mean``, ``max`` (Max 1999) or ``cubic``.
+        Normals at the vertices, shape (n, 3), of any length above 0; without them, they are averaged over the faces. Or
+        how to estimate them from the triangles: ``averaged``, ``max`` (Max 1999) or ``cubic``.
     shader
         ``flat``, ``gouraud``, ``phong``, ``c1-phong``, ``fixed``, ``gradient``, ``exact``, ``cut``, ``patch`` or
         ``quadratic``; `None`, with `truth`, for the smooth surface alone.
@@ -165,6 +169,8 @@ def shade(
     >>> ours["visibility"] < gouraud["visibility"]
     True
     """
+    if isinstance(vertices, Mesh) and triangles is None and normals is None:
+        vertices, triangles, normals = vertices
     estimated = normals if isinstance(normals, str) else None
     given = options(
         crease=crease,
@@ -190,7 +196,7 @@ def shade(
         window=window_deg,
         white=white,
     )
-    image = options(size=size, bits=bits, transfer=transfer, display=display)
+    image = options(size=whole("size", size), bits=bits, transfer=transfer, display=display)
     if isinstance(vertices, (str, os.PathLike)):
         path = os.fspath(vertices)
         if triangles is not None:
@@ -199,7 +205,7 @@ def shade(
             raise TypeError(f"shade() got normals for the mesh {path!r}; expected only arrays or only a name")
         if path.endswith(".toml"):
             return Shaded(_machband.shade_scene([path, *image]), None)
-        words = [*options(mesh=path, vertices=n_vertices), *given, *image]
+        words = [*options(mesh=path, vertices=whole("n_vertices", n_vertices)), *given, *image]
         codes, measured = _machband.shade(words, None, metrics and shader is not None)
     else:
         if triangles is None:
@@ -210,4 +216,7 @@ def shade(
             raise ValueError(f"normals has {len(own)} rows; expected {len(positions)}, one for each vertex")
         arrays = (positions, _rows("triangles", triangles, np.uint32), own, crease)
         codes, measured = _machband.shade(["--mesh=arrays", *given, *image], arrays, metrics and shader is not None)
-    return Shaded(codes, None if measured is None else json.loads(measured))
+    found = None if measured is None else json.loads(measured)
+    if found and found["mesh"] == "arrays":
+        found.update(vertices=len(np.asarray(vertices)), normals=estimated or ("averaged" if normals is None else "given"))
+    return Shaded(codes, found)

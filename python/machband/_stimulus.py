@@ -9,35 +9,40 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Table, suggests, table, value
+from ._common import Table, suggests, table, value, whole, words
 
 Codes = npt.NDArray[np.uint8] | npt.NDArray[np.uint16]
 Floats = npt.NDArray[np.float64]
 
 
+#: Largest side of an image in pixels.
+MAX_SIZE = 16384
+
+
 class Parameter(NamedTuple):
-    """A parameter of a kind of stimulus."""
+    """A parameter of a kind of stimulus.
+
+    `default` is its value if it is not given; `unit` is ``1`` for a plain number, and empty if it is not a number;
+    `expected` says which values it can have.
+    """
 
     name: str
-    #: Its value if it is not given.
     default: float | str
-    #: ``1`` for a plain number, and empty if it is not a number.
     unit: str
     description: str
-    #: The values that it can have.
     expected: str
 
 
 class VisualAngle(NamedTuple):
-    """Lengths on a screen in three units."""
+    """Lengths on a screen in three units, and the pixels per degree at its center.
 
-    #: Degrees of visual angle, centered on the line of sight.
+    `deg` is the visual angle in degrees, centered on the line of sight; `cm` are centimeters on the screen; `px` are
+    physical pixels.
+    """
+
     deg: float | Floats
-    #: Centimeters on the screen.
     cm: float | Floats
-    #: Physical pixels.
     px: float | Floats
-    #: Pixels per degree at the center of the screen.
     ppd: float
 
 
@@ -53,7 +58,16 @@ def _coding(
     dither: str | None,
     seed: int,
 ) -> dict[str, Any]:
-    return {"size": size, "bits": bits, "transfer": transfer, "display": display, "dither": dither, "seed": seed}
+    if isinstance(bits, bool) or bits not in (8, 16):
+        raise _machband.Error(f"bits {bits!r} is not known; expected 8 or 16")
+    return {
+        "size": whole("size", size, 1, MAX_SIZE),
+        "bits": int(bits),
+        "transfer": words("transfer", transfer),
+        "display": display,
+        "dither": words("dither", dither),
+        "seed": whole("seed", seed),
+    }
 
 
 def kinds() -> dict[str, str]:
@@ -121,6 +135,8 @@ def stimulus(
 ) -> Codes | dict[str, Any]:
     """Return a stimulus as codes, the same as in the image that ``machband stimulus`` writes.
 
+    By default, it is the one of the built-in experiments: a yellow ramp on an sRGB display.
+
     Parameters
     ----------
     kind
@@ -164,6 +180,8 @@ def stimulus(
     [137, 158, 212, 225]
     """
     given = _parameters(parameters)
+    if not (0 < window_deg < np.inf):
+        raise _machband.Error(f"window_deg is {window_deg!r}; expected degrees above 0")
     codes: Codes = _machband.stimulus(kind, given, _coding(size, bits, transfer, display, dither, seed))
     if not as_dict:
         return codes
@@ -216,7 +234,7 @@ def light(kind: str = "mach-band", *, size: int = 1024, **parameters: Any) -> np
     >>> round(float(light(size=64, low=0.2)[0, 0, 0]), 3)
     0.2
     """
-    return _machband.light(kind, _parameters(parameters), size)
+    return _machband.light(kind, _parameters(parameters), whole("size", size, 1, MAX_SIZE))
 
 
 def profile(
@@ -292,7 +310,8 @@ def transfer(values: npt.ArrayLike, function: str = "srgb", *, inverse: bool = F
     Parameters
     ----------
     values
-        Linear light relative to the maximum, 0 to 1; with `inverse`, encoded values from 0 to 1. Any shape.
+        Linear light relative to the maximum, 0 to 1; with `inverse`, encoded values from 0 to 1, such as ``codes / 255``.
+        Any shape.
     function
         ``srgb`` (IEC 61966-2-1), ``linear``, ``gamma:G`` or ``gog:GAMMA,GAIN,OFFSET``.
     inverse
@@ -308,6 +327,8 @@ def transfer(values: npt.ArrayLike, function: str = "srgb", *, inverse: bool = F
     0.7354
     """
     given, flat, scalar = _flat(values)
+    if flat.size and not (flat.min() >= 0 and flat.max() <= 1):
+        raise _machband.Error(f"values go from {flat.min()} to {flat.max()}; expected 0 to 1, such as codes / 255")
     return _like(given, _machband.encode(flat, function, inverse), scalar)
 
 
@@ -346,6 +367,8 @@ def visual_angle(
         raise TypeError(f"visual_angle() got {len(chosen)} lengths; expected exactly one of px, cm and deg")
     [(unit, length)] = chosen
     given, flat, scalar = _flat(length)
-    found, ppd = _machband.visual_angle(flat, unit, (screen_px, screen_cm), distance_cm)
+    if unit == "deg" and flat.size and not (np.abs(flat).max() < 180):
+        raise _machband.Error(f"deg goes up to {np.abs(flat).max()}; expected less than 180")
+    found, ppd = _machband.visual_angle(flat, unit, (whole("screen_px", screen_px), screen_cm), distance_cm)
     in_deg, in_cm, in_px = (_like(given, one, scalar) for one in found)
     return VisualAngle(in_deg, in_cm, in_px, ppd)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import tempfile
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
@@ -31,21 +32,20 @@ def read_results(folder: str | PathLike[str]) -> Table:
     -------
     A table with one row for each recorded trial: practice trials, and ratings that were corrected later, are included.
     IDs are text; times of day are UTC; depth is a number, of which one may be infinite. In a DataFrame,
-    ``attrs["units"]`` and ``attrs["descriptions"]`` say what the columns mean. To use what an analysis uses, keep the
+    ``attrs["units"]`` and ``attrs["descriptions"]`` say what the columns mean, and ``attrs["simulated"]`` whether an
+    observer was simulated. To use what an analysis uses, keep the
     rows whose phase is ``main``, and of each trial the last attempt.
     """
     with progress("sessions") as show:
-        columns, described = _machband.read_results(os.fspath(folder), show)
-    return table(columns, described)
+        columns, described, simulated = _machband.read_results(os.fspath(folder), show)
+    return table(columns, described, simulated)
 
 
 class Figure(NamedTuple):
-    """A figure of an analysis. A notebook shows it."""
+    """A figure of an analysis, which a notebook shows: an SVG drawing, and the same as a PNG, 1600 pixels wide."""
 
     name: str
-    #: The drawing.
     svg: str
-    #: The same drawing, 1600 pixels wide.
     png: bytes
 
     def _repr_svg_(self) -> str:
@@ -70,8 +70,9 @@ class Analysis:
     def __init__(self, native: _machband.Analysis, folder: str) -> None:
         """Wrap the results; messages leave out the folder of temporary files."""
         self._native = native
+        self._is_simulated = False
         self.warnings, self.errors = (
-            [problem.replace(folder + os.sep, "") for problem in problems] for problems in native.problems()
+            [_rows(problem, folder) for problem in problems] for problems in native.problems()
         )
 
     @cached_property
@@ -91,9 +92,20 @@ class Analysis:
         return model
 
     @property
+    def coefficients(self) -> Table:
+        """The thresholds and the coefficients of the model: estimate, standard error, z and p (NaN for thresholds)."""
+        rows = [*self.model["thresholds"], *self.model["coefficients"]]
+        numbers = {
+            key: np.array([np.nan if row.get(key) is None else row[key] for row in rows], dtype=np.float64)
+            for key in ("estimate", "se", "z", "p")
+        }
+        return table({"name": np.array([row["name"] for row in rows], dtype=object), **numbers})
+
+    @property
     def summary(self) -> str:
         """The sentences at the beginning of the report."""
-        return "\n".join(self._native.summary())
+        first = ["The ratings are simulated."] if self._is_simulated else []
+        return "\n".join([*first, *self._native.summary()])
 
     @cached_property
     def _report_files(self) -> dict[str, bytes]:
@@ -122,11 +134,31 @@ class Analysis:
     def _repr_html_(self) -> str:
         drawings = (figure.svg[figure.svg.find("<svg") + 4 :] for figure in self.figures.values())
         figures = "".join(f'<div style="flex: 1 1 26em; max-width: 40em"><svg style="width: 100%; height: auto"{drawing}</div>' for drawing in drawings)
-        return f'{self._native.summary_html()}<div style="display: flex; flex-wrap: wrap">{figures}</div>'
+        first = "<p>The ratings are simulated.</p>" if self._is_simulated else ""
+        return f'{first}{self._native.summary_html()}<div style="display: flex; flex-wrap: wrap">{figures}</div>'
+
+
+def _rows(message: str, folder: str) -> str:
+    """Return a message about a temporary file as one about the rows of the table in it, counted from 0."""
+    message = message.replace(os.path.join(folder, "table.csv"), "table")
+    # The header is the first line.
+    return re.sub(r"table:(\d+):\d+:", lambda found: f"table, row {max(int(found[1]) - 2, 0)}:", message)
+
+
+def _columns(data: Any) -> Mapping[str, Any] | None:
+    """Return the columns of a table, or `None` if `data` is not a table."""
+    if getattr(getattr(data, "dtype", None), "names", None):
+        return {name: data[name] for name in data.dtype.names}
+    if isinstance(data, Mapping) or (hasattr(data, "columns") and hasattr(data, "__getitem__")):
+        columns: Mapping[str, Any] = data
+        return columns
+    return None
 
 
 def _write(data: Mapping[str, Any], path: str) -> None:
     """Write a table as CSV, with numbers in their shortest form and missing values empty."""
+    if not len(list(data)):
+        raise ValueError("the table has no columns; expected at least a participant, a rating and a factor")
     names: list[str] = []
     columns: list[Any] = []
     for name in data:
@@ -193,11 +225,12 @@ def analyze(
     response
         Column with the ordered response; by default ``rating``, on the scale from 0 to 3.
     categories
-        Categories of the response, lowest first, if they are not numbers.
+        Categories of the response, lowest first, if they are neither numbers nor an ordered `Categorical`.
     count
         Column with the number of trials in each row; ``count`` by default, if there is one.
     factors
-        Columns with the factors; by default those of the definition or of the terms.
+        Columns with the factors; by default those of the definition or of the terms. Their levels are in natural order:
+        numbers ascending, then texts. The first is the baseline.
     terms
         Terms of the model, such as ``["width", "num:depth"]`` or ``"width*depth"``; by default every factor that varies.
     link
@@ -209,7 +242,8 @@ def analyze(
     quadrature
         Number of nodes of the adaptive Gauss–Hermite quadrature; 1 is the Laplace approximation.
     seed, draws
-        Seed and number of the simulated studies that calibrate tests and intervals.
+        Seed and number of the simulated studies that calibrate tests and intervals. No p can be below 1 / (draws + 1),
+        so 19 can never show an effect at p < .05.
     scale
         Also test each term for an effect on the spread of the ratings.
     complete_only
@@ -227,6 +261,10 @@ def analyze(
     >>> analyze(ratings, draws=19).tables["by_width"]["width"].tolist()
     [0.02, 0.1, 0.4, 0.8]
     """
+    columns = _columns(data)
+    if columns is not None and categories is None and response in list(columns):
+        dtype: Any = getattr(columns[response], "dtype", None)
+        categories = list(dtype.categories) if getattr(dtype, "ordered", False) else None
     given = options(
         subject=subject,
         response=response,
@@ -245,12 +283,16 @@ def analyze(
         large=large,
     )
     with tempfile.TemporaryDirectory(prefix="machband-") as temporary, progress("simulated studies") as show:
-        if hasattr(data, "keys") and hasattr(data, "__getitem__"):
+        if columns is not None:
             paths = [os.path.join(temporary, "table.csv")]
-            _write(data, paths[0])
-        else:
-            paths = list(_paths(data))
-        analysis = Analysis(_machband.analyze([*given, "--", *paths], show), temporary)
+            _write(columns, paths[0])
+        elif not (paths := list(_paths(data))):
+            raise ValueError("there are no paths; expected at least one")
+        try:
+            analysis = Analysis(_machband.analyze([*given, "--", *paths], show), temporary)
+        except _machband.Error as error:
+            raise _machband.Error(_rows(str(error), temporary)) from None
+    analysis._is_simulated = bool(getattr(data, "attrs", {}).get("simulated"))
     for problem in [*analysis.warnings, *analysis.errors]:
         warnings.warn(problem, stacklevel=3)
     return analysis
@@ -258,13 +300,14 @@ def analyze(
 
 @dataclass(frozen=True)
 class Verification:
-    """What `verify` found. It is true if nothing is wrong."""
+    """What `verify` found. It is true if nothing is wrong.
 
-    #: For each session, the path of its data file, and a sentence about it.
+    `sessions` has the path of each data file with a sentence about it; `errors` has everything that is wrong; `left` has
+    incomplete files that a killed program left, which can be deleted.
+    """
+
     sessions: dict[Path, str]
-    #: Everything that is wrong.
     errors: list[str]
-    #: Incomplete files that a killed program left, which can be deleted.
     left: list[Path]
 
     def __bool__(self) -> bool:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import difflib
+import os
+from dataclasses import dataclass, field
 from os import PathLike
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _machband
+from ._common import whole, words
 from ._stimulus import _parameters
 
 Floats = npt.NDArray[np.float64]
@@ -18,31 +21,58 @@ Floats = npt.NDArray[np.float64]
 MAX_PIXELS = 3840 * 2160
 
 
+class Band(NamedTuple):
+    """A band of a stimulus that varies in one direction.
+
+    `at_deg` is its position in degrees along the orientation, from the center; `visibility` is 1 if it is just visible;
+    `bright` says whether it is bright or dark.
+    """
+
+    at_deg: float
+    visibility: float
+    bright: bool
+
+
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """What the model of vision predicts."""
+    """What the model of vision predicts.
 
-    #: Visibility of the strongest band: 0 means no band, 1 a band that is just visible, like a thin line at its
-    #: threshold.
+    Attributes
+    ----------
+    visibility
+        Visibility of the strongest band: 0 means no band, 1 a band that is just visible, like a thin line at its
+        threshold.
+    detection
+        How many times the contrast of the whole picture stands above the threshold of an average person.
+    predicted_rating
+        Mean rating on the scale from 0 to 3 that an average observer would give.
+    bands
+        Visibility of the strongest bright band, and of the strongest dark band.
+    lines
+        Visibility of the strongest bright line and of the strongest dark line that are in the light itself.
+    along
+        For a stimulus that varies in one direction: its bands with a visibility of at least 0.01, the strongest first.
+        Otherwise `None`.
+    map
+        For any other picture: the visibility of bright bands, and of dark bands, at each pixel. Otherwise `None`.
+    """
+
     visibility: float
-    #: How many times the contrast of the whole picture stands above the threshold of an average person.
     detection: float
-    #: Mean rating on the scale from 0 to 3 that an average observer would give.
     predicted_rating: float
-    #: Visibility of the strongest bright band, and of the strongest dark band.
     bands: tuple[float, float]
-    #: Visibility of the strongest bright and dark lines that are in the light itself.
     lines: tuple[float, float]
-    #: For a stimulus that varies in one direction: for each band with a visibility of at least 0.01, the strongest
-    #: first, its position in degrees along the orientation from the center, its visibility, and whether it is bright.
-    #: Otherwise `None`.
-    along: list[tuple[float, float, bool]] | None
-    #: For any other picture: the visibility of bright bands, and of dark bands, at each pixel. Otherwise `None`.
-    map: tuple[Floats, Floats] | None
+    along: list[Band] | None
+    map: tuple[Floats, Floats] | None = field(repr=False)
+
+
+def _prediction(found: dict[str, Any]) -> Prediction:
+    along = found["along"]
+    return Prediction(**{**found, "along": along if along is None else [Band(*band) for band in along]})
 
 
 def predict(
-    image_or_kind: npt.ArrayLike | str = "mach-band",
+    image_or_kind: npt.ArrayLike | str | PathLike[str] = "mach-band",
     *,
     window_deg: float | None = None,
     ppd: float | None = None,
@@ -58,8 +88,9 @@ def predict(
     Parameters
     ----------
     image_or_kind
-        One of `kinds`; or an image of shape (height, width) or (height, width, 3): codes as uint8 or uint16, or linear
-        light relative to white as floats.
+        One of `kinds`; or an image: the path of an opaque PNG file, or an array of shape (height, width) or (height,
+        width, 3) with codes as uint8 or uint16, or with linear light relative to the screen's maximum, 0 to 1, as
+        floats.
     window_deg
         Width of the picture in degrees of visual angle; 10 if neither this nor `ppd` is given.
     ppd
@@ -79,7 +110,7 @@ def predict(
 
     Notes
     -----
-    ``docs/predict.md`` of the project describes the model, and holds it against measured thresholds of people.
+    ``docs/models.md`` of the project describes the model and compares it with human thresholds.
 
     Examples
     --------
@@ -88,14 +119,26 @@ def predict(
     """
     if window_deg is not None and ppd is not None:
         raise TypeError("predict() got window_deg and ppd; expected one of them")
-    if isinstance(image_or_kind, str):
+    for name, number in [("window_deg", window_deg), ("ppd", ppd), ("white", white)]:
+        if not (number is None or isinstance(number, (int, float, np.number))):
+            raise TypeError(f"{name} is {number!r}; expected a number")
+    words("transfer", transfer)
+    view = (window_deg, ppd, white, display)
+    is_file = isinstance(image_or_kind, PathLike) or str(image_or_kind)[-4:].lower() == ".png"
+    if isinstance(image_or_kind, str) and not is_file:
         if transfer is not None:
             raise TypeError("predict() got transfer, which means something only for the codes of an image")
-        given = _parameters(parameters)
-        return Prediction(**_machband.predict_stimulus(image_or_kind, given, size, (window_deg, ppd, white, display)))
+        pixels = None if size is None else whole("size", size)
+        return _prediction(_machband.predict_stimulus(image_or_kind, _parameters(parameters), pixels, view))
     if parameters or size is not None:
         name = next(iter(parameters), "size")
-        raise TypeError(f"predict() got {name}, which means something only for a stimulus, not for an image")
+        near = difflib.get_close_matches(name, ["window_deg", "ppd", "white", "display", "transfer", "large"], 1)
+        question = f"; did you mean {near[0]!r}?" if near else ""
+        raise TypeError(f"predict() got {name!r}, which an image does not have{question}")
+    most_pixels = 2**32 if large else MAX_PIXELS
+    if is_file:
+        path = os.fspath(image_or_kind)  # type: ignore[arg-type]
+        return _prediction(_machband.predict_file(path, transfer, view, most_pixels))
     image = np.asarray(image_or_kind)
     if image.ndim == 2:
         image = np.repeat(image[:, :, np.newaxis], 3, axis=2)
@@ -104,15 +147,16 @@ def predict(
     height, width = image.shape[:2]
     if width == 0 or height == 0:
         raise ValueError(f"the image has shape {image.shape}; expected at least one pixel")
-    if height * width > MAX_PIXELS and not large:
+    if height * width > most_pixels:
         raise ValueError(f"the image has {width} × {height} pixels; expected at most {MAX_PIXELS}, or large=True")
-    view = (window_deg, ppd, white, display)
-    if image.dtype in (np.uint8, np.uint16):
-        codes = np.ascontiguousarray(image).ravel()
-        return Prediction(**_machband.predict_codes(codes, (height, width), transfer, view))
+    if image.dtype.kind == "u" and image.dtype.itemsize <= 2:
+        codes = np.ascontiguousarray(image, image.dtype.newbyteorder("=")).ravel()
+        return _prediction(_machband.predict_codes(codes, (height, width), transfer, view))
     if image.dtype.kind != "f":
         raise TypeError(f"the image has dtype {image.dtype}; expected uint8, uint16 or floats")
     if transfer is not None:
         raise TypeError("predict() got transfer, but floats are linear light; expected codes")
+    if image.max() > 1:
+        raise ValueError(f"the light goes up to {image.max()}; expected 0 to 1, such as codes / 255 decoded by transfer")
     linear = np.ascontiguousarray(image, dtype=np.float32).ravel()
-    return Prediction(**_machband.predict_light(linear, (height, width), view))
+    return _prediction(_machband.predict_light(linear, (height, width), view))

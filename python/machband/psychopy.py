@@ -28,8 +28,8 @@ def stim(
     Parameters
     ----------
     win
-        The PsychoPy window. It must not correct gamma itself (``gamma=None``), unless `transfer` is ``linear`` and its
-        monitor is calibrated.
+        The PsychoPy window. Its monitor must have no gamma calibration, because the codes are already for the display.
+        If PsychoPy linearizes the display, pass ``transfer="linear"``.
     kind, size, transfer, display, dither, seed, **parameters
         As in `machband.stimulus`. `size` is in physical pixels.
     pos

@@ -1,6 +1,6 @@
 //! Definitions of experiments, their trials, and simulated sessions.
 
-use std::{ffi::OsString, path::PathBuf};
+use std::{ffi::OsString, path::PathBuf, sync::Arc};
 
 use machband::{
     cli::{self, simulate as simulation},
@@ -11,7 +11,8 @@ use machband::{
 use pyo3::{prelude::*, types::PyDict};
 
 use crate::{
-    error, job,
+    error,
+    job::{self, Simulation},
     table::{self, Column},
 };
 
@@ -37,6 +38,21 @@ impl Definition {
             let messages: Vec<&str> = errors.0.iter().map(|error| error.message.as_str()).collect();
             error(messages.join("\n"))
         })
+    }
+
+    /// Reads what `to_json` returned.
+    #[staticmethod]
+    fn from_canonical(text: &str) -> PyResult<Self> {
+        let value: serde_json::Value = serde_json::from_str(text).map_err(error)?;
+        definition::from_json("definition", &value).map(Self).map_err(error)
+    }
+
+    /// Returns all keys as the text of a definition file.
+    fn to_toml(&self) -> PyResult<String> {
+        let value = serde_json::to_value(&self.0).map_err(error)?;
+        let text = toml::to_string(&value).map_err(error)?;
+        let read = definition::parse("definition", &text).map_err(error)?;
+        if read == self.0 { Ok(text) } else { Err(error("the definition cannot be written as a file")) }
     }
 
     /// Returns all keys, with their defaults, as JSON.
@@ -85,7 +101,7 @@ impl Definition {
     ) -> PyResult<Bound<'py, PyDict>> {
         let identity = Identity::new(participant, session).map_err(error)?;
         let (protocol, seed) = (self.0.clone(), seed);
-        let schedule = job::run(py, None, false, move |_| Ok(Schedule::new(&protocol, &identity, seed)?))?;
+        let schedule = job::run(py, None, false, move |_, _| Ok(Schedule::new(&protocol, &identity, seed)?))?;
         let whole =
             |of: fn(&machband::experiment::Trial) -> i64| Column::Whole(schedule.trials.iter().map(of).collect());
         let phases = schedule.trials.iter().map(|trial| Some(trial.phase.to_string())).collect();
@@ -125,8 +141,8 @@ pub fn simulate(
     let protocol = definition.get().0.clone();
     let name = OsString::from(&protocol.name);
     let options: simulation::Arguments = cli::parse(std::iter::once(name).chain(options)).map_err(error)?;
-    job::run(py, progress, true, move |job| {
+    job::run(py, progress, true, move |job, stop| {
         job.start(options.trials(&protocol));
-        simulation::sessions(&options, &protocol, job)
+        simulation::sessions(&options, &protocol, &Simulation(job, Arc::clone(stop)))
     })
 }

@@ -2,7 +2,7 @@
 
 use std::{
     any::Any,
-    panic::{AssertUnwindSafe, catch_unwind, resume_unwind},
+    panic::{AssertUnwindSafe, catch_unwind},
     path::Path,
     sync::{
         Arc, Mutex, PoisonError,
@@ -12,89 +12,108 @@ use std::{
     time::Duration,
 };
 
-use machband::cli::simulate::Watcher;
+use machband::{
+    cli::simulate::Watcher,
+    system::{checkpoint, stop_with},
+};
 use pyo3::{exceptions::PyRuntimeError, prelude::*};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// How often a waiting function looks for Ctrl+C and reports progress.
 const INTERVAL: Duration = Duration::from_millis(100);
+/// How long a function waits for work that was stopped. Most work looks for a stop far more often.
+const PATIENCE: Duration = Duration::from_secs(5);
 
 /// A running computation, as it sees itself.
 #[derive(Default)]
 pub struct Job {
-    stopped: AtomicBool,
     done: AtomicU64,
     total: AtomicU64,
     warnings: Mutex<Vec<String>>,
 }
 
-/// The computation was stopped.
-struct Stopped;
-
 impl Job {
-    /// Notes how much of the work is done. Ends the computation if it was stopped.
+    /// Notes how much of the work is done.
     pub fn set(&self, done: usize, total: usize) {
+        checkpoint();
         self.done.store(done as u64, Ordering::Relaxed);
-        self.total.store(total as u64, Ordering::Relaxed);
-        if self.is_stopped() {
-            resume_unwind(Box::new(Stopped));
-        }
+        self.start(total as u64);
     }
 
+    /// Notes how much work there is.
     pub fn start(&self, total: u64) {
         self.total.store(total, Ordering::Relaxed);
     }
-
-    pub fn is_stopped(&self) -> bool {
-        self.stopped.load(Ordering::Relaxed)
-    }
 }
 
-impl Watcher for Job {
+/// What a simulation tells its job. The simulation has threads of its own, and its sessions must end cleanly.
+pub struct Simulation<'a>(pub &'a Job, pub Arc<AtomicBool>);
+
+impl Watcher for Simulation<'_> {
     fn advance(&self, trials: u64) {
-        self.done.fetch_add(trials, Ordering::Relaxed);
+        self.0.done.fetch_add(trials, Ordering::Relaxed);
     }
 
     fn warn(&self, warning: &str) {
-        self.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(warning.to_owned());
+        self.0.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(warning.to_owned());
     }
 
     fn check(&self, place: &Path) -> anyhow::Result<()> {
-        anyhow::ensure!(!self.is_stopped(), "{}: stopped", place.display());
+        anyhow::ensure!(!self.1.load(Ordering::Relaxed), "{}: stopped", place.display());
         Ok(())
     }
 }
 
-/// Returns the threads of this process. A fork copies no threads, so a child process gets new ones.
-fn pool() -> PyResult<Arc<ThreadPool>> {
-    static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
-    let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
-    let process = std::process::id();
-    if let Some((owner, threads)) = pool.as_ref()
-        && *owner == process
-    {
-        return Ok(Arc::clone(threads));
-    }
-    let threads = ThreadPoolBuilder::new().build();
-    let threads = Arc::new(threads.map_err(|error| PyRuntimeError::new_err(format!("threads: {error}")))?);
-    // The threads of the parent do not exist here, so they cannot be joined.
-    std::mem::forget(pool.replace((process, Arc::clone(&threads))));
-    Ok(threads)
+/// Threads for one job at a time, so that it can be stopped without stopping others.
+struct Threads {
+    pool: ThreadPool,
+    stop: Arc<AtomicBool>,
+    /// A fork copies no threads, so a child process cannot use those of its parent.
+    process: u32,
 }
 
+impl Threads {
+    fn new() -> PyResult<Self> {
+        let stop = Arc::new(AtomicBool::new(false));
+        let token = Arc::clone(&stop);
+        let pool = ThreadPoolBuilder::new().start_handler(move |_| stop_with(Arc::clone(&token))).build();
+        let pool = pool.map_err(|error| PyRuntimeError::new_err(format!("threads: {error}")))?;
+        Ok(Self { pool, stop, process: std::process::id() })
+    }
+
+    /// Returns threads that have no job.
+    fn free() -> PyResult<Self> {
+        let mut idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner);
+        while let Some(threads) = idle.pop() {
+            if threads.process == std::process::id() {
+                return Ok(threads);
+            }
+            // They do not exist in this process, so they cannot be joined.
+            std::mem::forget(threads);
+        }
+        Self::new()
+    }
+}
+
+/// The threads without a job.
+static IDLE: Mutex<Vec<Threads>> = Mutex::new(Vec::new());
+
 /// Runs `work` and waits for it. `progress` is called with the work done and the total, several times a second, if they
-/// are known. Ctrl+C stops the work; if `writes` is set, the call waits until the work has ended cleanly.
+/// are known. Ctrl+C stops the work, and the call returns when it has ended, or after [`PATIENCE`] unless `writes` is
+/// set.
 pub fn run<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,
     writes: bool,
-    work: impl FnOnce(&Job) -> anyhow::Result<T> + Send + 'static,
+    work: impl FnOnce(&Job, &Arc<AtomicBool>) -> anyhow::Result<T> + Send + 'static,
 ) -> PyResult<T> {
     let job = Arc::new(Job::default());
     let (send, receive) = channel();
-    let running = Arc::clone(&job);
-    pool()?.spawn(move || {
-        let _ = send.send(catch_unwind(AssertUnwindSafe(|| work(&running))));
+    let threads = Threads::free()?;
+    let (running, stop) = (Arc::clone(&job), Arc::clone(&threads.stop));
+    let token = Arc::clone(&stop);
+    threads.pool.spawn(move || {
+        let _ = send.send(catch_unwind(AssertUnwindSafe(|| work(&running, &token))));
     });
     // A receiver cannot be shared between threads, and to give up the lock counts as changing the thread.
     let receive = Mutex::new(receive);
@@ -104,14 +123,14 @@ pub fn run<T: Send + 'static>(
         let (done, total) = (job.done.load(Ordering::Relaxed), job.total.load(Ordering::Relaxed));
         let report = || progress.as_ref().filter(|_| total > 0).map(|report| report.call1(py, (done, total)));
         if let Err(error) = py.check_signals().and_then(|()| report().transpose()) {
-            job.stopped.store(true, Ordering::Relaxed);
-            if writes {
-                let _ = wait(Duration::from_secs(3600));
-            }
+            stop.store(true, Ordering::Relaxed);
+            // The threads end with the job.
+            let _ = wait(if writes { Duration::MAX } else { PATIENCE });
             return Err(error);
         }
         result = wait(INTERVAL);
     }
+    IDLE.lock().unwrap_or_else(PoisonError::into_inner).push(threads);
     let result = match result {
         Ok(Ok(result)) => result.map_err(|error| crate::error(format!("{error:#}"))),
         Ok(Err(panic)) => Err(PyRuntimeError::new_err(panic_text(&*panic))),

@@ -17,9 +17,18 @@ use pyo3::{create_exception, exceptions::PyValueError, prelude::*};
 
 create_exception!(machband, Error, PyValueError, "A value, file or data set is not as machband expects it.");
 
-/// Turns any error of the library into a Python exception with the same words.
+/// Turns any error of the library into a Python exception with the same words, except that an option `--some-name` is
+/// the argument `some_name`.
 fn error(error: impl std::fmt::Display) -> PyErr {
-    Error::new_err(error.to_string())
+    let text = error.to_string();
+    let mut parts = text.split("--");
+    let mut words = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let end = part.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(part.len());
+        words += &part[..end].replace('-', "_");
+        words += &part[end..];
+    }
+    Error::new_err(words)
 }
 
 /// Runs the program with these arguments, of which the first is the program's name, and returns the exit status.
@@ -35,6 +44,8 @@ fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
 /// The functions and classes.
 #[pymodule]
 mod _machband {
+    use pyo3::prelude::*;
+
     #[pymodule_export]
     use super::{
         Error,
@@ -44,8 +55,14 @@ mod _machband {
         mesh::{mesh, shade, shade_scene},
         study::{Analysis, analyze, export, read_results, verify},
         table::write_table,
-        vision::{predict_codes, predict_light, predict_stimulus},
+        vision::{predict_codes, predict_file, predict_light, predict_stimulus},
     };
+
+    /// Loads NumPy now, so that nothing can interrupt it later.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) {
+        let _ = numpy::PyArray1::<f64>::zeros(module.py(), 1, false);
+    }
 
     #[pymodule_export]
     #[allow(non_upper_case_globals)]

@@ -121,14 +121,14 @@ pub fn codes_array(py: Python<'_>, image: CodeImage) -> PyResult<Bound<'_, PyAny
 #[pyfunction]
 pub fn stimulus<'py>(py: Python<'py>, kind: &str, parameters: Given, coding: Coding) -> PyResult<Bound<'py, PyAny>> {
     let recipe = coding.recipe(stimulus_of(kind, parameters)?)?;
-    codes_array(py, job::run(py, None, false, move |_| Ok(recipe.codes(&quantizer(&recipe))))?)
+    codes_array(py, job::run(py, None, false, move |_, _| Ok(recipe.codes(&quantizer(&recipe))))?)
 }
 
 /// Returns the light of a stimulus.
 #[pyfunction]
 pub fn light<'py>(py: Python<'py>, kind: &str, parameters: Given, size: u32) -> PyResult<Bound<'py, PyAny>> {
     let (stimulus, size) = (stimulus_of(kind, parameters)?, checked(size)?);
-    let LinearImage { width, height, data } = job::run(py, None, false, move |_| Ok(stimulus.linear(size)))?;
+    let LinearImage { width, height, data } = job::run(py, None, false, move |_, _| Ok(stimulus.linear(size)))?;
     Ok(data.into_pyarray(py).reshape([height as usize, width as usize, 3])?.into_any())
 }
 
@@ -136,7 +136,7 @@ pub fn light<'py>(py: Python<'py>, kind: &str, parameters: Given, size: u32) -> 
 #[pyfunction]
 pub fn profile<'py>(py: Python<'py>, kind: &str, parameters: Given, coding: Coding) -> PyResult<Bound<'py, PyDict>> {
     let recipe = coding.recipe(stimulus_of(kind, parameters)?)?;
-    let samples = job::run(py, None, false, move |_| Ok(curve::samples(&recipe, &quantizer(&recipe))))?;
+    let samples = job::run(py, None, false, move |_, _| Ok(curve::samples(&recipe, &quantizer(&recipe))))?;
     let columns = PyDict::new(py);
     let number = |of: fn(&curve::Sample) -> f64| samples.iter().map(of).collect::<Vec<_>>().into_pyarray(py);
     let code = |i: usize| samples.iter().map(|sample| sample.codes[i]).collect::<Vec<_>>().into_pyarray(py);

@@ -40,7 +40,7 @@ pub fn mesh(
     options: Vec<OsString>,
 ) -> PyResult<(Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyAny>)> {
     let options: ShadeOptions = cli::parse(options).map_err(error)?;
-    let (mesh, note) = options.mesh().map_err(error)?;
+    let (mesh, note) = job::run(py, None, false, move |_, _| options.mesh())?;
     job::warn(py, note.as_slice())?;
     let vectors = |of: fn(&machband::shading::Vertex) -> DVec3| {
         let flat: Vec<f64> = mesh.vertices.iter().flat_map(|vertex| of(vertex).to_array()).collect();
@@ -60,11 +60,9 @@ pub fn shade<'py>(
     measure: bool,
 ) -> PyResult<(Bound<'py, PyAny>, Option<String>)> {
     let options: ShadeOptions = cli::parse(options).map_err(error)?;
-    let (mesh, note) = match &mesh {
-        Some(arrays) => mesh_of(arrays)?,
-        None => options.mesh().map_err(error)?,
-    };
-    let (codes, metrics, notes) = job::run(py, None, false, move |_| {
+    let given = mesh.as_ref().map(mesh_of).transpose()?;
+    let (codes, metrics, notes) = job::run(py, None, false, move |_, _| {
+        let (mesh, note) = given.map_or_else(|| options.mesh(), Ok)?;
         let drawing = options.drawing(mesh)?;
         let (codes, clipped) = drawing.codes();
         let metrics = measure.then(|| drawing.metrics()).transpose()?;
@@ -79,7 +77,7 @@ pub fn shade<'py>(
 #[pyfunction]
 pub fn shade_scene(py: Python<'_>, options: Vec<OsString>) -> PyResult<Bound<'_, PyAny>> {
     let options: ShadeOptions = cli::parse(options).map_err(error)?;
-    let picture = job::run(py, None, false, move |_| options.scene_picture())?;
+    let picture = job::run(py, None, false, move |_, _| options.scene_picture())?;
     let (codes, notes) = picture.ok_or_else(|| error("no scene; expected the path to a scene"))?;
     job::warn(py, &notes)?;
     codes_array(py, codes)

@@ -15,7 +15,9 @@ use machband::{
     store::{
         FileErrors, Writer,
         export::{self as exports, Choice, Format},
-        ratings, results, verify as verification,
+        ratings, results,
+        sidecar::Sidecar,
+        verify as verification,
     },
     system::now,
 };
@@ -30,29 +32,32 @@ use crate::{
     table::{self, Column},
 };
 
-/// Columns, and for each its unit and its description.
-type Described = (Vec<(String, Column)>, Vec<(String, String, String)>);
+/// Columns; for each its unit and its description; and whether an observer was simulated.
+type Described = (Vec<(String, Column)>, Vec<(String, String, String)>, bool);
 
-/// Returns the rows of all sessions in a folder as columns, and the unit and the description of each column.
+/// Returns the rows of all sessions in a folder as columns; the unit and the description of each column; and whether an
+/// observer was simulated.
 #[pyfunction]
 #[allow(clippy::type_complexity)]
 pub fn read_results(
     py: Python<'_>,
     folder: PathBuf,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(Bound<'_, PyDict>, Vec<(String, String, String)>)> {
-    let (columns, described) = job::run(py, progress, false, move |job| read(&folder, job))?;
-    Ok((table::columns(py, columns)?, described))
+) -> PyResult<(Bound<'_, PyDict>, Vec<(String, String, String)>, bool)> {
+    let (columns, described, simulated) = job::run(py, progress, false, move |job, _| read(&folder, job))?;
+    Ok((table::columns(py, columns)?, described, simulated))
 }
 
 fn read(folder: &Path, job: &Job) -> anyhow::Result<Described> {
     let files = if folder.is_file() { vec![folder.to_owned()] } else { ratings::data_files(folder)? };
-    let (mut described, mut sessions) = (Vec::new(), Vec::new());
+    let (mut described, mut sessions, mut simulated) = (Vec::new(), Vec::new(), false);
     for (i, csv) in files.iter().enumerate() {
         job.set(i, files.len());
         let header = ratings::column_names(csv).map_err(|error| FileErrors(vec![error]))?;
         let columns = experiment::columns_by_header(header.iter().map(String::as_str));
         let rows = results::read(csv, &columns)?.rows;
+        simulated |= Sidecar::of(csv)
+            .is_ok_and(|(_, sidecar)| sidecar.sittings.iter().any(|sitting| sitting.observer.is_some()));
         let kind = rows.first().and_then(|row| Stimulus::default_of(&row.stimulus));
         // The later columns stay the last ones.
         let mut place = 0;
@@ -78,7 +83,7 @@ fn read(folder: &Path, job: &Job) -> anyhow::Result<Described> {
     };
     let columns = described.iter().map(|described| (described.name.clone(), column(&described.name))).collect();
     let described = described.into_iter().map(|column| (column.name, column.unit, column.description)).collect();
-    Ok((columns, described))
+    Ok((columns, described, simulated))
 }
 
 /// Returns the value in a column. A factor without a type of its own is a number if it looks like one.
@@ -107,7 +112,7 @@ pub fn analyze(py: Python<'_>, options: Vec<OsString>, progress: Option<Py<PyAny
     let words = options.iter().map(|word| word.to_string_lossy().into_owned());
     let command = shell_command(std::iter::once("analyze".to_owned()).chain(words));
     let options: AnalysisOptions = cli::parse(options).map_err(error)?;
-    let (study, results) = job::run(py, progress, false, move |job| {
+    let (study, results) = job::run(py, progress, false, move |job, _| {
         let study = options.read()?;
         let results = options.analyze(&study, &|done, total| job.set(done, total))?;
         Ok((Arc::new(study), Arc::new(results)))
@@ -123,7 +128,7 @@ impl Analysis {
     /// Returns the tables as columns, by the names of their files without `.csv`.
     fn tables<'py>(&self, py: Python<'py>) -> PyResult<Vec<(String, Bound<'py, PyDict>)>> {
         let (study, results) = (Arc::clone(&self.study), Arc::clone(&self.results));
-        let tables = job::run(py, None, false, move |_| {
+        let tables = job::run(py, None, false, move |_, _| {
             let files = report::table_files(&study, &results).into_iter();
             let tables = files.filter_map(|(name, content)| Some((name.strip_suffix(".csv")?.to_owned(), content)));
             tables.map(|(name, content)| Ok((name, table::from_csv(&content)?))).collect::<anyhow::Result<Vec<_>>>()
@@ -140,7 +145,7 @@ impl Analysis {
     /// Returns the report and the figures.
     fn report_files<'py>(&self, py: Python<'py>) -> PyResult<Files<'py>> {
         let (study, results, provenance) = (Arc::clone(&self.study), Arc::clone(&self.results), self.provenance());
-        let files = job::run(py, None, false, move |_| {
+        let files = job::run(py, None, false, move |_, _| {
             Ok(report::report_files(&study, &results, &provenance, Path::new("."))?.0)
         })?;
         Ok(files.into_iter().map(|(name, content)| (name, PyBytes::new(py, &content))).collect())
@@ -149,7 +154,7 @@ impl Analysis {
     /// Writes all files into a folder.
     fn save(&self, py: Python<'_>, folder: PathBuf, tables_only: bool, force: bool) -> PyResult<Vec<PathBuf>> {
         let (study, results, provenance) = (Arc::clone(&self.study), Arc::clone(&self.results), self.provenance());
-        job::run(py, None, true, move |_| {
+        job::run(py, None, true, move |_, _| {
             let read: Vec<PathBuf> = study.source.files.iter().map(|file| file.path.clone()).collect();
             let writer = Writer::new(read, force);
             Ok(report::write_all(&writer, &study, &results, &provenance, &folder, tables_only)?.files)
@@ -194,7 +199,7 @@ pub fn verify(
     folder: PathBuf,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Vec<(PathBuf, String)>, Vec<String>, Vec<PathBuf>)> {
-    job::run(py, progress, false, move |job| {
+    job::run(py, progress, false, move |job, _| {
         let mut sessions = Vec::new();
         let found = verification::data_sets(&folder, |csv, found, all| {
             sessions.push((csv.to_owned(), check::sentence(found)));
@@ -223,6 +228,6 @@ pub fn export(
         other => return Err(error(format!("format {other:?} is not known; expected one of bids, psych-ds"))),
     };
     let choice = Choice { complete_only, accept_changes };
-    let exported = job::run(py, None, true, move |_| Ok(exports::export(&folder, &out, format, choice)?))?;
+    let exported = job::run(py, None, true, move |_, _| Ok(exports::export(&folder, &out, format, choice)?))?;
     Ok((exported.experiments, [exported.sessions, exported.rows, exported.pictures], exported.notes))
 }

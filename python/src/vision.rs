@@ -94,7 +94,7 @@ pub fn predict_stimulus<'py>(
         return Err(error(format!("size {size} is outside 16…{most} for {}; expected pixels", stimulus.kind())));
     }
     let viewing = view.conditions(size)?;
-    let predicted = job::run(py, None, false, move |_| {
+    let predicted = job::run(py, None, false, move |_, _| {
         let wrong = |error| anyhow::anyhow!("{}: {error}", stimulus.kind());
         let detection = viewing.detection(&stimulus).map_err(wrong)?;
         Ok(match viewing.predict(&stimulus, size).map_err(wrong)? {
@@ -139,7 +139,7 @@ pub fn predict_codes<'py>(
         Codes::Sixteen(codes) => Samples::Sixteen(codes.as_slice()?.to_vec()),
     };
     let image = CodeImage { width: shape.1, height: shape.0, samples };
-    picture(py, view.conditions(shape.1)?, transfers, move |transfers| image.light(&transfers))
+    picture(py, view.conditions(shape.1)?, transfers, move |transfers| Ok(image.light(&transfers)))
 }
 
 /// Predicts the bands in an image of linear light, red, green and blue for each pixel.
@@ -151,17 +151,34 @@ pub fn predict_light<'py>(
     view: View,
 ) -> PyResult<Bound<'py, PyDict>> {
     let image = LinearImage { width: shape.1, height: shape.0, data: light.as_slice()?.to_vec() };
-    picture(py, view.conditions(shape.1)?, transfers_of(None, None)?.0, move |_| image)
+    picture(py, view.conditions(shape.1)?, transfers_of(None, None)?.0, move |_| Ok(image))
+}
+
+/// Predicts the bands in an image file. Unless the codes' meaning is given, it is what the file says.
+#[pyfunction]
+pub fn predict_file<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    transfer: Option<String>,
+    view: View,
+    most_pixels: u64,
+) -> PyResult<Bound<'py, PyDict>> {
+    let is_given = transfer.is_some() || view.3.is_some();
+    let (transfers, _) = transfers_of(transfer.as_deref(), view.3.as_ref())?;
+    let width = store::image::width(&path).map_err(error)?;
+    let read =
+        move |transfers: Transfers| Ok(store::image::read_light(&path, is_given.then_some(&transfers), most_pixels)?);
+    picture(py, view.conditions(width)?, transfers, read)
 }
 
 fn picture<'py>(
     py: Python<'py>,
     viewing: ViewingConditions,
     transfers: Transfers,
-    image: impl FnOnce(Transfers) -> LinearImage + Send + 'static,
+    image: impl FnOnce(Transfers) -> anyhow::Result<LinearImage> + Send + 'static,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let predicted = job::run(py, None, false, move |_| {
-        let image = image(transfers);
+    let predicted = job::run(py, None, false, move |_, _| {
+        let image = image(transfers)?;
         let wrong = |error| anyhow::anyhow!("image: {error}");
         let view = viewing.predict_image(&image).map_err(wrong)?;
         let detection = viewing.detection_of_image(&image).map_err(wrong)?;

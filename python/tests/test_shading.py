@@ -51,7 +51,7 @@ def test_truth_and_estimated_normals():
     mesh = machband.mesh("blob")
     plain = machband.shade(mesh.vertices, mesh.triangles, size=128).metrics
     cubic = machband.shade(mesh.vertices, mesh.triangles, "cubic", size=128).metrics
-    assert plain["normals"] == "given" and cubic["normals"] == "cubic"
+    assert plain["normals"] == "averaged" and cubic["normals"] == "cubic" and plain["vertices"] == 313
 
 
 def test_a_scene_of_several_meshes(command, image, tmp_path):
@@ -83,6 +83,10 @@ def test_a_repaired_mesh_is_a_warning():
         ((TRIANGLE[0], np.zeros((0, 3), int)), {}, machband.Error, "at least one triangle"),
         (([[0, 0, np.nan], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]), {}, machband.Error, "not finite"),
         ((*TRIANGLE, [[0, 0, 1]]), {}, ValueError, "one for each vertex"),
+        ((*TRIANGLE, [[0, 0, 1], [0, 0, 0], [0, 0, 1]]), {}, machband.Error, "normal 1 is zero"),
+        ((*TRIANGLE, np.full((3, 3), np.nan)), {}, machband.Error, "normal 0 is zero or not finite"),
+        (TRIANGLE, {"normals": "mean"}, machband.Error, "averaged"),
+        (TRIANGLE, {"size": "big"}, TypeError, "size is 'big'"),
         ((TRIANGLE[0],), {}, TypeError, "without triangles"),
         (TRIANGLE, {"shader": "gourad"}, machband.Error, "gouraud"),
         (TRIANGLE, {"shadr": "flat"}, TypeError, "did you mean 'shader'"),

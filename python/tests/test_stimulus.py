@@ -119,8 +119,10 @@ def test_visual_angle_is_trigonometry():
         ({"kind": "mach-bnd"}, "did you mean mach-band"),
         ({"size": 0}, "size 0"),
         ({"size": 20000}, "16384"),
-        ({"bits": 12}, "8, 16"),
+        ({"bits": 12}, "8 or 16"),
         ({"width": math.nan}, "not a finite number"),
+        ({"seed": -1}, "seed -1"),
+        ({"as_dict": True, "window_deg": 0}, "window_deg"),
         ({"depth": 2.5}, "whole number"),
         ({"low": 0.9, "high": 0.1}, "below low"),
         ({"color": "bleu"}, "bleu"),
@@ -135,10 +137,18 @@ def test_wrong_values_are_named(given, words):
     assert isinstance(caught.value, ValueError) and "expected" in str(caught.value)
 
 
-@pytest.mark.parametrize("given", [{"size": "big"}, {"size": 3.5}, {"width": None}, {"width": [[1]]}, {"seed": -1}])
+@pytest.mark.parametrize("given", [{"size": "big"}, {"size": 3.5}, {"width": None}, {"width": [[1]]}, {"transfer": 2.2}, {"size": None}])
 def test_wrong_types_are_refused(given):
-    with pytest.raises((TypeError, OverflowError)):
+    with pytest.raises(TypeError, match="expected"):
         machband.stimulus(**{"size": 32, **given})
+
+
+def test_encoded_values_and_angles_have_limits():
+    for values in [[-0.1], [1.1], np.uint8([0, 128]), [math.nan]]:
+        with pytest.raises(machband.Error, match="expected 0 to 1"):
+            machband.transfer(values)
+    with pytest.raises(machband.Error, match="less than 180"):
+        machband.visual_angle(deg=180, screen_px=2560, screen_cm=60, distance_cm=70)
 
 
 def test_wrong_keywords_are_named():

@@ -1,7 +1,9 @@
 """Experiments and data: one truth with the command, and nothing lost."""
 
+import copy
 import csv
 import io
+import pickle
 import warnings
 import xml.etree.ElementTree
 
@@ -39,6 +41,16 @@ def test_a_definition_from_a_dict_is_the_files(tmp_path):
     assert machband.Definition(file).sha256 == machband.Definition.from_dict(
         {"schema": 1, "name": "d", "stimulus": {"kind": "cornsweet"}}
     ).sha256
+
+
+def test_a_definition_can_be_saved_copied_and_compared(tmp_path):
+    for name in ["quick", "bangay2003", "orientation", "shaders"]:
+        definition = machband.Definition(name)
+        definition.save(tmp_path / f"{name}.toml")
+        assert machband.Definition(tmp_path / f"{name}.toml") == definition == pickle.loads(pickle.dumps(definition))
+    assert definition != machband.Definition("quick") and len({definition, copy.deepcopy(definition)}) == 1
+    with pytest.raises(FileExistsError):
+        definition.save(tmp_path / "quick.toml")
 
 
 @pytest.mark.parametrize(
@@ -140,6 +152,9 @@ def test_a_data_frame_has_the_results_of_its_files(sessions):
         assert files.tables[table].equals(frame.tables[table]), table
     assert columns.tables["cells"]["n"].sum() == len(rows) and files.tables["cells"]["n"].sum() == len(main)
     assert files.model["loglik"] == frame.model["loglik"]
+    assert "simulated" in files.summary and "simulated" in frame.summary
+    named = frame.coefficients.set_index("name").estimate
+    assert [named[c["name"]] for c in frame.model["coefficients"]] == [c["estimate"] for c in frame.model["coefficients"]]
     by_width = main.groupby("width").rating.mean()
     assert np.allclose(files.tables["by_width"].set_index("width")["mean"], by_width)
 
@@ -178,6 +193,11 @@ def test_ordered_texts_missing_values_and_counts():
     assert found.tables["cells"]["width"].tolist() == [0.5, 1]
     assert found.tables["cells"]["n"].tolist() == [24, 12]
     assert found.tables["subjects"]["subject_id"].tolist() == ["007", "8"]
+    assert found.errors[0].startswith("table, row 3:")
+    frame["answer"] = pandas.Categorical(frame.answer, ["low", "mid, or so", "high"], ordered=True)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        assert machband.analyze(frame, count="n", **given).files["cells.csv"] == found.files["cells.csv"]
 
 
 @pytest.mark.parametrize(
@@ -185,6 +205,10 @@ def test_ordered_texts_missing_values_and_counts():
     [
         ("missing", {}, machband.Error, "missing"),
         (7, {}, TypeError, "int is not a table"),
+        ([], {}, ValueError, "no paths"),
+        ({}, {}, ValueError, "no columns"),
+        (pandas.Series([1, 2]), {}, TypeError, "Series is not a table"),
+        ({"subject_id": ["a"], "rating": [7], "width": [1]}, {}, machband.Error, "^table"),
         ({"a": [1], "b": [1, 2]}, {}, ValueError, "same number"),
         ({"a": [[1]]}, {}, ValueError, "one dimension"),
         ({"subject_id": ["a"], "rating": [1]}, {"link": "lgoit"}, machband.Error, "logit"),

@@ -18,13 +18,17 @@ def test_a_stimulus_has_the_commands_prediction(command, given):
     for name in ["visibility", "detection", "predicted_rating"]:
         assert getattr(found, name) == pytest.approx(told[name], abs=6e-5)
     assert (found.along is None) == (found.map is not None)
+    if found.along:
+        assert found.along[0].visibility == pytest.approx(found.visibility) and "map" not in repr(found)
 
 
 @pytest.mark.parametrize("bits", [8, 16])
-def test_an_image_has_the_commands_prediction(command, bits):
+def test_an_image_has_the_commands_prediction(command, tmp_path, bits):
     codes = machband.stimulus("vasarely", size=200, bits=bits)
     command("stimulus", "--kind", "vasarely", "--size", 200, "--bits", bits, "--out", "image.png")
     told = json.loads(command("predict", "--image", "image.png", "--window", 5, "--json"))
+    of_file = machband.predict(tmp_path / "image.png", window_deg=5)
+    assert of_file.visibility == machband.predict(str(tmp_path / "image.png"), ppd=40).visibility
     found = machband.predict(codes, window_deg=5)
     assert found.visibility == pytest.approx(told["visibility"], abs=6e-5)
     assert found.bands == pytest.approx((told["bands"]["bright"], told["bands"]["dark"]))
@@ -42,6 +46,7 @@ def test_light_gray_and_strided_images():
     wide = np.zeros((128, 256, 3), np.uint16)
     wide[:, ::2] = codes
     assert machband.predict(wide[:, ::2]).visibility == expected
+    assert machband.predict(codes.astype(">u2")).visibility == expected
     light = machband.transfer(codes / 65535, inverse=True)
     assert machband.predict(light).visibility == pytest.approx(expected, rel=1e-5)
     assert machband.predict(np.asfortranarray(light.astype(np.float32))).visibility == pytest.approx(expected, rel=1e-5)
@@ -74,6 +79,10 @@ def test_a_display_profile_says_what_codes_mean(command, tmp_path):
         (np.ones((64, 64)), {"ppd": np.inf}, machband.Error, "ppd inf"),
         (np.ones((64, 64)), {"ppd": 1, "window_deg": 1}, TypeError, "one of them"),
         (np.ones((64, 64)), {"width": 1}, TypeError, "width"),
+        (np.ones((64, 64)), {"pdd": 32}, TypeError, "did you mean 'ppd'"),
+        (np.ones((64, 64)), {"ppd": (32, 32)}, TypeError, "ppd is"),
+        (np.full((64, 64), 255.0), {}, ValueError, "0 to 1"),
+        ("missing.png", {}, machband.Error, "missing.png"),
         (np.ones((64, 64)), {"transfer": "srgb"}, TypeError, "linear light"),
         (np.ones((4000, 4000), np.uint8), {}, ValueError, "large=True"),
         ("mach-band", {"widht": 1}, machband.Error, "did you mean width"),

@@ -14,6 +14,7 @@ use super::{
     summary::category_values,
 };
 use crate::light::random::shuffle;
+use crate::system::checkpoint;
 
 /// Participants' mean ratings at each level of a factor. Each mean is over the cells of the other factors that the
 /// participant rated at every level, so that an unequal number of ratings in the cells cannot look like an effect.
@@ -162,6 +163,7 @@ fn permutation_probability(rows: &[Vec<f64>], permutations: usize) -> (f64, PMet
     let mut rows = rows;
     let mut larger = 0;
     for _ in 0..permutations {
+        checkpoint();
         sums.fill(0);
         for row in &mut rows {
             shuffle(row, &mut rng);

@@ -24,16 +24,20 @@ mod timing;
 use std::{
     borrow::Cow,
     ffi::OsString,
-    io::{ErrorKind, Write as _},
+    io::{self, Write as _},
     path::Path,
     process::ExitCode,
 };
 
-use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use clap::{
+    CommandFactory as _, FromArgMatches as _, Parser, Subcommand,
+    error::{ContextKind, ContextValue, ErrorKind},
+};
 
 pub use self::outputs::{FittedPath, NewFolder, OutPath};
 use crate::{
     display::DisplayProfile,
+    light::names::expected_one_of,
     report::{
         document::numbers::count,
         terminal::{message, printable},
@@ -100,6 +104,15 @@ pub fn definition() -> clap::Command {
 pub fn parse<Options: clap::Args>(words: impl IntoIterator<Item = OsString>) -> Result<Options, UsageError> {
     let command = Options::augment_args(clap::Command::new("machband").no_binary_name(true));
     command.try_get_matches_from(words).and_then(|matches| Options::from_arg_matches(&matches)).map_err(|error| {
+        let context = |kind| error.get(kind).map(ToString::to_string);
+        let name = context(ContextKind::InvalidArg).unwrap_or_default();
+        let name = name.split([' ', '=']).next().unwrap_or_default();
+        if let (ErrorKind::InvalidValue, Some(value), Some(ContextValue::Strings(known))) =
+            (error.kind(), context(ContextKind::InvalidValue), error.get(ContextKind::ValidValue))
+            && !known.is_empty()
+        {
+            return UsageError(format!("{name} {value:?} is not known; {}", expected_one_of(&value, known)));
+        }
         let text = error.render().to_string();
         let lines = text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
         let lines: Vec<&str> = lines.map(str::trim).filter(|line| !line.is_empty()).collect();
@@ -187,7 +200,7 @@ fn print_line(line: &str) -> anyhow::Result<()> {
 /// Writes data to stdout unchanged. It is not an error if the reader has already closed the pipe, as `head -1` does.
 fn print_data(data: &[u8]) -> anyhow::Result<()> {
     match std::io::stdout().write_all(data) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(anyhow::anyhow!("standard output: cannot write: {error}; expected enough space for the data"))
         }
         _ => Ok(()),

@@ -261,7 +261,8 @@ impl Drawing<'_> {
     #[must_use]
     pub fn codes(&self) -> (CodeImage, Option<String>) {
         let shot = self.renderer.shoot(&self.frame, &self.transfers);
-        let truth = self.arguments.truth(&self.frame, self.fine.as_ref()).filter(|_| self.arguments.draws_truth());
+        let truth = || self.arguments.truth(&self.frame, self.fine.as_ref());
+        let truth = self.arguments.draws_truth().then(truth).flatten();
         let image = truth.map_or_else(|| shot.image(), |truth| truth.picture(&shot.frame));
         let codes = Quantizer::new(shot.transfers.clone(), self.arguments.bits).quantize(&image);
         (codes, clipped(&image))

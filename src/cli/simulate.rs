@@ -242,7 +242,11 @@ impl Simulation<'_> {
     /// Renders the pictures on a separate thread, outside the pool. A pool thread could pick up another session while
     /// it renders, and that session would wait for the same hashes: a deadlock.
     fn hash(&self, conditions: &[Condition]) -> Vec<String> {
-        let hash = || self.pictures.hashes(conditions);
+        // Its own threads, because those that all computations share do not exist in a process that was forked.
+        let hash = || {
+            let threads = rayon::ThreadPoolBuilder::new().build();
+            threads.map(|threads| threads.install(|| self.pictures.hashes(conditions))).unwrap_or_default()
+        };
         // Without a thread, or after a panic, there are no hashes; `verify` then counts the pictures as unverified.
         thread::scope(|scope| {
             let hashed = thread::Builder::new().spawn_scoped(scope, hash).ok();

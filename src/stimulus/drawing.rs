@@ -7,6 +7,7 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use crate::light::{LinearImage, Quantizer};
+use crate::system::checkpoint;
 
 /// A stimulus that varies in both directions and is drawn pixel by pixel.
 pub(super) trait Area {
@@ -79,7 +80,12 @@ impl<'a> Pixels<'a> {
 /// Returns the light of a window of `size` × `size` pixels.
 pub(super) fn linear(profile: &dyn Profile, orientation_deg: f64, size: u32) -> LinearImage {
     let pixels = Pixels::new(profile, orientation_deg, size);
-    LinearImage::from_fn(size, size, |ix, iy| pixels.light(ix, iy))
+    LinearImage::from_fn(size, size, |ix, iy| {
+        if ix == 0 {
+            checkpoint();
+        }
+        pixels.light(ix, iy)
+    })
 }
 
 /// Returns the 8-bit codes of a window of `size` × `size` pixels. They are exactly the quantized light of [`linear`].
@@ -179,6 +185,7 @@ impl Runs {
         let mut templates: [Option<Template>; PHASES] = [const { None }; PHASES];
         let reach = self.middle * self.tan.abs();
         for iy in 0..size {
+            checkpoint();
             let shift = self.middle - (self.middle - f64::from(iy)) * self.tan;
             let of_row;
             let (template, start) = if self.tan.abs() > MAX_SHIFT_PX {

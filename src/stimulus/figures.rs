@@ -7,6 +7,7 @@ use super::{
     parameter::{ParameterError, Range, kind, parameter_error},
 };
 use crate::light::LinearImage;
+use crate::system::checkpoint;
 
 kind! {
     /// Nested squares of graded luminance. Their diagonals look brighter. After Vasarely's "Arcturus"; Bangay fig. 1 j,
@@ -59,6 +60,9 @@ impl Area for Vasarely {
         let turned = Grid::new(size, self.orientation_deg + 90.0);
         let sharp = grid.is_along_pixels();
         LinearImage::from_fn(size, size, |ix, iy| {
+            if ix == 0 {
+                checkpoint();
+            }
             let place = [grid.across(ix, iy), turned.across(ix, iy)];
             let distance = place[0].abs().max(place[1].abs());
             let reach = if sharp { 0.0 } else { std::f64::consts::FRAC_1_SQRT_2 / f64::from(size) };
@@ -117,6 +121,9 @@ impl Area for Kanizsa {
         let corners = self.corners(side);
         let radius = self.radius * side;
         LinearImage::from_fn(size, size, |ix, iy| {
+            if ix == 0 {
+                checkpoint();
+            }
             let center = [f64::from(ix) + 0.5 - side / 2.0, side / 2.0 - f64::from(iy) - 0.5];
             let disc =
                 corners.iter().find(|corner| (center[0] - corner[0]).hypot(center[1] - corner[1]) < radius + 1.0);

@@ -61,8 +61,12 @@ pub fn text(name_or_path: &Path) -> Result<Cow<'static, str>, FileErrors> {
         return Err(FileErrors::whole(
             name_or_path,
             format!(
-                "is neither a built-in definition nor a file; {}, or the path to a .toml file",
-                expected_one_of(&name_or_path.display().to_string(), &names)
+                "is neither a built-in definition nor a file; {}",
+                expected_one_of(&name_or_path.display().to_string(), &names).replacen(
+                    "one of",
+                    "the path to a .toml file, or one of",
+                    1
+                )
             ),
         ));
     }

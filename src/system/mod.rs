@@ -9,4 +9,4 @@ mod threads;
 
 pub use clock::{after, before, check_clock, now};
 pub use folders::{config_folder, data_folder, entries, make_private_folder, remove_tree};
-pub use threads::{run_on_thread, start_threads, threads};
+pub use threads::{Stopped, checkpoint, run_on_thread, start_threads, stop_with, threads};

@@ -1,12 +1,40 @@
 //! Threads. If the system refuses to create one, the program uses fewer or reports an error.
 
 use std::{
+    cell::RefCell,
     io,
-    sync::mpsc::{Sender, channel},
+    panic::resume_unwind,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+        mpsc::{Sender, channel},
+    },
     thread::{self, Builder},
 };
 
 use rayon::{ThreadBuilder, ThreadPoolBuilder};
+
+thread_local! {
+    static STOP: RefCell<Option<Arc<AtomicBool>>> = const { RefCell::new(None) };
+}
+
+/// The panic of a computation that was stopped.
+#[derive(Debug)]
+pub struct Stopped;
+
+/// Lets another thread stop the computations on this one: each ends at its next [`checkpoint`] once `stop` is true.
+pub fn stop_with(stop: Arc<AtomicBool>) {
+    STOP.set(Some(stop));
+}
+
+/// Ends the computation if it was stopped, by unwinding with [`Stopped`]. Long computations call this once for each row
+/// or iteration; on a thread without [`stop_with`], it does nothing.
+pub fn checkpoint() {
+    let is_stopped = STOP.with_borrow(|stop| stop.as_ref().is_some_and(|stop| stop.load(Ordering::Relaxed)));
+    if is_stopped {
+        resume_unwind(Box::new(Stopped));
+    }
+}
 
 /// Runs `work` on a new thread.
 ///

@@ -11,6 +11,7 @@ use super::{
     eye::Eye,
     image::Grid,
 };
+use crate::system::checkpoint;
 
 /// A channel: a filter whose gain is a Gaussian of the logarithm of frequency (log-Gabor; Field 1987, J. Opt. Soc. Am.
 /// A 4:2379).
@@ -283,6 +284,7 @@ pub(super) fn pooled(answers: &[Answer], to: &Grid) -> [BandMap; 2] {
         rows.enumerate().for_each_init(
             || (Vec::new(), vec![0.0; to.columns]),
             |(buffer, values), (row, (bright, dark))| {
+                checkpoint();
                 for (interpolation, answer) in interpolations.iter().zip(answers) {
                     interpolation.row(of(answer), row, buffer, values);
                     for ((value, bright), dark) in values.iter().zip(&mut *bright).zip(&mut *dark) {

@@ -10,6 +10,7 @@ use super::{
     image::LuminanceImage,
     sensitivity::Sensitivity,
 };
+use crate::system::checkpoint;
 
 /// The picture stands on an endless field of its mean light. This is how much of that field is computed, degrees.
 const FIELD_DEG: f64 = 2.0;
@@ -94,6 +95,7 @@ impl ContrastSpectrum {
         let mut response = vec![Complex64::default(); self.values.len()];
         let filtered = response.par_chunks_mut(columns).zip(self.values.par_chunks(columns)).enumerate();
         filtered.for_each(|(row, (response, values))| {
+            checkpoint();
             let down = signed(row, rows);
             for (column, (response, value)) in response.iter_mut().zip(values).enumerate() {
                 let right = signed(column, columns);

@@ -5,6 +5,8 @@ use std::{cell::RefCell, sync::Arc};
 use rayon::prelude::*;
 use rustfft::{Fft, FftPlanner, num_complex::Complex64};
 
+use crate::system::checkpoint;
+
 thread_local! {
     static PLANNER: RefCell<FftPlanner<f64>> = RefCell::new(FftPlanner::new());
 }
@@ -39,10 +41,16 @@ pub fn next_fast_length(least: usize) -> usize {
 /// Performs an unnormalized two-dimensional Fourier transform in place.
 pub(super) fn transform(values: &mut [Complex64], columns: usize, rows: usize) {
     let (across, down) = (forward(columns), forward(rows));
-    values.par_chunks_exact_mut(columns).for_each(|row| across.process(row));
+    values.par_chunks_exact_mut(columns).for_each(|row| {
+        checkpoint();
+        across.process(row);
+    });
     let mut turned = vec![Complex64::default(); values.len()];
     transpose(values, &mut turned, columns, 0, [columns, rows]);
-    turned.par_chunks_exact_mut(rows).for_each(|column| down.process(column));
+    turned.par_chunks_exact_mut(rows).for_each(|column| {
+        checkpoint();
+        down.process(column);
+    });
     transpose(&turned, values, rows, 0, [rows, columns]);
 }
 

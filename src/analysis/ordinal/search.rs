@@ -9,6 +9,7 @@ use super::{
     clm::positive_definite,
     clmm::{ClmmData, Evaluation, Modes},
 };
+use crate::system::checkpoint;
 
 /// A standard deviation below this counts as 0.
 const NO_SIGMA: f64 = 1e-4;
@@ -227,6 +228,7 @@ impl<'a> Search<'a> {
         let Some(factor) = rough.and_then(|rough| positive_definite(&rough)) else { return (0, MixedFitEnd::Stalled) };
         let mut inverse = factor.inverse();
         for iteration in 0..MAX_ITERATIONS {
+            checkpoint();
             // Newton's method takes over near the maximum.
             if self.gradient() <= 1e3 * tolerance {
                 return (iteration, MixedFitEnd::Converged);

@@ -15,6 +15,7 @@ use crate::{
         mesh::Surface,
         shaders::Shade,
     },
+    system::checkpoint,
 };
 
 /// A mesh with its material.
@@ -99,6 +100,7 @@ impl Composition {
         let mut image = LinearImage::new(width, height);
         let row = 3 * width as usize;
         image.data.par_chunks_mut((row * ROWS).max(1)).enumerate().for_each(|(band, pixels)| {
+            checkpoint();
             picture.draw(band * ROWS, pixels);
         });
         image

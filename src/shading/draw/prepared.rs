@@ -15,6 +15,7 @@ use crate::{
         number::Channels,
         shaders::{Shade, Shading, with_shader},
     },
+    system::checkpoint,
 };
 
 /// The number of rows in a band.
@@ -101,6 +102,7 @@ impl<'f> Prepared<'f> {
         let rows = (samples.len() / row).min(self.frame.height as usize);
         let bands = samples[..rows * row].par_chunks_mut(row * BAND_ROWS as usize).zip(&self.bands).enumerate();
         bands.for_each_init(Scratch::default, |scratch, (index, (samples, triangles))| {
+            checkpoint();
             self.paint(index as u32, triangles, scratch, arch);
             let light = scratch.light.each_ref().map(|light| &light[..light.len().min(samples.len() / N)]);
             arch.dispatch(Write { write: &write, light, channels: self.channels, samples });

@@ -11,6 +11,7 @@ use crate::{
         number::{Channels, weighted},
         shaders::{Shade, ShaderKernel as _, Shading},
     },
+    system::checkpoint,
 };
 
 /// A frame ready to be shaded in f64.
@@ -45,6 +46,7 @@ impl<'f> Reference<'f> {
         let mut image = LinearImage::new(frame.width, frame.height);
         image.data.par_chunks_exact_mut(3).zip(visible).enumerate().for_each(|(i, (pixel, triangle))| {
             let (x, y) = (i % frame.width as usize, i / frame.width as usize);
+            checkpoint();
             let light = match triangle {
                 coverage::NONE => frame.background,
                 _ => {

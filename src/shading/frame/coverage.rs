@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::DVec2;
 
 use super::projected::Frame;
+use crate::system::checkpoint;
 
 /// The index that stands for no triangle.
 pub const NONE: u32 = u32::MAX;
@@ -19,6 +20,7 @@ pub fn visible(frame: &Frame) -> Vec<u32> {
     let mut seen = vec![NONE; width * height];
     let mut nearest = vec![f64::INFINITY; width * height];
     for triangle in 0..frame.triangles.len() {
+        checkpoint();
         let corners = frame.corners(triangle).map(|v| v.screen);
         let Some(outline) = Outline::new(corners, frame.width, frame.height) else { continue };
         let depths = depths(frame, triangle);

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::projected::{Frame, FrameVertex};
 use crate::light::names::named;
+use crate::system::checkpoint;
 
 named! {
     /// How to compute the slopes at the vertices, which *patch* and *c1-phong* need.
@@ -56,10 +57,13 @@ pub type Gradient = [DVec2; 3];
 /// Returns the gradient of `field` at each of [`Frame::fans`].
 pub(super) fn of(frame: &Frame, field: Field, gradients: Gradients) -> Vec<Gradient> {
     let ring = Ring::of(frame, field);
-    let gradient = |fan: usize| match gradients {
-        Gradients::Ring => ring.plane(fan).solve(),
-        Gradients::Quadric => quadric(fan, &ring).unwrap_or_else(|| ring.plane(fan).solve()),
-        Gradients::Curvature => of_curvature(fan, &ring),
+    let gradient = |fan: usize| {
+        checkpoint();
+        match gradients {
+            Gradients::Ring => ring.plane(fan).solve(),
+            Gradients::Quadric => quadric(fan, &ring).unwrap_or_else(|| ring.plane(fan).solve()),
+            Gradients::Curvature => of_curvature(fan, &ring),
+        }
     };
     (0..frame.fans.len()).into_par_iter().map(gradient).collect()
 }

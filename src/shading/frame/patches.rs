@@ -25,6 +25,7 @@ use super::{
     gradients::{self, Field, Gradient, Gradients},
     projected::{Frame, FrameVertex},
 };
+use crate::system::checkpoint;
 
 /// The gradients and cubics of a frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,6 +54,7 @@ impl Patches {
         let mut control_points: Vec<ControlPoints> = (0..frame.triangles.len())
             .into_par_iter()
             .map(|t| {
+                checkpoint();
                 let slopes = frame.triangles[t].fans.map(|fan| gradients[fan as usize]);
                 let mut points = along_edges(frame.corners(t), field, slopes);
                 complete(frame, t, &mut points);

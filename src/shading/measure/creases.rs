@@ -3,10 +3,13 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use crate::shading::{
-    draw::Reference,
-    frame::Frame,
-    shaders::{Shade, Shader},
+use crate::{
+    shading::{
+        draw::Reference,
+        frame::Frame,
+        shaders::{Shade, Shader},
+    },
+    system::checkpoint,
 };
 
 /// The crease at one edge.
@@ -56,7 +59,11 @@ impl Creases {
     /// at the edge, for narrow strips.
     fn of_field_at(frame: &Frame, step: f64, light: impl Fn(usize, [f64; 3]) -> DVec3 + Sync) -> Creases {
         let shared: Vec<_> = frame.shared_edges().collect();
-        Creases::summed(shared.into_par_iter().map(|sides| measured(frame, sides, step, &light)).collect())
+        let measured = |sides| {
+            checkpoint();
+            measured(frame, sides, step, &light)
+        };
+        Creases::summed(shared.into_par_iter().map(measured).collect())
     }
 
     /// Measures the creases that `shade` leaves in `frame`.

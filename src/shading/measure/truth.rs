@@ -10,6 +10,7 @@ use crate::{
         frame::{Frame, FrameVertex, coverage},
         mesh::Surface,
     },
+    system::checkpoint,
 };
 
 /// The point of the smooth surface at each pixel of a frame.
@@ -69,6 +70,7 @@ impl Truth {
     fn of_pixels(frame: &Frame, point: impl Fn(DVec2) -> Option<Point> + Sync) -> Truth {
         let width = frame.width as usize;
         let at = |i: usize| {
+            checkpoint();
             let point = point(DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5))?;
             let is_back = point.normal.dot(frame.view.to_viewer(point.eye)) < 0.0;
             Some(if is_back { Point { normal: -point.normal, ..point } } else { point })

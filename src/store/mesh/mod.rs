@@ -100,6 +100,11 @@ pub fn from_arrays(
 ) -> Result<MeshFile, FileErrors> {
     assert!(normals.is_none_or(|normals| normals.len() == positions.len()), "one normal for each position");
     let mut faces = faces::Faces::default();
+    let is_wrong = |normal: &DVec3| normal.try_normalize().is_none();
+    if let Some(index) = normals.and_then(|normals| normals.iter().position(is_wrong)) {
+        let message = format!("normal {index} is zero or not finite; expected a vector of any length above 0");
+        return Err(FileErrors::whole(name, message));
+    }
     let normal = |corner: u32| normals?[corner as usize].try_normalize();
     for (index, corners) in triangles.iter().enumerate() {
         if let Some(corner) = corners.iter().find(|corner| **corner as usize >= positions.len()) {
