@@ -7,7 +7,7 @@ use std::{
 
 use machband::{
     display::{Screen, Viewing},
-    light::{Bits, CodeImage, Depth, Interpolation, LinearImage, Quantizer, Samples, Transfer, Transfers},
+    light::{Bits, CodeImage, Depth, Dither, Interpolation, LinearImage, Quantizer, Samples, Transfer, Transfers},
     stimulus::{
         ParameterValue, Stimulus, catalog,
         recipe::{MAX_SIZE, Recipe},
@@ -108,6 +108,9 @@ fn quantizer(recipe: &Recipe) -> Arc<Quantizer> {
     }
 }
 
+/// Largest side of a stimulus that is drawn at once, pixels: it takes less than a millisecond.
+const QUICK_PX: u32 = 2048;
+
 /// Returns codes as an array of shape (height, width, 3), without a copy.
 pub fn codes_array(py: Python<'_>, image: CodeImage) -> PyResult<Bound<'_, PyAny>> {
     let shape = [image.height as usize, image.width as usize, 3];
@@ -121,6 +124,14 @@ pub fn codes_array(py: Python<'_>, image: CodeImage) -> PyResult<Bound<'_, PyAny
 #[pyfunction]
 pub fn stimulus<'py>(py: Python<'py>, kind: &str, parameters: Given, coding: Coding) -> PyResult<Bound<'py, PyAny>> {
     let recipe = coding.recipe(stimulus_of(kind, parameters)?)?;
+    // Another thread would take longer than such a stimulus, mostly to get its memory.
+    let is_quick = recipe.size <= QUICK_PX
+        && recipe.bits == Bits::Eight
+        && recipe.dither == Dither::None
+        && recipe.stimulus.is_line();
+    if is_quick {
+        return codes_array(py, py.detach(|| recipe.codes(&quantizer(&recipe))));
+    }
     codes_array(py, job::run(py, None, false, move |_, _| Ok(recipe.codes(&quantizer(&recipe))))?)
 }
 
