@@ -15,10 +15,6 @@ Codes = npt.NDArray[np.uint8] | npt.NDArray[np.uint16]
 Floats = npt.NDArray[np.float64]
 
 
-#: Largest side of an image in pixels.
-MAX_SIZE = 16384
-
-
 class Parameter(NamedTuple):
     """A parameter of a kind of stimulus.
 
@@ -61,7 +57,7 @@ def _coding(
     if isinstance(bits, bool) or bits not in (8, 16):
         raise _machband.Error(f"bits {bits!r} is not known; expected 8 or 16")
     return {
-        "size": whole("size", size, 1, MAX_SIZE),
+        "size": whole("size", size, 0, 2**32 - 1),
         "bits": int(bits),
         "transfer": words("transfer", transfer),
         "display": display,
@@ -234,7 +230,7 @@ def light(kind: str = "mach-band", *, size: int = 1024, **parameters: Any) -> np
     >>> round(float(light(size=64, low=0.2)[0, 0, 0]), 3)
     0.2
     """
-    return _machband.light(kind, _parameters(parameters), whole("size", size, 1, MAX_SIZE))
+    return _machband.light(kind, _parameters(parameters), whole("size", size, 0, 2**32 - 1))
 
 
 def profile(
@@ -266,10 +262,6 @@ def profile(
     )
 
 
-@overload
-def _like(given: Floats, found: Floats, scalar: Literal[True]) -> float: ...
-@overload
-def _like(given: Floats, found: Floats, scalar: bool) -> float | Floats: ...
 def _like(given: Floats, found: Floats, scalar: bool) -> float | Floats:
     return float(found[0]) if scalar else found.reshape(given.shape)
 

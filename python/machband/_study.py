@@ -67,18 +67,19 @@ class Analysis:
     #: Everything that is wrong with the input; the rest was analyzed.
     errors: list[str]
 
-    def __init__(self, native: _machband.Analysis, folder: str) -> None:
-        """Wrap the results; messages leave out the folder of temporary files."""
+    def __init__(self, native: _machband.Analysis) -> None:
+        """Wrap the results."""
         self._native = native
         self._is_simulated = False
         self.warnings, self.errors = (
-            [_rows(problem, folder) for problem in problems] for problems in native.problems()
+            [_rows(problem) for problem in problems] for problems in native.problems()
         )
 
     @cached_property
     def tables(self) -> dict[str, Table]:
         """The tables that ``machband analyze`` writes: ``cells``, ``by_FACTOR``, ``tests``, ``agreement``, …"""
-        return {name: table(columns) for name, columns in self._native.tables()}
+        tables = [(name.removesuffix(".csv"), content) for name, content in self.files.items() if name.endswith(".csv")]
+        return {name: table(_machband.read_table(content)) for name, content in tables}
 
     @cached_property
     def files(self) -> dict[str, bytes]:
@@ -138,11 +139,15 @@ class Analysis:
         return f'{first}{self._native.summary_html()}<div style="display: flex; flex-wrap: wrap">{figures}</div>'
 
 
-def _rows(message: str, folder: str) -> str:
-    """Return a message about a temporary file as one about the rows of the table in it, counted from 0."""
-    message = message.replace(os.path.join(folder, "table.csv"), "table")
+#: The file that a table is written to. Nobody else has a file of this name.
+TABLE = "machband-table.csv"
+
+
+def _rows(message: str) -> str:
+    """Return a message about this file as one about the rows of the table in it, counted from 0."""
     # The header is the first line.
-    return re.sub(r"table:(\d+):\d+:", lambda found: f"table, row {max(int(found[1]) - 2, 0)}:", message)
+    message = re.sub(rf"{TABLE}:(\d+):\d+:", lambda found: f"table, row {max(int(found[1]) - 2, 0)}:", message)
+    return message.replace(TABLE, "table")
 
 
 def _columns(data: Any) -> Mapping[str, Any] | None:
@@ -284,14 +289,14 @@ def analyze(
     )
     with tempfile.TemporaryDirectory(prefix="machband-") as temporary, progress("simulated studies") as show:
         if columns is not None:
-            paths = [os.path.join(temporary, "table.csv")]
+            paths = [os.path.join(temporary, TABLE)]
             _write(columns, paths[0])
         elif not (paths := list(_paths(data))):
             raise ValueError("there are no paths; expected at least one")
         try:
-            analysis = Analysis(_machband.analyze([*given, "--", *paths], show), temporary)
+            analysis = Analysis(_machband.analyze([*given, "--", *paths], temporary, show))
         except _machband.Error as error:
-            raise _machband.Error(_rows(str(error), temporary)) from None
+            raise _machband.Error(_rows(str(error).replace(temporary + os.sep, ""))) from None
     analysis._is_simulated = bool(getattr(data, "attrs", {}).get("simulated"))
     for problem in [*analysis.warnings, *analysis.errors]:
         warnings.warn(problem, stacklevel=3)

@@ -54,7 +54,7 @@ mod _machband {
         main,
         mesh::{mesh, shade, shade_scene},
         study::{Analysis, analyze, export, read_results, verify},
-        table::write_table,
+        table::{read_table, write_table},
         vision::{predict_codes, predict_file, predict_light, predict_stimulus},
     };
 

@@ -19,7 +19,7 @@ use pyo3::{prelude::*, types::PyDict};
 
 use crate::{error, job};
 
-/// Parameters of a stimulus, or options of a command: names and values.
+/// Parameters of a stimulus: names and values.
 pub type Given = Vec<(String, Value)>;
 
 /// A number or text.
@@ -108,7 +108,7 @@ fn quantizer(recipe: &Recipe) -> Arc<Quantizer> {
     }
 }
 
-/// Largest side of a stimulus that is drawn at once, pixels: it takes less than a millisecond.
+/// Largest side of a stimulus that is drawn on the calling thread, pixels: it takes a few milliseconds.
 const QUICK_PX: u32 = 2048;
 
 /// Returns codes as an array of shape (height, width, 3), without a copy.

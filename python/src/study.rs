@@ -9,7 +9,7 @@ use std::{
 use machband::{
     analysis::Results,
     cli::{self, analyze::AnalysisOptions, check},
-    experiment::{self, CellValue, TrialRecord},
+    experiment::{self, CellValue},
     report::{self, Provenance, Study, document::Section, study::shell_command},
     stimulus::Stimulus,
     store::{
@@ -74,28 +74,22 @@ fn read(folder: &Path, job: &Job) -> anyhow::Result<Described> {
         }
         sessions.push((columns, rows));
     }
-    let column = |name: &str| {
-        let values = sessions.iter().flat_map(|(columns, rows)| {
-            let index = columns.iter().position(|column| column.name == name);
-            rows.iter().map(move |row| index.map_or(CellValue::Missing, |index| value(row, index)))
-        });
-        Column::of(&values.collect::<Vec<_>>())
-    };
-    let columns = described.iter().map(|described| (described.name.clone(), column(&described.name))).collect();
+    // One list for each column, of the values in all rows.
+    let mut values = vec![Vec::new(); described.len()];
+    for (columns, rows) in sessions {
+        let place = |known: &experiment::Column| columns.iter().position(|column| column.name == known.name);
+        let places: Vec<Option<usize>> = described.iter().map(place).collect();
+        for row in rows {
+            let row = row.values();
+            for (column, place) in values.iter_mut().zip(&places) {
+                column.push(place.map_or(CellValue::Missing, |place| row[place].clone()));
+            }
+        }
+    }
+    let columns =
+        described.iter().zip(&values).map(|(known, values)| (known.name.clone(), Column::of(values))).collect();
     let described = described.into_iter().map(|column| (column.name, column.unit, column.description)).collect();
     Ok((columns, described, simulated))
-}
-
-/// Returns the value in a column. A factor without a type of its own is a number if it looks like one.
-fn value(row: &TrialRecord, index: usize) -> CellValue {
-    match row.values().swap_remove(index) {
-        CellValue::Text(text) if row.extra_factors.contains(&text) => match text.parse::<f64>() {
-            Ok(number) if !number.is_nan() => CellValue::Number(number),
-            _ if text.is_empty() => CellValue::Missing,
-            _ => CellValue::Text(text),
-        },
-        value => value,
-    }
 }
 
 /// An analysis: the ratings, and the results.
@@ -106,18 +100,31 @@ pub struct Analysis {
     command: String,
 }
 
-/// Analyzes ratings with the command's options. Progress counts the simulated studies.
+/// Analyzes ratings with the command's options. Files in the folder `temporary` will not exist later, so the results name
+/// them without it. Progress counts the simulated studies.
 #[pyfunction]
-pub fn analyze(py: Python<'_>, options: Vec<OsString>, progress: Option<Py<PyAny>>) -> PyResult<Analysis> {
-    let words = options.iter().map(|word| word.to_string_lossy().into_owned());
+pub fn analyze(
+    py: Python<'_>,
+    options: Vec<OsString>,
+    temporary: PathBuf,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Analysis> {
+    let short = |path: &Path| path.strip_prefix(&temporary).unwrap_or(path).to_owned();
+    let words = options.iter().map(|word| short(Path::new(word)).display().to_string());
     let command = shell_command(std::iter::once("analyze".to_owned()).chain(words));
     let options: AnalysisOptions = cli::parse(options).map_err(error)?;
-    let (study, results) = job::run(py, progress, false, move |job, _| {
+    let (mut study, results) = job::run(py, progress, false, move |job, _| {
         let study = options.read()?;
         let results = options.analyze(&study, &|done, total| job.set(done, total))?;
-        Ok((Arc::new(study), Arc::new(results)))
+        Ok((study, Arc::new(results)))
     })?;
-    Ok(Analysis { study, results, command })
+    let source = &mut study.source;
+    source.files.iter_mut().for_each(|file| file.path = short(&file.path));
+    source.sessions.iter_mut().for_each(|session| session.path = short(&session.path));
+    for problem in source.warnings.iter_mut().chain(&mut source.errors) {
+        problem.file = short(Path::new(&problem.file)).display().to_string();
+    }
+    Ok(Analysis { study: Arc::new(study), results, command })
 }
 
 /// Files: their names and contents.
@@ -125,17 +132,6 @@ type Files<'py> = Vec<(String, Bound<'py, PyBytes>)>;
 
 #[pymethods]
 impl Analysis {
-    /// Returns the tables as columns, by the names of their files without `.csv`.
-    fn tables<'py>(&self, py: Python<'py>) -> PyResult<Vec<(String, Bound<'py, PyDict>)>> {
-        let (study, results) = (Arc::clone(&self.study), Arc::clone(&self.results));
-        let tables = job::run(py, None, false, move |_, _| {
-            let files = report::table_files(&study, &results).into_iter();
-            let tables = files.filter_map(|(name, content)| Some((name.strip_suffix(".csv")?.to_owned(), content)));
-            tables.map(|(name, content)| Ok((name, table::from_csv(&content)?))).collect::<anyhow::Result<Vec<_>>>()
-        })?;
-        tables.into_iter().map(|(name, columns)| Ok((name, table::columns(py, columns)?))).collect()
-    }
-
     /// Returns the tables, the model and the script as the command writes them.
     fn table_files<'py>(&self, py: Python<'py>) -> Files<'py> {
         let files = report::table_files(&self.study, &self.results).into_iter();

@@ -99,16 +99,17 @@ pub fn columns<'py>(
     Ok(all)
 }
 
-/// Reads a table that the library wrote as CSV.
-pub fn from_csv(content: &[u8]) -> anyhow::Result<Vec<(String, Column)>> {
+/// Returns a table that the library wrote as CSV as a dict of arrays.
+#[pyfunction]
+pub fn read_table<'py>(py: Python<'py>, content: &[u8]) -> PyResult<Bound<'py, PyDict>> {
     let mut reader = csv::Reader::from_reader(content);
-    let header = reader.headers()?.clone();
-    let rows = reader.records().collect::<Result<Vec<_>, _>>()?;
+    let header = reader.headers().map_err(error)?.clone();
+    let rows = reader.records().collect::<Result<Vec<_>, _>>().map_err(error)?;
     let column = |i: usize, name: &str| {
         let cells: Vec<&str> = rows.iter().map(|row| row.get(i).unwrap_or_default()).collect();
         (name.to_owned(), Column::parse(&cells, name == "subject_id"))
     };
-    Ok(header.iter().enumerate().map(|(i, name)| column(i, name)).collect())
+    columns(py, header.iter().enumerate().map(|(i, name)| column(i, name)))
 }
 
 /// A column to write.

@@ -2,11 +2,8 @@
 
 import doctest
 import importlib
-import json
 import pkgutil
-from pathlib import Path
 
-import numpy as np
 import pytest
 
 import machband

@@ -4,6 +4,7 @@ import copy
 import csv
 import io
 import pickle
+import tempfile
 import warnings
 import xml.etree.ElementTree
 
@@ -115,14 +116,17 @@ def test_reading_loses_nothing(sessions):
 
 
 def test_factors_of_several_experiments_become_columns(tmp_path):
-    for name, factor in [("one", {"levels": [3, 5]}), ("two", {"contrast": [0.2, 0.4]})]:
-        kind = "chevreul" if name == "one" else "cornsweet"
-        known = machband.parameters(kind)
-        factors = {key: levels for key, levels in factor.items() if key in known} or {"high": [0.6, 0.7]}
-        keys = {"schema": 1, "name": name, "stimulus": {"kind": kind}, "factors": factors, "design": {"practice": 0}}
-        machband.simulate(machband.Definition.from_dict(keys), results=tmp_path)
+    for name, kind, factor, levels in [("one", "chevreul", "steps", [3, 5]), ("two", "cornsweet", "exponent", [1, 2.5])]:
+        keys = {"schema": 1, "name": name, "stimulus": {"kind": kind}, "factors": {factor: levels}}
+        machband.simulate(keys, results=tmp_path)
     rows = machband.read_results(tmp_path)
     assert set(rows.experiment) == {"one", "two"}
+    for name, factor, levels in [("one", "steps", {3, 5}), ("two", "exponent", {1, 2.5})]:
+        assert set(rows[factor][rows.experiment == name]) == levels
+        assert rows[factor][rows.experiment != name].isna().all()
+        assert rows.attrs["descriptions"][factor] == machband.parameters("chevreul" if name == "one" else "cornsweet")[factor].description
+    # A session that has the name of a level stays text.
+    assert set(rows.session_id) == {"1"} and list(rows)[-3:] == ["stimulus_s", "late_onset", "response_uncertainty_s"]
 
 
 @pytest.mark.parametrize("given", [{}, {"terms": ["width", "num:inv_n"], "link": "probit", "random": "none"}])
@@ -168,6 +172,8 @@ def test_a_notebook_shows_the_results(sessions, tmp_path):
         figure.save(tmp_path / "figure.png")
         assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
     assert found.report.startswith("<!DOCTYPE html>") and repr(found) == found.summary
+    of_frame = machband.analyze(sessions[1], draws=19).report
+    assert "machband-table.csv" in of_frame and str(tempfile.gettempdir()) not in of_frame
     written = found.save(tmp_path / "analysis")
     assert {path.name for path in written} == {*found.files, *found._report_files}
     with pytest.raises(machband.Error, match="exists"):

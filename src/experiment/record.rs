@@ -212,10 +212,11 @@ macro_rules! record {
                 cells
             }
 
-            /// Returns the values of the cells, in the same order. The factors without a column of their own are texts.
+            /// Returns the values of the cells, in the same order. A factor without a column of its own is a number if its
+            /// level is one.
             pub fn values(&self) -> Vec<CellValue> {
                 let mut values = vec![$(Cell::value(&self.$name),)*];
-                values.extend(self.extra_factors.iter().map(Cell::value));
+                values.extend(self.extra_factors.iter().map(|level| level_value(level)));
                 values.extend([$(Cell::value(&self.$later),)*]);
                 values
             }
@@ -236,6 +237,15 @@ macro_rules! record {
             }
         }
     };
+}
+
+/// Returns the value of a factor's level.
+fn level_value(level: &str) -> CellValue {
+    match level.parse::<f64>() {
+        Ok(number) if !number.is_nan() => CellValue::Number(number),
+        _ if level.is_empty() => CellValue::Missing,
+        _ => CellValue::Text(level.to_owned()),
+    }
 }
 
 /// Reads the cell at `next` and advances to the following cell.
