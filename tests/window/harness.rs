@@ -245,8 +245,10 @@ impl Harness {
         self.start(&[&session[..], arguments].concat());
     }
 
-    /// Starts the window with these arguments.
+    /// Starts the window with these arguments, once the previous window has disappeared from the screen. Otherwise its
+    /// last stimulus could be taken for one that accepts keys.
     pub fn start(&mut self, arguments: &[&str]) {
+        self.until("the previous window to disappear", |harness| harness.shown() == Shown::Page);
         let window = self
             .command(MACHBAND)
             .args(arguments)
@@ -266,7 +268,6 @@ impl Harness {
         let mut window = self.window.take().unwrap();
         window.kill().unwrap();
         window.wait().unwrap();
-        self.until("the window to disappear", |harness| harness.shown() == Shown::Page);
     }
 
     /// Sends the program a signal such as `TERM`.
@@ -361,7 +362,13 @@ impl Harness {
             if let Some(status) = self.ended() {
                 panic!("the program ended ({status}) while waiting for {what}: {}", self.stderr());
             }
-            assert!(start.elapsed() < patience, "waited {patience:?} for {what}; stderr: {}", self.stderr());
+            assert!(
+                start.elapsed() < patience,
+                "waited {patience:?} for {what}; the screen shows {:?}, the keys go to {:?}; stderr: {}",
+                self.shown(),
+                self.ask(&["getwindowfocus", "getwindowname"]),
+                self.stderr()
+            );
             std::thread::sleep(POLL);
         }
     }
@@ -403,21 +410,25 @@ impl Harness {
 
     pub fn shown(&self) -> Shown {
         let (file, start) = self.memory();
-        let is_field = |(x, y): (u16, u16)| {
+        let color = |(x, y): (u16, u16)| {
             let mut bgrx = [0; 4];
             let index = u64::from(y) * u64::from(SCREEN.0) + u64::from(x);
             file.read_exact_at(&mut bgrx, start + 4 * index).unwrap();
-            [bgrx[2], bgrx[1], bgrx[0]] == FIELD
+            [bgrx[2], bgrx[1], bgrx[0]]
         };
         // For a centered stimulus of 331 pixels, these points are on the plateaus at any width and orientation.
         let (x, y) = (SCREEN.0 / 2, SCREEN.1 / 2);
-        let inside = [(x - 160, y - 160), (x + 160, y - 160), (x - 160, y + 160), (x + 160, y + 160)];
-        if !is_field((4, 4)) || !is_field((SCREEN.0 - 5, 4)) {
+        let inside = [(x - 160, y - 160), (x + 160, y - 160), (x - 160, y + 160), (x + 160, y + 160)].map(color);
+        let is_yellow = |[red, green, blue]: [u8; 3]| red == green && red > 0 && blue == 0;
+        if [(4, 4), (SCREEN.0 - 5, 4)].map(color) != [FIELD; 2] {
             Shown::Page
-        } else if inside.into_iter().all(is_field) {
+        } else if inside == [FIELD; 4] {
             Shown::Field
-        } else {
+        } else if inside.into_iter().all(is_yellow) {
             Shown::Stimulus
+        } else {
+            // The server is still copying the first field after a page. A key would be too early.
+            Shown::Page
         }
     }
 
