@@ -30,7 +30,9 @@ pub mod rank_tests;
 pub mod results;
 pub mod summary;
 
-pub(crate) use frame::{find_factor, level_number};
+pub(crate) use frame::find_factor;
+#[cfg(feature = "window")]
+pub(crate) use frame::level_number;
 pub use levels::{number_of, numbers_of};
 pub use ordinal::{
     Alternative, Calibration, Checks, Coefficient, Comparison, Contrast, FEW_FOR_LIKELIHOOD_RATIOS, Influence, Link,

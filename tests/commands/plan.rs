@@ -285,7 +285,7 @@ fn the_number_of_threads_does_not_change_a_plan() {
     let folder = tempfile::tempdir().unwrap();
     let csv = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
     let plan = |participants: &str, options: &str, threads| {
-        let line = format!("quick --participants {participants} --studies 30 --effect oblique=1 --out {options}");
+        let line = format!("quick --participants {participants} --studies 8 --effect oblique=1 --out {options}");
         succeeds(folder.path(), &line, threads)
     };
     let one = plan("4,2,4", "one.csv", "1");
