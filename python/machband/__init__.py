@@ -21,8 +21,8 @@ whole program, as the command ``machband``, and its parts as functions on NumPy 
 
 Light is linear and relative to the screen's maximum, 0 to 1. Angles are in degrees, times in seconds. Tables are
 `pandas.DataFrame` objects if pandas is installed, and otherwise dicts of arrays. Long work shows its progress if tqdm is
-installed, and stops on Ctrl+C. An invalid value, file or data set raises `Error`, a `ValueError`, with the same message as
-the command.
+installed, and stops on Ctrl+C. An invalid value, file or data set raises `Error`, a `ValueError`, in the words of the
+command; an argument of the wrong type raises `TypeError`.
 """
 
 from ._experiment import Definition, simulate

@@ -25,7 +25,7 @@ Table = Any
 
 def suggests(function: Callable[P, T]) -> Callable[P, T]:
     """Make a function name the nearest keyword if it is called with an unknown one."""
-    known = list(inspect.signature(function).parameters)
+    known = [name for name in inspect.signature(function).parameters if name != "self"]
 
     @functools.wraps(function)
     def checked(*args: P.args, **kwargs: P.kwargs) -> T:
@@ -44,6 +44,8 @@ def suggests(function: Callable[P, T]) -> Callable[P, T]:
 def whole(name: str, given: object, least: int = 0, most: int = 2**64 - 1) -> int:
     """Return a whole number within a range."""
     try:
+        if isinstance(given, (bool, np.bool_)):
+            raise TypeError
         number = int(given) if isinstance(given, float) and given.is_integer() else operator.index(given)  # type: ignore[arg-type]
     except TypeError:
         raise TypeError(f"{name} is {given!r}; expected a whole number") from None
@@ -59,21 +61,40 @@ def words(name: str, given: object) -> str | None:
     raise TypeError(f"{name} is {given!r}; expected text")
 
 
-def value(given: object) -> float | str:
+def name_of(argument: str, given: object) -> str:
+    """Return a name, which may be a whole number."""
+    if isinstance(given, (int, np.integer)) and not isinstance(given, bool):
+        return str(given)
+    if isinstance(given, str):
+        return given
+    raise TypeError(f"{argument} is {given!r}; expected text")
+
+
+def flag(name: str, given: object) -> bool:
+    """Return a truth value."""
+    if isinstance(given, (bool, np.bool_)):
+        return bool(given)
+    raise TypeError(f"{name} is {given!r}; expected True or False")
+
+
+def value(name: str, given: object) -> float | str:
     """Return a parameter in the form that files use: a number, or text such as ``1,0.5,0``."""
     if isinstance(given, (str, bool)):
         return str(given)
     if isinstance(given, (list, tuple, np.ndarray)) and np.ndim(given) == 1:
-        return ",".join(text(part) for part in given)
+        return ",".join(text(name, part) for part in given)
     try:
         return float(given)  # type: ignore[arg-type]
     except (TypeError, ValueError):
-        raise TypeError(f"{given!r} is neither a number nor text; expected one of them") from None
+        raise TypeError(f"{name} is {given!r}; expected a number or text") from None
 
 
-def text(given: object) -> str:
+def text(name: str, given: object) -> str:
     """Return a value as the text that commands and files use."""
-    number = value(given)
+    if isinstance(given, (int, np.integer)) and not isinstance(given, bool):
+        # A seed may have more digits than a float.
+        return str(int(given))
+    number = value(name, given)
     if isinstance(number, float):
         return str(int(number)) if number.is_integer() else repr(number)
     return number
@@ -83,13 +104,13 @@ def options(**given: object) -> list[str]:
     """Return the options of a command; those that are `None` or `False` are left out."""
     words = []
     for name, option in given.items():
-        flag = "--" + name.replace("_", "-")
+        key = "--" + name.replace("_", "-")
         if isinstance(option, (bool, np.bool_)):
-            words += [flag] if option else []
+            words += [key] if option else []
         elif isinstance(option, os.PathLike):
-            words.append(f"{flag}={os.fspath(option)}")
+            words.append(f"{key}={os.fspath(option)}")
         elif option is not None:
-            words.append(f"{flag}={text(option)}")
+            words.append(f"{key}={text(name, option)}")
     return words
 
 

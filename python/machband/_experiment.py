@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from . import _machband
-from ._common import Table, options, progress, suggests, table, whole
+from ._common import Table, flag, name_of, options, progress, suggests, table, whole
 from ._study import read_results
 
 
@@ -28,7 +28,7 @@ def _plain(given: object) -> Any:
         return given
     if isinstance(given, float):
         if given != given:
-            raise ValueError("a value is NaN; expected a number or text")
+            raise _machband.Error("a value is NaN; expected a number or text")
         return "inf" if given == float("inf") else given
     if isinstance(given, Iterable):
         return [_plain(item) for item in given]
@@ -49,6 +49,8 @@ class Definition:
 
     def __init__(self, name_or_path: str | PathLike[str]) -> None:
         """Read a definition; the same as `load`."""
+        if isinstance(name_or_path, Mapping):
+            raise TypeError("Definition() got a dict; expected a name or a path, or Definition.from_dict")
         self._native = _machband.Definition.load(os.fspath(name_or_path))
 
     @classmethod
@@ -125,12 +127,13 @@ class Definition:
         return table(self._native.conditions())
 
     @suggests
-    def schedule(self, participant: str = "S001", session: str = "1", seed: int = 1) -> Table:
+    def schedule(self, participant: str | int = "S001", session: str | int = "1", seed: int = 1) -> Table:
         """Return a table of the trials of a session: phase, block, trial, repetition, condition, and the factors.
 
         ``condition`` is the row of the table that `conditions` returns, counted from 0. The order is the one that the
         window and the commands use for this participant, session and seed.
         """
+        participant, session = name_of("participant", participant), name_of("session", session)
         return table(self._native.schedule(participant, session, whole("seed", seed)))
 
     def __repr__(self) -> str:
@@ -190,7 +193,7 @@ def simulate(
             observer=observer,
             observer_file=observer_file,
             results=folder,
-            resume=resume,
+            resume=flag("resume", resume),
         )
         with progress("trials") as show:
             _machband.simulate(definition._native, given, show)

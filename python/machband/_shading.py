@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import options, suggests, whole
-from ._stimulus import Codes
+from ._common import flag, options, suggests, whole
+from ._stimulus import MAX_SIZE, Codes
 
 Triple = Sequence[float]
 
@@ -75,12 +75,12 @@ def mesh(
 def _rows(name: str, given: npt.ArrayLike, dtype: type) -> npt.NDArray[Any]:
     array = np.asarray(given)
     if array.ndim != 2 or array.shape[1] != 3:
-        raise ValueError(f"{name} has shape {array.shape}; expected (n, 3)")
+        raise _machband.Error(f"{name} has shape {array.shape}; expected (n, 3)")
     if dtype is np.uint32:
         if array.dtype.kind not in "iu":
             raise TypeError(f"{name} has dtype {array.dtype}; expected integers")
         if array.size and (array.min() < 0 or array.max() > np.iinfo(np.uint32).max):
-            raise ValueError(f"{name} has a negative or huge index; expected indices of vertices")
+            raise _machband.Error(f"{name} has a negative or huge index; expected indices of vertices")
     return np.ascontiguousarray(array, dtype=dtype)
 
 
@@ -131,14 +131,14 @@ def shade(
         Normals at the vertices, shape (n, 3), of any length above 0; without them, they are averaged over the faces. Or
         how to estimate them from the triangles: ``averaged``, ``max`` (Max 1999) or ``cubic``.
     shader
-        ``flat``, ``gouraud``, ``phong``, ``c1-phong``, ``fixed``, ``gradient``, ``exact``, ``cut``, ``patch`` or
-        ``quadratic``; `None`, with `truth`, for the smooth surface alone.
+        ``flat``, ``gouraud``, ``phong``, ``c1-phong``, ``fixed``, ``gradient``, ``gradient-repaired``, ``exact``,
+        ``cut``, ``patch`` or ``quadratic``; `None`, with `truth`, for the smooth surface alone.
     depth, boundary
         Continuity depth n of the strips at the edges, 1 to 32 or ``inf``, and their width as a barycentric weight.
     vertex, reweight
         Corrections of Bangay's eq. 7 and eq. 9: ``off``, ``printed`` or ``repaired``.
     gradients
-        How ``patch`` and ``c1-phong`` compute their slopes.
+        How ``patch`` and ``c1-phong`` compute their slopes: ``curvature``, ``ring`` or ``quadric``.
     truth
         Compare with the smooth surface: `True` for the one behind a built-in shape, or the path of a finer mesh.
     n_vertices, crease
@@ -146,11 +146,12 @@ def shade(
     rotate
         Rotation of the mesh about x, then y, then z, in degrees.
     light
-        Direction toward the lamp.
+        Direction toward the lamp, of any length: x right, y up, z toward the viewer.
     color
         Color of the surface: a name, or linear weights of red, green and blue.
     ambient, diffuse, specular, highlight, shininess, background
-        The lighting: linear light from 0 to 1, the model of the highlight, and its exponent.
+        The lighting: linear light from 0 to 1 (by default 0.1, 0.6, 0.2, and 0.05 behind the mesh); the model of the
+        highlight, ``phong``, ``blinn``, ``torrance-sparrow`` or ``cook-torrance``; and its exponent, by default 20.
     distance
         Distance of the eye in radii of the mesh, from 1.05; infinite for a parallel projection.
     naive
@@ -169,8 +170,13 @@ def shade(
     >>> ours["visibility"] < gouraud["visibility"]
     True
     """
-    if isinstance(vertices, Mesh) and triangles is None and normals is None:
-        vertices, triangles, normals = vertices
+    if isinstance(vertices, Mesh):
+        if triangles is not None:
+            raise TypeError("shade() got a Mesh and triangles; expected a Mesh alone, or arrays")
+        positions, triangles, own_normals = vertices
+        vertices, normals = positions, own_normals if normals is None else normals
+    if shader is None and not truth:
+        raise TypeError("shade() got neither shader nor truth; expected at least one of them")
     estimated = normals if isinstance(normals, str) else None
     given = options(
         crease=crease,
@@ -192,11 +198,11 @@ def shade(
         shininess=shininess,
         background=background,
         distance=distance,
-        naive=naive,
+        naive=flag("naive", naive),
         window=window_deg,
         white=white,
     )
-    image = options(size=whole("size", size), bits=bits, transfer=transfer, display=display)
+    image = options(size=whole("size", size, 1, MAX_SIZE), bits=bits, transfer=transfer, display=display)
     if isinstance(vertices, (str, os.PathLike)):
         path = os.fspath(vertices)
         if triangles is not None:
@@ -206,14 +212,14 @@ def shade(
         if path.endswith(".toml"):
             return Shaded(_machband.shade_scene([path, *image]), None)
         words = [*options(mesh=path, vertices=whole("n_vertices", n_vertices)), *given, *image]
-        codes, measured = _machband.shade(words, None, metrics and shader is not None)
+        codes, measured = _machband.shade(words, None, flag("metrics", metrics) and shader is not None)
     else:
         if triangles is None:
             raise TypeError("shade() got vertices without triangles; expected both")
         positions = _rows("vertices", vertices, np.float64)
         own = None if normals is None or estimated else _rows("normals", normals, np.float64)
         if own is not None and len(own) != len(positions):
-            raise ValueError(f"normals has {len(own)} rows; expected {len(positions)}, one for each vertex")
+            raise _machband.Error(f"normals has {len(own)} rows; expected {len(positions)}, one for each vertex")
         arrays = (positions, _rows("triangles", triangles, np.uint32), own, crease)
         codes, measured = _machband.shade(["--mesh=arrays", *given, *image], arrays, metrics and shader is not None)
     found = None if measured is None else json.loads(measured)

@@ -9,10 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Table, suggests, table, value, whole, words
+from ._common import Table, flag, name_of, suggests, table, value, whole, words
 
 Codes = npt.NDArray[np.uint8] | npt.NDArray[np.uint16]
 Floats = npt.NDArray[np.float64]
+
+#: Largest side of a stimulus, pixels.
+MAX_SIZE = 16384
 
 
 class Parameter(NamedTuple):
@@ -43,7 +46,7 @@ class VisualAngle(NamedTuple):
 
 
 def _parameters(given: dict[str, Any]) -> list[tuple[str, float | str]]:
-    return [(name, value(parameter)) for name, parameter in given.items()]
+    return [(name, value(name, parameter)) for name, parameter in given.items()]
 
 
 def _coding(
@@ -57,7 +60,7 @@ def _coding(
     if isinstance(bits, bool) or bits not in (8, 16):
         raise _machband.Error(f"bits {bits!r} is not known; expected 8 or 16")
     return {
-        "size": whole("size", size, 0, 2**32 - 1),
+        "size": whole("size", size, 1, MAX_SIZE),
         "bits": int(bits),
         "transfer": words("transfer", transfer),
         "display": display,
@@ -81,7 +84,7 @@ def parameters(kind: str = "mach-band") -> dict[str, Parameter]:
     >>> parameters("mach-band")["width"].default
     0.4
     """
-    return {found[0]: Parameter(*found) for found in _machband.parameters(kind)}
+    return {found[0]: Parameter(*found) for found in _machband.parameters(name_of("kind", kind))}
 
 
 @overload
@@ -151,15 +154,16 @@ def stimulus(
     seed
         Seed of the random dither.
     as_dict
-        Return a dict like stimupy's, with these keys: ``img``, the codes; ``light``, as from `light`; ``mask``;
-        ``visual_size``, height and width in degrees; ``ppd``, pixels per degree, vertical and horizontal; ``shape``;
-        ``kind``; and every parameter. The mask numbers the regions of uniform light from the darkest (1) to the
-        brightest; where the light varies, it is 0.
+        Return a dict with stimupy's keys: ``img``, the codes of three channels, where stimupy has one channel of floats;
+        ``light``, as from `light`; ``mask``; ``visual_size``, height and width in degrees; ``ppd``, pixels per degree,
+        vertical and horizontal; ``shape``; ``kind``; and every parameter. The mask numbers the regions of uniform light
+        from the darkest (1) to the brightest; where the light varies, it is 0.
     window_deg
-        Width of the image in degrees of visual angle, for the dict.
+        Width of the image in degrees of visual angle; used only with `as_dict`.
     **parameters
         The parameters of the kind, such as ``width``, ``depth``, ``orientation_deg``, ``low``, ``high`` and ``color``;
-        see `parameters`. A color is a name, or weights of red, green and blue.
+        see `parameters`. A color is a name such as ``gray`` or ``yellow``, weights of red, green and blue such as
+        ``(1, 1, 0)``, or text such as ``hsv:60,1,1`` or ``xyY:0.3,0.3,0.5``.
 
     Returns
     -------
@@ -178,8 +182,9 @@ def stimulus(
     given = _parameters(parameters)
     if not (0 < window_deg < np.inf):
         raise _machband.Error(f"window_deg is {window_deg!r}; expected degrees above 0")
-    codes: Codes = _machband.stimulus(kind, given, _coding(size, bits, transfer, display, dither, seed))
-    if not as_dict:
+    coding = _coding(size, bits, transfer, display, dither, seed)
+    codes: Codes = _machband.stimulus(name_of("kind", kind), given, coding)
+    if not flag("as_dict", as_dict):
         return codes
     shown = light(kind, size=size, **parameters)
     described = {name: found.default for name, found in _known(kind).items()}
@@ -230,7 +235,7 @@ def light(kind: str = "mach-band", *, size: int = 1024, **parameters: Any) -> np
     >>> round(float(light(size=64, low=0.2)[0, 0, 0]), 3)
     0.2
     """
-    return _machband.light(kind, _parameters(parameters), whole("size", size, 0, 2**32 - 1))
+    return _machband.light(name_of("kind", kind), _parameters(parameters), whole("size", size, 1, MAX_SIZE))
 
 
 def profile(
@@ -257,9 +262,8 @@ def profile(
     the center in window widths; ``linear``, the light of the strongest channel; ``code_r``, ``code_g``, ``code_b``; and
     ``emitted``, the light that the strongest channel's code emits.
     """
-    return table(
-        _machband.profile(kind, _parameters(parameters), _coding(size, bits, transfer, display, dither, seed))
-    )
+    coding = _coding(size, bits, transfer, display, dither, seed)
+    return table(_machband.profile(name_of("kind", kind), _parameters(parameters), coding))
 
 
 def _like(given: Floats, found: Floats, scalar: bool) -> float | Floats:
@@ -292,7 +296,7 @@ def interpolate(u: npt.ArrayLike, depth: float | str = 1) -> float | Floats:
     [0.15625, 0.5, 0.84375]
     """
     given, flat, scalar = _flat(u)
-    return _like(given, _machband.interpolate(flat, value(depth)), scalar)
+    return _like(given, _machband.interpolate(flat, value("depth", depth)), scalar)
 
 
 @suggests
@@ -319,6 +323,8 @@ def transfer(values: npt.ArrayLike, function: str = "srgb", *, inverse: bool = F
     0.7354
     """
     given, flat, scalar = _flat(values)
+    if np.isnan(flat).any():
+        raise _machband.Error("values contains NaN; expected 0 to 1")
     if flat.size and not (flat.min() >= 0 and flat.max() <= 1):
         raise _machband.Error(f"values go from {flat.min()} to {flat.max()}; expected 0 to 1, such as codes / 255")
     return _like(given, _machband.encode(flat, function, inverse), scalar)

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import _machband
-from ._common import Table, options, progress, quoted, suggests, table
+from ._common import Table, flag, options, progress, quoted, suggests, table, whole
 
 
 def read_results(folder: str | PathLike[str]) -> Table:
@@ -31,10 +31,13 @@ def read_results(folder: str | PathLike[str]) -> Table:
     Returns
     -------
     A table with one row for each recorded trial: practice trials, and ratings that were corrected later, are included.
-    IDs are text; times of day are UTC; depth is a number, of which one may be infinite. In a DataFrame,
-    ``attrs["units"]`` and ``attrs["descriptions"]`` say what the columns mean, and ``attrs["simulated"]`` whether an
-    observer was simulated. To use what an analysis uses, keep the
-    rows whose phase is ``main``, and of each trial the last attempt.
+    IDs are text; times of day are UTC; depth is a number and can be infinite. In a DataFrame, ``attrs["units"]`` and
+    ``attrs["descriptions"]`` say what the columns mean, and ``attrs["simulated"]`` whether any rating is simulated;
+    pandas drops ``attrs`` in some operations, such as a merge. `analyze` uses the rows whose phase is ``main``, and only
+    the last attempt of each trial::
+
+        main = rows[rows.phase == "main"]
+        last = main.sort_values("attempt").drop_duplicates(["subject_id", "session_id", "trial"], keep="last")
     """
     with progress("sessions") as show:
         columns, described, simulated = _machband.read_results(os.fspath(folder), show)
@@ -55,16 +58,22 @@ class Figure(NamedTuple):
         """Write the figure to a file, whose name ends in ``.svg`` or ``.png``."""
         path = Path(path)
         if path.suffix not in (".svg", ".png"):
-            raise ValueError(f"{path} is neither an SVG nor a PNG file; expected a name that ends in .svg or .png")
+            raise _machband.Error(f"{path} is neither an SVG nor a PNG file; expected a name that ends in .svg or .png")
         path.write_bytes(self.png if path.suffix == ".png" else self.svg.encode())
 
 
 class Analysis:
-    """An analysis of ratings, from `analyze`. A notebook shows its summary and figures."""
+    """An analysis of ratings, from `analyze`. A notebook shows its summary and figures.
 
-    #: Warnings about the input.
+    Attributes
+    ----------
+    errors
+        What is wrong with the input, one text each. Rows with errors were left out, and the rest was analyzed.
+    warnings
+        What else a reader should know about the input.
+    """
+
     warnings: list[str]
-    #: Everything that is wrong with the input; the rest was analyzed.
     errors: list[str]
 
     def __init__(self, native: _machband.Analysis) -> None:
@@ -94,7 +103,10 @@ class Analysis:
 
     @property
     def coefficients(self) -> Table:
-        """The thresholds and the coefficients of the model: estimate, standard error, z and p (NaN for thresholds)."""
+        """The thresholds and the coefficients of the model: estimate, standard error, z and p (NaN for thresholds).
+
+        These are Wald's p. With few people they are too small; the table ``tests`` has p from simulated studies.
+        """
         rows = [*self.model["thresholds"], *self.model["coefficients"]]
         numbers = {
             key: np.array([np.nan if row.get(key) is None else row[key] for row in rows], dtype=np.float64)
@@ -146,12 +158,20 @@ TABLE = "machband-table.csv"
 def _rows(message: str) -> str:
     """Return a message about this file as one about the rows of the table in it, counted from 0."""
     # The header is the first line.
-    message = re.sub(rf"{TABLE}:(\d+):\d+:", lambda found: f"table, row {max(int(found[1]) - 2, 0)}:", message)
+    message = re.sub(rf"{TABLE}:1:\d+:", "table:", message)
+    message = re.sub(rf"{TABLE}:(\d+):\d+:", lambda found: f"table, row {int(found[1]) - 2} (counted from 0):", message)
     return message.replace(TABLE, "table")
 
 
 def _columns(data: Any) -> Mapping[str, Any] | None:
-    """Return the columns of a table, or `None` if `data` is not a table."""
+    """Return the columns of a table, or `None` if `data` is not a table. Named index levels are columns too."""
+    if hasattr(data, "reset_index") and hasattr(data, "columns"):
+        if data.columns.nlevels > 1:
+            raise _machband.Error(f"the columns have {data.columns.nlevels} levels; expected one, such as after droplevel")
+        if twice := data.columns[data.columns.duplicated()].tolist():
+            raise _machband.Error(f"two columns are named {twice[0]!r}; expected a different name for each")
+        named = [level for level, name in enumerate(data.index.names) if name is not None and name not in data.columns]
+        return data.reset_index(level=named) if named else data  # type: ignore[no-any-return]
     if getattr(getattr(data, "dtype", None), "names", None):
         return {name: data[name] for name in data.dtype.names}
     if isinstance(data, Mapping) or (hasattr(data, "columns") and hasattr(data, "__getitem__")):
@@ -163,7 +183,7 @@ def _columns(data: Any) -> Mapping[str, Any] | None:
 def _write(data: Mapping[str, Any], path: str) -> None:
     """Write a table as CSV, with numbers in their shortest form and missing values empty."""
     if not len(list(data)):
-        raise ValueError("the table has no columns; expected at least a participant, a rating and a factor")
+        raise _machband.Error("the table has no columns; expected at least a participant, a rating and a factor")
     names: list[str] = []
     columns: list[Any] = []
     for name in data:
@@ -172,8 +192,8 @@ def _write(data: Mapping[str, Any], path: str) -> None:
             column = column.dt.tz_convert(None)
         array = np.asarray(column)
         if array.ndim != 1:
-            raise ValueError(f"column {name!r} has shape {array.shape}; expected one dimension")
-        if array.dtype.kind in "iub":
+            raise _machband.Error(f"column {name!r} has shape {array.shape}; expected one dimension")
+        if array.dtype.kind in "ib" or (array.dtype.kind == "u" and array.dtype.itemsize < 8):
             columns.append(np.ascontiguousarray(array, np.int64))
         elif array.dtype.kind == "f":
             columns.append(np.ascontiguousarray(array, np.float64))
@@ -185,7 +205,7 @@ def _write(data: Mapping[str, Any], path: str) -> None:
         names.append(str(name))
     lengths = {len(column) for column in columns}
     if len(lengths) > 1:
-        raise ValueError(f"the columns have {sorted(lengths)} rows; expected the same number")
+        raise _machband.Error(f"the columns have {sorted(lengths)} rows; expected the same number")
     _machband.write_table(path, names, columns)
 
 
@@ -196,7 +216,7 @@ def _paths(data: object) -> Iterator[str]:
         for path in data:
             yield from _paths(path)
     else:
-        raise TypeError(f"{type(data).__name__} is not a table or a path; expected a DataFrame, a dict or paths")
+        raise TypeError(f"{type(data).__name__} is not a path; expected paths, or one DataFrame or dict of columns")
 
 
 @suggests
@@ -210,7 +230,7 @@ def analyze(
     factors: Sequence[str] | None = None,
     terms: str | Sequence[str] | None = None,
     link: str = "logit",
-    slopes: str = "independent",
+    slopes: str | None = "independent",
     random: str | None = None,
     quadrature: int = 1,
     seed: int = 1,
@@ -224,31 +244,35 @@ def analyze(
     Parameters
     ----------
     data
-        A DataFrame or a dict of columns; or result files, folders, tables of counts, or any CSV files.
+        A DataFrame, whose named index levels count as columns, or a dict of columns; or result files, folders, tables of
+        counts, or any CSV files.
     subject
         Column with the participant; ``subject_id`` by default.
     response
-        Column with the ordered response; by default ``rating``, on the scale from 0 to 3.
+        Column with the ordered response; by default ``rating``, on the scale from 0 to 3. Name it for any other scale,
+        also if its name is ``rating``.
     categories
-        Categories of the response, lowest first, if they are neither numbers nor an ordered `Categorical`.
+        Categories of the response, lowest first, if they are neither numbers nor an ordered `Categorical`. Rows with
+        other responses are left out, with a warning.
     count
         Column with the number of trials in each row; ``count`` by default, if there is one.
     factors
-        Columns with the factors; by default those of the definition or of the terms. Their levels are in natural order:
-        numbers ascending, then texts. The first is the baseline.
+        Columns with the factors. By default, they are those of the definition or of the terms; in rows of `read_results`
+        or `simulate`, the parameters of the stimulus that vary, and every column that you added. Their levels are in
+        natural order: numbers ascending, then texts. The first is the baseline.
     terms
         Terms of the model, such as ``["width", "num:depth"]`` or ``"width*depth"``; by default every factor that varies.
     link
         ``logit`` or ``probit``.
     slopes
-        Random slopes: ``none``, ``independent`` or ``correlated``.
+        Random slopes: ``none`` (or `None`), ``independent`` or ``correlated``.
     random
         ``none`` or ``subject``; by default ``subject`` if there are at least two participants.
     quadrature
         Number of nodes of the adaptive Gauss–Hermite quadrature; 1 is the Laplace approximation.
     seed, draws
-        Seed and number of the simulated studies that calibrate tests and intervals. No p can be below 1 / (draws + 1),
-        so 19 can never show an effect at p < .05.
+        Seed and number (19 to 1,000,000) of the simulated studies that calibrate tests and intervals. No p can be below
+        1 / (draws + 1), so 19 can never show an effect at p < .05.
     scale
         Also test each term for an effect on the spread of the ratings.
     complete_only
@@ -258,7 +282,8 @@ def analyze(
 
     Returns
     -------
-    The results. Problems with the data are warnings; what is sound is analyzed.
+    The results. What is wrong with the data is a Python warning, and in `errors` and `warnings` of the results; what is
+    sound is analyzed.
 
     Examples
     --------
@@ -267,9 +292,13 @@ def analyze(
     [0.02, 0.1, 0.4, 0.8]
     """
     columns = _columns(data)
-    if columns is not None and categories is None and response in list(columns):
-        dtype: Any = getattr(columns[response], "dtype", None)
-        categories = list(dtype.categories) if getattr(dtype, "ordered", False) else None
+    if columns is not None and categories is None and (response or "rating") in list(columns):
+        dtype: Any = getattr(columns[response or "rating"], "dtype", None)
+        ordered = list(dtype.categories) if getattr(dtype, "ordered", False) else None
+        # Our own scale needs no name.
+        categories = ordered if response is not None or (ordered and not set(ordered) <= {0, 1, 2, 3}) else None
+    if categories is not None and response is None:
+        response = "rating"
     given = options(
         subject=subject,
         response=response,
@@ -278,21 +307,21 @@ def analyze(
         factors=quoted(factors),
         terms=terms if terms is None or isinstance(terms, str) else ",".join(terms),
         link=link,
-        slopes=slopes,
+        slopes="none" if slopes is None else slopes,
         random=random,
-        quadrature=quadrature,
-        seed=seed,
-        draws=draws,
-        scale=scale,
-        complete_only=complete_only,
-        large=large,
+        quadrature=whole("quadrature", quadrature),
+        seed=whole("seed", seed),
+        draws=whole("draws", draws, 19, 1_000_000),
+        scale=flag("scale", scale),
+        complete_only=flag("complete_only", complete_only),
+        large=flag("large", large),
     )
     with tempfile.TemporaryDirectory(prefix="machband-") as temporary, progress("simulated studies") as show:
         if columns is not None:
             paths = [os.path.join(temporary, TABLE)]
             _write(columns, paths[0])
         elif not (paths := list(_paths(data))):
-            raise ValueError("there are no paths; expected at least one")
+            raise _machband.Error("there are no paths; expected at least one")
         try:
             analysis = Analysis(_machband.analyze([*given, "--", *paths], temporary, show))
         except _machband.Error as error:
@@ -325,6 +354,15 @@ def verify(folder: str | PathLike[str]) -> Verification:
 
     Every row is checked against the definition and the seed, every picture that was shown is rendered again and its hash
     compared, and every file is compared with the hash that was recorded at the end of the session.
+
+    Parameters
+    ----------
+    folder
+        A results folder, the folder of one experiment, or a data file.
+
+    Returns
+    -------
+    A `Verification`, which is true if nothing is wrong.
     """
     with progress("sessions") as show:
         sessions, errors, left = _machband.verify(os.fspath(folder), show)
@@ -363,9 +401,13 @@ def export(
         Exclude sessions with unrated trials.
     accept_changes
         Also export files that were changed after their session ended; the export then names them.
+
+    Returns
+    -------
+    What was written: the names of the experiments, and the numbers of sessions, rows and pictures.
     """
     experiments, counts, notes = _machband.export(
-        os.fspath(folder), os.fspath(out), format, complete_only, accept_changes
+        os.fspath(folder), os.fspath(out), format, flag("complete_only", complete_only), flag("accept_changes", accept_changes)
     )
     for note in notes:
         warnings.warn(note, stacklevel=3)

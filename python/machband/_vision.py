@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
+import re
 from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any, NamedTuple
@@ -94,7 +95,7 @@ def predict(
     window_deg
         Width of the picture in degrees of visual angle; 10 if neither this nor `ppd` is given.
     ppd
-        Pixels per degree, in place of `window_deg`.
+        Pixels per degree, in place of `window_deg`: the picture is then its width in pixels divided by `ppd` degrees wide.
     white
         Luminance of white in cd/m²; by default that of `display`, or 100.
     display
@@ -108,8 +109,16 @@ def predict(
     **parameters
         The parameters of the stimulus, as in `stimulus`.
 
+    Returns
+    -------
+    A `Prediction`: the visibility of the bands, their map or their positions, detection, and a mean rating.
+
     Notes
     -----
+    A kind that varies in one direction is predicted as if it continued beyond the picture: its orientation does not
+    matter. An image ends at its border, near which the coarse channels do not count, so bands that are wide for the size
+    of the image are predicted weaker than those of the kind.
+
     ``docs/models.md`` of the project describes the model and compares it with human thresholds.
 
     Examples
@@ -124,7 +133,9 @@ def predict(
             raise TypeError(f"{name} is {number!r}; expected a number")
     words("transfer", transfer)
     view = (window_deg, ppd, white, display)
-    is_file = isinstance(image_or_kind, PathLike) or str(image_or_kind)[-4:].lower() == ".png"
+    is_file = isinstance(image_or_kind, PathLike) or (
+        isinstance(image_or_kind, str) and bool(re.search(r"[/\\]|\.\w+$", image_or_kind))
+    )
     if isinstance(image_or_kind, str) and not is_file:
         if transfer is not None:
             raise TypeError("predict() got transfer, which means something only for the codes of an image")
@@ -139,16 +150,20 @@ def predict(
     if is_file:
         path = os.fspath(image_or_kind)  # type: ignore[arg-type]
         return _prediction(_machband.predict_file(path, transfer, view, most_pixels))
+    if isinstance(image_or_kind, np.ma.MaskedArray):
+        raise TypeError("the image is a masked array, and every pixel counts; expected an array without a mask")
     image = np.asarray(image_or_kind)
+    if image.ndim == 0:
+        raise TypeError(f"{type(image_or_kind).__name__} is no picture; expected a kind, a path or an array")
     if image.ndim == 2:
         image = np.repeat(image[:, :, np.newaxis], 3, axis=2)
     if image.ndim != 3 or image.shape[2] != 3:
-        raise ValueError(f"the image has shape {image.shape}; expected (height, width) or (height, width, 3)")
+        raise _machband.Error(f"the image has shape {image.shape}; expected (height, width) or (height, width, 3)")
     height, width = image.shape[:2]
     if width == 0 or height == 0:
-        raise ValueError(f"the image has shape {image.shape}; expected at least one pixel")
+        raise _machband.Error(f"the image has shape {image.shape}; expected at least one pixel")
     if height * width > most_pixels:
-        raise ValueError(f"the image has {width} × {height} pixels; expected at most {MAX_PIXELS}, or large=True")
+        raise _machband.Error(f"the image has {width} × {height} pixels; expected at most {MAX_PIXELS}, or large=True")
     if image.dtype.kind == "u" and image.dtype.itemsize <= 2:
         codes = np.ascontiguousarray(image, image.dtype.newbyteorder("=")).ravel()
         return _prediction(_machband.predict_codes(codes, (height, width), transfer, view))
@@ -157,6 +172,6 @@ def predict(
     if transfer is not None:
         raise TypeError("predict() got transfer, but floats are linear light; expected codes")
     if image.max() > 1:
-        raise ValueError(f"the light goes up to {image.max()}; expected 0 to 1, such as codes / 255 decoded by transfer")
+        raise _machband.Error(f"the light goes up to {image.max()}; expected 0 to 1, such as codes / 255 decoded by transfer")
     linear = np.ascontiguousarray(image, dtype=np.float32).ravel()
     return _prediction(_machband.predict_light(linear, (height, width), view))

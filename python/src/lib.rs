@@ -1,7 +1,7 @@
 //! The extension module of the Python package `machband`: thin functions over the library, which take and return NumPy
 //! arrays. The package in `machband/` documents them, names their arguments and builds data frames.
 //!
-//! Every function that computes runs on threads of its own ([`job`]), without the interpreter's lock.
+//! Every function that computes runs on threads of its own (`job`), without the interpreter's lock.
 
 mod definition;
 mod job;
@@ -17,9 +17,13 @@ use pyo3::{create_exception, exceptions::PyValueError, prelude::*};
 
 create_exception!(machband, Error, PyValueError, "A value, file or data set is not as machband expects it.");
 
-/// Turns any error of the library into a Python exception with the same words, except that an option `--some-name` is
-/// the argument `some_name`.
+/// Turns any error of the library into a Python exception with the same words.
 fn error(error: impl std::fmt::Display) -> PyErr {
+    Error::new_err(message(error))
+}
+
+/// Returns the words of a message, except that an option `--some-name` is the argument `some_name`.
+fn message(error: impl std::fmt::Display) -> String {
     let text = error.to_string();
     let mut parts = text.split("--");
     let mut words = parts.next().unwrap_or_default().to_owned();
@@ -28,7 +32,7 @@ fn error(error: impl std::fmt::Display) -> PyErr {
         words += &part[..end].replace('-', "_");
         words += &part[end..];
     }
-    Error::new_err(words)
+    words
 }
 
 /// Runs the program with these arguments, of which the first is the program's name, and returns the exit status.

@@ -7,7 +7,7 @@ use std::{
 };
 
 use machband::{
-    analysis::Results,
+    analysis::{Note, Results},
     cli::{self, analyze::AnalysisOptions, check},
     experiment::{self, CellValue},
     report::{self, Provenance, Study, document::Section, study::shell_command},
@@ -29,6 +29,7 @@ use pyo3::{
 use crate::{
     error,
     job::{self, Job},
+    message,
     table::{self, Column},
 };
 
@@ -167,10 +168,14 @@ impl Analysis {
         self.first_section(report::skins::fragment)
     }
 
-    /// Returns the warnings about the input, and its errors.
+    /// Returns the warnings about the input, and its errors. Ratings that the model cannot use are a warning.
     fn problems(&self) -> (Vec<String>, Vec<String>) {
-        let texts = |errors: &[machband::store::FileError]| errors.iter().map(ToString::to_string).collect();
-        (texts(&self.study.source.warnings), texts(&self.study.source.errors))
+        let texts = |errors: &[machband::store::FileError]| errors.iter().map(message).collect();
+        let mut warnings: Vec<String> = texts(&self.study.source.warnings);
+        let notes = self.results.model.iter().flat_map(|report| &report.model.notes);
+        let lost = notes.filter(|note| matches!(note, Note::MissingValues { .. }));
+        warnings.extend(lost.map(|note| format!("the model: {note}")));
+        (warnings, texts(&self.study.source.errors))
     }
 }
 

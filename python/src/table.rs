@@ -12,6 +12,8 @@ use crate::error;
 /// missing ones are `None`.
 pub enum Column {
     Whole(Vec<i64>),
+    /// Whole numbers of which one is above `i64::MAX`, such as seeds.
+    Large(Vec<u64>),
     Number(Vec<f64>),
     Time(Vec<i64>),
     Text(Vec<Option<String>>),
@@ -22,9 +24,13 @@ impl Column {
     pub fn of(values: &[CellValue]) -> Self {
         let all = |is: fn(&CellValue) -> bool| !values.is_empty() && values.iter().all(is);
         if all(|value| matches!(value, CellValue::Whole(_))) {
-            return Self::Whole(
-                values.iter().map(|value| if let CellValue::Whole(n) = value { *n } else { 0 }).collect(),
-            );
+            let whole = values.iter().map(|value| if let CellValue::Whole(n) = value { *n } else { 0 });
+            if let Some(numbers) = whole.clone().map(|n| n.try_into().ok()).collect() {
+                return Self::Whole(numbers);
+            }
+            if let Some(numbers) = whole.map(|n| n.try_into().ok()).collect() {
+                return Self::Large(numbers);
+            }
         }
         if all(|value| matches!(value, CellValue::Time(_))) {
             let milliseconds =
@@ -64,6 +70,7 @@ impl Column {
     pub fn into_array(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         Ok(match self {
             Self::Whole(numbers) => numbers.into_pyarray(py).into_any(),
+            Self::Large(numbers) => numbers.into_pyarray(py).into_any(),
             Self::Number(numbers) => numbers.into_pyarray(py).into_any(),
             Self::Time(times) => times.into_pyarray(py).call_method1("view", ("datetime64[ms]",))?,
             Self::Text(texts) => {

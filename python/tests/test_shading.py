@@ -96,6 +96,8 @@ def test_a_repaired_mesh_is_a_warning():
         (("blbo",), {}, machband.Error, "blbo"),
         (("missing.obj",), {}, machband.Error, "missing.obj"),
         (("blob", [[0, 1, 2]]), {}, TypeError, "triangles"),
+        ((machband.mesh("cube"), [[0, 1, 2]]), {}, TypeError, "expected a Mesh alone"),
+        (("blob",), {"shader": None}, TypeError, "neither shader nor truth"),
     ],
 )
 def test_wrong_meshes_are_refused(args, given, error, words):

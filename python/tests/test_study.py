@@ -199,27 +199,69 @@ def test_ordered_texts_missing_values_and_counts():
     assert found.tables["cells"]["width"].tolist() == [0.5, 1]
     assert found.tables["cells"]["n"].tolist() == [24, 12]
     assert found.tables["subjects"]["subject_id"].tolist() == ["007", "8"]
-    assert found.errors[0].startswith("table, row 3:")
+    assert found.errors[0].startswith("table, row 3 (counted from 0):")
     frame["answer"] = pandas.Categorical(frame.answer, ["low", "mid, or so", "high"], ordered=True)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         assert machband.analyze(frame, count="n", **given).files["cells.csv"] == found.files["cells.csv"]
 
 
+def test_a_scale_is_ours_or_named():
+    frame = pandas.DataFrame({"subject_id": [*"abcd"] * 12, "width": [0.1] * 24 + [0.2] * 24, "rating": [1, 2, 3, 4] * 12})
+    given = dict(factors=["width"], draws=19)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = machband.analyze(frame, **given)
+    assert "or response with this column for another scale" in found.errors[0]
+    assert "12 rows are excluded" in found.summary
+    expected = machband.analyze(frame, response="rating", **given)
+    assert not expected.errors and expected.tables["by_width"]["n"].tolist() == [24, 24]
+    # An ordered Categorical, and categories, say which scale it is.
+    names = ["none", "low", "mid", "high"]
+    frame["rating"] = frame.rating.map(dict(zip([1, 2, 3, 4], names, strict=True)))
+    told = machband.analyze(frame, categories=names, **given).files["tests.csv"]
+    frame["rating"] = pandas.Categorical(frame.rating, names, ordered=True)
+    assert machband.analyze(frame, **given).files["tests.csv"] == told == expected.files["tests.csv"]
+    # Named levels of an index are columns.
+    assert machband.analyze(frame.set_index("subject_id"), **given).files["tests.csv"] == told
+
+
+def test_ratings_without_a_level_are_a_warning(sessions):
+    frame = sessions[1][["subject_id", "width", "rating"]].copy()
+    frame.loc[:3, "width"] = np.nan
+    with pytest.warns(UserWarning, match="the model: 4 ratings without a value of width are excluded"):
+        found = machband.analyze(frame, factors=["width"], draws=19, slopes=None)
+    assert len(found.warnings) == 1 and not found.model["random"]["slopes"]
+
+
+@pytest.mark.parametrize("seed", [2**53 + 1, 2**63 + 12345, 2**64 - 1])
+def test_large_seeds_are_exact(seed):
+    rows = machband.simulate("quick", seed=seed)
+    assert rows.seed.tolist() == [seed] * len(rows)
+    definition = machband.Definition("quick")
+    assert definition.schedule("S001", 1, seed).width.tolist() == rows.width.tolist()
+
+
 @pytest.mark.parametrize(
     ("data", "given", "error", "words"),
     [
         ("missing", {}, machband.Error, "missing"),
-        (7, {}, TypeError, "int is not a table"),
+        (7, {}, TypeError, "int is not a path"),
         ([], {}, ValueError, "no paths"),
         ({}, {}, ValueError, "no columns"),
-        (pandas.Series([1, 2]), {}, TypeError, "Series is not a table"),
+        (pandas.Series([1, 2]), {}, TypeError, "Series is not a path"),
         ({"subject_id": ["a"], "rating": [7], "width": [1]}, {}, machband.Error, "^table"),
         ({"a": [1], "b": [1, 2]}, {}, ValueError, "same number"),
         ({"a": [[1]]}, {}, ValueError, "one dimension"),
         ({"subject_id": ["a"], "rating": [1]}, {"link": "lgoit"}, machband.Error, "logit"),
         ({"subject_id": ["a"], "rating": [1]}, {"lnik": "logit"}, TypeError, "did you mean 'link'"),
-        ({"subject_id": ["a", "b"], "rating": [1, 2]}, {"terms": "depht"}, machband.Error, "depht"),
+        ({"subject_id": ["a", "b"], "rating": [1, 2]}, {"terms": "depht"}, machband.Error, "^table: .* depht"),
+        ([{"subject_id": "a", "rating": 1}], {}, TypeError, "dict is not a path; expected .* dict of columns"),
+        (pandas.DataFrame([[1, 2, 3]], columns=["subject_id", "w", "w"]), {}, machband.Error, "two columns are named 'w'"),
+        (pandas.DataFrame([[1]], columns=pandas.MultiIndex.from_tuples([("a", "b")])), {}, machband.Error, "2 levels"),
+        ({"subject_id": ["a"], "rating": [1]}, {"draws": 0}, machband.Error, "draws 0 is outside 19…"),
+        ({"subject_id": ["a"], "rating": [1]}, {"draws": 19.5}, TypeError, "draws is 19.5"),
+        ({"subject_id": ["a"], "rating": [1]}, {"scale": "no"}, TypeError, "scale is 'no'; expected True or False"),
     ],
 )
 def test_wrong_data_are_refused(data, given, error, words):

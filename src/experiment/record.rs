@@ -19,7 +19,8 @@ use crate::{light::interpolation::Depth, stimulus::ParameterValue};
 pub enum CellValue {
     /// An empty cell.
     Missing,
-    Whole(i64),
+    /// A whole number; large enough for every seed.
+    Whole(i128),
     /// A number, which may be infinite.
     Number(f64),
     Text(String),
@@ -53,7 +54,7 @@ macro_rules! plain_cell {
 }
 plain_cell! {
     u32 => "a whole number", |whole: &u32| CellValue::Whole((*whole).into());
-    u64 => "a whole number", |whole: &u64| i64::try_from(*whole).map_or(CellValue::Number(*whole as f64), CellValue::Whole);
+    u64 => "a whole number", |whole: &u64| CellValue::Whole((*whole).into());
     Depth => "a whole number from 1 to 32, or inf", |depth: &Depth| CellValue::Number(match depth {
         Depth::Finite(n) => (*n).into(),
         Depth::Infinite => f64::INFINITY,

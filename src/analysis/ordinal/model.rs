@@ -236,7 +236,7 @@ fn finite<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> 
 #[serde(tag = "note", rename_all = "snake_case")]
 pub enum Note {
     /// Some ratings have no value for a factor that the model needs.
-    #[error("{ratings} ratings without a {factor} are excluded")]
+    #[error("{ratings} ratings without a value of {factor} are excluded")]
     MissingValues {
         factor: String,
         /// Number of excluded ratings.

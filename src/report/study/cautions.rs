@@ -34,8 +34,8 @@ pub(super) fn cautions(source: &Source, results: &Results) -> Vec<String> {
     let mut cautions = Vec::new();
     cautions.extend(simulated(source, results));
     cautions.extend(one_participant(source, results));
-    cautions.extend(problems(&source.errors, "error"));
-    cautions.extend(problems(&source.warnings, "warning"));
+    cautions.extend(problems(&source.errors, "error", source.files.iter().map(|file| file.erroneous).sum()));
+    cautions.extend(problems(&source.warnings, "warning", 0));
     cautions.extend(nothing_found(results));
     cautions.extend(about_model(results));
     cautions.extend(names::varied(results).filter_map(|factor| pairs_without_power(results, factor)));
@@ -73,10 +73,15 @@ fn one_participant(source: &Source, results: &Results) -> Option<String> {
     ))
 }
 
-fn problems(problems: &[FileError], what: &str) -> Option<String> {
+fn problems(problems: &[FileError], what: &str, excluded: u64) -> Option<String> {
     let files: BTreeSet<&str> = problems.iter().map(|problem| problem.file.as_str()).collect();
     let (messages, files) = (count(problems.len() as u64, what), count(files.len() as u64, "file"));
-    (!problems.is_empty()).then(|| format!("The input has {messages} in {files}; see “Data quality”."))
+    let excluded = match excluded {
+        0 => String::new(),
+        1 => ", and 1 row is excluded".to_owned(),
+        rows => format!(", and {rows} rows are excluded"),
+    };
+    (!problems.is_empty()).then(|| format!("The input has {messages} in {files}{excluded}; see “Data quality”."))
 }
 
 /// Warns that a missing effect proves nothing: absence of evidence is not evidence of absence.
