@@ -96,7 +96,7 @@ def test_ctrl_c_stops_long_work(work, tmp_path):
     process.send_signal(signal.SIGINT)
     busy, _ = process.communicate(timeout=60)
     assert process.returncode == 0 and time.monotonic() - start < 15
-    # No thread goes on with the work.
+    # No thread continues the work.
     assert float(busy) < 0.5
     # Nothing is left behind.
     assert not list(tmp_path.iterdir())
