@@ -80,11 +80,10 @@ impl Analyze {
     pub fn analyze(&self, study: &Study, watcher: &dyn Watcher) -> Result<Results, RequestError> {
         let progress = |done: usize, all: usize| watcher.progress(done as u64, all as u64);
         let results = analyze_with(study.measured.clone(), &self.options(), &progress);
-        match &results.model {
-            Err(error) => refused(error).map_or(Ok(()), Err)?,
-            Ok(_) => {}
+        match results.model.as_ref().err().and_then(refused) {
+            Some(error) => Err(error),
+            None => Ok(results),
         }
-        Ok(results)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, fs, path::Path};
 
-use clap::{Args, Command, FromArgMatches as _};
+use clap::{Args, Command};
 use machband::work::{Analyze, from_names, simulate::Simulate, words};
 use serde_json::{Map, Value, json};
 

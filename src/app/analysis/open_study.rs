@@ -54,7 +54,7 @@ pub enum Request {
     /// Choose other columns of the same file.
     Columns,
     /// Read the same files again with other options.
-    Read(Analyze),
+    Read(Box<Analyze>),
 }
 
 /// The data and its analysis.
@@ -292,7 +292,7 @@ impl OpenStudy {
         if unfinished || source.files.iter().any(|file| file.unfinished > 0) {
             let mut asked = self.asked.clone();
             if ui.checkbox(&mut asked.ratings.complete_only, "Exclude unfinished sessions").changed() {
-                self.request = Some(Request::Read(asked));
+                self.request = Some(Request::Read(Box::new(asked)));
             }
         }
         if let Some(text) = &self.not_reread {
@@ -337,7 +337,7 @@ impl OpenStudy {
             // Also if the files cannot be read, so that the same request is not repeated in every frame.
             self.extra = extra;
             let Analyze { ratings, .. } = self.asked.clone();
-            self.request = Some(Request::Read(Analyze { ratings, ..self.settings.request() }));
+            self.request = Some(Request::Read(Box::new(Analyze { ratings, ..self.settings.request() })));
         }
     }
 }

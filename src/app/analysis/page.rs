@@ -170,8 +170,8 @@ impl Analysis {
             }
             Request::Read(asked) => {
                 // The study requests the same again in every frame until it is read.
-                if self.reading.as_ref().is_none_or(|pending| pending.asked != asked) {
-                    self.read(ctx, asked, true);
+                if self.reading.as_ref().is_none_or(|pending| pending.asked != *asked) {
+                    self.read(ctx, *asked, true);
                 }
             }
         }
