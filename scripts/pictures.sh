@@ -195,7 +195,8 @@ for i in "${!depths[@]}"; do
     moving+=(-delay 70 "$work/moving-$i-field.png" -delay 220 "$work/moving-$i-stimulus.png")
     moving+=(-delay 60 "$work/moving-$i-mark.png")
 done
-convert "${moving[@]}" +dither -treedepth 8 -loop 0 "$pictures/trial.gif"
+# It begins with the first stimulus, which programs show that do not move pictures.
+convert "${moving[@]:3}" "${moving[@]:0:3}" +dither -treedepth 8 -loop 0 "$pictures/trial.gif"
 
 # A shallow ramp of ten codes, with and without dither, with its contrast stretched to make the codes visible.
 for dither in none blue-noise; do
