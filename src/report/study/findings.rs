@@ -8,12 +8,12 @@ use super::names;
 use crate::{
     analysis::{
         Comparison, Link, ModelReport, Part, Results, TermTest,
-        interval::Interval,
         rank_tests::PMethod,
         results::FactorResults,
         terms::{Term, Variable},
     },
     report::document::numbers::{fixed, list, mean, p_is, percent, ratio, short_list, with_interval},
+    statistics::Interval,
 };
 
 /// Significance level: if p is below this, a difference counts as more than chance.
