@@ -14,22 +14,10 @@ use super::{
 };
 use crate::statistics::chi_squared_tail;
 
-/// The part of a model that a test concerns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Part {
-    /// Location: shifts the ratings.
-    Location,
-    /// Effects that differ between the thresholds.
-    Nominal,
-}
-
 /// A likelihood-ratio test of one term.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TermTest {
     pub term: String,
-    /// The part of the model in which the term is, or would be.
-    pub part: Part,
     /// Twice the difference of the log-likelihoods; `None` if one of the models has no maximum.
     pub lr: Option<f64>,
     /// The difference in the number of parameters.
@@ -77,7 +65,7 @@ pub(crate) fn without_term(full: &Fitted, term: &Term) -> Result<TermTest, Model
     let how = How { random: Some(&full.random), near: full.mixed.as_ref(), ..How::default() };
     let reduced = fit_terms(full.frame.clone(), spec, Vec::new(), how)?;
     let difference = comparable(full, &reduced).then(|| full.loglik() - reduced.loglik());
-    Ok(TermTest::new(term, Part::Location, difference, full.rank().saturating_sub(reduced.rank())))
+    Ok(TermTest::new(term, difference, full.rank().saturating_sub(reduced.rank())))
 }
 
 /// Returns whether both fits found a maximum of the same kind of likelihood.
@@ -122,16 +110,15 @@ pub(super) fn nominal_test(full: &Fitted, term: &Term) -> Result<TermTest, Model
     let fit = if feasible { fit_clm(&raised).ok() } else { None };
     let fit = fit.filter(|fit| fit.end != FitEnd::Stalled && full.clm.end != FitEnd::Stalled);
     let difference = fit.map(|fit| data.loglik(&fit.parameters) - full.clm.loglik);
-    Ok(TermTest::new(term, Part::Nominal, difference.filter(|difference| difference.is_finite()), df))
+    Ok(TermTest::new(term, difference.filter(|difference| difference.is_finite()), df))
 }
 
 impl TermTest {
     /// Creates a test from the difference of two log-likelihoods.
-    fn new(term: &Term, part: Part, difference: Option<f64>, df: usize) -> Self {
+    fn new(term: &Term, difference: Option<f64>, df: usize) -> Self {
         let lr = difference.filter(|_| df > 0).map(|difference| (2.0 * difference).max(0.0));
         Self {
             term: term.to_string(),
-            part,
             lr,
             df,
             p: lr.map(|lr| chi_squared_tail(lr, df)),

@@ -32,7 +32,7 @@ pub mod terms;
 pub use calibration::{Calibration, FEW_FOR_LIKELIHOOD_RATIOS, ModelReport, fit_calibrated, fit_with_tests};
 pub use checks::{Alternative, Checks, Influence, Proportion};
 pub use estimates::{Prediction, fit};
-pub use likelihood_ratios::{Part, TermTest, Withheld};
+pub use likelihood_ratios::{TermTest, Withheld};
 pub use link::Link;
 pub use margins::{Comparison, Margin};
 pub use model::{

@@ -7,7 +7,7 @@
 use super::names;
 use crate::{
     analysis::{
-        Comparison, Link, ModelReport, Part, Results, TermTest,
+        Comparison, Link, ModelReport, Results, TermTest,
         rank_tests::PMethod,
         results::FactorResults,
         terms::{Term, Variable},
@@ -209,7 +209,7 @@ pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evid
 
 fn likelihood_ratio<'a>(results: &'a Results, term: &Term) -> Option<&'a TermTest> {
     let name = term.to_string();
-    results.model.as_ref().ok()?.terms.iter().find(|test| test.part == Part::Location && test.term == name)
+    results.model.as_ref().ok()?.terms.iter().find(|test| test.term == name)
 }
 
 /// Returns the term that contains only this factor, as levels or as a number.
