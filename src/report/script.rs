@@ -318,8 +318,7 @@ fn levels(factor: &Factor, model: &Model) -> Vec<String> {
 
 /// Returns the arguments that say how a model is fitted.
 fn arguments(model: &Model) -> String {
-    let nodes = model.method.strip_prefix("clmm-aghq-").map(|nodes| format!(", nAGQ = {nodes}")).unwrap_or_default();
-    format!("link = \"{}\"{nodes}", model.link)
+    format!("link = \"{}\"", model.link)
 }
 
 /// Returns whether correlated effects have a variance of 0 in some direction, so that their correlations are arbitrary.
@@ -383,10 +382,7 @@ fn fit(model: &Model, columns: &Columns, deviations: &[&Deviation]) -> String {
              r <- data.frame(estimate = c(logLik(fit), estimate), se = c(NA, se))\n"
         );
     }
-    // With quadrature, clmm wants all start values in one vector, and its last parameter is the logarithm of the SD.
-    let quadrature = model.method != "clmm-laplace";
-    let start = if quadrature { "start".to_owned() } else { format!("list(start[1:{fixed}], start[-(1:{fixed})])") };
-    let matrix = if quadrature { "" } else { "useMatrix = TRUE, " };
+    let start = format!("list(start[1:{fixed}], start[-(1:{fixed})])");
     let newton = format!(
         "# clmm stops early, so a Newton step follows.\n\
          start <- fit$optRes$par\n\
@@ -402,23 +398,19 @@ fn fit(model: &Model, columns: &Columns, deviations: &[&Deviation]) -> String {
             .to_owned()
             + &format!("r$se[2:{}] <- se[1:{fixed}]\n", fixed + 1)
     } else {
-        let logarithm = match quadrature {
-            true => format!("se[{0}] <- se[{0}] * sd # clmm estimates the logarithm\n", fixed + 1),
-            false => String::new(),
-        };
         let keys: Vec<&str> =
             deviations.iter().flat_map(|deviation| &deviation.sds).map(|sd| sd.key.as_str()).collect();
         format!(
             "# R sorts the random effects.\n\
              names <- paste(names(fit$gfList)[attr(fit$gfList, \"assign\")], sapply(VarCorr(fit), colnames))\n\
              order <- match({}, names)\n\
-             sd <- sapply(VarCorr(fit), attr, \"stddev\")[order]\n{logarithm}\
+             sd <- sapply(VarCorr(fit), attr, \"stddev\")[order]\n\
              r <- data.frame(estimate = c(logLik(fit), estimate, sd), se = c(NA, se[c(1:{fixed}, {fixed} + order)]))\n",
             strings(&keys)
         )
     };
     format!(
-        "control <- clmm.control({matrix}gradTol = 1e-8, maxIter = 200, innerCtrl = \"noWarn\")\n\
+        "control <- clmm.control(useMatrix = TRUE, gradTol = 1e-8, maxIter = 200, innerCtrl = \"noWarn\")\n\
          refit <- function(...) clmm({formula},\n  {arguments}, control = control, ...)\n\
          fit <- refit()\n{free}\
          {newton}{estimates}{spreads}"

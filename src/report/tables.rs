@@ -7,11 +7,11 @@ use serde_json::{Value, json};
 use crate::analysis::{
     Contrast, Link, Model, Results,
     counts::{CountRow, Counts, Quartiles},
-    interval::Interval,
     rank_tests::PMethod,
     results::{FactorResults, SubjectResults},
     summary::Group,
 };
+use crate::statistics::Interval;
 use crate::store::{ratings::Shape, table::inert};
 
 /// A table: its header and its rows.
@@ -119,11 +119,7 @@ pub fn tests(results: &Results) -> Table {
     }
     let scope = if results.is_inferential() { "" } else { "; about this participant's trials only" };
     if let Ok(report) = &results.model {
-        let groups = [
-            ("likelihood-ratio", &report.terms),
-            ("proportional-odds", &report.proportional_odds),
-            ("scale", &report.scale),
-        ];
+        let groups = [("likelihood-ratio", &report.terms), ("proportional-odds", &report.proportional_odds)];
         for (name, test) in groups.iter().flat_map(|(name, tests)| tests.iter().map(move |test| (name, test))) {
             let numbers = [test.lr, Some(test.df as f64), test.p, test.p_holm, None];
             let note = match (test.withheld, test.draws) {
@@ -244,8 +240,7 @@ pub fn predictions(results: &Results) -> Option<Table> {
 pub fn model(results: &Results) -> Value {
     let spec = &results.spec;
     let asked = json!({
-        "terms": spec.terms.to_string(), "scale": spec.scale.to_string(),
-        "random": spec.random, "quadrature": spec.quadrature,
+        "terms": spec.terms.to_string(), "random": spec.random,
     });
     match &results.model {
         Err(error) => json!({
@@ -263,7 +258,6 @@ pub fn model(results: &Results) -> Value {
             value["intraclass_correlation"] = json!({ "estimate": share, "interval": interval });
             value["likelihood_ratio"] = json!(report.terms);
             value["proportional_odds"] = json!(report.proportional_odds);
-            value["scale_tests"] = json!(report.scale);
             value["effect_sizes"] = effect_sizes(&report.model);
             value["comparisons"] = json!(report.comparisons);
             value["margins"] = json!(report.margins);

@@ -92,7 +92,7 @@ fn an_analysis_is_reproducible() {
     assert_ne!(tests, other);
     // The columns before p, and the tests that need no simulation.
     assert!(tests.iter().zip(&other).all(|(one, other)| one[..7] == other[..7]));
-    let is_simulated = |row: &[String]| ["likelihood-ratio", "proportional-odds", "scale"].contains(&&*row[0]);
+    let is_simulated = |row: &[String]| ["likelihood-ratio", "proportional-odds"].contains(&&*row[0]);
     assert!(tests.iter().zip(&other).all(|(one, other)| one == other || is_simulated(one)));
     for file in ["model.json", "tests.csv", "counts.csv"] {
         let bytes = |out: &str| fs::read(folder.path().join(out).join(file)).unwrap();
@@ -227,13 +227,10 @@ fn terms_select_the_model() {
     }
     let probit = model("--terms width --link probit --random none");
     assert_eq!((&probit["link"], &probit["method"]), (&"probit".into(), &"clm".into()));
-    assert_eq!(model("--terms width --quadrature 10 --slopes none")["method"], "clmm-aghq-10");
-    // Quadrature needs a single random effect.
-    assert_eq!(model("--terms width --quadrature 10")["method"], "clmm-laplace");
+    assert_eq!(model("--terms width")["method"], "clmm-laplace");
     for (options, expected) in [
         ("--terms widht", "did you mean width"),
         ("--terms num:depth", "num:inv_n"),
-        ("--quadrature 0", "--quadrature"),
         ("--terms width,depth,orientation_deg --slopes correlated", "expected at most 10"),
         ("--link cloglog", "logit"),
     ] {
@@ -336,7 +333,7 @@ fn run_script(folder: &Path) -> Option<String> {
 fn the_script_finds_the_same_numbers_in_r() {
     let folder = study("quick", 8);
     for (out, options, expected) in [
-        ("zero", "--terms width --slopes none --quadrature 5", "width0.1"),
+        ("zero", "--terms width --slopes none", "width0.1"),
         ("slopes", "--terms width,depth", "SD depth"),
         ("correlated", "--terms orientation_deg --slopes correlated --link probit", "orientation_deg90"),
         ("plain", "--terms width:num:inv_n --random none", "width0.02:inv_n"),
@@ -357,7 +354,7 @@ fn the_script_finds_the_same_numbers_in_r() {
 }
 
 /// Names and levels with quotes, backslashes, spaces and other letters, words as categories, missing values, a number
-/// in the hundreds, a level whose ratings are all the same, and quadrature.
+/// in the hundreds, and a level whose ratings are all the same.
 #[test]
 fn the_script_quotes_any_name() {
     let folder = tempfile::tempdir().unwrap();
@@ -385,10 +382,5 @@ fn the_script_quotes_any_name() {
     assert!(script.is_ascii() && script.contains(r#"levels = c("a\"b", "c\\d", "it's", "#), "{script}");
     if let Some(printed) = run_script(&out) {
         assert!(printed.contains("SD num:time-ms, per 100"), "{printed}");
-    }
-    let quadrature = ["--terms", "=group", "--slopes", "none", "--quadrature", "5", "--force"];
-    succeeds(folder.path(), &[&arguments[..], &categories, &quadrature].concat());
-    if let Some(printed) = run_script(&out) {
-        assert!(printed.contains("SD (Intercept)"), "{printed}");
     }
 }

@@ -10,7 +10,10 @@ use super::{
     model::{Contrast, ModelSpec, Random, Slopes},
     resampling::Simulator,
 };
-use crate::analysis::{counts::CountRow, interval::Interval};
+use crate::{
+    analysis::counts::CountRow,
+    statistics::{Interval, mean_and_sd},
+};
 
 /// Number of simulated studies for the comparison of observed with expected proportions.
 const STUDIES: usize = 400;
@@ -129,7 +132,7 @@ fn tally(full: &Fitted, rows: &[CountRow]) -> Tally {
         *sum += n * f64::from(row.rating);
     }
     let means: Vec<f64> = people.iter().map(|(n, sum)| sum / n).collect();
-    Tally { levels, spread: crate::analysis::interval::mean_and_sd(&means).1 }
+    Tally { levels, spread: mean_and_sd(&means).1 }
 }
 
 fn predictive(full: &Fitted, seed: u64) -> (Vec<Proportion>, Option<(f64, Interval)>) {

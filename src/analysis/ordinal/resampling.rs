@@ -8,7 +8,7 @@
 
 use std::collections::BTreeMap;
 
-use clap::{Args, builder::RangedU64ValueParser};
+use clap::Args;
 use nalgebra::DVector;
 use rand::RngExt;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
@@ -21,7 +21,7 @@ use super::{
     design::Design,
     estimates::finite_estimates,
     fitting::{Fitted, How, Layout, fit_terms, layout},
-    likelihood_ratios::{comparable, nominal_test, scale_test},
+    likelihood_ratios::{comparable, nominal_test},
     link::Link,
     search::MixedFit,
     terms::Term,
@@ -35,8 +35,8 @@ use crate::analysis::{counts::CountRow, frame::Frame};
 pub struct Resampling {
     /// Number of simulated studies that calibrate tests and intervals; an analysis of many ratings uses at most 199.
     #[arg(long, value_name = "N", default_value_t = Self::default().draws,
-          value_parser = RangedU64ValueParser::<usize>::new().range(19..=1_000_000))]
-    pub draws: usize,
+          value_parser = clap::value_parser!(u32).range(19..=1_000_000))]
+    pub draws: u32,
     /// Seed of the simulated studies.
     #[arg(long, value_name = "N", default_value_t = Self::default().seed)]
     pub seed: u64,
@@ -55,8 +55,6 @@ pub(super) struct Statistics<'a> {
     pub terms: Vec<&'a Term>,
     /// Terms whose proportional odds are tested.
     pub nominal: Vec<&'a Term>,
-    /// Terms whose effect on the spread is tested.
-    pub scale: Vec<&'a Term>,
 }
 
 /// The ratios in the simulated studies, for each term; not finite where a study allows no fit.
@@ -64,28 +62,23 @@ pub(super) struct Statistics<'a> {
 pub(super) struct Ratios {
     pub terms: Vec<Vec<f64>>,
     pub nominal: Vec<Vec<f64>>,
-    pub scale: Vec<Vec<f64>>,
 }
 
 /// Simulates studies from a fit and computes the ratios in each. `progress` is called after each study.
 pub(super) fn simulate(full: &Fitted, what: &Statistics, settings: Resampling, progress: &(dyn Fn() + Sync)) -> Ratios {
     let simulator = Simulator::new(full, true);
     let held: Vec<Design> = what.terms.iter().map(|term| full.x.held(&own_coefficients(full, term))).collect();
-    let of_study = |study: usize| {
-        let frame = simulator.study(settings.seed, study as u64);
+    let of_study = |study: u32| {
+        let frame = simulator.study(settings.seed, study.into());
         let ratios = frame.map(|frame| ratios(full, frame, &held, what));
         progress();
-        ratios.unwrap_or_else(|| [&what.terms, &what.nominal, &what.scale].map(|terms| vec![f64::NAN; terms.len()]))
+        ratios.unwrap_or_else(|| [&what.terms, &what.nominal].map(|terms| vec![f64::NAN; terms.len()]))
     };
-    let studies: Vec<[Vec<f64>; 3]> = (0..settings.draws).into_par_iter().map(of_study).collect();
+    let studies: Vec<[Vec<f64>; 2]> = (0..settings.draws).into_par_iter().map(of_study).collect();
     let collect = |kind: usize, terms: usize| -> Vec<Vec<f64>> {
         (0..terms).map(|term| studies.iter().map(|ratios| ratios[kind][term]).collect()).collect()
     };
-    Ratios {
-        terms: collect(0, what.terms.len()),
-        nominal: collect(1, what.nominal.len()),
-        scale: collect(2, what.scale.len()),
-    }
+    Ratios { terms: collect(0, what.terms.len()), nominal: collect(1, what.nominal.len()) }
 }
 
 /// Returns the indices of a term's columns and their coefficients.
@@ -93,13 +86,13 @@ pub(super) fn own_coefficients(full: &Fitted, term: &Term) -> Vec<(usize, f64)> 
     let name = term.to_string();
     let estimates = finite_estimates(full);
     let thresholds = full.frame.categories.len() - 1;
-    let own = (0..full.x.columns.len()).filter(|&column| full.term_name(&full.x, column) == name);
+    let own = (0..full.x.columns.len()).filter(|&column| full.term_name(column) == name);
     own.map(|column| (column, estimates[thresholds + column])).collect()
 }
 
-fn ratios(full: &Fitted, frame: Frame, held: &[Design], what: &Statistics) -> [Vec<f64>; 3] {
+fn ratios(full: &Fitted, frame: Frame, held: &[Design], what: &Statistics) -> [Vec<f64>; 2] {
     let how = How { random: Some(&full.random), x: Some(&full.x), near: full.mixed.as_ref(), ..How::default() };
-    let none = [&what.terms, &what.nominal, &what.scale].map(|terms| vec![f64::NAN; terms.len()]);
+    let none = [&what.terms, &what.nominal].map(|terms| vec![f64::NAN; terms.len()]);
     // Without terms to test, the random effects are not needed.
     let mut spec = full.spec.clone();
     if held.is_empty() {
@@ -116,7 +109,6 @@ fn ratios(full: &Fitted, frame: Frame, held: &[Design], what: &Statistics) -> [V
     [
         held.iter().map(|x| or_nan(fixed(x))).collect(),
         what.nominal.iter().map(|term| or_nan(nominal_test(&free, term).ok().and_then(|test| test.lr))).collect(),
-        what.scale.iter().map(|term| or_nan(scale_test(&free, term).ok().and_then(|test| test.lr))).collect(),
     ]
 }
 

@@ -278,7 +278,6 @@ impl Findings<'_> {
             ("terms", spec.terms.to_string()),
             ("slopes", spec.slopes.to_string()),
             ("slope_sd", slope_sd.join(" ")),
-            ("quadrature", spec.quadrature.to_string()),
             ("seed", self.sampling.seed.to_string()),
             ("observer", self.observer.clone()),
         ]

@@ -85,7 +85,6 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         terms: options.terms.clone(),
         link: options.link,
         slopes: options.slopes,
-        quadrature: 1,
         large: options.large,
     };
     let plan = Plan::new(&protocol, &observer, &shifts, &slopes, &model)

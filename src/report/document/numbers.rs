@@ -1,7 +1,7 @@
 //! Formats numbers as readers expect them: with reasonable precision, thousands separators, and no leading zero in a
 //! probability. A dash stands for a missing number.
 
-use crate::analysis::interval::Interval;
+use crate::statistics::Interval;
 
 /// A no-break space.
 pub const NBSP: &str = "\u{a0}";

@@ -7,13 +7,13 @@
 use super::names;
 use crate::{
     analysis::{
-        Comparison, Link, ModelReport, Part, Results, TermTest,
-        interval::Interval,
+        Comparison, Link, ModelReport, Results, TermTest,
         rank_tests::PMethod,
         results::FactorResults,
         terms::{Term, Variable},
     },
     report::document::numbers::{fixed, list, mean, p_is, percent, ratio, short_list, with_interval},
+    statistics::Interval,
 };
 
 /// Significance level: if p is below this, a difference counts as more than chance.
@@ -209,7 +209,7 @@ pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evid
 
 fn likelihood_ratio<'a>(results: &'a Results, term: &Term) -> Option<&'a TermTest> {
     let name = term.to_string();
-    results.model.as_ref().ok()?.terms.iter().find(|test| test.part == Part::Location && test.term == name)
+    results.model.as_ref().ok()?.terms.iter().find(|test| test.term == name)
 }
 
 /// Returns the term that contains only this factor, as levels or as a number.
