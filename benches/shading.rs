@@ -72,12 +72,6 @@ fn cases() -> Vec<Case> {
         .collect()
 }
 
-/// The defaults, except for *exact*: the narrow strip of the benchmark targets.
-fn shade(shader: Shader) -> Shade {
-    let shade = Shade::new(shader);
-    if shader == Shader::Exact { Shade { boundary: 0.05, ..shade } } else { shade }
-}
-
 fn pool(threads: usize) -> rayon::ThreadPool {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads")
 }
@@ -99,19 +93,19 @@ mod pixels {
 
     #[divan::bench(args = cases())]
     fn rgba8(bencher: Bencher<'_, '_>, case: Case) {
-        bench_codes(bencher, &grid(28, 28, case.color), &shade(case.shader), case.threads);
+        bench_codes(bencher, &grid(28, 28, case.color), &Shade::new(case.shader), case.threads);
     }
 
     #[divan::bench(args = [1, 2])]
     fn linear_f32_gouraud(bencher: Bencher<'_, '_>, threads: usize) {
         let frame = grid(28, 28, COLOR);
-        let prepared = Prepared::new(&frame, &shade(Shader::Gouraud));
+        let prepared = Prepared::new(&frame, &Shade::new(Shader::Gouraud));
         let pool = pool(threads);
         bencher.counter(ItemsCount::new(PIXELS)).bench_local(|| pool.install(|| black_box(&prepared).image()));
     }
 }
 
-/// Gouraud and *exact* from huge triangles to those of a few pixels.
+/// Gouraud and *fixed* from huge triangles to those of a few pixels.
 #[divan::bench_group(sample_count = 40, sample_size = 1)]
 mod triangles {
     use super::*;
@@ -120,12 +114,12 @@ mod triangles {
 
     #[divan::bench(args = GRIDS)]
     fn gouraud(bencher: Bencher<'_, '_>, (columns, rows): (usize, usize)) {
-        bench_codes(bencher, &grid(columns, rows, GRAY), &shade(Shader::Gouraud), 1);
+        bench_codes(bencher, &grid(columns, rows, GRAY), &Shade::new(Shader::Gouraud), 1);
     }
 
     #[divan::bench(args = GRIDS)]
-    fn exact(bencher: Bencher<'_, '_>, (columns, rows): (usize, usize)) {
-        bench_codes(bencher, &grid(columns, rows, GRAY), &shade(Shader::Exact), 1);
+    fn fixed(bencher: Bencher<'_, '_>, (columns, rows): (usize, usize)) {
+        bench_codes(bencher, &grid(columns, rows, GRAY), &Shade::new(Shader::Fixed), 1);
     }
 }
 
@@ -137,7 +131,7 @@ mod prepare {
     #[divan::bench(args = Shader::ALL)]
     fn gray(bencher: Bencher<'_, '_>, shader: Shader) {
         let frame = grid(28, 28, GRAY);
-        bencher.bench_local(|| Prepared::new(black_box(&frame), &shade(shader)));
+        bencher.bench_local(|| Prepared::new(black_box(&frame), &Shade::new(shader)));
     }
 
     /// The Bézier ordinates of 1568 and 99,904 triangles: of the light for *patch*, of the normals for *c1-phong*.

@@ -76,8 +76,6 @@ done
 for mesh in cube blob; do
     turned=(--mesh "$mesh" --rotate 25,-35,0)
     panel ours "$mesh: Gouraud" "${turned[@]}" --shader gouraud
-    panel ours 'exact (3, 0.33)' "${turned[@]}" --shader exact --depth 3 --boundary 0.33
-    panel ours 'cut (1, 0.33)' "${turned[@]}" --shader cut --depth 1 --boundary 0.33
     panel ours 'patch' "${turned[@]}" --shader patch
     panel ours 'quadratic' "${turned[@]}" --shader quadratic
     panel ours 'Phong' "${turned[@]}" --shader phong

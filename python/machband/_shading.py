@@ -131,8 +131,8 @@ def shade(
         Normals at the vertices, shape (n, 3), of any length above 0; without them, they are averaged over the faces. Or
         how to estimate them from the triangles: ``averaged``, ``max`` (Max 1999) or ``cubic``.
     shader
-        ``flat``, ``gouraud``, ``phong``, ``c1-phong``, ``fixed``, ``gradient``, ``gradient-repaired``, ``exact``,
-        ``cut``, ``patch`` or ``quadratic``; `None`, with `truth`, for the smooth surface alone.
+        ``flat``, ``gouraud``, ``phong``, ``c1-phong``, ``fixed``, ``gradient``, ``gradient-repaired``, ``patch``
+        or ``quadratic``; `None`, with `truth`, for the smooth surface alone.
     depth, boundary
         Continuity depth n of the strips at the edges, 1 to 32 or ``inf``, and their width as a barycentric weight.
     vertex, reweight

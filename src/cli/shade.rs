@@ -32,7 +32,7 @@ use crate::{
 #[derive(clap::Args)]
 #[command(
     allow_negative_numbers = true,
-    after_help = "Example: machband shade --mesh blob --vertices 313 --shader exact --depth 3 --boundary 0.2 --out exact.png --metrics exact.json"
+    after_help = "Example: machband shade --mesh blob --vertices 313 --shader fixed --depth 3 --boundary 0.2 --out fixed.png --metrics fixed.json"
 )]
 pub struct Arguments {
     /// A scene of several meshes, with their materials, transparency, and lamps, in place of the options for one mesh.
@@ -59,14 +59,12 @@ pub struct Arguments {
     /// with many more triangles; with --shader, it is only what --metrics compares the picture with.
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = KNOWN)]
     truth: Option<PathBuf>,
-    /// Continuity depth n of the strips at the edges, 1 to 32 or inf; used by fixed, gradient, exact, cut and the
-    /// corrections.
+    /// Continuity depth n of the strips at the edges, 1 to 32 or inf; used by fixed, gradient and the corrections.
     #[arg(long, value_name = "N", default_value = "1")]
     depth: Depth,
-    /// Width b of the strips, as a barycentric weight, 0 to 1; values above 1/3 affect only cut [default: 1/3 for
-    /// cut, otherwise 0.2].
-    #[arg(long, value_name = "B", value_parser = within(0.0, 1.0))]
-    boundary: Option<f64>,
+    /// Width b of the strips, as a barycentric weight, 0 to 1; values above 1/3 act as 1/3.
+    #[arg(long, value_name = "B", default_value_t = Shade::new(Shader::Fixed).boundary, value_parser = within(0.0, 1.0))]
+    boundary: f64,
     /// Vertex shading correction (Bangay, eq. 7).
     #[arg(long, default_value = "off", value_parser = named::<Correction>(Correction::NAMES))]
     vertex: Correction,
@@ -452,10 +450,9 @@ impl Arguments {
     }
 
     fn renderer(&self) -> Result<Renderer, RequestError> {
-        let Self { depth, vertex, reweight, gradients, naive, .. } = *self;
+        let Self { depth, boundary, vertex, reweight, gradients, naive, .. } = *self;
         // Without a shader, only the smooth surface is drawn, which every pixel lights.
         let shader = self.shader.unwrap_or(Shader::Phong);
-        let boundary = self.boundary.unwrap_or(Shade::new(shader).boundary);
         if [vertex, reweight] != [Correction::Off; 2] && !shader.interpolates_light() {
             let message = format!("--vertex and --reweight need interpolated light; expected off for {shader}");
             return Err(RequestError::whole(message));

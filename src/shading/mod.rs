@@ -9,7 +9,7 @@
 //! |---|---|
 //! | [`mesh`] | triangles, their normals, edges, curvature and paint, and meshes by name |
 //! | [`lighting`] | materials, lamps, highlights, transparency, refraction |
-//! | [`frame`] | a mesh on the screen: the view, which triangle each pixel shows, bends at edges, slopes at vertices |
+//! | [`frame`] | a mesh on the screen: the view, which triangle each pixel shows, slopes at vertices |
 //! | [`shaders`] | one file per shader: how light spreads over a triangle |
 //! | [`draw`] | drawing on the CPU and on a graphics card |
 //! | [`measure`] | the creases that a shader leaves, and the smooth surface itself |

@@ -333,7 +333,7 @@ static ENTRIES: [Entry; KINDS.len()] = [
         no_bands: None,
         variants: &[
             &[("shader", "patch"), ("color", "yellow")],
-            &[("shader", "exact"), ("mesh", "torus"), ("vertices", "200"), ("boundary", "0.33")],
+            &[("shader", "fixed"), ("mesh", "torus"), ("vertices", "200"), ("boundary", "0.33")],
         ],
     },
     Entry {

@@ -56,9 +56,9 @@ kind! {
     /// highlight adds up to `highlight`. The f64 reference renders it in linear light, so that equal parameters give
     /// equal bytes on every machine.
     ShadedMesh = "shaded-mesh" where contradictions {
-        shader: Shader = Shader::Gouraud, Range::Any, "", "Shader", Shader::EXPECTED, ["flat", "gouraud", "phong", "exact", "cut", "patch", "c1-phong"];
+        shader: Shader = Shader::Gouraud, Range::Any, "", "Shader", Shader::EXPECTED, ["flat", "gouraud", "phong", "fixed", "patch", "c1-phong"];
         depth: Depth = Depth::Finite(3), Range::Any, "", "Continuity depth n of the strips at the edges", "a whole number from 1 to 32, or inf", ["1", "3", "5"];
-        boundary: f64 = 0.2, Range::Within(0.0, 1.0), "1", "Width b of the strips at the edges, as a barycentric weight", "a width from 0 to 1; values above 1/3 affect only cut", ["0.05", "0.2", "0.33"];
+        boundary: f64 = 0.2, Range::Within(0.0, 1.0), "1", "Width b of the strips at the edges, as a barycentric weight", "a width from 0 to 1; values above 1/3 act as 1/3", ["0.05", "0.2", "0.33"];
         vertex: Correction = Correction::Off, Range::Any, "", "Vertex shading, Bangay eq. 7: off, printed or repaired", "off, printed or repaired", ["off", "repaired"];
         reweight: Correction = Correction::Off, Range::Any, "", "Intensity reweighting, Bangay eq. 9: off, printed or repaired", "off, printed or repaired", ["off", "repaired"];
         gradients: Gradients = Gradients::Curvature, Range::Any, "", "How patch and c1-phong compute their slopes: curvature, ring or quadric", "curvature, ring or quadric", ["curvature", "ring"];

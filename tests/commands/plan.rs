@@ -318,7 +318,7 @@ fn the_table_the_sentences_and_the_csv_agree() {
     assert!(power > 80.0 && alarms < 30.0, "{power} {alarms}");
     assert!(said.contains("true effect, logits") && said.contains("false alarms"), "{said}");
     let sentence = format!(
-        "shader (3 logits between gouraud and cut): 3 participants are enough for a power of 80 % with the mixed model, {power} % ("
+        "shader (3 logits between gouraud and fixed): 3 participants are enough for a power of 80 % with the mixed model, {power} % ("
     );
     assert!(said.contains(&sentence), "{sentence}\n{said}");
     assert!(said.contains("mesh has no effect on this observer. The false-alarm rate, expected to be 5 %"), "{said}");

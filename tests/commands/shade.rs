@@ -18,11 +18,11 @@ fn metrics(folder: &Path, options: &str) -> serde_json::Value {
 #[test]
 fn the_picture_matches_the_reference() {
     let folder = tempfile::tempdir().unwrap();
-    succeeds(folder.path(), &split("shade --mesh torus --vertices 120 --shader cut --size 90 --out a.png"));
+    succeeds(folder.path(), &split("shade --mesh torus --vertices 120 --shader patch --size 90 --out a.png"));
     let (info, codes) = pixels(&folder.path().join("a.png"));
     let surface = Surface::new(shapes::mesh(shapes::Shape::Torus, 120).unwrap());
     let frame = Scene::default().frame(&surface, 90, 90);
-    let shade = Shade::new(Shader::Cut);
+    let shade = Shade::new(Shader::Patch);
     let [own, exact] = [picture(&frame, &shade), Reference::new(&frame, &shade).image()].map(|image| {
         let codes = Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&image);
         codes.bytes().unwrap().iter().step_by(3).copied().collect::<Vec<u8>>()
@@ -31,29 +31,22 @@ fn the_picture_matches_the_reference() {
     assert!(own.iter().zip(&exact).all(|(own, exact)| own.abs_diff(*exact) <= 1));
     let text = &info.uncompressed_latin1_text[0].text;
     let parameters: serde_json::Value = serde_json::from_str(text).unwrap();
-    assert_eq!(parameters["shader"], "cut");
+    assert_eq!(parameters["shader"], "patch");
     assert_eq!(parameters["depth"], 1);
     assert_eq!(parameters["mesh"], "torus");
 }
 
-/// All documented fields are present. The meshes have 622 and 1538 triangles. `exact`, `cut` and `patch` have no
-/// creases, whatever n and b are.
+/// All documented fields are present. The meshes have 622 and 1538 triangles. `patch` has no
+/// creases.
 #[test]
-fn metrics_have_every_documented_field_and_smooth_shaders_have_no_creases() {
+fn metrics_have_every_documented_field_and_patch_has_no_creases() {
     let folder = tempfile::tempdir().unwrap();
     for (vertices, triangles) in [(313, 622), (771, 1538)] {
-        for (shader, options) in [
-            ("exact", "--depth 3 --boundary 0.05"),
-            ("exact", "--depth 2 --boundary 0.33"),
-            ("cut", "--boundary 1"),
-            ("patch", ""),
-        ] {
-            let mesh = format!("--mesh blob --vertices {vertices} --size 512");
-            let found = metrics(folder.path(), &format!("{mesh} --shader {shader} {options}"));
-            assert_eq!((&found["triangles"], &found["shader"]), (&triangles.into(), &shader.into()));
-            assert!(found["edges"].as_u64().unwrap() > 300, "{found}");
-            assert!(found["crease_rms_over_gouraud"].as_f64().unwrap() < 1e-3, "{found}");
-        }
+        let options = format!("--mesh blob --vertices {vertices} --size 512 --shader patch");
+        let found = metrics(folder.path(), &options);
+        assert_eq!((&found["triangles"], &found["shader"]), (&triangles.into(), &"patch".into()));
+        assert!(found["edges"].as_u64().unwrap() > 300, "{found}");
+        assert!(found["crease_rms_over_gouraud"].as_f64().unwrap() < 1e-3, "{found}");
     }
     let gouraud = metrics(folder.path(), "--shader gouraud");
     assert!((gouraud["crease_rms_over_gouraud"].as_f64().unwrap() - 1.0).abs() < 1e-6, "{gouraud}");
@@ -109,8 +102,8 @@ fn every_error_has_its_own_message() {
     fs::write(folder.path().join("range.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n").unwrap();
     for (options, status, words) in [
         ("goraud", 2, "goraud"),
-        ("exact --depth 0", 2, "1…32"),
-        ("exact --boundary 1.5", 2, "'1.5' for '--boundary <B>': outside 0…1"),
+        ("fixed --depth 0", 2, "1…32"),
+        ("fixed --boundary 1.5", 2, "'1.5' for '--boundary <B>': outside 0…1"),
         ("flat --mesh teapot", 2, "teapot"),
         ("flat --mesh blob --vertices 3", 2, "--vertices"),
         ("flat --light 0,0,0", 2, "too short or long"),
@@ -138,7 +131,7 @@ fn an_obj_file_is_rendered() {
     let text =
         "o roof\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 1\nf -5 -4 -1\nf 2 3 5\nf 3 4 5\nf 4 1 5\nf 4 3 2 1\n";
     fs::write(folder.path().join("roof.obj"), text).unwrap();
-    let found = metrics(folder.path(), "--mesh roof.obj --shader exact --depth 2");
+    let found = metrics(folder.path(), "--mesh roof.obj --shader patch");
     assert_eq!(found["triangles"], 6);
     assert!(found["crease_rms_over_gouraud"].as_f64().unwrap() < 1e-3, "{found}");
     // With a crease angle of 10°, more edges are creases, so fewer smooth edges remain.

@@ -143,7 +143,7 @@ fn shades() -> Vec<Shade> {
         Correction::ALL.iter().flat_map(|vertex| Correction::ALL.iter().map(move |other| (vertex, other)));
     for (&vertex, &reweight) in corrections {
         shades.extend(Shader::ALL.iter().map(|shader| Shade { vertex, reweight, ..Shade::new(*shader) }));
-        for shader in [Shader::Gouraud, Shader::Exact] {
+        for shader in [Shader::Gouraud, Shader::Patch] {
             for (depth, boundary) in [(Depth::Infinite, 0.2), (Depth::Finite(2), 1.0 / 3.0), (Depth::Finite(5), 0.1)] {
                 shades.push(Shade { depth, boundary, vertex, reweight, ..Shade::new(shader) });
             }
@@ -204,7 +204,7 @@ fn transfers_agree(backend: wgpu::Backends) {
     let Some(mut card) = card(backend) else { return };
     let table = TransferTable::new(vec![0.0, 0.1, 0.35, 0.6, 1.0], vec![0.0, 0.004, 0.1, 0.4, 1.0]).unwrap();
     let frame = &frames()[2].1;
-    let shade = Shade::new(Shader::Exact);
+    let shade = Shade::new(Shader::Patch);
     let light = Reference::new(frame, &shade).image();
     for transfer in [
         Transfer::Linear,

@@ -39,7 +39,7 @@ fn vertex(screen: DVec2, light: DVec3) -> FrameVertex {
 }
 
 /// Makes a frame of 200 × 200 pixels. Edges are identified by the indices of their vertices: two triangles at an edge
-/// are smooth neighbors; more than two are [`Across::NonManifold`].
+/// are smooth neighbors; at an edge of more than two, nothing is joined.
 fn joined(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting) -> Frame {
     let ends = |t: usize, k: usize| (triangles[t][(k + 1) % 3], triangles[t][(k + 2) % 3]);
     let mut sides: HashMap<[u32; 2], Vec<(usize, usize)>> = HashMap::new();
@@ -51,9 +51,8 @@ fn joined(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting
         let (a, b) = ends(t, k);
         let others: Vec<_> = sides[&[a.min(b), a.max(b)]].iter().filter(|side| side.0 != t).collect();
         match others[..] {
-            [] => Across::Nothing,
             [&(u, l)] if ends(u, l) == (b, a) => Across::Triangle { triangle: u as u32, apex: triangles[u][l] },
-            _ => Across::NonManifold,
+            _ => Across::Nothing,
         }
     };
     let triangle = |t: usize| FrameTriangle {

@@ -67,7 +67,7 @@ fn shades() -> Vec<Shade> {
     let mut strips: Vec<_> = [1, 2, 3, 4, 5, 32].into_iter().flat_map(|n| widths.map(|width| (n, width))).collect();
     strips.extend([(0, 0.2), (3, 0.0), (3, f64::NAN)]);
     let mut shades = crate::shades(&strips);
-    shades.push(Shade { vertex: Correction::Repaired, ..Shade::new(Shader::Exact) });
+    shades.push(Shade { vertex: Correction::Repaired, ..Shade::new(Shader::GradientRepaired) });
     shades.push(Shade { vertex: Correction::Printed, reweight: Correction::Printed, ..Shade::new(Shader::Fixed) });
     shades.push(Shade { reweight: Correction::Repaired, ..Shade::new(Shader::Gouraud) });
     shades
@@ -165,7 +165,7 @@ fn every_pixel_shows_the_nearest_triangle() {
 #[test]
 fn pictures_do_not_depend_on_the_number_of_threads() {
     for (name, frame) in scenes() {
-        for shader in [Shader::Gouraud, Shader::Exact, Shader::Cut, Shader::Patch, Shader::Phong] {
+        for shader in [Shader::Gouraud, Shader::Fixed, Shader::Patch, Shader::Phong] {
             let shade = Shade::new(shader);
             let bits = |threads| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -207,7 +207,7 @@ fn codes_match_the_quantizer() {
         Transfer::Gamma(9.0),
     ];
     for (name, frame) in scenes() {
-        let shade = Shade::new(Shader::Exact);
+        let shade = Shade::new(Shader::Fixed);
         let prepared = Prepared::new(&frame, &shade);
         let light = drawn(&frame, &shade);
         for transfer in &transfers {

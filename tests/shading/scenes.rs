@@ -213,7 +213,7 @@ color = [0.9, 0.3, 0.2]
 [[mesh]]
 mesh = "box.obj"
 crease = 30.0
-shader = "exact"
+shader = "fixed"
 depth = 2
 position = [1.5, 0.0, 0.0]
 rotate = [0.0, 30.0, 0.0]

@@ -3,8 +3,6 @@
 use glam::{DVec2, DVec3};
 use machband::light::Depth;
 use machband::shading::coverage;
-use machband::shading::frame::bends;
-use machband::shading::shaders::Curve;
 use machband::shading::{
     Across, Correction, Frame, FrameVertex, Gradients, Lamp, Lighting, Reference, Shade, Shader, Surface, View, shapes,
 };
@@ -89,17 +87,6 @@ fn shaders_agree_with_numbers_computed_elsewhere() {
     };
 
     let shaded = &golden["shaded"]["pair"];
-    let edges = bends(&pair)[0];
-    let mut level_frame = pair.clone();
-    level_frame.triangles[0].across = [Across::NonManifold; 3];
-    let level = bends(&level_frame)[0];
-    let expected: [f64; 3] = numbers(&shaded["edge_c (A:BC,B:CA,C:AB)"]);
-    let expected_level: [f64; 3] = numbers(&shaded["edge_c_flat"]);
-    for k in 0..3 {
-        close("c", edges[k].c, expected[k]);
-        close("c of an edge of several", level[k].c, expected_level[k]);
-    }
-
     let mut compared = 0;
     for (key, depth) in [("n=2,b=0.2", Depth::Finite(2)), ("n=3,b=0.2", Depth::Finite(3))] {
         let b = 0.2;
@@ -110,17 +97,15 @@ fn shaders_agree_with_numbers_computed_elsewhere() {
         for point in shaded[key].as_array().unwrap() {
             let w: [f64; 3] = numbers(&point["w"]);
             use Correction::{Off, Printed, Repaired};
-            use Shader::{Exact, Fixed, Gouraud, Gradient, GradientRepaired, Phong};
+            use Shader::{Fixed, Gouraud, Gradient, GradientRepaired, Phong};
             for (name, value) in [
                 ("gouraud", light(w, Gouraud, Off, Off)),
                 ("phong", light(w, Phong, Off, Off)),
                 ("fixed_printed", light(w, Fixed, Off, Off)),
-                ("fixed_corrected_flat_normal", Reference::new(&level_frame, &shade(Exact, depth, b)).light(0, w)),
                 ("grad_printed", light(w, Gradient, Off, Off)),
                 ("grad_half_IA_IF", light(w, GradientRepaired, Off, Off)),
-                ("grad_corrected", light(w, Exact, Off, Off)),
                 ("vertex_printed_over_fixed", light(w, Fixed, Printed, Off)),
-                ("vertex_corrected_over_grad_corrected", light(w, Exact, Repaired, Off)),
+                ("vertex_corrected_over_gouraud", light(w, Gouraud, Repaired, Off)),
                 ("reweight_printed", light(w, Gouraud, Off, Printed)),
                 ("reweight_corrected", light(w, Gouraud, Off, Repaired)),
             ] {
@@ -129,7 +114,7 @@ fn shaders_agree_with_numbers_computed_elsewhere() {
             }
         }
     }
-    assert_eq!(compared, 2 * 12 * 11);
+    assert_eq!(compared, 2 * 12 * 9);
     let face = pair.lighting.light(DVec3::ZERO, DVec3::Z, DVec3::Z);
     close("flat", face, number(&golden["sample"]["flat_face_normal_001"]));
     close("flat", Reference::new(&pair, &Shade::new(Shader::Flat)).light(0, [0.2, 0.3, 0.5]), face.x);
@@ -150,29 +135,6 @@ fn printed_vertex_shading_darkens_a_uniform_surface() {
 }
 
 // ---- edges ----
-
-#[test]
-fn rest_is_the_integral_of_one_minus_the_blend() {
-    for depth in (1..=Depth::MAX_FINITE).map(Depth::Finite).chain([Depth::Infinite]) {
-        let blend = Curve::<f64>::new(depth);
-        assert_eq!((blend.value(0.0), blend.value(1.0), blend.remaining_integral(1.0)), (0.0, 1.0, 0.0));
-        assert!((blend.remaining_integral(0.0) - 0.5).abs() < 1e-15);
-        assert!(blend.value(1e-12) < 1e-11 && blend.value(1.0 - 1e-12) > 1.0 - 1e-11);
-        // Simpson's rule, starting from the end.
-        let n = 4096;
-        let left = |i: i32| 1.0 - blend.value(f64::from(i) / f64::from(n));
-        let mut sum = 0.0;
-        for i in (0..n).rev().step_by(2) {
-            sum += (left(i + 1) + 4.0 * left(i) + left(i - 1)) / (3.0 * f64::from(n));
-            let u = f64::from(i - 1) / f64::from(n);
-            assert!(
-                (blend.remaining_integral(u) - sum).abs() < 1e-10,
-                "{depth} {u}: {} not {sum}",
-                blend.remaining_integral(u)
-            );
-        }
-    }
-}
 
 /// A position on the grid of 1/256 pixel within these ranges, which keep the corners apart.
 fn place(x: std::ops::Range<f64>, y: std::ops::Range<f64>) -> impl Strategy<Value = DVec2> {
@@ -204,15 +166,6 @@ prop_compose! {
     }
 }
 
-/// Returns c, computed from the lines that cross at X.
-fn crossing_gap(pair: &Frame) -> DVec3 {
-    let [a, b, c, d] = [0, 1, 2, 3].map(|v| (pair.vertices[v].screen, pair.vertices[v].light));
-    let (ad, bc) = (d.0 - a.0, c.0 - b.0);
-    let along_ad = (b.0 - a.0).perp_dot(bc) / ad.perp_dot(bc);
-    let along_bc = (b.0 - a.0).perp_dot(ad) / ad.perp_dot(bc);
-    b.1.lerp(c.1, along_bc) - a.1.lerp(d.1, along_ad)
-}
-
 fn any_depth() -> impl Strategy<Value = Depth> {
     prop_oneof![(1u8..=8).prop_map(Depth::Finite), Just(Depth::Infinite)]
 }
@@ -222,22 +175,6 @@ fn any_correction() -> impl Strategy<Value = Correction> {
 }
 
 proptest! {
-    #[test]
-    fn edge_constants_match_the_crossing_and_are_equal_on_both_sides(pair in pair()) {
-        let constants = bends(&pair);
-        let (ours, theirs) = (constants[0][0], constants[1][2]);
-        let expected = crossing_gap(&pair);
-        prop_assert!((ours.c - expected).abs().max_element() < 1e-12, "{} not {expected}", ours.c);
-        prop_assert_eq!(ours.c.to_array().map(f64::to_bits), theirs.c.to_array().map(f64::to_bits));
-        prop_assert_eq!((ours.start, ours.end), (theirs.end, theirs.start));
-        for edge in [ours, theirs] {
-            prop_assert!(edge.start - edge.foot >= -1e-12 && edge.end - (1.0 - edge.foot) >= -1e-12);
-        }
-        for border in [constants[0][1], constants[0][2], constants[1][0], constants[1][1]] {
-            prop_assert_eq!(border.c, DVec3::ZERO);
-        }
-    }
-
     #[test]
     fn both_sides_of_an_edge_have_the_same_light(
         pair in pair(), s in 0.0..=1.0f64, depth in any_depth(), b in 0.0..0.5f64,
@@ -253,29 +190,10 @@ proptest! {
         }
     }
 
-    /// Cⁿ continuity: on a line across the edge, the second differences at the edge and on either side of it vanish
-    /// with the power n + 1 of their step. With Gouraud's shader, they vanish with the first power.
+    /// *patch* is C1; none of the paper's shaders is. Repaired vertex shading keeps this property, even at angles above
+    /// 120°.
     #[test]
-    fn exact_has_n_continuous_derivatives_across_an_edge(
-        pair in pair(), n in 1u8..=4, b in 0.05..0.33f64, s in 0.2..0.8f64, angle in 0.4..2.7f64,
-    ) {
-        let depth = Depth::Finite(n);
-        let bend = |shader, h: f64| second_differences(&pair, &shade(shader, depth, b), s, angle, h);
-        // The step is small compared with the strips, whose width is b times the height of their triangle.
-        let [a, left, c, d] = [0, 1, 2, 3].map(|v| pair.vertices[v].screen);
-        let height = Frame::area2(a, left, c).min(Frame::area2(d, c, left)) / left.distance(c);
-        let step = b * height / 100.0;
-        let (coarse, fine) = (bend(Shader::Exact, step), bend(Shader::Exact, step / 2.0));
-        let power = f64::from(n + 1);
-        prop_assert!(fine <= coarse * 0.5f64.powf(power) * 1.3 + 1e-14, "n={n}: {coarse} {fine}");
-        let (coarse, fine) = (bend(Shader::Gouraud, step), bend(Shader::Gouraud, step / 2.0));
-        prop_assert!((fine - coarse / 2.0).abs() < 1e-14);
-    }
-
-    /// The new shaders are C1; none of the paper's shaders is. Repaired vertex shading keeps this property, even at
-    /// angles above 120°.
-    #[test]
-    fn new_shaders_have_a_continuous_slope_across_an_edge(
+    fn patch_has_a_continuous_slope_across_an_edge(
         pair in pair(), depth in any_depth(), b in 0.1..1.0f64, s in 0.05..0.95f64, angle in 0.4..2.7f64,
     ) {
         let slope_jump = |shader, vertex| {
@@ -283,35 +201,10 @@ proptest! {
             second_differences(&pair, &shade, s, angle, 1e-5) / 1e-5
         };
         let gouraud = slope_jump(Shader::Gouraud, Correction::Off);
-        for shader in [Shader::Exact, Shader::Cut, Shader::Patch] {
-            for vertex in [Correction::Off, Correction::Repaired] {
-                let jump = slope_jump(shader, vertex);
-                prop_assert!(jump <= 1e-3 * gouraud + 1e-6, "{shader} {vertex}: {jump} of {gouraud}");
-            }
+        for vertex in [Correction::Off, Correction::Repaired] {
+            let jump = slope_jump(Shader::Patch, vertex);
+            prop_assert!(jump <= 1e-3 * gouraud + 1e-6, "{vertex}: {jump} of {gouraud}");
         }
-    }
-
-    /// The slope is continuous inside triangles, too. On a line through both triangles, the largest second difference
-    /// falls with the square of the step if the slope is continuous, and with the step itself if it is not.
-    #[test]
-    fn cut_has_a_continuous_slope_everywhere(pair in pair(), n in 1u8..=3, b in 0.2..1.0f64, s in 0.25..0.75f64) {
-        let largest = |shader, count| largest_second_difference(&pair, &shade(shader, Depth::Finite(n), b), s, count);
-        let (coarse, fine) = (largest(Shader::Cut, 1 << 14), largest(Shader::Cut, 1 << 15));
-        prop_assert!(fine < coarse * 0.3 + 1e-12, "{coarse} {fine}");
-        let (coarse, fine) = (largest(Shader::Gouraud, 1 << 14), largest(Shader::Gouraud, 1 << 15));
-        prop_assert!((fine - coarse / 2.0).abs() < 1e-13, "{coarse} {fine}");
-    }
-
-    #[test]
-    fn changes_by_strips_are_bounded(pair in pair(), n in 2u8..=3, b in 0.0..0.33f64, i in 0usize..325) {
-        let w = all_weights()[i];
-        let change = |shader| {
-            let light = |shader| Reference::new(&pair, &shade(shader, Depth::Finite(n), b)).light(0, w);
-            (light(shader) - light(Shader::Gouraud)).abs()
-        };
-        let c = crossing_gap(&pair).abs();
-        prop_assert!((change(Shader::Exact) - 0.275 * b * c).max_element() <= 1e-12);
-        prop_assert!((change(Shader::Cut) - 0.5 * b * c).max_element() <= 1e-12);
     }
 }
 
@@ -334,21 +227,6 @@ fn second_differences(pair: &Frame, shade: &Shade, s: f64, angle: f64, h: f64) -
         .fold(0.0, f64::max)
 }
 
-/// Returns the largest second difference on a line that starts near A, takes `count` steps to the edge, crosses it at
-/// the fraction `s` of the way from B to C, and continues to the end of the other triangle.
-fn largest_second_difference(pair: &Frame, shade: &Shade, s: f64, count: i32) -> f64 {
-    let reference = Reference::new(pair, shade);
-    let [a, b, c] = [0, 1, 2].map(|v| pair.vertices[v].screen);
-    let crossing = b.lerp(c, s);
-    let far = |t: f64| crossing + (crossing - a) * t;
-    let inside = |t: &f64| pair.weights(1, far(*t)).iter().all(|w| *w > 0.01);
-    let last = (1..=90).map(|i| f64::from(i) / 100.0).take_while(inside).last().unwrap_or(0.01);
-    let step = 0.9 / f64::from(count);
-    let light = |i: i32| at(pair, &reference, far(f64::from(i) * step));
-    let values: Vec<DVec3> = (-count..=(last / step) as i32).map(light).collect();
-    values.windows(3).map(|v| (v[0] - 2.0 * v[1] + v[2]).abs().max_element()).fold(0.0, f64::max)
-}
-
 // ---- fields and frames ----
 
 /// Returns the position on the screen of the weights `w` of a triangle.
@@ -360,17 +238,13 @@ fn place_of(frame: &Frame, triangle: usize, w: [f64; 3]) -> DVec2 {
 fn a_linear_field_stays_linear() {
     let field = |p: DVec2| DVec3::new(0.1 + 0.003 * p.x + 0.001 * p.y, 0.9 - 0.004 * p.y, 0.5);
     let grid = grid(6, field);
-    let options = [(Depth::Finite(1), 0.33), (Depth::Finite(3), 0.2), (Depth::Infinite, 1.0)];
-    for shader in [Shader::Exact, Shader::Cut, Shader::Patch] {
-        for ((depth, b), &gradients) in options.into_iter().zip(Gradients::ALL) {
-            let shade = Shade { gradients, ..shade(shader, depth, b) };
-            let reference = Reference::new(&grid, &shade);
-            for t in 0..grid.triangles.len() {
-                for w in all_weights() {
-                    let p = place_of(&grid, t, w);
-                    let error = (reference.light(t, w) - field(p)).abs().max_element();
-                    assert!(error < 1e-12, "{shader} {depth} {b} {t} {w:?}: {error}");
-                }
+    for &gradients in Gradients::ALL {
+        let reference = Reference::new(&grid, &Shade { gradients, ..Shade::new(Shader::Patch) });
+        for t in 0..grid.triangles.len() {
+            for w in all_weights() {
+                let p = place_of(&grid, t, w);
+                let error = (reference.light(t, w) - field(p)).abs().max_element();
+                assert!(error < 1e-12, "{gradients} {t} {w:?}: {error}");
             }
         }
     }
@@ -389,9 +263,7 @@ fn a_uniform_field_stays_uniform() {
     for (i, vertex) in field.vertices.iter_mut().enumerate() {
         vertex.normal = DVec3::new((i as f64).sin(), (2.0 * i as f64).cos(), 1.0).normalize();
     }
-    // Include an edge without a neighbor and an edge of several triangles.
     field.triangles[9].across[0] = Across::Nothing;
-    field.triangles[12].across[1] = Across::NonManifold;
     for &shader in Shader::ALL {
         for depth in [Depth::Finite(1), Depth::Finite(3), Depth::Infinite] {
             for vertex in [Correction::Off, Correction::Repaired] {
@@ -422,7 +294,7 @@ fn zero_width_is_gouraud_and_widths_are_limited() {
         let shade = Shade { vertex: Correction::Repaired, ..shade(shader, Depth::Finite(2), b) };
         Reference::new(&frame, &shade).light(t, w)
     };
-    for shader in [Shader::Fixed, Shader::Gradient, Shader::GradientRepaired, Shader::Exact, Shader::Cut] {
+    for shader in [Shader::Fixed, Shader::Gradient, Shader::GradientRepaired] {
         for (t, w) in [(7, [0.02, 0.5, 0.48]), (8, [0.3, 0.34, 0.36]), (9, [0.9, 0.1, 0.0]), (3, [0.0, 0.0, 1.0])] {
             for none in [0.0, -1.0] {
                 assert_eq!(light(shader, none, t, w), light(Shader::Gouraud, none, t, w), "{shader}");
@@ -430,8 +302,7 @@ fn zero_width_is_gouraud_and_widths_are_limited() {
             // The light does not jump as the width approaches zero.
             let error = (light(shader, 1e-9, t, w) - light(Shader::Gouraud, 0.0, t, w)).abs().max_element();
             assert!(error < 1e-8, "{shader}: {error}");
-            let wide = if shader == Shader::Cut { 1.0 } else { 1.0 / 3.0 };
-            assert_eq!(light(shader, wide, t, w), light(shader, 7.0, t, w), "{shader}");
+            assert_eq!(light(shader, 1.0 / 3.0, t, w), light(shader, 7.0, t, w), "{shader}");
         }
         let differ = |b, c| {
             let w = [0.1, 0.5, 0.4];
@@ -528,7 +399,6 @@ fn every_shader_gives_finite_light_on_every_frame() {
         cube([25.0, 35.0, 10.0], &lighting(toward)),
         cube([45.0, 0.0, 0.0], &lighting(DVec3::Y)),
     ];
-    assert!(frames[0].triangles.iter().any(|t| t.across.contains(&Across::NonManifold)));
     assert!(frames[1].triangles.iter().any(|t| t.across.contains(&Across::Nothing)));
     let combinations = CORRECTIONS.into_iter().flat_map(|vertex| CORRECTIONS.map(|reweight| (vertex, reweight)));
     for frame in &frames {

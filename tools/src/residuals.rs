@@ -116,8 +116,6 @@ fn rows() -> Vec<(String, Drawn)> {
         Shade::new(Shader::Quadratic),
         strip(Shader::Fixed, 3, 0.2),
         strip(Shader::Gradient, 3, 0.2),
-        strip(Shader::Exact, 3, 0.2),
-        strip(Shader::Cut, 1, 1.0 / 3.0),
         Shade::new(Shader::Patch),
         Shade { gradients: Gradients::Ring, ..Shade::new(Shader::Patch) },
         Shade::new(Shader::C1Phong),

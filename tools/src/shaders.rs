@@ -16,16 +16,7 @@ fn head(shade: &Shade, boundary: String) -> [String; 3] {
         shader if shade.has_gradients() => format!("{shader} ({})", shade.gradients),
         shader => shader.to_string(),
     };
-    if has_strip(shade.shader) {
-        [name, shade.depth.to_string(), boundary]
-    } else {
-        [name, String::new(), String::new()]
-    }
-}
-
-fn has_strip(shader: Shader) -> bool {
-    use Shader::{Cut, Exact, Fixed, Gradient, GradientRepaired};
-    matches!(shader, Fixed | Gradient | GradientRepaired | Exact | Cut)
+    if shade.has_strip() { [name, shade.depth.to_string(), boundary] } else { [name, String::new(), String::new()] }
 }
 
 fn crossed(shader: Shader, depths: &[u8], widths: &[f64]) -> Vec<Shade> {
@@ -83,8 +74,7 @@ fn families() -> Vec<Vec<Shade>> {
         Shader::Patch | Shader::C1Phong => {
             Gradients::ALL.iter().map(|&gradients| Shade { gradients, ..Shade::new(shader) }).collect()
         }
-        Shader::Cut => crossed(shader, &[1, 2, 3], &[0.1, 0.33, 1.0]),
-        _ if has_strip(shader) => crossed(shader, &[2, 3, 5], &[0.05, 0.2, 0.33]),
+        _ if Shade::new(shader).has_strip() => crossed(shader, &[2, 3, 5], &[0.05, 0.2, 0.33]),
         _ => vec![Shade::new(shader)],
     };
     Shader::ALL.iter().map(family).collect()

@@ -1,14 +1,12 @@
-//! A surface on the screen: the positions of its triangles, the visible triangle at each pixel, the bends of its light
-//! at edges, and its slopes at vertices.
+//! A surface on the screen: the positions of its triangles, the visible triangle at each pixel, and its slopes
+//! at vertices.
 
-mod bends;
 pub mod coverage;
 mod gradients;
 mod patches;
 mod projected;
 mod scene;
 
-pub use bends::{Bend, bends};
 pub use coverage::{Outline, Planes};
 pub use gradients::{Field, Gradient, Gradients};
 pub use patches::{ControlPoints, Patches, sub_triangle_ordinates};

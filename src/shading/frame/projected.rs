@@ -208,11 +208,9 @@ pub enum Across {
         /// The neighbor's third vertex D, an index into [`Frame::vertices`].
         apex: u32,
     },
-    /// No neighbor to join smoothly: the edge is a border of the surface, a crease, or a silhouette (the neighbor faces
-    /// away or lies on the same side of the edge on the screen).
+    /// No neighbor to join smoothly: the edge is a border of the surface, a crease, a silhouette (the neighbor faces
+    /// away or lies on the same side of the edge on the screen), or the edge of more than two triangles.
     Nothing,
-    /// More than one other triangle.
-    NonManifold,
 }
 
 /// The number of positions per pixel on which vertices can lie.
@@ -376,8 +374,7 @@ impl Frame {
             let across = edges.map(|e| {
                 let edge = &surface.edges.edges[e as usize];
                 match edge.kind {
-                    EdgeKind::NonManifold => Across::NonManifold,
-                    EdgeKind::Border | EdgeKind::Crease => Across::Nothing,
+                    EdgeKind::Border | EdgeKind::Crease | EdgeKind::NonManifold => Across::Nothing,
                     EdgeKind::Smooth => {
                         let (other, k) = edge.sides[usize::from(edge.sides[0].0 == t as u32)];
                         let apex = mesh.triangles[other as usize][usize::from(k)] + if is_back { back } else { 0 };

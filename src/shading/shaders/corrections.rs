@@ -16,7 +16,7 @@ use crate::shading::{
 pub struct Corrections<T, const C: usize> {
     vertex: Correction,
     reweight: Correction,
-    /// The width of the paper's strips. It also applies to *cut*, whose own strips may be wider.
+    /// The width of the strips.
     strip: f64,
     printed: Curve<T>,
     curve: Curve<T>,
@@ -31,7 +31,7 @@ impl<T: Constant, const C: usize> Corrections<T, C> {
         Corrections {
             vertex: shade.vertex,
             reweight: shade.reweight,
-            strip: shade.strip().min(1.0 / 3.0),
+            strip: shade.strip(),
             printed: Curve::printed(shade.depth),
             curve: Curve::new(shade.depth),
             fans: frame.each_triangle(|t| Fans::new(frame, t, channels)),

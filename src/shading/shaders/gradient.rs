@@ -36,7 +36,7 @@ impl<T: Constant, const C: usize> Gradient<T, C> {
     pub fn new(frame: &Frame, channels: Channels, sign: Sign, b: f64, depth: Depth) -> Self {
         let apex = |across| match across {
             Across::Triangle { apex, .. } => Some(channels.pick(frame.vertices[apex as usize].light)),
-            Across::Nothing | Across::NonManifold => None,
+            Across::Nothing => None,
         };
         let apexes = frame.triangles.iter().map(|triangle| triangle.across.map(apex)).collect();
         Gradient { fixed: Fixed::new(frame, channels, b, depth), apexes, sign }

@@ -9,8 +9,6 @@
 
 mod c1_phong;
 mod corrections;
-mod cut;
-mod exact;
 mod fixed;
 pub mod flat;
 mod gouraud;
@@ -32,8 +30,6 @@ pub use strips::Curve;
 use self::{
     c1_phong::C1Phong,
     corrections::Corrections,
-    cut::Cut,
-    exact::Exact,
     fixed::Fixed,
     flat::Flat,
     gouraud::Gouraud,
@@ -57,8 +53,6 @@ pub enum UncorrectedShader<T, const C: usize> {
     Fixed(Fixed<T, C>),
     /// *gradient* and *gradient-repaired*.
     Gradient(Gradient<T, C>),
-    Exact(Exact<T, C>),
-    Cut(Cut<T, C>),
     Patch(Patch<T, C>),
     C1Phong(C1Phong<T, C>),
 }
@@ -73,8 +67,6 @@ macro_rules! with_shader {
             $crate::shading::shaders::UncorrectedShader::Quadratic($shader) => $body,
             $crate::shading::shaders::UncorrectedShader::Fixed($shader) => $body,
             $crate::shading::shaders::UncorrectedShader::Gradient($shader) => $body,
-            $crate::shading::shaders::UncorrectedShader::Exact($shader) => $body,
-            $crate::shading::shaders::UncorrectedShader::Cut($shader) => $body,
             $crate::shading::shaders::UncorrectedShader::Patch($shader) => $body,
             $crate::shading::shaders::UncorrectedShader::C1Phong($shader) => $body,
         }
@@ -104,8 +96,6 @@ impl<T: Constant, const C: usize> UncorrectedShader<T, C> {
             Shader::Fixed => UncorrectedShader::Fixed(Fixed::new(frame, channels, b, depth)),
             Shader::Gradient => gradient(Sign::Printed),
             Shader::GradientRepaired => gradient(Sign::Repaired),
-            Shader::Exact => UncorrectedShader::Exact(Exact::new(frame, channels, b, depth)),
-            Shader::Cut => UncorrectedShader::Cut(Cut::new(frame, channels, b, depth)),
         }
     }
 }

@@ -23,10 +23,6 @@ named! {
         Gradient = "gradient",
         /// Like `gradient`, but with the sign of the slope repaired, (I_A − I_F)/2.
         GradientRepaired = "gradient-repaired",
-        /// New in machband: the slope across every edge matches the neighbor's.
-        Exact = "exact",
-        /// New in machband: the corner at every edge is cut off.
-        Cut = "cut",
         /// New in machband: light with a continuous slope, determined by the light values and slopes at the vertices.
         Patch = "patch",
         /// New in machband: Phong's lighting at every pixel, with normals that change with a continuous slope.
@@ -53,8 +49,7 @@ pub struct Shade {
     pub shader: Shader,
     /// Continuity depth n of the interpolation across the strips.
     pub depth: Depth,
-    /// Width b of the strip at an edge, as a barycentric weight, 0…1. For all shaders but [`Shader::Cut`], widths above
-    /// ⅓ act as ⅓.
+    /// Width b of the strip at an edge, as a barycentric weight. Widths above ⅓ act as ⅓.
     pub boundary: f64,
     /// Vertex shading, Bangay eq. 7.
     pub vertex: Correction,
@@ -67,7 +62,7 @@ pub struct Shade {
 impl Shader {
     /// The names of all shaders, for an error message.
     pub const EXPECTED: &str =
-        "one of flat, gouraud, phong, quadratic, fixed, gradient, gradient-repaired, exact, cut, patch, c1-phong";
+        "one of flat, gouraud, phong, quadratic, fixed, gradient, gradient-repaired, patch, c1-phong";
 
     /// True if the shader interpolates light between the vertices, which is what the corrections apply to.
     #[must_use]
@@ -83,25 +78,23 @@ impl Shader {
 }
 
 impl Shade {
-    /// Returns `shader` with default options: n = 1 (the best value) and b = ⅓ for *cut*, n = 3 and b = 0.2 for all
-    /// others, and no corrections.
+    /// Returns `shader` with n = 3, b = 0.2 and no corrections.
     #[must_use]
     pub const fn new(shader: Shader) -> Shade {
-        let cut = matches!(shader, Shader::Cut);
         Shade {
             shader,
-            depth: Depth::Finite(if cut { 1 } else { 3 }),
-            boundary: if cut { 1.0 / 3.0 } else { 0.2 },
+            depth: Depth::Finite(3),
+            boundary: 0.2,
             vertex: Correction::Off,
             reweight: Correction::Off,
             gradients: Gradients::Curvature,
         }
     }
 
-    /// Returns the width of the strip that is actually used: `boundary`, but at most ⅓ unless the shader is *cut*.
+    /// Returns the width of the strip that is actually used: `boundary`, but at most ⅓.
     #[must_use]
     pub fn strip(&self) -> f64 {
-        if self.shader == Shader::Cut { self.boundary } else { self.boundary.min(1.0 / 3.0) }
+        self.boundary.min(1.0 / 3.0)
     }
 
     /// True if the method for the slopes at the vertices affects the result.
@@ -113,9 +106,8 @@ impl Shade {
     /// True if n and b affect the result.
     #[must_use]
     pub fn has_strip(&self) -> bool {
-        use Shader::{Cut, Exact, Fixed, Gradient, GradientRepaired};
+        use Shader::{Fixed, Gradient, GradientRepaired};
         let corrected = self.vertex != Correction::Off || self.reweight == Correction::Printed;
-        matches!(self.shader, Fixed | Gradient | GradientRepaired | Exact | Cut)
-            || corrected && self.shader.interpolates_light()
+        matches!(self.shader, Fixed | Gradient | GradientRepaired) || corrected && self.shader.interpolates_light()
     }
 }

@@ -4,7 +4,7 @@
 //! weights are affine there, and slopes matched elsewhere would not match in the picture.
 
 use crate::{
-    light::{Depth, Interpolation, interpolation::TANH_K},
+    light::{Depth, Interpolation},
     shading::number::{Constant, Number, power, select},
 };
 
@@ -13,13 +13,6 @@ pub const OTHERS: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
 
 /// The width used for strips of zero width, to avoid dividing by zero.
 pub const MIN_WIDTH: f64 = 1e-30;
-
-/// φ(x) = x − x²/4 below x = 2, where it reaches 1 with slope 0; 1 beyond, and 0 for negative x. For x ≥ 0, φ(x) ≤ x.
-#[inline(always)]
-pub fn smooth_clamp<N: Number>(x: N) -> N {
-    let x = x.within(0.0, 2.0);
-    x - x * x * x.of(0.25)
-}
 
 /// Returns the smallest of the weights.
 #[inline(always)]
@@ -56,13 +49,11 @@ pub fn select_by_smallest_weight<N: Number, const C: usize>(
     light
 }
 
-/// I_n across a strip, and its integral.
+/// I_n across a strip.
 ///
-/// The printed tanh for n = ∞ misses 0 and 1 by 0.0067: unmodified, a strip would match neither the slope at its edge
-/// nor the interior. For shaders that promise a continuous slope, the tanh is stretched to reach both: `(T(u) −
-/// T(0))/(1 − 2T(0))`, with T(u) = (1 + tanh(5(u − ½)))/2. Then *exact* and *cut* are C1 across an edge for n = ∞ as
-/// well. The tanh's own slope at the ends, 0.067, remains: *exact* keeps a kink of 0.067·c where its strip ends; *cut*
-/// has none. (The steeper tanh(10(u − ½)) would leave 0.0009, but would double the ripple of the strip.)
+/// The printed tanh for n = ∞ misses 0 and 1 by 0.0067. The repaired vertex shading must reach both, so that it begins
+/// and ends without a step; for it, the tanh is stretched: `(T(u) − T(0))/(1 − 2T(0))`, with T(u) = (1 + tanh(5(u −
+/// ½)))/2.
 #[derive(Clone, Debug)]
 pub enum Curve<T> {
     /// The curve of a finite depth.
@@ -71,8 +62,6 @@ pub enum Curve<T> {
         n: u32,
         /// C(n−1+k, k), k < n.
         sums: Vec<T>,
-        /// ½·C(2n−1, n).
-        hump: T,
     },
     /// The curve of n = ∞, as printed.
     Printed(Interpolation),
@@ -81,7 +70,7 @@ pub enum Curve<T> {
 }
 
 impl<T: Constant> Curve<T> {
-    /// Makes the curve of depth `depth` for shaders that promise a continuous slope.
+    /// Makes the curve of depth `depth` that reaches 0 and 1.
     #[must_use]
     pub fn new(depth: Depth) -> Self {
         let Depth::Finite(n) = depth else { return Curve::Stretched(Interpolation::new(depth)) };
@@ -90,8 +79,7 @@ impl<T: Constant> Curve<T> {
         for k in 1..n {
             sums.push(sums[k as usize - 1] * f64::from(n - 1 + k) / f64::from(k));
         }
-        let hump = sums[n as usize - 1] * f64::from(2 * n - 1) / f64::from(n) / 2.0;
-        Curve::Finite { n, sums: sums.into_iter().map(T::of).collect(), hump: T::of(hump) }
+        Curve::Finite { n, sums: sums.into_iter().map(T::of).collect() }
     }
 
     /// Makes the curve of depth `depth` as Bangay prints it.
@@ -108,7 +96,7 @@ impl<T: Constant> Curve<T> {
     #[inline(always)]
     pub fn value<N: Number<Constant = T>>(&self, u: N) -> N {
         match self {
-            Curve::Finite { n, sums, .. } => {
+            Curve::Finite { n, sums } => {
                 // uⁿ·Σ C(n−1+k, k)·(1−u)^k below ½ and 1 − I_n(1−u) above, so no powers cancel.
                 let (half, one) = (u.of(0.5), u.of(1.0));
                 let u = u.within(0.0, 1.0);
@@ -123,29 +111,6 @@ impl<T: Constant> Curve<T> {
             }
             Curve::Printed(interpolation) => each(u, |u| interpolation.value(u)),
             Curve::Stretched(interpolation) => each(u, |u| stretched(interpolation, u)),
-        }
-    }
-
-    /// Returns Ψ_n(u), the integral of 1 − I_n from u to 1: ½ at 0, and 0 for u ≥ 1.
-    ///
-    /// With v = 1 − u, this is ∫₀ᵛ I_n = (v − ½)·I_n(v) + ½·C(2n−1, n)·(v(1−v))ⁿ, from the recurrence of the incomplete
-    /// beta function; v²/2 for n = 1. For n = ∞, it is the integral of the stretched tanh, which is a logarithm of
-    /// cosh.
-    #[must_use]
-    #[inline(always)]
-    pub fn remaining_integral<N: Number<Constant = T>>(&self, u: N) -> N {
-        match self {
-            Curve::Finite { n: 1, .. } => {
-                let v = (u.of(1.0) - u).within(0.0, 1.0);
-                v * v * v.of(0.5)
-            }
-            Curve::Finite { n, hump, .. } => {
-                let v = (u.of(1.0) - u).within(0.0, 1.0);
-                (v - v.of(0.5)) * self.value(v) + power(v * (v.of(1.0) - v), *n).times(*hump)
-            }
-            Curve::Printed(interpolation) | Curve::Stretched(interpolation) => {
-                each(u, |u| stretched_remaining_integral(interpolation, u))
-            }
         }
     }
 }
@@ -165,12 +130,4 @@ fn stretched(interpolation: &Interpolation, u: f64) -> f64 {
     } else {
         (interpolation.value(u) - residual) / (1.0 - 2.0 * residual)
     }
-}
-
-fn stretched_remaining_integral(interpolation: &Interpolation, u: f64) -> f64 {
-    let v = 1.0 - u.clamp(0.0, 1.0);
-    // ∫ T = ln(1 + e^(2k(v−½)))/2k
-    let primitive = |v: f64| (2.0 * TANH_K * (v - 0.5)).exp().ln_1p() / (2.0 * TANH_K);
-    let residual = interpolation.value(0.0);
-    (primitive(v) - primitive(0.0) - v * residual) / (1.0 - 2.0 * residual)
 }

@@ -3,12 +3,6 @@
 // In a strip, t is the weight that is 0 on the edge, `others` are the two weights of the edge's ends in order, and b is
 // the width.
 
-// φ(x) = x − x²/4 for 0 ≤ x ≤ 2; 1 above 2, and 0 for negative x.
-fn smooth_clamp(x: f32) -> f32 {
-    let y = clamp(x, 0.0, 2.0);
-    return y - 0.25 * y * y;
-}
-
 // t/b', where b' = min(b, (1−w_i)/2, (1−w_j)/2) is narrowed as in Bangay's pseudocode; 0 at the corners.
 fn printed_across(t: f32, others: vec2f, b: f32) -> f32 {
     let width = min(b, min((1.0 - others.x) / 2.0, (1.0 - others.y) / 2.0));
@@ -56,7 +50,7 @@ fn lower_half(u: f32) -> f32 {
     return power * sum;
 }
 
-// I_n as *exact* and *cut* need it: it reaches 0 and 1 even for n = ∞, where the printed tanh misses them.
+// I_n as the repaired vertex shading needs it: it reaches 0 and 1 even for n = ∞, where the printed tanh misses them.
 fn blend(u: f32) -> f32 {
     let value = interpolation(clamp(u, 0.0, 1.0));
     if DEPTH == 0u && u < 1.0 {
@@ -64,21 +58,4 @@ fn blend(u: f32) -> f32 {
         return max(value - residual, 0.0) / (1.0 - 2.0 * residual);
     }
     return value;
-}
-
-// Ψ_n(u) = ∫_u^1 (1 − I_n) for u ≥ 0; 0 for u ≥ 1.
-fn remaining_integral(u: f32) -> f32 {
-    let v = clamp(1.0 - u, 0.0, 1.0);
-    if DEPTH == 0u {
-        let residual = lower_half(0.0);
-        let whole = (log(1.0 + exp(10.0 * v - 5.0)) - log(1.0 + exp(-5.0))) / 10.0;
-        return (whole - v * residual) / (1.0 - 2.0 * residual);
-    }
-    // ∫_0^v I_n = (v − ½)·I_n(v) + ½·C(2n−1, n)·(v(1−v))ⁿ.
-    let q = v * (1.0 - v);
-    var hump = q;
-    for (var k = 1u; k < DEPTH; k++) {
-        hump *= q * (f32(DEPTH + k) / f32(k));
-    }
-    return (v - 0.5) * interpolation(v) + 0.5 * hump;
 }

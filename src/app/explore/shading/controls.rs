@@ -66,10 +66,8 @@ pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
         field("depth n", &name("depth n"))
             .choice(ui, &mut shade.depth, &depths, |depth| depth_title(*depth))
             .on_hover_text("The continuity depth: n − 1 derivatives vanish at the ends of the strip.");
-        let most = if shade.shader == Shader::Cut { 1.0 } else { 1.0 / 3.0 };
-        shade.boundary = shade.boundary.min(most);
         field("strip b", &name("strip b"))
-            .slider(ui, &mut shade.boundary, 0.0..=most, 0.01)
+            .slider(ui, &mut shade.boundary, 0.0..=1.0 / 3.0, 0.01)
             .on_hover_text("The width of the strip along each edge, as a share of the triangle.");
     }
     if shade.shader.interpolates_light() {

@@ -23,7 +23,7 @@ use crate::{
         theme::{self, ink},
     },
     light::CodeImage,
-    shading::{Shader, Surface},
+    shading::Surface,
 };
 
 /// Height of the plots below the picture, points.
@@ -146,13 +146,6 @@ impl ShadingPage {
         for (which, side) in self.compared.sides.iter_mut().enumerate() {
             ui.separator();
             controls::side(ui, which, side);
-        }
-        if self.compared.sides.iter().any(|side| side.shade.shader == Shader::Exact) {
-            hint(
-                ui,
-                "If a strip is only a few pixels wide, Exact shows a ripple at the edges: increase b, or use Cut or \
-                    Patch.",
-            );
         }
         ui.separator();
         controls::mesh(ui, &mut self.compared);

@@ -94,7 +94,7 @@ fn shade_pixel(corner: Corner) -> @location(0) vec4f {
 
 fn pixel_light(t: Corner, w: vec3f) -> vec3f {
     var light = shaded(t, w);
-    let b = min(globals.boundary, 1.0 / 3.0);
+    let b = globals.boundary;
     if VERTEX == PRINTED {
         light = vertex_printed(light, triangles[t.triangle].corners, w, b);
     }
@@ -134,23 +134,6 @@ fn shaded(t: Corner, w: vec3f) -> vec3f {
         }
         case FIXED, GRADIENT, GRADIENT_REPAIRED: {
             return printed(t, w, b);
-        }
-        case EXACT: {
-            // Row 1 holds c of each edge.
-            if b <= 0.0 {
-                return gouraud(t, w);
-            }
-            return gouraud(t, w) + exact_strip(t.a1.rgb, w.x, w.yz, b) + exact_strip(t.b1.rgb, w.y, w.zx, b)
-                + exact_strip(t.c1.rgb, w.z, w.xy, b);
-        }
-        case CUT: {
-            // Row 1 holds c and foot of each edge; row 2 holds its reaches.
-            if b <= 0.0 {
-                return gouraud(t, w);
-            }
-            return gouraud(t, w) + cut_strip(t.a1.rgb, t.a1.w, t.a2.xy, w.x, w.yz, b)
-                + cut_strip(t.b1.rgb, t.b1.w, t.b2.xy, w.y, w.zx, b)
-                + cut_strip(t.c1.rgb, t.c1.w, t.c2.xy, w.z, w.xy, b);
         }
         case PATCH: {
             return patch_value(patch_of(t), w).rgb;

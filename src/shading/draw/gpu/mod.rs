@@ -9,8 +9,7 @@
 //! darkest codes are too close together for f32. If a shader has a discontinuity (printed vertex shading with b > ¼), a
 //! pixel exactly on it may fall on either side.
 //!
-//! The WGSL of each shader is next to its Rust code, in `shaders/`, and the code around the shaders is here. The WGSL
-//! of *exact* and *cut* (together with `strips`) and of *patch* can be reused unchanged.
+//! The WGSL of each shader is next to its Rust code, in `shaders/`, and the code around the shaders is here.
 
 mod card;
 mod pack;

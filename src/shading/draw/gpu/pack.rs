@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use crate::{
     light::{Bits, Transfer, quantize::reference_code},
     shading::{
-        frame::{Across, Bend, ControlPoints, Field, Frame, FrameVertex, Patches, bends},
+        frame::{Across, ControlPoints, Field, Frame, FrameVertex, Patches},
         lighting::{Facets, Lamp, LampPosition, Microfacets, Specular},
         shaders::{Painted, PaintedTriangle, Shade, Shader, flat, quadratic},
     },
@@ -69,7 +69,7 @@ fn globals(frame: &Frame, shade: &Shade, transfer: &Transfer, paint: [u32; 4]) -
     }
     Globals {
         size: [frame.width as f32, frame.height as f32],
-        boundary: shade.strip().clamp(0.0, 1.0) as f32,
+        boundary: shade.strip().max(0.0) as f32,
         distance: if frame.view.distance.is_finite() { frame.view.distance as f32 } else { 0.0 },
         ambient: four(frame.lighting.ambient_light(), 0.0),
         diffuse: four(material.diffuse * material.color, material.shininess),
@@ -175,8 +175,7 @@ const GOG_POINTS: u32 = 4096;
 /// opposite it.
 pub const fn rows(shader: Shader) -> u32 {
     match shader {
-        Shader::Flat | Shader::Quadratic | Shader::Gradient | Shader::GradientRepaired | Shader::Exact => 1,
-        Shader::Cut => 2,
+        Shader::Flat | Shader::Quadratic | Shader::Gradient | Shader::GradientRepaired => 1,
         Shader::Patch | Shader::C1Phong => 3,
         _ => 0,
     }
@@ -191,8 +190,6 @@ fn constants(frame: &Frame, shade: &Shade) -> Vec<[f32; 4]> {
             triangles.flat_map(|t| quadratic::bulges(frame, t).map(|bulge| four(bulge, 0.0))).collect()
         }
         Shader::Gradient | Shader::GradientRepaired => triangles.flat_map(|t| apexes(frame, t)).collect(),
-        Shader::Exact => bends(frame).iter().flatten().map(|edge| four(edge.c, 0.0)).collect(),
-        Shader::Cut => bends(frame).iter().flat_map(cut).collect(),
         Shader::Patch => {
             let patches = Patches::new(frame, Field::Light, shade.gradients);
             triangles.flat_map(|t| ordinates(&patches.control_points[t]).map(|light| four(light, 0.0))).collect()
@@ -235,13 +232,6 @@ fn push_paint(frame: &Frame, shader: Shader, constants: &mut Vec<[f32; 4]>) -> [
     [triangles, coats, first, 0]
 }
 
-/// Returns c and foot of the three edges, followed by their reaches.
-fn cut(edges: &[Bend; 3]) -> [[f32; 4]; 6] {
-    let [a, b, c] = edges.map(|edge| four(edge.c, edge.foot));
-    let [d, e, f] = edges.map(|edge| [edge.start as f32, edge.end as f32, 0.0, 0.0]);
-    [a, b, c, d, e, f]
-}
-
 /// Returns the ordinates that, together with the corners' light values, determine all others: the ones toward the next
 /// corner, the ones toward the corner after that, and the middle ones.
 fn ordinates(points: &ControlPoints) -> [DVec3; 9] {
@@ -252,6 +242,6 @@ fn ordinates(points: &ControlPoints) -> [DVec3; 9] {
 fn apexes(frame: &Frame, triangle: usize) -> [[f32; 4]; 3] {
     frame.triangles[triangle].across.map(|across| match across {
         Across::Triangle { apex, .. } => four(frame.vertices[apex as usize].light, 1.0),
-        Across::Nothing | Across::NonManifold => [0.0; 4],
+        Across::Nothing => [0.0; 4],
     })
 }

@@ -15,8 +15,6 @@ const SOURCE: &str = concat!(
     include_str!("../../shaders/strips.wgsl"),
     include_str!("../../shaders/fixed.wgsl"),
     include_str!("../../shaders/gradient.wgsl"),
-    include_str!("../../shaders/exact.wgsl"),
-    include_str!("../../shaders/cut.wgsl"),
     include_str!("../../../../shaders/wgsl/patch.wgsl"),
     include_str!("../../shaders/corrections.wgsl"),
     include_str!("../../shaders/painted.wgsl"),
