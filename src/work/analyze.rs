@@ -52,12 +52,9 @@ impl Analyze {
             return Ok(study);
         }
         let texts = list(counts.categories.iter().take(12));
-        let message = format!(
-            "{}: {texts} are not numbers; expected their order, lowest first, as categories such as {}",
-            study.source.shape.response,
-            shlex::try_quote(&texts).unwrap_or_default()
-        );
-        Err(RequestError::value("response", message).into())
+        let message =
+            format!("{}: {texts} are not numbers; expected their order, lowest first", study.source.shape.response);
+        Err(RequestError::value("response", message).such_as("categories", &texts).into())
     }
 
     /// Returns the options of the analysis.
