@@ -212,7 +212,7 @@ def test_a_scale_is_ours_or_named():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         found = machband.analyze(frame, **given)
-    assert "or response with this column for another scale" in found.errors[0]
+    assert "or the option response with this column for another scale" in found.errors[0]
     assert "12 rows are excluded" in found.summary
     expected = machband.analyze(frame, response="rating", **given)
     assert not expected.errors and expected.tables["by_width"]["n"].tolist() == [24, 24]
@@ -261,7 +261,7 @@ def test_large_seeds_are_exact(seed):
         (pandas.DataFrame([[1]], columns=pandas.MultiIndex.from_tuples([("a", "b")])), {}, machband.Error, "2 levels"),
         ({"subject_id": ["a"], "rating": [1]}, {"draws": 0}, machband.Error, "draws 0 is outside 19…"),
         ({"subject_id": ["a"], "rating": [1]}, {"draws": 19.5}, TypeError, "draws is 19.5"),
-        ({"subject_id": ["a"], "rating": [1]}, {"scale": "no"}, TypeError, "scale is 'no'; expected True or False"),
+        ({"subject_id": ["a"], "rating": [1]}, {"large": "no"}, TypeError, "large is 'no'; expected True or False"),
     ],
 )
 def test_wrong_data_are_refused(data, given, error, words):

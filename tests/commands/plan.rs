@@ -377,7 +377,7 @@ fn wrong_usage_is_reported() {
         ("--participants 2 --slope width=1 --slope width=2", "width is given twice; expected each slope once"),
         ("--participants 2 --slopes some", "independent, correlated"),
         ("--participants 2 --terms widht", "did you mean width?"),
-        ("--participants 2 --terms width,,depth", "--terms width,,depth: an empty name"),
+        ("--participants 2 --terms width,,depth", "width,,depth: an empty name"),
         ("--participants 2 --terms depth,num:inv_n", "--terms num:inv_n: the term adds nothing to the other terms"),
         ("--participants 0", "0 is not in 1..=10000"),
         ("--participants 2 --alpha 0", "expected a number between 0 and 1"),

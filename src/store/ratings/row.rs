@@ -149,7 +149,7 @@ pub(super) fn rating<'a>(
         text if own_scale => {
             // Any scale is possible in a table from elsewhere.
             let is_other = columns.record.is_none() && !is_missing(text, among_numbers);
-            let hint = if is_other { ", or --response with this column for another scale" } else { "" };
+            let hint = if is_other { ", or the option response with this column for another scale" } else { "" };
             Err(cells.error(columns.response, &format!("a rating from 0 to {MAX_RATING}{hint}")))
         }
         _ => Err(cells.error(columns.response, "a rating")),
