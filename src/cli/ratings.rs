@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use super::OutPath;
+use super::{OutPath, UsageError};
 use crate::{
-    analysis::counts::Counts,
-    report::{Study, document::numbers::count, tables},
+    analysis::counts::{Excluded, Measured},
+    report::{Study, StudyError, document::numbers::count, tables},
     store::{
         Writer,
         ratings::{FileRead, ReadOptions, Source},
@@ -35,6 +35,15 @@ pub(super) struct RatingOptions {
     /// Columns with the factors [default: the factors of the definition or of the terms].
     #[arg(long, value_name = "COL,…", value_parser = split_list)]
     factors: Option<Vec<Vec<String>>>,
+    /// Factors that are directions, which are circular [default: stimulus parameters that are directions].
+    #[arg(long, value_name = "COL,…", value_parser = split_list)]
+    direction: Option<Vec<Vec<String>>>,
+    /// Participants to exclude.
+    #[arg(long, value_name = "ID,…", value_parser = split_list)]
+    exclude: Option<Vec<Vec<String>>>,
+    /// Analyze only these levels of a factor; NA means a missing value. Repeat the option for other factors.
+    #[arg(long, value_name = "FACTOR=LEVEL,…", value_parser = levels)]
+    only: Vec<(String, Vec<String>)>,
     /// Exclude sessions with unrated trials.
     #[arg(long)]
     complete_only: bool,
@@ -49,6 +58,16 @@ fn categories(text: &str) -> Result<Vec<String>, String> {
     }
 }
 
+/// Parses a factor and the levels to keep.
+fn levels(text: &str) -> Result<(String, Vec<String>), String> {
+    const EXPECTED: &str = "expected a factor, =, and its levels, such as width=0.1,0.2";
+    let (factor, levels) = text.split_once('=').ok_or(EXPECTED)?;
+    match split_list(levels)? {
+        levels if levels.is_empty() || factor.trim().is_empty() => Err(EXPECTED.to_owned()),
+        levels => Ok((factor.trim().to_owned(), levels)),
+    }
+}
+
 impl RatingOptions {
     /// Reads the files; `also` names additional columns that a model needs.
     pub(super) fn read(&self, also: &[String], details: bool, large: bool) -> anyhow::Result<Study> {
@@ -59,16 +78,23 @@ impl RatingOptions {
             count: self.count.clone(),
             factors: self.factors.as_ref().map(|lists| lists.concat()),
             also: also.to_vec(),
+            direction: self.direction.iter().flatten().flatten().cloned().collect(),
+            exclude: self.exclude.iter().flatten().flatten().cloned().collect(),
+            only: self.only.clone(),
             complete_only: self.complete_only,
             details,
             large,
         };
-        Ok(Study::read(&self.paths, &how)?)
+        Study::read(&self.paths, &how).map_err(|error| match error {
+            StudyError::Exclusion(error) => UsageError(format!("--{error}")).into(),
+            StudyError::Files(errors) => errors.into(),
+        })
     }
 }
 
 /// Summarizes in one line what was read and what was left out.
-pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
+pub(super) fn sentence(source: &Source, measured: &Measured) -> String {
+    let Measured { counts, excluded, .. } = measured;
     let sum = |of: fn(&FileRead) -> u64| source.files.iter().map(of).sum::<u64>();
     let left_out: Vec<String> = [
         (sum(|file| file.practice), "from practice"),
@@ -90,6 +116,10 @@ pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
     );
     if !left_out.is_empty() {
         line += &format!("; rows left out: {}", left_out.join(", "));
+    }
+    if !excluded.is_empty() {
+        let ratings = excluded.iter().map(Excluded::ratings).sum();
+        line += &format!("; excluded on request: {}", count(ratings, "rating"));
     }
     if unfinished > 0 {
         line += &format!("; {unfinished} of {} unfinished", count(source.sessions.len() as u64, "session"));
@@ -129,7 +159,7 @@ pub(super) fn counts(arguments: &CountsArguments, writer: &Writer) -> anyhow::Re
     let counts = &study.measured.counts;
     writer.write(&arguments.out, &tables::counts(counts, &study.source.shape))?;
     progress.finish_and_clear();
-    super::print_line(&sentence(&study.source, counts))?;
+    super::print_line(&sentence(&study.source, &study.measured))?;
     super::print_line(&format!("{} in {}", count(counts.rows.len() as u64, "row"), arguments.out.display()))?;
     problems(&study.source)
 }

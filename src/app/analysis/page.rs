@@ -14,8 +14,8 @@ use crate::{
         Dialog, Field, FileKind, Step, escaped, heading, hint, page_from, paragraph, section, show_error,
         work::{BackgroundTask, Progress},
     },
-    report::Study,
-    store::{FileErrors, ratings::ReadOptions},
+    report::{Study, StudyError},
+    store::ratings::ReadOptions,
     system::entries,
 };
 
@@ -42,7 +42,7 @@ struct Pending {
     read_options: ReadOptions,
     /// Whether the files that are already open are read again with other options.
     again: bool,
-    work: BackgroundTask<Result<Study, FileErrors>>,
+    work: BackgroundTask<Result<Study, StudyError>>,
 }
 
 impl Analysis {
