@@ -73,21 +73,39 @@ fn exclusions_are_recorded_and_unknown_names_are_errors() {
     let measured = builder.finish();
     let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
     let only = |factor: &str, levels: &[&str]| (factor.to_owned(), words(levels));
-    let exclusions = Exclusions { exclude: words(&["S2", "S2"]), only: vec![only("width", &["0.1"]), only("depth", &["1"])] };
+    let exclusions =
+        Exclusions { exclude: words(&["S2", "S2"]), only: vec![only("width", &["0.1"]), only("depth", &["1"])] };
     let left = measured.narrowed(&exclusions).unwrap();
     let without = ROWS.iter().filter(|row| row.0 != "S2");
     assert_eq!(left.counts, add(empty(), without).finish().counts);
-    let levels = |factor: &str, kept: &str, ratings| Excluded::Levels { factor: factor.to_owned(), kept: words(&[kept]), ratings };
+    let levels = |factor: &str, kept: &str, ratings| Excluded::Levels {
+        factor: factor.to_owned(),
+        kept: words(&[kept]),
+        ratings,
+    };
     let person = Excluded::Participant { id: "S2".to_owned(), ratings: 3 };
     assert_eq!(left.excluded, [person, levels("width", "0.1", 2), levels("depth", "1", 0)]);
-    let missing = measured.narrowed(&Exclusions { only: vec![only("width", &["NA"])], ..Exclusions::default() }).unwrap();
+    let missing =
+        measured.narrowed(&Exclusions { only: vec![only("width", &["NA"])], ..Exclusions::default() }).unwrap();
     assert_eq!((missing.counts.total(), missing.excluded), (2, vec![levels("width", "NA", 6)]));
     assert_eq!(measured.narrowed(&Exclusions::default()).unwrap(), measured);
     for (exclude, only, said) in [
         (&["S3"][..], vec![], "exclude: S3 is not a participant; expected one of S1, S2, S10; did you mean S1?"),
-        (&[], vec![only("widht", &["1"])], "only: widht is not a factor; expected one of width, depth; did you mean width?"),
-        (&[], vec![only("width", &["0.2"])], "only: 0.2 is not a level of width; expected one of 0.1, 0.4, NA; did you mean 0.1?"),
-        (&["S1", "S2", "S10"], vec![], "exclude, only: no ratings are left; expected to keep some participants and levels"),
+        (
+            &[],
+            vec![only("widht", &["1"])],
+            "only: widht is not a factor; expected one of width, depth; did you mean width?",
+        ),
+        (
+            &[],
+            vec![only("width", &["0.2"])],
+            "only: 0.2 is not a level of width; expected one of 0.1, 0.4, NA; did you mean 0.1?",
+        ),
+        (
+            &["S1", "S2", "S10"],
+            vec![],
+            "exclude, only: no ratings are left; expected to keep some participants and levels",
+        ),
     ] {
         let error = measured.narrowed(&Exclusions { exclude: words(exclude), only }).unwrap_err();
         assert_eq!(error.to_string(), said);

@@ -119,10 +119,8 @@ impl Measured {
                 *ratings += row.count;
             }
         }
-        let left = self.filtered(
-            |subject| !people.contains(&subject),
-            |levels| only.iter().all(|one| is_kept(levels, one)),
-        );
+        let left =
+            self.filtered(|subject| !people.contains(&subject), |levels| only.iter().all(|one| is_kept(levels, one)));
         if left.counts.total() == 0 && counts.total() > 0 {
             return Err(ExclusionError::Nothing);
         }
@@ -134,10 +132,11 @@ impl Measured {
 fn people(counts: &Counts, ids: &[String]) -> Result<Vec<u32>, ExclusionError> {
     let mut people = Vec::new();
     for id in ids {
-        let index = counts.subjects.iter().position(|known| known == id).ok_or_else(|| ExclusionError::Participant {
-            id: id.clone(),
-            known: counts.subjects.clone(),
-        })?;
+        let index = counts
+            .subjects
+            .iter()
+            .position(|known| known == id)
+            .ok_or_else(|| ExclusionError::Participant { id: id.clone(), known: counts.subjects.clone() })?;
         if !people.contains(&(index as u32)) {
             people.push(index as u32);
         }
@@ -152,8 +151,7 @@ fn levels<'a>(counts: &Counts, name: &str, kept: &'a [String]) -> Result<(usize,
         known: counts.factors.iter().map(|factor| factor.name.clone()).collect(),
     })?;
     let is_missing = counts.conditions.iter().any(|levels| levels[index].is_none());
-    let known: Vec<String> =
-        factor.levels.iter().cloned().chain(is_missing.then(|| MISSING.to_owned())).collect();
+    let known: Vec<String> = factor.levels.iter().cloned().chain(is_missing.then(|| MISSING.to_owned())).collect();
     match kept.iter().find(|level| !known.contains(level)) {
         Some(level) => Err(ExclusionError::Level { factor: name.to_owned(), level: level.clone(), known }),
         None => Ok((index, kept)),

@@ -234,9 +234,10 @@ impl Measured {
         let levels: Vec<Kept> = (0..counts.factors.len())
             .map(|factor| Kept::new(conditions.0.iter().filter_map(|&c| counts.conditions[c as usize][factor])))
             .collect();
-        let factors = counts.factors.iter().zip(&levels).map(|(factor, kept)| {
-            Factor::new(&factor.name, kept.of(&factor.levels), factor.role == Role::Direction)
-        });
+        let factors =
+            counts.factors.iter().zip(&levels).map(|(factor, kept)| {
+                Factor::new(&factor.name, kept.of(&factor.levels), factor.role == Role::Direction)
+            });
         let renumbered = |levels_of: &Vec<Option<u32>>| {
             levels_of.iter().zip(&levels).map(|(level, kept)| level.map(|level| kept.index(level))).collect()
         };

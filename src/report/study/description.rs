@@ -26,7 +26,9 @@ use crate::{
 pub(super) fn design(source: &Source, results: &Results) -> Section {
     let mut section = Section::new("design", "Design");
     match &source.protocol {
-        Some(protocol) => section.facts("The design according to the definition", definition(source, results, protocol)),
+        Some(protocol) => {
+            section.facts("The design according to the definition", definition(source, results, protocol))
+        }
         None => section.text(
             "The files contain no definition of an experiment, so this section describes the ratings themselves.",
         ),

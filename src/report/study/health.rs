@@ -16,15 +16,15 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
     let mut section = Section::new("health", "Data quality");
     let sum = |of: fn(&FileRead) -> u64| whole(source.files.iter().map(of).sum());
     let mut facts = vec![
-            ("Files", whole(source.files.len() as u64)),
-            ("Rows below the headers", sum(|file| file.rows)),
-            ("Excluded: practice", sum(|file| file.practice)),
-            ("Excluded: corrected ratings", sum(|file| file.superseded)),
-            ("Excluded: rows with errors", sum(|file| file.erroneous)),
-            ("Excluded: unfinished sessions, on request", sum(|file| file.unfinished)),
-            ("Other rows", sum(|file| file.counted)),
-            ("Ratings in these rows", sum(|file| file.ratings)),
-        ];
+        ("Files", whole(source.files.len() as u64)),
+        ("Rows below the headers", sum(|file| file.rows)),
+        ("Excluded: practice", sum(|file| file.practice)),
+        ("Excluded: corrected ratings", sum(|file| file.superseded)),
+        ("Excluded: rows with errors", sum(|file| file.erroneous)),
+        ("Excluded: unfinished sessions, on request", sum(|file| file.unfinished)),
+        ("Other rows", sum(|file| file.counted)),
+        ("Ratings in these rows", sum(|file| file.ratings)),
+    ];
     let excluded = exclusions::sentences(results);
     if !excluded.is_empty() {
         facts.push(("Excluded: ratings, on request", exclusions::ratings(results)));

@@ -14,8 +14,7 @@ use crate::{
 
 /// Returns every sitting of the participants who were not excluded, with its session.
 pub(super) fn all<'a>(source: &'a Source, results: &Results) -> impl Iterator<Item = (&'a SessionRead, &'a Sitting)> {
-    exclusions::sessions(source, results)
-        .flat_map(|session| sittings(session).map(move |sitting| (session, sitting)))
+    exclusions::sessions(source, results).flat_map(|session| sittings(session).map(move |sitting| (session, sitting)))
 }
 
 fn sittings(session: &SessionRead) -> impl Iterator<Item = &Sitting> {
@@ -30,7 +29,8 @@ pub(super) fn is_simulated(session: &SessionRead) -> bool {
 /// Returns the analyzed participants who have any ratings from a program.
 pub(super) fn simulated<'a>(source: &'a Source, results: &Results) -> BTreeSet<&'a str> {
     let subjects = &results.measured.counts.subjects;
-    let sessions = source.sessions.iter().filter(|session| is_simulated(session) && subjects.contains(&session.subject));
+    let sessions =
+        source.sessions.iter().filter(|session| is_simulated(session) && subjects.contains(&session.subject));
     sessions.map(|session| session.subject.as_str()).collect()
 }
 

@@ -131,14 +131,16 @@ impl Selection {
             let message = format!("--direction {name} is not a factor; {}", expected_one_of(name, &shape.factors));
             errors.extend(inputs.first().map(|file| FileError::whole(&file.path, message)));
         }
-        let levels = (shape.factors.iter()).map(|name| protocol.as_ref().map_or_else(Vec::new, |all| levels(all, name)));
+        let levels =
+            (shape.factors.iter()).map(|name| protocol.as_ref().map_or_else(Vec::new, |all| levels(all, name)));
         let levels = levels.collect();
         let own_scale = options.response.is_none();
         let is_empty = inputs.is_empty();
         let is_guess = options.factors.is_none() && protocol.is_none();
         let guessed = shape.factors.iter().map(|name| is_guess && !options.also.contains(name)).collect();
         let survey = Survey::new(shape.factors.len());
-        let selection = Self { inputs, shape, protocol, definition_sha256, experiment, own_scale, levels, guessed, survey };
+        let selection =
+            Self { inputs, shape, protocol, definition_sha256, experiment, own_scale, levels, guessed, survey };
         ((!is_empty).then_some(selection), errors)
     }
 
