@@ -175,14 +175,9 @@ impl Header {
 
     /// Returns the head of a table in memory.
     pub fn of(columns: Columns) -> Self {
-        let trimmed = |cells: &mut dyn Iterator<Item = &str>| cells.map(|cell| cell.trim().to_owned()).collect();
-        Self {
-            names: trimmed(&mut columns.names()),
-            separator: b',',
-            first: (columns.rows() > 0).then(|| trimmed(&mut columns.row(0))),
-            columns: Some(columns),
-            ..Self::default()
-        }
+        let names = columns.names().map(|name| name.trim().to_owned()).collect();
+        let first = (columns.rows() > 0).then(|| columns.row(0).map(|cell| cell.trim().to_owned()).collect());
+        Self { names, separator: b',', first, columns: Some(columns), ..Self::default() }
     }
 
     fn parse(&mut self, head: &[u8]) -> Result<(), (usize, String)> {
