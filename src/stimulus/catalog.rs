@@ -32,6 +32,12 @@ macro_rules! stimuli {
             }
         })*
 
+        /// True if some kind of stimulus has a parameter with exactly this name that is a direction.
+        #[must_use]
+        pub fn is_direction(name: &str) -> bool {
+            [$($name::PARAMETERS,)*].concat().iter().any(|parameter| parameter.name == name && parameter.is_direction)
+        }
+
         impl Stimulus {
             /// Returns the name of this kind, one of [`KINDS`].
             #[must_use]

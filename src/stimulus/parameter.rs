@@ -21,6 +21,8 @@ pub struct Parameter {
     pub description: &'static str,
     /// The values it can have, as worded in error messages.
     pub expected: &'static str,
+    /// True for a direction, whose levels are circular, so that they cannot increase or decrease.
+    pub is_direction: bool,
     /// Values worth comparing in an experiment, each in the form that [`ParameterValue`] reads.
     pub levels_hint: &'static [&'static str],
 }
@@ -125,8 +127,8 @@ pub(super) enum Range {
     Within(f64, f64),
     /// Numbers above 0 and up to this maximum.
     UpTo(f64),
-    /// Any finite number.
-    Finite,
+    /// A direction in degrees: any finite number. Directions are circular: 350° is near 10°.
+    Direction,
     /// Any value of the type.
     Any,
 }
@@ -268,6 +270,7 @@ macro_rules! kind {
                 unit: $unit,
                 description: $meaning,
                 expected: $expected,
+                is_direction: matches!($range, $crate::stimulus::parameter::Range::Direction),
                 levels_hint: &[$($level),*],
             },)*];
 

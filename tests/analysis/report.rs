@@ -6,7 +6,7 @@ use std::{path::PathBuf, sync::Arc};
 use machband::{
     analysis::{
         Link, Options, Random, Resampling, Results, analyze,
-        counts::{Measured, MeasuredBuilder},
+        counts::{Exclusions, Measured, MeasuredBuilder},
         terms::Terms,
     },
     experiment::{Protocol, RatingRow},
@@ -39,7 +39,7 @@ fn source(factors: &[&str]) -> Source {
     let factors = factors.iter().map(|&name| name.to_owned()).collect();
     let (subject, response) = ("subject_id".to_owned(), "rating".to_owned());
     Source {
-        shape: Shape { factors, subject, response, categories: None, guessed: false },
+        shape: Shape { factors, directions: Vec::new(), subject, response, categories: None, guessed: false },
         protocol: None,
         definition_sha256: None,
         files: Vec::new(),
@@ -366,6 +366,17 @@ fn problems_with_the_data_are_reported() {
     }
     assert_parts(&study::summary(&source, &results).cautions[0], &["the results say nothing about people"]);
     assert_parts(&text(&page(&source, &results)), &["2 simulated observers gave"]);
+
+    // An exclusion is named in Summary, Data quality and Methods, and everything is about the rest.
+    let exclusions = Exclusions { exclude: vec!["S002".to_owned()], ..Exclusions::default() };
+    let left = analyze(results.measured.narrowed(&exclusions).unwrap(), &options());
+    let [total, n] = [&results, &left].map(|results| results.measured.counts.total());
+    let left = text(&page(&source, &left));
+    let excluded = format!("On request, the participant S002 ({}) was excluded.", count(total - n, "rating"));
+    let rest = format!("This leaves {} by 1 participant.", count(n, "rating"));
+    assert_eq!((left.matches(&excluded).count(), left.matches(&rest).count()), (3, 3), "{left}");
+    assert_parts(&left, &["1 simulated observer gave", "all ratings come from a program"]);
+    assert!(!left.contains("the folder was moved"));
 }
 
 #[test]

@@ -44,7 +44,7 @@ pub(super) fn cautions(source: &Source, results: &Results) -> Vec<String> {
 }
 
 fn simulated(source: &Source, results: &Results) -> Option<String> {
-    let simulated = Vec::from_iter(sittings::simulated(source));
+    let simulated = Vec::from_iter(sittings::simulated(source, results));
     if simulated.is_empty() {
         return None;
     }

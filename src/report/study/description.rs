@@ -1,6 +1,7 @@
 //! Descriptive sections: the design, the ratings by factor, condition and participant, and the response times.
 
 use super::{
+    exclusions,
     names::{self, participant},
     sittings,
 };
@@ -25,7 +26,9 @@ use crate::{
 pub(super) fn design(source: &Source, results: &Results) -> Section {
     let mut section = Section::new("design", "Design");
     match &source.protocol {
-        Some(protocol) => section.facts("The design according to the definition", definition(source, protocol)),
+        Some(protocol) => {
+            section.facts("The design according to the definition", definition(source, results, protocol))
+        }
         None => section.text(
             "The files contain no definition of an experiment, so this section describes the ratings themselves.",
         ),
@@ -35,7 +38,7 @@ pub(super) fn design(source: &Source, results: &Results) -> Section {
     section
 }
 
-fn definition(source: &Source, protocol: &Protocol) -> Vec<(&'static str, String)> {
+fn definition(source: &Source, results: &Results, protocol: &Protocol) -> Vec<(&'static str, String)> {
     let (design, recovery, viewing) = (&protocol.design, &protocol.recovery, &protocol.viewing);
     let breaks = match design.break_every {
         0 => "none".to_owned(),
@@ -56,7 +59,7 @@ fn definition(source: &Source, protocol: &Protocol) -> Vec<(&'static str, String
         ("Question", protocol.response.question.clone()),
         ("Answers", names::categories_of(protocol).join("; ")),
     ];
-    rows.extend(sittings::days(source).map(|(first, last)| {
+    rows.extend(sittings::days(source, results).map(|(first, last)| {
         ("Sessions", if first == last { format!("on {first}") } else { format!("from {first} to {last}") })
     }));
     rows
@@ -108,13 +111,14 @@ fn factors(section: &mut Section, source: &Source, results: &Results) {
 /// Describes the planned and the completed trials.
 fn done(section: &mut Section, source: &Source, results: &Results) {
     let counts = &results.measured.counts;
-    let planned: u64 = source.sessions.iter().filter_map(|session| session.planned).sum();
-    let rated: u64 = source.sessions.iter().filter(|s| s.planned.is_some()).map(|s| s.rated).sum();
+    let sessions = exclusions::sessions(source, results);
+    let planned: u64 = sessions.clone().filter_map(|session| session.planned).sum();
+    let rated: u64 = sessions.clone().filter(|s| s.planned.is_some()).map(|s| s.rated).sum();
     if planned > 0 {
         section.text(format!(
             "Of {} in {}, {} are rated ({}\u{a0}%).",
             count(planned, "planned main trial"),
-            count(source.sessions.len() as u64, "session"),
+            count(sessions.count() as u64, "session"),
             whole(rated),
             fixed(100.0 * rated as f64 / planned as f64, 1)
         ));

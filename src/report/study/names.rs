@@ -3,7 +3,7 @@
 use crate::{
     analysis::{
         Results,
-        counts::Counts,
+        counts::{Counts, MISSING},
         number_of,
         results::{FactorResults, SubjectResults},
         summary::Group,
@@ -23,7 +23,7 @@ pub(super) fn factor(name: &str) -> &str {
 /// Formats a level, such as `45°`, `∞` or `0.4`; `(none)` if the value is missing.
 pub(super) fn level(factor: &str, level: &str) -> String {
     match level {
-        "" => "(none)".to_owned(),
+        "" | MISSING => "(none)".to_owned(),
         "inf" => "∞".to_owned(),
         _ if factor.ends_with(DEGREES) && number_of(level).is_some() => format!("{level}°"),
         _ => level.to_owned(),

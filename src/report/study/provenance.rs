@@ -65,7 +65,7 @@ pub(super) fn section(source: &Source, results: &Results, provenance: &Provenanc
         vec![file.path.display().to_string(), layout.to_owned(), hash, whole(file.rows), whole(file.counted)]
     };
     let texts = ["File", "Kind", "SHA-256"];
-    section.table("Files", &texts, &["Rows", "Rows analyzed"], source.files.iter().map(row).collect());
+    section.table("Files", &texts, &["Rows", "Rows that count"], source.files.iter().map(row).collect());
     if let Some(protocol) = &source.protocol {
         section.heading("The definition");
         if let Some(hash) = &source.definition_sha256 {

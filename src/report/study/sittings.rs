@@ -2,7 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::exclusions;
 use crate::{
+    analysis::Results,
     report::document::numbers::fixed,
     store::{
         ratings::{SessionRead, Source},
@@ -10,9 +12,9 @@ use crate::{
     },
 };
 
-/// Returns every sitting with its session.
-pub(super) fn all(source: &Source) -> impl Iterator<Item = (&SessionRead, &Sitting)> {
-    source.sessions.iter().flat_map(|session| sittings(session).map(move |sitting| (session, sitting)))
+/// Returns every sitting of the participants who were not excluded, with its session.
+pub(super) fn all<'a>(source: &'a Source, results: &Results) -> impl Iterator<Item = (&'a SessionRead, &'a Sitting)> {
+    exclusions::sessions(source, results).flat_map(|session| sittings(session).map(move |sitting| (session, sitting)))
 }
 
 fn sittings(session: &SessionRead) -> impl Iterator<Item = &Sitting> {
@@ -24,20 +26,23 @@ pub(super) fn is_simulated(session: &SessionRead) -> bool {
     sittings(session).any(|sitting| sitting.observer.is_some())
 }
 
-/// Returns the participants who have any ratings from a program.
-pub(super) fn simulated(source: &Source) -> BTreeSet<&str> {
-    source.sessions.iter().filter(|session| is_simulated(session)).map(|session| session.subject.as_str()).collect()
+/// Returns the analyzed participants who have any ratings from a program.
+pub(super) fn simulated<'a>(source: &'a Source, results: &Results) -> BTreeSet<&'a str> {
+    let subjects = &results.measured.counts.subjects;
+    let sessions =
+        source.sessions.iter().filter(|session| is_simulated(session) && subjects.contains(&session.subject));
+    sessions.map(|session| session.subject.as_str()).collect()
 }
 
 /// Returns the first and the last day on which a sitting began, such as `2026-11-21`.
-pub(super) fn days(source: &Source) -> Option<(&str, &str)> {
-    let days: BTreeSet<&str> = all(source).filter_map(|(_, sitting)| sitting.started_at.get(..10)).collect();
+pub(super) fn days<'a>(source: &'a Source, results: &Results) -> Option<(&'a str, &'a str)> {
+    let days: BTreeSet<&str> = all(source, results).filter_map(|(_, sitting)| sitting.started_at.get(..10)).collect();
     Some((days.first()?, days.last()?))
 }
 
 /// Returns the settings that may differ between sittings, with the number of sittings for each value. A setting that no
 /// sitting recorded is omitted.
-pub(super) fn properties(source: &Source) -> Vec<(&'static str, Vec<(String, usize)>)> {
+pub(super) fn properties(source: &Source, results: &Results) -> Vec<(&'static str, Vec<(String, usize)>)> {
     type Value = fn(&Sitting) -> Option<String>;
     let values_of: [(&'static str, Value); 7] = [
         ("program", program),
@@ -51,7 +56,7 @@ pub(super) fn properties(source: &Source) -> Vec<(&'static str, Vec<(String, usi
     (values_of.into_iter())
         .filter_map(|(name, value_of)| {
             let mut values: BTreeMap<Option<String>, usize> = BTreeMap::new();
-            for (_, sitting) in all(source) {
+            for (_, sitting) in all(source, results) {
                 *values.entry(value_of(sitting)).or_default() += 1;
             }
             let recorded = values.keys().any(Option::is_some);

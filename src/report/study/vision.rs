@@ -46,7 +46,7 @@ pub(super) fn section(
     section.text(order(comparison, counts));
     section.text(ceiling(comparison));
     largest_deviations(results, prediction).into_iter().for_each(|text| section.text(text));
-    let is_circular = sittings::all(source)
+    let is_circular = sittings::all(source, results)
         .any(|(_, sitting)| sitting.observer.as_ref().is_some_and(|observer| observer["observer"] == "vision"));
     if is_circular {
         section.warning(
