@@ -84,10 +84,10 @@ impl Definition {
 
     /// Returns the conditions as columns: the kind, and every parameter of the stimulus.
     fn conditions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let conditions = self.0.conditions().map_err(error)?;
+        let conditions = self.0.conditions();
         let kind: Vec<_> = conditions.iter().map(|_| CellValue::Text(self.0.stimulus.kind().to_owned())).collect();
         let names = self.0.stimulus.parameters().iter().map(|parameter| parameter.name);
-        let parameters = names.map(|name| (name.to_owned(), parameter(&conditions, name)));
+        let parameters = names.map(|name| (name.to_owned(), parameter(conditions, name)));
         table::columns(py, [("stimulus".to_owned(), Column::of(&kind))].into_iter().chain(parameters))
     }
 

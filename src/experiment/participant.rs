@@ -24,11 +24,12 @@ pub struct ParticipantField {
     pub spec: FieldSpec,
 }
 
-/// A field as it is written in a definition. Only its own keys are part of the definition's hash.
+/// A field as it is written in a definition.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FieldSpec {
     /// Whether the session begins only with an answer.
+    #[serde(skip_serializing_if = "Clone::clone")]
     pub required: bool,
     /// What the participant reads next to the field.
     #[serde(skip_serializing_if = "Option::is_none")]

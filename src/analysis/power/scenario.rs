@@ -108,7 +108,7 @@ impl Scenario {
         shifts: &[Shift],
         slopes: &[Slope],
     ) -> Result<Self, PlanError> {
-        let conditions = protocol.conditions()?;
+        let conditions = protocol.conditions();
         let shifts = shifts.iter().map(|shift| resolve(protocol, shift)).collect::<Result<Vec<_>, _>>()?;
         let added = |condition: &Condition| -> f64 {
             let here = shifts.iter().filter(|(factor, level, _)| condition.levels[*factor] == *level);
