@@ -103,8 +103,8 @@ impl Protocol {
     /// same luminance for everyone.
     ///
     /// It is a separate experiment: its name ends in `-gray`, so its data go into a separate folder and are not mixed
-    /// with the data of the original. Returns `None` if the experiment is already gray, if color is a factor, or if its name is too
-    /// long for the suffix.
+    /// with the data of the original. Returns `None` if the experiment is already gray, if color is a factor, or if its
+    /// name is too long for the suffix.
     #[must_use]
     pub fn in_gray(&self) -> Option<Self> {
         let [gray, same] = ["gray", "same"].map(ParameterValue::from);
