@@ -12,6 +12,7 @@
 //!
 //! | floor | module | contents |
 //! |---|---|---|
+//! | −1 | [`text`] | values as words: names in commands and files, and "did you mean …?" |
 //! | 0 | [`system`] | the clock, threads, signals, folders and fonts of the operating system |
 //! | 0 | [`light`] | interpolation I_n, transfer functions, conversion of light to codes, images |
 //! | 1 | [`display`] | visual angle, cm and pixels; the properties of a screen |
@@ -44,4 +45,5 @@ pub mod shading;
 pub mod stimulus;
 pub mod store;
 pub mod system;
+pub mod text;
 pub mod vision;

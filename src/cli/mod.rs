@@ -37,7 +37,6 @@ use clap::{
 pub use self::outputs::{FittedPath, NewFolder, OutPath};
 use crate::{
     display::DisplayProfile,
-    light::names::expected_one_of,
     report::{
         document::numbers::count,
         terminal::{message, printable},
@@ -48,6 +47,7 @@ use crate::{
         signals::{self, Signal},
         start_threads,
     },
+    text::names::expected_one_of,
 };
 
 /// Measure how visible Mach bands are.

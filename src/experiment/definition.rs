@@ -7,7 +7,7 @@ use super::{
     participant::ParticipantFields,
     texts::Texts,
 };
-use crate::{light::names::serde_as_text, stimulus::Stimulus};
+use crate::{stimulus::Stimulus, text::names::serde_as_text};
 
 /// Highest rating on the paper's scale; ratings are 0…3 (Bangay §3.1).
 pub const MAX_RATING: u8 = 3;

@@ -9,7 +9,7 @@ use serde::{
 };
 
 use super::faults::DefinitionErrors;
-use crate::light::names::expected_one_of;
+use crate::text::names::expected_one_of;
 
 /// The fields of a definition's `[participant]` table, in its order.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -14,7 +14,8 @@ use super::{
     identity::{Identity, fnv1a},
     protocol::Protocol,
 };
-use crate::light::{names::named, random::shuffle};
+use crate::light::random::shuffle;
+use crate::text::names::named;
 
 /// Describes, for the sidecar, how an order is generated from a seed. Any change to this procedure would change the
 /// meaning of recorded data.

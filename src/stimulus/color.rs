@@ -8,7 +8,7 @@ use crate::light::color::{
     rgb_from_hls, rgb_from_hsv, rgb_from_xyz, wrapped_deg, xyy_from_xyz, xyz_from_lab, xyz_from_luv, xyz_from_rgb,
     xyz_from_xyy,
 };
-use crate::light::names::serde_as_text;
+use crate::text::names::serde_as_text;
 
 /// Weights of red, green and blue in linear light, each 0…1 and not all 0. A pixel of relative luminance L emits L
 /// times these weights.

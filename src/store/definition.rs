@@ -15,8 +15,8 @@ use crate::{
         Category, Definition, DefinitionError, DefinitionErrors, Design, Factor, ParticipantFields, Presentation,
         Protocol, Recovery, ResponseScale, Texts, ViewingPlan,
     },
-    light::names::expected_one_of,
     stimulus::{KINDS, MachBand, ParameterValue, Stimulus},
+    text::names::expected_one_of,
 };
 
 /// A built-in definition.

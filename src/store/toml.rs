@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use toml::de::{DeTable, DeValue};
 
 use super::{FileError, FileErrors, error::position};
-use crate::light::names::expected_one_of;
+use crate::text::names::expected_one_of;
 
 /// Maximum number of unreadable values, because the document is deserialized again for each of them.
 const MAX_UNREAD: usize = 100;

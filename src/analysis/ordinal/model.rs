@@ -7,7 +7,7 @@ use thiserror::Error;
 use super::{link::Link, terms::Terms};
 use crate::{
     analysis::interval::Interval,
-    light::names::{expected_one_of, named},
+    text::names::{expected_one_of, named},
 };
 
 named! {

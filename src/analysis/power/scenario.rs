@@ -13,8 +13,8 @@ use crate::{
         levels,
     },
     experiment::{Condition, MAX_RATING, OrderedLogit, Protocol},
-    light::names::expected_one_of,
     stimulus::ParameterError,
+    text::names::expected_one_of,
 };
 
 /// The reason why a plan is impossible.

@@ -10,8 +10,8 @@ use super::{OutPath, UsageError, options::ModelOptions, print_line, progress_sty
 use crate::{
     analysis::power::{ModelChoice, Plan, Power, Sampling, Shift, Slope},
     experiment::{OrderedLogit, Protocol},
-    light::names::expected_one_of,
     store::{Writer, definition, observer},
+    text::names::expected_one_of,
 };
 use findings::Findings;
 
