@@ -55,7 +55,7 @@ impl Definition {
         if read == self.0 { Ok(text) } else { Err(error("the definition cannot be written as a file")) }
     }
 
-    /// Returns all keys, with their defaults, as JSON.
+    /// Returns all keys as JSON, with their defaults but without default texts.
     fn to_json(&self) -> PyResult<String> {
         serde_json::to_string(&self.0).map_err(error)
     }
