@@ -493,7 +493,7 @@ fn the_report_shows_the_prediction_or_says_why_there_is_none() {
     let black = black.unwrap();
     why(Some(&black), &results, "cannot process the stimuli: all black");
     let widths = |levels: Vec<f64>| {
-        let levels = levels.into_iter().map(ParameterValue::from).collect();
+        let levels = levels.into_iter().map(Into::into).collect();
         protocol.with(|definition| definition.factors[0].levels = levels).unwrap()
     };
     why(Some(&widths(vec![0.3, 0.5])), &results, "none of the predicted conditions");
