@@ -23,8 +23,9 @@
 //! | 4 | [`analysis`] | ordinal models and tests, computed from counts of ratings |
 //! | 4 | [`store`] | every file format |
 //! | 5 | [`report`] | tables, figures and study reports |
-//! | 6–11 | [`app`] | the window, whose own modules have these floors |
-//! | 11 | [`cli`] | the commands, of which `run` uses the window |
+//! | 6 | [`work`] | what machband can do: one file an operation, a request in, a typed outcome out |
+//! | 7–12 | [`app`] | the window, whose own modules have these floors |
+//! | 12 | [`cli`] | the commands, of which `run` uses the window |
 //!
 //! Sources: Bangay, *Methods of Reducing the Visibility of Mach Bands during Gouraud Shading*; Shoaff,
 //! *Color, Illumination Models, and Shading*.
@@ -47,3 +48,4 @@ pub mod store;
 pub mod system;
 pub mod text;
 pub mod vision;
+pub mod work;

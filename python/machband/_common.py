@@ -100,18 +100,17 @@ def text(name: str, given: object) -> str:
     return number
 
 
-def options(**given: object) -> list[str]:
-    """Return the options of a command; those that are `None` or `False` are left out."""
-    words = []
+def options(**given: object) -> dict[str, str | bool]:
+    """Return the fields of a request; those that are `None` have their defaults."""
+    fields: dict[str, str | bool] = {}
     for name, option in given.items():
-        key = "--" + name.replace("_", "-")
         if isinstance(option, (bool, np.bool_)):
-            words += [key] if option else []
+            fields[name] = bool(option)
         elif isinstance(option, os.PathLike):
-            words.append(f"{key}={os.fspath(option)}")
+            fields[name] = os.fspath(option)
         elif option is not None:
-            words.append(f"{key}={text(name, option)}")
-    return words
+            fields[name] = text(name, option)
+    return fields
 
 
 def quoted(names: object) -> str | None:

@@ -210,9 +210,9 @@ def shade(
         if normals is not None and estimated is None:
             raise TypeError(f"shade() got normals for the mesh {path!r}; expected only arrays or only a name")
         if path.endswith(".toml"):
-            return Shaded(_machband.shade_scene([path, *image]), None)
-        words = [*options(mesh=path, vertices=whole("n_vertices", n_vertices)), *given, *image]
-        codes, measured = _machband.shade(words, None, flag("metrics", metrics) and shader is not None)
+            return Shaded(_machband.shade_scene({"scene": path, **image}), None)
+        fields = {**options(mesh=path, vertices=whole("n_vertices", n_vertices)), **given, **image}
+        codes, measured = _machband.shade(fields, None, flag("metrics", metrics) and shader is not None)
     else:
         if triangles is None:
             raise TypeError("shade() got vertices without triangles; expected both")
@@ -221,7 +221,7 @@ def shade(
         if own is not None and len(own) != len(positions):
             raise _machband.Error(f"normals has {len(own)} rows; expected {len(positions)}, one for each vertex")
         arrays = (positions, _rows("triangles", triangles, np.uint32), own, crease)
-        codes, measured = _machband.shade(["--mesh=arrays", *given, *image], arrays, metrics and shader is not None)
+        codes, measured = _machband.shade({"mesh": "arrays", **given, **image}, arrays, metrics and shader is not None)
     found = None if measured is None else json.loads(measured)
     if found and found["mesh"] == "arrays":
         found.update(vertices=len(np.asarray(vertices)), normals=estimated or ("averaged" if normals is None else "given"))

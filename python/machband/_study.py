@@ -323,7 +323,7 @@ def analyze(
         elif not (paths := list(_paths(data))):
             raise _machband.Error("there are no paths; expected at least one")
         try:
-            analysis = Analysis(_machband.analyze([*given, "--", *paths], temporary, show))
+            analysis = Analysis(_machband.analyze(given, paths, temporary, show))
         except _machband.Error as error:
             raise _machband.Error(_rows(str(error).replace(temporary + os.sep, ""))) from None
     analysis._is_simulated = bool(getattr(data, "attrs", {}).get("simulated"))

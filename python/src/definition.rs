@@ -1,18 +1,19 @@
 //! Definitions of experiments, their trials, and simulated sessions.
 
-use std::{ffi::OsString, path::PathBuf, sync::Arc};
+use std::{path::PathBuf, sync::Arc};
 
 use machband::{
-    cli::{self, simulate as simulation},
     experiment::{CellValue, Condition, Identity, Protocol, Schedule},
     stimulus::ParameterValue,
     store::definition,
+    work::simulate::{self as work, Simulate},
 };
 use pyo3::{prelude::*, types::PyDict};
 
 use crate::{
-    error,
+    Field, Fields, error,
     job::{self, Simulation},
+    request,
     table::{self, Column},
 };
 
@@ -135,14 +136,13 @@ fn parameter(conditions: &[Condition], name: &str) -> Column {
 pub fn simulate(
     py: Python<'_>,
     definition: &Bound<'_, Definition>,
-    options: Vec<OsString>,
+    mut fields: Fields,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<()> {
     let protocol = definition.get().0.clone();
-    let name = OsString::from(&protocol.name);
-    let options: simulation::Arguments = cli::parse(std::iter::once(name).chain(options)).map_err(error)?;
+    fields.insert("experiment".to_owned(), Field::Text(protocol.name.clone()));
+    let asked: Simulate = request(fields)?;
     job::run(py, progress, true, move |job, stop| {
-        job.start(options.trials(&protocol));
-        simulation::sessions(&options, &protocol, &Simulation(job, Arc::clone(stop)))
+        work::simulate(&asked, &protocol, &Simulation(job, Arc::clone(stop))).map(drop)
     })
 }

@@ -13,8 +13,8 @@ use std::{
 };
 
 use machband::{
-    cli::simulate::Watcher,
     system::{checkpoint, stop_with},
+    work::Watcher,
 };
 use pyo3::{exceptions::PyRuntimeError, prelude::*};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -37,11 +37,14 @@ impl Job {
     pub fn set(&self, done: usize, total: usize) {
         checkpoint();
         self.done.store(done as u64, Ordering::Relaxed);
-        self.start(total as u64);
+        self.total.store(total as u64, Ordering::Relaxed);
     }
+}
 
-    /// Notes how much work there is.
-    pub fn start(&self, total: u64) {
+impl Watcher for Job {
+    fn progress(&self, done: u64, total: u64) {
+        checkpoint();
+        self.done.fetch_max(done, Ordering::Relaxed);
         self.total.store(total, Ordering::Relaxed);
     }
 }
@@ -50,8 +53,9 @@ impl Job {
 pub struct Simulation<'a>(pub &'a Job, pub Arc<AtomicBool>);
 
 impl Watcher for Simulation<'_> {
-    fn advance(&self, trials: u64) {
-        self.0.done.fetch_add(trials, Ordering::Relaxed);
+    fn progress(&self, done: u64, total: u64) {
+        self.0.done.fetch_max(done, Ordering::Relaxed);
+        self.0.total.store(total, Ordering::Relaxed);
     }
 
     fn warn(&self, warning: &str) {

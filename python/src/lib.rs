@@ -11,28 +11,37 @@ mod study;
 mod table;
 mod vision;
 
-use std::{ffi::OsString, io::Write as _};
+use std::{collections::HashMap, ffi::OsString, io::Write as _};
 
+use machband::work::{Request, from_names};
 use pyo3::{create_exception, exceptions::PyValueError, prelude::*};
 
 create_exception!(machband, Error, PyValueError, "A value, file or data set is not as machband expects it.");
 
 /// Turns any error of the library into a Python exception with the same words.
 fn error(error: impl std::fmt::Display) -> PyErr {
-    Error::new_err(message(error))
+    Error::new_err(error.to_string())
 }
 
-/// Returns the words of a message, except that an option `--some-name` is the argument `some_name`.
-fn message(error: impl std::fmt::Display) -> String {
-    let text = error.to_string();
-    let mut parts = text.split("--");
-    let mut words = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        let end = part.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(part.len());
-        words += &part[..end].replace('-', "_");
-        words += &part[end..];
-    }
-    words
+/// A value of a request's field.
+#[derive(FromPyObject)]
+enum Field {
+    Flag(bool),
+    Text(String),
+    List(Vec<String>),
+}
+
+/// The fields of a request by name; the others have their defaults.
+type Fields = HashMap<String, Field>;
+
+/// Makes a request.
+fn request<T: Request>(fields: Fields) -> PyResult<T> {
+    let value = |field| match field {
+        Field::Flag(flag) => flag.into(),
+        Field::Text(text) => text.into(),
+        Field::List(texts) => texts.into(),
+    };
+    from_names(&fields.into_iter().map(|(name, field)| (name, value(field))).collect()).map_err(error)
 }
 
 /// Runs the program with these arguments, of which the first is the program's name, and returns the exit status.

@@ -1,17 +1,13 @@
 //! Shaded meshes.
 
-use std::{ffi::OsString, path::Path};
+use std::path::Path;
 
 use glam::DVec3;
-use machband::{
-    cli::{self, shade::Arguments as ShadeOptions},
-    shading::Mesh,
-    store,
-};
+use machband::{cli::shade::Arguments as ShadeOptions, shading::Mesh, store};
 use numpy::{IntoPyArray as _, PyArrayMethods as _, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::{error, job, light::codes_array};
+use crate::{Fields, error, job, light::codes_array, request};
 
 /// A mesh as arrays: positions, triangles, and normals.
 #[derive(FromPyObject)]
@@ -35,11 +31,8 @@ fn mesh_of(Arrays(positions, triangles, normals, crease_deg): &Arrays<'_>) -> Py
 /// Returns the positions, triangles and normals of the mesh that the command's options name.
 #[pyfunction]
 #[allow(clippy::type_complexity)]
-pub fn mesh(
-    py: Python<'_>,
-    options: Vec<OsString>,
-) -> PyResult<(Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyAny>)> {
-    let options: ShadeOptions = cli::parse(options).map_err(error)?;
+pub fn mesh(py: Python<'_>, fields: Fields) -> PyResult<(Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyAny>)> {
+    let options: ShadeOptions = request(fields)?;
     let (mesh, note) = job::run(py, None, false, move |_, _| options.mesh())?;
     job::warn(py, note.as_slice())?;
     let vectors = |of: fn(&machband::shading::Vertex) -> DVec3| {
@@ -55,11 +48,11 @@ pub fn mesh(
 #[pyfunction]
 pub fn shade<'py>(
     py: Python<'py>,
-    options: Vec<OsString>,
+    fields: Fields,
     mesh: Option<Arrays<'py>>,
     measure: bool,
 ) -> PyResult<(Bound<'py, PyAny>, Option<String>)> {
-    let options: ShadeOptions = cli::parse(options).map_err(error)?;
+    let options: ShadeOptions = request(fields)?;
     let given = mesh.as_ref().map(mesh_of).transpose()?;
     let (codes, metrics, notes) = job::run(py, None, false, move |_, _| {
         let (mesh, note) = given.map_or_else(|| options.mesh(), Ok)?;
@@ -75,8 +68,8 @@ pub fn shade<'py>(
 
 /// Draws the scene of a file.
 #[pyfunction]
-pub fn shade_scene(py: Python<'_>, options: Vec<OsString>) -> PyResult<Bound<'_, PyAny>> {
-    let options: ShadeOptions = cli::parse(options).map_err(error)?;
+pub fn shade_scene(py: Python<'_>, fields: Fields) -> PyResult<Bound<'_, PyAny>> {
+    let options: ShadeOptions = request(fields)?;
     let picture = job::run(py, None, false, move |_, _| options.scene_picture())?;
     let (codes, notes) = picture.ok_or_else(|| error("no scene; expected the path to a scene"))?;
     job::warn(py, &notes)?;

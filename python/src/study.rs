@@ -1,14 +1,13 @@
 //! Recorded data: reading, analyzing, verifying and exporting them.
 
 use std::{
-    ffi::OsString,
     path::{Path, PathBuf},
     sync::Arc,
 };
 
 use machband::{
     analysis::{Note, Results},
-    cli::{self, analyze::AnalysisOptions, check},
+    cli::check,
     experiment::{self, CellValue},
     report::{self, Provenance, Study, document::Section, study::shell_command},
     stimulus::Stimulus,
@@ -20,6 +19,7 @@ use machband::{
         verify as verification,
     },
     system::now,
+    work::{Analyze, words},
 };
 use pyo3::{
     prelude::*,
@@ -27,9 +27,9 @@ use pyo3::{
 };
 
 use crate::{
-    error,
+    Field, Fields, error,
     job::{self, Job},
-    message,
+    request,
     table::{self, Column},
 };
 
@@ -102,17 +102,21 @@ pub struct Analysis {
 #[pyfunction]
 pub fn analyze(
     py: Python<'_>,
-    options: Vec<OsString>,
+    mut fields: Fields,
+    paths: Vec<String>,
     temporary: PathBuf,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Analysis> {
     let short = |path: &Path| path.strip_prefix(&temporary).unwrap_or(path).to_owned();
-    let words = options.iter().map(|word| short(Path::new(word)).display().to_string());
-    let command = shell_command(std::iter::once("analyze".to_owned()).chain(words));
-    let options: AnalysisOptions = cli::parse(options).map_err(error)?;
+    fields.insert("paths".to_owned(), Field::List(paths));
+    let mut asked: Analyze = request(fields)?;
+    let paths = std::mem::take(&mut asked.ratings.paths);
+    asked.ratings.paths = paths.iter().map(|path| short(path)).collect();
+    let command = shell_command(std::iter::once("analyze".to_owned()).chain(words(&asked)));
+    asked.ratings.paths = paths;
     let (mut study, results) = job::run(py, progress, false, move |job, _| {
-        let study = options.read()?;
-        let results = options.analyze(&study, &|done, total| job.set(done, total))?;
+        let study = asked.read()?;
+        let results = asked.analyze(&study, job)?;
         Ok((study, Arc::new(results)))
     })?;
     let source = &mut study.source;
@@ -166,7 +170,7 @@ impl Analysis {
 
     /// Returns the warnings about the input, and its errors. Ratings that the model cannot use are a warning.
     fn problems(&self) -> (Vec<String>, Vec<String>) {
-        let texts = |errors: &[machband::store::FileError]| errors.iter().map(message).collect();
+        let texts = |errors: &[machband::store::FileError]| errors.iter().map(ToString::to_string).collect();
         let mut warnings: Vec<String> = texts(&self.study.source.warnings);
         let notes = self.results.model.iter().flat_map(|report| &report.model.notes);
         let lost = notes.filter(|note| matches!(note, Note::MissingValues { .. }));

@@ -1,4 +1,4 @@
-//! Floors 6 to 11: the window and all its pages. No other floor uses it.
+//! Floors 7 to 12: the window and all its pages. No other floor uses it.
 //!
 //! | room | contents |
 //! |---|---|

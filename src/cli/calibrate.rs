@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use jiff::civil::Date;
 use serde_json::{Value, json};
 
-use super::{OutPath, UsageError, columns, print_line, report_written, today, warn};
+use super::{OutPath, columns, print_line, report_written, today, warn};
 use crate::{
     display::{
         Measurement,
@@ -13,6 +13,7 @@ use crate::{
     },
     report::figures,
     store::{Writer, profile, readings},
+    work::RequestError,
 };
 
 /// Make a display profile from photometer readings.
@@ -84,9 +85,9 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     print_line(&format!("{done} {}: {}", arguments.out.display(), made.sentence()))
 }
 
-fn check(arguments: &Arguments) -> Result<(), UsageError> {
+fn check(arguments: &Arguments) -> Result<(), RequestError> {
     match &arguments.plot {
-        Some(path) if !has_extension(path, "svg") && !has_extension(path, "png") => Err(UsageError(format!(
+        Some(path) if !has_extension(path, "svg") && !has_extension(path, "png") => Err(RequestError::whole(format!(
             "--plot {} is neither an SVG nor a PNG file; expected a name ending in .svg or .png",
             path.display()
         ))),

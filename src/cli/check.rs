@@ -2,12 +2,11 @@
 
 use std::path::PathBuf;
 
-use indicatif::ProgressBar;
-
-use super::{print_line, progress_style, warn};
+use super::{Bar, print_line, warn};
 use crate::{
     report::{document::numbers::count, terminal::message},
     store::{self, image::MAX_PIXELS, verify},
+    work::Watcher as _,
 };
 
 /// Check definitions, result files, display profiles, readings, observers and images, and report every error.
@@ -59,15 +58,15 @@ pub(super) struct VerifyArguments {
 }
 
 pub(super) fn verify(arguments: &VerifyArguments) -> anyhow::Result<()> {
-    let bar = ProgressBar::no_length().with_style(progress_style("sessions"));
-    let mut printed = Ok(());
+    let bar = Bar::new("sessions");
+    let (mut printed, mut done) = (Ok(()), 0);
     let found = verify::data_sets(&arguments.folder, |csv, found, all| {
-        bar.set_length(all as u64);
-        printed = bar.suspend(|| print_line(&format!("{}: {}", csv.display(), sentence(found))));
-        bar.inc(1);
+        printed = bar.above(|| print_line(&format!("{}: {}", csv.display(), sentence(found))));
+        done += 1;
+        bar.progress(done, all as u64);
         printed.is_ok()
     })?;
-    bar.finish_and_clear();
+    bar.clear();
     printed?;
     found.left.iter().try_for_each(|path| {
         print_line(&format!("note: {}: was left by a killed program; it can be deleted", path.display()))

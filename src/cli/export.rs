@@ -34,9 +34,9 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let &Arguments { ref folder, format, ref out, complete_only, accept_changes } = arguments;
-    let waiting = super::spinner("exporting");
+    let waiting = super::Bar::spinner("exporting");
     let exported = export::export(folder, out, format, Choice { complete_only, accept_changes });
-    waiting.finish_and_clear();
+    waiting.clear();
     let exported = exported?;
     exported.notes.iter().for_each(|note| super::message("warning", note));
     let pictures = match exported.pictures {

@@ -1,9 +1,10 @@
-//! Floor 11: the commands, which do the same work as the window without opening one.
+//! Floor 12: the commands, which do the same work as the window without opening one.
 //!
 //! The exit status is 0 for success, 1 for a failure, and 2 for wrong usage. Errors go to stderr as `error: WHERE: what
 //! is wrong; what is expected`, warnings go to stderr as `warning: WHERE: …`, and data go to stdout or the named files.
 
-pub mod analyze;
+mod analyze;
+mod bar;
 mod calibrate;
 pub mod check;
 mod export;
@@ -16,7 +17,7 @@ mod repair;
 #[cfg(feature = "window")]
 mod run;
 pub mod shade;
-pub mod simulate;
+mod simulate;
 mod stimulus;
 #[cfg(feature = "window")]
 mod timing;
@@ -29,11 +30,9 @@ use std::{
     process::ExitCode,
 };
 
-use clap::{
-    CommandFactory as _, FromArgMatches as _, Parser, Subcommand,
-    error::{ContextKind, ContextValue, ErrorKind},
-};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
+use self::bar::Bar;
 pub use self::outputs::{FittedPath, NewFolder, OutPath};
 use crate::{
     display::DisplayProfile,
@@ -43,11 +42,11 @@ use crate::{
     },
     store::{StoreError, Writer},
     system::{
-        now, run_on_thread,
+        now,
         signals::{self, Signal},
         start_threads,
     },
-    text::names::expected_one_of,
+    work::RequestError,
 };
 
 /// Measure how visible Mach bands are.
@@ -70,7 +69,7 @@ struct Arguments {
 enum Command {
     #[cfg(feature = "window")]
     Run(run::Arguments),
-    Simulate(simulate::Arguments),
+    Simulate(crate::work::simulate::Simulate),
     Check(check::CheckArguments),
     Plan(plan::Arguments),
     Predict(predict::Arguments),
@@ -87,37 +86,9 @@ enum Command {
     Verify(check::VerifyArguments),
 }
 
-/// Invalid arguments found after parsing; the exit status is 2.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct UsageError(String);
-
 /// Returns the definition of all commands and their options.
 pub fn definition() -> clap::Command {
     outputs::with_force(Arguments::command())
-}
-
-/// Reads the options of a command from `words`, as the command line would.
-///
-/// # Errors
-/// An option is not known or its value is invalid.
-pub fn parse<Options: clap::Args>(words: impl IntoIterator<Item = OsString>) -> Result<Options, UsageError> {
-    let command = Options::augment_args(clap::Command::new("machband").no_binary_name(true));
-    command.try_get_matches_from(words).and_then(|matches| Options::from_arg_matches(&matches)).map_err(|error| {
-        let context = |kind| error.get(kind).map(ToString::to_string);
-        let name = context(ContextKind::InvalidArg).unwrap_or_default();
-        let name = name.split([' ', '=']).next().unwrap_or_default();
-        if let (ErrorKind::InvalidValue, Some(value), Some(ContextValue::Strings(known))) =
-            (error.kind(), context(ContextKind::InvalidValue), error.get(ContextKind::ValidValue))
-            && !known.is_empty()
-        {
-            return UsageError(format!("{name} {value:?} is not known; {}", expected_one_of(&value, known)));
-        }
-        let text = error.render().to_string();
-        let lines = text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
-        let lines: Vec<&str> = lines.map(str::trim).filter(|line| !line.is_empty()).collect();
-        UsageError(lines.join("; ").trim_start_matches("error: ").to_owned())
-    })
 }
 
 /// Runs the program with the process's arguments.
@@ -134,21 +105,29 @@ pub fn run_with(arguments: Vec<OsString>) -> u8 {
     let called = matches.subcommand().and_then(|(name, matches)| Some((definition.find_subcommand(name)?, matches)));
     let writer = called.map_or_else(|| Ok(Writer::default()), |(command, matches)| outputs::writer(command, matches));
     let started = start_threads().map_err(Into::into).and_then(|()| Ok(writer?));
-    let status = match started.and_then(|writer| run(parsed, &arguments, &writer)) {
+    let status = match started.and_then(|writer| run(parsed, &writer)) {
         Ok(()) => 0,
         Err(error) => {
+            let request = error.downcast_ref::<RequestError>();
+            let option = |field: &str| called.map_or_else(|| field.to_owned(), |(command, _)| option(command, field));
             // Each line is an error with its cause.
-            message("error", &error.to_string());
+            message("error", &request.map_or_else(|| error.to_string(), |request| request.told(option)));
             let is_output =
                 matches!(error.downcast_ref(), Some(StoreError::Occupied(_) | StoreError::Protected { .. }));
-            if is_output || error.is::<UsageError>() { 2 } else { 1 }
+            if is_output || request.is_some() { 2 } else { 1 }
         }
     };
     signals::received().map_or(status, Signal::status)
 }
 
-/// Runs a command, which was given as `words`; `writer` writes its outputs.
-fn run(arguments: Arguments, words: &[OsString], writer: &Writer) -> anyhow::Result<()> {
+/// Returns a field of a command's request as the command line names it.
+fn option(command: &clap::Command, field: &str) -> String {
+    let argument = command.get_arguments().find(|argument| argument.get_id() == field);
+    argument.and_then(clap::Arg::get_long).map_or_else(|| field.to_owned(), |long| format!("--{long}"))
+}
+
+/// Runs a command; `writer` writes its outputs.
+fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<()> {
     match arguments.command {
         #[cfg(feature = "window")]
         None => {
@@ -165,7 +144,7 @@ fn run(arguments: Arguments, words: &[OsString], writer: &Writer) -> anyhow::Res
         Some(Command::Check(arguments)) => check::check(&arguments),
         Some(Command::Plan(arguments)) => plan::run(&arguments, writer),
         Some(Command::Predict(arguments)) => predict::run(&arguments, writer),
-        Some(Command::Analyze(arguments)) => analyze::run(&arguments, words, writer),
+        Some(Command::Analyze(arguments)) => analyze::run(&arguments, writer),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments, writer),
         Some(Command::Counts(arguments)) => ratings::counts(&arguments, writer),
         Some(Command::Export(arguments)) => export::run(&arguments),
@@ -221,30 +200,6 @@ fn warn(place: &Path, profile: &DisplayProfile) {
 /// Returns today's date in UTC.
 fn today() -> jiff::civil::Date {
     jiff::tz::TimeZone::UTC.to_datetime(now()).date()
-}
-
-/// Returns the style of a progress bar; `what` names the items that are counted.
-fn progress_style(what: &str) -> indicatif::ProgressStyle {
-    let template = format!("{{bar:40}} {{pos}}/{{len}} {what}, {{eta}} to go");
-    indicatif::ProgressStyle::with_template(&template).unwrap_or_else(|_| indicatif::ProgressStyle::default_bar())
-}
-
-/// Shows activity in the terminal when progress cannot be measured.
-fn spinner(what: &'static str) -> indicatif::ProgressBar {
-    let spinner = indicatif::ProgressBar::new_spinner().with_message(what);
-    let turning = spinner.clone();
-    // `enable_steady_tick` would panic if the system cannot create a thread; the text is then shown without the moving
-    // spinner.
-    let turned = run_on_thread(move || {
-        while !turning.is_finished() {
-            turning.tick();
-            std::thread::sleep(std::time::Duration::from_millis(120));
-        }
-    });
-    if turned.is_err() {
-        spinner.tick();
-    }
-    spinner
 }
 
 /// Formats a table as lines of text. Each column is as wide as its widest cell, numbers are right-aligned, and empty

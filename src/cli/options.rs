@@ -1,64 +1,15 @@
 //! Options that several commands share: the stimulus, and how its light is converted to codes.
 
-use std::{path::PathBuf, str::FromStr};
+use std::path::PathBuf;
 
-use clap::{
-    Arg, ArgMatches, Args, Command, FromArgMatches,
-    builder::{PossibleValuesParser, TypedValueParser},
-};
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, builder::PossibleValuesParser};
 
-use super::UsageError;
 use crate::{
-    analysis::{Link, MAX_COEFFICIENTS, MAX_NODES, Slopes, terms::Terms},
     light::{Bits, Dither, Transfer, Transfers},
     stimulus::{KINDS, Parameter, Stimulus, catalog, recipe::Recipe},
     store,
+    work::{RequestError, named},
 };
-
-/// Returns a parser that accepts only one of `names`.
-pub(super) fn named<T>(names: &'static [&'static str]) -> impl TypedValueParser<Value = T>
-where
-    T: FromStr<Err: std::error::Error + Send + Sync + 'static> + Clone + Send + Sync + 'static,
-{
-    PossibleValuesParser::new(names).try_map(|name| name.parse())
-}
-
-/// The ordinal model that `analyze` fits and `plan` simulates.
-#[derive(clap::Args)]
-pub(super) struct ModelOptions {
-    /// Terms of the model: names of factors. Prefix a numeric term with num:, and join the factors of an interaction
-    /// with : or * [default: every factor that varies].
-    #[arg(long, value_name = "T,…")]
-    terms: Option<String>,
-    /// Link function of the cumulative model.
-    #[arg(long, default_value = "logit", value_parser = named::<Link>(Link::NAMES))]
-    pub(super) link: Link,
-    /// Random slopes: for each term that varies within participants, as far as the design supports it (independent), or
-    /// with all their correlations (correlated).
-    #[arg(long, default_value = "independent", value_parser = named::<Slopes>(Slopes::NAMES))]
-    pub(super) slopes: Slopes,
-    /// Number of nodes of the adaptive Gauss–Hermite quadrature; 1 is the Laplace approximation.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=MAX_NODES as i64))]
-    pub(super) quadrature: u16,
-    /// Also analyze a study that is larger than usual: more than 10 factors, 120 levels of a factor, 5,000 conditions,
-    /// 20,000 participants or 120 coefficients, or names of more than 200 bytes. The time grows with their square or
-    /// cube.
-    #[arg(long)]
-    pub(super) large: bool,
-}
-
-impl ModelOptions {
-    /// Returns the maximum number of coefficients.
-    pub(super) fn max_coefficients(&self) -> usize {
-        if self.large { usize::MAX } else { MAX_COEFFICIENTS }
-    }
-
-    /// Parses the terms, if any were given.
-    pub(super) fn terms(&self) -> Result<Option<Terms>, UsageError> {
-        let terms = self.terms.as_deref().map(Terms::parse).transpose();
-        terms.map_err(|error| UsageError(error.to_string()))
-    }
-}
 
 /// How the display converts codes to light.
 #[derive(clap::Args)]
@@ -150,7 +101,7 @@ impl StimulusOptions {
     /// Reports every parameter that the kind does not have, and every invalid value.
     pub(super) fn stimulus(&self) -> anyhow::Result<Stimulus> {
         let given = self.given.iter().map(|(name, text)| (*name, text.parse().unwrap_or_else(|never| match never {})));
-        Stimulus::with_parameters(&self.kind, given).map_err(|errors| UsageError(errors.join("\n")).into())
+        Stimulus::with_parameters(&self.kind, given).map_err(|errors| RequestError::whole(errors.join("\n")).into())
     }
 }
 

@@ -17,7 +17,7 @@ use crate::store::{StoreError, Writer, ratings::with_files};
 macro_rules! output_path {
     ($(#[$documentation:meta])* $name:ident) => {
         $(#[$documentation])*
-        #[derive(Clone, Debug)]
+        #[derive(Clone, Debug, serde::Serialize)]
         pub struct $name(PathBuf);
 
         impl ValueParserFactory for $name {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::{
-    FittedPath, OutPath, UsageError, count,
+    FittedPath, OutPath, count,
     options::{StimulusOptions, TransferOptions},
     print_data, print_line,
 };
@@ -21,6 +21,7 @@ use crate::{
     stimulus::{Stimulus, ViewingConditions},
     store::{self, Writer, definition, observer, ratings::ReadOptions},
     vision::{Criterion, PicturePrediction, Visibility},
+    work::RequestError,
 };
 
 /// Maximum number of conditions of a definition, unless the user allows more. A prediction takes milliseconds; a study
@@ -85,7 +86,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
     let positive = |name: &str, value: Option<f64>| match value {
         Some(value) if !(value.is_finite() && value > 0.0) => {
-            Err(UsageError(format!("--{name} {value} is invalid; expected a number above 0")))
+            Err(RequestError::whole(format!("--{name} {value} is invalid; expected a number above 0")))
         }
         value => Ok(value),
     };
@@ -187,7 +188,7 @@ fn all(
         let message = format!(
             "{name}: the number of conditions{kind} is {found}; expected at most {most}, or the option --large"
         );
-        return Err(UsageError(message).into());
+        return Err(RequestError::whole(message).into());
     }
     conditions.iter().try_for_each(|condition| check_size(arguments.size, &condition.stimulus))?;
     let wrong = |error| anyhow::anyhow!("{}: {error}", protocol.stimulus.kind());
@@ -249,10 +250,10 @@ fn print_comparison(found: &Comparison) -> anyhow::Result<()> {
 }
 
 /// Checks that a picture of this stimulus fits into memory.
-fn check_size(size: Option<u32>, stimulus: &Stimulus) -> Result<(), UsageError> {
+fn check_size(size: Option<u32>, stimulus: &Stimulus) -> Result<(), RequestError> {
     let most = ViewingConditions::MAX_PICTURE_PX;
     match size {
-        Some(size) if size > most && !stimulus.is_line() => Err(UsageError(format!(
+        Some(size) if size > most && !stimulus.is_line() => Err(RequestError::whole(format!(
             "--size {size} is too large for {}, which varies in two directions; expected at most {most}",
             stimulus.kind()
         ))),

@@ -1,71 +1,15 @@
-//! `machband counts`, and the file and column options that it shares with `analyze`.
-
-use std::path::PathBuf;
+//! `machband counts`, and what it and `analyze` say about the ratings that they read.
 
 use super::OutPath;
 use crate::{
     analysis::counts::Counts,
-    report::{Study, document::numbers::count, tables},
+    report::{document::numbers::count, tables},
     store::{
         Writer,
-        ratings::{FileRead, ReadOptions, Source},
-        table::split_list,
+        ratings::{FileRead, Source},
     },
+    work::Ratings,
 };
-
-/// Where to find the ratings.
-#[derive(clap::Args)]
-pub(super) struct RatingOptions {
-    /// Result files, folders of result files, tables of counts, or any CSV file.
-    #[arg(required = true, value_name = "FILE|DIR")]
-    paths: Vec<PathBuf>,
-    /// Column with the participant ID [default: subject_id].
-    #[arg(long, value_name = "COL")]
-    subject: Option<String>,
-    /// Column with the ordered response [default: rating, 0–3].
-    #[arg(long, value_name = "COL")]
-    response: Option<String>,
-    /// Categories of the response, lowest first, if they are not numbers. Quote a category that contains a comma, as in
-    /// CSV: 'low,"medium, mostly",high'.
-    #[arg(long, value_name = "C,…", value_parser = categories, requires = "response")]
-    categories: Option<Vec<Vec<String>>>,
-    /// Column with the number of trials per row [default: count, if present].
-    #[arg(long, value_name = "COL")]
-    count: Option<String>,
-    /// Columns with the factors [default: the factors of the definition or of the terms].
-    #[arg(long, value_name = "COL,…", value_parser = split_list)]
-    factors: Option<Vec<Vec<String>>>,
-    /// Exclude sessions with unrated trials.
-    #[arg(long)]
-    complete_only: bool,
-}
-
-/// Parses the categories of a response.
-fn categories(text: &str) -> Result<Vec<String>, String> {
-    let names = split_list(text)?;
-    match names.iter().enumerate().find(|(index, name)| names[..*index].contains(name)) {
-        Some((_, twice)) => Err(format!("{twice} appears twice; expected each category once")),
-        None => Ok(names),
-    }
-}
-
-impl RatingOptions {
-    /// Reads the files; `also` names additional columns that a model needs.
-    pub(super) fn read(&self, also: &[String], details: bool, large: bool) -> anyhow::Result<Study> {
-        let how = ReadOptions {
-            subject: self.subject.clone(),
-            response: self.response.clone(),
-            categories: self.categories.as_ref().map(|lists| lists.concat()),
-            count: self.count.clone(),
-            factors: self.factors.as_ref().map(|lists| lists.concat()),
-            also: also.to_vec(),
-            complete_only: self.complete_only,
-            details,
-            large,
-        };
-        Ok(Study::read(&self.paths, &how)?)
-    }
-}
 
 /// Summarizes in one line what was read and what was left out.
 pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
@@ -117,18 +61,18 @@ pub(super) fn problems(source: &Source) -> anyhow::Result<()> {
     machband counts ratings.csv --subject id --response score --factors width,depth --out counts.csv")]
 pub(super) struct CountsArguments {
     #[command(flatten)]
-    ratings: RatingOptions,
+    ratings: Ratings,
     /// Table to write.
     #[arg(long, value_name = "FILE.csv")]
     out: OutPath,
 }
 
 pub(super) fn counts(arguments: &CountsArguments, writer: &Writer) -> anyhow::Result<()> {
-    let progress = super::spinner("reading");
-    let study = arguments.ratings.read(&[], false, true)?;
+    let progress = super::Bar::spinner("reading");
+    let study = arguments.ratings.read(Vec::new(), false, true)?;
     let counts = &study.measured.counts;
     writer.write(&arguments.out, &tables::counts(counts, &study.source.shape))?;
-    progress.finish_and_clear();
+    progress.clear();
     super::print_line(&sentence(&study.source, counts))?;
     super::print_line(&format!("{} in {}", count(counts.rows.len() as u64, "row"), arguments.out.display()))?;
     problems(&study.source)

@@ -12,6 +12,7 @@ use crate::{
         session::{Changes, SessionStore, register::free_participant},
     },
     system::check_clock,
+    work::RequestError,
 };
 
 /// Open the window and start a session.
@@ -58,7 +59,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         (true, Some(gray)) => gray,
         (true, None) => {
             let message = format!("--gray: {} is already gray or varies color; omit --gray", protocol.name);
-            return Err(super::UsageError(message).into());
+            return Err(RequestError::whole(message).into());
         }
     };
     let participant = match &arguments.participant {

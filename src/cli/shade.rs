@@ -8,11 +8,7 @@ use std::{
 use glam::DVec3;
 use serde_json::{Value, json};
 
-use super::{
-    OutPath, UsageError, count, message,
-    options::{TransferOptions, named},
-    print_line,
-};
+use super::{OutPath, count, message, options::TransferOptions, print_line};
 use crate::{
     light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Transfer, Transfers},
     shading::{
@@ -25,6 +21,7 @@ use crate::{
     },
     store::{self, Writer, scene::SceneFile},
     vision::{PicturePrediction, Visibility, VisionError},
+    work::{RequestError, named},
 };
 
 /// Shade a mesh: write its image, measure how smooth its edges are, and predict how visible its bands are.
@@ -201,7 +198,7 @@ fn distance(text: &str) -> Result<f64, String> {
 pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
     if [&arguments.out, &arguments.metrics, &arguments.creases].iter().all(|path| path.is_none()) {
         let message = "nothing to write; expected --out FILE.png, --metrics FILE.json or --creases FILE.png";
-        return Err(UsageError(message.to_owned()).into());
+        return Err(RequestError::whole(message).into());
     }
     if let (Some(scene), Some(out)) = (&arguments.scene, &arguments.out) {
         let (transfers, _) = arguments.transfer.transfers()?;
@@ -212,7 +209,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     }
     if arguments.shader.is_none() && (arguments.metrics.is_some() || arguments.creases.is_some()) {
         let message = "--metrics and --creases measure a shader; expected --shader SHADER".to_owned();
-        return Err(UsageError(message).into());
+        return Err(RequestError::whole(message).into());
     }
     let (mesh, note) = arguments.mesh()?;
     note.iter().for_each(|note| message("note", note));
@@ -439,7 +436,7 @@ impl Arguments {
             let message = format!(
                 "--truth: the smooth surface behind {name} is not known; expected --truth FILE with a finer mesh"
             );
-            return Err(UsageError(message).into());
+            return Err(RequestError::whole(message).into());
         }
         if frame.triangles.is_empty() {
             anyhow::bail!("{name}: no triangle faces the viewer; expected at least one");
@@ -454,23 +451,23 @@ impl Arguments {
         Ok(Drawing { arguments: self, renderer, scene, viewing, transfers, surface, frame, fine, description, note })
     }
 
-    fn renderer(&self) -> Result<Renderer, UsageError> {
+    fn renderer(&self) -> Result<Renderer, RequestError> {
         let Self { depth, vertex, reweight, gradients, naive, .. } = *self;
         // Without a shader, only the smooth surface is drawn, which every pixel lights.
         let shader = self.shader.unwrap_or(Shader::Phong);
         let boundary = self.boundary.unwrap_or(Shade::new(shader).boundary);
         if [vertex, reweight] != [Correction::Off; 2] && !shader.interpolates_light() {
             let message = format!("--vertex and --reweight need interpolated light; expected off for {shader}");
-            return Err(UsageError(message));
+            return Err(RequestError::whole(message));
         }
         Ok(Renderer { shade: Shade { shader, depth, boundary, vertex, reweight, gradients }, naive })
     }
 
-    fn scene(&self) -> Result<Scene, UsageError> {
+    fn scene(&self) -> Result<Scene, RequestError> {
         let light = DVec3::from_array(self.light.0);
         if !(1e-6..=1e6).contains(&light.length()) {
             let message = format!("--light {} is too short or long; expected a length from 1e-6 to 1e6", self.light);
-            return Err(UsageError(message));
+            return Err(RequestError::whole(message));
         }
         Ok(Scene {
             rotate_deg: self.rotate.0,
@@ -543,11 +540,11 @@ impl Arguments {
         let path = &self.mesh;
         if let Some(shape) = path.to_str().and_then(|name| name.parse::<Shape>().ok()) {
             let mesh = shapes::mesh(shape, self.vertices);
-            return Ok((mesh.map_err(|error| UsageError(format!("--vertices: {error}")))?, None));
+            return Ok((mesh.map_err(|error| RequestError::whole(format!("--vertices: {error}")))?, None));
         }
         if path.extension().is_none() && !path.exists() {
             let names = Shape::NAMES.join(", ");
-            return Err(UsageError(format!(
+            return Err(RequestError::whole(format!(
                 "--mesh: {:?} is not known; expected {names} or an OBJ, PLY, glTF or GLB file",
                 path.display().to_string()
             ))

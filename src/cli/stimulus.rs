@@ -1,20 +1,25 @@
 //! `machband stimulus` and `machband stimuli`
 
-use std::{path::PathBuf, str::FromStr, time::Instant};
+use std::{
+    path::PathBuf,
+    str::FromStr,
+    sync::atomic::{AtomicU64, Ordering},
+    time::Instant,
+};
 
-use indicatif::ProgressBar;
 use rayon::prelude::*;
 
 use super::{
-    OutPath, UsageError, count,
+    Bar, OutPath, count,
     options::{ImageOptions, StimulusOptions},
-    print_line, progress_style, report_written,
+    print_line, report_written,
 };
 use crate::{
     experiment::Condition,
     light::{Bits, Quantizer, halftone::Screen, palette::Reduction},
     stimulus::recipe::Recipe,
     store::{self, Writer, definition, manifest::Manifest},
+    work::{RequestError, Watcher as _},
 };
 
 /// Write one stimulus as an image, and its luminance profile as a table.
@@ -45,21 +50,26 @@ pub(super) struct StimulusArguments {
 
 pub(super) fn stimulus(arguments: &StimulusArguments, writer: &Writer) -> anyhow::Result<()> {
     if arguments.out.is_none() && arguments.profile.is_none() {
-        return Err(UsageError("nothing to write; expected --out FILE.png or --profile FILE.csv".to_owned()).into());
+        return Err(
+            RequestError::whole("nothing to write; expected --out FILE.png or --profile FILE.csv".to_owned()).into()
+        );
     }
     let recipe = arguments.image.recipe(arguments.stimulus.stimulus()?)?;
     let quantizer = recipe.quantizer();
     let reduction = arguments.palette.as_deref().map(str::parse::<Reduction>).transpose();
-    let reduction = reduction.map_err(|error| UsageError(format!("--palette: {error}")))?;
+    let reduction = reduction.map_err(|error| RequestError::whole(format!("--palette: {error}")))?;
     let screen = arguments.halftone.as_deref().map(str::parse::<Screen>).transpose();
-    let screen = screen.map_err(|error| UsageError(format!("--halftone: {error}")))?;
+    let screen = screen.map_err(|error| RequestError::whole(format!("--halftone: {error}")))?;
     if let (Some(out), Some(screen)) = (&arguments.out, screen) {
         store::image::write_halftone(writer, out, &recipe, screen)?;
         return finish(arguments, writer, &recipe, &quantizer);
     }
     match (&arguments.out, reduction) {
         (Some(_), Some(_)) if recipe.bits == Bits::Sixteen => {
-            return Err(UsageError("--palette: a palette has 8 bits per channel; expected --bits 8".to_owned()).into());
+            return Err(RequestError::whole(
+                "--palette: a palette has 8 bits per channel; expected --bits 8".to_owned(),
+            )
+            .into());
         }
         (Some(out), Some(reduction)) => {
             let image = store::image::write_reduced(writer, out, &recipe, &quantizer, reduction)?;
@@ -147,18 +157,19 @@ pub(super) fn stimuli(arguments: &StimuliArguments, writer: &Writer) -> anyhow::
     let Shard { index, of } = arguments.shard;
     let manifest = Manifest::open(writer, &arguments.out, &protocol, conditions, &recipes, (index, of))?;
     let (made, kept) = (count(manifest.missing.len() as u64, "image"), manifest.kept);
-    let bar = ProgressBar::new(manifest.missing.len() as u64).with_style(progress_style("images"));
+    let bar = Bar::new("images");
+    let (done, missing) = (AtomicU64::new(0), manifest.missing.len() as u64);
     if let Some(first) = manifest.missing.first() {
         let quantizer = recipes[*first].quantizer();
         for together in manifest.missing.chunks(at_once(arguments.image.size)) {
             together.par_iter().try_for_each(|i| {
                 manifest.make(*i, &quantizer)?;
-                bar.inc(1);
+                bar.progress(done.fetch_add(1, Ordering::Relaxed) + 1, missing);
                 anyhow::Ok(())
             })?;
         }
     }
-    bar.finish_and_clear();
+    bar.clear();
     let whole = manifest.finish()?;
     print_line(&format!(
         "{made} made, {kept} kept, in {}, {:.1} s{}",

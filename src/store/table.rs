@@ -359,6 +359,26 @@ pub fn list<S: AsRef<str>>(names: impl IntoIterator<Item = S>) -> String {
     String::from_utf8_lossy(&line(names)).trim_end().to_owned()
 }
 
+/// Names as one text with commas between them; a name with a comma is quoted, as in CSV.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct List(pub Vec<String>);
+
+impl std::fmt::Display for List {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&list(&self.0))
+    }
+}
+
+impl std::str::FromStr for List {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        split_list(text).map(Self)
+    }
+}
+
+crate::text::names::serde_as_text!(List);
+
 /// Splits what [`list`] joins; nothing for an empty text.
 ///
 /// # Errors

@@ -11,5 +11,6 @@ mod limits;
 mod outputs;
 mod plan;
 mod predict;
+mod requests;
 mod security;
 mod shade;

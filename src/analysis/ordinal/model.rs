@@ -341,18 +341,18 @@ pub enum ModelError {
     #[error("every rating is {category}; expected at least two different ones")]
     NoVariation { category: String },
     /// A term names a factor that is not in the table.
-    #[error("--terms {name}: no such factor; {}", expected_one_of(.name, .known))]
+    #[error("{name}: no such factor; {}", expected_one_of(.name, .known))]
     UnknownFactor {
         name: String,
         /// Names of all factors.
         known: Vec<String>,
     },
     /// A factor used as a number has a level that is not a number.
-    #[error("--terms num:{factor}: the level {level} is not a finite number; expected numbers, or the factor {factor}")]
+    #[error("num:{factor}: the level {level} is not a finite number; expected numbers, or the factor {factor}")]
     NotANumber { factor: String, level: String },
     /// The depth is used as a number but has the level `inf`.
     #[error(
-        "--terms num:{name}: the depth inf is not a finite number; expected num:inv_n (1/depth, 0 for inf), or the factor {name}"
+        "num:{name}: the depth inf is not a finite number; expected num:inv_n (1/depth, 0 for inf), or the factor {name}"
     )]
     InfiniteDepth {
         /// Name of the factor.
@@ -368,7 +368,7 @@ pub enum ModelError {
     },
     /// The terms need too many coefficients.
     #[error(
-        "--terms: the model has {coefficients} coefficients; expected at most {most}: use num:FACTOR for a factor with many levels, or the option --large"
+        "the model has {coefficients} coefficients; expected at most {most}: use num:FACTOR for a factor with many levels, or the option large"
     )]
     TooManyCoefficients {
         coefficients: usize,
@@ -377,7 +377,7 @@ pub enum ModelError {
     },
     /// The correlated random effects have too many covariances.
     #[error(
-        "--slopes correlated: each participant has {effects} random effects; expected at most {most}: use num:FACTOR, fewer --terms, or --slopes independent"
+        "correlated: each participant has {effects} random effects; expected at most {most}: use num:FACTOR, fewer terms, or independent slopes"
     )]
     TooManySlopes {
         effects: usize,

@@ -8,6 +8,7 @@
 
 use std::collections::BTreeMap;
 
+use clap::{Args, builder::RangedU64ValueParser};
 use nalgebra::DVector;
 use rand::RngExt;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
@@ -28,12 +29,16 @@ use super::{
 use crate::analysis::{counts::CountRow, frame::Frame};
 
 /// Settings of the parametric bootstrap. The same settings give the same results on every machine.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+// With 19, 39, …, 199, 999 studies, a test at the level 0.05 is exact if the distribution of the ratio does not depend on
+// the parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Args, Serialize)]
 pub struct Resampling {
-    /// Number of simulated studies. With 19, 39, …, 199, 999, a test at the level 0.05 is exact if the distribution of
-    /// the ratio does not depend on the parameters.
+    /// Number of simulated studies that calibrate tests and intervals; an analysis of many ratings uses at most 199.
+    #[arg(long, value_name = "N", default_value_t = Self::default().draws,
+          value_parser = RangedU64ValueParser::<usize>::new().range(19..=1_000_000))]
     pub draws: usize,
-    /// Seed of the random number generator.
+    /// Seed of the simulated studies.
+    #[arg(long, value_name = "N", default_value_t = Self::default().seed)]
     pub seed: u64,
 }
 

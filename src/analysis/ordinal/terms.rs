@@ -29,7 +29,7 @@ pub struct Terms(Vec<Term>);
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum TermError {
     /// A name is missing between commas, colons or stars.
-    #[error("--terms {text}: an empty name; expected a factor, num:NAME, or such names joined by : or *")]
+    #[error("{text}: an empty name; expected a factor, num:NAME, or such names joined by : or *")]
     Empty {
         /// The list, as given.
         text: String,
@@ -71,6 +71,16 @@ impl fmt::Display for Terms {
         Ok(())
     }
 }
+
+impl std::str::FromStr for Terms {
+    type Err = TermError;
+
+    fn from_str(text: &str) -> Result<Self, TermError> {
+        Self::parse(text)
+    }
+}
+
+crate::text::names::serde_as_text!(Terms);
 
 impl Term {
     /// Creates the main effect of a factor.

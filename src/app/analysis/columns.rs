@@ -6,8 +6,9 @@ use eframe::egui::{self, ScrollArea};
 
 use crate::{
     app::ui::{Field, hint, primary, section, show_error, text::name as label},
-    store::ratings::{ReadOptions, column_names},
+    store::{ratings::column_names, table::List},
     system::entries,
+    work::Ratings,
 };
 
 /// Common names of participant columns; the first match is suggested.
@@ -20,6 +21,7 @@ const COUNTS: [&str; 3] = ["count", "freq", "frequency"];
 /// The form for one file.
 #[derive(Clone, Debug)]
 pub struct Columns {
+    paths: Vec<PathBuf>,
     file: PathBuf,
     /// The names that occur once.
     header: Vec<String>,
@@ -34,29 +36,30 @@ pub struct Columns {
 impl Columns {
     /// Creates a form for the first CSV file among these paths; `None` if there is no such file, or if its columns are
     /// known. The factors are known only for result files and tables of counts.
-    pub fn needed(paths: &[PathBuf], read_options: &ReadOptions) -> Option<Self> {
-        let form = Self::of(paths, read_options)?;
+    pub fn needed(ratings: &Ratings) -> Option<Self> {
+        let form = Self::of(ratings)?;
         let has = |name: &Option<String>, ours: &str| form.header.iter().any(|h| h == name.as_deref().unwrap_or(ours));
-        let known = has(&read_options.subject, "subject_id") && has(&read_options.response, "rating");
-        let with_factors = has(&read_options.count, "count") || has(&None, "phase");
+        let known = has(&ratings.subject, "subject_id") && has(&ratings.response, "rating");
+        let with_factors = has(&ratings.count, "count") || has(&None, "phase");
         (!known || !with_factors).then_some(form)
     }
 
     /// Creates a form for the first CSV file among these paths, filled in with the previous choices.
-    pub fn of(paths: &[PathBuf], read_options: &ReadOptions) -> Option<Self> {
-        let file = paths.iter().find_map(|path| first_csv(path))?;
+    pub fn of(ratings: &Ratings) -> Option<Self> {
+        let file = ratings.paths.iter().find_map(|path| first_csv(path))?;
         let (header, repeated) = header(&file)?;
         let known = |name: &Option<String>| name.clone().filter(|name| header.contains(name));
         let like = |names: &[&str]| {
             names.iter().find_map(|name| header.iter().find(|column| column.to_lowercase().contains(name))).cloned()
         };
         let count = header.iter().find(|column| COUNTS.contains(&column.to_lowercase().as_str())).cloned();
-        let chosen = read_options.factors.clone().unwrap_or_default();
+        let chosen = ratings.factors.clone().unwrap_or_default().0;
         Some(Self {
-            subject: known(&read_options.subject).or_else(|| like(&SUBJECTS)),
-            response: known(&read_options.response).or_else(|| like(&RESPONSES)),
-            count: known(&read_options.count).or(count),
+            subject: known(&ratings.subject).or_else(|| like(&SUBJECTS)),
+            response: known(&ratings.response).or_else(|| like(&RESPONSES)),
+            count: known(&ratings.count).or(count),
             factors: header.iter().map(|name| chosen.contains(name)).collect(),
+            paths: ratings.paths.clone(),
             file,
             header,
             repeated,
@@ -64,7 +67,7 @@ impl Columns {
     }
 
     /// Draws the form; returns how to read the file once the user confirms.
-    pub fn show(&mut self, ui: &mut egui::Ui) -> Option<ReadOptions> {
+    pub fn show(&mut self, ui: &mut egui::Ui) -> Option<Ratings> {
         section(ui, "What do the columns mean?");
         let name = self.file.file_name().unwrap_or(self.file.as_os_str()).to_string_lossy().into_owned();
         hint(ui, format!("{name} was not written by machband. Identify its columns."));
@@ -101,16 +104,16 @@ impl Columns {
         }
         let ready = self.subject.is_some() && self.response.is_some() && !same;
         let hint = if ready { "" } else { "Choose at least the participant and the rating." };
-        primary(ui, "Read these columns", ready, hint).then(|| self.read_options())
+        primary(ui, "Read these columns", ready, hint).then(|| self.ratings())
     }
 
-    fn read_options(&self) -> ReadOptions {
+    fn ratings(&self) -> Ratings {
         let (subject, response, count) = (self.subject.clone(), self.response.clone(), self.count.clone());
         let checked = self.header.iter().zip(&self.factors).filter(|(_, checked)| **checked).map(|(name, _)| name);
         let is_factor =
             |name: &&String| ![&subject, &response, &count].into_iter().flatten().any(|other| other == *name);
-        let factors = Some(checked.filter(is_factor).cloned().collect());
-        ReadOptions { subject, response, count, factors, ..ReadOptions::default() }
+        let factors = Some(List(checked.filter(is_factor).cloned().collect()));
+        Ratings { paths: self.paths.clone(), subject, response, count, factors, ..Ratings::default() }
     }
 }
 

@@ -8,23 +8,19 @@ use std::{
 use eframe::egui;
 
 use crate::{
-    analysis::{Link, Options, Random, Results, Slopes},
+    analysis::Results,
     app::ui::{
         Dialog, FileKind, Saving, full, hint, secondary, show_error,
         work::{BackgroundTask, Progress},
     },
     report::{Provenance, Study, study::shell_command, write_all},
-    store::{
-        StoreError, Writer,
-        ratings::{ReadOptions, with_files},
-        table::list,
-    },
+    store::{StoreError, Writer, ratings::with_files},
     system::now,
+    work::{Analyze, words},
 };
 
 /// The folder field and the outcome of the last export.
 pub struct Export {
-    paths: Vec<PathBuf>,
     /// The paths and the files in those that are folders. The export never replaces them.
     inputs: Vec<PathBuf>,
     folder: String,
@@ -39,9 +35,9 @@ pub struct Export {
 }
 
 pub struct Exported<'a> {
-    /// The data and how they were read.
     pub study: &'a Arc<Study>,
-    pub read_options: &'a ReadOptions,
+    /// What was requested.
+    pub request: &'a Analyze,
     pub results: &'a Arc<Results>,
     /// A phrase that describes the selected data; empty if nothing is excluded.
     pub filter: String,
@@ -54,8 +50,7 @@ impl Export {
         let name = name.map_or("machband".into(), |name| name.to_string_lossy());
         Self {
             folder: format!("{name}-analysis"),
-            inputs: with_files(paths.clone()),
-            paths,
+            inputs: with_files(paths),
             dialog: Dialog::default(),
             work: None,
             saving: Saving::default(),
@@ -155,29 +150,10 @@ impl Export {
         self.work = Some((folder, BackgroundTask::start(ctx, move || write(&writer, &study, &results, &command, &to))));
     }
 
-    /// Returns the `machband analyze` command for these files and options. Filters and options with default values are
-    /// omitted.
-    fn command(&self, Exported { read_options, results, .. }: &Exported<'_>) -> String {
-        let Options { terms, link, random, slopes, quadrature, scale, .. } = &results.options;
-        let mut arguments = vec!["analyze".to_owned()];
-        arguments.extend(self.paths.iter().map(|path| path.display().to_string()));
-        let mut option = |name: &str, value: Option<String>| {
-            arguments.extend(value.into_iter().flat_map(|value| [name.to_owned(), value]));
-        };
-        option("--subject", read_options.subject.clone());
-        option("--response", read_options.response.clone());
-        option("--count", read_options.count.clone());
-        option("--categories", read_options.categories.as_ref().map(list));
-        option("--factors", read_options.factors.as_ref().map(list));
-        option("--terms", terms.as_ref().map(ToString::to_string));
-        option("--link", (*link != Link::default()).then(|| link.to_string()));
-        option("--random", (*random == Some(Random::None)).then(|| "none".to_owned()));
-        option("--slopes", (*slopes != Slopes::default()).then(|| slopes.to_string()));
-        option("--quadrature", (*quadrature != 1).then(|| quadrature.to_string()));
-        option("--out", Some(self.folder.trim().to_owned()));
-        arguments.extend(read_options.complete_only.then(|| "--complete-only".to_owned()));
-        arguments.extend(scale.then(|| "--scale".to_owned()));
-        shell_command(arguments)
+    /// Returns the command that repeats the request. Filters are omitted.
+    fn command(&self, exported: &Exported<'_>) -> String {
+        let out = ["--out".to_owned(), self.folder.trim().to_owned()];
+        shell_command(["analyze".to_owned()].into_iter().chain(words(exported.request)).chain(out))
     }
 }
 

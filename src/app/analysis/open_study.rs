@@ -3,7 +3,6 @@
 use std::{
     cell::OnceCell,
     collections::BTreeSet,
-    path::PathBuf,
     sync::{
         Arc,
         atomic::{AtomicUsize, Ordering},
@@ -18,7 +17,7 @@ use super::{
     query::{Filters, Settings},
 };
 use crate::{
-    analysis::{Options, Results, analyze_with},
+    analysis::{Results, analyze_with},
     app::ui::{
         Field, Step, heading, hint, paragraph, secondary, show_error, theme,
         work::{BackgroundTask, Progress},
@@ -35,8 +34,9 @@ use crate::{
     },
     store::{
         FileError,
-        ratings::{ReadOptions, SessionRead, Source, column_names},
+        ratings::{SessionRead, Source, column_names},
     },
+    work::Analyze,
 };
 
 /// Maximum number of listed errors, and of listed warnings.
@@ -54,18 +54,18 @@ pub enum Request {
     /// Choose other columns of the same file.
     Columns,
     /// Read the same files again with other options.
-    Read(ReadOptions),
+    Read(Box<Analyze>),
 }
 
 /// The data and its analysis.
 pub struct OpenStudy {
     study: Arc<Study>,
     /// How the study was read.
-    pub read_options: ReadOptions,
+    pub asked: Analyze,
     filters: Filters,
     settings: Settings,
     /// The last requested analysis, finished or not.
-    asked: Option<Query>,
+    last: Option<Query>,
     work: Option<BackgroundTask<Option<(Outcome, Document)>>>,
     /// The progress of the analysis in `work`.
     simulated: Arc<Simulated>,
@@ -80,19 +80,22 @@ pub struct OpenStudy {
     section: &'static str,
     export: Export,
     request: Option<Request>,
+    /// Columns that are read only because the terms name them.
+    extra: Vec<String>,
     /// The names of all columns of the files, once they are needed.
     columns: OnceCell<BTreeSet<String>>,
 }
 
-/// The filters and options of an analysis.
+/// The filters of an analysis, and what is requested.
 #[derive(Clone, Debug, PartialEq)]
 struct Query {
     filters: Filters,
-    options: Options,
+    request: Analyze,
 }
 
 /// The results of an analysis, without the document.
 struct Outcome {
+    request: Analyze,
     results: Arc<Results>,
     figures: Vec<Figure>,
     /// The selected data as a phrase; empty if nothing is excluded.
@@ -100,11 +103,11 @@ struct Outcome {
 }
 
 impl OpenStudy {
-    pub fn new(study: Study, paths: Vec<PathBuf>, read_options: ReadOptions) -> Self {
+    pub fn new(study: Study, asked: Analyze) -> Self {
         Self {
             filters: Filters::new(&study.measured.counts),
             settings: Settings::default(),
-            asked: None,
+            last: None,
             work: None,
             simulated: Arc::default(),
             shown: None,
@@ -112,16 +115,17 @@ impl OpenStudy {
             error: None,
             not_reread: None,
             section: "summary",
-            export: Export::new(paths),
+            export: Export::new(asked.ratings.paths.clone()),
             study: Arc::new(study),
-            read_options,
+            asked,
             request: None,
+            extra: Vec::new(),
             columns: OnceCell::new(),
         }
     }
 
     /// Replaces the data with the same files read with other options. Selections that are still possible are kept.
-    pub fn reread(study: Study, read_options: ReadOptions, before: Self) -> Self {
+    pub fn reread(study: Study, asked: Analyze, before: Self) -> Self {
         let (old, new) = (&before.study.measured.counts, &study.measured.counts);
         let same = old.subjects == new.subjects && old.factors == new.factors && old.conditions == new.conditions;
         Self {
@@ -129,16 +133,15 @@ impl OpenStudy {
             settings: before.settings,
             section: before.section,
             export: before.export,
+            extra: before.extra,
             // The earlier results stay until the new ones are ready.
             shown: before.shown,
-            ..Self::new(study, Vec::new(), read_options)
+            ..Self::new(study, asked)
         }
     }
 
     /// Records why the files could not be read with other options. The current data stay.
-    pub fn keep(&mut self, read_options: &ReadOptions, error: String) {
-        // Otherwise, the same request would be repeated in every frame.
-        self.read_options.also.clone_from(&read_options.also);
+    pub fn keep(&mut self, error: String) {
         self.not_reread = Some(error);
     }
 
@@ -207,12 +210,13 @@ impl OpenStudy {
 
     /// Runs one analysis at a time. Newer requests wait, and only the latest of them is run.
     fn analyze(&mut self, ctx: &egui::Context) {
-        let query = Query { filters: self.filters.clone(), options: self.settings.options() };
-        if self.work.is_some() || self.asked.as_ref() == Some(&query) {
+        let request = Analyze { ratings: self.asked.ratings.clone(), ..self.settings.request() };
+        let query = Query { filters: self.filters.clone(), request };
+        if self.work.is_some() || self.last.as_ref() == Some(&query) {
             return;
         }
         self.error = None;
-        self.asked = Some(query.clone());
+        self.last = Some(query.clone());
         let (study, simulated) = (self.study.clone(), Arc::<Simulated>::default());
         self.simulated = simulated.clone();
         self.work = Some(BackgroundTask::start(ctx, move || Outcome::new(&study, query, &simulated)));
@@ -286,10 +290,9 @@ impl OpenStudy {
         about(ui, &self.study);
         let unfinished = source.sessions.iter().any(SessionRead::is_unfinished);
         if unfinished || source.files.iter().any(|file| file.unfinished > 0) {
-            let mut complete = self.read_options.complete_only;
-            if ui.checkbox(&mut complete, "Exclude unfinished sessions").changed() {
-                self.request =
-                    Some(Request::Read(ReadOptions { complete_only: complete, ..self.read_options.clone() }));
+            let mut asked = self.asked.clone();
+            if ui.checkbox(&mut asked.ratings.complete_only, "Exclude unfinished sessions").changed() {
+                self.request = Some(Request::Read(Box::new(asked)));
             }
         }
         if let Some(text) = &self.not_reread {
@@ -299,7 +302,7 @@ impl OpenStudy {
             if ui.button("Other data…").clicked() {
                 self.request = Some(Request::OtherData);
             }
-            if self.read_options.subject.is_some() && ui.button("Columns…").clicked() {
+            if self.asked.ratings.subject.is_some() && ui.button("Columns…").clicked() {
                 self.request = Some(Request::Columns);
             }
         });
@@ -317,7 +320,7 @@ impl OpenStudy {
         let outcome = self.shown.as_ref().filter(|_| self.work.is_none()).map(|(outcome, _)| outcome);
         let exported = outcome.map(|outcome| Exported {
             study: &self.study,
-            read_options: &self.read_options,
+            request: &outcome.request,
             results: &outcome.results,
             filter: outcome.filter.clone(),
         });
@@ -328,10 +331,13 @@ impl OpenStudy {
     /// Reads the files again if the terms name columns that were not read, or no longer name a column that was.
     fn read_columns_of_terms(&mut self) {
         let factors = self.study.measured.counts.factors.iter().map(|factor| factor.name.as_str());
-        let usual: Vec<&str> = factors.filter(|name| !self.read_options.also.iter().any(|also| also == name)).collect();
-        let also = self.settings.missing(&usual);
-        if also != self.read_options.also && self.request.is_none() {
-            self.request = Some(Request::Read(ReadOptions { also, ..self.read_options.clone() }));
+        let usual: Vec<&str> = factors.filter(|name| !self.extra.iter().any(|extra| extra == name)).collect();
+        let extra = self.settings.missing(&usual);
+        if extra != self.extra && self.request.is_none() {
+            // Also if the files cannot be read, so that the same request is not repeated in every frame.
+            self.extra = extra;
+            let Analyze { ratings, .. } = self.asked.clone();
+            self.request = Some(Request::Read(Box::new(Analyze { ratings, ..self.settings.request() })));
         }
     }
 }
@@ -409,11 +415,11 @@ impl Outcome {
         if measured.counts.total() == 0 {
             return None;
         }
-        let results = Arc::new(analyze_with(measured, &query.options, &|done, all| simulated.set(done, all)));
+        let results = Arc::new(analyze_with(measured, &query.request.options(), &|done, all| simulated.set(done, all)));
         let figures = figures::all(&results);
         let document = document(&study.source, &results, Parts { figures: &figures, ..Parts::default() });
         let filter = query.filters.sentence(&study.measured.counts);
-        Some((Self { results, figures, filter }, document))
+        Some((Self { request: query.request, results, figures, filter }, document))
     }
 }
 

@@ -5,31 +5,32 @@ use eframe::egui::{self, Button, Frame};
 use crate::{
     app::ui::{hint, paragraph, primary, section, text::name as label},
     report::Study,
-    store::ratings::ReadOptions,
+    store::table::List,
+    work::Ratings,
 };
 
 /// The list of categories that the user puts in order.
 #[derive(Clone, Debug)]
 pub struct CategoryOrder {
     /// How the categories were read.
-    pub read_options: ReadOptions,
+    pub ratings: Ratings,
     response: String,
     categories: Vec<String>,
 }
 
 impl CategoryOrder {
     /// Creates the list if the order of the categories is unknown.
-    pub fn needed(study: &Study, read_options: &ReadOptions) -> Option<Self> {
+    pub fn needed(study: &Study, ratings: &Ratings) -> Option<Self> {
         let (shape, counts) = (&study.source.shape, &study.measured.counts);
         (!counts.is_ordered(shape.categories.as_deref())).then(|| Self {
-            read_options: read_options.clone(),
+            ratings: ratings.clone(),
             response: shape.response.clone(),
             categories: counts.categories.clone(),
         })
     }
 
     /// Draws the list; returns how to read the files once the user confirms the order.
-    pub fn show(&mut self, ui: &mut egui::Ui) -> Option<ReadOptions> {
+    pub fn show(&mut self, ui: &mut egui::Ui) -> Option<Ratings> {
         section(ui, "What is the order of the ratings?");
         hint(
             ui,
@@ -72,8 +73,8 @@ impl CategoryOrder {
             let category = self.categories.remove(from);
             self.categories.insert(to, category);
         }
-        let categories = || Some(self.categories.clone());
+        let categories = || Some(List(self.categories.clone()));
         let confirmed = primary(ui, "Analyze in this order", true, "");
-        confirmed.then(|| ReadOptions { categories: categories(), ..self.read_options.clone() })
+        confirmed.then(|| Ratings { categories: categories(), ..self.ratings.clone() })
     }
 }

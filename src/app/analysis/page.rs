@@ -15,8 +15,9 @@ use crate::{
         work::{BackgroundTask, Progress},
     },
     report::Study,
-    store::{FileErrors, ratings::ReadOptions},
+    store::FileErrors,
     system::entries,
+    work::{Analyze, Ratings},
 };
 
 pub struct Analysis {
@@ -32,14 +33,14 @@ pub struct Analysis {
     columns: Option<Columns>,
     /// The categories to put in order before anything is analyzed.
     order: Option<CategoryOrder>,
-    /// The files and folders opened last.
-    paths: Vec<PathBuf>,
+    /// The files and folders opened last, and how they are read.
+    asked: Analyze,
     open: Option<Box<OpenStudy>>,
 }
 
 /// Files that are being read.
 struct Pending {
-    read_options: ReadOptions,
+    asked: Analyze,
     /// Whether the files that are already open are read again with other options.
     again: bool,
     work: BackgroundTask<Result<Study, FileErrors>>,
@@ -56,7 +57,7 @@ impl Analysis {
             error: None,
             columns: None,
             order: None,
-            paths: Vec::new(),
+            asked: Analyze::default(),
             open: None,
         };
         page.offer(results);
@@ -72,31 +73,27 @@ impl Analysis {
     /// Creates the page that opens a data set.
     pub fn of(ctx: &egui::Context, data_set: PathBuf) -> Self {
         let mut page = Self::new(data_set.parent().unwrap_or(Path::new("")));
-        page.read(ctx, vec![data_set], ReadOptions::default(), false);
+        page.read_new(ctx, vec![data_set]);
         page
     }
 
     /// Begins to read files and folders. Discards any reading that has not finished.
-    fn read(&mut self, ctx: &egui::Context, paths: Vec<PathBuf>, read_options: ReadOptions, again: bool) {
-        let read_options = ReadOptions { details: true, ..read_options };
-        self.paths.clone_from(&paths);
+    fn read(&mut self, ctx: &egui::Context, asked: Analyze, again: bool) {
+        self.asked = asked.clone();
         (self.error, self.order) = (None, None);
-        let asked = read_options.clone();
-        self.reading = Some(Pending {
-            read_options,
-            again,
-            work: BackgroundTask::start(ctx, move || Study::read(&paths, &asked)),
-        });
+        let request = asked.clone();
+        let work = BackgroundTask::start(ctx, move || request.read_unordered());
+        self.reading = Some(Pending { asked, again, work });
     }
 
     fn read_new(&mut self, ctx: &egui::Context, paths: Vec<PathBuf>) {
         self.columns = None;
-        self.read(ctx, paths, ReadOptions::default(), false);
+        self.read(ctx, of(Ratings { paths, ..Ratings::default() }), false);
     }
 
     /// Returns the file or folder that is open; `None` if there is none, or if there are several.
     pub fn opened(&self) -> Option<PathBuf> {
-        let [path] = self.paths.as_slice() else { return None };
+        let [path] = self.asked.ratings.paths.as_slice() else { return None };
         self.open.as_ref().and_then(|_| std::path::absolute(path).ok())
     }
 
@@ -137,28 +134,28 @@ impl Analysis {
             Progress::Done(read) => read.map_err(|errors| errors.to_string()),
             Progress::Lost => Err("The files could not be read: reading ended unexpectedly".to_owned()),
         };
-        let Some(Pending { read_options, again, .. }) = self.reading.take() else { return };
+        let Some(Pending { asked, again, .. }) = self.reading.take() else { return };
         match read {
             Ok(study) => {
                 self.columns = None;
                 let before = self.open.take().filter(|_| again);
-                self.order = CategoryOrder::needed(&study, &read_options);
+                self.order = CategoryOrder::needed(&study, &asked.ratings);
                 if self.order.is_some() {
                     return;
                 }
                 self.open = Some(Box::new(match before {
-                    Some(before) => OpenStudy::reread(study, read_options, *before),
-                    None => OpenStudy::new(study, self.paths.clone(), read_options),
+                    Some(before) => OpenStudy::reread(study, asked, *before),
+                    None => OpenStudy::new(study, asked),
                 }));
             }
             Err(error) => match self.open.as_mut().filter(|_| again) {
-                Some(open) => open.keep(&read_options, error),
+                Some(open) => open.keep(error),
                 None => {
                     self.open = None;
-                    self.columns = Columns::needed(&self.paths, &read_options);
+                    self.columns = Columns::needed(&asked.ratings);
                     // A missing selection is not an error before the user has seen the form.
-                    let asked = self.columns.is_some() && read_options.subject.is_none();
-                    self.error = (!asked).then_some(error);
+                    let is_first = self.columns.is_some() && asked.ratings.subject.is_none();
+                    self.error = (!is_first).then_some(error);
                 }
             },
         }
@@ -169,16 +166,12 @@ impl Analysis {
         match request {
             Request::OtherData => self.open = None,
             Request::Columns => {
-                self.columns = self.open.as_ref().and_then(|open| Columns::of(&self.paths, &open.read_options));
+                self.columns = self.open.as_ref().and_then(|open| Columns::of(&open.asked.ratings));
             }
-            Request::Read(read_options) => {
+            Request::Read(asked) => {
                 // The study requests the same again in every frame until it is read.
-                let is_asked = |pending: &Pending| {
-                    let asked = &pending.read_options;
-                    (asked.complete_only, &asked.also) == (read_options.complete_only, &read_options.also)
-                };
-                if !self.reading.as_ref().is_some_and(is_asked) {
-                    self.read(ctx, self.paths.clone(), read_options, true);
+                if self.reading.as_ref().is_none_or(|pending| pending.asked != *asked) {
+                    self.read(ctx, *asked, true);
                 }
             }
         }
@@ -194,7 +187,7 @@ impl Analysis {
                     ui.spinner();
                     ui.label("Reading…");
                 });
-                for path in self.paths.iter().take(5) {
+                for path in self.asked.ratings.paths.iter().take(5) {
                     hint(ui, path.display().to_string());
                 }
                 return back;
@@ -207,7 +200,7 @@ impl Analysis {
             } else if let Some(order) = &mut self.order {
                 named = order.show(ui);
                 if ui.button("Columns…").clicked() {
-                    self.columns = Columns::of(&self.paths, &order.read_options);
+                    self.columns = Columns::of(&order.ratings);
                 }
             }
             for line in self.error.iter().flat_map(|error| error.lines()).take(20) {
@@ -221,8 +214,8 @@ impl Analysis {
             if keep {
                 self.columns = None;
             }
-            if let Some(read_options) = named {
-                self.read(&ctx, self.paths.clone(), read_options, false);
+            if let Some(ratings) = named {
+                self.read(&ctx, of(ratings), false);
             }
             if let Some(path) = chosen {
                 self.read_new(&ctx, vec![path]);
@@ -282,4 +275,9 @@ impl Analysis {
 fn has_data(path: &Path) -> bool {
     let is_session = |path: &PathBuf| path.to_string_lossy().ends_with("_data.csv");
     entries(&path.join("data")).unwrap_or_default().iter().any(is_session)
+}
+
+/// Requests an analysis of these ratings.
+fn of(ratings: Ratings) -> Analyze {
+    Analyze { ratings, ..Analyze::default() }
 }

@@ -1,15 +1,16 @@
 //! The selection of participants and levels, and the choice of model.
 
-use eframe::egui::{self, CollapsingHeader, DragValue, Key, ScrollArea, TextEdit};
+use eframe::egui::{self, CollapsingHeader, Key, ScrollArea, TextEdit};
 
 use crate::{
     analysis::{
-        Link, MAX_NODES, ModelError, Options, Random, Slopes,
+        Link, ModelError, Random, Slopes,
         counts::{Counts, Factor, Measured},
         find_factor, level_number,
         terms::{Terms, Variable},
     },
-    app::ui::{Field, secondary, show_error, text::name},
+    app::ui::{Field, show_error, text::name},
+    work::{Analyze, Model},
 };
 
 /// Width of the column of labels, points.
@@ -152,8 +153,8 @@ fn check(ui: &mut egui::Ui, checked: &mut bool, of: &str, text: &str) {
 /// The values of the controls.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
-    /// All options except the terms.
-    options: Options,
+    /// What is requested, except the ratings and the terms.
+    request: Analyze,
     /// The terms as they are being typed.
     typed: String,
     /// When they were last changed, seconds.
@@ -163,43 +164,37 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Returns the requested analysis.
-    pub fn options(&self) -> Options {
-        Options { terms: self.terms.clone(), ..self.options.clone() }
+    /// Returns the requested analysis, without the ratings.
+    pub fn request(&self) -> Analyze {
+        let model = Model { terms: self.terms.clone(), ..self.request.model.clone() };
+        Analyze { model, ..self.request.clone() }
     }
 
     /// Draws the controls. `is_column` says whether the files have a column that is not a factor yet.
     pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters, is_column: &dyn Fn(&str) -> bool) {
         self.terms_field(ui, counts, filters, is_column);
         let people = filters.people();
-        let options = &mut self.options;
+        let request = &mut self.request;
         let links = [Link::Logit, Link::Probit];
-        Field::new("Link").column(LABELS).width(130.0).choice(ui, &mut options.link, &links, |link| link.to_string());
+        Field::new("Link")
+            .column(LABELS)
+            .width(130.0)
+            .choice(ui, &mut request.model.link, &links, |link| link.to_string());
         let several = people > 1;
-        let mut random = several && options.random.is_none();
+        let mut random = several && request.random.is_none();
         let response = ui.add_enabled(several, egui::Checkbox::new(&mut random, "Random intercept per participant"));
         response.on_disabled_hover_text("This requires at least two participants.");
         if several {
-            options.random = (!random).then_some(Random::None);
+            request.random = (!random).then_some(Random::None);
         }
         ui.add_enabled_ui(random, |ui| {
             let slopes = [Slopes::Independent, Slopes::Correlated, Slopes::None];
             Field::new("Random slopes")
                 .column(LABELS)
                 .width(130.0)
-                .choice(ui, &mut options.slopes, &slopes, |slopes| slopes.to_string())
+                .choice(ui, &mut request.model.slopes, &slopes, |slopes| slopes.to_string())
                 .on_hover_text("How much the effects of the terms may differ between participants.");
         });
-        ui.add_enabled_ui(random && options.slopes == Slopes::None, |ui| {
-            Field::new("Quadrature nodes").column(LABELS).show(ui, |ui, label| {
-                ui.horizontal(|ui| {
-                    ui.add(DragValue::new(&mut options.quadrature).range(1..=MAX_NODES).speed(0.1)).labelled_by(label);
-                    ui.label(secondary(if options.quadrature == 1 { "Laplace" } else { "Gauss–Hermite" }));
-                });
-            });
-        });
-        ui.checkbox(&mut options.scale, "Also test effects on the spread")
-            .on_hover_text("Tests whether the ratings vary more under some conditions than under others.");
     }
 
     fn terms_field(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters, is_column: &dyn Fn(&str) -> bool) {
@@ -237,14 +232,13 @@ impl Settings {
         if self.typed.trim().is_empty() {
             return Ok(None);
         }
-        let plain = |error: String| error.strip_prefix("--terms ").map_or(error.clone(), ToOwned::to_owned);
-        let terms = Terms::parse(&self.typed).map_err(|error| plain(error.to_string()))?;
+        let terms = Terms::parse(&self.typed).map_err(|error| error.to_string())?;
         match filters.check(&terms, counts, is_column) {
             Ok(()) => Ok(Some(terms)),
             Err(ModelError::UnknownFactor { name, known }) => {
                 Err(format!("There is no factor {name}. Enter some of {}.", known.join(", ")))
             }
-            Err(error) => Err(plain(error.to_string())),
+            Err(error) => Err(error.to_string()),
         }
     }
 

@@ -2,16 +2,18 @@
 
 mod findings;
 
-use std::path::PathBuf;
+use std::{
+    path::PathBuf,
+    sync::atomic::{AtomicU64, Ordering},
+};
 
-use indicatif::ProgressBar;
-
-use super::{OutPath, UsageError, options::ModelOptions, print_line, progress_style};
+use super::{Bar, OutPath, print_line};
 use crate::{
     analysis::power::{ModelChoice, Plan, Power, Sampling, Shift, Slope},
     experiment::{OrderedLogit, Protocol},
     store::{Writer, definition, observer},
     text::names::expected_one_of,
+    work::{Model, RequestError, Watcher as _},
 };
 use findings::Findings;
 
@@ -64,7 +66,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE.toml")]
     observer_file: Option<PathBuf>,
     #[command(flatten)]
-    model: ModelOptions,
+    model: Model,
     /// Where to write the table as CSV.
     #[arg(long, value_name = "FILE.csv")]
     out: Option<OutPath>,
@@ -80,14 +82,14 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let slopes = slopes(&arguments.deviations)?;
     let options = &arguments.model;
     let model = ModelChoice {
-        terms: options.terms()?,
+        terms: options.terms.clone(),
         link: options.link,
         slopes: options.slopes,
-        quadrature: options.quadrature.into(),
+        quadrature: 1,
         large: options.large,
     };
-    let plan =
-        Plan::new(&protocol, &observer, &shifts, &slopes, &model).map_err(|error| UsageError(error.to_string()))?;
+    let plan = Plan::new(&protocol, &observer, &shifts, &slopes, &model)
+        .map_err(|error| RequestError::whole(error.to_string()))?;
     let sampling = Sampling { studies: arguments.studies, alpha: arguments.alpha, seed: arguments.seed };
     let mut participants = arguments.participants.clone();
     participants.sort_unstable();
@@ -111,10 +113,12 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
 
 /// Runs the studies. Progress is counted in participants, because the time per study is proportional to their number.
 fn simulate(plan: &Plan, participants: &[u32], sampling: &Sampling) -> Vec<Power> {
-    let bar =
-        ProgressBar::new(plan.simulated(participants, sampling)).with_style(progress_style("simulated participants"));
-    let powers = plan.run(participants, sampling, &|people| bar.inc(people));
-    bar.finish_and_clear();
+    let bar = Bar::new("simulated participants");
+    let (done, all) = (AtomicU64::new(0), plan.simulated(participants, sampling));
+    let powers = plan.run(participants, sampling, &|people| {
+        bar.progress(done.fetch_add(people, Ordering::Relaxed) + people, all);
+    });
+    bar.clear();
     powers
 }
 
@@ -128,10 +132,10 @@ fn proportion(text: &str) -> Result<f64, String> {
 const MAX_LOGITS: f64 = 1000.0;
 
 /// Parses the values of an option, each of the form NAME=VALUE with a different name.
-fn assignments<'a>(option: &str, form: &str, texts: &'a [String]) -> Result<Vec<(&'a str, f64)>, UsageError> {
+fn assignments<'a>(option: &str, form: &str, texts: &'a [String]) -> Result<Vec<(&'a str, f64)>, RequestError> {
     let mut parsed: Vec<(&str, f64)> = Vec::new();
     for text in texts {
-        let error = |message: String| UsageError(format!("--{option} {text}: {message}"));
+        let error = |message: String| RequestError::whole(format!("--{option} {text}: {message}"));
         let (name, value) = text.rsplit_once('=').ok_or_else(|| error(format!("contains no =; expected {form}")))?;
         let (name, number) = (name.trim(), value.trim().parse::<f64>().ok().filter(|value| value.is_finite()));
         let value =
@@ -145,12 +149,12 @@ fn assignments<'a>(option: &str, form: &str, texts: &'a [String]) -> Result<Vec<
 }
 
 /// Parses how much people differ in the effects.
-fn slopes(texts: &[String]) -> Result<Vec<Slope>, UsageError> {
+fn slopes(texts: &[String]) -> Result<Vec<Slope>, RequestError> {
     let slope = |(text, (factor, sd)): (&String, (&str, f64))| {
         if (0.0..=MAX_LOGITS).contains(&sd) {
             return Ok(Slope { factor: factor.to_owned(), sd });
         }
-        Err(UsageError(format!("--slope {text}: the value is out of range; expected 0…{MAX_LOGITS} logits")))
+        Err(RequestError::whole(format!("--slope {text}: the value is out of range; expected 0…{MAX_LOGITS} logits")))
     };
     let parsed = assignments("slope", "FACTOR=SD, such as width=0.5", texts)?;
     texts.iter().zip(parsed).map(slope).collect()
@@ -161,12 +165,12 @@ fn apply(
     observer: OrderedLogit,
     effects: &[String],
     protocol: &Protocol,
-) -> Result<(OrderedLogit, Vec<Shift>), UsageError> {
+) -> Result<(OrderedLogit, Vec<Shift>), RequestError> {
     let mut observer = observer;
     let mut shifts: Vec<Shift> = Vec::new();
     let form = "NAME=VALUE or FACTOR:LEVEL=LOGITS, such as oblique=0.5";
     for (effect, (name, value)) in effects.iter().zip(assignments("effect", form, effects)?) {
-        let error = |message: &str| UsageError(format!("--effect {effect}: {message}"));
+        let error = |message: &str| RequestError::whole(format!("--effect {effect}: {message}"));
         match name.split_once(':') {
             Some(_) if value.abs() > MAX_LOGITS => {
                 return Err(error(&format!("the value is out of range; expected {}…{MAX_LOGITS} logits", -MAX_LOGITS)));

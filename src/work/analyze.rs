@@ -1,0 +1,100 @@
+//! The analysis of ratings.
+
+use serde::Serialize;
+
+use super::{Model, Ratings, RequestError, Watcher, named};
+use crate::{
+    analysis::{ModelError, Options, Random, Resampling, Results, analyze_with},
+    report::Study,
+    store::{FileErrors, table::list},
+};
+
+/// What to analyze, and how.
+#[derive(Clone, Debug, Default, PartialEq, clap::Args, Serialize)]
+pub struct Analyze {
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub ratings: Ratings,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub model: Model,
+    /// Random intercept for each participant [default: subject if there are at least two participants].
+    #[arg(long, value_parser = named::<Random>(Random::NAMES))]
+    pub random: Option<Random>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub resampling: Resampling,
+}
+
+impl Analyze {
+    /// Returns the names of the columns that the terms use.
+    pub fn columns(&self) -> impl Iterator<Item = &str> {
+        let terms = self.model.terms.iter().flat_map(|terms| terms.iter());
+        terms.flat_map(|term| &term.variables).map(|variable| variable.name())
+    }
+
+    /// Reads the ratings, also if the order of their categories is not known.
+    ///
+    /// # Errors
+    /// There is nothing to analyze, or the study is too large.
+    pub fn read_unordered(&self) -> Result<Study, FileErrors> {
+        self.ratings.read(self.columns().map(str::to_owned).collect(), true, self.model.large)
+    }
+
+    /// Reads the ratings.
+    ///
+    /// # Errors
+    /// There is nothing to analyze, the study is too large, or the order of its categories is not known.
+    pub fn read(&self) -> anyhow::Result<Study> {
+        let study = self.read_unordered()?;
+        let counts = &study.measured.counts;
+        if counts.is_ordered(study.source.shape.categories.as_deref()) {
+            return Ok(study);
+        }
+        let texts = list(counts.categories.iter().take(12));
+        let message = format!(
+            "{}: {texts} are not numbers; expected their order, lowest first, as categories such as {}",
+            study.source.shape.response,
+            shlex::try_quote(&texts).unwrap_or_default()
+        );
+        Err(RequestError::value("response", message).into())
+    }
+
+    /// Returns the options of the analysis.
+    pub fn options(&self) -> Options {
+        Options {
+            terms: self.model.terms.clone(),
+            link: self.model.link,
+            random: self.random,
+            max_coefficients: self.model.max_coefficients(),
+            slopes: self.model.slopes,
+            resampling: self.resampling,
+            ..Options::default()
+        }
+    }
+
+    /// Analyzes the ratings. The watcher learns the number of simulated studies that are done, and of all.
+    ///
+    /// # Errors
+    /// The requested model is impossible.
+    pub fn analyze(&self, study: &Study, watcher: &dyn Watcher) -> Result<Results, RequestError> {
+        let progress = |done: usize, all: usize| watcher.progress(done as u64, all as u64);
+        let results = analyze_with(study.measured.clone(), &self.options(), &progress);
+        match results.model.as_ref().err().and_then(refused) {
+            Some(error) => Err(error),
+            None => Ok(results),
+        }
+    }
+}
+
+/// Returns what is wrong with the requested model, if it is not the data.
+fn refused(error: &ModelError) -> Option<RequestError> {
+    match error {
+        ModelError::UnknownFactor { .. } | ModelError::NotANumber { .. } | ModelError::InfiniteDepth { .. } => {
+            Some(RequestError::value("terms", error))
+        }
+        ModelError::TooManyCoefficients { .. } => Some(RequestError::new("terms", error)),
+        ModelError::TooManySlopes { .. } => Some(RequestError::value("slopes", error)),
+        _ => None,
+    }
+}

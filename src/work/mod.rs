@@ -1,0 +1,19 @@
+//! Floor 6: what machband can do. One file an operation: a request goes in, a typed outcome comes out, and nothing is
+//! printed.
+//!
+//! The commands, the window and the Python package are skins over this room. A [`Request`] is one struct, made
+//! [from names](from_names) or by clap, and written back as [words]; a [`Watcher`] learns how far an operation is and
+//! may end it. What an operation writes goes through the [`Writer`](crate::store::Writer) that its caller made.
+
+mod analyze;
+mod model;
+mod ratings;
+mod request;
+pub mod simulate;
+mod watcher;
+
+pub use analyze::Analyze;
+pub use model::Model;
+pub use ratings::Ratings;
+pub use request::{Request, RequestError, from_names, named, words};
+pub use watcher::Watcher;

@@ -1,0 +1,175 @@
+//! Requests: what an operation is asked to do, whoever asks.
+//!
+//! A request is one struct. The command line reads it with clap, Python gives its fields by name, the window keeps it as
+//! its state, and [`words`] writes it back as the command that repeats it. Names, bounds, defaults and help stand at its
+//! fields and nowhere else.
+
+use std::{error::Error, fmt::Display, str::FromStr};
+
+use clap::{
+    Arg, Args, Command, FromArgMatches,
+    builder::{PossibleValuesParser, TypedValueParser},
+    error::{ContextKind, ContextValue, ErrorKind},
+};
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use crate::{store::table::list, text::names::expected_one_of};
+
+/// A struct with a field for each option. To be written as [words], it also implements [`Serialize`], which writes a field
+/// as the option's value: a text, a number, a flag, or a list.
+pub trait Request: Args + FromArgMatches {}
+
+impl<T: Args + FromArgMatches> Request for T {}
+
+/// A request that cannot be carried out. Each skin names the field in its own way.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.told(str::to_owned))]
+pub struct RequestError {
+    /// The field that is wrong; `None` if it is the request as a whole.
+    pub field: Option<String>,
+    /// What follows the name of the field: its value, what is wrong with it, and what is expected.
+    text: String,
+}
+
+impl RequestError {
+    /// Says what is wrong with a field.
+    pub fn new(field: &str, message: impl Display) -> Self {
+        Self { field: Some(field.to_owned()), text: format!(": {message}") }
+    }
+
+    /// Says what is wrong with a field; the message begins with its value.
+    pub fn value(field: &str, message: impl Display) -> Self {
+        Self { field: Some(field.to_owned()), text: format!(" {message}") }
+    }
+
+    /// Says what is wrong with the request as a whole.
+    pub fn whole(message: impl Display) -> Self {
+        Self { field: None, text: message.to_string() }
+    }
+
+    /// Returns the message with the field as `name` writes it.
+    pub fn told(&self, name: impl Fn(&str) -> String) -> String {
+        self.field.as_deref().map_or_else(String::new, name) + &self.text
+    }
+
+    /// Reads an error of clap, which names options as the command line does.
+    fn of(error: &clap::Error, command: &Command) -> Self {
+        let context = |kind| error.get(kind).map(ToString::to_string);
+        let named = context(ContextKind::InvalidArg).unwrap_or_default();
+        let option = named.split([' ', '=']).next().unwrap_or_default().trim_start_matches("--");
+        let field = command.get_arguments().find(|argument| argument.get_long() == Some(option));
+        let field = field.map(|argument| argument.get_id().to_string());
+        let value = context(ContextKind::InvalidValue).filter(|value| !value.is_empty());
+        let message = match (error.kind(), error.get(ContextKind::ValidValue), error.source()) {
+            (ErrorKind::InvalidValue, Some(ContextValue::Strings(known)), _) if !known.is_empty() => {
+                let name = value.as_deref().unwrap_or_default();
+                format!("{name:?} is not known; {}", expected_one_of(name, known))
+            }
+            (_, _, Some(source)) => format!("{}: {source}", value.unwrap_or_default()),
+            _ => {
+                let text = error.render().to_string();
+                let lines =
+                    text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
+                let lines: Vec<&str> = lines.map(str::trim).filter(|line| !line.is_empty()).collect();
+                return Self::whole(lines.join("; ").trim_start_matches("error: "));
+            }
+        };
+        Self { field, text: format!(" {message}") }
+    }
+}
+
+/// Returns a parser that accepts only one of `names`.
+pub fn named<T>(names: &'static [&'static str]) -> impl TypedValueParser<Value = T>
+where
+    T: FromStr<Err: Error + Send + Sync + 'static> + Clone + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(names).try_map(|name| name.parse())
+}
+
+/// Makes a request from named values. Missing fields and `null` have their defaults; a list is a list of names.
+///
+/// # Errors
+/// A name is not known, or a value is not possible.
+pub fn from_names<T: Request>(given: &Map<String, Value>) -> Result<T, RequestError> {
+    let command = T::augment_args(Command::new("machband").no_binary_name(true));
+    let mut line = Line::default();
+    for (name, value) in given {
+        let Some(argument) = command.get_arguments().find(|argument| argument.get_id() == name.as_str()) else {
+            let known: Vec<&str> = command.get_arguments().map(|argument| argument.get_id().as_str()).collect();
+            return Err(RequestError::value(name, format!("is not known; {}", expected_one_of(name, &known))));
+        };
+        line.add(argument, value);
+    }
+    let matches = command.clone().try_get_matches_from(line.words());
+    matches.and_then(|matches| T::from_arg_matches(&matches)).map_err(|error| RequestError::of(&error, &command))
+}
+
+/// Returns the words of the command line that repeat a request: what stands without an option, then every option that
+/// differs from its default.
+pub fn words<T: Request + Serialize>(request: &T) -> Vec<String> {
+    let command = T::augment_args(Command::new("machband"));
+    let given = serde_json::to_value(request).unwrap_or_default();
+    let mut line = Line::default();
+    for argument in command.get_arguments() {
+        let value = &given[argument.get_id().as_str()];
+        let default: Vec<_> = argument.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
+        if default.is_empty() || default.join(",") != text(value) {
+            line.add(argument, value);
+        }
+    }
+    line.words()
+}
+
+/// A command line.
+#[derive(Default)]
+struct Line {
+    /// Names of options, with their values.
+    options: Vec<(String, Option<String>)>,
+    /// Values without an option.
+    places: Vec<String>,
+}
+
+impl Line {
+    /// Adds an argument with this value, if it has one.
+    fn add(&mut self, argument: &Arg, value: &Value) {
+        let is_repeated =
+            matches!(argument.get_action(), clap::ArgAction::Append) && argument.get_value_delimiter().is_none();
+        let values = match value {
+            Value::Null | Value::Bool(false) => return,
+            Value::Array(values) if is_repeated || argument.is_positional() => values.iter().map(text).collect(),
+            Value::Array(values) if values.is_empty() => return,
+            value => vec![text(value)],
+        };
+        match argument.get_long() {
+            None => self.places.extend(values),
+            Some(long) if *value == Value::Bool(true) => self.options.push((long.to_owned(), None)),
+            Some(long) => self.options.extend(values.into_iter().map(|value| (long.to_owned(), Some(value)))),
+        }
+    }
+
+    /// Returns the words. A value that begins with a hyphen cannot be taken for an option.
+    fn words(self) -> Vec<String> {
+        let hyphen = self.places.iter().any(|place| place.starts_with('-')).then(|| "--".to_owned());
+        let option = |(long, value): (String, Option<String>)| match value {
+            None => vec![format!("--{long}")],
+            Some(value) if value.starts_with('-') || value.is_empty() => vec![format!("--{long}={value}")],
+            Some(value) => vec![format!("--{long}"), value],
+        };
+        match hyphen {
+            None => self.places.into_iter().chain(self.options.into_iter().flat_map(option)).collect(),
+            Some(hyphen) => self.options.into_iter().flat_map(option).chain([hyphen]).chain(self.places).collect(),
+        }
+    }
+}
+
+/// Writes a value as a word of the command line.
+fn text(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        Value::Array(values) => list(values.iter().map(text)),
+        Value::Number(number) if number.is_f64() => number.as_f64().unwrap_or_default().to_string(),
+        other => other.to_string(),
+    }
+}

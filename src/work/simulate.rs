@@ -1,0 +1,235 @@
+//! Sessions with a simulated observer.
+
+use std::{
+    path::PathBuf,
+    sync::{
+        OnceLock,
+        atomic::{AtomicU64, Ordering},
+    },
+    thread,
+    time::Duration,
+};
+
+use rayon::prelude::*;
+use serde::Serialize;
+use serde_json::json;
+
+use super::{RequestError, Watcher};
+use crate::{
+    experiment::{
+        self, Condition, FrameCount, Identity, Observer, Protocol, RowContext, Schedule, Session, SessionOptions,
+        TrialRecord, UniformObserver, VisionObserver,
+    },
+    store::{
+        StoreError, observer,
+        session::{Changes, Interrupted, SessionStore},
+        sidecar::{Pictures, Sitting},
+    },
+    system::{after, before, check_clock, now, threads},
+};
+
+/// Number of sessions that run at the same time. A session spends most of its time waiting for the disk (every row is
+/// synced), and a disk serves several waiting sessions at once, so this exceeds the number of cores.
+const AT_A_TIME: usize = 32;
+
+/// Run sessions with a simulated observer. The sessions and files are the same as those from the window, but no window
+/// opens.
+#[derive(Clone, Debug, clap::Args, Serialize)]
+#[command(after_help = "Example: machband simulate bangay2003 --participants 8 --seed 1 --results results")]
+pub struct Simulate {
+    /// Built-in definition or path to a .toml file.
+    pub experiment: PathBuf,
+    /// Number of participants; their IDs start at S001.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub participants: u32,
+    /// Seed of the trial order and of the observers.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Folder for the results.
+    #[arg(long, value_name = "DIR", default_value = "results")]
+    pub results: PathBuf,
+    /// Simulated observer.
+    #[arg(long, value_enum, default_value_t = ObserverKind::Paper)]
+    pub observer: ObserverKind,
+    /// Parameters of the paper or vision observer; experiments/observers has the documented defaults.
+    #[arg(long, value_name = "FILE.toml")]
+    pub observer_file: Option<PathBuf>,
+    /// Resume an interrupted run; complete sessions are not changed.
+    #[arg(long)]
+    pub resume: bool,
+    /// Resume sessions whose files were changed after they were sealed; their sidecars record the changes.
+    #[arg(long, requires = "resume")]
+    pub accept_changes: bool,
+}
+
+/// How a simulated observer rates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ObserverKind {
+    /// Follows the paper's findings
+    Paper,
+    /// Presses keys at random
+    Random,
+    /// Rates the visibility that the vision model predicts
+    Vision,
+}
+
+/// Data shared by all sessions of a run.
+struct Simulation<'a> {
+    request: &'a Simulate,
+    protocol: &'a Protocol,
+    observer: Box<dyn Observer>,
+    /// How the sidecars describe the observer.
+    description: serde_json::Value,
+    pictures: Pictures,
+    /// Hashes of the pictures, which are rendered when the first session ends, so that no row waits for them.
+    hashes: OnceLock<Vec<String>>,
+    /// Number of trials in all sessions, and of those that are done.
+    rows: u64,
+    done: AtomicU64,
+    watcher: &'a dyn Watcher,
+}
+
+/// What was simulated.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Simulated {
+    /// The folder of the experiment.
+    pub folder: PathBuf,
+    /// Number of sessions.
+    pub sessions: u64,
+    /// Number of rows in all of them.
+    pub rows: u64,
+}
+
+/// Runs the sessions of `protocol`, which need not be the definition that the request names. The watcher learns the
+/// number of trials.
+///
+/// # Errors
+/// The observer is invalid, a session cannot be stored, or the watcher ended it.
+pub fn simulate(request: &Simulate, protocol: &Protocol, watcher: &dyn Watcher) -> anyhow::Result<Simulated> {
+    let (observer, description) = observer(request, protocol)?;
+    let sessions = u64::from(request.participants);
+    let simulation = Simulation {
+        request,
+        protocol,
+        observer,
+        description,
+        pictures: Pictures::without_screen(protocol),
+        hashes: OnceLock::new(),
+        rows: sessions * (protocol.main_trials() as u64 + u64::from(protocol.design.practice)),
+        done: AtomicU64::new(0),
+        watcher,
+    };
+    check_clock()?;
+    let total = request.participants as usize;
+    let (threads, begin) = threads(AT_A_TIME.min(total))?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).spawn_handler(begin).build()?;
+    pool.install(|| (1..=total).into_par_iter().try_for_each(|number| simulation.session(number)))?;
+    Ok(Simulated { folder: request.results.join(&protocol.name), sessions, rows: simulation.rows })
+}
+
+/// Returns the observer, and how the sidecars describe it.
+fn observer(request: &Simulate, protocol: &Protocol) -> anyhow::Result<(Box<dyn Observer>, serde_json::Value)> {
+    let file = request.observer_file.as_deref();
+    Ok(match request.observer {
+        ObserverKind::Random if file.is_some() => {
+            let message = "does not apply to the observer random; expected the observer paper or vision";
+            return Err(RequestError::new("observer_file", message).into());
+        }
+        ObserverKind::Random => (Box::new(UniformObserver), json!({ "observer": "random" })),
+        ObserverKind::Vision => {
+            let parameters = file.map(observer::open_vision).transpose()?.unwrap_or_default();
+            let description = json!({ "observer": "vision", "vision": parameters });
+            let observer = VisionObserver::new(parameters, protocol)
+                .map_err(|error| anyhow::anyhow!("{}: {error}", request.experiment.display()))?;
+            (Box::new(observer), description)
+        }
+        ObserverKind::Paper => {
+            let parameters = match file {
+                Some(path) => observer::open(path)?,
+                None => observer::parse("paper.toml", observer::PAPER)?,
+            };
+            let description = json!({ "observer": "paper", "ordered_logit": parameters });
+            (Box::new(parameters), description)
+        }
+    })
+}
+
+impl Simulation<'_> {
+    fn advance(&self, trials: u64) {
+        let done = self.done.fetch_add(trials, Ordering::Relaxed) + trials;
+        self.watcher.progress(done, self.rows);
+    }
+
+    fn session(&self, number: usize) -> anyhow::Result<()> {
+        let Self { request, protocol, watcher, .. } = *self;
+        watcher.check(&request.results)?;
+        let identity = Identity::new(&format!("S{number:03}"), "1")?;
+        let sitting = Sitting {
+            started_at: now().to_string(),
+            observer: Some(self.description.clone()),
+            pictures: Some(self.pictures.clone()),
+            ..Sitting::default()
+        };
+        let seed = request.seed;
+        let changes = if request.accept_changes { Changes::Accept } else { Changes::Refuse };
+        let resume =
+            || SessionStore::resume(&request.results, protocol, &identity, Some(seed), sitting.clone(), changes);
+        let (mut store, left) = match request.resume.then(resume) {
+            None | Some(Err(StoreError::NothingToResume(_))) => {
+                let schedule = Schedule::new(protocol, &identity, seed)?;
+                let store = SessionStore::create(&request.results, protocol, &identity, seed, sitting)?;
+                (store, Interrupted::before_the_first_trial(schedule))
+            }
+            Some(resumed) => resumed?,
+        };
+        let Interrupted { schedule, resumed, elapsed_s, sitting, partial_line, .. } = left;
+        if partial_line.is_some() {
+            let file = store.csv().display();
+            let text = format!("{file}: an incomplete last row was removed; its trial will be shown again");
+            watcher.warn(&text);
+        }
+        self.advance(resumed.done.len() as u64);
+        if store.is_complete() {
+            return Ok(());
+        }
+        let elapsed = Duration::try_from_secs_f64(elapsed_s).unwrap_or_default();
+        // Simulated time continues from the recorded time. `origin` is the wall-clock time at which the session would
+        // have started.
+        let origin = before(now(), elapsed);
+        let options = SessionOptions { pages: 0, frames: FrameCount::Off };
+        let mut session = Session::new(protocol.clone(), schedule.clone(), &resumed, options);
+        let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting };
+        let rated = experiment::simulate(&mut session, self.observer.as_ref(), &identity, elapsed, |response| {
+            self.advance(1);
+            store.append(&TrialRecord::new(&context, response, after(origin, response.onset)))?;
+            watcher.check(store.csv())
+        });
+        if rated.as_ref().is_err_and(|error| error.is::<StoreError>()) {
+            return rated;
+        }
+        // A signal may arrive during the last trial.
+        let complete = session.current().is_none();
+        if complete {
+            let hashes = self.hashes.get_or_init(|| self.hash(&schedule.conditions));
+            hashes.iter().enumerate().for_each(|(condition, hash)| store.note_picture(condition, hash.clone()));
+        }
+        store.finish(complete, now().to_string(), None)?;
+        rated
+    }
+
+    /// Renders the pictures on a separate thread, outside the pool. A pool thread could pick up another session while
+    /// it renders, and that session would wait for the same hashes: a deadlock.
+    fn hash(&self, conditions: &[Condition]) -> Vec<String> {
+        // Its own threads, because those that all computations share do not exist in a process that was forked.
+        let hash = || {
+            let threads = rayon::ThreadPoolBuilder::new().build();
+            threads.map(|threads| threads.install(|| self.pictures.hashes(conditions))).unwrap_or_default()
+        };
+        // Without a thread, or after a panic, there are no hashes; `verify` then counts the pictures as unverified.
+        thread::scope(|scope| {
+            let hashed = thread::Builder::new().spawn_scoped(scope, hash).ok();
+            hashed.and_then(|hashed| hashed.join().ok()).unwrap_or_default()
+        })
+    }
+}
