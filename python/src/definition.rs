@@ -56,7 +56,7 @@ impl Definition {
         if read == self.0 { Ok(text) } else { Err(error("the definition cannot be written as a file")) }
     }
 
-    /// Returns all keys, with their defaults, as JSON.
+    /// Returns all keys as JSON, with their defaults but without default texts.
     fn to_json(&self) -> PyResult<String> {
         serde_json::to_string(&self.0).map_err(error)
     }
@@ -85,10 +85,10 @@ impl Definition {
 
     /// Returns the conditions as columns: the kind, and every parameter of the stimulus.
     fn conditions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let conditions = self.0.conditions().map_err(error)?;
+        let conditions = self.0.conditions();
         let kind: Vec<_> = conditions.iter().map(|_| CellValue::Text(self.0.stimulus.kind().to_owned())).collect();
         let names = self.0.stimulus.parameters().iter().map(|parameter| parameter.name);
-        let parameters = names.map(|name| (name.to_owned(), parameter(&conditions, name)));
+        let parameters = names.map(|name| (name.to_owned(), parameter(conditions, name)));
         table::columns(py, [("stimulus".to_owned(), Column::of(&kind))].into_iter().chain(parameters))
     }
 

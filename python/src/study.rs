@@ -60,18 +60,14 @@ fn read(folder: &Path, job: &Job) -> anyhow::Result<Described> {
         simulated |= Sidecar::of(csv)
             .is_ok_and(|(_, sidecar)| sidecar.sittings.iter().any(|sitting| sitting.observer.is_some()));
         let kind = rows.first().and_then(|row| Stimulus::default_of(&row.stimulus));
-        // The later columns stay the last ones.
-        let mut place = 0;
         for mut column in columns.iter().cloned() {
             let known = kind.iter().flat_map(|kind| kind.parameters()).find(|known| known.name == column.name);
             if let Some(known) = known.filter(|_| column.description.is_empty()) {
                 (column.unit, column.description) = (known.unit.to_owned(), known.description.to_owned());
             }
-            let found = described.iter().position(|known: &experiment::Column| known.name == column.name);
-            place = found.unwrap_or_else(|| {
-                described.insert(place, column);
-                place
-            }) + 1;
+            if !described.iter().any(|known: &experiment::Column| known.name == column.name) {
+                described.push(column);
+            }
         }
         sessions.push((columns, rows));
     }

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use crate::light::names::natural;
+use crate::text::names::natural;
 
 /// Returns the number that the text of a level represents: a decimal number, or `inf` or `-inf` in any case. `nan` and
 /// hexadecimal numbers count as other strings.

@@ -180,7 +180,7 @@ fn all(
     study: Option<&Study>,
     viewing: &ViewingConditions,
 ) -> anyhow::Result<()> {
-    let conditions = protocol.conditions()?;
+    let conditions = protocol.conditions();
     let is_line = protocol.stimulus.is_line();
     let (most, kind) = if is_line { (MAX_CONDITIONS, "") } else { (MAX_PICTURES, " with a rendered picture") };
     if conditions.len() > most && !arguments.large {
@@ -192,7 +192,7 @@ fn all(
     }
     conditions.iter().try_for_each(|condition| check_size(arguments.size, &condition.stimulus))?;
     let wrong = |error| anyhow::anyhow!("{}: {error}", protocol.stimulus.kind());
-    let found = visibilities(&conditions, viewing, arguments.size).map_err(wrong)?;
+    let found = visibilities(conditions, viewing, arguments.size).map_err(wrong)?;
     let header: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
     let row = |condition: &Condition| -> Vec<String> {
         let levels = protocol.factors.iter().zip(&condition.levels);
@@ -210,7 +210,7 @@ fn all(
     let Some(study) = study else {
         return all(&criterion(arguments)?, 0.0);
     };
-    let comparison = prediction::compare_conditions(&study.measured.counts, protocol, &conditions, &found)
+    let comparison = prediction::compare_conditions(&study.measured.counts, protocol, conditions, &found)
         .map_err(|error| anyhow::anyhow!("{}: {error}", arguments.fit[0].display()))?;
     if let Some(path) = &arguments.criterion {
         observer::write_criterion(writer, path, &comparison.criterion)?;

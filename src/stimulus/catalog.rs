@@ -12,7 +12,8 @@ use super::{
     profiles::{Chevreul, Cornsweet, Cylinder},
     shaded_mesh::ShadedMesh,
 };
-use crate::light::{Bits, CodeImage, LinearImage, Quantizer, Samples, names::expected_one_of};
+use crate::light::{Bits, CodeImage, LinearImage, Quantizer, Samples};
+use crate::text::names::expected_one_of;
 
 macro_rules! stimuli {
     ($($(#[$meta:meta])* $name:ident,)*) => {

@@ -8,7 +8,8 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::color::{ColorError, StimulusColor};
-use crate::light::{Depth, DepthError, names::expected_one_of};
+use crate::light::{Depth, DepthError};
+use crate::text::names::expected_one_of;
 
 /// One parameter of a stimulus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use super::{
     drawing::Profile,
     parameter::{Range, kind, text_field},
 };
-use crate::light::names::named;
+use crate::text::names::named;
 
 kind! {
     /// A staircase of `steps` uniform bands of equal width, Chevreul 1839; Bangay fig. 1 a, b.

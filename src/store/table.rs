@@ -400,7 +400,7 @@ impl std::str::FromStr for List {
     }
 }
 
-crate::light::names::serde_as_text!(List);
+crate::text::names::serde_as_text!(List);
 
 /// Splits what [`list`] joins; nothing for an empty text.
 ///

@@ -7,12 +7,12 @@ use serde::Serialize;
 use super::RequestError;
 use crate::{
     analysis::counts::ExclusionError,
-    light::names::serde_as_text,
     report::{Study, StudyError},
     store::{
         ratings::ReadOptions,
         table::{List, list, split_list},
     },
+    text::names::serde_as_text,
 };
 
 /// Where to find the ratings.

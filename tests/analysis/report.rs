@@ -9,7 +9,7 @@ use machband::{
         counts::{Exclusions, Measured, MeasuredBuilder},
         terms::Terms,
     },
-    experiment::{Protocol, RatingRow},
+    experiment::{Definition, Protocol, RatingRow},
     report::{
         Provenance,
         document::numbers::{NBSP, count, fixed, list, p_is, percent, probability, ratio, short_list, unit, whole},
@@ -441,9 +441,11 @@ fn names_are_text_and_never_markup() {
     }
     let results = analyze(builder.finish(), &options());
     let mut source = source(&nasty[..2]);
-    let mut protocol = definition::open("quick").unwrap();
-    protocol.title = nasty[0].repeat(9);
-    protocol.response.question = nasty[2].to_owned();
+    let change = |definition: &mut Definition| {
+        definition.title = nasty[0].repeat(9);
+        definition.response.question = nasty[2].to_owned();
+    };
+    let protocol = definition::open("quick").unwrap().with(change).unwrap();
     source.errors = vec![FileError::whole(nasty[1], nasty[2])];
     let sitting = Sitting { incidents: vec![nasty[0].to_owned()], ..Sitting::default() };
     source.sessions = vec![session(&protocol, nasty[2], sitting)];
@@ -455,7 +457,7 @@ fn names_are_text_and_never_markup() {
 #[test]
 fn the_report_shows_the_prediction_or_says_why_there_is_none() {
     let results = results(3, &DEPTHS, false);
-    let mut protocol = definition::open("bangay2003").unwrap();
+    let protocol = definition::open("bangay2003").unwrap();
     let predicted = |protocol: Option<&Protocol>, results: &Results| {
         let page = page(&Source { protocol: protocol.cloned(), ..source(&FACTORS) }, results);
         let section = page.split("<section id=\"vision\">").nth(1).unwrap().split("</section>").next().unwrap();
@@ -468,7 +470,8 @@ fn the_report_shows_the_prediction_or_says_why_there_is_none() {
     };
     why(None, &results, "no definition");
     why(Some(&protocol), &results, "do not record orientation_deg");
-    protocol.factors.retain(|factor| factor.name != "orientation_deg");
+    let two_factors = |definition: &mut Definition| definition.factors.truncate(2);
+    let protocol = protocol.with(two_factors).unwrap();
     let (text_of_three, figures) = predicted(Some(&protocol), &results);
     assert_eq!(figures, 4, "{text_of_three}");
     let expected = ["window 10° wide", "100 cd/m²", "45 conditions and 270 ratings", "The noise ceiling"];
@@ -495,16 +498,17 @@ fn the_report_shows_the_prediction_or_says_why_there_is_none() {
     ] {
         why(Some(&protocol), &rated(categories), reason);
     }
-    let mut black = protocol.clone();
-    for name in ["low", "high"] {
-        black.stimulus.set(name, &0.0.into()).unwrap();
-    }
+    let black = protocol.with(|definition| {
+        ["low", "high"].iter().for_each(|name| definition.stimulus.set(name, &0.0.into()).unwrap());
+    });
+    let black = black.unwrap();
     why(Some(&black), &results, "cannot process the stimuli: all black");
-    let mut elsewhere = protocol.clone();
-    elsewhere.factors[0].levels = vec![0.3.into(), 0.5.into()];
-    why(Some(&elsewhere), &results, "none of the predicted conditions");
-    let mut endless = protocol;
-    endless.factors[0].levels = (1..=2000).map(|i| (f64::from(i) / 4000.0).into()).collect();
+    let widths = |levels: Vec<f64>| {
+        let levels = levels.into_iter().map(Into::into).collect();
+        protocol.with(|definition| definition.factors[0].levels = levels).unwrap()
+    };
+    why(Some(&widths(vec![0.3, 0.5])), &results, "none of the predicted conditions");
+    let endless = widths((1..=2000).map(|i| f64::from(i) / 4000.0).collect());
     why(Some(&endless), &results, "there are 10000 conditions, and a report predicts at most 5000");
 }
 

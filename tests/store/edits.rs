@@ -91,7 +91,7 @@ const ALL: [&str; 3] = [DATA, SIDECAR, FRAMES];
 fn record(results: &Path, state: State) {
     let protocol = small();
     let sitting = || Sitting { pictures: Some(Pictures::without_screen(&protocol)), ..sitting() };
-    let hashes = Pictures::without_screen(&protocol).hashes(&protocol.conditions().unwrap());
+    let hashes = Pictures::without_screen(&protocol).hashes(protocol.conditions());
     for (subject, longest) in [("S001", 33_333), ("S002", 50_000)] {
         let identity = Identity::new(subject, "1").unwrap();
         let frames = |store: &mut SessionStore, sitting, trials: [u32; 2]| {

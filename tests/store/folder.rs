@@ -78,7 +78,8 @@ mod layout {
         let names: Vec<&str> =
             description["variableMeasured"].as_array().unwrap().iter().map(|v| v["name"].as_str().unwrap()).collect();
         assert_eq!(names, header);
-        assert_eq!(header[header.len() - 4..], ["tanh_k", "stimulus_s", "late_onset", "response_uncertainty_s"]);
+        let further = ["stimulus_s", "late_onset", "response_uncertainty_s", "sitting", "seed", "tanh_k"];
+        assert_eq!(header[23..], further);
         let sidecar = json(&paths.sidecar);
         let described: Vec<&String> = sidecar["columns"].as_object().unwrap().keys().collect();
         assert_eq!(described, header);

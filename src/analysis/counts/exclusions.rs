@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::table::{Counts, Measured};
-use crate::light::names::expected_one_of;
+use crate::text::names::expected_one_of;
 
 /// The word for a missing level in [`Exclusions::only`]. No level has this name.
 pub const MISSING: &str = "NA";

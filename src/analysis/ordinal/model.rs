@@ -6,8 +6,8 @@ use thiserror::Error;
 
 use super::{link::Link, terms::Terms};
 use crate::{
-    light::names::{expected_one_of, named},
     statistics::Interval,
+    text::names::{expected_one_of, named},
 };
 
 named! {

@@ -80,7 +80,7 @@ impl std::str::FromStr for Terms {
     }
 }
 
-crate::light::names::serde_as_text!(Terms);
+crate::text::names::serde_as_text!(Terms);
 
 impl Term {
     /// Creates the main effect of a factor.

@@ -264,9 +264,7 @@ pub fn fonts(missing: &BTreeSet<char>) -> Option<PreflightNote> {
 /// Participants must tolerate it.
 pub fn light_steps(protocol: &Protocol) -> PreflightNote {
     let field = protocol.stimulus.field_light(protocol.recovery.level);
-    // Cannot fail: a loaded definition always has conditions.
-    let conditions = protocol.conditions().unwrap_or_default();
-    let lights = conditions.iter().flat_map(|condition| condition.stimulus.profile(SAMPLES));
+    let lights = protocol.conditions().iter().flat_map(|condition| condition.stimulus.profile(SAMPLES));
     let steps = lights.flat_map(|light| [0, 1, 2].map(|channel| (light[channel] - field[channel]).abs()));
     let percent = 100.0 * steps.fold(0.0, f32::max);
     let gentle = percent < 95.0;

@@ -8,7 +8,6 @@ use std::{
 };
 
 use crate::{
-    light::names::natural,
     store::{
         Columns, FileError, FileErrors,
         dataset::{DATA_FILE, DESCRIPTION, REGISTER},
@@ -18,6 +17,7 @@ use crate::{
         table::{Content, MAX_ROW, each_row},
     },
     system::entries,
+    text::names::natural,
 };
 
 /// Returns the files to read, without duplicates and in the given order. The files of a folder are in natural order of

@@ -18,13 +18,13 @@ use super::{
 };
 use crate::{
     experiment::RatingRow,
-    light::names::natural,
     store::{
         Columns, FileError, FileErrors, dataset,
         error::RowErrors,
         file,
         table::{self, Row},
     },
+    text::names::natural,
 };
 
 /// Maximum size, in bytes, of a file for which a hash is reported.

@@ -15,9 +15,9 @@ use super::{
 };
 use crate::{
     experiment::{MAX_RATING, Protocol, columns_by_header},
-    light::names::expected_one_of,
     stimulus::is_direction,
     store::{FileError, FileErrors, StoreError, definition, session::register, sidecar::Sidecar},
+    text::names::expected_one_of,
 };
 
 /// Columns that a result file must have in addition to the participant's column.

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::{frames, lock};
 use crate::{
-    experiment::{Column, Identity, Protocol, columns},
+    experiment::{Column, Definition, Identity, Protocol, columns},
     store::{
         StoreError,
         error::io,
@@ -214,7 +214,7 @@ fn variable(column: &Column) -> Value {
 }
 
 fn readme(protocol: &Protocol) -> String {
-    let Protocol { name, title, participant, .. } = protocol;
+    let Definition { name, title, participant, .. } = &**protocol;
     let participants = match participant.is_empty() {
         true => String::new(),
         false => format!(

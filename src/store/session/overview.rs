@@ -56,7 +56,7 @@ impl SessionState {
         let (_, identity) = identity(&csv).map_err(|message| FileErrors::whole(&csv, message))?;
         let (path, sidecar) = Sidecar::of(&csv)?;
         let protocol = definition::from_json(&path.display().to_string(), &sidecar.definition)?;
-        let planned = protocol.main_trials().saturating_add(protocol.design.practice as usize);
+        let planned = protocol.main_trials() + protocol.design.practice as usize;
         // A complete session was rated to the end, so its rows need not be read.
         let rated = if sidecar.complete {
             planned
@@ -65,7 +65,15 @@ impl SessionState {
             rows.iter().map(|row| (row.phase, row.trial)).collect::<HashSet<_>>().len()
         };
         let started_at = sidecar.sittings.last().map(|sitting| sitting.started_at.clone()).unwrap_or_default();
-        Ok(Self { csv, experiment: protocol.name, identity, rated, planned, complete: sidecar.complete, started_at })
+        Ok(Self {
+            csv,
+            experiment: protocol.name.clone(),
+            identity,
+            rated,
+            planned,
+            complete: sidecar.complete,
+            started_at,
+        })
     }
 }
 

@@ -16,7 +16,7 @@ use super::{
     sidecar::{REPAIRED, Seal, Sidecar},
 };
 use crate::{
-    experiment::{Column, Identity, LATER_COLUMN_COUNT, Protocol, RowContext, Schedule, TrialRecord, columns},
+    experiment::{Column, Identity, Protocol, RowContext, Schedule, TrialRecord, columns},
     store::{
         FileErrors, StoreError, definition,
         error::io,
@@ -120,13 +120,8 @@ fn sort(
             number = 2;
             lines.remove(0).to_vec()
         }
-        // The header is damaged or gone. The columns are those with which most of the lines are rows.
-        _ => {
-            let widths = (columns.len().saturating_sub(LATER_COLUMN_COUNT)..=columns.len()).rev();
-            let headers = widths.map(|width| results::header(&columns[..width]));
-            let rows = |header: &Vec<u8>| lines.iter().filter(|line| row(header, line, columns).is_some()).count();
-            headers.rev().max_by_key(rows).unwrap_or_default()
-        }
+        // The header is damaged or gone.
+        _ => results::header(columns),
     };
     let rows: Vec<Option<TrialRecord>> = lines.iter().map(|line| row(&header, line, columns)).collect();
     let readable = rows.iter().flatten().count();

@@ -76,7 +76,7 @@ macro_rules! named {
             }
         }
 
-        $crate::light::names::serde_as_text!($enum);
+        $crate::text::names::serde_as_text!($enum);
     };
 }
 pub(crate) use named;
