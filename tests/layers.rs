@@ -19,6 +19,7 @@ type Module = Vec<String>;
 const FLOORS: &[(&str, u32)] = &[
     ("system", 0),
     ("light", 0),
+    ("text", 0),
     ("display", 1),
     ("shading", 1),
     ("vision", 1),

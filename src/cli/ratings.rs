@@ -127,7 +127,7 @@ pub(super) fn counts(arguments: &CountsArguments, writer: &Writer) -> anyhow::Re
     let progress = super::spinner("reading");
     let study = arguments.ratings.read(&[], false, true)?;
     let counts = &study.measured.counts;
-    writer.write(&arguments.out, &tables::counts(counts, &study.source.shape))?;
+    writer.write(&arguments.out, &tables::counts_csv(counts, &study.source.shape))?;
     progress.finish_and_clear();
     super::print_line(&sentence(&study.source, counts))?;
     super::print_line(&format!("{} in {}", count(counts.rows.len() as u64, "row"), arguments.out.display()))?;

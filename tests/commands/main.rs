@@ -13,3 +13,4 @@ mod plan;
 mod predict;
 mod security;
 mod shade;
+mod tables;

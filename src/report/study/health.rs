@@ -6,7 +6,7 @@ use super::{cautions::unusual_behavior, sittings};
 use crate::{
     analysis::Results,
     report::document::{
-        Section,
+        Section, Shown,
         numbers::{count, fixed, list, whole},
     },
     store::ratings::{FileRead, SessionRead, Source},
@@ -93,7 +93,7 @@ pub(super) fn finished_sentence(source: &Source) -> Option<String> {
     }
 }
 
-fn session(session: &SessionRead) -> Vec<String> {
+fn session(session: &SessionRead) -> Vec<Shown> {
     let state = match session.planned {
         None => "not known".to_owned(),
         Some(planned) if session.rated < planned => format!("unfinished, {} missing", whole(planned - session.rated)),
@@ -106,7 +106,7 @@ fn session(session: &SessionRead) -> Vec<String> {
     };
     let known = |n: Option<u64>| n.map_or_else(|| fixed(None, 0), whole);
     let (planned, rated, dropped) = (known(session.planned), whole(session.rated), known(session.dropped));
-    vec![session.subject.clone(), session.session.clone(), state, by.to_owned(), planned, rated, dropped]
+    vec![(&session.subject).into(), (&session.session).into(), state.into(), by.into(), planned, rated, dropped]
 }
 
 fn screens(section: &mut Section, source: &Source) {
@@ -160,7 +160,7 @@ fn screens(section: &mut Section, source: &Source) {
             let same = if values.len() > 1 { "differs" } else { "the same" };
             let value = |(value, n)| format!("{value} ({})", count(n as u64, "sitting"));
             let values: Vec<String> = values.into_iter().map(value).collect();
-            vec![name.to_owned(), values.join("; "), same.to_owned()]
+            vec![name.into(), values.join("; ").into(), same.into()]
         })
         .collect();
     section.table("How the sittings were run", &["Setting", "Value", "Across sittings"], &[], rows);
