@@ -17,7 +17,10 @@ use machband::{
 use numpy::{IntoPyArray as _, PyArray1, PyArrayMethods as _, PyReadonlyArray1};
 use pyo3::{prelude::*, types::PyDict};
 
-use crate::{error, job};
+use crate::{
+    error, job,
+    table::{self, Column},
+};
 
 /// Parameters of a stimulus: names and values.
 pub type Given = Vec<(String, Value)>;
