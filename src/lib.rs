@@ -13,6 +13,7 @@
 //! | floor | module | contents |
 //! |---|---|---|
 //! | 0 | [`system`] | the clock, threads, signals, folders and fonts of the operating system |
+//! | 0 | [`statistics`] | intervals, quantiles, tail probabilities, correction for multiple testing |
 //! | 0 | [`light`] | interpolation I_n, transfer functions, conversion of light to codes, images |
 //! | 0 | [`text`] | tables of typed values, and how they are written |
 //! | 1 | [`display`] | visual angle, cm and pixels; the properties of a screen |
@@ -42,6 +43,7 @@ pub mod experiment;
 pub mod light;
 pub mod report;
 pub mod shading;
+pub mod statistics;
 pub mod stimulus;
 pub mod store;
 pub mod system;

@@ -20,6 +20,7 @@ const FLOORS: &[(&str, u32)] = &[
     ("system", 0),
     ("light", 0),
     ("text", 0),
+    ("statistics", 0),
     ("display", 1),
     ("shading", 1),
     ("vision", 1),

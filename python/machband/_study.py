@@ -231,10 +231,8 @@ def analyze(
     link: str = "logit",
     slopes: str | None = "independent",
     random: str | None = None,
-    quadrature: int = 1,
     seed: int = 1,
     draws: int = 999,
-    scale: bool = False,
     complete_only: bool = False,
     large: bool = False,
 ) -> Analysis:
@@ -267,13 +265,9 @@ def analyze(
         Random slopes: ``none`` (or `None`), ``independent`` or ``correlated``.
     random
         ``none`` or ``subject``; by default ``subject`` if there are at least two participants.
-    quadrature
-        Number of nodes of the adaptive Gauss–Hermite quadrature; 1 is the Laplace approximation.
     seed, draws
         Seed and number (19 to 1,000,000) of the simulated studies that calibrate tests and intervals. No p can be below
         1 / (draws + 1), so 19 can never show an effect at p < .05.
-    scale
-        Also test each term for an effect on the spread of the ratings.
     complete_only
         Exclude sessions with unrated trials.
     large
@@ -308,10 +302,8 @@ def analyze(
         link=link,
         slopes="none" if slopes is None else slopes,
         random=random,
-        quadrature=whole("quadrature", quadrature),
         seed=whole("seed", seed),
         draws=whole("draws", draws, 19, 1_000_000),
-        scale=flag("scale", scale),
         complete_only=flag("complete_only", complete_only),
         large=flag("large", large),
     )

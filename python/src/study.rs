@@ -151,7 +151,8 @@ impl Analysis {
         let described = |(name, table): (String, Table)| {
             let columns = table.columns.iter().map(|column| (column.name.clone(), Column::of(&column.cells)));
             let columns = table::columns(py, columns)?;
-            let about = table.columns.into_iter().map(|column| (column.name, column.unit, column.description)).collect();
+            let about =
+                table.columns.into_iter().map(|column| (column.name, column.unit, column.description)).collect();
             Ok((name, columns, about))
         };
         tables.into_iter().map(described).collect()

@@ -22,7 +22,8 @@ pub enum Column {
 impl Column {
     /// Chooses the narrowest type for these values.
     pub fn of(values: &[Cell]) -> Self {
-        let of_all = |number: fn(&Cell) -> Option<i64>| (!values.is_empty()).then(|| values.iter().map(number).collect())?;
+        let of_all =
+            |number: fn(&Cell) -> Option<i64>| (!values.is_empty()).then(|| values.iter().map(number).collect())?;
         let whole = |cell: &Cell| match cell {
             Cell::Whole(whole) => i64::try_from(*whole).ok(),
             Cell::Level(text, number) => number_of(text, *number).and_then(|_| text.parse().ok()),
@@ -35,7 +36,8 @@ impl Column {
         if let Some(numbers) = values.iter().map(large).collect::<Option<Vec<_>>>().filter(|all| !all.is_empty()) {
             return Self::Large(numbers);
         }
-        if let Some(times) = of_all(|cell| if let Cell::Time(time) = cell { Some(time.as_millisecond()) } else { None }) {
+        if let Some(times) = of_all(|cell| if let Cell::Time(time) = cell { Some(time.as_millisecond()) } else { None })
+        {
             return Self::Time(times);
         }
         let number = |cell: &Cell| match cell {

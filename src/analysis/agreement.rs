@@ -4,10 +4,8 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{
-    counts::{Counts, Measured},
-    interval::{Interval, mean_and_sd, t_interval},
-};
+use super::counts::{Counts, Measured};
+use crate::statistics::{Interval, mean_and_sd};
 
 /// Krippendorff's α.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -66,7 +64,7 @@ pub fn ordinal_alpha(counts: &Counts) -> Option<Alpha> {
         Some(groups as f64 * alpha - (groups - 1) as f64 * of(&weights)?)
     };
     let pseudo_values: Option<Vec<f64>> = (0..groups).into_par_iter().map(without).collect();
-    let interval = pseudo_values.filter(|_| enough).and_then(|values| t_interval(&values));
+    let interval = pseudo_values.filter(|_| enough).and_then(|values| Interval::of_mean(&values));
     let ratings: f64 = units.iter().flatten().flat_map(|share| &share.tally).map(|(_, n)| n).sum();
     Some(Alpha {
         alpha,
@@ -129,7 +127,7 @@ fn alpha(units: &[Vec<Share>], weights: &[u8], categories: usize) -> Option<f64>
 
 /// Returns the mean of a statistic over participants and its 95 % t interval, or `None` if there are no values.
 pub fn mean_over_subjects(values: &[f64]) -> Option<(f64, Option<Interval>)> {
-    (!values.is_empty()).then(|| (mean_and_sd(values).0, t_interval(values)))
+    (!values.is_empty()).then(|| (mean_and_sd(values).0, Interval::of_mean(values)))
 }
 
 /// First and second ratings of the same conditions, as the sums that κ needs. A table of all pairs of categories would

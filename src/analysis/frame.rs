@@ -31,7 +31,7 @@ impl<'a> Frame<'a> {
     ///
     /// # Errors
     /// Returns a [`ModelError`] if a name is unknown, if no rows remain or if all ratings are the same.
-    pub fn new(counts: &'a Counts, terms: &[&Terms]) -> Result<(Self, Vec<Note>), ModelError> {
+    pub fn new(counts: &'a Counts, terms: &Terms) -> Result<(Self, Vec<Note>), ModelError> {
         let needed = needed_factors(counts, terms)?;
         let mut notes = Vec::new();
         let mut rows = counts.rows.clone();
@@ -132,8 +132,8 @@ pub(crate) fn find_factor(counts: &Counts, variable: &Variable) -> Result<(usize
     Err(ModelError::UnknownFactor { name: variable.name().to_owned(), known })
 }
 
-fn needed_factors(counts: &Counts, terms: &[&Terms]) -> Result<BTreeSet<usize>, ModelError> {
-    let variables = terms.iter().flat_map(|terms| terms.iter()).flat_map(|term| &term.variables);
+fn needed_factors(counts: &Counts, terms: &Terms) -> Result<BTreeSet<usize>, ModelError> {
+    let variables = terms.iter().flat_map(|term| &term.variables);
     variables.map(|variable| find_factor(counts, variable).map(|(index, _)| index)).collect()
 }
 

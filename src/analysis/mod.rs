@@ -10,20 +10,17 @@
 //!   order. The first level is the baseline of treatment contrasts. Coefficients are named as in R (`width0.05`,
 //!   `width0.05:depth2`).
 //! - Standard errors come from the observed information of the likelihood that was maximized; for a mixed model, this
-//!   is its Laplace or Gauss–Hermite approximation. The log-likelihood omits the constant for the order of the ratings.
+//!   is its Laplace approximation. The log-likelihood omits the constant for the order of the ratings.
 //! - A model's [`Note`]s say what the data cannot answer. A [`ModelError`] says why there is no model.
 //!
 //! Sources: McCullagh (1980), J. R. Stat. Soc. B 42, 109; Pratt (1981), J. Am. Stat. Assoc. 76, 103; Christensen
-//! (2022), `ordinal`, R package 2022.11-16; Liu & Pierce (1994), Biometrika 81, 624; Albert & Anderson (1984),
-//! Biometrika 71, 1.
+//! (2022), `ordinal`, R package 2022.11-16; Albert & Anderson (1984), Biometrika 71, 1.
 
 pub mod agreement;
 
 pub mod counts;
 mod frame;
-pub mod interval;
 mod levels;
-mod multiple;
 mod ordinal;
 pub mod power;
 pub mod rank_tests;
@@ -36,8 +33,8 @@ pub(crate) use frame::level_number;
 pub use levels::{number_of, numbers_of};
 pub use ordinal::{
     Alternative, Calibration, Checks, Coefficient, Comparison, Contrast, FEW_FOR_LIKELIHOOD_RATIOS, Influence, Link,
-    MAX_COEFFICIENTS, MAX_NODES, Margin, Model, ModelError, ModelReport, ModelSpec, Note, Part, Prediction, Proportion,
-    Random, RandomEffect, RandomSlope, Resampling, Slopes, SubjectMode, TermTest, Threshold, Withheld, fit,
-    fit_calibrated, fit_with_tests, scale_tests, terms,
+    MAX_COEFFICIENTS, Margin, Model, ModelError, ModelReport, ModelSpec, Note, Prediction, Proportion, Random,
+    RandomEffect, RandomSlope, Resampling, Slopes, SubjectMode, TermTest, Threshold, Withheld, fit, fit_calibrated,
+    fit_with_tests, terms,
 };
 pub use results::{Options, Results, analyze, analyze_with};

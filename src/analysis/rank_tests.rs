@@ -6,15 +6,15 @@ use std::collections::{BTreeMap, HashMap};
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use serde::Serialize;
 
-pub use super::multiple::holm;
 use super::{
     counts::{CountRow, Counts},
-    interval::{Interval, t_interval},
-    ordinal::{chi_squared_tail, two_sided},
     summary::category_values,
 };
-use crate::light::random::shuffle;
-use crate::system::checkpoint;
+use crate::{
+    light::random::shuffle,
+    statistics::{Interval, chi_squared_tail, holm, normal_two_sided},
+    system::checkpoint,
+};
 
 /// Participants' mean ratings at each level of a factor. Each mean is over the cells of the other factors that the
 /// participant rated at every level, so that an unequal number of ratings in the cells cannot look like an effect.
@@ -313,7 +313,7 @@ fn exact_probability(ranks: &[f64], v: f64) -> f64 {
 fn normal_probability(n: f64, ties: f64, v: f64) -> f64 {
     let variance = n * (n + 1.0) * (2.0 * n + 1.0) / 24.0 - ties / 48.0;
     let distance = ((v - n * (n + 1.0) / 4.0).abs() - 0.5).max(0.0);
-    two_sided(distance / variance.sqrt())
+    normal_two_sided(distance / variance.sqrt())
 }
 
 /// A comparison of two levels.
@@ -355,14 +355,14 @@ pub fn pairs(means: &SubjectMeans) -> Pairs {
                 level: means.levels[first].clone(),
                 other: means.levels[second].clone(),
                 difference: differences.iter().sum::<f64>() / differences.len().max(1) as f64,
-                interval: t_interval(&differences),
+                interval: Interval::of_mean(&differences),
                 test: wilcoxon(&differences, means.tolerance),
                 p_holm: 1.0,
             });
         }
     }
-    let corrected = holm(&pairs.iter().map(|pair| pair.test.p).collect::<Vec<_>>());
-    for (pair, p) in pairs.iter_mut().zip(corrected) {
+    let corrected = holm(&pairs.iter().map(|pair| Some(pair.test.p)).collect::<Vec<_>>());
+    for (pair, p) in pairs.iter_mut().zip(corrected.into_iter().flatten()) {
         pair.p_holm = p;
     }
     let least = 2.0_f64.powi(1 - means.rows.len().min(1000) as i32);

@@ -9,11 +9,11 @@ use super::{
     agreement::{Alpha, mean_over_subjects, ordinal_alpha, retests},
     counts::{Measured, Quartiles, Times},
     fit_calibrated,
-    interval::Interval,
     rank_tests::{Friedman, PERMUTATIONS, Pairs, SubjectMeans, friedman, pairs},
     summary::{Group, by_cell, by_factor, by_subject},
     terms::Terms,
 };
+use crate::statistics::Interval;
 
 /// What to compute.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,10 +25,6 @@ pub struct Options {
     pub random: Option<Random>,
     /// Random slopes, as far as the design supports them.
     pub slopes: Slopes,
-    /// Number of quadrature nodes of a mixed model with a single random effect; 1 is the Laplace approximation.
-    pub quadrature: usize,
-    /// Whether to test terms for effects on the spread of the ratings as well.
-    pub scale: bool,
     /// Maximum number of coefficients of the model.
     pub max_coefficients: usize,
     /// The simulated studies that calibrate tests and intervals.
@@ -41,11 +37,9 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             terms: None,
-            link: Link::Logit,
+            link: Link::default(),
             random: None,
             slopes: Slopes::default(),
-            quadrature: 1,
-            scale: false,
             max_coefficients: MAX_COEFFICIENTS,
             resampling: Resampling::default(),
             checks: true,
@@ -184,8 +178,8 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
             Some((factor.name.clone(), [level(first)?, level(second)?]))
         })
         .collect();
-    let Options { resampling, scale, checks, .. } = *options;
-    let calibration = Calibration { resampling, scale, checks, contrasts: &contrasts, progress };
+    let Options { resampling, checks, .. } = *options;
+    let calibration = Calibration { resampling, checks, contrasts: &contrasts, progress };
     let (mut model, (cells, alpha)) =
         rayon::join(|| fit_calibrated(counts, &spec, &calibration), || (by_cell(counts), ordinal_alpha(counts)));
     if let Ok(ModelReport { model, .. }) = &mut model
@@ -231,7 +225,6 @@ fn model_spec(measured: &Measured, options: &Options) -> ModelSpec {
         link: options.link,
         random: options.random.unwrap_or(random),
         slopes: options.slopes,
-        quadrature: options.quadrature,
         max_coefficients: options.max_coefficients,
         ..ModelSpec::new(options.terms.clone().unwrap_or_else(|| Terms::factors(&varied)))
     }

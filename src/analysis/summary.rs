@@ -6,9 +6,9 @@ use serde::Serialize;
 
 use super::{
     counts::{CountRow, Counts},
-    interval::{Interval, mean_and_sd, score_interval},
     levels,
 };
+use crate::statistics::{Interval, mean_and_sd};
 
 /// A summary of the ratings in one group.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -154,7 +154,7 @@ fn summarize(tally: &[u64], values: &[f64], means: &[f64], intervals: bool, sing
         mean,
         median: (value_at(tally, values, (n - 1) / 2) + value_at(tally, values, n / 2)) / 2.0,
         proportions: tally.iter().map(|&count| count as f64 / n as f64).collect(),
-        interval: score_interval(sample, mean, sd, ends).filter(|_| intervals && sample > 1.0),
+        interval: Interval::of_bounded_mean(sample, mean, sd, ends).filter(|_| intervals && sample > 1.0),
     }
 }
 

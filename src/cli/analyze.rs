@@ -31,14 +31,11 @@ pub struct AnalysisOptions {
     #[arg(long, value_parser = named::<Random>(Random::NAMES))]
     random: Option<Random>,
     /// Seed of the simulated studies that calibrate tests and intervals.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = Resampling::default().seed)]
     seed: u64,
     /// Number of simulated studies; an analysis of many ratings uses at most 199.
-    #[arg(long, value_name = "N", default_value_t = 999, value_parser = clap::value_parser!(u32).range(19..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = Resampling::default().draws, value_parser = clap::value_parser!(u32).range(19..=1_000_000))]
     draws: u32,
-    /// Also test each term for an effect on the spread of the ratings.
-    #[arg(long)]
-    scale: bool,
 }
 
 /// Analyze ratings: descriptive statistics, ordinal model, tests, figures and a report.
@@ -91,11 +88,9 @@ impl AnalysisOptions {
             terms: self.model.terms()?,
             link: self.model.link,
             random: self.random,
-            quadrature: self.model.quadrature.into(),
-            scale: self.scale,
             max_coefficients: self.model.max_coefficients(),
             slopes: self.model.slopes,
-            resampling: Resampling { draws: self.draws as usize, seed: self.seed },
+            resampling: Resampling { draws: self.draws, seed: self.seed },
             checks: true,
         };
         let results = analyze_with(study.measured.clone(), &options, progress);
@@ -150,7 +145,6 @@ fn is_usage(error: &ModelError) -> bool {
         ModelError::UnknownFactor { .. }
             | ModelError::NotANumber { .. }
             | ModelError::InfiniteDepth { .. }
-            | ModelError::Quadrature { .. }
             | ModelError::TooManyCoefficients { .. }
             | ModelError::TooManySlopes { .. }
     )

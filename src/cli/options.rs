@@ -9,7 +9,7 @@ use clap::{
 
 use super::UsageError;
 use crate::{
-    analysis::{Link, MAX_COEFFICIENTS, MAX_NODES, Slopes, terms::Terms},
+    analysis::{Link, MAX_COEFFICIENTS, Slopes, terms::Terms},
     light::{Bits, Dither, Transfer, Transfers},
     stimulus::{KINDS, Parameter, Stimulus, catalog, recipe::Recipe},
     store,
@@ -31,15 +31,12 @@ pub(super) struct ModelOptions {
     #[arg(long, value_name = "T,…")]
     terms: Option<String>,
     /// Link function of the cumulative model.
-    #[arg(long, default_value = "logit", value_parser = named::<Link>(Link::NAMES))]
+    #[arg(long, default_value_t, value_parser = named::<Link>(Link::NAMES))]
     pub(super) link: Link,
     /// Random slopes: for each term that varies within participants, as far as the design supports it (independent), or
     /// with all their correlations (correlated).
-    #[arg(long, default_value = "independent", value_parser = named::<Slopes>(Slopes::NAMES))]
+    #[arg(long, default_value_t, value_parser = named::<Slopes>(Slopes::NAMES))]
     pub(super) slopes: Slopes,
-    /// Number of nodes of the adaptive Gauss–Hermite quadrature; 1 is the Laplace approximation.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=MAX_NODES as i64))]
-    pub(super) quadrature: u16,
     /// Also analyze a study that is larger than usual: more than 10 factors, 120 levels of a factor, 5,000 conditions,
     /// 20,000 participants or 120 coefficients, or names of more than 200 bytes. The time grows with their square or
     /// cube.

@@ -194,9 +194,11 @@ fn all(
     let wrong = |error| anyhow::anyhow!("{}: {error}", protocol.stimulus.kind());
     let found = visibilities(&conditions, viewing, arguments.size).map_err(wrong)?;
     let known = protocol.stimulus.parameters();
-    let columns: Vec<Column> = protocol.factors.iter().filter_map(|factor| {
-        known.iter().find(|parameter| parameter.name == factor.name).map(column)
-    }).collect();
+    let columns: Vec<Column> = protocol
+        .factors
+        .iter()
+        .filter_map(|factor| known.iter().find(|parameter| parameter.name == factor.name).map(column))
+        .collect();
     let row = |condition: &Condition| -> Vec<Cell> {
         let levels = protocol.factors.iter().zip(&condition.levels);
         levels.map(|(factor, level)| factor.levels[*level].clone().into()).collect()

@@ -27,8 +27,7 @@ pub use protocol::{
     Category, Design, MAX_RATING, Order, Presentation, Protocol, Recovery, ResponseScale, ViewingPlan, name_error,
 };
 pub use record::{
-    Column, LATER_COLUMN_COUNT, Rating, RatingRow, RowContext, Seconds, TrialRecord, columns,
-    columns_by_header,
+    Column, LATER_COLUMN_COUNT, Rating, RatingRow, RowContext, Seconds, TrialRecord, columns, columns_by_header,
 };
 pub use schedule::{GENERATOR, Phase, Schedule, ScheduleError, Trial, session_seed};
 pub use session::{Effect, Event, FrameCount, Progress, Resumed, Session, SessionOptions, State, TrialResponse};

@@ -1,11 +1,6 @@
-//! Random orders determined by a seed, implemented here so that no new version of a library can change them, and the
-//! quantile of the normal distribution used for every 95 % interval.
+//! Random orders determined by a seed, implemented here so that no new version of a library can change them.
 
 use rand_chacha::{ChaCha8Rng, rand_core::Rng as _};
-
-/// The number of standard errors from an estimate to either end of its 95 % interval: the 97.5 % quantile of the normal
-/// distribution.
-pub const Z_95: f64 = 1.959_963_984_540_054;
 
 /// Puts `items` into a random order with the Fisher–Yates shuffle.
 pub fn shuffle<T>(items: &mut [T], rng: &mut ChaCha8Rng) {

@@ -6,12 +6,12 @@ use crate::{
     analysis::{
         Contrast, Link, Model, Prediction, Results,
         counts::{CountRow, Counts, Factor, Quartiles},
-        interval::Interval,
         number_of,
         rank_tests::PMethod,
         results::{FactorResults, SubjectResults},
         summary::Group,
     },
+    statistics::Interval,
     store::ratings::Shape,
     text::{self, Cell, Column, Table},
 };
@@ -108,7 +108,8 @@ pub fn subjects(results: &Results) -> Table {
     ]);
     last.push(median_column());
     let row = |subject: &SubjectResults| {
-        let mut row = summary_row(subject.group.names.iter().map(|name| name.as_str().into()).collect(), &subject.group);
+        let mut row =
+            summary_row(subject.group.names.iter().map(|name| name.as_str().into()).collect(), &subject.group);
         row.extend([subject.retests.into(), subject.kappa.into(), median(subject.times)]);
         row
     };
@@ -142,11 +143,7 @@ pub fn tests(results: &Results) -> Table {
     }
     let scope = if results.is_inferential() { "" } else { "; about this participant's trials only" };
     if let Ok(report) = &results.model {
-        let groups = [
-            ("likelihood-ratio", &report.terms),
-            ("proportional-odds", &report.proportional_odds),
-            ("scale", &report.scale),
-        ];
+        let groups = [("likelihood-ratio", &report.terms), ("proportional-odds", &report.proportional_odds)];
         for (name, test) in groups.iter().flat_map(|(name, tests)| tests.iter().map(move |test| (name, test))) {
             let numbers = [test.lr, Some(test.df as f64), test.p, test.p_holm, None];
             let note = match (test.withheld, test.draws) {
@@ -321,8 +318,7 @@ fn file_part(name: &str) -> String {
 pub fn model(results: &Results) -> Value {
     let spec = &results.spec;
     let asked = json!({
-        "terms": spec.terms.to_string(), "scale": spec.scale.to_string(),
-        "random": spec.random, "quadrature": spec.quadrature,
+        "terms": spec.terms.to_string(), "random": spec.random,
     });
     match &results.model {
         Err(error) => json!({
@@ -340,7 +336,6 @@ pub fn model(results: &Results) -> Value {
             value["intraclass_correlation"] = json!({ "estimate": share, "interval": interval });
             value["likelihood_ratio"] = json!(report.terms);
             value["proportional_odds"] = json!(report.proportional_odds);
-            value["scale_tests"] = json!(report.scale);
             value["effect_sizes"] = effect_sizes(&report.model);
             value["comparisons"] = json!(report.comparisons);
             value["margins"] = json!(report.margins);

@@ -55,7 +55,9 @@ impl Cell {
             Self::Missing => Value::Null,
             Self::Whole(whole) => {
                 let unsigned = u64::try_from(*whole).map(Value::from);
-                unsigned.or_else(|_| i64::try_from(*whole).map(Value::from)).unwrap_or_else(|_| whole.to_string().into())
+                unsigned
+                    .or_else(|_| i64::try_from(*whole).map(Value::from))
+                    .unwrap_or_else(|_| whole.to_string().into())
             }
             Self::Number(number) if number.is_finite() => Value::from(*number),
             Self::Number(_) | Self::Text(_) | Self::Level(..) | Self::Time(_) => self.to_string().into(),

@@ -551,7 +551,7 @@ proptest! {
             builder.add(&row).unwrap();
         }
         let resampling = Resampling { draws: 19, seed: 1 };
-        let results = analyze(builder.finish(), &Options { scale: true, resampling, ..Options::default() });
+        let results = analyze(builder.finish(), &Options { resampling, ..Options::default() });
         let text = text(&page(&source(&["one", "two_deg"]), &results));
         prop_assert!(!text.contains("NaN"), "{}", text);
         if results.people() < 2 {

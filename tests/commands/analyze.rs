@@ -92,7 +92,7 @@ fn an_analysis_is_reproducible() {
     assert_ne!(tests, other);
     // The columns before p, and the tests that need no simulation.
     assert!(tests.iter().zip(&other).all(|(one, other)| one[..7] == other[..7]));
-    let is_simulated = |row: &[String]| ["likelihood-ratio", "proportional-odds", "scale"].contains(&&*row[0]);
+    let is_simulated = |row: &[String]| ["likelihood-ratio", "proportional-odds"].contains(&&*row[0]);
     assert!(tests.iter().zip(&other).all(|(one, other)| one == other || is_simulated(one)));
     for file in ["model.json", "tests.csv", "counts.csv"] {
         let bytes = |out: &str| fs::read(folder.path().join(out).join(file)).unwrap();
@@ -227,13 +227,10 @@ fn terms_select_the_model() {
     }
     let probit = model("--terms width --link probit --random none");
     assert_eq!((&probit["link"], &probit["method"]), (&"probit".into(), &"clm".into()));
-    assert_eq!(model("--terms width --quadrature 10 --slopes none")["method"], "clmm-aghq-10");
-    // Quadrature needs a single random effect.
-    assert_eq!(model("--terms width --quadrature 10")["method"], "clmm-laplace");
+    assert_eq!(model("--terms width")["method"], "clmm-laplace");
     for (options, expected) in [
         ("--terms widht", "did you mean width"),
         ("--terms num:depth", "num:inv_n"),
-        ("--quadrature 0", "--quadrature"),
         ("--terms width,depth,orientation_deg --slopes correlated", "expected at most 10"),
         ("--link cloglog", "logit"),
     ] {

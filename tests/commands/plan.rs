@@ -6,10 +6,11 @@ use std::path::Path;
 use machband::{
     analysis::{
         Slopes,
-        power::{Effect, ModelChoice, Plan, Power, Sampling, Shift, Slope, Test, clopper_pearson},
+        power::{Effect, ModelChoice, Plan, Power, Sampling, Shift, Slope, Test},
         terms::Terms,
     },
     experiment::{OrderedLogit, Protocol},
+    statistics::Interval,
     store::definition,
 };
 
@@ -27,13 +28,13 @@ fn oblique(oblique: f64) -> OrderedLogit {
 
 fn plan(protocol: &Protocol, observer: &OrderedLogit, shifts: &[Shift], terms: Option<&str>) -> Plan {
     let terms = terms.map(|terms| Terms::parse(terms).unwrap());
-    Plan::new(protocol, observer, shifts, &[], &ModelChoice { terms, quadrature: 1, ..ModelChoice::default() }).unwrap()
+    Plan::new(protocol, observer, shifts, &[], &ModelChoice { terms, ..ModelChoice::default() }).unwrap()
 }
 
 /// Plans the design for people who differ in the effect of the orientation by this standard deviation.
 fn plan_with_slopes(observer: &OrderedLogit, sd: f64, slopes: Slopes) -> Plan {
     let slope = Slope { factor: "orientation_deg".to_owned(), sd };
-    let model = ModelChoice { slopes, quadrature: 1, ..ModelChoice::default() };
+    let model = ModelChoice { slopes, ..ModelChoice::default() };
     Plan::new(&design(), observer, &[], &[slope], &model).unwrap()
 }
 
@@ -183,7 +184,7 @@ fn intervals_of_proportions_match_r() {
         (1, 1, 0.025, 1.0),
         (50, 1000, 0.0373353976047, 0.0653904879155),
     ] {
-        let interval = clopper_pearson(found, all, 0.95);
+        let interval = Interval::of_proportion(found, all);
         assert!(
             (interval.low - low).abs() < 1e-11 && (interval.high - high).abs() < 1e-11,
             "{found}/{all}: {interval:?}"

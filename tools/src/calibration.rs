@@ -6,9 +6,9 @@ use std::{collections::BTreeMap, error::Error, path::Path, time::Instant};
 use machband::analysis::{
     Options, Resampling, Results, analyze,
     counts::{Measured, MeasuredBuilder},
-    interval::Interval,
     terms::Terms,
 };
+use machband::statistics::Interval;
 use rayon::prelude::*;
 use serde_json::Value;
 
@@ -50,7 +50,7 @@ impl Tally {
 }
 
 /// Prints one row per design. A number in parentheses is the share of studies in which the statistic is withheld.
-pub fn run(folder: &Path, designs: &[String], studies: usize, draws: usize) -> Result<(), Box<dyn Error>> {
+pub fn run(folder: &Path, designs: &[String], studies: usize, draws: u32) -> Result<(), Box<dyn Error>> {
     let mut names: Vec<String> = (std::fs::read_dir(folder)?.filter_map(Result::ok))
         .filter_map(|entry| entry.file_name().to_str()?.strip_suffix(".json").map(str::to_owned))
         .filter(|name| designs.is_empty() || designs.contains(name))
@@ -98,7 +98,7 @@ fn read(file: &Path, most: usize) -> Result<Vec<Measured>, Box<dyn Error>> {
     Ok(builders.into_values().map(MeasuredBuilder::finish).collect())
 }
 
-fn study(measured: Measured, truth: &Value, draws: usize) -> Tally {
+fn study(measured: Measured, truth: &Value, draws: u32) -> Tally {
     let numeric: Vec<&str> = truth["numeric"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
     let names = measured.counts.factors.iter().map(|factor| match numeric.contains(&factor.name.as_str()) {
         true => format!("num:{}", factor.name),

@@ -51,7 +51,7 @@ enum Tool {
         studies: usize,
         /// Number of simulated studies that calibrate each analysis.
         #[arg(long, default_value_t = 199)]
-        draws: usize,
+        draws: u32,
     },
     /// Time ODOG for benches/odog_peers.py and write its response to FILE as float32, row by row.
     Odog {

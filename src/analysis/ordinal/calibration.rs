@@ -8,14 +8,17 @@ use super::{
     checks::{self, Checks},
     estimates::{self, Prediction, predictions},
     fitting::{Fitted, fit_counts},
-    likelihood_ratios::{TermTest, Withheld, nominal_tests, quantile, scale_terms, scale_test, without_terms},
+    likelihood_ratios::{TermTest, Withheld, nominal_tests, quantile, without_terms},
     margins::{self, Comparison, Margin},
     model::{Contrast, Model, ModelError, ModelSpec, RandomEffect},
     profile::{self, Quantity, chi_squared_limit},
     resampling::{Ratios, Resampling, Statistics, simulate},
     terms::Term,
 };
-use crate::analysis::{counts::Counts, interval::Interval, multiple::holm};
+use crate::{
+    analysis::counts::Counts,
+    statistics::{Interval, holm},
+};
 
 /// With fewer participants than this, likelihood ratios are calibrated by simulation.
 pub const FEW_FOR_LIKELIHOOD_RATIOS: usize = 12;
@@ -30,7 +33,7 @@ const LEAST_PER_PARAMETER: u64 = 5;
 /// Above this number of ratings times terms, the simulation of a mixed model is limited to [`FEW_DRAWS`] studies. It
 /// keeps an analysis at about ten seconds with two threads.
 const MANY_RATINGS: usize = 2000;
-const FEW_DRAWS: usize = 199;
+const FEW_DRAWS: u32 = 199;
 
 /// A model with its tests.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -40,8 +43,6 @@ pub struct ModelReport {
     pub terms: Vec<TermTest>,
     /// Tests of proportional odds.
     pub proportional_odds: Vec<TermTest>,
-    /// Tests of effects on the spread; empty unless requested.
-    pub scale: Vec<TermTest>,
     /// The model's expected ratings in each condition on which it was fitted.
     pub predictions: Vec<Prediction>,
     /// The model's expected ratings at each level of each factor.
@@ -66,7 +67,6 @@ fn report_with_tests(full: &Fitted) -> Result<ModelReport, ModelError> {
     Ok(ModelReport {
         terms: terms?,
         proportional_odds: proportional_odds?,
-        scale: Vec::new(),
         predictions: predictions(full, &model),
         margins: margins::margins(full, &model),
         comparisons: margins::comparisons(full, &model),
@@ -79,8 +79,6 @@ fn report_with_tests(full: &Fitted) -> Result<ModelReport, ModelError> {
 #[derive(Clone, Copy)]
 pub struct Calibration<'a> {
     pub resampling: Resampling,
-    /// Whether to test terms for effects on the spread of the ratings as well.
-    pub scale: bool,
     /// Whether to compute [`ModelReport::checks`].
     pub checks: bool,
     /// Pairs of levels of a factor whose contrast is of interest: name of the factor, and indices of two levels.
@@ -100,17 +98,10 @@ pub fn fit_calibrated(
 ) -> Result<ModelReport, ModelError> {
     let full = fit_counts(counts, spec, true)?;
     let mut report = report_with_tests(&full)?;
-    if calibration.scale && full.spec.scale.is_empty() {
-        report.scale = scale_terms(&full).into_iter().map(|term| scale_test(&full, term)).collect::<Result<_, _>>()?;
-    }
     let mut limits = vec![chi_squared_limit(1); full.spec.terms.iter().count()];
     withhold(&full, &mut report, &mut limits);
-    if full.spec.scale.is_empty() {
-        calibrate_tests(&full, &mut report, &mut limits, calibration);
-    }
-    for tests in [&mut report.proportional_odds, &mut report.scale] {
-        correct(tests);
-    }
+    calibrate_tests(&full, &mut report, &mut limits, calibration);
+    correct(&mut report.proportional_odds);
     profile_coefficients(&full, &mut report, &limits);
     if let Some(random) = &mut report.model.random {
         profile_deviations(&full, random);
@@ -125,7 +116,7 @@ pub fn fit_calibrated(
 /// of assumptions with too few ratings: even simulated distributions are then not accurate.
 fn withhold(full: &Fitted, report: &mut ModelReport, limits: &mut [f64]) {
     let parameters = full.frame.categories.len() - 1 + full.rank();
-    for test in report.proportional_odds.iter_mut().chain(&mut report.scale) {
+    for test in &mut report.proportional_odds {
         if full.frame.total() < LEAST_PER_PARAMETER * (parameters + test.df) as u64 && test.lr.is_some() {
             (test.p, test.withheld) = (None, Some(Withheld::FewRatings));
         }
@@ -152,9 +143,8 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut [f64], 
     let what = Statistics {
         terms: named(&report.terms).into_iter().filter(|term| needs_simulation(full, term)).collect(),
         nominal: named(&report.proportional_odds),
-        scale: named(&report.scale),
     };
-    if what.terms.is_empty() && what.nominal.is_empty() && what.scale.is_empty() {
+    if what.terms.is_empty() && what.nominal.is_empty() {
         return;
     }
     let mut settings = calibration.resampling;
@@ -164,14 +154,12 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut [f64], 
     let done = std::sync::atomic::AtomicUsize::new(0);
     let progress = || {
         let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
-        (calibration.progress)(done, settings.draws);
+        (calibration.progress)(done, settings.draws as usize);
     };
-    let Ratios { terms: of_terms, nominal, scale } = simulate(full, &what, settings, &progress);
-    for (tests, terms, ratios) in [
-        (&mut report.terms, &what.terms, &of_terms),
-        (&mut report.proportional_odds, &what.nominal, &nominal),
-        (&mut report.scale, &what.scale, &scale),
-    ] {
+    let Ratios { terms: of_terms, nominal } = simulate(full, &what, settings, &progress);
+    for (tests, terms, ratios) in
+        [(&mut report.terms, &what.terms, &of_terms), (&mut report.proportional_odds, &what.nominal, &nominal)]
+    {
         for (term, ratios) in terms.iter().zip(ratios) {
             let name = term.to_string();
             tests.iter_mut().filter(|test| test.term == name).for_each(|test| test.calibrate(ratios));
@@ -195,11 +183,8 @@ fn needs_simulation(full: &Fitted, term: &Term) -> bool {
 
 /// Corrects the probabilities of several tests of the same kind by Holm's method.
 fn correct(tests: &mut [TermTest]) {
-    let tested: Vec<usize> = (0..tests.len()).filter(|&test| tests[test].p.is_some()).collect();
-    let corrected = holm(&tested.iter().filter_map(|&test| tests[test].p).collect::<Vec<_>>());
-    for (test, p) in tested.into_iter().zip(corrected) {
-        tests[test].p_holm = Some(p);
-    }
+    let corrected = holm(&tests.iter().map(|test| test.p).collect::<Vec<_>>());
+    tests.iter_mut().zip(corrected).for_each(|(test, p)| test.p_holm = p);
 }
 
 fn profile_coefficients(full: &Fitted, report: &mut ModelReport, limits: &[f64]) {
@@ -212,7 +197,7 @@ fn profile_coefficients(full: &Fitted, report: &mut ModelReport, limits: &[f64])
             coefficient.interval = None;
             return;
         }
-        let quantity = Quantity::Difference(Some(column), None);
+        let quantity = Quantity::Coefficient(column);
         coefficient.interval = (coefficient.se.filter(|_| profiled && coefficient.estimate.is_finite()))
             .and_then(|se| profile::interval(full, quantity, coefficient.estimate, se, [limit; 2]))
             .or_else(|| Interval::around(coefficient.estimate, coefficient.se, limit.sqrt()));
@@ -236,7 +221,7 @@ fn profile_deviations(full: &Fitted, random: &mut RandomEffect) {
     });
 }
 
-/// Returns the profile intervals of differences between two levels.
+/// Returns the differences between two levels with their profile intervals.
 fn contrasts(full: &Fitted, report: &ModelReport, limits: &[f64], wanted: &[(String, [u32; 2])]) -> Vec<Contrast> {
     let of_pair = |(factor, levels): &(String, [u32; 2])| {
         let own = Term::factor(factor);
@@ -254,9 +239,14 @@ fn contrasts(full: &Fitted, report: &ModelReport, limits: &[f64], wanted: &[(Str
         let find = |level: &String| full.x.columns.iter().position(|column| column.is_level(factor, level));
         let places = [find(&names[0]), find(&names[1])];
         let (estimate, se) = estimates::difference(&report.model, places);
-        let quantity = Quantity::Difference(places[0], places[1]);
-        let interval = (se.filter(|_| estimate.is_finite() && limits[term].is_finite()))
-            .and_then(|se| profile::interval(full, quantity, estimate, se, [limits[term]; 2]));
+        let interval = match places {
+            // The difference from the baseline is the coefficient, or its negative.
+            [Some(column), None] => report.model.coefficients[column].interval,
+            [None, Some(column)] => report.model.coefficients[column].interval.map(Interval::negative),
+            [Some(a), Some(b)] => (se.filter(|_| estimate.is_finite() && limits[term].is_finite()))
+                .and_then(|se| profile::interval(full, Quantity::Difference(a, b), estimate, se, [limits[term]; 2])),
+            [None, None] => None,
+        };
         let [level, other] = names;
         (!estimate.is_nan()).then_some(Contrast { factor: factor.clone(), level, other, estimate, interval })
     };

@@ -11,7 +11,10 @@ use super::{
     model::{Contrast, ModelSpec, Random, Slopes},
     resampling::Simulator,
 };
-use crate::analysis::{counts::CountRow, interval::Interval};
+use crate::{
+    analysis::counts::CountRow,
+    statistics::{Interval, mean_and_sd},
+};
 
 /// Number of simulated studies for the comparison of observed with expected proportions.
 const STUDIES: usize = 400;
@@ -130,7 +133,7 @@ fn tally(full: &Fitted, rows: &[CountRow]) -> Tally {
         *sum += n * f64::from(row.rating);
     }
     let means: Vec<f64> = people.iter().map(|(n, sum)| sum / n).collect();
-    Tally { levels, spread: crate::analysis::interval::mean_and_sd(&means).1 }
+    Tally { levels, spread: mean_and_sd(&means).1 }
 }
 
 fn predictive(full: &Fitted, seed: u64) -> (Vec<Proportion>, Option<(f64, Interval)>) {
@@ -184,7 +187,8 @@ fn influence(full: &Fitted, contrasts: &[Contrast]) -> Vec<Influence> {
         let model = fit_counts(&rest, &spec, false).ok().map(|fitted| super::estimates::report(&fitted));
         let estimate = |contrast: &Contrast| {
             let model = model.as_ref()?;
-            let find = |level: &str| model.coefficients.iter().position(|c| is_level(&c.parts, &contrast.factor, level));
+            let find =
+                |level: &str| model.coefficients.iter().position(|c| is_level(&c.parts, &contrast.factor, level));
             let known = model.coefficients.iter().any(|c| c.term == contrast.factor);
             known.then(|| difference(model, [find(&contrast.level), find(&contrast.other)]).0)
         };

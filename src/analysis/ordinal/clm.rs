@@ -1,14 +1,14 @@
-//! The cumulative-link model P(Y ≤ j) = F((θ_j + w·α_j − x·β) / exp(z·ζ)), fitted to counts by Newton's method.
+//! The cumulative-link model P(Y ≤ j) = F(θ_j + w·α_j − x·β), fitted to counts by Newton's method.
 //!
-//! β shifts the scale (McCullagh 1980), α gives a term a separate effect at each threshold (partial proportional odds),
-//! and ζ holds the coefficients of the log scale. The signs are those of R's `ordinal` and of `statsmodels`: a positive
-//! β means higher ratings. Without ζ, the log-likelihood is concave (Pratt 1981).
+//! β shifts the scale (McCullagh 1980), and α gives a term a separate effect at each threshold (partial proportional
+//! odds). The signs are those of R's `ordinal` and of `statsmodels`: a positive β means higher ratings. The
+//! log-likelihood is concave (Pratt 1981).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::link::Link;
 
-/// Counts by design row and category, and the three design matrices.
+/// Counts by design row and category, and the two design matrices.
 #[derive(Clone, Debug)]
 pub(super) struct ClmData {
     pub link: Link,
@@ -18,8 +18,6 @@ pub(super) struct ClmData {
     pub offset: DVector<f64>,
     /// Terms with a separate effect at each threshold.
     pub nominal: DMatrix<f64>,
-    /// Terms of the scale.
-    pub scale: DMatrix<f64>,
     /// Number of ratings in each row and category.
     pub counts: DMatrix<f64>,
 }
@@ -38,7 +36,7 @@ pub(super) enum FitEnd {
 /// A maximum of the likelihood.
 #[derive(Clone, Debug)]
 pub(super) struct ClmFit {
-    /// θ, α (for each column, one value per threshold), β and ζ, in this order.
+    /// θ, α (for each column, one value per threshold) and β, in this order.
     pub parameters: DVector<f64>,
     pub loglik: f64,
     /// Largest absolute element of the gradient.
@@ -74,12 +72,8 @@ impl ClmData {
         self.thresholds() * (1 + self.nominal.ncols())
     }
 
-    fn first_zeta(&self) -> usize {
-        self.first_beta() + self.x.ncols()
-    }
-
     pub fn parameters(&self) -> usize {
-        self.first_zeta() + self.scale.ncols()
+        self.first_beta() + self.x.ncols()
     }
 
     pub fn ratings(&self) -> f64 {
@@ -103,33 +97,28 @@ impl ClmData {
         parameters
     }
 
-    /// Computes the bounds η_1 … η_(K−1) of a row. Returns the scale by which they are divided.
-    fn bounds(&self, parameters: &DVector<f64>, row: usize, bounds: &mut [f64]) -> f64 {
+    /// Computes the bounds η_1 … η_(K−1) of a row.
+    fn bounds(&self, parameters: &DVector<f64>, row: usize, bounds: &mut [f64]) {
         let dot = |matrix: &DMatrix<f64>, first: usize, stride: usize| -> f64 {
             (0..matrix.ncols()).map(|c| matrix[(row, c)] * parameters[first + c * stride]).sum()
         };
         let thresholds = self.thresholds();
         let location = self.offset[row] + dot(&self.x, self.first_beta(), 1);
-        let scale = dot(&self.scale, self.first_zeta(), 1).exp();
         for (j, bound) in bounds.iter_mut().enumerate() {
-            *bound = (parameters[j] + dot(&self.nominal, thresholds + j, thresholds) - location) / scale;
+            *bound = parameters[j] + dot(&self.nominal, thresholds + j, thresholds) - location;
         }
-        scale
     }
 
     /// Computes the gradient of bound `j` of a row with respect to the parameters.
-    fn bound_gradient(&self, row: usize, j: usize, bound: f64, scale: f64, gradient: &mut DVector<f64>) {
+    fn bound_gradient(&self, row: usize, j: usize, gradient: &mut DVector<f64>) {
         gradient.fill(0.0);
         let thresholds = self.thresholds();
-        gradient[j] = 1.0 / scale;
+        gradient[j] = 1.0;
         for c in 0..self.nominal.ncols() {
-            gradient[thresholds * (1 + c) + j] = self.nominal[(row, c)] / scale;
+            gradient[thresholds * (1 + c) + j] = self.nominal[(row, c)];
         }
         for c in 0..self.x.ncols() {
-            gradient[self.first_beta() + c] = -self.x[(row, c)] / scale;
-        }
-        for c in 0..self.scale.ncols() {
-            gradient[self.first_zeta() + c] = -bound * self.scale[(row, c)];
+            gradient[self.first_beta() + c] = -self.x[(row, c)];
         }
     }
 
@@ -157,7 +146,7 @@ impl ClmData {
         let mut bounds = vec![0.0; thresholds];
         let mut gradients = vec![DVector::zeros(size); thresholds];
         for row in 0..self.counts.nrows() {
-            let scale = self.bounds(parameters, row, &mut bounds);
+            self.bounds(parameters, row, &mut bounds);
             let (mut first, mut second, mut mixed) =
                 (vec![0.0; thresholds], vec![0.0; thresholds], vec![0.0; thresholds]);
             for k in 0..self.categories() {
@@ -181,7 +170,7 @@ impl ClmData {
                 }
             }
             for (j, gradient) in gradients.iter_mut().enumerate() {
-                self.bound_gradient(row, j, bounds[j], scale, gradient);
+                self.bound_gradient(row, j, gradient);
                 sum.gradient.axpy(first[j], gradient, 1.0);
             }
             for j in 0..thresholds {
@@ -190,45 +179,18 @@ impl ClmData {
                     add_product(&mut sum.information, -mixed[j], &gradients[j], &gradients[j - 1]);
                     add_product(&mut sum.information, -mixed[j], &gradients[j - 1], &gradients[j]);
                 }
-                self.add_scale_curvature(&mut sum.information, row, -first[j], bounds[j], &gradients[j]);
             }
         }
         sum
     }
 
-    /// Adds `factor` times the second derivatives of a bound. They are 0 unless a scale parameter ζ is involved: the
-    /// second derivative with respect to ζ and another parameter is −z times the first derivative with respect to the
-    /// other.
-    fn add_scale_curvature(
-        &self,
-        sum: &mut DMatrix<f64>,
-        row: usize,
-        factor: f64,
-        bound: f64,
-        gradient: &DVector<f64>,
-    ) {
-        let first = self.first_zeta();
-        for c in 0..self.scale.ncols() {
-            let z = factor * self.scale[(row, c)];
-            for other in 0..first {
-                sum[(first + c, other)] -= z * gradient[other];
-                sum[(other, first + c)] -= z * gradient[other];
-            }
-            for d in 0..self.scale.ncols() {
-                sum[(first + c, first + d)] += z * self.scale[(row, d)] * bound;
-            }
-        }
-    }
-
     /// Returns the largest change that a step makes in the bounds.
-    fn reach(&self, parameters: &DVector<f64>, step: &DVector<f64>) -> f64 {
-        let mut bounds = vec![0.0; self.thresholds()];
+    fn reach(&self, step: &DVector<f64>) -> f64 {
         let mut gradient = DVector::zeros(self.parameters());
         let mut most: f64 = 0.0;
         for row in 0..self.counts.nrows() {
-            let scale = self.bounds(parameters, row, &mut bounds);
-            for (j, &bound) in bounds.iter().enumerate() {
-                self.bound_gradient(row, j, bound, scale, &mut gradient);
+            for j in 0..self.thresholds() {
+                self.bound_gradient(row, j, &mut gradient);
                 most = most.max(gradient.dot(step).abs());
             }
         }
@@ -248,7 +210,7 @@ impl ClmData {
                 }
                 for (j, sign) in [(k.wrapping_sub(1), -1.0), (k, 1.0)] {
                     if j < self.thresholds() {
-                        self.bound_gradient(row, j, 0.0, 1.0, &mut gradient);
+                        self.bound_gradient(row, j, &mut gradient);
                         let moved = sign * gradient.dot(direction);
                         (least, most) = (least.min(moved), most.max(moved));
                     }
@@ -266,7 +228,7 @@ impl ClmData {
                 *element = 0.0;
             }
         });
-        (self.scale.ncols() == 0 && self.is_recession(&direction)).then_some(direction)
+        self.is_recession(&direction).then_some(direction)
     }
 
     /// Finds the maximum of the likelihood by Newton's method with step halving.
@@ -279,7 +241,7 @@ impl ClmData {
         let mut iterations = 0;
         while iterations < MAX_ITERATIONS && current.loglik.is_finite() {
             let step = newton_step(&current);
-            let (gradient, reach) = (current.gradient.amax(), self.reach(&parameters, &step));
+            let (gradient, reach) = (current.gradient.amax(), self.reach(&step));
             if gradient <= tolerance && reach < 1e-6 {
                 end = FitEnd::Converged;
                 break;

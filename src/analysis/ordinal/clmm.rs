@@ -2,8 +2,7 @@
 //! fitted to counts. The weights a of the effects depend on the design row and on the parameters ψ (see
 //! [`Loadings`](super::random::Loadings)).
 //!
-//! A participant's likelihood is the integral over u. It is approximated by Laplace's method or, if there is only one
-//! effect, by adaptive Gauss–Hermite quadrature around the mode (Liu & Pierce 1994). The gradient is analytic and
+//! A participant's likelihood is the integral over u, approximated by Laplace's method. The gradient is analytic and
 //! accounts for how the mode and the curvature at the mode change with the parameters: it is the gradient of the
 //! approximation that is maximized, not of the exact integral.
 
@@ -16,9 +15,6 @@ use super::{
     link::{Category, Link, Shift},
     random::Loadings,
 };
-
-/// Maximum number of quadrature nodes, far more than any likelihood here needs.
-pub const MAX_NODES: usize = 100;
 
 /// Equal ratings by a participant in one design row.
 #[derive(Clone, Copy, Debug)]
@@ -44,8 +40,6 @@ pub(super) struct ClmmData {
     pub observations: Vec<Observation>,
     /// The range of each participant's observations.
     pub subjects: Vec<Range<usize>>,
-    /// The quadrature rule; a single node if there are several effects.
-    pub nodes: Vec<Node>,
 }
 
 /// The mode of each participant's integrand, kept from one evaluation to the next as starting values.
@@ -86,19 +80,6 @@ struct Point {
     rows: Vec<RowSums>,
     /// The log-integrand.
     h: f64,
-}
-
-/// Means over the nodes; with Laplace's approximation, the values at the mode.
-struct NodeMeans {
-    /// The logarithm of Σ w e^(h − h at the mode); 0 for Laplace.
-    log_total: f64,
-    /// The means of h′(u) and of h′(u) z; 0 for Laplace.
-    slope: f64,
-    slope_z: f64,
-    /// The mean of ∂h/∂ψ for the only effect; not used by Laplace.
-    sigma: f64,
-    /// The means of ∂g/∂a and ∂g/∂b for each observation.
-    bounds: Vec<(f64, f64)>,
 }
 
 impl Subject<'_> {
@@ -186,46 +167,6 @@ impl Subject<'_> {
         }
         None
     }
-
-    /// Returns the means over the nodes around the mode.
-    fn integrate(&self, nodes: &[Node], u: &DVector<f64>, mode: &Point, spread: f64) -> Option<NodeMeans> {
-        if nodes.len() < 2 {
-            let bounds = mode.shifts.iter().map(|shift| (shift.a, shift.b)).collect();
-            return Some(NodeMeans { log_total: 0.0, slope: 0.0, slope_z: 0.0, sigma: 0.0, bounds });
-        }
-        let (mut total, mut slope, mut slope_z, mut sigma) = (0.0, 0.0, 0.0, 0.0);
-        let mut bounds = vec![(0.0, 0.0); self.observations.len()];
-        for node in nodes {
-            let value = u.add_scalar(spread * node.z);
-            let point = self.at(&value);
-            let weight = node.weight * (point.h - mode.h).exp();
-            // A node too far out has no weight, and its derivatives may not be finite.
-            if weight == 0.0 || weight.is_nan() {
-                continue;
-            }
-            let along = |sums: &RowSums| -sums.g1 * self.weights_of(sums.row)[0];
-            let slope_u = point.rows.iter().map(along).sum::<f64>() - value[0];
-            total += weight;
-            slope += weight * slope_u;
-            slope_z += weight * slope_u * node.z;
-            sigma -= weight * value[0] * point.rows.iter().map(|sums| sums.g1).sum::<f64>();
-            for (mean, shift) in bounds.iter_mut().zip(&point.shifts) {
-                mean.0 += weight * shift.a;
-                mean.1 += weight * shift.b;
-            }
-        }
-        for mean in &mut bounds {
-            *mean = (mean.0 / total, mean.1 / total);
-        }
-        let means = NodeMeans {
-            log_total: total.ln(),
-            slope: slope / total,
-            slope_z: slope_z / total,
-            sigma: sigma / total,
-            bounds,
-        };
-        (total > 0.0 && total.is_finite()).then_some(means)
-    }
 }
 
 impl ClmmData {
@@ -305,19 +246,12 @@ impl ClmmData {
         let (_, factor) = subject.slope_and_curvature(u, &point)?;
         let log_determinant = 2.0 * factor.l_dirty().diagonal().iter().map(|pivot| pivot.ln()).sum::<f64>();
         let inverse = factor.inverse();
-        let nodes = subject.integrate(&self.nodes, u, &point, inverse[(0, 0)].sqrt())?;
         // With C = inverse curvature: Ca in the slots of each row, and aᵀCa.
         let slots = self.loadings.slots_per_row();
         let mut spread_weights = vec![0.0; point.rows.len() * slots];
         let mut variances = vec![0.0; point.rows.len()];
-        // The nodes move with the mode and with the spread. `by_spread` is ½ for Laplace; `by_mode` is C times the
-        // derivative of the logarithm of the integral with respect to the mode.
-        let quadrature = self.nodes.len() > 1;
-        let by_spread = 0.5 * if quadrature { nodes.slope_z * inverse[(0, 0)].sqrt() + 1.0 } else { 1.0 };
+        // C times the derivative of the logarithm of the approximation with respect to the mode.
         let mut by_mode = DVector::zeros(u.len());
-        if quadrature {
-            by_mode[0] = nodes.slope;
-        }
         for ((sums, spread_weights), variance) in
             point.rows.iter().zip(spread_weights.chunks_mut(slots)).zip(&mut variances)
         {
@@ -327,13 +261,13 @@ impl ClmmData {
                 *variance += wi * *spread;
             }
             for (&i, wi) in effects.iter().zip(weights) {
-                by_mode[i] -= by_spread * sums.g3 * *variance * wi;
+                by_mode[i] -= 0.5 * sums.g3 * *variance * wi;
             }
         }
         let by_mode = &inverse * by_mode;
         let mut rows = point.rows.iter().zip(spread_weights.chunks(slots)).zip(&variances);
         let (mut mode_in_row, mut variance_in_row, mut row) = (0.0, 0.0, usize::MAX);
-        for ((observation, shift), mean) in subject.observations.iter().zip(&point.shifts).zip(&nodes.bounds) {
+        for (observation, shift) in subject.observations.iter().zip(&point.shifts) {
             if observation.row != row {
                 let ((sums, spread_weights), variance) = rows.next()?;
                 row = observation.row;
@@ -342,15 +276,14 @@ impl ClmmData {
                 for entry in self.loadings.entries(row) {
                     let effect = effects[entry.slot];
                     let (du, ds) = (entry.value * u[effect], entry.value * by_mode[effect]);
-                    let at_mode = if quadrature { 0.0 } else { -sums.g1 * du };
                     let spread = 2.0 * sums.g2 * entry.value * spread_weights[entry.slot] - sums.g3 * du * variance;
                     sum.gradient[self.first_psi() + entry.parameter] +=
-                        at_mode + by_spread * spread + sums.g2 * du * mode_in_row - sums.g1 * ds;
+                        0.5 * spread - sums.g1 * du + sums.g2 * du * mode_in_row - sums.g1 * ds;
                 }
             }
-            let (by_mode, by_spread) = (-mode_in_row, by_spread * variance_in_row);
-            let upper = observation.count * (mean.0 + by_mode * shift.g1_a + by_spread * shift.g2_a);
-            let lower = observation.count * (mean.1 + by_mode * shift.g1_b + by_spread * shift.g2_b);
+            let (by_mode, by_spread) = (-mode_in_row, 0.5 * variance_in_row);
+            let upper = observation.count * (shift.a + by_mode * shift.g1_a + by_spread * shift.g2_a);
+            let lower = observation.count * (shift.b + by_mode * shift.g1_b + by_spread * shift.g2_b);
             if observation.category < self.thresholds() {
                 sum.gradient[observation.category] += upper;
             }
@@ -359,10 +292,7 @@ impl ClmmData {
             }
             by_row[observation.row] -= upper + lower;
         }
-        if quadrature {
-            sum.gradient[self.first_psi()] += nodes.sigma;
-        }
-        sum.loglik += point.h + nodes.log_total - 0.5 * log_determinant;
+        sum.loglik += point.h - 0.5 * log_determinant;
         Some(())
     }
 
@@ -487,60 +417,4 @@ impl ClmmData {
             sum[(index, index)] += 0.5 * (second - product.dot(&product.transpose()));
         }
     }
-}
-
-/// A node z and its weight w, such that ∫ f(z) dz ≈ √(2π) Σ w f(z) for any f close to the standard normal density. The
-/// weight includes the inverse of the density.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Node {
-    /// Position in standard deviations.
-    z: f64,
-    /// 1 for the only node of the Laplace approximation.
-    weight: f64,
-}
-
-/// Returns the quadrature rule with this many nodes, in ascending order and symmetric to the last bit.
-///
-/// The eigenvalues of the Jacobi matrix (Golub & Welsch 1969) are the starting values for Newton's iteration on the
-/// orthonormal Hermite functions. The values of these functions give the weights without overflow.
-pub(super) fn gauss_hermite(nodes: usize) -> Vec<Node> {
-    let jacobi = DMatrix::from_fn(nodes, nodes, |row, column| match row.abs_diff(column) {
-        1 => (row.max(column) as f64 / 2.0).sqrt(),
-        _ => 0.0,
-    });
-    let mut roots: Vec<f64> = jacobi.symmetric_eigenvalues().iter().copied().collect();
-    roots.sort_by(f64::total_cmp);
-    let half = nodes / 2;
-    let mut rule = vec![Node { z: 0.0, weight: 0.0 }; nodes];
-    for index in half..nodes {
-        let middle = nodes % 2 == 1 && index == half;
-        let root = if middle { 0.0 } else { refine(roots[index], nodes) };
-        let (_, before) = hermite_function(root, nodes);
-        // ∫ f dx ≈ Σ f(x) / (N ψ²), where ψ is the function of degree N − 1 and x = z/√2.
-        let weight = 1.0 / (nodes as f64 * before * before * std::f64::consts::PI.sqrt());
-        rule[index] = Node { z: root * std::f64::consts::SQRT_2, weight };
-        rule[nodes - 1 - index] = Node { z: -root * std::f64::consts::SQRT_2, weight };
-    }
-    rule
-}
-
-fn refine(mut root: f64, degree: usize) -> f64 {
-    for _ in 0..4 {
-        let (value, before) = hermite_function(root, degree);
-        root -= value / ((2.0 * degree as f64).sqrt() * before);
-    }
-    root
-}
-
-/// Returns the orthonormal Hermite functions of degrees `degree` and `degree` − 1 at `x`.
-fn hermite_function(x: f64, degree: usize) -> (f64, f64) {
-    let mut before = 0.0;
-    let mut value = std::f64::consts::PI.powf(-0.25) * (-x * x / 2.0).exp();
-    for n in 0..degree {
-        let n = n as f64;
-        let next = x * (2.0 / (n + 1.0)).sqrt() * value - (n / (n + 1.0)).sqrt() * before;
-        before = value;
-        value = next;
-    }
-    (value, before)
 }

@@ -133,7 +133,7 @@ impl Design {
 ///
 /// # Errors
 /// [`ModelError::TooManyCoefficients`].
-pub(crate) fn check_size(frame: &Frame, terms: &[&Terms], most: usize) -> Result<(), ModelError> {
+pub(crate) fn check_size(frame: &Frame, terms: &Terms, most: usize) -> Result<(), ModelError> {
     let columns = |variable: &Variable| match variable {
         Variable::Number(_) => 1,
         Variable::Factor(name) => {
@@ -142,7 +142,7 @@ pub(crate) fn check_size(frame: &Frame, terms: &[&Terms], most: usize) -> Result
         }
     };
     let of_term = |term: &Term| term.variables.iter().map(columns).fold(1, usize::saturating_mul);
-    let coefficients = terms.iter().flat_map(|terms| terms.iter()).map(of_term).fold(0, usize::saturating_add);
+    let coefficients = terms.iter().map(of_term).fold(0, usize::saturating_add);
     if coefficients > most { Err(ModelError::TooManyCoefficients { coefficients, most }) } else { Ok(()) }
 }
 
@@ -245,16 +245,15 @@ pub(super) struct Standard {
 }
 
 impl Standard {
-    /// Scales the columns of a matrix, and centers them if `centered`. Columns of the scale must not be centered,
-    /// because that would rescale the thresholds as well.
-    pub fn of(mut x: DMatrix<f64>, centered: bool) -> (DMatrix<f64>, Self) {
+    /// Centers and scales the columns of a matrix.
+    pub fn of(mut x: DMatrix<f64>) -> (DMatrix<f64>, Self) {
         let columns = x.ncols();
         let mut standard = Self { centers: DVector::zeros(columns), scales: DVector::from_element(columns, 1.0) };
         for (index, mut column) in x.column_iter_mut().enumerate() {
             if column.iter().all(|value| *value == 0.0 || *value == 1.0) {
                 continue;
             }
-            let center = if centered { column.mean() } else { 0.0 };
+            let center = column.mean();
             column.add_scalar_mut(-center);
             let scale = column.amax();
             if scale > 0.0 {
@@ -275,20 +274,15 @@ impl Standard {
     }
 }
 
-/// Returns the matrix that converts θ, β, ζ and any further parameters from standardized columns to the scale of the
-/// data.
-pub(super) fn to_data_scale(location: &Standard, scale: &Standard, thresholds: usize, size: usize) -> DMatrix<f64> {
+/// Returns the matrix that converts θ, β and any further parameters from standardized columns to the scale of the data.
+pub(super) fn to_data_scale(standard: &Standard, thresholds: usize, size: usize) -> DMatrix<f64> {
     let mut matrix = DMatrix::identity(size, size);
-    for column in 0..location.scales.len() {
+    for column in 0..standard.scales.len() {
         let index = thresholds + column;
-        matrix[(index, index)] = 1.0 / location.scales[column];
+        matrix[(index, index)] = 1.0 / standard.scales[column];
         for threshold in 0..thresholds {
-            matrix[(threshold, index)] = location.centers[column] / location.scales[column];
+            matrix[(threshold, index)] = standard.centers[column] / standard.scales[column];
         }
-    }
-    let first = thresholds + location.scales.len();
-    for column in 0..scale.scales.len() {
-        matrix[(first + column, first + column)] = 1.0 / scale.scales[column];
     }
     matrix
 }

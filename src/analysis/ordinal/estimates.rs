@@ -5,17 +5,16 @@ use serde::Serialize;
 
 use super::{
     clm::{FitEnd, category_bounds, positive_definite},
-    design::{self, Design},
+    design,
     fitting::{Fitted, fit_counts, layout},
     model::{
         Coefficient, Model, ModelError, ModelSpec, Note, Random, RandomEffect, RandomSlope, SubjectMode, Threshold,
     },
     search::{MixedFit, MixedFitEnd},
 };
-use crate::analysis::{
-    counts::Counts,
-    interval::{Interval, t_quantile},
-    levels,
+use crate::{
+    analysis::{counts::Counts, levels},
+    statistics::{Interval, normal_two_sided, t_quantile, t_two_sided},
 };
 
 /// Fits a model.
@@ -51,28 +50,24 @@ pub(super) fn report(fitted: &Fitted) -> Model {
     let covariance = covariance.unwrap_or_else(|| DMatrix::from_element(size, size, f64::NAN));
     let se = |index: usize| Some(covariance[(index, index)].sqrt()).filter(|se| se.is_finite());
     let thresholds = fitted.frame.categories.len() - 1;
-    let coefficients = |design: &Design, first: usize| -> Vec<Coefficient> {
-        (0..design.columns.len())
-            .map(|column| {
-                let (estimate, se) = (estimates[first + column], se(first + column));
-                let z = se.map(|se| estimate / se);
-                Coefficient {
-                    name: design.columns[column].name.clone(),
-                    term: fitted.term_name(design, column),
-                    parts: design.columns[column].parts.clone(),
-                    estimate,
-                    se,
-                    z,
-                    p: z.map(two_sided),
-                    interval: Interval::wald(estimate, se),
-                }
-            })
-            .collect()
+    let coefficient = |column: usize| {
+        let (estimate, se) = (estimates[thresholds + column], se(thresholds + column));
+        let z = se.map(|se| estimate / se);
+        Coefficient {
+            name: fitted.x.columns[column].name.clone(),
+            term: fitted.term_name(column),
+            parts: fitted.x.columns[column].parts.clone(),
+            estimate,
+            se,
+            z,
+            p: z.map(normal_two_sided),
+            interval: Interval::wald(estimate, se),
+        }
     };
-    let first_zeta = thresholds + fitted.x.columns.len();
+    let first_psi = thresholds + fitted.x.columns.len();
     Model {
         link: fitted.spec.link,
-        method: method(mixed.is_some(), if fitted.random.components.len() > 1 { 1 } else { fitted.spec.quadrature }),
+        method: if mixed.is_some() { "clmm-laplace" } else { "clm" },
         nobs: fitted.frame.total(),
         subjects: fitted.frame.subjects.len(),
         loglik: mixed.map_or(fitted.clm.loglik, |mixed| mixed.loglik),
@@ -82,21 +77,12 @@ pub(super) fn report(fitted: &Fitted) -> Model {
         thresholds: (fitted.frame.categories.windows(2).enumerate())
             .map(|(j, pair)| Threshold { name: pair.join("|"), estimate: estimates[j], se: se(j) })
             .collect(),
-        coefficients: coefficients(&fitted.x, thresholds),
-        scale: coefficients(&fitted.scale, first_zeta),
+        coefficients: (0..fitted.x.columns.len()).map(coefficient).collect(),
         contrasts: Vec::new(),
-        random: mixed.map(|mixed| random_effect(fitted, mixed, (!boundary).then_some((&covariance, first_zeta)))),
+        random: mixed.map(|mixed| random_effect(fitted, mixed, (!boundary).then_some((&covariance, first_psi)))),
         categories: fitted.frame.categories.clone(),
         notes,
         covariance,
-    }
-}
-
-fn method(mixed: bool, nodes: usize) -> String {
-    match (mixed, nodes) {
-        (false, _) => "clm".to_owned(),
-        (true, 1) => "clmm-laplace".to_owned(),
-        (true, nodes) => format!("clmm-aghq-{nodes}"),
     }
 }
 
@@ -166,8 +152,7 @@ fn search_estimates<'a>(fitted: &'a Fitted) -> (&'a DVector<f64>, DMatrix<f64>) 
         _ => &fitted.clm.parameters,
     };
     let thresholds = fitted.frame.categories.len() - 1;
-    let (location, scale) = &fitted.standards;
-    let mut to_data_scale = design::to_data_scale(location, scale, thresholds, parameters.len());
+    let mut to_data_scale = design::to_data_scale(&fitted.standard, thresholds, parameters.len());
     let first_psi = thresholds + fitted.x.columns.len();
     if parameters.len() > fitted.clm.parameters.len() {
         for (parameter, unit) in fitted.random.units().into_iter().enumerate() {
@@ -264,14 +249,13 @@ fn finite_part(fitted: &Fitted, information: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 fn note_design(fitted: &Fitted, notes: &mut Vec<Note>) {
-    for design in [&fitted.x, &fitted.scale] {
-        for (index, term) in design.terms.iter().enumerate() {
-            if !design.columns.iter().any(|column| column.term == index) {
-                notes.push(Note::AliasedTerm { term: term.to_string() });
-            } else {
-                let dropped = design.dropped.iter().filter(|column| column.term == index);
-                notes.extend(dropped.map(|column| Note::Aliased { column: column.name.clone() }));
-            }
+    let design = &fitted.x;
+    for (index, term) in design.terms.iter().enumerate() {
+        if !design.columns.iter().any(|column| column.term == index) {
+            notes.push(Note::AliasedTerm { term: term.to_string() });
+        } else {
+            let dropped = design.dropped.iter().filter(|column| column.term == index);
+            notes.extend(dropped.map(|column| Note::Aliased { column: column.name.clone() }));
         }
     }
 }
@@ -283,7 +267,7 @@ fn note_separation(fitted: &Fitted, notes: &mut Vec<Note>) {
             None => Note::SeparatedThreshold { threshold: fitted.frame.categories[index..index + 2].join("|") },
             Some(column) => Note::Separation {
                 coefficient: fitted.x.columns[column].name.clone(),
-                term: fitted.term_name(&fitted.x, column),
+                term: fitted.term_name(column),
                 positive: direction > 0.0,
             },
         });
@@ -303,9 +287,6 @@ fn note_mixed(fitted: &Fitted, notes: &mut Vec<Note>) {
     let Some(mixed) = usable_mixed_fit(fitted) else { return };
     let part = &fitted.random;
     let psi = &mixed.parameters.as_slice()[mixed.parameters.len() - part.parameters()..];
-    if part.components.len() > 1 && fitted.spec.quadrature > 1 {
-        notes.push(Note::QuadratureIgnored);
-    }
     if part.correlated {
         // The pivots of the covariance: the standard deviation of each effect given the ones before it.
         let pivots = part.triangle().zip(psi).filter(|((row, column), _)| row == column).map(|(_, pivot)| pivot.abs());
@@ -317,11 +298,6 @@ fn note_mixed(fitted: &Fitted, notes: &mut Vec<Note>) {
             false => Note::NoSlopeVariance { term: component.name.clone() },
         }));
     }
-}
-
-/// Returns the two-sided probability of a standard normal z.
-pub(crate) fn two_sided(z: f64) -> f64 {
-    statrs::function::erf::erfc(z.abs() * std::f64::consts::FRAC_1_SQRT_2)
 }
 
 /// The ratings that a model predicts for one condition. A mixed model predicts the ratings of an average participant,
@@ -350,19 +326,18 @@ pub(super) fn category_numbers(model: &Model) -> Vec<f64> {
 pub(super) fn predictions(fitted: &Fitted, model: &Model) -> Vec<Prediction> {
     let values = category_numbers(model);
     let conditions = fitted.frame.conditions();
-    let (x, z) = (fitted.x.matrix(&conditions), fitted.scale.matrix(&conditions));
-    let row = |matrix: &DMatrix<f64>, index: usize| matrix.row(index).iter().copied().collect::<Vec<f64>>();
+    let x = fitted.x.matrix(&conditions);
     let reach = Widening::new(fitted, 1).reach();
     let predict = |(index, &condition): (usize, &u32)| {
-        let (x, z) = (row(&x, index), row(&z, index));
-        let (bounds, scale) = model.bounds(&x, &z);
+        let x: Vec<f64> = x.row(index).iter().copied().collect();
+        let bounds = model.bounds(&x);
         let probability = |category| {
             let (a, b) = category_bounds(&bounds, category);
             model.link.between(a, b)
         };
         let probabilities: Vec<f64> = (0..values.len()).map(probability).collect();
         let mean = probabilities.iter().zip(&values).map(|(p, value)| p * value).sum();
-        let gradient = mean_gradient(model, &values, &bounds, scale, &x, &z);
+        let gradient = mean_gradient(model, &values, &bounds, &x);
         let variance = model.covariance.view((0, 0), (gradient.len(), gradient.len())) * &gradient;
         let interval = on_the_scale(mean, gradient.dot(&variance).sqrt(), reach, &values);
         let names = fitted.frame.counts.level_names(condition).into_iter().map(str::to_owned).collect();
@@ -372,36 +347,23 @@ pub(super) fn predictions(fitted: &Fitted, model: &Model) -> Vec<Prediction> {
 }
 
 impl Model {
-    /// Returns the bounds of the categories for a row of the location and of the scale design, for a participant whose
-    /// random effects are 0, and the factor by which the scale divides.
-    pub(super) fn bounds(&self, x: &[f64], z: &[f64]) -> (Vec<f64>, f64) {
-        let effect = |coefficients: &[Coefficient], row: &[f64]| {
-            dot_ignoring_zero_weights(row.iter(), coefficients.iter().map(|coefficient| &coefficient.estimate))
-        };
-        let (location, scale) = (effect(&self.coefficients, x), effect(&self.scale, z).exp());
-        (self.thresholds.iter().map(|threshold| (threshold.estimate - location) / scale).collect(), scale)
+    /// Returns the bounds of the categories for a row of the design, for a participant whose random effects are 0.
+    pub(super) fn bounds(&self, x: &[f64]) -> Vec<f64> {
+        let coefficients = self.coefficients.iter().map(|coefficient| &coefficient.estimate);
+        let location = dot_ignoring_zero_weights(x.iter(), coefficients);
+        self.thresholds.iter().map(|threshold| threshold.estimate - location).collect()
     }
 }
 
-/// Returns the gradient of the mean rating with respect to the thresholds, the coefficients and the scale.
-pub(super) fn mean_gradient(
-    model: &Model,
-    values: &[f64],
-    bounds: &[f64],
-    scale: f64,
-    x: &[f64],
-    z: &[f64],
-) -> DVector<f64> {
+/// Returns the gradient of the mean rating with respect to the thresholds and the coefficients.
+pub(super) fn mean_gradient(model: &Model, values: &[f64], bounds: &[f64], x: &[f64]) -> DVector<f64> {
     // If the bound between two categories rises, the mean falls in proportion to the step between them.
     let by_bound: Vec<f64> = (bounds.iter().enumerate())
         .map(|(j, bound)| -(values[j + 1] - values[j]) * model.link.density(*bound))
         .collect();
     let sum: f64 = by_bound.iter().sum();
-    let spread: f64 = by_bound.iter().zip(bounds).map(|(slope, bound)| slope * bound).sum();
-    let thresholds = by_bound.iter().map(|slope| slope / scale);
-    let location = x.iter().map(|x| -sum * x / scale);
-    let spreads = z.iter().map(|z| -spread * z);
-    DVector::from_iterator(bounds.len() + x.len() + z.len(), thresholds.chain(location).chain(spreads))
+    let coefficients = x.iter().map(|x| -sum * x);
+    DVector::from_iterator(bounds.len() + x.len(), by_bound.iter().copied().chain(coefficients))
 }
 
 /// How the standard errors of a fit are widened: those of maximum likelihood are too small with few participants.
@@ -427,17 +389,12 @@ impl Widening {
 
     /// Returns the number of standard errors to either end of a 95 % interval.
     pub fn reach(self) -> f64 {
-        self.factor * if self.df.is_finite() { t_quantile(self.df) } else { crate::light::random::Z_95 }
+        self.factor * t_quantile(self.df)
     }
 
     /// Returns the two-sided probability of an estimate divided by its standard error.
     pub fn probability(self, z: f64) -> f64 {
-        use statrs::distribution::{ContinuousCDF as _, StudentsT};
-        let t = z.abs() / self.factor;
-        match StudentsT::new(0.0, 1.0, self.df) {
-            Ok(distribution) if self.df.is_finite() => 2.0 * distribution.cdf(-t),
-            _ => two_sided(t),
-        }
+        t_two_sided(z / self.factor, self.df)
     }
 }
 

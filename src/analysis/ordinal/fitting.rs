@@ -6,13 +6,13 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{
     clm::{ClmData, ClmFit, FitEnd},
-    clmm::{ClmmData, MAX_NODES, Observation, gauss_hermite},
+    clmm::{ClmmData, Observation},
     design::{Design, Standard, check_size},
     link::Link,
     model::{ModelError, ModelSpec, Note, Random, Slopes},
     random::{Loadings, RandomPart, is_within},
     search::{self, MixedFit, MixedFitEnd, Settings},
-    terms::{Term, Terms, Variable},
+    terms::{Term, Variable},
 };
 use crate::analysis::{
     counts::Counts,
@@ -25,10 +25,9 @@ pub(crate) struct Fitted<'a> {
     pub(super) spec: ModelSpec,
     pub(super) notes: Vec<Note>,
     pub(super) x: Design,
-    pub(super) scale: Design,
     pub(super) clm: ClmFit,
-    /// Standardization of the location and of the scale.
-    pub(super) standards: (Standard, Standard),
+    /// Standardization of the columns.
+    pub(super) standard: Standard,
     /// The random part; without components if there is none.
     pub(super) random: RandomPart,
     pub(super) mixed: Option<MixedFit>,
@@ -52,19 +51,12 @@ pub(super) struct How<'a> {
 /// Fits a model. If the first baseline allows no finite estimates, another is used. The standard errors of a mixed
 /// model take as long as its estimates and are computed only if `errors` is true.
 pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool) -> Result<Fitted<'a>, ModelError> {
-    if spec.random == Random::Subject && !(1..=MAX_NODES).contains(&spec.quadrature) {
-        return Err(ModelError::Quadrature { nodes: spec.quadrature, most: MAX_NODES });
-    }
     let mut spec = spec.clone();
-    let (frame, mut notes) = Frame::new(counts, &[&spec.terms, &spec.scale])?;
-    check_size(&frame, &[&spec.terms, &spec.scale], spec.max_coefficients)?;
+    let (frame, mut notes) = Frame::new(counts, &spec.terms)?;
+    check_size(&frame, &spec.terms, spec.max_coefficients)?;
     if spec.random == Random::Subject && frame.subjects.len() < 2 {
         notes.push(Note::OneSubject);
         spec.random = Random::None;
-    }
-    if spec.random == Random::Subject && !spec.scale.is_empty() {
-        notes.push(Note::ScaleIgnored);
-        spec.scale = Terms::default();
     }
     if spec.random == Random::None {
         spec.slopes = Slopes::None;
@@ -93,14 +85,13 @@ pub(super) fn fit_terms<'a>(
         None => Design::new(&frame, &spec.terms)?,
     };
     let x = x.independent(&frame);
-    let scale = Design::new(&frame, &spec.scale)?.independent(&frame);
-    let (data, standards) = clm_data(&frame, spec.link, &x, &Design::empty(), &scale);
+    let (data, standard) = clm_data(&frame, spec.link, &x, &Design::empty());
     let clm = fit_clm(&data)?;
     let random = match how.random {
         Some(random) => random.clone(),
         None => RandomPart::new(&frame, &spec, &mut notes)?,
     };
-    let mut fitted = Fitted { frame, spec, notes, x, scale, clm, standards, random, mixed: None };
+    let mut fitted = Fitted { frame, spec, notes, x, clm, standard, random, mixed: None };
     if fitted.spec.random == Random::Subject {
         fitted.mixed = fit_mixed(&fitted, how);
     }
@@ -112,33 +103,20 @@ pub(super) fn fit_clm(data: &ClmData) -> Result<ClmFit, ModelError> {
     if !data.loglik(&start).is_finite() {
         return Err(ModelError::NoLikelihood);
     }
-    if data.scale.ncols() == 0 {
-        return Ok(data.fit(start));
-    }
-    // With a scale, the likelihood may not be concave, so start at the estimates of the location.
-    let plain = ClmData { scale: DMatrix::zeros(data.x.nrows(), 0), ..data.clone() };
-    let location = plain.fit(plain.start()).parameters;
-    Ok(data.fit(location.resize_vertically(data.parameters(), 0.0)))
+    Ok(data.fit(start))
 }
 
-/// Returns the counts for each distinct row of three designs, and the standardizations of the location and the scale.
-pub(super) fn clm_data(
-    frame: &Frame,
-    link: Link,
-    x: &Design,
-    nominal: &Design,
-    scale: &Design,
-) -> (ClmData, (Standard, Standard)) {
-    let (conditions, row_of) = distinct_rows(frame, &[x, nominal, scale], &RandomPart::default());
+/// Returns the counts for each distinct row of two designs, and the standardization of the location.
+pub(super) fn clm_data(frame: &Frame, link: Link, x: &Design, nominal: &Design) -> (ClmData, Standard) {
+    let (conditions, row_of) = distinct_rows(frame, &[x, nominal], &RandomPart::default());
     let mut counts = DMatrix::zeros(conditions.len(), frame.categories.len());
     for row in &frame.rows {
         counts[(row_of[&row.condition], usize::from(row.rating))] += row.count as f64;
     }
     let offset = x.offset(&conditions);
-    let (x, location) = Standard::of(x.matrix(&conditions), true);
-    let (nominal, _) = Standard::of(nominal.matrix(&conditions), true);
-    let (scale, spread) = Standard::of(scale.matrix(&conditions), false);
-    (ClmData { link, x, offset, nominal, scale, counts }, (location, spread))
+    let (x, standard) = Standard::of(x.matrix(&conditions));
+    let (nominal, _) = Standard::of(nominal.matrix(&conditions));
+    (ClmData { link, x, offset, nominal, counts }, standard)
 }
 
 /// Returns one condition for each distinct row of some designs and a random part, and the index of each condition's
@@ -171,7 +149,7 @@ pub(super) fn layout(fitted: &Fitted) -> Layout {
     let frame = &fitted.frame;
     let (conditions, row_of) = distinct_rows(frame, &[&fitted.x], &fitted.random);
     let offset = fitted.x.offset(&conditions);
-    let x = fitted.standards.0.apply(fitted.x.matrix(&conditions));
+    let x = fitted.standard.apply(fitted.x.matrix(&conditions));
     let mut observations = Vec::new();
     let mut subjects = Vec::new();
     // Rows are sorted by participant. Conditions that share a design row are combined.
@@ -187,9 +165,8 @@ pub(super) fn layout(fitted: &Fitted) -> Layout {
         subjects.push(first..observations.len());
     }
     let loadings = Loadings::new(&fitted.random, &conditions);
-    let nodes = gauss_hermite(if loadings.effects() == 1 { fitted.spec.quadrature } else { 1 });
     let (link, categories) = (fitted.spec.link, frame.categories.len());
-    Layout { data: ClmmData { link, categories, x, offset, loadings, observations, subjects, nodes }, row_of }
+    Layout { data: ClmmData { link, categories, x, offset, loadings, observations, subjects }, row_of }
 }
 
 /// Fits the mixed model, starting from the estimates of the model without random effects. Coefficients without a
@@ -242,8 +219,9 @@ impl Fitted<'_> {
         self.infinite().any(|(index, _)| index < self.frame.categories.len() - 1)
     }
 
-    pub fn term_name(&self, design: &Design, column: usize) -> String {
-        design.terms.iter().nth(design.columns[column].term).map(ToString::to_string).unwrap_or_default()
+    /// Returns the name of the term to which a column belongs.
+    pub fn term_name(&self, column: usize) -> String {
+        self.x.terms.iter().nth(self.x.columns[column].term).map(ToString::to_string).unwrap_or_default()
     }
 
     /// Returns the log-likelihood that the tests compare.
@@ -288,9 +266,9 @@ impl Fitted<'_> {
         self.frame.categories.len() - 1 + self.rank() + random
     }
 
-    /// Returns the number of location and scale parameters that can be estimated.
+    /// Returns the number of coefficients that can be estimated.
     pub fn rank(&self) -> usize {
-        self.x.columns.len() + self.scale.columns.len()
+        self.x.columns.len()
     }
 }
 

@@ -1,4 +1,4 @@
-//! Likelihood-ratio tests of each term, of proportional odds and of scale effects.
+//! Likelihood-ratio tests of each term and of proportional odds.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -7,31 +7,17 @@ use thiserror::Error;
 use super::{
     clm::{ClmData, FitEnd},
     design::Design,
-    fitting::{Fitted, How, clm_data, fit_clm, fit_counts, fit_terms},
-    model::{ModelError, ModelSpec, Random},
+    fitting::{Fitted, How, clm_data, fit_clm, fit_terms},
+    model::{ModelError, ModelSpec},
     search::MixedFitEnd,
     terms::{Term, Terms},
 };
-use crate::analysis::counts::Counts;
-
-/// The part of a model that a test concerns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Part {
-    /// Location: shifts the ratings.
-    Location,
-    /// Scale: changes the spread of the ratings.
-    Scale,
-    /// Effects that differ between the thresholds.
-    Nominal,
-}
+use crate::statistics::chi_squared_tail;
 
 /// A likelihood-ratio test of one term.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TermTest {
     pub term: String,
-    /// The part of the model in which the term is, or would be.
-    pub part: Part,
     /// Twice the difference of the log-likelihoods; `None` if one of the models has no maximum.
     pub lr: Option<f64>,
     /// The difference in the number of parameters.
@@ -68,24 +54,18 @@ pub enum Withheld {
 /// Tests each term by the likelihood ratio against the model without it. A term that is part of an interaction in the
 /// model is not tested, because the model without it would be the same model (as in R's `drop1`).
 pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
-    let parts = [(Part::Location, &full.spec.terms), (Part::Scale, &full.spec.scale)];
-    let tested = parts.map(|(part, terms)| {
-        terms.iter().filter(|term| !terms.is_marginal(term)).map(move |term| (part, term)).collect::<Vec<_>>()
-    });
-    tested.concat().into_par_iter().map(|(part, term)| without_term(full, part, term)).collect()
+    let terms = &full.spec.terms;
+    let tested: Vec<&Term> = terms.iter().filter(|term| !terms.is_marginal(term)).collect();
+    tested.into_par_iter().map(|term| without_term(full, term)).collect()
 }
 
 /// Tests one term by the likelihood ratio against the model without it.
-pub(crate) fn without_term(full: &Fitted, part: Part, term: &Term) -> Result<TermTest, ModelError> {
-    let mut spec = full.spec.clone();
-    match part {
-        Part::Location => spec.terms = spec.terms.without(term),
-        _ => spec.scale = spec.scale.without(term),
-    }
+pub(crate) fn without_term(full: &Fitted, term: &Term) -> Result<TermTest, ModelError> {
+    let spec = ModelSpec { terms: full.spec.terms.without(term), ..full.spec.clone() };
     let how = How { random: Some(&full.random), near: full.mixed.as_ref(), ..How::default() };
     let reduced = fit_terms(full.frame.clone(), spec, Vec::new(), how)?;
     let difference = comparable(full, &reduced).then(|| full.loglik() - reduced.loglik());
-    Ok(TermTest::new(term, part, difference, full.rank().saturating_sub(reduced.rank())))
+    Ok(TermTest::new(term, difference, full.rank().saturating_sub(reduced.rank())))
 }
 
 /// Returns whether both fits found a maximum of the same kind of likelihood.
@@ -122,7 +102,7 @@ pub(super) fn nominal_test(full: &Fitted, term: &Term) -> Result<TermTest, Model
     let own = Terms::new([term.clone()]);
     let nominal = Design::new(&full.frame, &own)?.independent(&full.frame);
     let x = full.x.independent_of(&nominal, &full.frame);
-    let (data, _) = clm_data(&full.frame, full.spec.link, &x, &nominal, &full.scale);
+    let (data, _) = clm_data(&full.frame, full.spec.link, &x, &nominal);
     let thresholds = data.thresholds();
     let df = (thresholds * nominal.columns.len() + x.columns.len()).saturating_sub(full.x.columns.len());
     let feasible = thresholds * (1 + nominal.columns.len()) + x.columns.len() <= MAX_NOMINAL;
@@ -130,42 +110,15 @@ pub(super) fn nominal_test(full: &Fitted, term: &Term) -> Result<TermTest, Model
     let fit = if feasible { fit_clm(&raised).ok() } else { None };
     let fit = fit.filter(|fit| fit.end != FitEnd::Stalled && full.clm.end != FitEnd::Stalled);
     let difference = fit.map(|fit| data.loglik(&fit.parameters) - full.clm.loglik);
-    Ok(TermTest::new(term, Part::Nominal, difference.filter(|difference| difference.is_finite()), df))
-}
-
-/// Tests scale effects: whether each location term also affects the spread of the ratings (R's `scale_test`). The random
-/// effects are omitted.
-///
-/// # Errors
-/// The same as for [`fit`](super::fit).
-pub fn scale_tests(counts: &Counts, spec: &ModelSpec) -> Result<Vec<TermTest>, ModelError> {
-    let spec = ModelSpec { random: Random::None, ..spec.clone() };
-    let full = fit_counts(counts, &spec, true)?;
-    scale_terms(&full).into_iter().map(|term| scale_test(&full, term)).collect()
-}
-
-/// Returns the terms that can be tested for an effect on the spread.
-pub(super) fn scale_terms<'a>(full: &'a Fitted) -> Vec<&'a Term> {
-    full.spec.terms.iter().filter(|term| !full.spec.scale.has(term)).collect()
-}
-
-/// Tests whether a term affects the spread of the ratings.
-pub(super) fn scale_test(full: &Fitted, term: &Term) -> Result<TermTest, ModelError> {
-    let mut spec = ModelSpec { random: Random::None, ..full.spec.clone() };
-    spec.scale = Terms::new(spec.scale.iter().cloned().chain([term.clone()]));
-    let larger = fit_terms(full.frame.clone(), spec, Vec::new(), How::default())?;
-    let fine = larger.clm.end != FitEnd::Stalled && full.clm.end != FitEnd::Stalled;
-    let difference = fine.then_some(larger.clm.loglik - full.clm.loglik);
-    Ok(TermTest::new(term, Part::Scale, difference, larger.rank().saturating_sub(full.rank())))
+    Ok(TermTest::new(term, difference.filter(|difference| difference.is_finite()), df))
 }
 
 impl TermTest {
     /// Creates a test from the difference of two log-likelihoods.
-    fn new(term: &Term, part: Part, difference: Option<f64>, df: usize) -> Self {
+    fn new(term: &Term, difference: Option<f64>, df: usize) -> Self {
         let lr = difference.filter(|_| df > 0).map(|difference| (2.0 * difference).max(0.0));
         Self {
             term: term.to_string(),
-            part,
             lr,
             df,
             p: lr.map(|lr| chi_squared_tail(lr, df)),
@@ -183,11 +136,6 @@ impl TermTest {
         self.draws = simulated.map(|(_, draws)| draws);
         self.withheld = simulated.is_none().then_some(Withheld::TooFew);
     }
-}
-
-/// Returns P(χ² > x) for `df` degrees of freedom.
-pub(crate) fn chi_squared_tail(x: f64, df: usize) -> f64 {
-    if x <= 0.0 { 1.0 } else { statrs::function::gamma::gamma_ur(df as f64 / 2.0, x / 2.0) }
 }
 
 /// A simulated distribution is used only if at least this share of the studies allowed a fit.

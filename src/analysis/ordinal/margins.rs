@@ -14,7 +14,10 @@ use super::{
     random::is_within,
     terms::{Term, Variable},
 };
-use crate::analysis::{counts::Counts, interval::Interval, multiple::holm};
+use crate::{
+    analysis::counts::Counts,
+    statistics::{Interval, holm},
+};
 
 /// The model's expected rating at a level of a factor, for a participant whose random effects are 0.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -80,17 +83,17 @@ pub(super) fn margins(fitted: &Fitted, model: &Model) -> Vec<Margin> {
         let reach = Widening::new(fitted, 1 + between).reach();
         let description = &fitted.frame.counts.factors[factor];
         for (level, Cells { conditions }) in levels {
-            let (x, z) = (fitted.x.matrix(&conditions), fitted.scale.matrix(&conditions));
-            let (mut mean, mut gradient) = (0.0, DVector::zeros(model.thresholds.len() + x.ncols() + z.ncols()));
+            let x = fitted.x.matrix(&conditions);
+            let (mut mean, mut gradient) = (0.0, DVector::zeros(model.thresholds.len() + x.ncols()));
             for row in 0..conditions.len() {
-                let [x, z] = [&x, &z].map(|matrix| matrix.row(row).iter().copied().collect::<Vec<f64>>());
-                let (bounds, scale) = model.bounds(&x, &z);
+                let x: Vec<f64> = x.row(row).iter().copied().collect();
+                let bounds = model.bounds(&x);
                 let category = |category: usize| {
                     let (a, b) = category_bounds(&bounds, category);
                     model.link.between(a, b) * values[category]
                 };
                 mean += (0..values.len()).map(category).sum::<f64>() / conditions.len() as f64;
-                gradient += mean_gradient(model, &values, &bounds, scale, &x, &z) / conditions.len() as f64;
+                gradient += mean_gradient(model, &values, &bounds, &x) / conditions.len() as f64;
             }
             let variance = model.covariance.view((0, 0), (gradient.len(), gradient.len())) * &gradient;
             let interval = on_the_scale(mean, gradient.dot(&variance).sqrt(), reach, &values);
@@ -176,8 +179,7 @@ fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variab
             }
         }
     }
-    let tested: Vec<usize> = (0..comparisons.len()).filter(|&index| comparisons[index].p.is_some()).collect();
-    let corrected = holm(&tested.iter().filter_map(|&index| comparisons[index].p).collect::<Vec<_>>());
-    tested.into_iter().zip(corrected).for_each(|(index, p)| comparisons[index].p_holm = Some(p));
+    let corrected = holm(&comparisons.iter().map(|comparison| comparison.p).collect::<Vec<_>>());
+    comparisons.iter_mut().zip(corrected).for_each(|(comparison, p)| comparison.p_holm = p);
     comparisons
 }

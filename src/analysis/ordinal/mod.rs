@@ -31,9 +31,8 @@ pub mod terms;
 
 pub use calibration::{Calibration, FEW_FOR_LIKELIHOOD_RATIOS, ModelReport, fit_calibrated, fit_with_tests};
 pub use checks::{Alternative, Checks, Influence, Proportion};
-pub use clmm::MAX_NODES;
 pub use estimates::{Prediction, fit};
-pub use likelihood_ratios::{Part, TermTest, Withheld, scale_tests};
+pub use likelihood_ratios::{TermTest, Withheld};
 pub use link::Link;
 pub use margins::{Comparison, Margin};
 pub use model::{
@@ -44,7 +43,7 @@ pub use model::{
 pub use resampling::Resampling;
 
 pub(super) use design::{Design, Span, check_size};
-pub(super) use estimates::{dot_ignoring_zero_weights, predictors, two_sided};
+pub(super) use estimates::{dot_ignoring_zero_weights, predictors};
 pub(super) use fitting::fit_counts;
-pub(super) use likelihood_ratios::{chi_squared_tail, without_term, without_terms};
+pub(super) use likelihood_ratios::{without_term, without_terms};
 pub(super) use random::terms_with_slopes;

@@ -9,8 +9,8 @@ use super::{
     terms::{Term, TermPart, Terms, Variable},
 };
 use crate::{
-    analysis::interval::Interval,
     light::names::{expected_one_of, named},
+    statistics::Interval,
 };
 
 named! {
@@ -44,17 +44,13 @@ named! {
 /// The specification of a model to fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelSpec {
-    /// Location: the terms that shift the ratings.
+    /// The terms that shift the ratings.
     pub terms: Terms,
-    /// Scale: the terms that spread the ratings. Only a model without a random intercept can have them.
-    pub scale: Terms,
     pub link: Link,
     /// The random part.
     pub random: Random,
     /// Random slopes; they need a random intercept.
     pub slopes: Slopes,
-    /// Number of quadrature nodes; 1 is the Laplace approximation, which is always used if there are random slopes.
-    pub quadrature: usize,
     /// Maximum number of coefficients; a specification with more is refused.
     pub max_coefficients: usize,
 }
@@ -64,15 +60,13 @@ pub struct ModelSpec {
 pub const MAX_COEFFICIENTS: usize = 120;
 
 impl ModelSpec {
-    /// Specifies these terms with the logit link, without random or scale effects.
+    /// Specifies these terms with the logit link, without random effects.
     pub fn new(terms: Terms) -> Self {
         Self {
             terms,
-            scale: Terms::default(),
             link: Link::Logit,
             random: Random::None,
             slopes: Slopes::None,
-            quadrature: 1,
             max_coefficients: MAX_COEFFICIENTS,
         }
     }
@@ -108,7 +102,8 @@ pub struct Coefficient {
     pub z: Option<f64>,
     /// Two-sided probability of z from the normal distribution; too small with few participants.
     pub p: Option<f64>,
-    /// The 95 % profile-likelihood interval; an end is infinite if the data exclude no value there.
+    /// The 95 % profile-likelihood interval; an end is infinite if the data exclude no value there. It is Wald's if there
+    /// is no profile, and always with more than 60 coefficients.
     pub interval: Option<Interval>,
 }
 
@@ -174,8 +169,8 @@ pub struct SubjectMode {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Model {
     pub link: Link,
-    /// `clm`, or `clmm` with its approximation: `clmm-laplace`, `clmm-aghq-10`.
-    pub method: String,
+    /// `clm`, or `clmm-laplace` with random effects.
+    pub method: &'static str,
     /// Number of ratings.
     pub nobs: u64,
     pub subjects: usize,
@@ -187,10 +182,7 @@ pub struct Model {
     /// Number of estimated parameters, including the standard deviation of a mixed model.
     pub parameters: usize,
     pub thresholds: Vec<Threshold>,
-    /// Coefficients of the location.
     pub coefficients: Vec<Coefficient>,
-    /// Coefficients of the log scale.
-    pub scale: Vec<Coefficient>,
     /// Differences between levels that were asked for.
     pub contrasts: Vec<Contrast>,
     /// The random intercept of a mixed model.
@@ -199,7 +191,7 @@ pub struct Model {
     pub categories: Vec<String>,
     /// Notes on the data.
     pub notes: Vec<Note>,
-    /// Covariance of thresholds, coefficients, scale and sd, in this order. It is NaN for parameters without a finite
+    /// Covariance of thresholds, coefficients and sd, in this order. It is NaN for parameters without a finite
     /// estimate, and an sd of 0 has no row.
     #[serde(skip)]
     pub covariance: DMatrix<f64>,
@@ -310,11 +302,6 @@ pub enum Note {
     /// The correlated random effects have a variance of 0 in some direction.
     #[error("the covariance matrix of the random effects is singular, so their correlations are not reliable")]
     SingularCovariance,
-    /// Quadrature was requested for a model with several random effects.
-    #[error(
-        "quadrature needs a single random effect per participant, so Laplace’s approximation is used; --slopes none leaves only the intercept"
-    )]
-    QuadratureIgnored,
     /// Each participant uses a single category, so the variance between participants, or an effect within participants,
     /// has no finite estimate.
     #[error(
@@ -335,9 +322,6 @@ pub enum Note {
     /// The information matrix cannot be inverted, so there are no standard errors.
     #[error("no standard errors: the likelihood is flat in some direction")]
     Flat,
-    /// A random intercept was requested together with scale terms.
-    #[error("scale terms are dropped: only a model without a random intercept can have them")]
-    ScaleIgnored,
 }
 
 /// The reason why there is no model.
@@ -366,14 +350,6 @@ pub enum ModelError {
     InfiniteDepth {
         /// Name of the factor.
         name: String,
-    },
-    /// There are too many quadrature nodes, or none.
-    #[error("--quadrature {nodes}; expected 1 (Laplace) to {most}")]
-    Quadrature {
-        /// Requested number of nodes.
-        nodes: usize,
-        /// Maximum number of nodes.
-        most: usize,
     },
     /// The terms need too many coefficients.
     #[error(

@@ -1,14 +1,12 @@
 //! Profile-likelihood intervals: the values at which the likelihood ratio against the best value stays below a limit,
 //! with all other parameters at their best values for that value.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF as _};
-
 use super::{
     design::Design,
     fitting::{Fitted, How, fit_terms},
     likelihood_ratios::comparable,
 };
-use crate::analysis::interval::Interval;
+use crate::statistics::{Interval, chi_squared_quantile};
 
 /// Coverage of all intervals of a model.
 pub(super) const LEVEL: f64 = 0.95;
@@ -18,15 +16,17 @@ const FAR: f64 = 40.0;
 /// A quantity whose profile is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Quantity {
-    /// The coefficient of a column minus that of another; `None` is the baseline, whose coefficient is 0.
-    Difference(Option<usize>, Option<usize>),
+    /// The coefficient of a column.
+    Coefficient(usize),
+    /// The coefficient of a column minus that of another.
+    Difference(usize, usize),
     /// The standard deviation of a component of independent random effects.
     Deviation(usize),
 }
 
 /// Returns the upper 5 % point of the χ² distribution.
 pub(super) fn chi_squared_limit(df: usize) -> f64 {
-    ChiSquared::new(df as f64).map_or(f64::NAN, |distribution| distribution.inverse_cdf(LEVEL))
+    chi_squared_quantile(LEVEL, df as f64)
 }
 
 /// Returns the interval of a quantity. `limits` are the largest likelihood ratios below and above the estimate; `se` is
@@ -97,10 +97,8 @@ fn hold<'a>(full: &Fitted<'a>, quantity: Quantity, value: f64) -> Option<Fitted<
     let x: Design;
     let mut how = How { random: Some(&full.random), near: full.mixed.as_ref(), x: Some(&full.x), ..How::default() };
     match quantity {
-        Quantity::Difference(Some(a), Some(b)) => x = full.x.joined(a, b).held(&[(a, value)]),
-        Quantity::Difference(Some(a), None) => x = full.x.held(&[(a, value)]),
-        Quantity::Difference(None, Some(b)) => x = full.x.held(&[(b, -value)]),
-        Quantity::Difference(None, None) => return None,
+        Quantity::Coefficient(column) => x = full.x.held(&[(column, value)]),
+        Quantity::Difference(a, b) => x = full.x.joined(a, b).held(&[(a, value)]),
         Quantity::Deviation(parameter) => {
             how.held = Some((parameter, value));
             x = full.x.clone();
@@ -114,9 +112,8 @@ fn hold<'a>(full: &Fitted<'a>, quantity: Quantity, value: f64) -> Option<Fitted<
 /// are known, of which `df` are free. With few participants, an estimate is too small on average, so the interval
 /// reaches further up than down.
 pub(super) fn deviation_limits(all: f64, df: f64) -> [f64; 2] {
-    let Ok(distribution) = ChiSquared::new(df.max(1.0)) else { return [chi_squared_limit(1); 2] };
     let ratio = |tail: f64| {
-        let share = distribution.inverse_cdf(tail) / all;
+        let share = chi_squared_quantile(tail, df.max(1.0)) / all;
         (share, all * (share - 1.0 - share.ln()))
     };
     let (upper, lower) = (ratio(1.0 - (1.0 - LEVEL) / 2.0), ratio((1.0 - LEVEL) / 2.0));

@@ -66,13 +66,7 @@ impl Component {
     }
 
     /// Creates a component with the given values, scaled to at most 1.
-    fn new(
-        name: String,
-        term: Term,
-        mut values: Vec<f64>,
-        groups: Vec<usize>,
-        number_of_groups: usize,
-    ) -> Self {
+    fn new(name: String, term: Term, mut values: Vec<f64>, groups: Vec<usize>, number_of_groups: usize) -> Self {
         let unit = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let unit = if unit > 0.0 { unit } else { 1.0 };
         values.iter_mut().for_each(|value| *value /= unit);

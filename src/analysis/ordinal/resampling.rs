@@ -20,7 +20,7 @@ use super::{
     design::Design,
     estimates::finite_estimates,
     fitting::{Fitted, How, Layout, fit_terms, layout},
-    likelihood_ratios::{comparable, nominal_test, scale_test},
+    likelihood_ratios::{comparable, nominal_test},
     link::Link,
     search::MixedFit,
     terms::Term,
@@ -32,7 +32,7 @@ use crate::analysis::{counts::CountRow, frame::Frame};
 pub struct Resampling {
     /// Number of simulated studies. With 19, 39, …, 199, 999, a test at the level 0.05 is exact if the distribution of
     /// the ratio does not depend on the parameters.
-    pub draws: usize,
+    pub draws: u32,
     /// Seed of the random number generator.
     pub seed: u64,
 }
@@ -50,8 +50,6 @@ pub(super) struct Statistics<'a> {
     pub terms: Vec<&'a Term>,
     /// Terms whose proportional odds are tested.
     pub nominal: Vec<&'a Term>,
-    /// Terms whose effect on the spread is tested.
-    pub scale: Vec<&'a Term>,
 }
 
 /// The ratios in the simulated studies, for each term; not finite where a study allows no fit.
@@ -59,28 +57,23 @@ pub(super) struct Statistics<'a> {
 pub(super) struct Ratios {
     pub terms: Vec<Vec<f64>>,
     pub nominal: Vec<Vec<f64>>,
-    pub scale: Vec<Vec<f64>>,
 }
 
 /// Simulates studies from a fit and computes the ratios in each. `progress` is called after each study.
 pub(super) fn simulate(full: &Fitted, what: &Statistics, settings: Resampling, progress: &(dyn Fn() + Sync)) -> Ratios {
     let simulator = Simulator::new(full, true);
     let held: Vec<Design> = what.terms.iter().map(|term| full.x.held(&own_coefficients(full, term))).collect();
-    let of_study = |study: usize| {
-        let frame = simulator.study(settings.seed, study as u64);
+    let of_study = |study: u32| {
+        let frame = simulator.study(settings.seed, study.into());
         let ratios = frame.map(|frame| ratios(full, frame, &held, what));
         progress();
-        ratios.unwrap_or_else(|| [&what.terms, &what.nominal, &what.scale].map(|terms| vec![f64::NAN; terms.len()]))
+        ratios.unwrap_or_else(|| [&what.terms, &what.nominal].map(|terms| vec![f64::NAN; terms.len()]))
     };
-    let studies: Vec<[Vec<f64>; 3]> = (0..settings.draws).into_par_iter().map(of_study).collect();
+    let studies: Vec<[Vec<f64>; 2]> = (0..settings.draws).into_par_iter().map(of_study).collect();
     let collect = |kind: usize, terms: usize| -> Vec<Vec<f64>> {
         (0..terms).map(|term| studies.iter().map(|ratios| ratios[kind][term]).collect()).collect()
     };
-    Ratios {
-        terms: collect(0, what.terms.len()),
-        nominal: collect(1, what.nominal.len()),
-        scale: collect(2, what.scale.len()),
-    }
+    Ratios { terms: collect(0, what.terms.len()), nominal: collect(1, what.nominal.len()) }
 }
 
 /// Returns the indices of a term's columns and their coefficients.
@@ -88,13 +81,13 @@ pub(super) fn own_coefficients(full: &Fitted, term: &Term) -> Vec<(usize, f64)> 
     let name = term.to_string();
     let estimates = finite_estimates(full);
     let thresholds = full.frame.categories.len() - 1;
-    let own = (0..full.x.columns.len()).filter(|&column| full.term_name(&full.x, column) == name);
+    let own = (0..full.x.columns.len()).filter(|&column| full.term_name(column) == name);
     own.map(|column| (column, estimates[thresholds + column])).collect()
 }
 
-fn ratios(full: &Fitted, frame: Frame, held: &[Design], what: &Statistics) -> [Vec<f64>; 3] {
+fn ratios(full: &Fitted, frame: Frame, held: &[Design], what: &Statistics) -> [Vec<f64>; 2] {
     let how = How { random: Some(&full.random), x: Some(&full.x), near: full.mixed.as_ref(), ..How::default() };
-    let none = [&what.terms, &what.nominal, &what.scale].map(|terms| vec![f64::NAN; terms.len()]);
+    let none = [&what.terms, &what.nominal].map(|terms| vec![f64::NAN; terms.len()]);
     // Without terms to test, the random effects are not needed.
     let mut spec = full.spec.clone();
     if held.is_empty() {
@@ -111,7 +104,6 @@ fn ratios(full: &Fitted, frame: Frame, held: &[Design], what: &Statistics) -> [V
     [
         held.iter().map(|x| or_nan(fixed(x))).collect(),
         what.nominal.iter().map(|term| or_nan(nominal_test(&free, term).ok().and_then(|test| test.lr))).collect(),
-        what.scale.iter().map(|term| or_nan(scale_test(&free, term).ok().and_then(|test| test.lr))).collect(),
     ]
 }
 

@@ -21,5 +21,5 @@ mod plan;
 mod scenario;
 
 pub use hypothesis::{Effect, Hypothesis, Test};
-pub use plan::{ModelChoice, Plan, Power, Sampling, clopper_pearson};
+pub use plan::{ModelChoice, Plan, Power, Sampling};
 pub use scenario::{PlanError, Shift, Slope};

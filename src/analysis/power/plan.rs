@@ -1,7 +1,6 @@
 //! A plan: the tests that the studies of a definition allow, and how often they find an effect.
 
 use rayon::prelude::*;
-use statrs::function::beta::beta_reg;
 
 use super::{
     hypothesis::{Absent, Hypothesis, Layout, Test},
@@ -9,10 +8,9 @@ use super::{
 };
 use crate::{
     analysis::{
-        FEW_FOR_LIKELIHOOD_RATIOS, Link, MAX_COEFFICIENTS, MAX_NODES, ModelError, ModelSpec, Part, Random, Slopes,
+        FEW_FOR_LIKELIHOOD_RATIOS, Link, MAX_COEFFICIENTS, ModelSpec, Random, Slopes,
         counts::Counts,
         frame::{Frame, find_factor},
-        interval::Interval,
         ordinal::{
             check_size, dot_ignoring_zero_weights, fit_counts, predictors, terms::Terms, terms_with_slopes,
             without_term, without_terms,
@@ -20,6 +18,7 @@ use crate::{
         rank_tests::{SubjectMeans, friedman, least_friedman_p},
     },
     experiment::{OrderedLogit, Protocol},
+    statistics::{Interval, median},
 };
 
 /// Number of random orders in Friedman's test of a simulated study, if they cannot be enumerated.
@@ -35,8 +34,6 @@ pub struct ModelChoice {
     pub link: Link,
     /// Random slopes of the model.
     pub slopes: Slopes,
-    /// Number of quadrature nodes; 1 is the Laplace approximation.
-    pub quadrature: usize,
     /// True if the number of levels, conditions and coefficients has no limit.
     pub large: bool,
 }
@@ -94,7 +91,7 @@ impl Power {
 
     /// Returns the exact 95 % interval of that proportion (Clopper & Pearson).
     pub fn interval(&self) -> Interval {
-        clopper_pearson(self.found, self.studies, 0.95)
+        Interval::of_proportion(self.found, self.studies)
     }
 }
 
@@ -110,9 +107,6 @@ impl Plan {
         slopes: &[Slope],
         model: &ModelChoice,
     ) -> Result<Self, PlanError> {
-        if !(1..=MAX_NODES).contains(&model.quadrature) {
-            return Err(ModelError::Quadrature { nodes: model.quadrature, most: MAX_NODES }.into());
-        }
         let scenario = Scenario::new(protocol, observer, shifts, slopes)?;
         let varied = scenario.empty.factors.iter().filter(|factor| factor.levels.len() > 1);
         let varied: Vec<&str> = varied.map(|factor| factor.name.as_str()).collect();
@@ -125,14 +119,13 @@ impl Plan {
             outline.check_size().map_err(PlanError::TooLarge)?;
         }
         let max_coefficients = if model.large { usize::MAX } else { MAX_COEFFICIENTS };
-        let (frame, _) = Frame::new(&outline, &[&terms])?;
-        check_size(&frame, &[&terms], max_coefficients)?;
+        let (frame, _) = Frame::new(&outline, &terms)?;
+        check_size(&frame, &terms, max_coefficients)?;
         let hypotheses = Layout::new(&scenario, &frame, &terms).hypotheses()?;
         let spec = ModelSpec {
             link: model.link,
             random: Random::Subject,
             slopes: model.slopes,
-            quadrature: model.quadrature,
             max_coefficients,
             ..ModelSpec::new(terms)
         };
@@ -249,7 +242,7 @@ impl Plan {
         let ratio = |study: u32| {
             let counts = self.scenario.study_without(&absent.predictors, slopes, people, study, seed);
             let fitted = fit_counts(&counts, &self.spec, false).ok();
-            let test = fitted.and_then(|fitted| without_term(&fitted, Part::Location, &absent.term).ok());
+            let test = fitted.and_then(|fitted| without_term(&fitted, &absent.term).ok());
             progress(people.into());
             test.and_then(|test| test.lr).unwrap_or(f64::NAN)
         };
@@ -268,13 +261,6 @@ fn power(participants: u32, hypothesis: usize, outcomes: &[Vec<Outcome>], alpha:
         untested: all().filter(|outcome| outcome.p.is_none()).count(),
         estimate: median(all().filter_map(|outcome| outcome.estimate).collect()),
     }
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let (low, high) = (values.get(values.len().checked_sub(1)? / 2)?, values.get(values.len() / 2)?);
-    // The mean of two equal infinite values is infinite; two opposite infinite values have no mean.
-    Some(if low == high { *low } else { (low + high) / 2.0 }).filter(|median| !median.is_nan())
 }
 
 /// The outcome of one hypothesis in one study.
@@ -311,25 +297,4 @@ fn outcomes(counts: &Counts, spec: &ModelSpec, hypotheses: &[Hypothesis], nulls:
         },
     };
     hypotheses.iter().zip(nulls).map(outcome).collect()
-}
-
-/// Returns the exact interval of Clopper & Pearson (1934), Biometrika 26, 404, for `found` out of `all`. It covers the
-/// true proportion with a probability of at least `level`.
-pub fn clopper_pearson(found: usize, all: usize, level: f64) -> Interval {
-    let tail = (1.0 - level) / 2.0;
-    let (k, n) = (found as f64, all as f64);
-    // P(X ≥ k) rises with the proportion, and P(X ≤ k) falls. Both are incomplete beta functions.
-    let low = if found == 0 { 0.0 } else { crossing(|p| beta_reg(k, n - k + 1.0, p) - tail) };
-    let high = if found >= all { 1.0 } else { crossing(|p| beta_reg(k + 1.0, n - k, p) - (1.0 - tail)) };
-    Interval { low, high }
-}
-
-/// Finds by bisection where a function that rises on 0…1 is 0.
-fn crossing(rising: impl Fn(f64) -> f64) -> f64 {
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..60 {
-        let middle = (low + high) / 2.0;
-        *if rising(middle) < 0.0 { &mut low } else { &mut high } = middle;
-    }
-    (low + high) / 2.0
 }

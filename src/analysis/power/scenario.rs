@@ -20,7 +20,7 @@ use crate::{
 /// The reason why a plan is impossible.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum PlanError {
-    /// A term or the number of nodes is not valid.
+    /// A term is not valid.
     #[error(transparent)]
     Model(#[from] ModelError),
     /// A condition of the definition is not valid.

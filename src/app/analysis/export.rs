@@ -158,7 +158,7 @@ impl Export {
     /// Returns the `machband analyze` command for these files and options. Filters and options with default values are
     /// omitted.
     fn command(&self, Exported { read_options, results, .. }: &Exported<'_>) -> String {
-        let Options { terms, link, random, slopes, quadrature, scale, .. } = &results.options;
+        let Options { terms, link, random, slopes, .. } = &results.options;
         let mut arguments = vec!["analyze".to_owned()];
         arguments.extend(self.paths.iter().map(|path| path.display().to_string()));
         let mut option = |name: &str, value: Option<String>| {
@@ -173,10 +173,8 @@ impl Export {
         option("--link", (*link != Link::default()).then(|| link.to_string()));
         option("--random", (*random == Some(Random::None)).then(|| "none".to_owned()));
         option("--slopes", (*slopes != Slopes::default()).then(|| slopes.to_string()));
-        option("--quadrature", (*quadrature != 1).then(|| quadrature.to_string()));
         option("--out", Some(self.folder.trim().to_owned()));
         arguments.extend(read_options.complete_only.then(|| "--complete-only".to_owned()));
-        arguments.extend(scale.then(|| "--scale".to_owned()));
         shell_command(arguments)
     }
 }

@@ -1,15 +1,15 @@
 //! The selection of participants and levels, and the choice of model.
 
-use eframe::egui::{self, CollapsingHeader, DragValue, Key, ScrollArea, TextEdit};
+use eframe::egui::{self, CollapsingHeader, Key, ScrollArea, TextEdit};
 
 use crate::{
     analysis::{
-        Link, MAX_NODES, ModelError, Options, Random, Slopes,
+        Link, ModelError, Options, Random, Slopes,
         counts::{Counts, Factor, Measured},
         find_factor, level_number,
         terms::{Terms, Variable},
     },
-    app::ui::{Field, secondary, show_error, text::name},
+    app::ui::{Field, show_error, text::name},
 };
 
 /// Width of the column of labels, points.
@@ -190,16 +190,6 @@ impl Settings {
                 .choice(ui, &mut options.slopes, &slopes, |slopes| slopes.to_string())
                 .on_hover_text("How much the effects of the terms may differ between participants.");
         });
-        ui.add_enabled_ui(random && options.slopes == Slopes::None, |ui| {
-            Field::new("Quadrature nodes").column(LABELS).show(ui, |ui, label| {
-                ui.horizontal(|ui| {
-                    ui.add(DragValue::new(&mut options.quadrature).range(1..=MAX_NODES).speed(0.1)).labelled_by(label);
-                    ui.label(secondary(if options.quadrature == 1 { "Laplace" } else { "Gauss–Hermite" }));
-                });
-            });
-        });
-        ui.checkbox(&mut options.scale, "Also test effects on the spread")
-            .on_hover_text("Tests whether the ratings vary more under some conditions than under others.");
     }
 
     fn terms_field(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters, is_column: &dyn Fn(&str) -> bool) {

@@ -7,9 +7,7 @@ use crate::{
     },
     cli::columns,
     experiment::Protocol,
-    report::{
-        document::{Shown, numbers::count},
-    },
+    report::document::{Shown, numbers::count},
     text::{Cell, Column, Table},
 };
 
@@ -279,7 +277,6 @@ impl Findings<'_> {
             spec.terms.to_string().into(),
             spec.slopes.to_string().into(),
             slope_sd.join(" ").into(),
-            spec.quadrature.into(),
             self.sampling.seed.into(),
             self.observer.as_str().into(),
         ]
@@ -287,7 +284,7 @@ impl Findings<'_> {
 }
 
 /// Name, unit and description of the columns of the CSV file.
-const COLUMNS: [(&str, &str, &str); 24] = [
+const COLUMNS: [(&str, &str, &str); 23] = [
     ("experiment", "", "Name of the definition."),
     ("participants", "", "Number of participants."),
     ("term", "", "Term or factor that is tested."),
@@ -309,7 +306,6 @@ const COLUMNS: [(&str, &str, &str); 24] = [
     ("terms", "", "Terms of the model."),
     ("slopes", "", "Random slopes of the model."),
     ("slope_sd", "logit", "Standard deviations of the simulated random slopes."),
-    ("quadrature", "", "Number of quadrature nodes."),
     ("seed", "", "Seed of the simulation."),
     ("observer", "", "Simulated observer."),
 ];

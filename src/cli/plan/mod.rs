@@ -79,13 +79,8 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let (observer, shifts) = apply(observer, &arguments.effects, &protocol)?;
     let slopes = slopes(&arguments.deviations)?;
     let options = &arguments.model;
-    let model = ModelChoice {
-        terms: options.terms()?,
-        link: options.link,
-        slopes: options.slopes,
-        quadrature: options.quadrature.into(),
-        large: options.large,
-    };
+    let model =
+        ModelChoice { terms: options.terms()?, link: options.link, slopes: options.slopes, large: options.large };
     let plan =
         Plan::new(&protocol, &observer, &shifts, &slopes, &model).map_err(|error| UsageError(error.to_string()))?;
     let sampling = Sampling { studies: arguments.studies, alpha: arguments.alpha, seed: arguments.seed };

@@ -1,11 +1,10 @@
 //! Estimates γ of each channel from its matches; the spread of the matches gives the uncertainty.
 
-use statrs::distribution::{ContinuousCDF as _, StudentsT};
-
 use super::procedure::Match;
 use crate::{
     display::channel::Channel,
     light::{Transfer, TransferError, Transfers},
+    statistics::{mean_and_sd, t_quantile},
 };
 
 /// Half-width of the 95 % interval of γ above which a channel should be matched again.
@@ -63,16 +62,11 @@ fn channel_gamma(channel: Channel, own: &[Match]) -> Result<ChannelGamma, GammaE
     if own.iter().any(|one| one.rows != own[0].rows) {
         return Err(GammaError::Mixed);
     }
-    let mean_and_sd = |values: &[f64]| {
-        let mean = values.iter().sum::<f64>() / n;
-        (mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt())
-    };
     let codes: Vec<f64> = own.iter().map(|one| f64::from(one.code.max(1))).collect();
     let (mean, sd) = mean_and_sd(&codes.iter().map(|code| (255.0 / code).ln()).collect::<Vec<_>>());
-    let t = StudentsT::new(0.0, 1.0, n - 1.0).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
     // Equal codes do not mean zero uncertainty: a match is precise to one code at best.
     let rounding = codes.iter().sum::<f64>().recip() * n / 12f64.sqrt();
-    let half = t * sd.hypot(rounding) / n.sqrt();
+    let half = t_quantile(n - 1.0) * sd.hypot(rounding) / n.sqrt();
     if mean - half <= 0.0 {
         return Err(GammaError::Open);
     }

@@ -13,7 +13,8 @@ use crate::{
         channel::Channel,
         profile::{DisplayProfile, LuminanceRange, Measurement},
     },
-    light::{Transfer, Transfers, random::Z_95},
+    light::{Transfer, Transfers},
+    statistics::Z_95,
 };
 
 /// The standard error of γ above which more readings are advised.

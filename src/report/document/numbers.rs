@@ -2,7 +2,7 @@
 //! probability. A dash stands for a missing number.
 
 use super::shown::Shown;
-use crate::analysis::interval::Interval;
+use crate::statistics::Interval;
 
 /// A no-break space.
 pub const NBSP: &str = "\u{a0}";

@@ -9,9 +9,9 @@ use super::{
 };
 use crate::analysis::{
     Coefficient, Link, Model, Note, Results,
-    interval::Interval,
     terms::{TermPart, Variable},
 };
+use crate::statistics::Interval;
 
 /// Maximum number of coefficients in a chart.
 const MAX_SHOWN: usize = 60;

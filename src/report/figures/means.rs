@@ -15,9 +15,9 @@ use super::{
 use crate::analysis::{
     Results,
     counts::{Counts, Factor},
-    interval::Interval,
     summary::{Group, by_cell, by_levels, category_values},
 };
+use crate::statistics::Interval;
 
 /// Maximum width of a name in the legend.
 const MAX_NAME: f64 = 180.0;

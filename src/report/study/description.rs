@@ -219,7 +219,12 @@ pub(super) fn times(results: &Results, figures: &[Figure]) -> Section {
     );
     section.figures(figures, &["times"]);
     let counts = &results.measured.counts;
-    quartiles(&mut section, "Rating", "rating", counts.categories.iter().map(Shown::from).zip(results.times.iter().copied()));
+    quartiles(
+        &mut section,
+        "Rating",
+        "rating",
+        counts.categories.iter().map(Shown::from).zip(results.times.iter().copied()),
+    );
     for factor in names::varied(results) {
         let name = names::factor(&factor.name);
         let levels = factor.levels.iter().map(|level| names::level_of(factor, level));

@@ -7,8 +7,7 @@
 use super::names;
 use crate::{
     analysis::{
-        Comparison, Link, ModelReport, Part, Results, TermTest,
-        interval::Interval,
+        Comparison, Link, ModelReport, Results, TermTest,
         rank_tests::PMethod,
         results::FactorResults,
         terms::{Term, Variable},
@@ -17,6 +16,7 @@ use crate::{
         Shown,
         numbers::{fixed, list, mean, p_is, percent, ratio, short_list, with_interval},
     },
+    statistics::Interval,
 };
 
 /// Significance level: if p is below this, a difference counts as more than chance.
@@ -211,7 +211,7 @@ pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evid
 
 fn likelihood_ratio<'a>(results: &'a Results, term: &Term) -> Option<&'a TermTest> {
     let name = term.to_string();
-    results.model.as_ref().ok()?.terms.iter().find(|test| test.part == Part::Location && test.term == name)
+    results.model.as_ref().ok()?.terms.iter().find(|test| test.term == name)
 }
 
 /// Returns the term that contains only this factor, as levels or as a number.
@@ -238,7 +238,8 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
     }
     let odds = results.spec.link == Link::Logit;
     if let [Variable::Number(name)] = &term.variables[..] {
-        let coefficient = report.model.coefficients.iter().find(|c| c.parts.iter().map(|part| &part.variable).eq(&term.variables))?;
+        let coefficient =
+            report.model.coefficients.iter().find(|c| c.parts.iter().map(|part| &part.variable).eq(&term.variables))?;
         let value = |estimate: f64| if odds { ratio(estimate.exp()) } else { fixed(estimate, 2) };
         let interval = with_interval(coefficient.interval, value);
         let estimate = value(coefficient.estimate);

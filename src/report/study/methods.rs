@@ -106,7 +106,6 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
         Link::Logit => "logit",
         Link::Probit => "probit",
     };
-    let nodes = results.spec.quadrature;
     let ordinal = cited.cite("Liddell & Kruschke, 2018; Bürkner & Vuorre, 2019");
     let family = cited.cite("McCullagh, 1980; Christensen, 2022");
     let (mixed, how) = match &model.random {
@@ -119,12 +118,7 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
             } else {
                 format!("a random intercept for participants and {form} random slopes of {}", list(&slopes))
             };
-            let how = if nodes > 1 && slopes.is_empty() {
-                format!("adaptive Gauss–Hermite quadrature with {nodes} nodes ({})", cited.cite("Liu & Pierce, 1994"))
-            } else {
-                "Laplace’s approximation".to_owned()
-            };
-            ("mixed ", format!(" and {effects}, fitted by maximum likelihood with {how}"))
+            ("mixed ", format!(" and {effects}, fitted by maximum likelihood with Laplace’s approximation"))
         }
     };
     let mut text = format!(

@@ -4,7 +4,7 @@ use super::{cautions::is_serious, findings::ALPHA, names};
 use crate::{
     analysis::{
         Alternative, Checks, Coefficient, Comparison, Contrast, Influence, Link, Margin, Model, ModelReport,
-        Proportion, Random, RandomEffect, Results, Slopes, TermTest, Threshold, interval::Interval, terms::Variable,
+        Proportion, Random, RandomEffect, Results, Slopes, TermTest, Threshold, terms::Variable,
     },
     report::{
         document::{
@@ -14,6 +14,7 @@ use crate::{
         figures::Figure,
         script,
     },
+    statistics::Interval,
 };
 
 pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
@@ -78,18 +79,6 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
             "No term shows a violation at {level}. With few participants or ratings, tests have little power."
         ));
     }
-    tests(
-        &mut section,
-        "Are ratings more variable in some conditions?",
-        &format!(
-            "Each row tests whether a term also changes the spread of the ratings. {} They are corrected for the number of \
-             terms with Holm’s method.",
-            source_of_p(&report.scale)
-        ),
-        "Tests of effects on the spread",
-        &report.scale,
-        true,
-    );
     if let Some(checks) = &report.checks {
         fit_of_model(&mut section, results, model, checks, figures);
     }
@@ -144,7 +133,8 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
         );
     }
     if results.is_inferential() {
-        let rows = random.subjects.iter().map(|s| vec![(&s.subject).into(), fixed(s.mode, 2), fixed(s.sd, 2)]).collect();
+        let rows =
+            random.subjects.iter().map(|s| vec![(&s.subject).into(), fixed(s.mode, 2), fixed(s.sd, 2)]).collect();
         let caption = "Shift of each participant; positive values mean higher ratings";
         section.table(caption, &["Participant"], &["Shift", "Conditional SD"], rows);
     }
@@ -371,13 +361,9 @@ fn influence(section: &mut Section, results: &Results, model: &Model, checks: &C
 /// Describes the fitted model in one line: `Fitted: cumulative-link mixed model (Laplace), logit link, terms width,
 /// depth. …`.
 fn sentence(results: &Results, model: &Model) -> String {
-    let method = match model.method.as_str() {
-        "clm" => "cumulative-link model".to_owned(),
-        "clmm-laplace" => "cumulative-link mixed model (Laplace)".to_owned(),
-        other => match other.strip_prefix("clmm-aghq-") {
-            Some(nodes) => format!("cumulative-link mixed model (Gauss–Hermite, {nodes} nodes)"),
-            None => other.to_owned(),
-        },
+    let method = match model.random {
+        None => "cumulative-link model",
+        Some(_) => "cumulative-link mixed model (Laplace)",
     };
     let terms: Vec<String> = results.spec.terms.iter().map(ToString::to_string).collect();
     let terms = if terms.is_empty() { "no terms".to_owned() } else { format!("terms {}", terms.join(", ")) };
@@ -451,10 +437,6 @@ fn coefficients(section: &mut Section, results: &Results, model: &Model) {
         let odds = model.link == Link::Logit;
         coefficient_table(section, "Coefficients of the model", &model.coefficients, odds);
     }
-    if !model.scale.is_empty() {
-        let caption = "Effects on the spread of the ratings (log scale)";
-        coefficient_table(section, caption, &model.scale, false);
-    }
 }
 
 /// Adds a table of coefficients, with odds ratios if requested.
@@ -462,7 +444,8 @@ fn coefficient_table(section: &mut Section, caption: &str, all: &[Coefficient], 
     let mut numbers = vec!["Estimate", "SE", "95\u{a0}% interval"];
     numbers.extend(odds.then_some(["Odds ratio", "95\u{a0}% interval of the odds ratio"]).into_iter().flatten());
     let row = |c: &Coefficient| {
-        let mut cells = vec![(&c.name).into(), fixed(c.estimate, 3), fixed(c.se, 3), range(c.interval, |x| fixed(x, 2))];
+        let mut cells =
+            vec![(&c.name).into(), fixed(c.estimate, 3), fixed(c.se, 3), range(c.interval, |x| fixed(x, 2))];
         cells.extend(
             odds.then(|| [ratio(c.estimate.exp()), range(c.interval, |x| ratio(x.exp()))]).into_iter().flatten(),
         );

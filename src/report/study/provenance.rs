@@ -51,9 +51,8 @@ pub(super) fn section(source: &Source, results: &Results, provenance: &Provenanc
             ("Program", format!("machband {}", provenance.version)),
             ("Commit", provenance.commit.clone()),
             ("Created at", provenance.made_at.strftime("%Y-%m-%d %H:%M:%S UTC").to_string()),
-            ("Quadrature nodes", results.spec.quadrature.to_string()),
             ("Seed of the simulated studies", resampling.seed.to_string()),
-            ("Simulated studies, at most", whole(resampling.draws as u64).to_string()),
+            ("Simulated studies, at most", whole(resampling.draws.into()).to_string()),
         ],
     );
     let row = |file: &FileRead| {
