@@ -22,33 +22,25 @@ pub enum Column {
 impl Column {
     /// Chooses the narrowest type for these values.
     pub fn of(values: &[Cell]) -> Self {
-        let of_all =
-            |number: fn(&Cell) -> Option<i64>| (!values.is_empty()).then(|| values.iter().map(number).collect())?;
         let whole = |cell: &Cell| match cell {
             Cell::Whole(whole) => i64::try_from(*whole).ok(),
             Cell::Level(text, number) => number_of(text, *number).and_then(|_| text.parse().ok()),
             _ => None,
         };
-        if let Some(numbers) = of_all(whole) {
-            return Self::Whole(numbers);
-        }
         let large = |cell: &Cell| if let Cell::Whole(whole) = cell { u64::try_from(*whole).ok() } else { None };
-        if let Some(numbers) = values.iter().map(large).collect::<Option<Vec<_>>>().filter(|all| !all.is_empty()) {
-            return Self::Large(numbers);
-        }
-        if let Some(times) = of_all(|cell| if let Cell::Time(time) = cell { Some(time.as_millisecond()) } else { None })
-        {
-            return Self::Time(times);
-        }
+        let time = |cell: &Cell| if let Cell::Time(time) = cell { Some(time.as_millisecond()) } else { None };
         let number = |cell: &Cell| match cell {
             Cell::Missing => Some(f64::NAN),
             Cell::Level(text, number) => number_of(text, *number),
             cell => cell.as_number(),
         };
-        match values.iter().map(number).collect() {
-            Some(numbers) => Self::Number(numbers),
-            None => Self::Text(values.iter().map(|cell| (*cell != Cell::Missing).then(|| cell.to_string())).collect()),
-        }
+        let text = |cell: &Cell| (*cell != Cell::Missing).then(|| cell.to_string());
+        all(values, whole)
+            .map(Self::Whole)
+            .or_else(|| all(values, large).map(Self::Large))
+            .or_else(|| all(values, time).map(Self::Time))
+            .or_else(|| values.iter().map(number).collect::<Option<_>>().map(Self::Number))
+            .unwrap_or_else(|| Self::Text(values.iter().map(text).collect()))
     }
 
     pub fn into_array(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
@@ -66,6 +58,11 @@ impl Column {
             }
         })
     }
+}
+
+/// Returns what `of` makes of every value; `None` if there are no values, or one is something else.
+fn all<T>(values: &[Cell], of: impl Fn(&Cell) -> Option<T>) -> Option<Vec<T>> {
+    if values.is_empty() { None } else { values.iter().map(of).collect() }
 }
 
 /// Returns the number of a level, unless its text has leading zeros, which belong to a name.
