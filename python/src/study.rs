@@ -8,7 +8,7 @@ use std::{
 use machband::{
     analysis::{Note, Results},
     cli::check,
-    experiment::{self, CellValue},
+    experiment,
     report::{self, Provenance, Study, document::Section, study::shell_command},
     stimulus::Stimulus,
     store::{
@@ -19,6 +19,7 @@ use machband::{
         verify as verification,
     },
     system::now,
+    text::{Cell, Table},
     work::{Analyze, words},
 };
 use pyo3::{
@@ -79,7 +80,7 @@ fn read(folder: &Path, job: &Job) -> anyhow::Result<Described> {
         for row in rows {
             let row = row.values();
             for (column, place) in values.iter_mut().zip(&places) {
-                column.push(place.map_or(CellValue::Missing, |place| row[place].clone()));
+                column.push(place.map_or(Cell::Missing, |place| row[place].clone()));
             }
         }
     }
@@ -128,6 +129,9 @@ pub fn analyze(
     Ok(Analysis { study: Arc::new(study), results, command })
 }
 
+/// A table: its name, its columns, and the name, unit and description of each column.
+type DescribedTable<'py> = (String, Bound<'py, PyDict>, Vec<(String, String, String)>);
+
 /// Files: their names and contents.
 type Files<'py> = Vec<(String, Bound<'py, PyBytes>)>;
 
@@ -137,6 +141,21 @@ impl Analysis {
     fn table_files<'py>(&self, py: Python<'py>) -> Files<'py> {
         let files = report::table_files(&self.study, &self.results).into_iter();
         files.map(|(name, content)| (name, PyBytes::new(py, &content))).collect()
+    }
+
+    /// Returns the tables as columns, with the name, unit and description of each column.
+    fn tables<'py>(&self, py: Python<'py>) -> PyResult<Vec<DescribedTable<'py>>> {
+        let counts = report::tables::counts(&self.results.measured.counts, &self.study.source.shape);
+        let mut tables = report::tables::all(&self.results);
+        tables.push(("counts".to_owned(), counts));
+        let described = |(name, table): (String, Table)| {
+            let columns = table.columns.iter().map(|column| (column.name.clone(), Column::of(&column.cells)));
+            let columns = table::columns(py, columns)?;
+            let about =
+                table.columns.into_iter().map(|column| (column.name, column.unit, column.description)).collect();
+            Ok((name, columns, about))
+        };
+        tables.into_iter().map(described).collect()
     }
 
     /// Returns the report and the figures.

@@ -76,7 +76,7 @@ pub(super) fn counts(arguments: &CountsArguments, writer: &Writer) -> anyhow::Re
     let progress = super::Bar::spinner("reading");
     let study = arguments.ratings.read(Vec::new(), false, true).map_err(explained)?;
     let counts = &study.measured.counts;
-    writer.write(&arguments.out, &tables::counts(counts, &study.source.shape))?;
+    writer.write(&arguments.out, &tables::counts_csv(counts, &study.source.shape))?;
     progress.clear();
     super::print_line(&sentence(&study.source, &study.measured))?;
     super::print_line(&format!("{} in {}", count(counts.rows.len() as u64, "row"), arguments.out.display()))?;

@@ -28,7 +28,7 @@ pub use identity::{Identity, IdentityError};
 pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, simulate, visibilities};
 pub use participant::{AnswerError, Answers, FieldKind, FieldSpec, MAX_ANSWER, ParticipantField, ParticipantFields};
 pub use protocol::{Protocol, name_error};
-pub use record::{CellValue, Column, Rating, RatingRow, RowContext, Seconds, TrialRecord, columns, columns_by_header};
+pub use record::{Column, Rating, RatingRow, RowContext, Seconds, TrialRecord, columns, columns_by_header};
 pub use schedule::{GENERATOR, Phase, Schedule, ScheduleError, Trial, session_seed};
 pub use session::{Effect, Event, FrameCount, Progress, Resumed, Session, SessionOptions, State, TrialResponse};
 pub use texts::Texts;

@@ -12,21 +12,7 @@ use super::{
     schedule::{Phase, Schedule},
     session::TrialResponse,
 };
-use crate::{light::interpolation::Depth, stimulus::ParameterValue};
-
-/// The value of a cell, for programs that read data as numbers.
-#[derive(Clone, Debug, PartialEq)]
-pub enum CellValue {
-    /// An empty cell.
-    Missing,
-    /// A whole number; large enough for every seed.
-    Whole(i128),
-    /// A number, which may be infinite.
-    Number(f64),
-    Text(String),
-    /// A point in time.
-    Time(Timestamp),
-}
+use crate::{light::interpolation::Depth, stimulus::ParameterValue, text::Cell as CellValue};
 
 /// A value in one cell of a CSV file.
 trait Cell: Sized {
@@ -229,11 +215,8 @@ macro_rules! record {
 
 /// Returns the value of a factor's level.
 fn level_value(level: &str) -> CellValue {
-    match level.parse::<f64>() {
-        Ok(number) if !number.is_nan() => CellValue::Number(number),
-        _ if level.is_empty() => CellValue::Missing,
-        _ => CellValue::Text(level.to_owned()),
-    }
+    let number = level.parse().ok().filter(|number: &f64| !number.is_nan());
+    if level.is_empty() { CellValue::Missing } else { CellValue::Level(level.to_owned(), number) }
 }
 
 /// Reads the cell at `next` and advances to the following cell.

@@ -8,8 +8,10 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::color::{ColorError, StimulusColor};
-use crate::light::{Depth, DepthError};
-use crate::text::names::expected_one_of;
+use crate::{
+    light::{Depth, DepthError},
+    text::{Cell, names::expected_one_of},
+};
 
 /// One parameter of a stimulus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +67,15 @@ impl FromStr for ParameterValue {
 impl From<f64> for ParameterValue {
     fn from(number: f64) -> Self {
         ParameterValue::Number(number)
+    }
+}
+
+impl From<ParameterValue> for Cell {
+    fn from(value: ParameterValue) -> Self {
+        match value {
+            ParameterValue::Number(number) => number.into(),
+            ParameterValue::Text(text) => text.into(),
+        }
     }
 }
 

@@ -1,7 +1,6 @@
 //! CSV tables in which each row has a line number and each cell has a column.
 
 use std::{
-    borrow::Cow,
     cell::Cell,
     io::{self, BufRead, Cursor, Read, Seek, SeekFrom},
     path::Path,
@@ -427,18 +426,4 @@ pub(super) fn shortened(text: &str) -> String {
     const SHOWN: usize = 40;
     let shown: String = text.chars().take(SHOWN).collect();
     if shown.len() < text.len() { shown + "…" } else { shown }
-}
-
-/// Makes a cell safe for spreadsheets: if a spreadsheet would treat the text as a formula (it begins with `=`, `+`,
-/// `-`, `@`, a tab or a carriage return, and is not a number), it is prefixed with an apostrophe, which marks it as
-/// text.
-#[must_use]
-pub fn inert(cell: &str) -> Cow<'_, str> {
-    if is_formula(cell) { Cow::Owned(format!("'{cell}")) } else { Cow::Borrowed(cell) }
-}
-
-/// True if a spreadsheet would evaluate a cell instead of showing it.
-#[must_use]
-pub fn is_formula(cell: &str) -> bool {
-    cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && cell.parse::<f64>().is_err()
 }

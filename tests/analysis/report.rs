@@ -24,6 +24,7 @@ use machband::{
         ratings::{FileRead, Layout, SessionRead, Shape, Source},
         sidecar::{PreflightNote, Sidecar, Sitting},
     },
+    text::Cell,
 };
 use proptest::prelude::*;
 use resvg::usvg::roxmltree;
@@ -227,7 +228,8 @@ fn quotable(results: &Results) -> Vec<String> {
     }
     let mut all = vec![tables::subjects(results), tables::tests(results), tables::agreement(results)];
     all.extend(results.factors.iter().map(|factor| tables::by_factor(results, factor)));
-    values.extend(all.iter().flat_map(|table| &table.rows).flatten().filter_map(|cell| cell.parse::<f64>().ok()));
+    let cells = all.iter().flat_map(|table| &table.columns).flat_map(|column| &column.cells);
+    values.extend(cells.filter_map(Cell::as_number));
     let model = &results.model.as_ref().unwrap().model;
     for contrast in &model.contrasts {
         let ends = contrast.interval.map_or([f64::NAN; 2], |interval| [interval.low, interval.high]);

@@ -16,8 +16,8 @@ use machband::{
         definition,
         ratings::{self, FileRead, Layout, ReadOptions, Source},
         session::SessionStore,
-        table::inert,
     },
+    text::inert,
 };
 
 use crate::{
@@ -444,7 +444,7 @@ mod layouts {
         let study = Study::read(&[folder.path().to_owned()], &ReadOptions::default()).unwrap();
         let counts = study.measured.counts;
         let path = folder.path().join("counts.csv");
-        fs::write(&path, tables::counts(&counts, &study.source.shape)).unwrap();
+        fs::write(&path, tables::counts_csv(&counts, &study.source.shape)).unwrap();
         assert!(fs::read_to_string(&path).unwrap().starts_with("subject_id,width,tanh_k,rating,count\nS1,0.1,5,"));
         let again = Study::read(&[path], &ReadOptions::default()).unwrap();
         assert_eq!((again.measured.counts, again.source.files[0].layout), (counts, Layout::Counts));

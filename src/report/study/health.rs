@@ -6,7 +6,7 @@ use super::{cautions::unusual_behavior, exclusions, sittings};
 use crate::{
     analysis::Results,
     report::document::{
-        Section,
+        Section, Shown,
         numbers::{count, fixed, list, whole},
     },
     store::ratings::{FileRead, SessionRead, Source},
@@ -102,7 +102,7 @@ pub(super) fn finished_sentence(source: &Source, results: &Results) -> Option<St
     }
 }
 
-fn session(session: &SessionRead, is_excluded: bool) -> Vec<String> {
+fn session(session: &SessionRead, is_excluded: bool) -> Vec<Shown> {
     let state = match session.planned {
         _ if is_excluded => "excluded".to_owned(),
         None => "not known".to_owned(),
@@ -116,7 +116,7 @@ fn session(session: &SessionRead, is_excluded: bool) -> Vec<String> {
     };
     let known = |n: Option<u64>| n.map_or_else(|| fixed(None, 0), whole);
     let (planned, rated, dropped) = (known(session.planned), whole(session.rated), known(session.dropped));
-    vec![session.subject.clone(), session.session.clone(), state, by.to_owned(), planned, rated, dropped]
+    vec![(&session.subject).into(), (&session.session).into(), state.into(), by.into(), planned, rated, dropped]
 }
 
 fn screens(section: &mut Section, source: &Source, results: &Results) {
@@ -171,7 +171,7 @@ fn screens(section: &mut Section, source: &Source, results: &Results) {
             let same = if values.len() > 1 { "differs" } else { "the same" };
             let value = |(value, n)| format!("{value} ({})", count(n as u64, "sitting"));
             let values: Vec<String> = values.into_iter().map(value).collect();
-            vec![name.to_owned(), values.join("; "), same.to_owned()]
+            vec![name.into(), values.join("; ").into(), same.into()]
         })
         .collect();
     section.table("How the sittings were run", &["Setting", "Value", "Across sittings"], &[], rows);

@@ -66,7 +66,7 @@ fn procedure(cited: &mut Cited, source: &Source, results: &Results) -> String {
         n => format!("{people}, {n} of them simulated,"),
     };
     let rated = names::rated(&who, results, "which varied in", |factor| {
-        factor.levels.iter().map(|level| names::level_of(factor, level)).collect::<Vec<_>>().join(", ")
+        factor.levels.iter().map(|level| names::level_of(factor, level).to_string()).collect::<Vec<_>>().join(", ")
     });
     let shown = source.protocol.as_ref().map(|protocol| shown(cited, protocol)).unwrap_or_default();
     let excluded: String = exclusions::sentences(results).iter().map(|sentence| format!(" {sentence}")).collect();

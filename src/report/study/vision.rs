@@ -6,7 +6,7 @@ use crate::{
     analysis::{Results, counts::Counts},
     report::{
         document::{
-            Section,
+            Section, Shown,
             numbers::{count, fixed, list, mean, unit, whole},
         },
         figures::Figure,
@@ -63,8 +63,8 @@ pub(super) fn degrees(prediction: &StudyPrediction) -> String {
 }
 
 fn criterion(comparison: &Comparison, counts: &Counts) -> String {
-    let below: Vec<String> = counts.categories.iter().take(3).map(|category| names::level("", category)).collect();
-    let thresholds: Vec<String> = comparison.criterion.thresholds.iter().map(|t| visibility(*t)).collect();
+    let below: Vec<Shown> = counts.categories.iter().take(3).map(|category| names::level("", category)).collect();
+    let thresholds: Vec<Shown> = comparison.criterion.thresholds.iter().map(|t| visibility(*t)).collect();
     format!(
         "half of the ratings are above {} at a visibility of {}, with a spread of {} in log visibility",
         list(&below),
@@ -75,11 +75,11 @@ fn criterion(comparison: &Comparison, counts: &Counts) -> String {
 
 /// Formats a visibility with about three digits and no thousands separators. A threshold far from all stimuli can be
 /// arbitrarily large or small.
-fn visibility(value: f64) -> String {
+fn visibility(value: f64) -> Shown {
     if (0.01..10_000.0).contains(&value) {
         fixed(value, if value < 10.0 { 2 } else { 1 })
     } else {
-        format!("{value:.1e}")
+        Shown::new(value, format!("{value:.1e}"))
     }
 }
 

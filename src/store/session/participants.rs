@@ -13,8 +13,8 @@ use crate::{
         error::io,
         file::{in_turn, write_json, write_whole},
         open::read_regular,
-        table::is_formula,
     },
+    text::is_formula,
 };
 
 /// How BIDS writes a missing value.
