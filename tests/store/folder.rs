@@ -7,9 +7,11 @@ use machband::{
     experiment::{Identity, Phase, Protocol, Rating, Seconds, TrialRecord, columns},
     light::Depth,
     store::{
-        StoreError, check, definition,
+        StoreError, check,
+        dataset::free_participant,
+        definition,
         results::ResultFile,
-        session::{Changes, Interrupted, SessionStore, register::free_participant},
+        session::{Changes, Interrupted, SessionStore},
         sidecar::Sidecar,
     },
 };
@@ -60,7 +62,6 @@ mod layout {
             "small-one/data/subject-S001_session-1_task-smallone_data.csv",
             "small-one/data/subject-S001_session-1_task-smallone_data.json",
             "small-one/dataset_description.json",
-            "small-one/sessions.csv",
         ];
         assert_eq!(files, expected);
         let paths = paths(folder.path());
@@ -206,8 +207,7 @@ mod interrupted {
     fn truncation_at_any_byte_loses_only_the_last_row() {
         let folder = session_of(4);
         let paths = paths(folder.path());
-        let register = paths.dataset.join("sessions.csv");
-        let [whole, saved, listed] = [&paths.csv, &paths.sidecar, &register].map(|path| fs::read(path).unwrap());
+        let [whole, saved] = [&paths.csv, &paths.sidecar].map(|path| fs::read(path).unwrap());
         let ends: Vec<usize> = (0..whole.len()).filter(|i| whole[*i] == b'\n').map(|i| i + 1).collect();
         let (header, two_rows) = (ends[0], ends[ends.len() - 3]);
         let cuts = (0..=header).step_by(7).chain(two_rows..=whole.len()).map(|length| (length, 0));
@@ -223,7 +223,6 @@ mod interrupted {
         for (length, content) in cases {
             fs::write(&paths.csv, &content).unwrap();
             fs::write(&paths.sidecar, &saved).unwrap();
-            fs::write(&register, &listed).unwrap();
             let (mut store, found) = resume(folder.path()).unwrap_or_else(|error| panic!("{length}: {error}"));
             let kept = ends.iter().filter(|end| **end <= length).count();
             assert_eq!(found.rows.len(), kept.saturating_sub(1), "{length}");

@@ -204,7 +204,7 @@ fn presentation(sitting: &Sitting) -> Map<String, Value> {
         ("ScreenSize", size.or(no_screen.clone())),
         ("ScreenResolution", pixels.map(|(wide, high)| json!([wide as u64, high as u64])).or(no_screen)),
         ("ScreenRefreshRate", refresh_hz.map(|hertz| rounded(hertz, 1e3))),
-        ("OperatingSystem", program.system.as_deref().map(Value::from)),
+        ("OperatingSystem", Some(program.system.as_str().into())),
         ("SoftwareName", Some(program.name.as_str().into())),
         ("SoftwareVersion", Some(program.version.as_str().into())),
         ("SoftwareCommit", (program.commit != "unknown").then(|| program.commit.as_str().into())),

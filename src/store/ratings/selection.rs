@@ -16,7 +16,7 @@ use super::{
 use crate::{
     experiment::{MAX_RATING, Protocol, columns_by_header},
     light::names::expected_one_of,
-    store::{FileError, FileErrors, StoreError, definition, session::register, sidecar::Sidecar},
+    store::{FileError, FileErrors, StoreError, definition, session::seal, sidecar::Sidecar},
 };
 
 /// Columns that a result file must have in addition to the participant's column.
@@ -203,7 +203,7 @@ impl Input {
                 Err(error) => errors.push(FileError::whole(&name, format!("cannot be read: {error}"))),
             }
             if let Some(sidecar) = &mut sidecar {
-                changed = register::errors(path, sidecar);
+                changed = seal::errors(path, sidecar);
                 match definitions.protocol(&name, &sidecar.definition) {
                     Ok(found) => protocol = Some(found),
                     Err(found) => errors.extend(found.0),

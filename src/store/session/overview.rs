@@ -58,14 +58,15 @@ impl SessionState {
         let protocol = definition::from_json(&path.display().to_string(), &sidecar.definition)?;
         let planned = protocol.main_trials().saturating_add(protocol.design.practice as usize);
         // A complete session was rated to the end, so its rows need not be read.
-        let rated = if sidecar.complete {
+        let complete = sidecar.is_complete();
+        let rated = if complete {
             planned
         } else {
             let rows = results::read(&csv, &columns(&protocol))?.rows;
             rows.iter().map(|row| (row.phase, row.trial)).collect::<HashSet<_>>().len()
         };
         let started_at = sidecar.sittings.last().map(|sitting| sitting.started_at.clone()).unwrap_or_default();
-        Ok(Self { csv, experiment: protocol.name, identity, rated, planned, complete: sidecar.complete, started_at })
+        Ok(Self { csv, experiment: protocol.name, identity, rated, planned, complete, started_at })
     }
 }
 

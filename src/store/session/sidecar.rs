@@ -51,8 +51,6 @@ pub struct Sidecar {
     pub generator: String,
     /// How an onset is defined.
     pub onset: String,
-    /// True if every planned trial is rated.
-    pub complete: bool,
     /// One entry for each time the session was started or resumed.
     pub sittings: Vec<Sitting>,
     /// Description, unit and levels of every column.
@@ -60,46 +58,39 @@ pub struct Sidecar {
     /// What the participant answered before the first page; absent if nothing was asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub participant: Option<Answers>,
-    /// Reveals whether files were changed after the session ended; absent until the session ends.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub seal: Option<Seal>,
 }
 
 /// Hashes of a session's files when a sitting ended. They reveal accidents and honest manual changes, but do not
 /// protect against fraud: anyone can create new hashes.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Seal {
-    /// Number of bytes of the data file; earlier versions did not record it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub data_bytes: Option<u64>,
+    /// Number of bytes of the data file.
+    pub data_bytes: u64,
     /// SHA-256 of these bytes.
     pub data_sha256: String,
-    /// Number of bytes of the frames file; `None` if there is no such file, or if an earlier version sealed the
-    /// session.
+    /// Number of bytes of the frames file, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frames_bytes: Option<u64>,
     /// SHA-256 of the frames file, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frames_sha256: Option<String>,
-    /// [`Sidecar::own_sha256`], up to and including the sitting that ended.
+    /// [`Sidecar::sha256_at_end_of`] the sitting.
     pub sidecar_sha256: String,
+}
+
+/// The session that ended before a sitting in the same folder. If it is deleted, this entry reveals that it existed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Previous {
+    /// Name of its data file.
+    pub data_file: String,
+    /// [`Seal::data_sha256`] of its last seal. That seal stays in its sidecar when it is resumed or repaired.
+    pub data_sha256: String,
 }
 
 /// Returns the linked-data context. schema.org does not define the keys of a sidecar; without this context, readers of
 /// linked data would look for them there.
 fn context() -> Value {
-    let own = [
-        "definition",
-        "definition_sha256",
-        "seed",
-        "generator",
-        "onset",
-        "complete",
-        "sittings",
-        "columns",
-        "participant",
-        "seal",
-    ];
+    let own = ["definition", "definition_sha256", "seed", "generator", "onset", "sittings", "columns", "participant"];
     let mut context = Map::from_iter([("@vocab".to_owned(), "http://schema.org/".into())]);
     context.extend(own.map(|key| (key.to_owned(), Value::Null)));
     context.into()
@@ -113,6 +104,8 @@ pub struct Sitting {
     /// RFC 3339, UTC; absent after a crash.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ended_at: Option<String>,
+    /// True if every planned trial was rated when it ended.
+    pub complete: bool,
     /// The program that ran it.
     pub program: Program,
     /// Parameters of the simulated observer; absent for a person.
@@ -142,8 +135,11 @@ pub struct Sitting {
     /// Repairs, moves and other incidents.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub incidents: Vec<String>,
-    /// The seal of this sitting, if the session was resumed after it ended. It covers the beginnings of the files. The
-    /// seal of the last sitting is [`Sidecar::seal`].
+    /// The session that ended before this sitting in the same folder; absent if there was none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub previous: Option<Previous>,
+    /// Proves what was recorded until this sitting ended; absent after a crash. The seal of the last sitting covers the
+    /// whole files, and the seals of earlier sittings cover their beginnings.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seal: Option<Seal>,
 }
@@ -157,9 +153,8 @@ pub struct Program {
     pub version: String,
     /// The commit from which it was built, or `unknown`.
     pub commit: String,
-    /// The operating system for which it was built, such as `linux`; earlier versions did not record it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub system: Option<String>,
+    /// The operating system for which it was built, such as `linux`.
+    pub system: String,
 }
 
 impl Default for Program {
@@ -168,7 +163,7 @@ impl Default for Program {
             name: env!("CARGO_PKG_NAME").to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             commit: env!("MACHBAND_COMMIT").to_owned(),
-            system: Some(std::env::consts::OS.to_owned()),
+            system: std::env::consts::OS.to_owned(),
         }
     }
 }
@@ -198,40 +193,51 @@ impl Sidecar {
             seed,
             generator: GENERATOR.to_owned(),
             onset: ONSET.to_owned(),
-            complete: false,
             sittings: vec![sitting],
             columns,
             participant: None,
-            seal: None,
         }
     }
 
-    /// Computes the SHA-256 of the sidecar without its seal.
+    /// True if the last sitting ended with every planned trial rated.
     #[must_use]
-    pub fn own_sha256(&self) -> String {
-        let open = Self { seal: None, ..self.clone() };
-        // A sidecar is plain data, so serialization cannot fail.
-        sha256(&serde_json::to_vec(&open).unwrap_or_default())
+    pub fn is_complete(&self) -> bool {
+        self.sittings.last().is_some_and(|sitting| sitting.complete)
     }
 
-    /// Returns the sidecar as it was when a sitting ended, without the seal of that sitting. `sitting` is an index.
-    /// `complete` says whether all trials were rated at that time.
-    pub(crate) fn at_end_of(&self, sitting: usize, complete: bool) -> Self {
-        let mut then = Self { complete, seal: None, ..self.clone() };
+    /// Returns the latest seal; `None` if no sitting ended.
+    #[must_use]
+    pub fn last_seal(&self) -> Option<&Seal> {
+        self.sittings.iter().rev().find_map(|sitting| sitting.seal.as_ref())
+    }
+
+    /// Computes the SHA-256 of the sidecar as it was when a sitting ended, without the seal of that sitting. `sitting` is
+    /// an index.
+    #[must_use]
+    pub fn sha256_at_end_of(&self, sitting: usize) -> String {
+        let mut then = self.clone();
         then.sittings.truncate(sitting + 1);
         if let Some(last) = then.sittings.last_mut() {
             last.seal = None;
         }
-        then
+        // A sidecar is plain data, so serialization cannot fail.
+        sha256(&serde_json::to_vec(&then).unwrap_or_default())
     }
 
-    /// Replaces the seals of the sittings from this index on with the seal of the files as they are now, because the
-    /// user accepted a change.
-    pub(crate) fn reseal(&mut self, from: usize, seal: &Seal) {
+    /// Seals a sitting, given by its index, with these hashes of the files and the hash of the sidecar.
+    pub(super) fn seal(&mut self, sitting: usize, files: Seal) {
+        let sidecar_sha256 = self.sha256_at_end_of(sitting);
+        if let Some(sitting) = self.sittings.get_mut(sitting) {
+            sitting.seal = Some(Seal { sidecar_sha256, ..files });
+        }
+    }
+
+    /// Seals the sittings that ended, from this index on, with the files as they are now, because the user accepted a
+    /// change.
+    pub(super) fn reseal(&mut self, from: usize, files: &Seal) {
         for sitting in from..self.sittings.len() {
-            if self.sittings[sitting].seal.is_some() {
-                let sidecar_sha256 = self.at_end_of(sitting, false).own_sha256();
-                self.sittings[sitting].seal = Some(Seal { sidecar_sha256, ..seal.clone() });
+            if self.sittings[sitting].ended_at.is_some() || self.sittings[sitting].seal.is_some() {
+                self.seal(sitting, files.clone());
             }
         }
     }
