@@ -82,7 +82,7 @@ for mesh in cube blob; do
     panel ours 'quadratic' "${turned[@]}" --shader quadratic
     panel ours 'Phong' "${turned[@]}" --shader phong
 done
-sheet figure-ours
+sheet figure-ours 4
 
 # Before, after and truth: what the mesh approximates.
 while IFS='|' read -r name options; do

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Updates the documentation's pictures from the program itself:
-# docs/pictures/{start,stimuli,shaders,categories,trial,dither,figure4a}.png.
+# docs/pictures/{start,stimuli,shaders,categories,dither,figure4a}.png and trial.gif.
 #
 #   scripts/pictures.sh                             # with target/release/machband
 #   MACHBAND=target/debug/machband scripts/pictures.sh
 #
-# Needs Xvfb, openbox, xdotool and ImageMagick. The simulated observer supplies the answers.
+# Needs Xvfb, openbox, xdotool, ImageMagick and the font DejaVu Sans.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -113,21 +113,35 @@ kill "$start"
 wait "$start" 2>/dev/null || true
 rm -r results
 
-# A session of `quick` with a short recovery and the simulated observer's answers.
-sed 's/^duration_s = .*/duration_s = 0.5/' "$root/experiments/quick.toml" >quick.toml
-"$machband" simulate quick.toml --seed 7 --results simulated >/dev/null
-file=quick/data/subject-S001_session-1_task-quick_data.csv
-csv=results/$file
-# Prints the cells of a column. The columns used here have no commas in their cells or before them.
-column() {
-    local number
-    number=$(head -n 1 "simulated/$file" | tr ',' '\n' | grep -nx "$1" | cut -d: -f1)
-    tail -n +2 "simulated/$file" | cut -d, -f"$number"
-}
-mapfile -t conditions < <(paste -d, <(column phase) <(column width) <(column depth) <(column orientation_deg))
-mapfile -t ratings < <(column rating)
+# A session of four trials, in which the band vanishes: the smoother the ramp, the weaker the band. The seed puts the
+# depths in this order.
+cat >vanish.toml <<'END'
+schema = 1
+name = "vanish"
+title = "A band that vanishes"
 
-"$machband" run quick.toml --participant S001 --seed 7 &
+[stimulus]
+kind = "mach-band"
+
+[factors]
+depth = [1, 2, 3, "inf"]
+
+[design]
+repetitions = 1
+practice = 0
+order = "random"
+
+[recovery]
+duration_s = 3.0
+level = 0.5
+
+[viewing]
+distance_cm = 50.0
+window_deg = 11.0
+END
+seed=49
+csv=results/vanish/data/subject-S001_session-1_task-vanish_data.csv
+"$machband" run vanish.toml --participant S001 --seed "$seed" &
 children+=($!)
 until_so has_window
 rest
@@ -135,22 +149,56 @@ rest
 press_to_next space
 press_to_next space
 picture root categories.png
-# The page that announces the practice trials.
-press_to_next space
-xdotool key space
-for i in "${!ratings[@]}"; do
+# Takes a part of the screen in its own pixels.
+frame() { import -window root -crop 640x480+320+276 +repage -depth 8 "$work/$1.png"; }
+answers=(3 2 1 0)
+for i in "${!answers[@]}"; do
     until is_trial; do
         xdotool key space
         sleep 0.5
     done
+    [ "$i" != 0 ] || { until_so is_field && frame field; }
     until_so is_stimulus
-    # The main trial whose ramp shows the clearest Mach band.
-    if [ "${conditions[i]}" = main,0.4,1,0 ]; then
-        picture root trial.png
-    fi
-    xdotool key "${ratings[i]}"
+    frame "$i-stimulus"
+    xdotool key "${answers[i]}"
+    # The mark that acknowledges an answer, the same for all, is on the field for 0.4 s. A slow machine misses some.
+    until_so is_field
+    frame answered
+    [ "$(identify -format %k "$work/answered.png")" = 1 ] || cp "$work/answered.png" "$work/mark.png"
     until_so has_rows $((i + 1))
 done
+tail -n +2 "$csv" | cut -d, -f12 | paste -sd' ' | grep -qx '1 2 3 inf' ||
+    { echo "error: $csv: the order of the depths is not 1, 2, 3, inf; expected it with seed $seed" >&2; exit 1; }
+
+[ -e "$work/mark.png" ] || { echo 'error: no mark was on the field in time; expected a faster machine' >&2; exit 1; }
+
+# The moving picture: what the screen shows, and below it the luminance along a line through the stimulus. The line has
+# no overshoot at the ends of the ramp: the band is not in the light. A strip has few colors, so that the palette of a
+# GIF frame has room for every code of the stimulus.
+# Writes the strip below a frame: the name of its file, then what is drawn on it.
+strip() {
+    convert -size 640x96 xc:'#202020' -font DejaVu-Sans -pointsize 15 -fill '#e8e8e8' "${@:2}" +dither -colors 32 \
+        -depth 8 "PNG24:$work/strip-$1.png"
+}
+depths=(1 2 3 inf)
+moving=()
+strip field -gravity west -annotate +12+0 'uniform field'
+for i in "${!depths[@]}"; do
+    depth=${depths[i]}
+    "$machband" stimulus --depth "$depth" --size 364 --out "$work/$i.png" --profile "$work/$i.csv" >/dev/null
+    line=$(tail -n +2 "$work/$i.csv" | awk -F, '{ printf "%.1f,%.1f ", 320 + 364 * $1, 116 - 136 * $2 }')
+    strip stimulus -gravity west -annotate +12+0 "depth ${depth/inf/∞}" -gravity east -annotate +12+0 luminance \
+        -fill none -stroke '#e8e8e8' -strokewidth 2 -draw "polyline $line"
+    strip mark -gravity west -annotate +12+0 "answer: ${answers[i]}"
+    for part in field "$i-stimulus" mark; do
+        convert "$work/$part.png" "$work/strip-${part#*-}.png" -append -strip -depth 8 \
+            "PNG24:$work/moving-$i-${part#*-}.png"
+    done
+    moving+=(-delay 70 "$work/moving-$i-field.png" -delay 220 "$work/moving-$i-stimulus.png")
+    moving+=(-delay 60 "$work/moving-$i-mark.png")
+done
+# It begins with the first stimulus, which programs show that do not move pictures.
+convert "${moving[@]:3}" "${moving[@]:0:3}" +dither -treedepth 8 -loop 0 "$pictures/trial.gif"
 
 # A shallow ramp of ten codes, with and without dither, with its contrast stretched to make the codes visible.
 for dither in none blue-noise; do
@@ -165,4 +213,4 @@ convert "$work/none.png" "$work/blue-noise.png" -normalize -crop 400x160+0+0 +re
 "$machband" analyze "$work/analyzed" --out "$work/analysis" >/dev/null
 cp "$work/analysis/figure4a.png" "$pictures/figure4a.png"
 
-echo "$pictures: start.png, stimuli.png, shaders.png, categories.png, trial.png, dither.png, figure4a.png"
+echo "$pictures: start.png, stimuli.png, shaders.png, categories.png, trial.gif, dither.png, figure4a.png"
