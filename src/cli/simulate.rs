@@ -9,7 +9,6 @@ use std::{
 
 use indicatif::ProgressBar;
 use rayon::prelude::*;
-use serde_json::json;
 
 use super::{UsageError, progress_style};
 use crate::{
@@ -21,7 +20,7 @@ use crate::{
     store::{
         StoreError, definition, observer,
         session::{Changes, Interrupted, SessionStore},
-        sidecar::{Pictures, Sitting},
+        sitting::{Pictures, SimulatedObserver, Sitting},
     },
     system::{after, before, check_clock, now, signals, threads},
 };
@@ -77,7 +76,7 @@ struct Simulation<'a> {
     protocol: &'a Protocol,
     observer: Box<dyn Observer>,
     /// How the sidecars describe the observer.
-    description: serde_json::Value,
+    description: SimulatedObserver,
     pictures: Pictures,
     /// Hashes of the pictures, which are rendered when the first session ends, so that no row waits for them.
     hashes: OnceLock<Vec<String>>,
@@ -155,17 +154,17 @@ pub fn sessions(arguments: &Arguments, protocol: &Protocol, watcher: &dyn Watche
 }
 
 /// Returns the observer, and how the sidecars describe it.
-fn observer(arguments: &Arguments, protocol: &Protocol) -> anyhow::Result<(Box<dyn Observer>, serde_json::Value)> {
+fn observer(arguments: &Arguments, protocol: &Protocol) -> anyhow::Result<(Box<dyn Observer>, SimulatedObserver)> {
     let file = arguments.observer_file.as_deref();
     Ok(match arguments.observer {
         ObserverKind::Random if file.is_some() => {
             let message = "--observer-file does not apply to --observer random; expected --observer paper or vision";
             return Err(UsageError(message.to_owned()).into());
         }
-        ObserverKind::Random => (Box::new(UniformObserver), json!({ "observer": "random" })),
+        ObserverKind::Random => (Box::new(UniformObserver), SimulatedObserver::Random),
         ObserverKind::Vision => {
             let parameters = file.map(observer::open_vision).transpose()?.unwrap_or_default();
-            let description = json!({ "observer": "vision", "vision": parameters });
+            let description = SimulatedObserver::Vision { vision: parameters.clone() };
             let observer = VisionObserver::new(parameters, protocol)
                 .map_err(|error| anyhow::anyhow!("{}: {error}", arguments.experiment.display()))?;
             (Box::new(observer), description)
@@ -175,7 +174,7 @@ fn observer(arguments: &Arguments, protocol: &Protocol) -> anyhow::Result<(Box<d
                 Some(path) => observer::open(path)?,
                 None => observer::parse("paper.toml", observer::PAPER)?,
             };
-            let description = json!({ "observer": "paper", "ordered_logit": parameters });
+            let description = SimulatedObserver::Paper { ordered_logit: parameters.clone() };
             (Box::new(parameters), description)
         }
     })

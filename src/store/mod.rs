@@ -41,4 +41,4 @@ mod toml;
 
 pub use error::{FileError, FileErrors, StoreError};
 pub use output::Writer;
-pub use session::{dataset, frames, participants, recorded, results, sidecar, verify};
+pub use session::{dataset, frames, participants, recorded, results, sidecar, sitting, verify};

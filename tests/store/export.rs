@@ -8,6 +8,7 @@ use std::{
 };
 
 use machband::{
+    display::Monitor,
     experiment::columns,
     store::{
         export::{Choice, Exported, Format, export},
@@ -15,6 +16,7 @@ use machband::{
         ratings::data_files,
         recorded::Recorded,
         sidecar::Sidecar,
+        sitting::{FrameSummary, Geometry},
     },
 };
 use serde_json::{Value, json};
@@ -264,9 +266,15 @@ fn screens_and_participants_are_described_in_bids_terms_and_units() {
     rewrite(&sidecar(&results, "quick", "S001"), |sidecar| {
         let sitting = &mut sidecar["sittings"][0];
         sitting.as_object_mut().unwrap().remove("observer");
-        sitting["viewing"] = json!({ "distance_cm": 57.0, "screen_width_cm": 53.1, "screen_width_measured": true });
-        sitting["monitor"] = json!({ "width_px": 2560, "height_px": 1440, "refresh_hz": 60.0 });
-        sitting["frames"] = json!({ "refresh_s": 0.016683350 });
+        sitting["viewing"] = json!(Geometry {
+            distance_cm: 57.0,
+            screen_width_cm: 53.1,
+            screen_width_measured: true,
+            ..Geometry::default()
+        });
+        sitting["monitor"] =
+            json!(Monitor { width_px: 2560, height_px: 1440, refresh_hz: Some(60.0), ..Monitor::default() });
+        sitting["frames"] = json!(FrameSummary { refresh_s: Some(0.016683350), ..FrameSummary::default() });
     });
     edit_json(&results.join("quick/dataset_description.json"), |description| {
         description["author"] =

@@ -13,7 +13,8 @@ use std::{
 
 use super::{
     dataset::{DATA_FILE, SIDECAR_SUFFIX},
-    sidecar::{Previous, Sidecar},
+    sidecar::Sidecar,
+    sitting::Previous,
 };
 use crate::system::entries;
 

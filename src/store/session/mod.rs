@@ -11,6 +11,7 @@ mod repair;
 pub mod results;
 pub mod seal;
 pub mod sidecar;
+pub mod sitting;
 mod store;
 pub mod verify;
 

@@ -48,7 +48,7 @@ impl SessionState {
     pub fn to_resume(&self) -> Result<(Protocol, Option<f64>), StoreError> {
         let (path, sidecar) = Sidecar::of(&self.csv)?;
         let viewing = sidecar.sittings.last().and_then(|sitting| sitting.viewing.as_ref());
-        let distance_cm = viewing.and_then(|viewing| viewing["distance_cm"].as_f64());
+        let distance_cm = viewing.map(|viewing| viewing.distance_cm);
         Ok((definition::from_json(&path.display().to_string(), &sidecar.definition)?, distance_cm))
     }
 

@@ -11,7 +11,8 @@ use super::{
     recorded::order_errors,
     results::{Recovered, ResultFile},
     seal::{self, Difference},
-    sidecar::{Seal, Sidecar, Sitting},
+    sidecar::Sidecar,
+    sitting::{FrameSummary, InputSummary, Seal, Sitting},
 };
 use crate::{
     experiment::{Answers, Identity, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns},
@@ -328,7 +329,7 @@ impl SessionStore {
     }
 
     /// Notes how ratings were timestamped, to be saved with the sidecar.
-    pub fn describe_input(&mut self, input: serde_json::Value) {
+    pub fn describe_input(&mut self, input: InputSummary) {
         if let Some(sitting) = self.sitting() {
             sitting.input = Some(input);
         }
@@ -338,12 +339,7 @@ impl SessionStore {
     ///
     /// # Errors
     /// I/O errors. Even then, the rows are safe.
-    pub fn finish(
-        &mut self,
-        complete: bool,
-        ended_at: String,
-        frames: Option<serde_json::Value>,
-    ) -> Result<(), StoreError> {
+    pub fn finish(&mut self, complete: bool, ended_at: String, frames: Option<FrameSummary>) -> Result<(), StoreError> {
         let previous = chain::previous(&self.paths.csv).unwrap_or_else(|error| {
             self.note(format!("the session that ended before this one is not known: {error}"));
             None
