@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs every attack of docs/faults.md and prints the table of classes. With a log file as its argument, it only adds up
+# Runs every attack that the tests know and prints the table of classes. With a log file as its argument, it only adds up
 # the lines that the tests printed into this file. A full run took 17 minutes on two cores.
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -382,7 +382,7 @@ fn cases(full: bool) -> Vec<Case> {
 }
 
 /// No input below 1 MB takes long or much memory. `MACHBAND_LIMITS=PROGRAM` also runs the inputs at the limits,
-/// measures this release build, and prints the table of `docs/scale.md`.
+/// measures this release build, and prints a table; `docs/scale.md` has some of its rows.
 #[test]
 fn small_inputs_cost_little() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! The table of attacks in `docs/faults.md`. `scripts/attacks.sh` runs all attacks and adds up what they print.
+//! The table of attacks, of which `docs/faults.md` has a summary. `scripts/attacks.sh` runs all attacks and adds up what
+//! they print.
 
 use std::io::Write as _;
 

@@ -1,4 +1,4 @@
-//! The table of faults and their effects, as in `docs/faults.md`.
+//! The table of faults and their effects.
 
 use std::collections::BTreeMap;
 

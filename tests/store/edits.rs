@@ -153,7 +153,8 @@ fn changed(text: &str) -> String {
         "main" => "practice".to_owned(),
         "practice" => "main".to_owned(),
         "true" => "false".to_owned(),
-        "null" => "true".to_owned(),
+        "null" | "false" => "true".to_owned(),
+        "true" => "false".to_owned(),
         _ => match text.rfind(|c: char| c.is_ascii_digit()) {
             Some(at) => {
                 let digit = text.as_bytes()[at] - b'0';

@@ -49,8 +49,8 @@ fn edit_json(path: &Path, edit: impl FnOnce(&mut Value)) {
 fn rewrite(path: &Path, edit: impl FnOnce(&mut Value)) {
     edit_json(path, edit);
     let mut sidecar = Sidecar::read(path).unwrap().unwrap();
-    let own = sidecar.sha256_at_end_of(0);
-    sidecar.sittings[0].seal.as_mut().unwrap().sidecar_sha256 = own;
+    let own = sidecar.sha256_at_end_of(sidecar.sittings.len() - 1);
+    sidecar.sittings.last_mut().unwrap().seal.as_mut().unwrap().sidecar_sha256 = own;
     sidecar.write(path).unwrap();
 }
 

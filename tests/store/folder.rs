@@ -86,7 +86,7 @@ mod layout {
         assert!(
             sidecar["columns"].as_object().unwrap().values().all(|c| !c["description"].as_str().unwrap().is_empty())
         );
-        assert_eq!((sidecar["seed"].as_u64(), sidecar["complete"].as_bool()), (Some(7), Some(true)));
+        assert_eq!((sidecar["seed"].as_u64(), sidecar["sittings"][0]["complete"].as_bool()), (Some(7), Some(true)));
         assert_eq!(sidecar["definition_sha256"], definition::hash(&small()));
         let kept = definition::from_json("sidecar", &sidecar["definition"]).unwrap();
         assert_eq!(kept, small());
@@ -194,7 +194,7 @@ mod rows_on_disk {
         rate(&mut store, Some(&found), usize::MAX).unwrap();
         assert_whole(folder.path());
         drop(store);
-        assert_eq!(everything(folder.path()).len(), 8, "rows, a sidecar, and six files that describe the data set");
+        assert_eq!(everything(folder.path()).len(), 7, "rows, a sidecar, and five files that describe the data set");
     }
 }
 
@@ -318,12 +318,6 @@ mod interrupted {
         refused(&other("0.4", "0.5"), Some(7), "another definition");
         refused(&other("tanh_k = [5, 7.5]", "depth = [1, 2]"), Some(7), "another definition");
         refused(&small(), Some(8), "has seed 7; expected that seed or no seed, not 8");
-        // The same cases without a sidecar.
-        let saved = fs::read(paths(folder.path()).sidecar).unwrap();
-        fs::remove_file(paths(folder.path()).sidecar).unwrap();
-        refused(&other("0.4", "0.5"), Some(7), "another definition");
-        refused(&small(), Some(8), "has seed 7; expected that seed or no seed, not 8");
-        fs::write(paths(folder.path()).sidecar, saved).unwrap();
         let rows = fs::read_to_string(&csv).unwrap();
         fs::write(&csv, rows.replace("S001", "S002")).unwrap();
         refused(&small(), Some(7), "row S002_1_practice_0001_1 is not planned");
@@ -342,18 +336,17 @@ mod interrupted {
 
     #[test]
     fn a_missing_sidecar_is_recreated_and_a_broken_one_is_reported() {
-        for lost_after in [0, 3] {
-            let folder = session_of(lost_after);
-            fs::remove_file(paths(folder.path()).sidecar).unwrap();
-            let (mut store, found) = resume(folder.path()).unwrap();
-            assert_eq!(found.sitting, 2, "each sitting has its own entry in the sidecar");
-            rate(&mut store, Some(&found), usize::MAX).unwrap();
-            drop(store);
-            assert_whole(folder.path());
-            let sidecar = Sidecar::read(&paths(folder.path()).sidecar).unwrap().unwrap();
-            assert_eq!((sidecar.seed, sidecar.sittings.len()), (7, 2));
-            assert!(sidecar.sittings[0].incidents[0].contains("missing"), "{:?}", sidecar.sittings[0].incidents);
-        }
+        // With rows, a missing sidecar is an error: see `rows_without_their_sidecar_are_not_resumed`.
+        let folder = session_of(0);
+        fs::remove_file(paths(folder.path()).sidecar).unwrap();
+        let (mut store, found) = resume(folder.path()).unwrap();
+        assert_eq!(found.sitting, 2, "each sitting has its own entry in the sidecar");
+        rate(&mut store, Some(&found), usize::MAX).unwrap();
+        drop(store);
+        assert_whole(folder.path());
+        let sidecar = Sidecar::read(&paths(folder.path()).sidecar).unwrap().unwrap();
+        assert_eq!((sidecar.seed, sidecar.sittings.len()), (7, 2));
+        assert!(sidecar.sittings[0].incidents[0].contains("missing"), "{:?}", sidecar.sittings[0].incidents);
         let folder = session_of(3);
         let sidecar = paths(folder.path()).sidecar;
         let whole = fs::read(&sidecar).unwrap();

@@ -19,7 +19,7 @@ use machband::{
     },
 };
 
-use crate::recording::{SEED, create, identity, paths, resume, rows, small};
+use crate::recording::{SEED, create, identity, paths, rows, small};
 
 fn row(intervals_us: &[u32]) -> FrameRow {
     FrameRow {

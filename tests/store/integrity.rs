@@ -158,8 +158,10 @@ fn record(results: &Path, subject: &str, limit: usize) -> PathBuf {
     store.csv().to_owned()
 }
 
+/// The notes of `verify` about gaps in the chain of sessions.
 fn notes(csv: &Path) -> String {
-    verified(csv).notes.join("; ")
+    let notes = verified(csv).notes.into_iter();
+    notes.filter(|note| note.contains("which ended before this session")).collect::<Vec<_>>().join("; ")
 }
 
 #[test]
@@ -215,7 +217,7 @@ fn neither_resuming_nor_repairing_nor_concurrent_sessions_leave_a_gap() {
     for csv in [&second, &between, &last] {
         assert_eq!((errors(csv), notes(csv)), Default::default());
     }
-    assert!(errors(&csv).is_empty() && !notes(&csv).contains("ended before"), "{}", notes(&csv));
+    assert_eq!((errors(&csv), notes(&csv)), Default::default());
 }
 
 #[test]

@@ -16,7 +16,7 @@ use tools::blue_noise::{MASK_SEED, to_bytes, void_and_cluster};
 /// Print tables for the documentation, and run timings and long sessions.
 #[derive(Parser)]
 enum Tool {
-    /// Print the tables of docs/shaders.md: how far each shader is from the smooth surface.
+    /// Print the tables whose ranges docs/shaders.md gives: how far each shader is from the smooth surface.
     Residuals,
     /// Print the table of docs/shading.md: the slope jumps that each shader leaves, relative to Gouraud's.
     Creases,

@@ -1,4 +1,4 @@
-//! How far each shader's picture is from the smooth surface: the tables of `docs/shaders.md`.
+//! How far each shader's picture is from the smooth surface: the tables whose ranges `docs/shaders.md` gives.
 
 use std::error::Error;
 
