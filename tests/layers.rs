@@ -20,7 +20,6 @@ const FLOORS: &[(&str, i32)] = &[
     ("text", -1),
     ("system", 0),
     ("light", 0),
-    ("text", 0),
     ("statistics", 0),
     ("display", 1),
     ("shading", 1),

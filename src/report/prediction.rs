@@ -139,7 +139,7 @@ pub fn compare_conditions(
 #[must_use]
 pub fn window_deg(source: &Source, protocol: &Protocol) -> f64 {
     let sittings = source.sessions.iter().filter_map(|session| session.sidecar.as_ref()).flat_map(|s| &s.sittings);
-    let widths = sittings.filter_map(|sitting| sitting.viewing.as_ref()?["stimulus_deg"].as_f64());
+    let widths = sittings.filter_map(|sitting| Some(sitting.viewing.as_ref()?.stimulus_deg));
     mean(widths.filter(|deg| deg.is_finite() && *deg > 0.0)).unwrap_or(protocol.viewing.window_deg)
 }
 

@@ -43,4 +43,4 @@ mod toml;
 pub use columns::Columns;
 pub use error::{FileError, FileErrors, StoreError};
 pub use output::Writer;
-pub use session::{dataset, frames, participants, recorded, register, results, sidecar, verify};
+pub use session::{dataset, frames, participants, recorded, results, sidecar, sitting, verify};

@@ -9,7 +9,7 @@ use machband::{
         counts::{Exclusions, Measured, MeasuredBuilder},
         terms::Terms,
     },
-    experiment::{Definition, Protocol, RatingRow},
+    experiment::{Definition, OrderedLogit, Protocol, RatingRow},
     report::{
         Provenance,
         document::numbers::{NBSP, count, fixed, list, p_is, percent, probability, ratio, short_list, unit, whole},
@@ -22,7 +22,8 @@ use machband::{
     store::{
         FileError, definition,
         ratings::{FileRead, Layout, SessionRead, Shape, Source},
-        sidecar::{PreflightNote, Sidecar, Sitting},
+        sidecar::Sidecar,
+        sitting::{Geometry, PreflightNote, SimulatedObserver, Sitting},
     },
     text::Cell,
 };
@@ -311,7 +312,7 @@ fn session(protocol: &Protocol, subject: &str, sitting: Sitting) -> SessionRead 
 fn problems_with_the_data_are_reported() {
     let protocol = definition::open("quick").unwrap();
     let results = results(2, &DEPTHS, false);
-    let viewing = |distance: f64| Some(serde_json::json!({ "distance_cm": distance }));
+    let viewing = |distance: f64| Some(Geometry { distance_cm: distance, ..Geometry::default() });
     let person = Sitting { viewing: viewing(50.0), ..Sitting::default() };
     let mut source = Source { protocol: Some(protocol.clone()), ..source(&FACTORS) };
     source.sessions = ["S001", "S002"].map(|subject| session(&protocol, subject, person.clone())).to_vec();
@@ -322,7 +323,7 @@ fn problems_with_the_data_are_reported() {
 
     let note = |ok, sentence: &str| PreflightNote { check: "refresh".to_owned(), ok, sentence: sentence.to_owned() };
     let other = Sitting {
-        observer: Some(serde_json::json!({ "observer": "paper" })),
+        observer: Some(SimulatedObserver::Paper { ordered_logit: OrderedLogit::default() }),
         viewing: viewing(70.0),
         preflight: vec![note(false, "Frames are not steady."), note(true, "The scale is 1.")],
         incidents: vec!["the folder was moved".to_owned()],
@@ -363,8 +364,7 @@ fn problems_with_the_data_are_reported() {
     assert!(!wrong.contains("The scale is 1.") && !wrong.contains("All 2 sessions"));
 
     for session in &mut source.sessions {
-        Arc::make_mut(session.sidecar.as_mut().unwrap()).sittings[0].observer =
-            Some(serde_json::json!({ "observer": "random" }));
+        Arc::make_mut(session.sidecar.as_mut().unwrap()).sittings[0].observer = Some(SimulatedObserver::Random);
     }
     assert_parts(&study::summary(&source, &results).cautions[0], &["the results say nothing about people"]);
     assert_parts(&text(&page(&source, &results)), &["2 simulated observers gave"]);
@@ -480,7 +480,10 @@ fn the_report_shows_the_prediction_or_says_why_there_is_none() {
     assert_parts(&text_of_three, &expected);
     // With one person, there is no noise ceiling. The window has the mean of the widths that the person saw.
     let mut source = source(&FACTORS);
-    let seated = |deg: f64| Sitting { viewing: Some(serde_json::json!({ "stimulus_deg": deg })), ..Sitting::default() };
+    let seated = |deg: f64| Sitting {
+        viewing: Some(Geometry { stimulus_deg: deg, ..Geometry::default() }),
+        ..Sitting::default()
+    };
     source.sessions = [4.0, 5.0].map(|deg| session(&protocol, "S001", seated(deg))).to_vec();
     source.protocol = Some(protocol.clone());
     let text = text(&page(&source, &self::results(1, &DEPTHS, false)));

@@ -126,7 +126,7 @@ fn a_whole_session_with_a_break_a_pause_and_an_undone_rating() {
     let forgotten: Vec<_> = columns.filter(|(i, _)| is_forgotten(*i)).map(|(_, column)| column.name).collect();
     assert_eq!(forgotten, ["response_uncertainty_s"]);
     let sidecar = sidecar(folder.path());
-    assert!(sidecar.complete);
+    assert!(sidecar.is_complete());
     assert_eq!(sidecar.sittings.len(), 1);
     assert!(sidecar.sittings[0].preflight.iter().any(|note| note.check == "stimulus_fits" && note.ok));
     let frames = sidecar.sittings[0].frames.as_ref().unwrap();

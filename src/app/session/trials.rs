@@ -23,7 +23,7 @@ use crate::{
     },
     experiment::{Answers, Effect, Event, Identity, Phase, ResponseScale, Session, State},
     light::{Bits, Quantizer},
-    store::{StoreError, sidecar::PreflightNote},
+    store::{StoreError, sitting::PreflightNote},
 };
 
 /// Number of textures in memory: the current stimulus and the next one.

@@ -41,7 +41,9 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         section.text("Rows with errors were excluded; the rest was analyzed.");
         section.list(source.errors.iter().map(ToString::to_string).collect());
     }
-    let sealed = source.sessions.iter().filter_map(|session| session.sidecar.as_ref()?.seal.as_ref()).count() as u64;
+    let sealed =
+        source.sessions.iter().filter_map(|session| session.sidecar.as_ref()?.sittings.last()?.seal.as_ref()).count()
+            as u64;
     if !source.warnings.is_empty() {
         section.warning("These files were analyzed despite the following warnings.");
         section.list(source.warnings.iter().map(ToString::to_string).collect());

@@ -5,10 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::exclusions;
 use crate::{
     analysis::Results,
+    display::Monitor,
     report::document::numbers::fixed,
     store::{
         ratings::{SessionRead, Source},
-        sidecar::Sitting,
+        sitting::{Geometry, SimulatedObserver, Sitting, UsedDisplay},
     },
 };
 
@@ -49,9 +50,9 @@ pub(super) fn properties(source: &Source, results: &Results) -> Vec<(&'static st
         ("observer", observer),
         ("display profile", display),
         ("monitor", monitor),
-        ("viewing distance", |s| Some(format!("{} cm", trimmed(s.viewing.as_ref()?["distance_cm"].as_f64()?, 1)))),
+        ("viewing distance", |s| Some(format!("{} cm", trimmed(s.viewing.as_ref()?.distance_cm, 1)))),
         ("stimulus", stimulus),
-        ("median frame interval", |s| Some(format!("{} ms", fixed(1e3 * s.frames.as_ref()?["median_s"].as_f64()?, 1)))),
+        ("median frame interval", |s| Some(format!("{} ms", fixed(1e3 * s.frames.as_ref()?.median_s, 1)))),
     ];
     (values_of.into_iter())
         .filter_map(|(name, value_of)| {
@@ -73,34 +74,30 @@ fn program(sitting: &Sitting) -> Option<String> {
 }
 
 fn observer(sitting: &Sitting) -> Option<String> {
-    let name = sitting.observer.as_ref().map(|observer| observer["observer"].as_str().unwrap_or("by a program"));
-    Some(name.map_or_else(|| "a person".to_owned(), |name| format!("simulated: {name}")))
+    let simulated = |observer: &SimulatedObserver| format!("simulated: {}", observer.name());
+    Some(sitting.observer.as_ref().map_or_else(|| "a person".to_owned(), simulated))
 }
 
 fn display(sitting: &Sitting) -> Option<String> {
-    let display = sitting.display.as_ref()?;
-    let measured = match &display["measured"] {
-        measured if measured.is_null() => "not measured".to_owned(),
-        measured => format!("measured {}", measured.as_str().map_or_else(|| measured.to_string(), str::to_owned)),
+    let UsedDisplay { name, transfer, measured, .. } = sitting.display.as_ref()?;
+    let measured = match measured {
+        None => "not measured".to_owned(),
+        Some(measured) => measured.on.map_or_else(|| "measured".to_owned(), |day| format!("measured {day}")),
     };
-    let parts = [display["name"].as_str(), display["transfer"].as_str(), Some(&measured)];
-    Some(parts.into_iter().flatten().collect::<Vec<_>>().join(", "))
+    Some(format!("{name}, {transfer}, {measured}"))
 }
 
 fn monitor(sitting: &Sitting) -> Option<String> {
-    let monitor = sitting.monitor.as_ref()?;
-    let name = monitor["name"].as_str().unwrap_or("without a name");
-    let size = monitor["width_px"].as_f64().zip(monitor["height_px"].as_f64());
-    let size = size.map(|(width, height)| format!(", {width} × {height} pixels")).unwrap_or_default();
-    let refresh = monitor["refresh_hz"].as_f64().map(|hz| format!(", {} Hz", trimmed(hz, 2))).unwrap_or_default();
-    Some(format!("{name}{size}{refresh}"))
+    let Monitor { name, width_px, height_px, refresh_hz, .. } = sitting.monitor.as_ref()?;
+    let name = name.as_deref().unwrap_or("without a name");
+    let refresh = refresh_hz.map(|hz| format!(", {} Hz", trimmed(hz, 2))).unwrap_or_default();
+    Some(format!("{name}, {width_px} × {height_px} pixels{refresh}"))
 }
 
 fn stimulus(sitting: &Sitting) -> Option<String> {
-    let viewing = sitting.viewing.as_ref()?;
-    let (deg, px) = (trimmed(viewing["stimulus_deg"].as_f64()?, 2), viewing["stimulus_px"].as_f64()?);
-    let windowed = if viewing["windowed"] == true { ", in a window" } else { "" };
-    Some(format!("{deg}° in {px} pixels{windowed}"))
+    let Geometry { stimulus_deg, stimulus_px, windowed, .. } = sitting.viewing.as_ref()?;
+    let windowed = if *windowed { ", in a window" } else { "" };
+    Some(format!("{}° in {stimulus_px} pixels{windowed}", trimmed(*stimulus_deg, 2)))
 }
 
 /// Rounds a number to at most this many decimals.

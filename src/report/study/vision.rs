@@ -12,7 +12,7 @@ use crate::{
         figures::Figure,
         prediction::{Comparison, PredictionError, StudyPrediction},
     },
-    store::ratings::Source,
+    store::{ratings::Source, sitting::SimulatedObserver},
 };
 
 /// Number of conditions to report, out of those whose predictions deviate most from the ratings.
@@ -47,7 +47,7 @@ pub(super) fn section(
     section.text(ceiling(comparison));
     largest_deviations(results, prediction).into_iter().for_each(|text| section.text(text));
     let is_circular = sittings::all(source, results)
-        .any(|(_, sitting)| sitting.observer.as_ref().is_some_and(|observer| observer["observer"] == "vision"));
+        .any(|(_, sitting)| matches!(sitting.observer, Some(SimulatedObserver::Vision { .. })));
     if is_circular {
         section.warning(
             "Some or all ratings of this study were simulated with this same model, so their agreement with it says nothing about human vision.",

@@ -10,7 +10,7 @@ use std::{
 use crate::{
     store::{
         Columns, FileError, FileErrors,
-        dataset::{DATA_FILE, DESCRIPTION, REGISTER},
+        dataset::DATA_FILE,
         error::NotData,
         frames,
         open::open_regular,
@@ -98,7 +98,7 @@ fn folder(root: &Path) -> Result<Vec<PathBuf>, String> {
             }
             if path.is_dir() {
                 open.push(path);
-            } else if has_suffix(&path, ".csv") && !is_register(&path) {
+            } else if has_suffix(&path, ".csv") {
                 files.push(path);
             }
         }
@@ -108,11 +108,6 @@ fn folder(root: &Path) -> Result<Vec<PathBuf>, String> {
     }
     files.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
     Ok(files)
-}
-
-/// True for the register of a data set, which contains no ratings.
-fn is_register(path: &Path) -> bool {
-    path.file_name().is_some_and(|name| name == REGISTER) && path.with_file_name(DESCRIPTION).exists()
 }
 
 fn has_suffix(path: &Path, suffix: &str) -> bool {

@@ -16,7 +16,7 @@ use super::{
 use crate::{
     experiment::{MAX_RATING, Protocol, columns_by_header},
     stimulus::is_direction,
-    store::{FileError, FileErrors, StoreError, definition, session::register, sidecar::Sidecar},
+    store::{FileError, FileErrors, StoreError, definition, session::seal, sidecar::Sidecar},
     text::names::expected_one_of,
 };
 
@@ -215,7 +215,7 @@ impl Input {
                 Err(error) => errors.push(FileError::whole(&name, format!("cannot be read: {error}"))),
             }
             if let Some(sidecar) = &mut sidecar {
-                changed = register::errors(path, sidecar);
+                changed = seal::errors(path, sidecar);
                 match definitions.protocol(&name, &sidecar.definition) {
                     Ok(found) => protocol = Some(found),
                     Err(found) => errors.extend(found.0),
