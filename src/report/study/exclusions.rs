@@ -3,7 +3,10 @@
 use super::names;
 use crate::{
     analysis::{Results, counts::Excluded},
-    report::document::numbers::{count, list, whole},
+    report::document::{
+        Shown,
+        numbers::{count, list, whole},
+    },
     store::ratings::{SessionRead, Source},
 };
 
@@ -17,8 +20,8 @@ pub(super) fn sentences(results: &Results) -> Vec<String> {
         match excluded {
             Excluded::Participant { id, ratings } => people.push(with_ratings(id, *ratings)),
             Excluded::Levels { factor, kept, ratings } => {
-                let kept: Vec<String> = kept.iter().map(|level| names::level(factor, level)).collect();
-                let kept: Vec<&str> = kept.iter().map(String::as_str).collect();
+                let kept: Vec<Shown> = kept.iter().map(|level| names::level(factor, level)).collect();
+                let kept: Vec<&str> = kept.iter().map(|level| &**level).collect();
                 sentences.push(format!(
                     "On request, only ratings at {} {} were analyzed; {} at other levels {} excluded.",
                     names::factor(factor),
@@ -49,7 +52,7 @@ fn was(names: &[&str]) -> String {
 }
 
 /// Returns the number of ratings that were excluded, formatted.
-pub(super) fn ratings(results: &Results) -> String {
+pub(super) fn ratings(results: &Results) -> Shown {
     whole(results.measured.excluded.iter().map(Excluded::ratings).sum())
 }
 
