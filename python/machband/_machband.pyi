@@ -73,7 +73,6 @@ def mesh(request: _Request) -> tuple[_Floats, npt.NDArray[np.uint32], _Floats]: 
 def shade(
     request: _Request, mesh: _Arrays | None, measure: bool
 ) -> tuple[npt.NDArray[np.uint8] | npt.NDArray[np.uint16], str | None]: ...
-def shade_scene(request: _Request) -> npt.NDArray[np.uint8] | npt.NDArray[np.uint16]: ...
 @final
 class Definition:
     @staticmethod
