@@ -138,8 +138,8 @@ fn written(results: &Path, to: &Path, format: Format) -> Exported {
 fn every_cell_and_every_picture_is_exported() {
     let (scratch, results) = study();
     let expected = rows(&results);
-    // 28 rows and a correction; 7 rows and a correction; 128 rows.
-    assert_eq!(expected.len(), 29 + 8 + 128);
+    // 28 rows and a correction; 7 rows and a correction; 104 rows.
+    assert_eq!(expected.len(), 29 + 8 + 104);
 
     let bids = scratch.path().join("bids");
     let exported = written(&results, &bids, Format::Bids);
