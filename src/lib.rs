@@ -12,6 +12,7 @@
 //!
 //! | floor | module | contents |
 //! |---|---|---|
+//! | −1 | [`text`] | values as words, "did you mean …?", and tables of typed values |
 //! | 0 | [`system`] | the clock, threads, signals, folders and fonts of the operating system |
 //! | 0 | [`statistics`] | intervals, quantiles, tail probabilities, correction for multiple testing |
 //! | 0 | [`light`] | interpolation I_n, transfer functions, conversion of light to codes, images |
@@ -47,5 +48,6 @@ pub mod statistics;
 pub mod stimulus;
 pub mod store;
 pub mod system;
+pub mod text;
 pub mod vision;
 pub mod work;

@@ -16,7 +16,8 @@ type Module = Vec<String>;
 
 /// The floor of every room. A room may use only rooms on lower floors. The window, which is one floor in
 /// `src/lib.rs`, is divided into several floors here.
-const FLOORS: &[(&str, u32)] = &[
+const FLOORS: &[(&str, i32)] = &[
+    ("text", -1),
     ("system", 0),
     ("light", 0),
     ("statistics", 0),
@@ -177,7 +178,7 @@ fn room(module: &Module) -> String {
     module.iter().take(parts).cloned().collect::<Vec<_>>().join("/")
 }
 
-fn floor(room: &str) -> Option<u32> {
+fn floor(room: &str) -> Option<i32> {
     FLOORS.iter().find(|(name, _)| *name == room).map(|(_, floor)| *floor)
 }
 

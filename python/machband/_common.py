@@ -136,8 +136,9 @@ def table(
             frame[name] = frame[name].dt.tz_localize("UTC")
     if described is not None:
         frame.attrs["units"] = {name: unit for name, unit, _ in described if unit}
-        frame.attrs["simulated"] = simulated
         frame.attrs["descriptions"] = {name: description for name, _, description in described if description}
+    if simulated is not None:
+        frame.attrs["simulated"] = simulated
     return frame
 
 

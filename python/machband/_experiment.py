@@ -98,7 +98,7 @@ class Definition:
             file.write(self._native.to_toml())
 
     def to_dict(self) -> dict[str, Any]:
-        """Return all keys, with their defaults; the form in the sidecars."""
+        """Return all keys, with their defaults but without default texts; the form in the sidecars."""
         keys: dict[str, Any] = json.loads(self._native.to_json())
         return keys
 

@@ -87,8 +87,7 @@ class Analysis:
     @cached_property
     def tables(self) -> dict[str, Table]:
         """The tables that ``machband analyze`` writes: ``cells``, ``by_FACTOR``, ``tests``, ``agreement``, …"""
-        tables = [(name.removesuffix(".csv"), content) for name, content in self.files.items() if name.endswith(".csv")]
-        return {name: table(_machband.read_table(content)) for name, content in tables}
+        return {name: table(columns, described) for name, columns, described in self._native.tables()}
 
     @cached_property
     def files(self) -> dict[str, bytes]:

@@ -3,9 +3,10 @@
 use std::{path::PathBuf, sync::Arc};
 
 use machband::{
-    experiment::{CellValue, Condition, Identity, Protocol, Schedule},
+    experiment::{Condition, Identity, Protocol, Schedule},
     stimulus::ParameterValue,
     store::definition,
+    text::Cell,
     work::simulate::{self as work, Simulate},
 };
 use pyo3::{prelude::*, types::PyDict};
@@ -56,7 +57,7 @@ impl Definition {
         if read == self.0 { Ok(text) } else { Err(error("the definition cannot be written as a file")) }
     }
 
-    /// Returns all keys, with their defaults, as JSON.
+    /// Returns all keys as JSON, with their defaults but without default texts.
     fn to_json(&self) -> PyResult<String> {
         serde_json::to_string(&self.0).map_err(error)
     }
@@ -85,10 +86,10 @@ impl Definition {
 
     /// Returns the conditions as columns: the kind, and every parameter of the stimulus.
     fn conditions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let conditions = self.0.conditions().map_err(error)?;
-        let kind: Vec<_> = conditions.iter().map(|_| CellValue::Text(self.0.stimulus.kind().to_owned())).collect();
+        let conditions = self.0.conditions();
+        let kind: Vec<_> = conditions.iter().map(|_| Cell::from(self.0.stimulus.kind())).collect();
         let names = self.0.stimulus.parameters().iter().map(|parameter| parameter.name);
-        let parameters = names.map(|name| (name.to_owned(), parameter(&conditions, name)));
+        let parameters = names.map(|name| (name.to_owned(), parameter(conditions, name)));
         table::columns(py, [("stimulus".to_owned(), Column::of(&kind))].into_iter().chain(parameters))
     }
 
@@ -123,10 +124,9 @@ impl Definition {
 /// Returns a parameter of each condition.
 fn parameter(conditions: &[Condition], name: &str) -> Column {
     let value = |condition: &Condition| match condition.stimulus.get(name) {
-        Some(ParameterValue::Number(number)) => CellValue::Number(number),
-        Some(ParameterValue::Text(text)) if text == "inf" => CellValue::Number(f64::INFINITY),
-        Some(ParameterValue::Text(text)) => CellValue::Text(text),
-        None => CellValue::Missing,
+        // The only word among the levels of a number is an infinite depth.
+        Some(ParameterValue::Text(text)) if text == "inf" => Cell::Number(f64::INFINITY),
+        value => value.into(),
     };
     Column::of(&conditions.iter().map(value).collect::<Vec<_>>())
 }

@@ -67,7 +67,7 @@ mod _machband {
         main,
         mesh::{mesh, shade, shade_scene},
         study::{Analysis, analyze, export, read_results, verify},
-        table::{read_table, write_table},
+        table::write_table,
         vision::{predict_codes, predict_file, predict_light, predict_stimulus},
     };
 

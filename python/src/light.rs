@@ -17,7 +17,10 @@ use machband::{
 use numpy::{IntoPyArray as _, PyArray1, PyArrayMethods as _, PyReadonlyArray1};
 use pyo3::{prelude::*, types::PyDict};
 
-use crate::{error, job};
+use crate::{
+    error, job,
+    table::{self, Column},
+};
 
 /// Parameters of a stimulus: names and values.
 pub type Given = Vec<(String, Value)>;
@@ -148,16 +151,8 @@ pub fn light<'py>(py: Python<'py>, kind: &str, parameters: Given, size: u32) -> 
 pub fn profile<'py>(py: Python<'py>, kind: &str, parameters: Given, coding: Coding) -> PyResult<Bound<'py, PyDict>> {
     let recipe = coding.recipe(stimulus_of(kind, parameters)?)?;
     let samples = job::run(py, None, false, move |_, _| Ok(curve::samples(&recipe, &quantizer(&recipe))))?;
-    let columns = PyDict::new(py);
-    let number = |of: fn(&curve::Sample) -> f64| samples.iter().map(of).collect::<Vec<_>>().into_pyarray(py);
-    let code = |i: usize| samples.iter().map(|sample| sample.codes[i]).collect::<Vec<_>>().into_pyarray(py);
-    columns.set_item("x", number(|sample| sample.x))?;
-    columns.set_item("linear", number(|sample| sample.linear))?;
-    for (i, name) in ["code_r", "code_g", "code_b"].into_iter().enumerate() {
-        columns.set_item(name, code(i))?;
-    }
-    columns.set_item("emitted", number(|sample| sample.emitted))?;
-    Ok(columns)
+    let columns = curve::table(&samples).columns.into_iter();
+    table::columns(py, columns.map(|column| (column.name, Column::of(&column.cells))))
 }
 
 /// Returns the kinds of stimulus, and a sentence about each.

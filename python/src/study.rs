@@ -8,7 +8,7 @@ use std::{
 use machband::{
     analysis::{Note, Results},
     cli::check,
-    experiment::{self, CellValue},
+    experiment,
     report::{self, Provenance, Study, document::Section, study::shell_command},
     stimulus::Stimulus,
     store::{
@@ -19,6 +19,7 @@ use machband::{
         verify as verification,
     },
     system::now,
+    text::{Cell, Table},
     work::{Analyze, words},
 };
 use pyo3::{
@@ -60,18 +61,14 @@ fn read(folder: &Path, job: &Job) -> anyhow::Result<Described> {
         simulated |= Sidecar::of(csv)
             .is_ok_and(|(_, sidecar)| sidecar.sittings.iter().any(|sitting| sitting.observer.is_some()));
         let kind = rows.first().and_then(|row| Stimulus::default_of(&row.stimulus));
-        // The later columns stay the last ones.
-        let mut place = 0;
         for mut column in columns.iter().cloned() {
             let known = kind.iter().flat_map(|kind| kind.parameters()).find(|known| known.name == column.name);
             if let Some(known) = known.filter(|_| column.description.is_empty()) {
                 (column.unit, column.description) = (known.unit.to_owned(), known.description.to_owned());
             }
-            let found = described.iter().position(|known: &experiment::Column| known.name == column.name);
-            place = found.unwrap_or_else(|| {
-                described.insert(place, column);
-                place
-            }) + 1;
+            if !described.iter().any(|known: &experiment::Column| known.name == column.name) {
+                described.push(column);
+            }
         }
         sessions.push((columns, rows));
     }
@@ -83,7 +80,7 @@ fn read(folder: &Path, job: &Job) -> anyhow::Result<Described> {
         for row in rows {
             let row = row.values();
             for (column, place) in values.iter_mut().zip(&places) {
-                column.push(place.map_or(CellValue::Missing, |place| row[place].clone()));
+                column.push(place.map_or(Cell::Missing, |place| row[place].clone()));
             }
         }
     }
@@ -132,6 +129,9 @@ pub fn analyze(
     Ok(Analysis { study: Arc::new(study), results, command })
 }
 
+/// A table: its name, its columns, and the name, unit and description of each column.
+type DescribedTable<'py> = (String, Bound<'py, PyDict>, Vec<(String, String, String)>);
+
 /// Files: their names and contents.
 type Files<'py> = Vec<(String, Bound<'py, PyBytes>)>;
 
@@ -141,6 +141,21 @@ impl Analysis {
     fn table_files<'py>(&self, py: Python<'py>) -> Files<'py> {
         let files = report::table_files(&self.study, &self.results).into_iter();
         files.map(|(name, content)| (name, PyBytes::new(py, &content))).collect()
+    }
+
+    /// Returns the tables as columns, with the name, unit and description of each column.
+    fn tables<'py>(&self, py: Python<'py>) -> PyResult<Vec<DescribedTable<'py>>> {
+        let counts = report::tables::counts(&self.results.measured.counts, &self.study.source.shape);
+        let mut tables = report::tables::all(&self.results);
+        tables.push(("counts".to_owned(), counts));
+        let described = |(name, table): (String, Table)| {
+            let columns = table.columns.iter().map(|column| (column.name.clone(), Column::of(&column.cells)));
+            let columns = table::columns(py, columns)?;
+            let about =
+                table.columns.into_iter().map(|column| (column.name, column.unit, column.description)).collect();
+            Ok((name, columns, about))
+        };
+        tables.into_iter().map(described).collect()
     }
 
     /// Returns the report and the figures.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use machband::experiment::CellValue;
+use machband::text::Cell;
 use numpy::{IntoPyArray as _, PyReadonlyArray1};
 use pyo3::{prelude::*, types::PyDict};
 
@@ -21,50 +21,26 @@ pub enum Column {
 
 impl Column {
     /// Chooses the narrowest type for these values.
-    pub fn of(values: &[CellValue]) -> Self {
-        let all = |is: fn(&CellValue) -> bool| !values.is_empty() && values.iter().all(is);
-        if all(|value| matches!(value, CellValue::Whole(_))) {
-            let whole = values.iter().map(|value| if let CellValue::Whole(n) = value { *n } else { 0 });
-            if let Some(numbers) = whole.clone().map(|n| n.try_into().ok()).collect() {
-                return Self::Whole(numbers);
-            }
-            if let Some(numbers) = whole.map(|n| n.try_into().ok()).collect() {
-                return Self::Large(numbers);
-            }
-        }
-        if all(|value| matches!(value, CellValue::Time(_))) {
-            let milliseconds =
-                |value: &CellValue| if let CellValue::Time(time) = value { time.as_millisecond() } else { 0 };
-            return Self::Time(values.iter().map(milliseconds).collect());
-        }
-        let number = |value: &CellValue| match value {
-            CellValue::Missing => Some(f64::NAN),
-            CellValue::Whole(n) => Some(*n as f64),
-            CellValue::Number(number) => Some(*number),
-            CellValue::Text(_) | CellValue::Time(_) => None,
+    pub fn of(values: &[Cell]) -> Self {
+        let whole = |cell: &Cell| match cell {
+            Cell::Whole(whole) => i64::try_from(*whole).ok(),
+            Cell::Level(text, number) => number_of(text, *number).and_then(|_| text.parse().ok()),
+            _ => None,
         };
-        match values.iter().map(number).collect() {
-            Some(numbers) => Self::Number(numbers),
-            None => Self::Text(values.iter().map(text).collect()),
-        }
-    }
-
-    /// Reads the cells of a table in the same way as programs for statistics do: as numbers if all of them are. `names`
-    /// of people stay texts.
-    pub fn parse(cells: &[&str], names: bool) -> Self {
-        let value = |cell: &&str| match cell.parse::<f64>() {
-            _ if cell.is_empty() => Some(CellValue::Missing),
-            // A name with leading zeros would lose them.
-            _ if cell.len() > 1 && cell.starts_with('0') && !cell.contains(['.', 'e']) => None,
-            _ if cell.eq_ignore_ascii_case("nan") => None,
-            Ok(number) => Some(cell.parse().map_or(CellValue::Number(number), CellValue::Whole)),
-            Err(_) => None,
+        let large = |cell: &Cell| if let Cell::Whole(whole) = cell { u64::try_from(*whole).ok() } else { None };
+        let time = |cell: &Cell| if let Cell::Time(time) = cell { Some(time.as_millisecond()) } else { None };
+        let number = |cell: &Cell| match cell {
+            Cell::Missing => Some(f64::NAN),
+            Cell::Level(text, number) => number_of(text, *number),
+            cell => cell.as_number(),
         };
-        let texts = || Self::Text(cells.iter().map(|cell| (!cell.is_empty()).then(|| (*cell).to_owned())).collect());
-        if names || cells.iter().all(|cell| cell.is_empty()) {
-            return texts();
-        }
-        cells.iter().map(value).collect::<Option<Vec<_>>>().map_or_else(texts, |values| Self::of(&values))
+        let text = |cell: &Cell| (*cell != Cell::Missing).then(|| cell.to_string());
+        all(values, whole)
+            .map(Self::Whole)
+            .or_else(|| all(values, large).map(Self::Large))
+            .or_else(|| all(values, time).map(Self::Time))
+            .or_else(|| values.iter().map(number).collect::<Option<_>>().map(Self::Number))
+            .unwrap_or_else(|| Self::Text(values.iter().map(text).collect()))
     }
 
     pub fn into_array(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
@@ -84,14 +60,15 @@ impl Column {
     }
 }
 
-fn text(value: &CellValue) -> Option<String> {
-    match value {
-        CellValue::Missing => None,
-        CellValue::Whole(number) => Some(number.to_string()),
-        CellValue::Number(number) => Some(number.to_string()),
-        CellValue::Text(text) => Some(text.clone()),
-        CellValue::Time(time) => Some(format!("{time:.3}")),
-    }
+/// Returns what `of` makes of every value; `None` if there are no values, or one is something else.
+fn all<T>(values: &[Cell], of: impl Fn(&Cell) -> Option<T>) -> Option<Vec<T>> {
+    if values.is_empty() { None } else { values.iter().map(of).collect() }
+}
+
+/// Returns the number of a level, unless its text has leading zeros, which belong to a name.
+fn number_of(text: &str, number: Option<f64>) -> Option<f64> {
+    let digits = text.trim_start_matches(['-', '+']);
+    number.filter(|_| digits.len() < 2 || !digits.starts_with('0') || digits.contains(['.', 'e', 'E']))
 }
 
 /// Returns a table as a dict of arrays.
@@ -104,19 +81,6 @@ pub fn columns<'py>(
         all.set_item(name, column.into_array(py)?)?;
     }
     Ok(all)
-}
-
-/// Returns a table that the library wrote as CSV as a dict of arrays.
-#[pyfunction]
-pub fn read_table<'py>(py: Python<'py>, content: &[u8]) -> PyResult<Bound<'py, PyDict>> {
-    let mut reader = csv::Reader::from_reader(content);
-    let header = reader.headers().map_err(error)?.clone();
-    let rows = reader.records().collect::<Result<Vec<_>, _>>().map_err(error)?;
-    let column = |i: usize, name: &str| {
-        let cells: Vec<&str> = rows.iter().map(|row| row.get(i).unwrap_or_default()).collect();
-        (name.to_owned(), Column::parse(&cells, name == "subject_id"))
-    };
-    columns(py, header.iter().enumerate().map(|(i, name)| column(i, name)))
 }
 
 /// A column to write.

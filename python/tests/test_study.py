@@ -126,7 +126,7 @@ def test_factors_of_several_experiments_become_columns(tmp_path):
         assert rows[factor][rows.experiment != name].isna().all()
         assert rows.attrs["descriptions"][factor] == machband.parameters("chevreul" if name == "one" else "cornsweet")[factor].description
     # A session that has the name of a level stays text.
-    assert set(rows.session_id) == {"1"} and list(rows)[-3:] == ["stimulus_s", "late_onset", "response_uncertainty_s"]
+    assert set(rows.session_id) == {"1"} and list(rows)[-4:-2] == ["sitting", "seed"]
 
 
 @pytest.mark.parametrize("given", [{}, {"terms": ["width", "num:inv_n"], "link": "probit", "random": "none"}])

@@ -31,8 +31,8 @@ def test_an_image_has_the_commands_prediction(command, tmp_path, bits):
     assert of_file.visibility == machband.predict(str(tmp_path / "image.png"), ppd=40).visibility
     found = machband.predict(codes, window_deg=5)
     assert found.visibility == pytest.approx(told["visibility"], abs=6e-5)
-    assert found.bands == pytest.approx((told["bands"]["bright"], told["bands"]["dark"]))
-    assert found.lines == pytest.approx((told["lines"]["bright"], told["lines"]["dark"]))
+    assert found.bands == pytest.approx((told["visibility_bright"], told["visibility_dark"]), abs=6e-5)
+    assert found.lines == pytest.approx((told["lines_bright"], told["lines_dark"]), abs=6e-5)
     # The map's strongest places are the visibility, apart from the interpolation between pixels.
     assert found.map[0].shape == (200, 200)
     assert found.map[0].max() == pytest.approx(found.bands[0], rel=0.1)

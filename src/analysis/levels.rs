@@ -1,6 +1,8 @@
-//! The order of levels: numbers in ascending order with `inf` last, and other strings in byte order.
+//! The order of levels. A level is identified by its text; numbers only order levels.
 
 use std::cmp::Ordering;
+
+use crate::text::names::natural;
 
 /// Returns the number that the text of a level represents: a decimal number, or `inf` or `-inf` in any case. `nan` and
 /// hexadecimal numbers count as other strings.
@@ -13,48 +15,35 @@ pub fn numbers_of<S: AsRef<str>>(levels: &[S]) -> Option<Vec<f64>> {
     levels.iter().map(|level| number_of(level.as_ref())).collect()
 }
 
-/// Returns the natural order of two strings from a set. If all of them are numbers (`all_numbers`), they are in
-/// ascending order with `inf` last; otherwise, they are in byte order, as in R's C locale and in Python.
-pub(super) fn compare(left: &str, right: &str, all_numbers: bool) -> Ordering {
-    match (number_of(left), number_of(right)) {
-        (Some(l), Some(r)) if all_numbers => l.total_cmp(&r).then_with(|| left.cmp(right)),
-        _ => left.cmp(right),
-    }
-}
-
-/// Returns the natural order of any two strings, with numbers before other strings.
+/// Returns the order of any two strings: numbers in ascending order, with `inf` last, before other strings in natural
+/// order.
 pub(super) fn compare_mixed(left: &str, right: &str) -> Ordering {
     match (number_of(left), number_of(right)) {
-        (Some(l), Some(r)) => l.total_cmp(&r).then_with(|| left.cmp(right)),
+        (Some(l), Some(r)) => l.total_cmp(&r).then_with(|| left.len().cmp(&right.len())).then_with(|| left.cmp(right)),
         (Some(_), None) => Ordering::Less,
         (None, Some(_)) => Ordering::Greater,
-        (None, None) => left.cmp(right),
+        (None, None) => natural(left, right),
     }
 }
 
-/// Returns the distinct levels of some strings, in natural order, and the index of each string's level. If all strings
-/// are numbers, strings that mean the same number (`0.1` and `0.10`) are one level, as in R, and its name is the
-/// shortest of them. A missing value stays `None`.
+/// Sorts different strings: in ascending order if all of them are numbers, and otherwise in natural order. Strings for
+/// the same number, such as `0.1` and `0.10`, stay apart.
+pub(super) fn sort<S: AsRef<str>>(levels: &mut [S]) {
+    if levels.iter().all(|level| number_of(level.as_ref()).is_some()) {
+        levels.sort_by(|l, r| compare_mixed(l.as_ref(), r.as_ref()));
+    } else {
+        levels.sort_by(|l, r| natural(l.as_ref(), r.as_ref()));
+    }
+}
+
+/// Returns the distinct levels of some strings, sorted, and the index of each string's level. A missing value stays
+/// `None`.
 pub(super) fn rank(texts: &[Option<&str>]) -> (Vec<String>, Vec<Option<u32>>) {
     let mut present: Vec<&str> = texts.iter().flatten().copied().collect();
     present.sort_unstable();
     present.dedup();
-    let all_numbers = present.iter().all(|text| number_of(text).is_some());
-    present.sort_by(|l, r| compare(l, r, all_numbers).then_with(|| l.len().cmp(&r.len())));
-    let same = |l: &str, r: &str| l == r || (all_numbers && number_of(l) == number_of(r));
-    let mut levels: Vec<String> = Vec::new();
-    let mut index_of = std::collections::HashMap::new();
-    for text in present {
-        match levels.last_mut() {
-            Some(last) if same(last, text) => {
-                if text.len() < last.len() {
-                    *last = text.to_owned();
-                }
-            }
-            _ => levels.push(text.to_owned()),
-        }
-        index_of.insert(text, levels.len() as u32 - 1);
-    }
+    sort(&mut present);
+    let index_of: std::collections::HashMap<&str, u32> = present.iter().copied().zip(0..).collect();
     let indices = texts.iter().map(|text| text.and_then(|text| index_of.get(text).copied())).collect();
-    (levels, indices)
+    (present.into_iter().map(str::to_owned).collect(), indices)
 }

@@ -79,7 +79,7 @@ pub struct FactorResults {
     pub ordered: bool,
     /// Whether most participants rated several levels.
     pub within: bool,
-    /// Participants without comparable ratings at every level, who are excluded from the tests.
+    /// Participants without comparable ratings at every level. The tests exclude them.
     pub incomplete: Vec<String>,
     /// Test of whether any level differs; `None` if there is only one participant or level.
     pub friedman: Option<Friedman>,

@@ -50,7 +50,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let AnalysisOutput { files, prediction } =
         write_all(writer, &study, &results, &provenance, &arguments.out, arguments.tables_only)?;
     progress.clear();
-    super::print_line(&super::ratings::sentence(&study.source, &results.measured.counts))?;
+    super::print_line(&super::ratings::sentence(&study.source, &results.measured))?;
     let document = document(&study.source, &results, Parts::default());
     for line in document.sections.first().iter().flat_map(|summary| skins::terminal(summary)) {
         super::print_line(&line)?;

@@ -11,7 +11,7 @@ use crate::{
         Measurement,
         photometer::{Calibration, Family, FittedChannel, Sum, largest},
     },
-    report::figures,
+    report::{document::Shown, figures},
     store::{Writer, profile, readings},
     work::RequestError,
 };
@@ -127,11 +127,11 @@ fn print(arguments: &Arguments, calibration: &Calibration, family: Family) -> an
     let rows = models().map(|model| {
         let found = &model.validation;
         vec![
-            model.family.name().to_owned(),
-            format!("{:.2}", found.rms_codes),
-            format!("{:.3}", found.rms_cd_m2),
-            format!("{:.2}", found.largest_codes),
-            format!("{:.2}", found.score.sqrt()),
+            model.family.name().into(),
+            decimals(found.rms_codes, 2),
+            decimals(found.rms_cd_m2, 3),
+            decimals(found.largest_codes, 2),
+            decimals(found.score.sqrt(), 2),
         ]
     });
     columns(&header, &rows.collect::<Vec<_>>()).iter().try_for_each(|line| print_line(line))?;
@@ -150,19 +150,26 @@ fn print(arguments: &Arguments, calibration: &Calibration, family: Family) -> an
     print_line(&format!("chosen: {family}{}", if arguments.model == "auto" { "" } else { ", as requested" }))
 }
 
-fn cells(family: Family, channel: &FittedChannel) -> Vec<String> {
-    let fixed = |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |value| format!("{value:.4}"));
+/// Formats a number with this many decimals.
+fn decimals(number: f64, decimals: usize) -> Shown {
+    Shown::new(number, format!("{number:.decimals$}"))
+}
+
+fn cells(family: Family, channel: &FittedChannel) -> Vec<Shown> {
+    let known = |value: Option<f64>, text: &dyn Fn(f64) -> String| {
+        Shown::new(value, value.map_or_else(|| "—".to_owned(), text))
+    };
     let se = channel.gamma_se.map_or_else(String::new, |se| format!(" ± {se:.4}"));
-    let gain_and_offset = channel.curve.gain_and_offset();
+    let (gain, offset) = channel.curve.gain_and_offset().unzip();
     vec![
-        family.name().to_owned(),
-        channel.channel.name().to_owned(),
-        fixed(channel.curve.gamma()) + &se,
-        fixed(gain_and_offset.map(|(gain, _)| gain)),
-        gain_and_offset.map_or_else(|| "—".to_owned(), |(_, offset)| format!("{offset:+.4}")),
-        format!("{:.6}", channel.r_squared),
-        format!("{:.2}", channel.largest_codes),
-        format!("{:.3}", channel.largest_cd_m2),
+        family.name().into(),
+        channel.channel.name().into(),
+        known(channel.curve.gamma(), &|gamma| format!("{gamma:.4}{se}")),
+        known(gain, &|gain| format!("{gain:.4}")),
+        known(offset, &|offset| format!("{offset:+.4}")),
+        decimals(channel.r_squared, 6),
+        decimals(channel.largest_codes, 2),
+        decimals(channel.largest_cd_m2, 3),
     ]
 }
 

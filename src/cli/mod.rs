@@ -37,7 +37,7 @@ pub use self::outputs::{FittedPath, NewFolder, OutPath};
 use crate::{
     display::DisplayProfile,
     report::{
-        document::numbers::count,
+        document::{Shown, numbers::count},
         terminal::{message, printable},
     },
     store::{StoreError, Writer},
@@ -46,6 +46,7 @@ use crate::{
         signals::{self, Signal},
         start_threads,
     },
+    text::Cell,
     work::RequestError,
 };
 
@@ -204,20 +205,17 @@ fn today() -> jiff::civil::Date {
 
 /// Formats a table as lines of text. Each column is as wide as its widest cell, numbers are right-aligned, and empty
 /// columns are omitted.
-fn columns(header: &[&str], rows: &[Vec<String>]) -> Vec<String> {
-    let is_number = |cell: &String| {
-        let first = cell.split([' ', '–']).next().unwrap_or_default();
-        cell.is_empty() || cell == "—" || first.parse::<f64>().is_ok()
-    };
+fn columns(header: &[&str], rows: &[Vec<Shown>]) -> Vec<String> {
+    let is_number = |cell: &Shown| *cell.value() == Cell::Missing || cell.value().as_number().is_some();
     let mut lines = vec![String::new(); rows.len() + 1];
     for (index, name) in header.iter().enumerate() {
         let cells = || rows.iter().map(|row| &row[index]);
-        if cells().all(String::is_empty) {
+        if cells().all(|cell| cell.is_empty()) {
             continue;
         }
         let width = cells().map(|cell| cell.chars().count()).fold(name.chars().count(), usize::max);
         let is_right = cells().all(is_number);
-        for (line, cell) in lines.iter_mut().zip(std::iter::once(*name).chain(cells().map(String::as_str))) {
+        for (line, cell) in lines.iter_mut().zip(std::iter::once(*name).chain(cells().map(|cell| &**cell))) {
             *line += &if is_right { format!("{cell:>width$}  ") } else { format!("{cell:<width$}  ") };
         }
     }

@@ -15,11 +15,11 @@ use crate::{
     report::{
         Study,
         prediction::{self, Comparison, MAX_PICTURES, window_deg},
-        tables::Table,
         terminal::printable,
     },
-    stimulus::{Stimulus, ViewingConditions},
+    stimulus::{Parameter, Stimulus, ViewingConditions},
     store::{self, Writer, definition, observer, ratings::ReadOptions},
+    text::{Cell, Column, Table},
     vision::{Criterion, PicturePrediction, Visibility},
     work::RequestError,
 };
@@ -110,19 +110,11 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let viewing = viewing(window.unwrap_or(10.0));
     if let Some(path) = &arguments.image {
         let (seen, view) = image(arguments, writer, path, &viewing)?;
-        let name = printable(&path.display().to_string()).into_owned();
-        let mut table = table(&["image"], vec![vec![name]], &[seen], &criterion, 0.0);
-        if arguments.json {
-            let pair = |Visibility { bright, dark }| serde_json::json!({ "bright": bright, "dark": dark });
-            let mut object = objects(&table).swap_remove(0);
-            object.insert("bands".to_owned(), pair(view.visibility));
-            object.insert("lines".to_owned(), pair(view.lines));
-            return put(arguments, writer, &json(&object)?);
-        }
-        let lines = view.lines.max();
-        table.header.push("lines".to_owned());
-        table.rows[0].push(format!("{lines:.4}"));
-        return put(arguments, writer, &table.csv());
+        let name = Cell::Text(printable(&path.display().to_string()).into_owned());
+        let image = vec![Column::new("image", "", "The file.")];
+        let mut table = table(image, vec![vec![name]], &[seen], &criterion, 0.0);
+        table.columns.extend(lines(view.lines));
+        return one(arguments, writer, &table);
     }
     let stimulus = arguments.stimulus.stimulus()?;
     check_size(arguments.size, &stimulus)?;
@@ -130,15 +122,24 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let wrong = |error| anyhow::anyhow!("{}: {error}", stimulus.kind());
     let visibility = viewing.predict(&stimulus, size).map_err(wrong)?.visibility();
     let seen = Seen { visibility, detection: viewing.detection(&stimulus).map_err(wrong)? };
-    let mut header = vec!["stimulus"];
-    let mut row = vec![stimulus.kind().to_owned()];
-    for parameter in stimulus.parameters() {
-        header.push(parameter.name);
-        row.push(stimulus.get(parameter.name).map_or_else(String::new, |value| value.to_string()));
-    }
-    let table = table(&header, vec![row], &[seen], &criterion, 0.0);
-    let one = || json(&objects(&table).swap_remove(0));
-    put(arguments, writer, &if arguments.json { one()? } else { table.csv() })
+    let kind = Column::new("stimulus", "", "Kind of stimulus.");
+    let columns = std::iter::once(kind).chain(stimulus.parameters().iter().map(column)).collect();
+    let mut row = vec![Cell::from(stimulus.kind())];
+    row.extend(stimulus.parameters().iter().map(|parameter| Cell::from(stimulus.get(parameter.name))));
+    one(arguments, writer, &table(columns, vec![row], &[seen], &criterion, 0.0))
+}
+
+/// Describes the column of a parameter.
+fn column(parameter: &Parameter) -> Column {
+    Column::new(parameter.name, parameter.unit, format!("{}.", parameter.description))
+}
+
+/// Returns the visibility of the lines that an image itself contains.
+fn lines(Visibility { bright, dark }: Visibility) -> [Column; 2] {
+    [("lines_bright", bright, "bright"), ("lines_dark", dark, "dark")].map(|(name, visibility, which)| Column {
+        cells: vec![decimals(visibility)],
+        ..Column::new(name, "times threshold", format!("Visibility of the strongest {which} line in the image."))
+    })
 }
 
 /// What is predicted for one stimulus.
@@ -180,7 +181,7 @@ fn all(
     study: Option<&Study>,
     viewing: &ViewingConditions,
 ) -> anyhow::Result<()> {
-    let conditions = protocol.conditions()?;
+    let conditions = protocol.conditions();
     let is_line = protocol.stimulus.is_line();
     let (most, kind) = if is_line { (MAX_CONDITIONS, "") } else { (MAX_PICTURES, " with a rendered picture") };
     if conditions.len() > most && !arguments.large {
@@ -192,11 +193,16 @@ fn all(
     }
     conditions.iter().try_for_each(|condition| check_size(arguments.size, &condition.stimulus))?;
     let wrong = |error| anyhow::anyhow!("{}: {error}", protocol.stimulus.kind());
-    let found = visibilities(&conditions, viewing, arguments.size).map_err(wrong)?;
-    let header: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
-    let row = |condition: &Condition| -> Vec<String> {
+    let found = visibilities(conditions, viewing, arguments.size).map_err(wrong)?;
+    let known = protocol.stimulus.parameters();
+    let columns: Vec<Column> = protocol
+        .factors
+        .iter()
+        .filter_map(|factor| known.iter().find(|parameter| parameter.name == factor.name).map(column))
+        .collect();
+    let row = |condition: &Condition| -> Vec<Cell> {
         let levels = protocol.factors.iter().zip(&condition.levels);
-        levels.map(|(factor, level)| factor.levels[*level].to_string()).collect()
+        levels.map(|(factor, level)| factor.levels[*level].clone().into()).collect()
     };
     let rows = conditions.iter().map(row).collect();
     let all = |criterion: &Criterion, least: f64| {
@@ -204,13 +210,13 @@ fn all(
         let detections = detections.collect::<Result<Vec<f64>, _>>().map_err(wrong)?;
         let seen =
             found.iter().zip(detections).map(|(visibility, detection)| Seen { visibility: *visibility, detection });
-        let table = table(&header, rows, &seen.collect::<Vec<_>>(), criterion, least);
-        put(arguments, writer, &if arguments.json { json(&objects(&table))? } else { table.csv() })
+        let table = table(columns, rows, &seen.collect::<Vec<_>>(), criterion, least);
+        put(arguments, writer, &if arguments.json { json(&table.json())? } else { table.csv() })
     };
     let Some(study) = study else {
         return all(&criterion(arguments)?, 0.0);
     };
-    let comparison = prediction::compare_conditions(&study.measured.counts, protocol, &conditions, &found)
+    let comparison = prediction::compare_conditions(&study.measured.counts, protocol, conditions, &found)
         .map_err(|error| anyhow::anyhow!("{}: {error}", arguments.fit[0].display()))?;
     if let Some(path) = &arguments.criterion {
         observer::write_criterion(writer, path, &comparison.criterion)?;
@@ -269,23 +275,40 @@ fn criterion(arguments: &Arguments) -> anyhow::Result<Criterion> {
     }
 }
 
-/// Returns the table. A band that is less visible than `least` is rated as if it had that visibility.
-fn table(header: &[&str], mut rows: Vec<Vec<String>>, seen: &[Seen], criterion: &Criterion, least: f64) -> Table {
+/// Returns the table, whose first columns have these rows. A band that is less visible than `least` is rated as if it
+/// had that visibility.
+fn table(
+    mut columns: Vec<Column>,
+    mut rows: Vec<Vec<Cell>>,
+    seen: &[Seen],
+    criterion: &Criterion,
+    least: f64,
+) -> Table {
+    const TIMES: &str = "times threshold";
+    columns.extend([
+        Column::new("visibility", TIMES, "Visibility of the strongest band."),
+        Column::new("detection", TIMES, "Contrast of the whole picture, for an average person."),
+        Column::new("predicted_rating", "", "Expected rating of the strongest band."),
+        Column::new("visibility_bright", TIMES, "Visibility of the bright band."),
+        Column::new("visibility_dark", TIMES, "Visibility of the dark band."),
+    ]);
     for (row, Seen { visibility, detection }) in rows.iter_mut().zip(seen) {
         let strongest = visibility.max();
         let rating = criterion.mean(strongest.max(least));
-        let numbers = [strongest, *detection, rating, visibility.bright, visibility.dark];
-        row.extend(numbers.map(|number| format!("{number:.4}")));
+        row.extend([strongest, *detection, rating, visibility.bright, visibility.dark].map(decimals));
     }
-    let columns = ["visibility", "detection", "predicted_rating", "visibility_bright", "visibility_dark"];
-    Table { header: header.iter().chain(&columns).map(|name| (*name).to_owned()).collect(), rows }
+    Table::new(columns, rows)
 }
 
-/// Returns an object for each row; numbers are numbers.
-fn objects(table: &Table) -> Vec<serde_json::Map<String, serde_json::Value>> {
-    let value = |cell: &String| cell.parse::<f64>().map_or_else(|_| cell.clone().into(), serde_json::Value::from);
-    let object = |row: &Vec<String>| table.header.iter().cloned().zip(row.iter().map(value)).collect();
-    table.rows.iter().map(object).collect()
+/// Returns a prediction with four decimals; more would mean nothing.
+fn decimals(value: f64) -> Cell {
+    Cell::from((value * 1e4).round() / 1e4)
+}
+
+/// Writes a table that has one row.
+fn one(arguments: &Arguments, writer: &Writer, table: &Table) -> anyhow::Result<()> {
+    let object = || json(&table.json().first());
+    put(arguments, writer, &if arguments.json { object()? } else { table.csv() })
 }
 
 fn json(value: &impl serde::Serialize) -> anyhow::Result<Vec<u8>> {

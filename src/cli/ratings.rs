@@ -2,17 +2,18 @@
 
 use super::OutPath;
 use crate::{
-    analysis::counts::Counts,
+    analysis::counts::{Excluded, Measured},
     report::{document::numbers::count, tables},
     store::{
         Writer,
         ratings::{FileRead, Source},
     },
-    work::Ratings,
+    work::{Ratings, explained},
 };
 
 /// Summarizes in one line what was read and what was left out.
-pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
+pub(super) fn sentence(source: &Source, measured: &Measured) -> String {
+    let Measured { counts, excluded, .. } = measured;
     let sum = |of: fn(&FileRead) -> u64| source.files.iter().map(of).sum::<u64>();
     let left_out: Vec<String> = [
         (sum(|file| file.practice), "from practice"),
@@ -34,6 +35,10 @@ pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
     );
     if !left_out.is_empty() {
         line += &format!("; rows left out: {}", left_out.join(", "));
+    }
+    if !excluded.is_empty() {
+        let ratings = excluded.iter().map(Excluded::ratings).sum();
+        line += &format!("; excluded on request: {}", count(ratings, "rating"));
     }
     if unfinished > 0 {
         line += &format!("; {unfinished} of {} unfinished", count(source.sessions.len() as u64, "session"));
@@ -69,11 +74,11 @@ pub(super) struct CountsArguments {
 
 pub(super) fn counts(arguments: &CountsArguments, writer: &Writer) -> anyhow::Result<()> {
     let progress = super::Bar::spinner("reading");
-    let study = arguments.ratings.read(Vec::new(), false, true)?;
+    let study = arguments.ratings.read(Vec::new(), false, true).map_err(explained)?;
     let counts = &study.measured.counts;
-    writer.write(&arguments.out, &tables::counts(counts, &study.source.shape))?;
+    writer.write(&arguments.out, &tables::counts_csv(counts, &study.source.shape))?;
     progress.clear();
-    super::print_line(&sentence(&study.source, counts))?;
+    super::print_line(&sentence(&study.source, &study.measured))?;
     super::print_line(&format!("{} in {}", count(counts.rows.len() as u64, "row"), arguments.out.display()))?;
     problems(&study.source)
 }

@@ -15,8 +15,8 @@ use crate::{
 ///
 /// A line is damaged if it cannot be read, if the definition and the seed do not plan it, or if it repeats a row or is
 /// not in the order of recording. A damaged header is replaced. No byte is deleted: the lines go to a new file
-/// …_data.csv.damaged-N. The sidecar and sessions.csv record the repair, and machband verify lists it. When the session
-/// is resumed, it shows the trials of these lines again. If the lines were damaged after their sitting ended, machband
+/// …_data.csv.damaged-N. The sidecar records the repair, and machband verify lists it. When the session is resumed, it
+/// shows the trials of these lines again. If the lines were damaged after their sitting ended, machband
 /// verify reports that the file was changed, and resuming needs --accept-changes.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband repair results/quick/data/subject-S001_session-1_task-quick_data.csv")]
@@ -32,7 +32,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut errors = Vec::new();
     for csv in &files {
         match repair(csv) {
-            Ok(Repaired { lines, moved_to, header_restored, warning }) => {
+            Ok(Repaired { lines, moved_to, header_restored }) => {
                 let numbers: Vec<String> = lines.iter().map(usize::to_string).collect();
                 let moved = moved_to.map(|path| {
                     let moved = count(lines.len() as u64, "damaged line");
@@ -42,7 +42,6 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
                 let done: Vec<String> = moved.into_iter().chain(header).collect();
                 let done = if done.is_empty() { "no line is damaged".to_owned() } else { done.join("; ") };
                 print_line(&format!("{}: {done}", csv.display()))?;
-                errors.extend(warning);
             }
             Err(error) => errors.push(error.to_string()),
         }

@@ -8,8 +8,9 @@ use crate::{
     store::{
         StoreError,
         dataset::SessionPaths,
+        dataset::free_participant,
         definition, profile,
-        session::{Changes, SessionStore, register::free_participant},
+        session::{Changes, SessionStore},
     },
     system::check_clock,
     work::RequestError,

@@ -150,12 +150,12 @@ fn at_once(size: u32) -> usize {
 pub(super) fn stimuli(arguments: &StimuliArguments, writer: &Writer) -> anyhow::Result<()> {
     let started = Instant::now();
     let protocol = definition::open(&arguments.experiment)?;
-    let conditions = protocol.conditions()?;
+    let conditions = protocol.conditions();
     let like = arguments.image.recipe(protocol.stimulus.clone())?;
     let of = |condition: &Condition| Recipe { stimulus: condition.stimulus.clone(), ..like.clone() };
     let recipes: Vec<Recipe> = conditions.iter().map(of).collect();
     let Shard { index, of } = arguments.shard;
-    let manifest = Manifest::open(writer, &arguments.out, &protocol, &conditions, &recipes, (index, of))?;
+    let manifest = Manifest::open(writer, &arguments.out, &protocol, conditions, &recipes, (index, of))?;
     let (made, kept) = (count(manifest.missing.len() as u64, "image"), manifest.kept);
     let bar = Bar::new("images");
     let (done, missing) = (AtomicU64::new(0), manifest.missing.len() as u64);

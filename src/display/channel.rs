@@ -102,11 +102,10 @@ pub struct UnknownChannel(pub String);
 impl FromStr for Channel {
     type Err = UnknownChannel;
 
-    /// Accepts r, g, b, gray, red, green, blue and grey, in upper or lower case.
+    /// Accepts r, g, b, gray, red, green and blue, in upper or lower case.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let lower = text.trim().to_ascii_lowercase();
         let is_named = |channel: &Self| channel.names().contains(&lower.as_str());
-        let found = Self::ALL.into_iter().find(is_named).or((lower == "grey").then_some(Self::Gray));
-        found.ok_or_else(|| UnknownChannel(text.to_owned()))
+        Self::ALL.into_iter().find(is_named).ok_or_else(|| UnknownChannel(text.to_owned()))
     }
 }

@@ -4,10 +4,12 @@ mod channel;
 pub mod frames;
 pub mod geometry;
 pub mod matching;
+mod monitor;
 pub mod photometer;
 pub mod profile;
 pub mod steps;
 
 pub use channel::{Channel, SettingsError, UnknownChannel};
 pub use geometry::{GeometryError, Screen, Viewing};
+pub use monitor::Monitor;
 pub use profile::{DisplayProfile, LuminanceRange, Measurement, Primaries};

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use crate::{
     display::frames::{FrameInterval, FrameTimes, Refresh},
-    light::names::named,
+    text::names::named,
 };
 
 named! {

@@ -204,10 +204,9 @@ impl VisionObserver {
     /// # Errors
     /// Returns a [`VisionError`] if a stimulus cannot be seen, for example because it is all black.
     pub fn new(rater: VisionRater, protocol: &Protocol) -> Result<Self, VisionError> {
-        // A validated protocol always has conditions.
-        let conditions = protocol.conditions().unwrap_or_default();
-        let found = visibilities(&conditions, &ViewingConditions::new(protocol.viewing.window_deg), None)?;
-        let stimuli = conditions.into_iter().map(|condition| condition.stimulus);
+        let conditions = protocol.conditions();
+        let found = visibilities(conditions, &ViewingConditions::new(protocol.viewing.window_deg), None)?;
+        let stimuli = conditions.iter().map(|condition| condition.stimulus.clone());
         Ok(Self { rater, visibilities: stimuli.zip(found.iter().map(Visibility::max)).collect() })
     }
 
@@ -260,7 +259,7 @@ pub fn simulate<E>(
         let effect = match session.state() {
             State::Done | State::Left => return Ok(()),
             State::Recovery { .. } | State::Closing { .. } => {
-                now += session.protocol().recovery.duration();
+                now += session.protocol().recovery_duration();
                 session.step(Event::Frame, now)
             }
             State::Stimulus { .. } | State::Response { .. } => {

@@ -9,7 +9,7 @@ use serde::{
 };
 
 use super::faults::DefinitionErrors;
-use crate::light::names::expected_one_of;
+use crate::text::names::expected_one_of;
 
 /// The fields of a definition's `[participant]` table, in its order.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,11 +24,12 @@ pub struct ParticipantField {
     pub spec: FieldSpec,
 }
 
-/// A field as it is written in a definition. Only its own keys are part of the definition's hash.
+/// A field as it is written in a definition.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FieldSpec {
     /// Whether the session begins only with an answer.
+    #[serde(skip_serializing_if = "Clone::clone")]
     pub required: bool,
     /// What the participant reads next to the field.
     #[serde(skip_serializing_if = "Option::is_none")]

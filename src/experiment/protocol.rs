@@ -1,253 +1,86 @@
-//! The definition of an experiment, validated once.
+//! A definition without errors.
 
-use std::{collections::HashSet, time::Duration};
+use std::{collections::HashSet, ops::Deref, sync::Arc, time::Duration};
 
-use serde::{Deserialize, Serialize, Serializer, ser::SerializeMap as _};
+use serde::{Serialize, Serializer};
 
 use super::{
-    condition::{Condition, Factor, cross, serialize_factors},
+    condition::{Condition, cross},
+    definition::{Definition, MAX_RATING},
     faults::{DefinitionError, DefinitionErrors},
-    participant::ParticipantFields,
-    texts::Texts,
 };
-use crate::{
-    light::names::serde_as_text,
-    stimulus::{ParameterError, ParameterValue, Stimulus},
-};
+use crate::stimulus::ParameterValue;
 
-/// Highest rating on the paper's scale; ratings are 0…3 (Bangay §3.1).
-pub const MAX_RATING: u8 = 3;
 /// Maximum number of trials per session.
 const MAX_TRIALS: usize = 100_000;
 /// Typical time to look at a stimulus and rate it, seconds.
 const RATING_S: f64 = 3.5;
-
-/// An experiment: what is varied, in what order it is shown, and how it is shown and rated. It is serialized in the
-/// form of a definition, so that the copy in a sidecar can be read back.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Protocol {
-    /// Version of the definition's format; 1.
-    pub schema: u32,
-    /// Name, `[a-z0-9-]+`. The results folder has the same name.
-    pub name: String,
-    /// Title for people, one line.
-    pub title: String,
-    /// The stimulus with the parameters that do not vary.
-    pub stimulus: Stimulus,
-    /// The factors to cross, in the order of the definition.
-    #[serde(serialize_with = "serialize_factors")]
-    pub factors: Vec<Factor>,
-    /// Number and order of the trials.
-    pub design: Design,
-    /// What is shown between stimuli.
-    pub recovery: Recovery,
-    /// How long the stimulus is shown. If `None`, it stays until it is rated.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub presentation: Option<Presentation>,
-    /// The rating scale.
-    pub response: ResponseScale,
-    /// The planned viewing geometry.
-    pub viewing: ViewingPlan,
-    /// What is asked about the participant before the first page.
-    #[serde(skip_serializing_if = "ParticipantFields::is_empty")]
-    pub participant: ParticipantFields,
-    /// The participant's texts.
-    pub instructions: Texts,
-}
-
-/// Number and order of the trials.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Design {
-    /// Number of main trials for each condition, at least 1.
-    pub repetitions: u32,
-    /// Number of practice trials, which are drawn from the same conditions.
-    pub practice: u32,
-    /// Number of main trials between two breaks; 0 for no breaks.
-    pub break_every: u32,
-    /// Order of the main trials.
-    pub order: Order,
-    /// Maximum number of consecutive trials with the same level of a factor.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub max_run: Option<u32>,
-}
-
-/// Order of the main trials.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Order {
-    /// All trials are shuffled together.
-    Random,
-    /// One block for each level of a factor. The blocks are in random order, and the trials are shuffled within each
-    /// block.
-    Blocked(String),
-    /// One block for each level of a factor. A Williams square counterbalances the order of the blocks across
-    /// participants, and the trials are shuffled within each block.
-    Latin(String),
-}
-
-impl Order {
-    /// Returns the factor that defines the blocks, if there are any.
-    pub fn factor(&self) -> Option<&str> {
-        match self {
-            Self::Random => None,
-            Self::Blocked(factor) | Self::Latin(factor) => Some(factor),
-        }
-    }
-}
-
-impl std::fmt::Display for Order {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Random => write!(f, "random"),
-            Self::Blocked(factor) => write!(f, "blocked:{factor}"),
-            Self::Latin(factor) => write!(f, "latin:{factor}"),
-        }
-    }
-}
-
-impl std::str::FromStr for Order {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.split_once(':') {
-            None if text == "random" => Ok(Self::Random),
-            Some(("blocked", factor)) => Ok(Self::Blocked(factor.to_owned())),
-            Some(("latin", factor)) => Ok(Self::Latin(factor.to_owned())),
-            _ => Err(format!("order {text:?} is unknown; expected random, blocked:FACTOR or latin:FACTOR")),
-        }
-    }
-}
-
-serde_as_text!(Order);
-
-/// The uniform field between stimuli (Bangay §3.1).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Recovery {
-    /// Seconds, 0…600.
-    pub duration_s: f64,
-    /// Relative luminance in linear light, 0…1, in the color of the stimulus.
-    pub level: f64,
-}
-
-impl Recovery {
-    /// Returns the duration to the nanosecond, as the session measures it.
-    pub fn duration(&self) -> Duration {
-        Duration::try_from_secs_f64(self.duration_s).unwrap_or_default()
-    }
-}
-
-/// A stimulus of fixed duration. The uniform field follows until the stimulus is rated; an earlier rating ends the
-/// stimulus.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Presentation {
-    /// Seconds, 0.001…600.
-    pub duration_s: f64,
-}
-
-impl Presentation {
-    /// Returns the duration to the nanosecond, as the session measures it.
-    pub fn duration(&self) -> Duration {
-        Duration::try_from_secs_f64(self.duration_s).unwrap_or_default()
-    }
-}
-
-/// The rating scale: one category for each of the ratings 0…3.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ResponseScale {
-    /// Shown next to the scale.
-    pub question: String,
-    /// Categories in the order of their ratings.
-    pub categories: Vec<Category>,
-}
-
-/// Serializes the scale as it appears in a definition: question, labels and keys.
-impl Serialize for ResponseScale {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(3))?;
-        map.serialize_entry("question", &self.question)?;
-        map.serialize_entry("labels", &self.categories.iter().map(|c| &c.label).collect::<Vec<_>>())?;
-        map.serialize_entry("keys", &self.categories.iter().map(|c| c.key).collect::<Vec<_>>())?;
-        map.end()
-    }
-}
-
-/// One possible answer.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Category {
-    /// What the answer means.
-    pub label: String,
-    /// The key for this answer: one digit or letter.
-    pub key: char,
-}
-
-/// The planned viewing geometry.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ViewingPlan {
-    /// Distance from the eye to the screen, cm.
-    pub distance_cm: f64,
-    /// Side of the square stimulus, degrees of visual angle.
-    pub window_deg: f64,
-}
-
-impl Default for Design {
-    fn default() -> Self {
-        Self { repetitions: 1, practice: 0, break_every: 0, order: Order::Random, max_run: None }
-    }
-}
-
-impl Default for Recovery {
-    fn default() -> Self {
-        Self { duration_s: 2.0, level: 0.5 }
-    }
-}
-
-impl Default for ViewingPlan {
-    /// About 10° at 50 cm (Bangay §3.1).
-    fn default() -> Self {
-        Self { distance_cm: 50.0, window_deg: 10.0 }
-    }
-}
-
-impl Default for ResponseScale {
-    /// The paper's four categories (Bangay §3.1).
-    fn default() -> Self {
-        let labels = ["No band", "Broad band", "Narrow band, indistinct boundaries", "Narrow band, clearly defined"];
-        Self {
-            question: "How visible is the brighter band?".to_owned(),
-            categories: labels
-                .iter()
-                .zip('0'..)
-                .map(|(label, key)| Category { label: (*label).to_owned(), key })
-                .collect(),
-        }
-    }
-}
-
 /// Keys that the session itself uses, so they cannot be answers.
 const RESERVED_KEYS: [char; 1] = ['s'];
 
+/// A [`Definition`] without errors, and its conditions: what a session runs. The definition can be read but not changed.
+#[derive(Clone, Debug)]
+pub struct Protocol {
+    definition: Definition,
+    conditions: Arc<[Condition]>,
+}
+
+impl Deref for Protocol {
+    type Target = Definition;
+
+    fn deref(&self) -> &Definition {
+        &self.definition
+    }
+}
+
+/// The definition determines the conditions.
+impl PartialEq for Protocol {
+    fn eq(&self, other: &Self) -> bool {
+        self.definition == other.definition
+    }
+}
+
+impl Serialize for Protocol {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.definition.serialize(serializer)
+    }
+}
+
 impl Protocol {
-    /// Returns all cells of the design. The last factor varies fastest.
+    /// Checks a definition.
     ///
-    /// This never fails for a validated protocol. The error is also one of [`Protocol::errors`].
-    pub fn conditions(&self) -> Result<Vec<Condition>, ParameterError> {
-        cross(&self.stimulus, &self.factors)
+    /// # Errors
+    /// Returns every error in the definition.
+    pub fn new(definition: Definition) -> Result<Self, Vec<DefinitionError>> {
+        let mut errors = DefinitionErrors::default();
+        let conditions = definition.check(&mut errors).into();
+        if errors.0.is_empty() { Ok(Self { definition, conditions }) } else { Err(errors.0) }
+    }
+
+    /// Returns a protocol whose definition differs in what `change` does to it.
+    ///
+    /// # Errors
+    /// Returns every error in the changed definition.
+    pub fn with(&self, change: impl FnOnce(&mut Definition)) -> Result<Self, Vec<DefinitionError>> {
+        let mut definition = self.definition.clone();
+        change(&mut definition);
+        Self::new(definition)
+    }
+
+    /// Returns all cells of the design, at least one. The last factor varies fastest.
+    pub fn conditions(&self) -> &Arc<[Condition]> {
+        &self.conditions
     }
 
     /// Returns the number of main trials.
     pub fn main_trials(&self) -> usize {
-        self.cells().saturating_mul(self.design.repetitions as usize)
+        self.conditions.len() * self.design.repetitions as usize
     }
 
     /// Returns the estimated duration of a session in whole minutes, including one minute for the instructions.
     pub fn minutes(&self) -> u64 {
         let trials = self.main_trials() as f64 + f64::from(self.design.practice);
-        let minutes = trials * self.trial_s() / 60.0;
-        // The cast saturates, so the duration of an invalid definition does no harm.
-        (minutes.ceil() as u64).saturating_add(1)
+        (trials * self.trial_s() / 60.0).ceil() as u64 + 1
     }
 
     /// Returns the estimated duration of a trial, seconds.
@@ -255,13 +88,14 @@ impl Protocol {
         self.recovery.duration_s + RATING_S
     }
 
-    fn cells(&self) -> usize {
-        self.factors.iter().fold(1, |n: usize, factor| n.saturating_mul(factor.levels.len()))
+    /// Returns the duration of the uniform field between stimuli to the nanosecond, as the session measures it.
+    pub fn recovery_duration(&self) -> Duration {
+        Duration::from_secs_f64(self.recovery.duration_s)
     }
 
-    /// Returns the name without hyphens, for file names: a Psych-DS keyword value must be alphanumeric.
-    pub fn task(&self) -> String {
-        self.name.replace('-', "")
+    /// Returns the duration of the stimulus to the nanosecond; `None` if it stays until it is rated.
+    pub fn presentation_duration(&self) -> Option<Duration> {
+        self.presentation.map(|presentation| Duration::from_secs_f64(presentation.duration_s))
     }
 
     /// Returns the experiment in gray, for observers who see colors differently from most people. A yellow with equal
@@ -269,7 +103,8 @@ impl Protocol {
     /// same luminance for everyone.
     ///
     /// It is a separate experiment: its name ends in `-gray`, so its data go into a separate folder and are not mixed
-    /// with the data of the original. Returns `None` if the experiment is already gray or if color is a factor.
+    /// with the data of the original. Returns `None` if the experiment is already gray, if color is a factor, or if its
+    /// name is too long for the suffix.
     #[must_use]
     pub fn in_gray(&self) -> Option<Self> {
         let [gray, same] = ["gray", "same"].map(ParameterValue::from);
@@ -279,24 +114,24 @@ impl Protocol {
         if is_gray || varies {
             return None;
         }
-        let mut copy = self.clone();
-        copy.stimulus.set("color", &gray).ok()?;
-        if color_high.is_some() {
-            copy.stimulus.set("color_high", &same).ok()?;
-        }
-        copy.name += "-gray";
-        copy.title += " (gray)";
-        Some(copy)
+        let in_gray = |copy: &mut Definition| {
+            let mut set = |name: &str, value| copy.stimulus.get(name).map(|_| copy.stimulus.set(name, value));
+            let _ = (set("color", &gray), set("color_high", &same));
+            copy.name += "-gray";
+            copy.title += " (gray)";
+        };
+        self.with(in_gray).ok()
     }
+}
 
-    /// Returns all errors; a valid protocol has none.
-    pub fn errors(&self) -> Vec<DefinitionError> {
-        let mut errors = DefinitionErrors::default();
+impl Definition {
+    /// Adds all errors, and returns the conditions; if there are errors in the factors, it returns none.
+    fn check(&self, errors: &mut DefinitionErrors) -> Vec<Condition> {
         if let Some(message) = name_error(&self.name) {
             errors.add("name", message);
         }
-        self.factor_errors(&mut errors);
-        self.design_errors(&mut errors);
+        let conditions = self.check_factors(errors);
+        self.check_design(errors);
         errors.check_range("recovery.duration_s", self.recovery.duration_s, 0.0, 600.0, "seconds");
         errors.check_range("recovery.level", self.recovery.level, 0.0, 1.0, "the relative luminance of the field");
         if let Some(presentation) = &self.presentation {
@@ -305,12 +140,13 @@ impl Protocol {
         }
         errors.check_range("viewing.distance_cm", self.viewing.distance_cm, 1.0, 10_000.0, "cm from eye to screen");
         errors.check_range("viewing.window_deg", self.viewing.window_deg, 0.01, 170.0, "degrees of visual angle");
-        self.response_errors(&mut errors);
-        self.participant.check(&mut errors);
-        errors.0
+        self.check_response(errors);
+        self.participant.check(errors);
+        errors.0.extend(self.script_errors());
+        conditions
     }
 
-    fn factor_errors(&self, errors: &mut DefinitionErrors) {
+    fn check_factors(&self, errors: &mut DefinitionErrors) -> Vec<Condition> {
         let before = errors.0.len();
         for (i, factor) in self.factors.iter().enumerate() {
             let path = format!("factors.{}", factor.name);
@@ -339,27 +175,31 @@ impl Protocol {
             }
         }
         if errors.0.len() > before {
-            return;
+            return Vec::new();
         }
         // With repetitions = 0, which is reported as its own error, there are no trials, but there are still cells.
         let repetitions = self.design.repetitions.max(1) as usize;
-        let main = self.cells().saturating_mul(repetitions);
+        let cells = self.factors.iter().fold(1, |n: usize, factor| n.saturating_mul(factor.levels.len()));
+        let main = cells.saturating_mul(repetitions);
         let trials = main.saturating_add(self.design.practice as usize);
         if trials > MAX_TRIALS {
             errors.add("factors", format!("the design has {trials} trials; expected at most {MAX_TRIALS}"));
-            return;
+            return Vec::new();
         }
         // Each level is valid by itself. Now check the cells, where a level of one factor may contradict a level of
         // another.
-        let Ok(cells) = self.conditions() else { return };
-        if let Some(error) = cells.iter().find_map(|cell| cell.stimulus.validate().err()?.into_iter().next()) {
-            let place =
-                if self.factors.iter().any(|f| f.name == "low" || f.name == "high") { "factors" } else { "stimulus" };
-            errors.add(place, error.to_string());
-        }
+        let checked = cross(&self.stimulus, &self.factors).and_then(|cells| {
+            let error = cells.iter().find_map(|cell| cell.stimulus.validate().err()?.into_iter().next());
+            error.map_or(Ok(cells), Err)
+        });
+        checked.unwrap_or_else(|error| {
+            let is_varied = self.factors.iter().any(|factor| factor.name == "low" || factor.name == "high");
+            errors.add(if is_varied { "factors" } else { "stimulus" }, error.to_string());
+            Vec::new()
+        })
     }
 
-    fn design_errors(&self, errors: &mut DefinitionErrors) {
+    fn check_design(&self, errors: &mut DefinitionErrors) {
         let design = &self.design;
         if design.repetitions == 0 {
             errors.add("design.repetitions", "repetitions is 0; expected at least 1");
@@ -378,7 +218,7 @@ impl Protocol {
         }
     }
 
-    fn response_errors(&self, errors: &mut DefinitionErrors) {
+    fn check_response(&self, errors: &mut DefinitionErrors) {
         let categories = &self.response.categories;
         let expected = usize::from(MAX_RATING) + 1;
         if categories.len() != expected {

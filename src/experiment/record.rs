@@ -12,21 +12,7 @@ use super::{
     schedule::{Phase, Schedule},
     session::TrialResponse,
 };
-use crate::{light::interpolation::Depth, stimulus::ParameterValue};
-
-/// The value of a cell, for programs that read data as numbers.
-#[derive(Clone, Debug, PartialEq)]
-pub enum CellValue {
-    /// An empty cell.
-    Missing,
-    /// A whole number; large enough for every seed.
-    Whole(i128),
-    /// A number, which may be infinite.
-    Number(f64),
-    Text(String),
-    /// A point in time.
-    Time(Timestamp),
-}
+use crate::{light::interpolation::Depth, stimulus::ParameterValue, text::Cell as CellValue};
 
 /// A value in one cell of a CSV file.
 trait Cell: Sized {
@@ -185,31 +171,23 @@ pub struct Column {
 }
 
 macro_rules! record {
-    (
-        $($name:ident: $kind:ty, $unit:literal, $description:literal;)*
-        .. $($later:ident: $later_kind:ty, $later_unit:literal, $later_description:literal;)*
-    ) => {
+    ($($name:ident: $kind:ty, $unit:literal, $description:literal;)*) => {
         /// One trial as it was shown and rated: one row of a result file.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct TrialRecord {
             $(#[doc = $description] pub $name: $kind,)*
             /// Levels of the factors that have no column above, in the order of the definition.
             pub extra_factors: Vec<String>,
-            $(#[doc = $later_description] pub $later: $later_kind,)*
         }
 
-        /// Name, unit and description of the columns that every result file has.
+        /// Name, unit and description of the columns that every result file has. The other factors follow.
         const FIXED: &[(&str, &str, &str)] = &[$((stringify!($name), $unit, $description),)*];
-
-        /// Name, unit and description of the columns that follow the factors.
-        const LATER_COLUMNS: &[(&str, &str, &str)] = &[$((stringify!($later), $later_unit, $later_description),)*];
 
         impl TrialRecord {
             /// Returns the cells of the row in the order of [`columns`].
             pub fn cells(&self) -> Vec<String> {
                 let mut cells = vec![$(Cell::to_cell(&self.$name),)*];
                 cells.extend(self.extra_factors.iter().cloned());
-                cells.extend([$(Cell::to_cell(&self.$later),)*]);
                 cells
             }
 
@@ -218,7 +196,6 @@ macro_rules! record {
             pub fn values(&self) -> Vec<CellValue> {
                 let mut values = vec![$(Cell::value(&self.$name),)*];
                 values.extend(self.extra_factors.iter().map(|level| level_value(level)));
-                values.extend([$(Cell::value(&self.$later),)*]);
                 values
             }
 
@@ -227,14 +204,10 @@ macro_rules! record {
             /// # Errors
             /// Returns the index of the first wrong cell and a message with the content that was expected.
             pub fn from_cells(cells: &[&str]) -> Result<Self, (usize, String)> {
-                let later = cells.len().saturating_sub(LATER_COLUMNS.len()).max(FIXED.len());
                 let mut next = 0;
                 $(let $name = cell(cells, &mut next, stringify!($name))?;)*
-                let extra = cells.get(next..later).unwrap_or_default();
-                let extra_factors = extra.iter().map(|cell| (*cell).to_owned()).collect();
-                next = later;
-                $(let $later = cell(cells, &mut next, stringify!($later))?;)*
-                Ok(Self { $($name,)* extra_factors, $($later,)* })
+                let extra_factors = cells[next..].iter().map(|cell| (*cell).to_owned()).collect();
+                Ok(Self { $($name,)* extra_factors })
             }
         }
     };
@@ -242,11 +215,8 @@ macro_rules! record {
 
 /// Returns the value of a factor's level.
 fn level_value(level: &str) -> CellValue {
-    match level.parse::<f64>() {
-        Ok(number) if !number.is_nan() => CellValue::Number(number),
-        _ if level.is_empty() => CellValue::Missing,
-        _ => CellValue::Text(level.to_owned()),
-    }
+    let number = level.parse().ok().filter(|number: &f64| !number.is_nan());
+    if level.is_empty() { CellValue::Missing } else { CellValue::Level(level.to_owned(), number) }
 }
 
 /// Reads the cell at `next` and advances to the following cell.
@@ -281,18 +251,12 @@ record! {
     frames: Option<u32>, "", "Number of frames that presented the stimulus; empty if no screen was used.";
     dropped_frames: Option<u32>, "", "Number of frame intervals longer than 1.5 times the screen's, during recovery and stimulus; empty if not measured.";
     started_at: Timestamp, "", "Wall-clock time of the onset, RFC 3339, UTC.";
-    sitting: u32, "", "1, plus 1 each time an interrupted session was resumed.";
-    seed: u64, "", "Seed of the trial order.";
-    // Factors that have no column above go here. The columns below were added later; older files end before them.
-    ..
     stimulus_s: Option<Seconds>, "s", "Actual duration of the stimulus, from its onset to the frame that replaced it; empty if no screen was used.";
     late_onset: Option<bool>, "", "Whether the onset came more than half a refresh later than planned; empty if the screen's refresh rate is not known.";
     response_uncertainty_s: Option<Seconds>, "s", "Longest time that the key press may have waited before the program received it; empty if not measured.";
+    sitting: u32, "", "1, plus 1 each time an interrupted session was resumed.";
+    seed: u64, "", "Seed of the trial order.";
 }
-
-/// Number of columns at the end of a row that were added later. A file from an earlier version ends before some of
-/// them.
-pub const LATER_COLUMN_COUNT: usize = LATER_COLUMNS.len();
 
 /// Returns every column of a protocol's result files, in order.
 pub fn columns(protocol: &Protocol) -> Vec<Column> {
@@ -312,23 +276,20 @@ pub fn columns(protocol: &Protocol) -> Vec<Column> {
             levels: levels(protocol, name),
         }
     });
-    FIXED.iter().map(described).chain(extra).chain(LATER_COLUMNS.iter().map(described)).collect()
+    FIXED.iter().map(described).chain(extra).collect()
 }
 
 /// Returns the columns of a file whose definition is unknown: the columns that every file has, and any others in its
 /// header.
 pub fn columns_by_header<'a>(header: impl Iterator<Item = &'a str>) -> Vec<Column> {
-    let column = |(name, unit, description): &(&str, &str, &str)| Column {
-        name: (*name).to_owned(),
-        description: (*description).to_owned(),
-        unit: (*unit).to_owned(),
+    let column = |(name, unit, description): (&str, &str, &str)| Column {
+        name: name.to_owned(),
+        description: description.to_owned(),
+        unit: unit.to_owned(),
         ..Column::default()
     };
-    let name = |name| column(&(name, "", ""));
-    let known = |known: &[(&str, &str, &str)]| known.iter().map(column).collect::<Vec<_>>();
-    let is_extra = |column: &&str| LATER_COLUMNS.iter().all(|(later, ..)| later != column);
-    let extra = header.skip(FIXED.len()).filter(is_extra).map(name);
-    known(FIXED).into_iter().chain(extra).chain(known(LATER_COLUMNS)).collect()
+    let extra = header.skip(FIXED.len()).map(|name| (name, "", ""));
+    FIXED.iter().copied().chain(extra).map(column).collect()
 }
 
 fn extra_factors(protocol: &Protocol) -> impl Iterator<Item = &str> {
@@ -336,7 +297,7 @@ fn extra_factors(protocol: &Protocol) -> impl Iterator<Item = &str> {
         .factors
         .iter()
         .map(|factor| factor.name.as_str())
-        .filter(|name| FIXED.iter().chain(LATER_COLUMNS).all(|(fixed, ..)| fixed != name))
+        .filter(|name| FIXED.iter().all(|(fixed, ..)| fixed != name))
 }
 
 fn levels(protocol: &Protocol, column: &str) -> serde_json::Map<String, serde_json::Value> {

@@ -1,6 +1,8 @@
 //! The order of the trials. The definition, the seed and the identity determine it, and it is the same on every
 //! machine.
 
+use std::sync::Arc;
+
 use rand_chacha::{
     ChaCha8Rng,
     rand_core::{Rng, SeedableRng as _},
@@ -8,10 +10,12 @@ use rand_chacha::{
 
 use super::{
     condition::{Condition, Factor},
+    definition::Order,
     identity::{Identity, fnv1a},
-    protocol::{Order, Protocol},
+    protocol::Protocol,
 };
-use crate::light::{names::named, random::shuffle};
+use crate::light::random::shuffle;
+use crate::text::names::named;
 
 /// Describes, for the sidecar, how an order is generated from a seed. Any change to this procedure would change the
 /// meaning of recorded data.
@@ -60,25 +64,19 @@ pub struct Trial {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
     /// The cells of the design.
-    pub conditions: Vec<Condition>,
+    pub conditions: Arc<[Condition]>,
     /// Practice trials, followed by main trials.
     pub trials: Vec<Trial>,
     /// The seed from which the order was generated.
     pub seed: u64,
 }
 
-/// The reason why a definition has no possible order.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ScheduleError {
-    /// `max_run` is too small for the design.
-    #[error("found no order with max_run = {max_run}; expected a larger max_run or more levels")]
-    MaxRun {
-        /// The requested limit.
-        max_run: u32,
-    },
-    /// A cell of the design is not a valid stimulus.
-    #[error(transparent)]
-    Condition(#[from] crate::stimulus::ParameterError),
+/// No order with the definition's `max_run` was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("found no order with max_run = {max_run}; expected a larger max_run or more levels")]
+pub struct ScheduleError {
+    /// The requested limit.
+    pub max_run: u32,
 }
 
 /// Returns a session's own random number generator. For a given seed, each participant and session has a separate
@@ -100,9 +98,9 @@ impl Schedule {
     /// Creates the order for this definition, participant, session and seed.
     ///
     /// # Errors
-    /// Returns a [`ScheduleError`] if `max_run` cannot be satisfied or the protocol was not validated.
+    /// Returns a [`ScheduleError`] if `max_run` cannot be satisfied.
     pub fn new(protocol: &Protocol, identity: &Identity, seed: u64) -> Result<Self, ScheduleError> {
-        let conditions = protocol.conditions()?;
+        let conditions = Arc::clone(protocol.conditions());
         let mut rng = generator(seed, identity);
         let mut trials = practice(protocol, conditions.len(), &mut rng);
         trials.extend(main(protocol, &conditions, identity, &mut rng)?);
@@ -249,5 +247,5 @@ fn limit_runs(
         }
         return Ok(());
     }
-    Err(ScheduleError::MaxRun { max_run })
+    Err(ScheduleError { max_run })
 }

@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 
 use unicode_script::{Script, UnicodeScript as _};
 
-use super::{faults::DefinitionError, participant::FieldKind, protocol::Protocol};
+use super::{definition::Definition, faults::DefinitionError, participant::FieldKind};
 
-impl Protocol {
+impl Definition {
     /// Returns every text that participants read, with its place in the definition.
     pub fn participant_texts(&self) -> impl Iterator<Item = (String, &str)> {
         let texts = self.instructions.entries().map(|(key, text)| (format!("instructions.{key}"), text));
@@ -37,7 +37,7 @@ impl Protocol {
     }
 
     /// Returns an error for each of the participants' texts that the window cannot show.
-    pub fn script_errors(&self) -> Vec<DefinitionError> {
+    pub(super) fn script_errors(&self) -> Vec<DefinitionError> {
         let error = |(path, text): (String, &str)| {
             let (letter, why) = text.chars().find_map(|c| Some((c, refusal(c.script())?)))?;
             let name = letter.script().full_name().replace('_', " ");

@@ -358,8 +358,8 @@ impl Session {
         self.end_frame(now);
         match self.state {
             State::Recovery { since } if self.is_recovered(since, now) => self.present(since, now),
-            State::Stimulus { onset, recovery } => match self.protocol.presentation {
-                Some(plan) if self.is_over(now.saturating_sub(onset), plan.duration()) => {
+            State::Stimulus { onset, recovery } => match self.protocol.presentation_duration() {
+                Some(planned) if self.is_over(now.saturating_sub(onset), planned) => {
                     self.state = State::Response { onset, recovery, stimulus: now.saturating_sub(onset) };
                 }
                 _ => self.frames += 1,
@@ -373,7 +373,7 @@ impl Session {
     fn present(&mut self, since: Duration, now: Duration) {
         let recovery = now.saturating_sub(since);
         self.frames = 1;
-        self.late = self.refresh().map(|refresh| refresh.is_late(recovery, self.protocol.recovery.duration()));
+        self.late = self.refresh().map(|refresh| refresh.is_late(recovery, self.protocol.recovery_duration()));
         if self.late == Some(true) {
             self.log.late_onset();
         }
@@ -381,7 +381,7 @@ impl Session {
     }
 
     fn is_recovered(&self, since: Duration, now: Duration) -> bool {
-        self.is_over(now.saturating_sub(since), self.protocol.recovery.duration()) && !self.pending
+        self.is_over(now.saturating_sub(since), self.protocol.recovery_duration()) && !self.pending
     }
 
     /// Returns whether a duration is over. If the refresh interval is known, durations last a whole number of

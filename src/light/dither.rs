@@ -18,7 +18,7 @@ use std::str::FromStr;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use super::names::{named, serde_as_text};
+use crate::text::names::{named, serde_as_text};
 
 /// How to choose between two codes. Written `none`, `ordered`, `ordered:MATRIX` with the name of a [`DitherMatrix`],
 /// `blue-noise` or `random`; the text does not include the seed of `random`.

@@ -13,8 +13,8 @@ use std::str::FromStr;
 
 use super::dither::{DitherMatrix, Levels, from_rank};
 use super::image::{CodeImage, LinearImage, Samples};
-use super::names::with_number;
 use super::transfer::{Transfer, Transfers};
+use crate::text::names::with_number;
 
 /// The maximum number of bits in a code.
 const MAX_BITS: u32 = 8;

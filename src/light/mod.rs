@@ -1,4 +1,4 @@
-//! Floor 0: light as numbers. This module touches no files and no windows, and uses no other module of this crate.
+//! Floor 0: light as numbers. This module touches no files and no windows, and uses only words from the basement.
 //!
 //! In this crate's comments, Bangay is *Methods of Reducing the Visibility of Mach Bands during Gouraud Shading*, and
 //! Shoaff is *Color, Illumination Models, and Shading*.
@@ -13,7 +13,6 @@ pub mod dither;
 pub mod halftone;
 pub mod image;
 pub mod interpolation;
-pub(crate) mod names;
 pub mod palette;
 pub mod quantize;
 pub mod random;

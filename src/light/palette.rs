@@ -17,9 +17,9 @@ use quantette::wu::{BinnerF32x3, WuF32x3};
 use quantette::{PaletteCounts, PaletteSize};
 
 use super::image::{CodeImage, Samples};
-use super::names::{named, with_number};
 use super::quantize::{Bits, Quantizer};
 use super::transfer::Transfers;
+use crate::text::names::{named, with_number};
 
 /// The most colors that an 8-bit index can address.
 const MAX_COLORS: u32 = 256;

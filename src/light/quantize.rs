@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 use super::dither::{Dither, Levels, Thresholds};
 use super::image::{CodeImage, LinearImage, Samples};
-use super::names::named;
 use super::transfer::{Transfer, Transfers};
+use crate::text::names::named;
 
 named! {
     /// Number of bits in a code.

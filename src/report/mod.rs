@@ -16,4 +16,4 @@ pub mod tables;
 pub mod terminal;
 
 pub use output::{AnalysisOutput, Contents, Predicted, check_folder, png, report_files, table_files, write_all};
-pub use study::{Provenance, Study};
+pub use study::{Provenance, Study, StudyError};

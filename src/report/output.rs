@@ -1,7 +1,6 @@
 //! The output of `machband analyze` and of the export on the window's analysis page.
 
 use std::{
-    collections::HashSet,
     path::{Path, PathBuf},
     time::{Duration, Instant},
 };
@@ -112,29 +111,12 @@ pub fn png(figure: &Figure, path: &Path) -> Result<Vec<u8>, StoreError> {
 pub fn table_files(study: &Study, results: &Results) -> Contents {
     let mut model = serde_json::to_vec_pretty(&tables::model(results)).unwrap_or_default();
     model.push(b'\n');
-    let mut files = vec![
-        (CELLS.to_owned(), tables::cells(results).csv()),
-        ("subjects.csv".to_owned(), tables::subjects(results).csv()),
-        ("tests.csv".to_owned(), tables::tests(results).csv()),
-        ("agreement.csv".to_owned(), tables::agreement(results).csv()),
-        ("counts.csv".to_owned(), tables::counts(&results.measured.counts, &study.source.shape)),
+    let mut files: Contents =
+        tables::all(results).into_iter().map(|(name, table)| (format!("{name}.csv"), table.csv())).collect();
+    files.extend([
+        ("counts.csv".to_owned(), tables::counts_csv(&results.measured.counts, &study.source.shape)),
         ("model.json".to_owned(), model),
         ("analysis.R".to_owned(), script::script(&study.source.shape, results).into_bytes()),
-    ];
-    files.extend(tables::predictions(results).map(|table| ("predictions.csv".to_owned(), table.csv())));
-    let mut taken = HashSet::new();
-    for factor in &results.factors {
-        let mut name = format!("by_{}", file_part(&factor.name));
-        while !taken.insert(name.clone()) {
-            name.push('_');
-        }
-        files.push((format!("{name}.csv"), tables::by_factor(results, factor).csv()));
-    }
+    ]);
     files
-}
-
-/// Makes a factor's name safe for a file name: all characters except letters, digits, hyphens and dots become
-/// underscores.
-fn file_part(name: &str) -> String {
-    name.chars().map(|c| if c.is_alphanumeric() || c == '-' || c == '.' { c } else { '_' }).collect()
 }

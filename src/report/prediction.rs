@@ -66,9 +66,6 @@ pub enum PredictionError {
     /// The model cannot process a stimulus.
     #[error("the model cannot process the stimuli: {0}")]
     Invisible(#[from] VisionError),
-    /// The definition sets a parameter to an invalid value.
-    #[error("the definition’s conditions are invalid: {0}")]
-    Conditions(String),
     /// The prediction and the ratings share no condition.
     #[error("the ratings contain none of the predicted conditions; expected ratings from this experiment")]
     NoCondition,
@@ -103,15 +100,15 @@ impl StudyPrediction {
     pub fn of(source: &Source, counts: &Counts) -> Result<Self, PredictionError> {
         let protocol = source.protocol.as_ref().ok_or(PredictionError::NoDefinition)?;
         check_categories(counts)?;
-        let conditions = protocol.conditions().map_err(|error| PredictionError::Conditions(error.to_string()))?;
+        let conditions = protocol.conditions();
         let most = if protocol.stimulus.is_line() { MAX_CONDITIONS } else { MAX_PICTURES };
         if conditions.len() > most {
             let name = protocol.name.clone();
             return Err(PredictionError::TooMany { conditions: conditions.len(), most, name });
         }
         let viewing = ViewingConditions::new(window_deg(source, protocol));
-        let predicted = visibilities(&conditions, &viewing, None)?;
-        let predicted = by_condition(counts, protocol, &conditions, &predicted)?;
+        let predicted = visibilities(conditions, &viewing, None)?;
+        let predicted = by_condition(counts, protocol, conditions, &predicted)?;
         let comparison = compare(counts, &predicted)?;
         let values = category_values(counts);
         let expected = |visibility: f64| {
@@ -142,7 +139,7 @@ pub fn compare_conditions(
 #[must_use]
 pub fn window_deg(source: &Source, protocol: &Protocol) -> f64 {
     let sittings = source.sessions.iter().filter_map(|session| session.sidecar.as_ref()).flat_map(|s| &s.sittings);
-    let widths = sittings.filter_map(|sitting| sitting.viewing.as_ref()?["stimulus_deg"].as_f64());
+    let widths = sittings.filter_map(|sitting| Some(sitting.viewing.as_ref()?.stimulus_deg));
     mean(widths.filter(|deg| deg.is_finite() && *deg > 0.0)).unwrap_or(protocol.viewing.window_deg)
 }
 

@@ -112,8 +112,8 @@ fn table_markup(table: &Table) -> Markup {
                     @for row in rows.iter().take(MAX_ROWS) {
                         tr {
                             @for (column, cell) in row.iter().enumerate() {
-                                @if column == 0 { th scope="row" class=[class(column)] { (cell) } }
-                                @else { td class=[class(column)] { (cell) } }
+                                @if column == 0 { th scope="row" class=[class(column)] { (**cell) } }
+                                @else { td class=[class(column)] { (**cell) } }
                             }
                         }
                     }

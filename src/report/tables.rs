@@ -1,118 +1,142 @@
-//! The results as CSV and JSON. Missing values are empty, and numbers are written so that they read back exactly.
-
-use std::borrow::Cow;
+//! The results as tables and as JSON.
 
 use serde_json::{Value, json};
 
-use crate::analysis::{
-    Contrast, Link, Model, Results,
-    counts::{CountRow, Counts, Quartiles},
-    rank_tests::PMethod,
-    results::{FactorResults, SubjectResults},
-    summary::Group,
+use crate::{
+    analysis::{
+        Contrast, Link, Model, Prediction, Results,
+        counts::{CountRow, Counts, Factor, Quartiles},
+        number_of,
+        rank_tests::PMethod,
+        results::{FactorResults, SubjectResults},
+        summary::Group,
+    },
+    statistics::Interval,
+    store::ratings::Shape,
+    text::{self, Cell, Column, Table},
 };
-use crate::statistics::Interval;
-use crate::store::{ratings::Shape, table::inert};
 
-/// A table: its header and its rows.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Table {
-    /// Names of the columns.
-    pub header: Vec<String>,
-    /// Cells, one per column.
-    pub rows: Vec<Vec<String>>,
+fn columns(named: &[(&str, &str, &str)]) -> Vec<Column> {
+    named.iter().map(|(name, unit, description)| Column::new(*name, unit, *description)).collect()
 }
 
-impl Table {
-    fn new(header: impl IntoIterator<Item = impl Into<String>>, rows: Vec<Vec<String>>) -> Self {
-        Self { header: header.into_iter().map(Into::into).collect(), rows }
+fn ends(interval: Option<Interval>) -> [Cell; 2] {
+    [interval.map(|interval| interval.low).into(), interval.map(|interval| interval.high).into()]
+}
+
+/// Describes a column with the levels of each factor.
+fn level_columns(counts: &Counts) -> Vec<Column> {
+    counts.factors.iter().map(|factor| Column::new(&factor.name, "", "Level of the factor.")).collect()
+}
+
+/// Describes a column for each of these categories.
+fn proportions(categories: &[String], description: &str) -> Vec<Column> {
+    categories.iter().map(|category| Column::new(format!("p{category}"), "", description)).collect()
+}
+
+fn level(factor: &Factor, name: &str) -> Cell {
+    if name.is_empty() {
+        return Cell::Missing;
     }
-
-    /// Writes the table as CSV in UTF-8. Texts that a spreadsheet would evaluate as formulas are prefixed with an
-    /// apostrophe.
-    pub fn csv(&self) -> Vec<u8> {
-        csv(std::iter::once(&self.header).chain(&self.rows))
-    }
+    Cell::Level(name.to_owned(), factor.numbers.as_ref().and_then(|_| number_of(name)))
 }
 
-fn csv<Row: IntoIterator<Item: AsRef<str>>>(rows: impl Iterator<Item = Row>) -> Vec<u8> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in rows {
-        // Writing to memory does not fail, and all rows have as many cells as the header.
-        let _ = writer.write_record(row.into_iter().map(|cell| inert(cell.as_ref()).into_owned()));
-    }
-    writer.into_inner().unwrap_or_default()
+/// Returns the cells of the levels of these factors.
+fn levels<'a, Name: AsRef<str> + 'a>(factors: &[Factor], names: impl IntoIterator<Item = &'a Name>) -> Vec<Cell> {
+    factors.iter().zip(names).map(|(factor, name)| level(factor, name.as_ref())).collect()
 }
 
-/// Formats a number so that it reads back exactly; very small and very large numbers have an exponent.
-pub fn number(value: f64) -> String {
-    // Adding 0 turns −0 into 0.
-    let value = value + 0.0;
-    match value.abs() {
-        magnitude if magnitude > 0.0 && !(1e-4..1e15).contains(&magnitude) => format!("{value:e}"),
-        _ => value.to_string(),
-    }
+/// Describes the columns of a summary, between other columns.
+fn summary_columns(first: Vec<Column>, counts: &Counts, last: Vec<Column>) -> Vec<Column> {
+    let mut all = first;
+    all.extend(columns(&[
+        ("n", "", "Number of ratings."),
+        ("mean", "", "Mean rating, in which each participant counts equally."),
+        ("median", "", "Median rating."),
+    ]));
+    all.extend(proportions(&counts.categories, "Proportion of the ratings that are in this category."));
+    all.extend(columns(&[
+        ("ci_low", "", "Lower end of the 95 % interval of the mean."),
+        ("ci_high", "", "Upper end of the 95 % interval of the mean."),
+        ("subjects", "", "Number of participants."),
+    ]));
+    all.extend(last);
+    all
 }
 
-fn maybe(value: Option<f64>) -> String {
-    value.map(number).unwrap_or_default()
-}
-
-fn ends(interval: Option<Interval>) -> [String; 2] {
-    [maybe(interval.map(|interval| interval.low)), maybe(interval.map(|interval| interval.high))]
-}
-
-/// Returns the header `n, mean, median, p…, ci_low, ci_high, subjects`, between other columns.
-fn summary_header(first: impl IntoIterator<Item = String>, counts: &Counts, last: &[&str]) -> Vec<String> {
-    let proportions = counts.categories.iter().map(|category| format!("p{category}"));
-    let owned = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
-    let parts = [first.into_iter().collect(), owned(&["n", "mean", "median"]), proportions.collect()];
-    [&parts.concat()[..], &owned(&["ci_low", "ci_high", "subjects"]), &owned(last)].concat()
-}
-
-fn group_row(Group { names, summary }: &Group) -> Vec<String> {
-    let mut cells = names.clone();
-    cells.extend([summary.n.to_string(), number(summary.mean), number(summary.median)]);
-    cells.extend(summary.proportions.iter().map(|&p| number(p)));
+/// Returns the cells of a summary, after those of what it summarizes.
+fn summary_row(first: Vec<Cell>, Group { summary, .. }: &Group) -> Vec<Cell> {
+    let mut cells = first;
+    cells.extend([summary.n.into(), summary.mean.into(), summary.median.into()]);
+    cells.extend(summary.proportions.iter().map(|p| Cell::from(*p)));
     cells.extend(ends(summary.interval));
-    cells.push(summary.subjects.to_string());
+    cells.push(summary.subjects.into());
     cells
 }
 
 /// Lists every cell of the design.
 pub fn cells(results: &Results) -> Table {
     let counts = &results.measured.counts;
-    let factors = counts.factors.iter().map(|factor| factor.name.clone());
-    Table::new(summary_header(factors, counts, &[]), results.cells.iter().map(group_row).collect())
+    let row = |group: &Group| summary_row(levels(&counts.factors, &group.names), group);
+    Table::new(summary_columns(level_columns(counts), counts, Vec::new()), results.cells.iter().map(row))
+}
+
+fn median_column() -> Column {
+    Column::new("response_time_median_s", "s", "Median time from the onset of the stimulus to the rating.")
 }
 
 /// Lists the levels of a factor.
 pub fn by_factor(results: &Results, factor: &FactorResults) -> Table {
-    let header = summary_header([factor.name.clone()], &results.measured.counts, &["response_time_median_s"]);
-    let row = |(group, times): (&Group, &Option<Quartiles>)| [group_row(group), vec![median(*times)]].concat();
-    Table::new(header, factor.levels.iter().zip(&factor.times).map(row).collect())
+    let counts = &results.measured.counts;
+    let factors: Vec<Factor> = counts.factors.iter().filter(|known| known.name == factor.name).cloned().collect();
+    let first = vec![Column::new(&factor.name, "", "Level of the factor.")];
+    let row = |(group, times): (&Group, &Option<Quartiles>)| {
+        let mut row = summary_row(levels(&factors, &group.names), group);
+        row.push(median(*times));
+        row
+    };
+    let columns = summary_columns(first, counts, vec![median_column()]);
+    Table::new(columns, factor.levels.iter().zip(&factor.times).map(row))
 }
 
 /// Lists every participant.
 pub fn subjects(results: &Results) -> Table {
-    let more = ["retests", "kappa", "response_time_median_s"];
-    let header = summary_header(["subject_id".to_owned()], &results.measured.counts, &more);
+    let first = vec![Column::new("subject_id", "", "Participant.")];
+    let mut last = columns(&[
+        ("retests", "", "Number of conditions that the participant rated at least twice."),
+        ("kappa", "", "Quadratically weighted κ of first and second ratings."),
+    ]);
+    last.push(median_column());
     let row = |subject: &SubjectResults| {
-        let more = [subject.retests.to_string(), maybe(subject.kappa), median(subject.times)];
-        [group_row(&subject.group), more.to_vec()].concat()
+        let mut row =
+            summary_row(subject.group.names.iter().map(|name| name.as_str().into()).collect(), &subject.group);
+        row.extend([subject.retests.into(), subject.kappa.into(), median(subject.times)]);
+        row
     };
-    Table::new(header, results.subjects.iter().map(row).collect())
+    Table::new(summary_columns(first, &results.measured.counts, last), results.subjects.iter().map(row))
 }
 
-fn median(times: Option<Quartiles>) -> String {
-    maybe(times.map(|times| times.median))
+fn median(times: Option<Quartiles>) -> Cell {
+    times.map(|times| times.median).into()
 }
 
 /// Lists Friedman's and Wilcoxon's tests and the likelihood-ratio tests. For a single participant, there are only the
 /// latter, about that participant's trials.
 pub fn tests(results: &Results) -> Table {
-    let header =
-        ["test", "term", "level", "other", "n", "statistic", "df", "p", "p_holm", "effect", "effect_is", "note"];
+    let columns = columns(&[
+        ("test", "", "Name of the test."),
+        ("term", "", "Factor or term that is tested."),
+        ("level", "", "Level that is compared."),
+        ("other", "", "Level with which it is compared."),
+        ("n", "", "Number of participants, or of ratings for tests of the model."),
+        ("statistic", "", "Test statistic."),
+        ("df", "", "Degrees of freedom."),
+        ("p", "", "Probability of such a statistic without an effect."),
+        ("p_holm", "", "p with Holm's correction for the tests of the same kind."),
+        ("effect", "", "Size of the effect."),
+        ("effect_is", "", "What the size is."),
+        ("note", "", "Where p comes from, and what limits the test."),
+    ]);
     let mut rows = Vec::new();
     if results.is_inferential() {
         rows.extend(results.factors.iter().flat_map(rank_rows));
@@ -136,14 +160,14 @@ pub fn tests(results: &Results) -> Table {
             rows.push(test_row(names, report.model.nobs, numbers, "difference on the latent scale", &note));
         }
     }
-    Table::new(header, rows)
+    Table::new(columns, rows)
 }
 
-/// Formats a row of the tests: `names` are the test, the term and two levels; `numbers` are the statistic, df, p, the
+/// Returns a row of the tests: `names` are the test, the term and two levels; `numbers` are the statistic, df, p, the
 /// Holm-corrected p, and the effect; then what the effect is, and a note.
-fn test_row(names: [&str; 4], n: u64, numbers: [Option<f64>; 5], effect_is: &str, note: &str) -> Vec<String> {
-    let names = names.into_iter().map(str::to_owned).chain([n.to_string()]);
-    names.chain(numbers.map(maybe)).chain([effect_is, note].map(str::to_owned)).collect()
+fn test_row(names: [&str; 4], n: u64, numbers: [Option<f64>; 5], effect_is: &str, note: &str) -> Vec<Cell> {
+    let names = names.into_iter().map(Cell::from).chain([n.into()]);
+    names.chain(numbers.map(Cell::from)).chain([effect_is, note].map(Cell::from)).collect()
 }
 
 fn method(method: PMethod) -> &'static str {
@@ -155,7 +179,7 @@ fn method(method: PMethod) -> &'static str {
     }
 }
 
-fn rank_rows(factor: &FactorResults) -> Vec<Vec<String>> {
+fn rank_rows(factor: &FactorResults) -> Vec<Vec<Cell>> {
     let (name, mut rows) = (&factor.name, Vec::new());
     let left_out = match factor.incomplete.len() {
         0 => String::new(),
@@ -189,7 +213,7 @@ pub fn agreement(results: &Results) -> Table {
     let mut rows = Vec::new();
     let mut row = |measure: &str, subject: &str, n: u64, estimate: Option<f64>, interval: Option<Interval>| {
         let [low, high] = ends(interval);
-        rows.push(vec![measure.to_owned(), subject.to_owned(), n.to_string(), maybe(estimate), low, high]);
+        rows.push(vec![measure.into(), subject.into(), n.into(), estimate.into(), low, high]);
     };
     if let Some(alpha) = &results.alpha {
         row("krippendorff_alpha_ordinal", "", alpha.ratings, Some(alpha.alpha), alpha.interval);
@@ -201,39 +225,93 @@ pub fn agreement(results: &Results) -> Table {
     for subject in results.subjects.iter().filter(|subject| subject.retests > 0) {
         row("retest_kappa_quadratic", &subject.group.names[0], subject.retests, subject.kappa, None);
     }
-    Table::new(["measure", "subject_id", "n", "estimate", "ci_low", "ci_high"], rows)
+    let columns = columns(&[
+        ("measure", "", "Coefficient of agreement."),
+        ("subject_id", "", "Participant, if it is about one."),
+        ("n", "", "Number of ratings, or of pairs of ratings."),
+        ("estimate", "", "Value of the coefficient."),
+        ("ci_low", "", "Lower end of its 95 % interval."),
+        ("ci_high", "", "Upper end of its 95 % interval."),
+    ]);
+    Table::new(columns, rows)
 }
 
-/// Lists the sufficient statistic as CSV: participant, factors, rating and count. `analyze` can read this table in
-/// place of the files, because the columns of the participant and the response keep their names. There may be millions
-/// of rows, so no [`Table`] is built.
-pub fn counts(counts: &Counts, shape: &Shape) -> Vec<u8> {
-    let factors = counts.factors.iter().map(|factor| &factor.name);
-    let header = [&shape.subject].into_iter().chain(factors).map(Cow::from);
-    let header = header.chain([Cow::from(&shape.response), Cow::from("count")]).collect();
-    let row = |row: &CountRow| {
-        let mut cells = vec![Cow::from(&counts.subjects[row.subject as usize])];
-        cells.extend(counts.level_names(row.condition).into_iter().map(Cow::from));
-        cells.extend([Cow::from(&counts.categories[row.rating as usize]), row.count.to_string().into()]);
+/// Returns the columns and the rows of the sufficient statistic: participant, factors, rating and count. `analyze` can
+/// read this table in place of the files, because the columns of the participant and the response keep their names.
+fn count_rows<'a>(counts: &'a Counts, shape: &Shape) -> (Vec<Column>, impl Iterator<Item = Vec<Cell>> + 'a) {
+    let mut columns = vec![Column::new(&shape.subject, "", "Participant.")];
+    columns.extend(level_columns(counts));
+    columns.push(Column::new(&shape.response, "", "Category of the rating."));
+    columns.push(Column::new("count", "", "Number of equal ratings."));
+    let conditions: Vec<Vec<Cell>> = (0..counts.conditions.len() as u32)
+        .map(|condition| levels(&counts.factors, &counts.level_names(condition)))
+        .collect();
+    let categories: Vec<Cell> =
+        counts.categories.iter().map(|category| Cell::Level(category.clone(), number_of(category))).collect();
+    let rows = counts.rows.iter().map(move |row: &CountRow| {
+        let mut cells = vec![Cell::Text(counts.subjects[row.subject as usize].clone())];
+        cells.extend_from_slice(&conditions[row.condition as usize]);
+        cells.extend([categories[row.rating as usize].clone(), row.count.into()]);
         cells
-    };
-    csv(std::iter::once(header).chain(counts.rows.iter().map(row)))
+    });
+    (columns, rows)
+}
+
+/// Writes the sufficient statistic as CSV. There may be millions of rows, so no [`Table`] is built.
+pub fn counts_csv(counts: &Counts, shape: &Shape) -> Vec<u8> {
+    let (columns, rows) = count_rows(counts, shape);
+    text::csv(columns.iter().map(|column| column.name.as_str()), rows)
+}
+
+/// Lists the sufficient statistic.
+pub fn counts(counts: &Counts, shape: &Shape) -> Table {
+    let (columns, rows) = count_rows(counts, shape);
+    Table::new(columns, rows)
 }
 
 /// Lists the model's expected ratings in each condition, for a typical participant.
 pub fn predictions(results: &Results) -> Option<Table> {
     let report = results.model.as_ref().ok()?;
-    let factors = results.measured.counts.factors.iter().map(|factor| factor.name.clone());
-    let header = factors
-        .chain(report.model.categories.iter().map(|category| format!("p{category}")))
-        .chain(["mean", "ci_low", "ci_high"].map(str::to_owned));
-    let rows = (report.predictions.iter())
-        .map(|prediction| {
-            let numbers = prediction.probabilities.iter().chain([&prediction.mean]).map(|&value| number(value));
-            prediction.names.iter().cloned().chain(numbers).chain(ends(prediction.interval)).collect()
-        })
-        .collect();
-    Some(Table::new(header, rows))
+    let counts = &results.measured.counts;
+    let mut all = level_columns(counts);
+    all.extend(proportions(&report.model.categories, "Expected proportion of ratings in this category."));
+    all.extend(columns(&[
+        ("mean", "", "Expected rating."),
+        ("ci_low", "", "Lower end of its 95 % interval."),
+        ("ci_high", "", "Upper end of its 95 % interval."),
+    ]));
+    let row = |prediction: &Prediction| {
+        let mut cells = levels(&counts.factors, &prediction.names);
+        cells.extend(prediction.probabilities.iter().chain([&prediction.mean]).map(|value| Cell::from(*value)));
+        cells.extend(ends(prediction.interval));
+        cells
+    };
+    Some(Table::new(all, report.predictions.iter().map(row)))
+}
+
+/// Returns all tables but the sufficient statistic, with the names of their files without the extension.
+pub fn all(results: &Results) -> Vec<(String, Table)> {
+    let mut tables = vec![
+        ("cells".to_owned(), cells(results)),
+        ("subjects".to_owned(), subjects(results)),
+        ("tests".to_owned(), tests(results)),
+        ("agreement".to_owned(), agreement(results)),
+    ];
+    tables.extend(predictions(results).map(|table| ("predictions".to_owned(), table)));
+    for factor in &results.factors {
+        let mut name = format!("by_{}", file_part(&factor.name));
+        while tables.iter().any(|(taken, _)| *taken == name) {
+            name.push('_');
+        }
+        tables.push((name, by_factor(results, factor)));
+    }
+    tables
+}
+
+/// Makes a factor's name safe for a file name: all characters except letters, digits, hyphens and dots become
+/// underscores.
+fn file_part(name: &str) -> String {
+    name.chars().map(|c| if c.is_alphanumeric() || c == '-' || c == '.' { c } else { '_' }).collect()
 }
 
 /// Describes the model, or the reason why there is none.

@@ -12,7 +12,8 @@ use super::{
     profiles::{Chevreul, Cornsweet, Cylinder},
     shaded_mesh::ShadedMesh,
 };
-use crate::light::{Bits, CodeImage, LinearImage, Quantizer, Samples, names::expected_one_of};
+use crate::light::{Bits, CodeImage, LinearImage, Quantizer, Samples};
+use crate::text::names::expected_one_of;
 
 macro_rules! stimuli {
     ($($(#[$meta:meta])* $name:ident,)*) => {
@@ -31,6 +32,12 @@ macro_rules! stimuli {
                 Self::$name(stimulus)
             }
         })*
+
+        /// True if some kind of stimulus has a parameter with exactly this name that is a direction.
+        #[must_use]
+        pub fn is_direction(name: &str) -> bool {
+            [$($name::PARAMETERS,)*].concat().iter().any(|parameter| parameter.name == name && parameter.is_direction)
+        }
 
         impl Stimulus {
             /// Returns the name of this kind, one of [`KINDS`].

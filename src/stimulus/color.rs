@@ -8,14 +8,14 @@ use crate::light::color::{
     rgb_from_hls, rgb_from_hsv, rgb_from_xyz, wrapped_deg, xyy_from_xyz, xyz_from_lab, xyz_from_luv, xyz_from_rgb,
     xyz_from_xyy,
 };
-use crate::light::names::serde_as_text;
+use crate::text::names::serde_as_text;
 
 /// Weights of red, green and blue in linear light, each 0…1 and not all 0. A pixel of relative luminance L emits L
 /// times these weights.
 ///
 /// A color is written in one of these ways:
 ///
-/// - a name: `yellow`, `gray` (also `grey`, `white`), `red`, `green`, `blue`, `cyan` or `magenta`, the corners of the
+/// - a name: `yellow`, `gray` (also `white`), `red`, `green`, `blue`, `cyan` or `magenta`, the corners of the
 ///   screen's RGB cube;
 /// - `R,G,B`, the weights themselves;
 /// - `hsv:H,S,V`, `hls:H,L,S`, `cmy:C,M,Y` or `cmyk:C,M,Y,K`, the models of Shoaff §2.2.5–2.2.7, applied to these
@@ -28,10 +28,9 @@ pub struct StimulusColor {
 }
 
 /// The colors that have names. If a color has several, the first is written.
-const NAMED: [(&str, [f64; 3]); 9] = [
+const NAMED: [(&str, [f64; 3]); 8] = [
     ("yellow", [1.0, 1.0, 0.0]),
     ("gray", [1.0, 1.0, 1.0]),
-    ("grey", [1.0, 1.0, 1.0]),
     ("white", [1.0, 1.0, 1.0]),
     ("red", [1.0, 0.0, 0.0]),
     ("green", [0.0, 1.0, 0.0]),

@@ -18,7 +18,7 @@ kind! {
     /// middle.
     Vasarely = "vasarely" {
         squares: u32 = 12, Range::Within(2.0, 256.0), "1", "Number of nested squares", "a whole number of squares", ["6", "12", "24"];
-        orientation_deg: f64 = 0.0, Range::Finite, "°", "Rotation of the squares, counterclockwise", "an angle in degrees, such as 45", ["0", "45"];
+        orientation_deg: f64 = 0.0, Range::Direction, "°", "Rotation of the squares, counterclockwise", "an angle in degrees, such as 45", ["0", "45"];
         low: f64 = 0.1, Range::Within(0.0, 1.0), "1", "Relative luminance of the outermost square", "the relative luminance of the outermost square", ["0.1"];
         high: f64 = 0.9, Range::Within(0.0, 1.0), "1", "Relative luminance of the innermost square", "the relative luminance of the innermost square, not below low", ["0.9"];
         color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
@@ -87,7 +87,7 @@ kind! {
     Kanizsa = "kanizsa" where overlap {
         side: f64 = 0.6, Range::Within(0.05, 1.0), "1", "Side of the triangle as a proportion of the window", "the side of the triangle as a proportion of the window", ["0.4", "0.6"];
         radius: f64 = 0.15, Range::Within(0.01, 0.5), "1", "Radius of the discs as a proportion of the window, at most half the triangle's side", "the radius of the discs as a proportion of the window", ["0.1", "0.15", "0.2"];
-        orientation_deg: f64 = 0.0, Range::Finite, "°", "Rotation of the triangle, counterclockwise", "an angle in degrees, such as 45", ["0", "30"];
+        orientation_deg: f64 = 0.0, Range::Direction, "°", "Rotation of the triangle, counterclockwise", "an angle in degrees, such as 45", ["0", "30"];
         low: f64 = 0.1, Range::Within(0.0, 1.0), "1", "Relative luminance of the discs", "the relative luminance of the discs", ["0.1"];
         high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the background", "the relative luminance of the background, not below low", ["0.75"];
         color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];

@@ -17,7 +17,7 @@ mod shot;
 mod smooth;
 mod viewing;
 
-pub use catalog::{KINDS, Stimulus};
+pub use catalog::{KINDS, Stimulus, is_direction};
 pub use color::{ColorError, StimulusColor};
 pub use drawing::place;
 pub use figures::{Kanizsa, Vasarely};

@@ -8,7 +8,10 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::color::{ColorError, StimulusColor};
-use crate::light::{Depth, DepthError, names::expected_one_of};
+use crate::{
+    light::{Depth, DepthError},
+    text::{Cell, names::expected_one_of},
+};
 
 /// One parameter of a stimulus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +24,8 @@ pub struct Parameter {
     pub description: &'static str,
     /// The values it can have, as worded in error messages.
     pub expected: &'static str,
+    /// True for a direction, whose levels are circular, so that they cannot increase or decrease.
+    pub is_direction: bool,
     /// Values worth comparing in an experiment, each in the form that [`ParameterValue`] reads.
     pub levels_hint: &'static [&'static str],
 }
@@ -62,6 +67,15 @@ impl FromStr for ParameterValue {
 impl From<f64> for ParameterValue {
     fn from(number: f64) -> Self {
         ParameterValue::Number(number)
+    }
+}
+
+impl From<ParameterValue> for Cell {
+    fn from(value: ParameterValue) -> Self {
+        match value {
+            ParameterValue::Number(number) => number.into(),
+            ParameterValue::Text(text) => text.into(),
+        }
     }
 }
 
@@ -125,8 +139,8 @@ pub(super) enum Range {
     Within(f64, f64),
     /// Numbers above 0 and up to this maximum.
     UpTo(f64),
-    /// Any finite number.
-    Finite,
+    /// A direction in degrees: any finite number. Directions are circular: 350° is near 10°.
+    Direction,
     /// Any value of the type.
     Any,
 }
@@ -268,6 +282,7 @@ macro_rules! kind {
                 unit: $unit,
                 description: $meaning,
                 expected: $expected,
+                is_direction: matches!($range, $crate::stimulus::parameter::Range::Direction),
                 levels_hint: &[$($level),*],
             },)*];
 

@@ -80,7 +80,7 @@ impl ViewingConditions {
     }
 
     /// Returns how many times the contrast of a stimulus that fills the window stands above the threshold of an average
-    /// person, who looks at its middle; see [`vision::detection`].
+    /// person looking at its middle; see [`vision::detection`].
     ///
     /// # Errors
     /// Returns a [`VisionError`] if the window is all black.

@@ -5,7 +5,7 @@ use super::{
     drawing::Profile,
     parameter::{Range, kind, text_field},
 };
-use crate::light::names::named;
+use crate::text::names::named;
 
 kind! {
     /// A staircase of `steps` uniform bands of equal width, Chevreul 1839; Bangay fig. 1 a, b.
@@ -14,7 +14,7 @@ kind! {
     /// position across the bands in window sides.
     Chevreul = "chevreul" {
         steps: u32 = 5, Range::Within(2.0, 256.0), "1", "Number of uniform bands", "a whole number of bands", ["3", "5", "9"];
-        orientation_deg: f64 = 0.0, Range::Finite, "°", "Direction in which the bands brighten, counterclockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
+        orientation_deg: f64 = 0.0, Range::Direction, "°", "Direction in which the bands brighten, counterclockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
         low: f64 = 0.25, Range::Within(0.0, 1.0), "1", "Relative luminance of the darkest band", "the relative luminance of the darkest band", ["0.25"];
         high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the brightest band", "the relative luminance of the brightest band, not below low", ["0.75"];
         color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
@@ -51,7 +51,7 @@ kind! {
     Cornsweet = "cornsweet" {
         width: f64 = 0.2, Range::Within(0.0, 0.5), "1", "Proportion of the window that the ramp fills on each side of the edge", "the proportion of the window that each ramp fills", ["0.05", "0.1", "0.2", "0.4"];
         exponent: f64 = 1.0, Range::Within(0.1, 20.0), "1", "Exponent of the return to the mean: 1 is linear; larger values are steeper at the edge", "an exponent such as 1 or 2.75", ["1", "2", "2.75"];
-        orientation_deg: f64 = 0.0, Range::Finite, "°", "Direction from the dark to the bright side of the edge, counterclockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
+        orientation_deg: f64 = 0.0, Range::Direction, "°", "Direction from the dark to the bright side of the edge, counterclockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
         low: f64 = 0.4, Range::Within(0.0, 1.0), "1", "Relative luminance on the dark side of the edge", "the relative luminance on the dark side", ["0.4"];
         high: f64 = 0.6, Range::Within(0.0, 1.0), "1", "Relative luminance on the bright side of the edge", "the relative luminance on the bright side, not below low", ["0.6"];
         color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
@@ -107,7 +107,7 @@ kind! {
     Cylinder = "shaded-cylinder" {
         shading: Shading = Shading::Gouraud, Range::Any, "", "How the facets are shaded: flat, gouraud or phong", "flat, gouraud or phong", ["flat", "gouraud", "phong"];
         facets: u32 = 6, Range::Within(1.0, 256.0), "1", "Number of facets across the window", "a whole number of facets", ["4", "6", "12"];
-        orientation_deg: f64 = 0.0, Range::Finite, "°", "Direction across the facets, counterclockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
+        orientation_deg: f64 = 0.0, Range::Direction, "°", "Direction across the facets, counterclockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
         low: f64 = 0.25, Range::Within(0.0, 1.0), "1", "Relative luminance of the rims", "the relative luminance of the rims", ["0.25"];
         high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the middle", "the relative luminance of the middle, not below low", ["0.75"];
         color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];

@@ -5,7 +5,7 @@ use crate::light::color::{
     LAB_DELTA, WHITE, cube_roots, hsv_from_rgb, hue, lab_from_xyz, rgb_from_hsv, rgb_from_xyz, wrapped_deg,
     xyz_from_lab, xyz_from_rgb,
 };
-use crate::light::names::named;
+use crate::text::names::named;
 
 named! {
     /// The color space in which a ramp is a straight line.

@@ -11,11 +11,12 @@ use super::{
     shot::{Renderer, Shot},
 };
 use crate::{
-    light::{Depth, LinearImage, Transfer, names::serde_as_text},
+    light::{Depth, LinearImage, Transfer},
     shading::{
         Correction, Frame, Gradients, Mesh, Reference, Scene, Shade, Shader, Surface,
         shapes::{self, Shape, ShapeError},
     },
+    text::names::serde_as_text,
 };
 
 /// Three numbers, written `X,Y,Z`.

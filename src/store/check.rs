@@ -13,8 +13,8 @@ use super::{
     open::open_regular,
     profile, readings,
     recorded::{Recorded, order_errors},
-    register::{self, Register},
     results,
+    session::seal,
     sidecar::Sidecar,
     toml::Document,
 };
@@ -65,7 +65,6 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
         Some("csv") => match first_column(path).as_deref() {
             Some("channel") => check_readings(path),
             Some("event") => check_matches(path),
-            Some("at") => check_register(path),
             _ => check_results(path),
         },
         Some("png") => image::verify_large(path, pixels),
@@ -186,11 +185,6 @@ fn check_matches(path: &Path) -> Result<String, FileErrors> {
     Ok(format!("{} visual matches of a display", matches::open(path)?.len()))
 }
 
-/// Checks the register of a data set.
-fn check_register(path: &Path) -> Result<String, FileErrors> {
-    Ok(format!("register of a data set; sessions: {}", Register::read_file(path)?.count()))
-}
-
 /// Checks the frames file of a session, which is next to its result file and sidecar.
 fn check_frames(path: &Path) -> Result<String, FileErrors> {
     let (mut rows, mut intervals) = (0, 0);
@@ -202,7 +196,7 @@ fn check_frames(path: &Path) -> Result<String, FileErrors> {
     let csv = path.with_file_name(format!("{}{}", name.trim_end_matches(frames::SUFFIX), dataset::DATA_FILE));
     if let Ok(Some(sidecar)) = Sidecar::read(&csv.with_extension("json")) {
         let is_own = |error: &FileError| error.file == path.display().to_string();
-        FileErrors::none(register::errors(&csv, &sidecar).into_iter().filter(is_own).collect())?;
+        FileErrors::none(seal::errors(&csv, &sidecar).into_iter().filter(is_own).collect())?;
     }
     Ok(format!("frames of a session: {intervals} intervals in {rows} rows"))
 }

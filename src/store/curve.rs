@@ -6,6 +6,7 @@ use super::{StoreError, Writer};
 use crate::{
     light::{Dither, LinearImage, Quantizer},
     stimulus::{place, recipe::Recipe},
+    text::{Column, Table},
 };
 
 /// One point of a profile.
@@ -45,14 +46,27 @@ pub fn samples(recipe: &Recipe, quantizer: &Quantizer) -> Vec<Sample> {
         .collect()
 }
 
-/// Writes `x, linear, code_r, code_g, code_b, emitted`; see [`Sample`].
+/// Lists `x, linear, code_r, code_g, code_b, emitted`; see [`Sample`].
+pub fn table(samples: &[Sample]) -> Table {
+    let columns = [
+        ("x", "proportion of the stimulus window", "Distance from the center along the orientation."),
+        ("linear", "relative luminance, linear light", "Requested light of the strongest channel."),
+        ("code_r", "", "Code of red."),
+        ("code_g", "", "Code of green."),
+        ("code_b", "", "Code of blue."),
+        ("emitted", "relative luminance, linear light", "Light that the strongest channel's code emits."),
+    ];
+    let columns = columns.map(|(name, unit, description)| Column::new(name, unit, description)).to_vec();
+    let row = |Sample { x, linear, codes: [r, g, b], emitted }: &Sample| {
+        vec![(*x).into(), (*linear).into(), (*r).into(), (*g).into(), (*b).into(), (*emitted).into()]
+    };
+    Table::new(columns, samples.iter().map(row))
+}
+
+/// Writes the [`table`] of a profile.
 ///
 /// # Errors
 /// The same errors as [`Writer::write`].
 pub fn write_profile(writer: &Writer, path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<(), StoreError> {
-    let mut text = "x,linear,code_r,code_g,code_b,emitted\n".to_owned();
-    for Sample { x, linear, codes: [r, g, b], emitted } in samples(recipe, quantizer) {
-        text += &format!("{x},{linear},{r},{g},{b},{emitted}\n");
-    }
-    writer.write(path, text.as_bytes())
+    writer.write(path, &table(&samples(recipe, quantizer)).csv())
 }

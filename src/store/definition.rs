@@ -12,11 +12,11 @@ use super::{
 };
 use crate::{
     experiment::{
-        Category, DefinitionError, DefinitionErrors, Design, Factor, ParticipantFields, Presentation, Protocol,
-        Recovery, ResponseScale, Texts, ViewingPlan,
+        Category, Definition, DefinitionError, DefinitionErrors, Design, Factor, ParticipantFields, Presentation,
+        Protocol, Recovery, ResponseScale, Texts, ViewingPlan,
     },
-    light::names::expected_one_of,
     stimulus::{KINDS, MachBand, ParameterValue, Stimulus},
+    text::names::expected_one_of,
 };
 
 /// A built-in definition.
@@ -83,12 +83,14 @@ pub fn built_in(name: &Path) -> Option<&'static BuiltIn> {
 /// # Errors
 /// Returns every error, with its line and column.
 pub fn parse(file: &str, text: &str) -> Result<Protocol, FileErrors> {
-    let (form, mut document) = toml::read::<Form>(file, text)?;
-    let (protocol, errors) = form.protocol();
-    // A sidecar may have such texts from an earlier version, so only files are checked for them.
-    let errors = errors.into_iter().chain(protocol.script_errors());
-    errors.for_each(|error| document.error(&error.path, error.message));
-    document.finish(protocol)
+    let (written, mut document) = toml::read::<Written>(file, text)?;
+    match written.protocol() {
+        Ok(protocol) => document.finish(protocol),
+        Err(errors) => {
+            errors.into_iter().for_each(|error| document.error(&error.path, error.message));
+            Err(document.located())
+        }
+    }
 }
 
 /// Reads the definition in a sidecar.
@@ -99,27 +101,51 @@ pub fn from_json(file: &str, definition: &Value) -> Result<Protocol, FileErrors>
     let fail = |message: String| FileErrors::whole(file, message);
     let mut definition = definition.clone();
     let schema = definition.as_object_mut().and_then(|keys| keys.shift_remove("schema"));
-    let form = Form::deserialize(definition).map_err(|error| {
+    let written = Written::deserialize(definition).map_err(|error| {
         fail(format!("the definition cannot be read: {error}; expected a table, as in a definition file"))
     })?;
     if schema != Some(1.into()) {
         return Err(fail("the schema of the definition is missing or not 1; expected schema 1".to_owned()));
     }
-    let (protocol, errors) = form.protocol();
-    let errors: Vec<_> = errors.into_iter().flat_map(|error| fail(error.message).0).collect();
-    FileErrors::none(errors).map(|()| protocol)
+    written
+        .protocol()
+        .map_err(|errors| FileErrors(errors.into_iter().flat_map(|error| fail(error.message).0).collect()))
 }
 
-/// Returns the SHA-256 of a definition's content, in lowercase hexadecimal. Comments and layout do not affect it.
+/// Returns the SHA-256 of what a definition says, in lowercase hexadecimal. Comments, layout, the order of keys, and
+/// values that are equal to their defaults do not affect it; the order of factors and of questions does.
 pub fn hash(protocol: &Protocol) -> String {
-    let canonical = serde_json::to_vec(protocol).unwrap_or_default();
-    sha256(&canonical)
+    sha256(content(protocol).to_string().as_bytes())
+}
+
+/// Returns the content of a definition in a fixed order, without the values that are equal to their defaults.
+fn content(protocol: &Protocol) -> Value {
+    let value = |definition: &Definition| serde_json::to_value(definition).unwrap_or_default();
+    let stimulus = Stimulus::default_of(protocol.stimulus.kind()).unwrap_or_else(|| protocol.stimulus.clone());
+    let (mut content, mut default) = (value(protocol), value(&Definition::new(protocol.name.clone(), stimulus)));
+    // Every definition says its name and its kind of stimulus.
+    for (table, key) in [("", "name"), ("/stimulus", "kind")] {
+        default.pointer_mut(table).and_then(Value::as_object_mut).and_then(|table| table.shift_remove(key));
+    }
+    remove_equal(&mut content, &default);
+    content
+}
+
+/// Removes every key whose value is equal to that in `default`.
+fn remove_equal(value: &mut Value, default: &Value) {
+    let (Value::Object(keys), Value::Object(default)) = (value, default) else { return };
+    keys.retain(|key, value| default.get(key) != Some(value));
+    for (key, value) in keys {
+        if let Some(default) = default.get(key) {
+            remove_equal(value, default);
+        }
+    }
 }
 
 /// A definition in the structure of its file.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-struct Form {
+struct Written {
     name: Option<String>,
     title: Option<String>,
     /// `kind`, and the parameters of that kind.
@@ -129,7 +155,7 @@ struct Form {
     design: Design,
     recovery: Recovery,
     presentation: Option<Presentation>,
-    response: ResponseForm,
+    response: WrittenScale,
     viewing: ViewingPlan,
     participant: ParticipantFields,
     instructions: Texts,
@@ -137,34 +163,34 @@ struct Form {
 
 #[derive(Deserialize)]
 #[serde(default, deny_unknown_fields)]
-struct ResponseForm {
+struct WrittenScale {
     question: String,
     labels: Vec<String>,
     keys: Option<Vec<char>>,
 }
 
-impl Default for ResponseForm {
+impl Default for WrittenScale {
     fn default() -> Self {
         let ResponseScale { question, categories } = ResponseScale::default();
         Self { question, labels: categories.into_iter().map(|category| category.label).collect(), keys: None }
     }
 }
 
-impl Form {
-    /// Returns the definition and all its errors.
-    fn protocol(self) -> (Protocol, Vec<DefinitionError>) {
+impl Written {
+    /// Returns the definition.
+    ///
+    /// # Errors
+    /// Returns every error.
+    fn protocol(self) -> Result<Protocol, Vec<DefinitionError>> {
         let mut errors = DefinitionErrors::default();
         let name = self.name.unwrap_or_else(|| {
             errors.add("name", "name is missing; expected name = …");
             "unnamed".to_owned()
         });
         let stimulus = stimulus(&self.stimulus, &mut errors);
-        let protocol = Protocol {
-            schema: 1,
+        let protocol = Protocol::new(Definition {
             title: self.title.unwrap_or_else(|| name.clone()),
-            name,
             factors: factors(self.factors, &stimulus, &mut errors),
-            stimulus,
             design: self.design,
             recovery: self.recovery,
             presentation: self.presentation,
@@ -172,11 +198,16 @@ impl Form {
             viewing: self.viewing,
             participant: self.participant,
             instructions: self.instructions,
-        };
+            ..Definition::new(name, stimulus)
+        });
+        if errors.0.is_empty() {
+            return protocol;
+        }
         // A value that could not be read would only cause follow-up errors.
         let unread: HashSet<String> = errors.0.iter().map(|error| error.path.clone()).collect();
-        errors.0.extend(protocol.errors().into_iter().filter(|error| !unread.contains(&error.path)));
-        (protocol, errors.0)
+        let found = protocol.err().unwrap_or_default();
+        errors.0.extend(found.into_iter().filter(|error| !unread.contains(&error.path)));
+        Err(errors.0)
     }
 }
 
@@ -222,7 +253,7 @@ fn factors(given: Map<String, Value>, stimulus: &Stimulus, errors: &mut Definiti
             _ if !is_known(stimulus, "factors", &name, errors) => {}
             Value::Array(levels) => {
                 let level = |(i, level)| {
-                    // The stimulus normalizes values, so that `1` and `1.0`, or `grey` and `gray`, are the same level.
+                    // The stimulus normalizes values, so that `1` and `1.0`, or `white` and `gray`, are the same level.
                     let written = |level: ParameterValue| {
                         let mut probe = stimulus.clone();
                         probe.set(&name, &level).ok().and_then(|()| probe.get(&name)).unwrap_or(level)
@@ -261,16 +292,16 @@ fn parameter(value: &Value) -> Option<ParameterValue> {
     }
 }
 
-fn scale(form: ResponseForm, errors: &mut DefinitionErrors) -> ResponseScale {
-    let count = form.labels.len();
+fn scale(written: WrittenScale, errors: &mut DefinitionErrors) -> ResponseScale {
+    let count = written.labels.len();
     let digits = || ('0'..='9').cycle();
-    let keys = form.keys.unwrap_or_else(|| digits().take(count).collect());
+    let keys = written.keys.unwrap_or_else(|| digits().take(count).collect());
     if keys.len() != count {
         let message = format!("response.keys has length {}; expected {count}, one for each label", keys.len());
         errors.add("response.keys", message);
     }
     // A missing key has already been reported; a digit stands in for it.
     let keys = digits().enumerate().map(|(i, digit)| keys.get(i).copied().unwrap_or(digit));
-    let categories = form.labels.into_iter().zip(keys).map(|(label, key)| Category { label, key }).collect();
-    ResponseScale { question: form.question, categories }
+    let categories = written.labels.into_iter().zip(keys).map(|(label, key)| Category { label, key }).collect();
+    ResponseScale { question: written.question, categories }
 }

@@ -2,7 +2,7 @@
 
 use std::{
     fs::{self, File, OpenOptions, TryLockError},
-    io::{Error, ErrorKind, Read as _, Seek as _, SeekFrom, Write as _},
+    io::{Error, ErrorKind, Seek as _, SeekFrom, Write as _},
     path::{Path, PathBuf},
     thread::sleep,
     time::{Duration, Instant, SystemTime},
@@ -425,10 +425,7 @@ fn has_no_locks(error: &Error) -> bool {
     error.kind() == ErrorKind::Unsupported || cfg!(unix) && error.raw_os_error() == Some(ENOLCK)
 }
 
-/// An incomplete line has fewer bytes than this.
-const MAX_PARTIAL_LINE: u64 = 1 << 16;
-
-/// How long to wait for other programs that are appending a line to the same file. Each needs less than a millisecond.
+/// How long to wait for other programs that use the same file. Each needs a few milliseconds.
 const MAX_WAIT: Duration = Duration::from_secs(10);
 
 /// Locks a file, waiting for other programs if necessary. Does nothing if the file system does not support locks.
@@ -456,48 +453,6 @@ pub(super) fn in_turn<T>(path: &Path, act: impl FnOnce() -> Result<T, StoreError
     // Closing the file unlocks it too, unless a child process has a copy of it.
     let _ = file.unlock();
     done
-}
-
-/// Appends a line to a file that several programs share, and waits until it is on disk. A new file begins with
-/// `header`. Each program waits until the others have written their lines. An incomplete last line, which an
-/// interrupted program left, is removed.
-///
-/// # Errors
-/// I/O errors; or the file does not begin with `header`, so it belongs to another program.
-pub(super) fn append_line(path: &Path, header: &str, line: &str) -> Result<(), StoreError> {
-    let is_new = !exists(path)?;
-    let open = OpenOptions::new().read(true).append(true).create(true).open(path);
-    let mut file = open.map_err(io(path, "open"))?;
-    let mut append = || {
-        is_data(&file.metadata()?)?;
-        lock_in_turn(&file)?;
-        let header = format!("{header}\n");
-        let (mut head, mut tail, length) = (Vec::new(), Vec::new(), file.metadata()?.len());
-        (&file).take(header.len() as u64).read_to_end(&mut head)?;
-        // A power failure during the first line may leave zero bytes.
-        if !header.as_bytes().starts_with(&head) && head.iter().any(|byte| *byte != 0) {
-            return Err(Error::other(format!("it does not begin with {:?}", header.trim_end())));
-        }
-        let from = length.saturating_sub(MAX_PARTIAL_LINE);
-        file.seek(SeekFrom::Start(from))?;
-        file.read_to_end(&mut tail)?;
-        let whole = tail.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| from + end as u64 + 1);
-        if whole < length {
-            file.set_len(whole)?;
-        }
-        let added = if whole == 0 { format!("{header}{line}\n") } else { format!("{line}\n") };
-        file.write_all(added.as_bytes())?;
-        let (kept, expected) = (file.metadata()?.len(), whole + added.len() as u64);
-        if kept != expected {
-            return Err(Error::other(format!("it has {kept} bytes instead of {expected}")));
-        }
-        Ok(())
-    };
-    append().map_err(io(path, "append to"))?;
-    // Other programs need not wait for the disk.
-    let _ = file.unlock();
-    file.sync_data().map_err(io(path, "sync"))?;
-    if is_new { sync_folder(path) } else { Ok(()) }
 }
 
 /// Splits the content of a row file into its complete lines and the beginning of an incomplete line.

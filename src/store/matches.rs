@@ -13,11 +13,10 @@ use crate::display::{
     matching::{Match, Rows},
 };
 
-/// The columns. `event` is `answer` or `taken-back`. Of every `period` rows, each `row_px` pixels thick, `lit` rows
-/// have the code `hi` and the others have `lo`. `patch` is the matched code, `time_s` is the time since the first
-/// picture in seconds, and `seed` is the seed of the order. `level`, `catch` and `judgement` remain from a former
-/// staircase method.
-const COLUMNS: &str = "event,trial,channel,level,catch,lit,period,row_px,lo,hi,patch,judgement,time_s,seed";
+/// The columns. `event` is `match` or `undo`. Of every `period` rows, each `row_px` pixels thick, `lit` rows are fully
+/// lit and the others are dark. `patch` is the matched code, `time_s` is the time since the first
+/// picture in seconds, and `seed` is the seed of the order.
+const COLUMNS: &str = "event,trial,channel,lit,period,row_px,patch,time_s,seed";
 
 /// The file of a matching run.
 #[derive(Debug)]
@@ -26,10 +25,10 @@ pub struct MatchFile {
     seed: u64,
 }
 
-/// A parsed row; it has no match if it comes from the former staircase method.
+/// A parsed row.
 struct Row {
     is_undone: bool,
-    found: Option<Match>,
+    found: Match,
     seed: u64,
 }
 
@@ -70,7 +69,7 @@ impl MatchFile {
     /// # Errors
     /// The write failed; the next call will also write this match.
     pub fn accept(&mut self, number: usize, found: &Match, time_s: f64) -> Result<(), StoreError> {
-        self.event("answer", number, found, time_s)
+        self.event("match", number, found, time_s)
     }
 
     /// Records that a match no longer counts.
@@ -78,14 +77,13 @@ impl MatchFile {
     /// # Errors
     /// The same errors as [`MatchFile::accept`].
     pub fn undo(&mut self, number: usize, found: &Match, time_s: f64) -> Result<(), StoreError> {
-        self.event("taken-back", number, found, time_s)
+        self.event("undo", number, found, time_s)
     }
 
     fn event(&mut self, event: &str, number: usize, found: &Match, time_s: f64) -> Result<(), StoreError> {
         let Match { channel, rows: Rows { lit, period, row_px }, code } = found;
         let seed = self.seed;
-        let row =
-            format!("{event},{number},{channel},0,0,{lit},{period},{row_px},0,255,{code},matched,{time_s:.3},{seed}\n");
+        let row = format!("{event},{number},{channel},{lit},{period},{row_px},{code},{time_s:.3},{seed}\n");
         self.file.append(row.as_bytes())
     }
 }
@@ -107,11 +105,11 @@ pub fn parse(file: &str, text: &str) -> Result<Vec<Match>, FileErrors> {
 }
 
 fn counted(rows: Vec<Row>) -> Vec<Match> {
-    let mut answers = Vec::new();
+    let mut matches = Vec::new();
     for row in rows {
-        if row.is_undone { _ = answers.pop() } else { answers.push(row.found) }
+        if row.is_undone { _ = matches.pop() } else { matches.push(row.found) }
     }
-    answers.into_iter().flatten().collect()
+    matches
 }
 
 fn rows(file: &str, text: &[u8]) -> Result<Vec<Row>, FileErrors> {
@@ -123,26 +121,22 @@ fn rows(file: &str, text: &[u8]) -> Result<Vec<Row>, FileErrors> {
 /// # Errors
 /// The index of the cell that is wrong, and what is wrong there.
 fn row(cells: &[&str]) -> Result<Row, (usize, String)> {
-    let [event, _, channel, _, _, lit, period, row_px, lo, hi, patch, judgement, _, seed] = *cells else {
+    let [event, _, channel, lit, period, row_px, patch, _, seed] = *cells else {
         return Err((0, "the row has too few cells".to_owned()));
     };
-    let known = |cell: usize, names: &[&str], text: &str, expected: &str| {
-        let message = || format!("{text:?} is not known; expected {expected}");
-        names.contains(&text).then_some(()).ok_or_else(|| (cell, message()))
-    };
-    known(0, &["answer", "taken-back"], event, "answer or taken-back")?;
-    known(11, &["matched", "brighter", "darker", "same"], judgement, "matched")?;
+    if !["match", "undo"].contains(&event) {
+        return Err((0, format!("{event:?} is not known; expected match or undo")));
+    }
     let channel: Channel = channel.parse().map_err(|error| (2, format!("{error}")))?;
-    let rows = Rows { lit: number(5, lit)?, period: number(6, period)?, row_px: number(7, row_px)? };
+    let rows = Rows { lit: number(3, lit)?, period: number(4, period)?, row_px: number(5, row_px)? };
     if rows.lit == 0 || rows.lit >= rows.period || rows.row_px == 0 {
         return Err((
-            5,
+            3,
             format!("{lit} of {period} rows are lit, {row_px} px each; expected at least one lit row and one dark row"),
         ));
     }
-    let found = Match { channel, rows, code: number(10, patch)? };
-    let is_match = judgement == "matched" && (lo, hi) == ("0", "255");
-    Ok(Row { is_undone: event == "taken-back", found: is_match.then_some(found), seed: number(13, seed)? })
+    let found = Match { channel, rows, code: number(6, patch)? };
+    Ok(Row { is_undone: event == "undo", found, seed: number(8, seed)? })
 }
 
 fn number<T: std::str::FromStr>(cell: usize, text: &str) -> Result<T, (usize, String)> {

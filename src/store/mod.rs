@@ -17,6 +17,7 @@
 //! of tables and TOML that keep track of locations.
 
 pub mod check;
+mod columns;
 pub mod curve;
 pub mod definition;
 pub mod draft;
@@ -39,6 +40,7 @@ pub mod settings;
 pub mod table;
 mod toml;
 
+pub use columns::Columns;
 pub use error::{FileError, FileErrors, StoreError};
 pub use output::Writer;
-pub use session::{dataset, frames, participants, recorded, register, results, sidecar, verify};
+pub use session::{dataset, frames, participants, recorded, results, sidecar, sitting, verify};

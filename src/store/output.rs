@@ -4,8 +4,7 @@
 use std::os::unix::fs::MetadataExt as _;
 use std::{
     collections::{BTreeSet, HashSet},
-    fs,
-    io::{self, Read as _},
+    fs, io,
     path::{Path, PathBuf},
 };
 
@@ -13,11 +12,10 @@ use rayon::prelude::*;
 
 use super::{
     StoreError,
-    dataset::{DATA_FILE, DESCRIPTION, REGISTER, REGISTER_HEADER, SIDECAR_SUFFIX, identity},
+    dataset::{DATA_FILE, DESCRIPTION, SIDECAR_SUFFIX, identity},
     error::io,
     file::{folder_of, full_path, make_folder, sync_folder, temporary},
     frames,
-    open::open_regular,
 };
 
 /// Writes the outputs of one command or page.
@@ -143,9 +141,6 @@ impl Writer {
             let session = session.display();
             return Err(protected(path, format!("belongs to the session of {session}; expected a different file")));
         }
-        if found.is_some() && is_register(&target) {
-            return Err(protected(path, "lists the sessions of a data set; expected a different file"));
-        }
         match found {
             None => Ok(target),
             Some(found) if !found.is_file() => {
@@ -194,13 +189,6 @@ fn session_of(target: &Path) -> Option<PathBuf> {
     let [sidecar, csv, frames] = suffixes.map(|suffix| target.with_file_name(format!("{stem}{suffix}")));
     let is_named = identity(&csv).is_ok();
     [sidecar].into_iter().chain([csv, frames].into_iter().filter(|_| is_named)).find(|path| path.exists())
-}
-
-fn is_register(target: &Path) -> bool {
-    let mut head = vec![0; REGISTER_HEADER.len()];
-    target.file_name().is_some_and(|name| name == REGISTER)
-        && open_regular(target)
-            .is_ok_and(|mut file| file.read_exact(&mut head).is_ok() && head == REGISTER_HEADER.as_bytes())
 }
 
 /// Identifies a file or folder by its device and inode number, which are the same for all paths that lead to it,

@@ -12,12 +12,13 @@ use super::{
     toml::{self, Document},
 };
 use crate::{
-    light::{Depth, names::named},
+    light::Depth,
     shading::{
         Body, Composition, Correction, Gradients, Highlight, Lamp, LampPosition, Material, Mesh, Normals, Shade,
         Shader, Surface, Transparency, View,
         shapes::{self, Shape},
     },
+    text::names::named,
 };
 
 /// A scene, and the text that describes it.

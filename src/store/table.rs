@@ -1,7 +1,6 @@
 //! CSV tables in which each row has a line number and each cell has a column.
 
 use std::{
-    borrow::Cow,
     cell::Cell,
     io::{self, BufRead, Cursor, Read, Seek, SeekFrom},
     path::Path,
@@ -9,7 +8,7 @@ use std::{
 
 use csv::{ByteRecord, Position};
 
-use super::{FileError, FileErrors, error::RowErrors, open::open_regular};
+use super::{Columns, FileError, FileErrors, error::RowErrors, open::open_regular};
 
 /// Maximum number of bytes in a row. A row of a real study has a few hundred; one with more than this has an unclosed
 /// quote or is not a row.
@@ -28,6 +27,8 @@ pub(super) type CellError = (usize, String);
 pub(super) enum Content<'a> {
     File(&'a Path),
     Memory(&'a [u8]),
+    /// Cells instead of bytes.
+    Columns(&'a Columns),
 }
 
 trait Source: Read + Seek {}
@@ -38,6 +39,7 @@ impl<'a> Content<'a> {
         Ok(match self {
             Self::File(path) => Box::new(open_regular(path)?),
             Self::Memory(content) => Box::new(Cursor::new(content)),
+            Self::Columns(_) => Box::new(Cursor::new(&[][..])),
         })
     }
 
@@ -52,6 +54,7 @@ impl<'a> Content<'a> {
         match self {
             Self::File(path) => std::fs::metadata(path).map(|metadata| metadata.len()),
             Self::Memory(content) => Ok(content.len() as u64),
+            Self::Columns(_) => Ok(0),
         }
     }
 
@@ -97,8 +100,11 @@ impl<'a> Row<'a> {
     }
 
     /// Returns the line and column, from 1, of the beginning of a cell or, if the cell is not text, of its first
-    /// invalid byte.
+    /// invalid byte. In columns, the place is the row, counted from 0, and the number of the column, from 1.
     pub fn place(&self, cell: usize) -> (usize, usize) {
+        if let Content::Columns(_) = self.content {
+            return (self.start.line() as usize, cell + 1);
+        }
         let raw = self.raw();
         let raw = raw.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&raw);
         let raw = &raw[..raw.iter().rposition(|byte| !is_line_end(*byte)).map_or(0, |last| last + 1)];
@@ -189,6 +195,10 @@ impl Seek for Limited<'_, '_> {
 /// # Errors
 /// The content cannot be read, or a line has more than [`MAX_ROW`] bytes.
 pub(super) fn each_row(content: Content<'_>, separator: u8, mut take: impl FnMut(&Row<'_>)) -> io::Result<()> {
+    if let Content::Columns(columns) = content {
+        each_row_of(columns, take);
+        return Ok(());
+    }
     let size = content.len()?;
     let mut builder = csv::ReaderBuilder::new();
     builder.has_headers(false).flexible(true).delimiter(separator).buffer_capacity(BUFFER);
@@ -213,6 +223,18 @@ pub(super) fn each_row(content: Content<'_>, separator: u8, mut take: impl FnMut
         }
     }
     Ok(())
+}
+
+/// Calls `take` with the names of columns and with every row.
+fn each_row_of(columns: &Columns, mut take: impl FnMut(&Row<'_>)) {
+    let mut give = |cells: ByteRecord, line: usize| {
+        let mut start = Position::new();
+        start.set_line(line as u64);
+        let content = Content::Columns(columns);
+        take(&Row { record: &cells, content, separator: b',', start: &start, end: 0, last: false });
+    };
+    give(columns.names().collect::<Vec<_>>().into(), 0);
+    (0..columns.rows()).for_each(|row| give(columns.row(row).collect::<Vec<_>>().into(), row));
 }
 
 /// Reads the rows of a small table. `header` checks the first row; if it reports an error in the first cell, the table
@@ -377,7 +399,7 @@ impl std::str::FromStr for List {
     }
 }
 
-crate::light::names::serde_as_text!(List);
+crate::text::names::serde_as_text!(List);
 
 /// Splits what [`list`] joins; nothing for an empty text.
 ///
@@ -404,18 +426,4 @@ pub(super) fn shortened(text: &str) -> String {
     const SHOWN: usize = 40;
     let shown: String = text.chars().take(SHOWN).collect();
     if shown.len() < text.len() { shown + "…" } else { shown }
-}
-
-/// Makes a cell safe for spreadsheets: if a spreadsheet would treat the text as a formula (it begins with `=`, `+`,
-/// `-`, `@`, a tab or a carriage return, and is not a number), it is prefixed with an apostrophe, which marks it as
-/// text.
-#[must_use]
-pub fn inert(cell: &str) -> Cow<'_, str> {
-    if is_formula(cell) { Cow::Owned(format!("'{cell}")) } else { Cow::Borrowed(cell) }
-}
-
-/// True if a spreadsheet would evaluate a cell instead of showing it.
-#[must_use]
-pub fn is_formula(cell: &str) -> bool {
-    cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && cell.parse::<f64>().is_err()
 }

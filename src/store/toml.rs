@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use toml::de::{DeTable, DeValue};
 
 use super::{FileError, FileErrors, error::position};
-use crate::light::names::expected_one_of;
+use crate::text::names::expected_one_of;
 
 /// Maximum number of unreadable values, because the document is deserialized again for each of them.
 const MAX_UNREAD: usize = 100;
@@ -104,7 +104,8 @@ impl<'t> Document<'t> {
         if self.errors.is_empty() { Ok(value) } else { Err(self.located()) }
     }
 
-    fn located(mut self) -> FileErrors {
+    /// Returns every error, in the order of the text.
+    pub(super) fn located(mut self) -> FileErrors {
         self.errors.sort();
         // Lines are counted from one error to the next and not from the start, because there may be 100,000 errors.
         let (mut from, mut line, mut column) = (0, 1, 1);

@@ -2,11 +2,11 @@
 
 use serde::Serialize;
 
-use super::{Model, Ratings, RequestError, Watcher, named};
+use super::{Model, Ratings, RequestError, Watcher, named, ratings::explained};
 use crate::{
     analysis::{ModelError, Options, Random, Resampling, Results, analyze_with},
-    report::Study,
-    store::{FileErrors, table::list},
+    report::{Study, StudyError},
+    store::table::list,
 };
 
 /// What to analyze, and how.
@@ -37,7 +37,7 @@ impl Analyze {
     ///
     /// # Errors
     /// There is nothing to analyze, or the study is too large.
-    pub fn read_unordered(&self) -> Result<Study, FileErrors> {
+    pub fn read_unordered(&self) -> Result<Study, StudyError> {
         self.ratings.read(self.columns().map(str::to_owned).collect(), true, self.model.large)
     }
 
@@ -46,7 +46,7 @@ impl Analyze {
     /// # Errors
     /// There is nothing to analyze, the study is too large, or the order of its categories is not known.
     pub fn read(&self) -> anyhow::Result<Study> {
-        let study = self.read_unordered()?;
+        let study = self.read_unordered().map_err(explained)?;
         let counts = &study.measured.counts;
         if counts.is_ordered(study.source.shape.categories.as_deref()) {
             return Ok(study);

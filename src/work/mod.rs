@@ -14,6 +14,6 @@ mod watcher;
 
 pub use analyze::Analyze;
 pub use model::Model;
-pub use ratings::Ratings;
+pub use ratings::{Only, Ratings, explained};
 pub use request::{Request, RequestError, from_names, named, words};
 pub use watcher::Watcher;

@@ -1,12 +1,18 @@
 //! The ratings that an analysis reads, and their counts.
 
-use std::path::PathBuf;
+use std::{fmt, path::PathBuf, str::FromStr};
 
 use serde::Serialize;
 
+use super::RequestError;
 use crate::{
-    report::Study,
-    store::{FileErrors, ratings::ReadOptions, table::List},
+    analysis::counts::ExclusionError,
+    report::{Study, StudyError},
+    store::{
+        ratings::ReadOptions,
+        table::{List, list, split_list},
+    },
+    text::names::serde_as_text,
 };
 
 /// Where to find the ratings.
@@ -31,10 +37,49 @@ pub struct Ratings {
     /// Columns with the factors [default: the factors of the definition or of the terms].
     #[arg(long, value_name = "COL,…")]
     pub factors: Option<List>,
+    /// Factors that are directions, which are circular [default: stimulus parameters that are directions].
+    #[arg(long, value_name = "COL,…")]
+    pub direction: Option<List>,
+    /// Participants to exclude.
+    #[arg(long, value_name = "ID,…")]
+    pub exclude: Option<List>,
+    /// Analyze only these levels of a factor; NA means a missing value. Repeat the option for other factors.
+    #[arg(long, value_name = "FACTOR=LEVEL,…")]
+    pub only: Vec<Only>,
     /// Exclude sessions with unrated trials.
     #[arg(long)]
     pub complete_only: bool,
 }
+
+/// A factor and the levels of it that are analyzed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Only {
+    /// Name of the factor.
+    pub factor: String,
+    /// The levels; `NA` stands for a missing value.
+    pub levels: Vec<String>,
+}
+
+impl fmt::Display for Only {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}", self.factor, list(&self.levels))
+    }
+}
+
+impl FromStr for Only {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        const EXPECTED: &str = "expected a factor, =, and its levels, such as width=0.1,0.2";
+        let (factor, levels) = text.split_once('=').ok_or(EXPECTED)?;
+        match split_list(levels)? {
+            levels if levels.is_empty() || factor.trim().is_empty() => Err(EXPECTED.to_owned()),
+            levels => Ok(Self { factor: factor.trim().to_owned(), levels }),
+        }
+    }
+}
+
+serde_as_text!(Only);
 
 /// Parses the categories of a response.
 fn categories(text: &str) -> Result<List, String> {
@@ -49,8 +94,8 @@ impl Ratings {
     /// Reads the files; `also` names additional columns that a model needs.
     ///
     /// # Errors
-    /// No file can be read.
-    pub fn read(&self, also: Vec<String>, details: bool, large: bool) -> Result<Study, FileErrors> {
+    /// No file can be read, or an exclusion is not possible.
+    pub fn read(&self, also: Vec<String>, details: bool, large: bool) -> Result<Study, StudyError> {
         let how = ReadOptions {
             subject: self.subject.clone(),
             response: self.response.clone(),
@@ -58,10 +103,23 @@ impl Ratings {
             count: self.count.clone(),
             factors: self.factors.clone().map(|list| list.0),
             also,
+            direction: self.direction.clone().unwrap_or_default().0,
+            exclude: self.exclude.clone().unwrap_or_default().0,
+            only: self.only.iter().map(|only| (only.factor.clone(), only.levels.clone())).collect(),
             complete_only: self.complete_only,
             details,
             large,
         };
         Study::read(&self.paths, &how)
     }
+}
+
+/// Turns an error of reading into one of the request, if that is what is wrong.
+pub fn explained(error: StudyError) -> anyhow::Error {
+    let field = match &error {
+        StudyError::Files(_) => return error.into(),
+        StudyError::Exclusion(ExclusionError::Participant { .. } | ExclusionError::Nothing) => "exclude",
+        StudyError::Exclusion(ExclusionError::Factor { .. } | ExclusionError::Level { .. }) => "only",
+    };
+    RequestError::new(field, error).into()
 }

@@ -14,7 +14,7 @@ use clap::{
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use crate::{light::names::expected_one_of, store::table::list};
+use crate::{store::table::list, text::names::expected_one_of};
 
 /// A struct with a field for each option. To be written as [words], it also implements [`Serialize`], which writes a field
 /// as the option's value: a text, a number, a flag, or a list.

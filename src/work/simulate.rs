@@ -12,7 +12,6 @@ use std::{
 
 use rayon::prelude::*;
 use serde::Serialize;
-use serde_json::json;
 
 use super::{RequestError, Watcher};
 use crate::{
@@ -23,7 +22,7 @@ use crate::{
     store::{
         StoreError, observer,
         session::{Changes, Interrupted, SessionStore},
-        sidecar::{Pictures, Sitting},
+        sitting::{Pictures, SimulatedObserver, Sitting},
     },
     system::{after, before, check_clock, now, threads},
 };
@@ -80,7 +79,7 @@ struct Simulation<'a> {
     protocol: &'a Protocol,
     observer: Box<dyn Observer>,
     /// How the sidecars describe the observer.
-    description: serde_json::Value,
+    description: SimulatedObserver,
     pictures: Pictures,
     /// Hashes of the pictures, which are rendered when the first session ends, so that no row waits for them.
     hashes: OnceLock<Vec<String>>,
@@ -129,17 +128,17 @@ pub fn simulate(request: &Simulate, protocol: &Protocol, watcher: &dyn Watcher) 
 }
 
 /// Returns the observer, and how the sidecars describe it.
-fn observer(request: &Simulate, protocol: &Protocol) -> anyhow::Result<(Box<dyn Observer>, serde_json::Value)> {
+fn observer(request: &Simulate, protocol: &Protocol) -> anyhow::Result<(Box<dyn Observer>, SimulatedObserver)> {
     let file = request.observer_file.as_deref();
     Ok(match request.observer {
         ObserverKind::Random if file.is_some() => {
             let message = "does not apply to the observer random; expected the observer paper or vision";
             return Err(RequestError::new("observer_file", message).into());
         }
-        ObserverKind::Random => (Box::new(UniformObserver), json!({ "observer": "random" })),
+        ObserverKind::Random => (Box::new(UniformObserver), SimulatedObserver::Random),
         ObserverKind::Vision => {
             let parameters = file.map(observer::open_vision).transpose()?.unwrap_or_default();
-            let description = json!({ "observer": "vision", "vision": parameters });
+            let description = SimulatedObserver::Vision { vision: parameters.clone() };
             let observer = VisionObserver::new(parameters, protocol)
                 .map_err(|error| anyhow::anyhow!("{}: {error}", request.experiment.display()))?;
             (Box::new(observer), description)
@@ -149,7 +148,7 @@ fn observer(request: &Simulate, protocol: &Protocol) -> anyhow::Result<(Box<dyn 
                 Some(path) => observer::open(path)?,
                 None => observer::parse("paper.toml", observer::PAPER)?,
             };
-            let description = json!({ "observer": "paper", "ordered_logit": parameters });
+            let description = SimulatedObserver::Paper { ordered_logit: parameters.clone() };
             (Box::new(parameters), description)
         }
     })

@@ -3,7 +3,7 @@
 use machband::{
     analysis::{
         agreement::{ordinal_alpha, retests},
-        counts::{CountError, Counts, MeasuredBuilder},
+        counts::{CountError, Counts, Excluded, Exclusions, MeasuredBuilder, Role},
         summary::{by_cell, by_factor, by_subject},
     },
     experiment::RatingRow,
@@ -15,7 +15,7 @@ const SCALE: [&str; 4] = ["0", "1", "2", "3"];
 /// Participant, width and depth, rating, and repetition.
 const ROWS: [(&str, [&str; 2], &str, u32); 6] = [
     ("S2", ["0.4", "1"], "3", 2),
-    ("S2", ["0.40", "1"], "1", 1),
+    ("S2", ["0.4", "1"], "1", 1),
     ("S1", ["0.1", "1"], "0", 1),
     ("S10", ["0.1", "1"], "2.0", 1),
     ("S2", ["0.4", "1"], "2", 3),
@@ -46,10 +46,10 @@ fn counts_do_not_depend_on_the_order_or_the_split() {
         first.absorb(add(empty(), &ROWS[cut..])).unwrap();
         assert_eq!(first.finish(), whole, "cut at {cut}");
     }
-    // `0.40` equals `0.4`, so S2 has one condition. Its first two ratings belong to repetitions 1 and 2.
+    // The first two ratings of S2 belong to repetitions 1 and 2.
     let pairs: Vec<_> = whole.retests.iter().map(|pair| (pair.subject, pair.first, pair.second)).collect();
-    assert_eq!((whole.counts.total(), &whole.counts.subjects[..]), (6, &["S1", "S10", "S2"].map(String::from)[..]));
-    assert_eq!((pairs, retests(&whole)[2].pairs()), (vec![(0, 0, 1), (2, 1, 3)], 1));
+    assert_eq!((whole.counts.total(), &whole.counts.subjects[..]), (6, &["S1", "S2", "S10"].map(String::from)[..]));
+    assert_eq!((pairs, retests(&whole)[1].pairs()), (vec![(0, 0, 1), (1, 1, 3)], 1));
     let slow = whole.times_by(4, |row| Some(row.rating.into()))[3].quartiles().unwrap();
     assert!(slow.n == 1 && (slow.median - 1.0).abs() < 0.03, "{slow:?}");
 }
@@ -63,6 +63,66 @@ fn constant_factors_and_filtered_rows_are_dropped() {
     assert_eq!((&rest.counts.subjects[..], rest.counts.total()), (&["S10".to_owned()][..], 1));
     assert_eq!((rest.counts.categories.len(), rest.retests.len(), rest.times_by(1, |_| Some(0))[0].n()), (4, 0, 1));
     assert_eq!(measured.filtered(|_| true, |_| true), measured);
+}
+
+/// An exclusion is the same as never having the ratings, except that it is recorded; each rating is counted once.
+#[test]
+fn exclusions_are_recorded_and_unknown_names_are_errors() {
+    let mut builder = add(empty(), &ROWS);
+    builder.add_counts("S1", &["", "2"], "3", 2).unwrap();
+    let measured = builder.finish();
+    let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
+    let only = |factor: &str, levels: &[&str]| (factor.to_owned(), words(levels));
+    let exclusions =
+        Exclusions { exclude: words(&["S2", "S2"]), only: vec![only("width", &["0.1"]), only("depth", &["1"])] };
+    let left = measured.narrowed(&exclusions).unwrap();
+    let without = ROWS.iter().filter(|row| row.0 != "S2");
+    assert_eq!(left.counts, add(empty(), without).finish().counts);
+    let levels = |factor: &str, kept: &str, ratings| Excluded::Levels {
+        factor: factor.to_owned(),
+        kept: words(&[kept]),
+        ratings,
+    };
+    let person = Excluded::Participant { id: "S2".to_owned(), ratings: 3 };
+    assert_eq!(left.excluded, [person, levels("width", "0.1", 2), levels("depth", "1", 0)]);
+    let missing =
+        measured.narrowed(&Exclusions { only: vec![only("width", &["NA"])], ..Exclusions::default() }).unwrap();
+    assert_eq!((missing.counts.total(), missing.excluded), (2, vec![levels("width", "NA", 6)]));
+    assert_eq!(measured.narrowed(&Exclusions::default()).unwrap(), measured);
+    for (exclude, only, said) in [
+        (&["S3"][..], vec![], "exclude: S3 is not a participant; expected one of S1, S2, S10; did you mean S1?"),
+        (
+            &[],
+            vec![only("widht", &["1"])],
+            "only: widht is not a factor; expected one of width, depth; did you mean width?",
+        ),
+        (
+            &[],
+            vec![only("width", &["0.2"])],
+            "only: 0.2 is not a level of width; expected one of 0.1, 0.4, NA; did you mean 0.1?",
+        ),
+        (
+            &["S1", "S2", "S10"],
+            vec![],
+            "exclude, only: no ratings are left; expected to keep some participants and levels",
+        ),
+    ] {
+        let error = measured.narrowed(&Exclusions { exclude: words(exclude), only }).unwrap_err();
+        assert_eq!(error.to_string(), said);
+    }
+}
+
+/// Only a declaration makes a factor a direction, and an ID is text.
+#[test]
+fn directions_are_declared_and_ids_are_text() {
+    let mut builder = MeasuredBuilder::new(&["triangles", "turn"]).with_directions(&["turn"]);
+    for (index, id) in ["9007199254740993", "9007199254740992", "1", "01", "1.0", "+1"].into_iter().enumerate() {
+        builder.add_counts(id, &[&index.to_string(), "90"], "1", 1).unwrap();
+    }
+    let counts = builder.finish().counts;
+    assert_eq!(counts.subjects, ["1", "+1", "01", "1.0", "9007199254740992", "9007199254740993"]);
+    let roles = counts.factors.iter().map(|factor| (factor.role, factor.is_ordered()));
+    assert_eq!(roles.collect::<Vec<_>>(), [(Role::Number, true), (Role::Direction, false)]);
 }
 
 /// Repeated ratings whose order is unknown are counted apart from pairs, and a long column of numbers is a term.
@@ -79,11 +139,11 @@ fn repeats_without_order_and_too_many_levels_are_said() {
 }
 
 #[test]
-fn levels_are_in_natural_order_and_equal_numbers_are_one_level() {
+fn levels_are_in_natural_order_as_written() {
     for (texts, levels) in [
         (&["inf", "10", "2", "-1", "0.5", "2"][..], &["-1", "0.5", "2", "10", "inf"][..]),
-        (&["b", "10", "2", "a", "B"], &["10", "2", "B", "a", "b"]),
-        (&["0.10", "", "0.1", "1e-1", "3"], &["0.1", "3"]),
+        (&["b", "10", "2", "a10", "B", "a9"], &["2", "10", "B", "a9", "a10", "b"]),
+        (&["0.10", "", "0.1", "1e-1", "3"], &["0.1", "0.10", "1e-1", "3"]),
     ] {
         let mut builder = MeasuredBuilder::new(&["width"]);
         texts.iter().for_each(|text| builder.add_counts("S1", &[text], "1", 1).unwrap());

@@ -69,7 +69,7 @@ fn results(
     rating: impl Fn(usize, &[usize], u32) -> Option<String>,
 ) -> Results {
     let names: Vec<&str> = factors.iter().map(|(name, _)| *name).collect();
-    let mut builder = MeasuredBuilder::new(&names);
+    let mut builder = MeasuredBuilder::new(&names).with_directions(&["orientation_deg"]);
     let cells: usize = factors.iter().map(|(_, levels)| levels.len()).product();
     for subject in 0..subjects {
         for cell in 0..cells {

@@ -6,10 +6,10 @@ use std::{path::PathBuf, sync::Arc};
 use machband::{
     analysis::{
         Link, Options, Random, Resampling, Results, analyze,
-        counts::{Measured, MeasuredBuilder},
+        counts::{Exclusions, Measured, MeasuredBuilder},
         terms::Terms,
     },
-    experiment::{Protocol, RatingRow},
+    experiment::{Definition, OrderedLogit, Protocol, RatingRow},
     report::{
         Provenance,
         document::numbers::{NBSP, count, fixed, list, p_is, percent, probability, ratio, short_list, unit, whole},
@@ -22,8 +22,10 @@ use machband::{
     store::{
         FileError, definition,
         ratings::{FileRead, Layout, SessionRead, Shape, Source},
-        sidecar::{PreflightNote, Sidecar, Sitting},
+        sidecar::Sidecar,
+        sitting::{Geometry, PreflightNote, SimulatedObserver, Sitting},
     },
+    text::Cell,
 };
 use proptest::prelude::*;
 use resvg::usvg::roxmltree;
@@ -39,7 +41,7 @@ fn source(factors: &[&str]) -> Source {
     let factors = factors.iter().map(|&name| name.to_owned()).collect();
     let (subject, response) = ("subject_id".to_owned(), "rating".to_owned());
     Source {
-        shape: Shape { factors, subject, response, categories: None, guessed: false },
+        shape: Shape { factors, directions: Vec::new(), subject, response, categories: None, guessed: false },
         protocol: None,
         definition_sha256: None,
         files: Vec::new(),
@@ -227,7 +229,8 @@ fn quotable(results: &Results) -> Vec<String> {
     }
     let mut all = vec![tables::subjects(results), tables::tests(results), tables::agreement(results)];
     all.extend(results.factors.iter().map(|factor| tables::by_factor(results, factor)));
-    values.extend(all.iter().flat_map(|table| &table.rows).flatten().filter_map(|cell| cell.parse::<f64>().ok()));
+    let cells = all.iter().flat_map(|table| &table.columns).flat_map(|column| &column.cells);
+    values.extend(cells.filter_map(Cell::as_number));
     let model = &results.model.as_ref().unwrap().model;
     for contrast in &model.contrasts {
         let ends = contrast.interval.map_or([f64::NAN; 2], |interval| [interval.low, interval.high]);
@@ -309,7 +312,7 @@ fn session(protocol: &Protocol, subject: &str, sitting: Sitting) -> SessionRead 
 fn problems_with_the_data_are_reported() {
     let protocol = definition::open("quick").unwrap();
     let results = results(2, &DEPTHS, false);
-    let viewing = |distance: f64| Some(serde_json::json!({ "distance_cm": distance }));
+    let viewing = |distance: f64| Some(Geometry { distance_cm: distance, ..Geometry::default() });
     let person = Sitting { viewing: viewing(50.0), ..Sitting::default() };
     let mut source = Source { protocol: Some(protocol.clone()), ..source(&FACTORS) };
     source.sessions = ["S001", "S002"].map(|subject| session(&protocol, subject, person.clone())).to_vec();
@@ -320,7 +323,7 @@ fn problems_with_the_data_are_reported() {
 
     let note = |ok, sentence: &str| PreflightNote { check: "refresh".to_owned(), ok, sentence: sentence.to_owned() };
     let other = Sitting {
-        observer: Some(serde_json::json!({ "observer": "paper" })),
+        observer: Some(SimulatedObserver::Paper { ordered_logit: OrderedLogit::default() }),
         viewing: viewing(70.0),
         preflight: vec![note(false, "Frames are not steady."), note(true, "The scale is 1.")],
         incidents: vec!["the folder was moved".to_owned()],
@@ -361,11 +364,21 @@ fn problems_with_the_data_are_reported() {
     assert!(!wrong.contains("The scale is 1.") && !wrong.contains("All 2 sessions"));
 
     for session in &mut source.sessions {
-        Arc::make_mut(session.sidecar.as_mut().unwrap()).sittings[0].observer =
-            Some(serde_json::json!({ "observer": "random" }));
+        Arc::make_mut(session.sidecar.as_mut().unwrap()).sittings[0].observer = Some(SimulatedObserver::Random);
     }
     assert_parts(&study::summary(&source, &results).cautions[0], &["the results say nothing about people"]);
     assert_parts(&text(&page(&source, &results)), &["2 simulated observers gave"]);
+
+    // An exclusion is named in Summary, Data quality and Methods, and everything is about the rest.
+    let exclusions = Exclusions { exclude: vec!["S002".to_owned()], ..Exclusions::default() };
+    let left = analyze(results.measured.narrowed(&exclusions).unwrap(), &options());
+    let [total, n] = [&results, &left].map(|results| results.measured.counts.total());
+    let left = text(&page(&source, &left));
+    let excluded = format!("On request, the participant S002 ({}) was excluded.", count(total - n, "rating"));
+    let rest = format!("This leaves {} by 1 participant.", count(n, "rating"));
+    assert_eq!((left.matches(&excluded).count(), left.matches(&rest).count()), (3, 3), "{left}");
+    assert_parts(&left, &["1 simulated observer gave", "all ratings come from a program"]);
+    assert!(!left.contains("the folder was moved"));
 }
 
 #[test]
@@ -430,9 +443,11 @@ fn names_are_text_and_never_markup() {
     }
     let results = analyze(builder.finish(), &options());
     let mut source = source(&nasty[..2]);
-    let mut protocol = definition::open("quick").unwrap();
-    protocol.title = nasty[0].repeat(9);
-    protocol.response.question = nasty[2].to_owned();
+    let change = |definition: &mut Definition| {
+        definition.title = nasty[0].repeat(9);
+        definition.response.question = nasty[2].to_owned();
+    };
+    let protocol = definition::open("quick").unwrap().with(change).unwrap();
     source.errors = vec![FileError::whole(nasty[1], nasty[2])];
     let sitting = Sitting { incidents: vec![nasty[0].to_owned()], ..Sitting::default() };
     source.sessions = vec![session(&protocol, nasty[2], sitting)];
@@ -444,7 +459,7 @@ fn names_are_text_and_never_markup() {
 #[test]
 fn the_report_shows_the_prediction_or_says_why_there_is_none() {
     let results = results(3, &DEPTHS, false);
-    let mut protocol = definition::open("bangay2003").unwrap();
+    let protocol = definition::open("bangay2003").unwrap();
     let predicted = |protocol: Option<&Protocol>, results: &Results| {
         let page = page(&Source { protocol: protocol.cloned(), ..source(&FACTORS) }, results);
         let section = page.split("<section id=\"vision\">").nth(1).unwrap().split("</section>").next().unwrap();
@@ -457,14 +472,18 @@ fn the_report_shows_the_prediction_or_says_why_there_is_none() {
     };
     why(None, &results, "no definition");
     why(Some(&protocol), &results, "do not record orientation_deg");
-    protocol.factors.retain(|factor| factor.name != "orientation_deg");
+    let two_factors = |definition: &mut Definition| definition.factors.truncate(2);
+    let protocol = protocol.with(two_factors).unwrap();
     let (text_of_three, figures) = predicted(Some(&protocol), &results);
     assert_eq!(figures, 4, "{text_of_three}");
     let expected = ["window 10° wide", "100 cd/m²", "45 conditions and 270 ratings", "The noise ceiling"];
     assert_parts(&text_of_three, &expected);
     // With one person, there is no noise ceiling. The window has the mean of the widths that the person saw.
     let mut source = source(&FACTORS);
-    let seated = |deg: f64| Sitting { viewing: Some(serde_json::json!({ "stimulus_deg": deg })), ..Sitting::default() };
+    let seated = |deg: f64| Sitting {
+        viewing: Some(Geometry { stimulus_deg: deg, ..Geometry::default() }),
+        ..Sitting::default()
+    };
     source.sessions = [4.0, 5.0].map(|deg| session(&protocol, "S001", seated(deg))).to_vec();
     source.protocol = Some(protocol.clone());
     let text = text(&page(&source, &self::results(1, &DEPTHS, false)));
@@ -484,16 +503,17 @@ fn the_report_shows_the_prediction_or_says_why_there_is_none() {
     ] {
         why(Some(&protocol), &rated(categories), reason);
     }
-    let mut black = protocol.clone();
-    for name in ["low", "high"] {
-        black.stimulus.set(name, &0.0.into()).unwrap();
-    }
+    let black = protocol.with(|definition| {
+        ["low", "high"].iter().for_each(|name| definition.stimulus.set(name, &0.0.into()).unwrap());
+    });
+    let black = black.unwrap();
     why(Some(&black), &results, "cannot process the stimuli: all black");
-    let mut elsewhere = protocol.clone();
-    elsewhere.factors[0].levels = vec![0.3.into(), 0.5.into()];
-    why(Some(&elsewhere), &results, "none of the predicted conditions");
-    let mut endless = protocol;
-    endless.factors[0].levels = (1..=2000).map(|i| (f64::from(i) / 4000.0).into()).collect();
+    let widths = |levels: Vec<f64>| {
+        let levels = levels.into_iter().map(Into::into).collect();
+        protocol.with(|definition| definition.factors[0].levels = levels).unwrap()
+    };
+    why(Some(&widths(vec![0.3, 0.5])), &results, "none of the predicted conditions");
+    let endless = widths((1..=2000).map(|i| f64::from(i) / 4000.0).collect());
     why(Some(&endless), &results, "there are 10000 conditions, and a report predicts at most 5000");
 }
 

@@ -14,3 +14,4 @@ mod predict;
 mod requests;
 mod security;
 mod shade;
+mod tables;

@@ -200,9 +200,8 @@ fn no_command_writes_over_a_session() {
     for end in ["_data.csv", "_data.json"] {
         fs::copy(at(&format!("{stem}{end}")), at(&format!("copy/s{end}"))).unwrap();
     }
-    // Rows whose sidecar is lost, and a register without the description of its data set.
+    // Rows whose sidecar is lost.
     fs::copy(at(&format!("{stem}_data.csv")), at("copy/subject-S1_session-1_task-q_data.csv")).unwrap();
-    fs::copy(at("z/quick/sessions.csv"), at("copy/sessions.csv")).unwrap();
     #[cfg(unix)]
     std::os::unix::fs::symlink(at(&format!("{stem}_data.csv")), at("link.csv")).unwrap();
     let before = everything(folder.path());
@@ -219,7 +218,6 @@ fn no_command_writes_over_a_session() {
         ("copy/s_data.json".to_owned(), "belongs to the session of"),
         ("copy/s_frames.csv".to_owned(), "belongs to the session of"),
         ("copy/subject-S1_session-1_task-q_data.csv".to_owned(), "belongs to the session of"),
-        ("copy/sessions.csv".to_owned(), "lists the sessions of a data set"),
         #[cfg(unix)]
         ("link.csv".to_owned(), "is inside the data folder"),
     ] {

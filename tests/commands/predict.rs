@@ -51,7 +51,7 @@ fn json_has_the_values_of_the_table_and_images_mean_what_they_say() {
     run("stimulus --width 0.1 --size 256 --bits 16 --color gray --out srgb.png");
     run("stimulus --width 0.1 --size 256 --bits 16 --color gray --transfer linear --out linear.png");
     let [srgb, linear] = ["srgb", "linear"].map(|name| json(&format!("predict --image {name}.png --json")));
-    assert!(linear["lines"]["bright"].is_number() && linear["bands"]["dark"].is_number(), "{linear}");
+    assert!(linear["lines_bright"].is_number() && linear["visibility_dark"].is_number(), "{linear}");
     for name in ["visibility", "detection"] {
         let ratio = srgb[name].as_f64().unwrap() / linear[name].as_f64().unwrap();
         assert!((ratio - 1.0).abs() < 0.001, "{name}: {srgb} and {linear}");

@@ -16,7 +16,7 @@ use std::{
 
 use machband::{
     experiment::{Protocol, TrialRecord, columns},
-    store::{register::Register, results, verify},
+    store::{results, verify},
 };
 
 pub const MACHBAND: &str = env!("CARGO_BIN_EXE_machband");
@@ -150,8 +150,7 @@ pub fn rows(csv: &Path, protocol: &Protocol) -> Vec<TrialRecord> {
 
 /// The findings of `machband verify` about a session.
 pub fn verified(csv: &Path) -> verify::Verified {
-    let dataset = csv.parent().unwrap().parent().unwrap();
-    verify::session(csv, &mut verify::Renderer::default(), &Register::read(dataset).unwrap())
+    verify::session(csv, &mut verify::Renderer::default())
 }
 
 /// Builds the library `tests/faults/NAME.c` with `cc`, which also links Rust programs; returns whether it succeeded.

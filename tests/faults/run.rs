@@ -16,7 +16,7 @@ use machband::{
     store::{
         StoreError, definition,
         session::{Changes, SessionStore},
-        sidecar::Sitting,
+        sitting::Sitting,
     },
 };
 

@@ -49,6 +49,7 @@ struct Before {
     rows: Option<usize>,
     /// Number of bytes missing at the end of the last row.
     torn: usize,
+    /// Whether the sidecar of a session without rows is missing.
     sidecar_lost: bool,
     /// Whether a killed program left a half-written file.
     leftover: bool,
@@ -159,7 +160,7 @@ impl Sweep {
         let before = Before {
             rows,
             torn: if one_in(rng, 3) { 1 + rng.next_u64() as usize % 40 } else { 0 },
-            sidecar_lost: one_in(rng, 5),
+            sidecar_lost: one_in(rng, 5) && rows == Some(0),
             leftover: one_in(rng, 3),
         };
         let binary = one_in(rng, 3);
@@ -312,9 +313,9 @@ fn unreported(ended: &run::ProgramResult, report: &Report, log: &Log, folder: &P
     if ended.stderr.contains("panicked") {
         wrong.push(format!("a panic: {}", ended.stderr));
     }
-    // The data set's folder is opened and synced for the register too; the sidecar says if this failed.
-    let noted = disk::sidecars(folder).iter().any(|sidecar| sidecar.contains("could not be registered"));
-    let is_of_folder = |hit: &Hit| hit.op == "sync" || hit.op == "open" && Path::new(&hit.path).extension().is_none();
+    // The folder is also listed to find the session that ended before; the sidecar says if this failed.
+    let noted = disk::sidecars(folder).iter().any(|sidecar| sidecar.contains("ended before this one is not known"));
+    let is_of_folder = |hit: &Hit| hit.op == "open" && Path::new(&hit.path).extension().is_none();
     let folder = folder.display().to_string();
     let is_of_definition = |error: &str| error.contains(".toml: cannot be opened: out of memory");
     wrong.extend(
@@ -348,8 +349,8 @@ fn matters(hit: &Hit) -> bool {
     let hidden = hit.op == "open" && hit.what.starts_with("EACCES") && Path::new(&hit.path).extension().is_none();
     // If frames cannot be saved, the sidecar says so, and the session continues.
     let frames = ["open", "stat"].contains(&&*hit.op) && hit.path.ends_with("_frames.csv");
-    // The same holds for files that only help to check the session later or protect it a second time.
-    let beside = hit.path.ends_with("/sessions.csv") || hit.path.ends_with(".lock");
+    // The same holds for the file that protects a session where there are no locks.
+    let beside = hit.path.ends_with(".lock");
     // If `stat` fails, a leftover file that is not found does no harm, nor does a failed query about the results
     // folder.
     let leftover = hit.op == "stat"

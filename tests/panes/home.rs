@@ -50,12 +50,12 @@ fn a_whole_session_with_a_break_a_pause_and_an_undone_rating() {
     for (page, key) in [
         ("Welcome", Key::Space),
         ("The four answers", Key::Space),
-        ("First some practice", Key::Backspace),
+        ("First, some practice", Key::Backspace),
         ("The four answers", Key::ArrowLeft),
         ("Welcome", Key::Backspace),
         ("Welcome", Key::Space),
         ("The four answers", Key::Space),
-        ("First some practice", Key::Space),
+        ("First, some practice", Key::Space),
     ] {
         wait_for(&mut harness, page);
         press(&mut harness, key);
@@ -126,7 +126,7 @@ fn a_whole_session_with_a_break_a_pause_and_an_undone_rating() {
     let forgotten: Vec<_> = columns.filter(|(i, _)| is_forgotten(*i)).map(|(_, column)| column.name).collect();
     assert_eq!(forgotten, ["response_uncertainty_s"]);
     let sidecar = sidecar(folder.path());
-    assert!(sidecar.complete);
+    assert!(sidecar.is_complete());
     assert_eq!(sidecar.sittings.len(), 1);
     assert!(sidecar.sittings[0].preflight.iter().any(|note| note.check == "stimulus_fits" && note.ok));
     let frames = sidecar.sittings[0].frames.as_ref().unwrap();
@@ -229,8 +229,8 @@ fn a_session_that_was_left_can_be_resumed() {
 #[test]
 fn the_participant_is_asked_once() {
     let folder = tempfile::tempdir().unwrap();
-    let mut protocol = protocol(0.2, 10.0);
-    protocol.participant = definition::parse("asking", ASKING).unwrap().participant;
+    let asking = definition::parse("asking", ASKING).unwrap();
+    let protocol = protocol(0.2, 10.0).with(|definition| definition.participant = asking.participant.clone()).unwrap();
     let mut first = harness(request(folder.path(), protocol.clone()));
     wait_for(&mut first, "These findings are saved");
     press(&mut first, Key::Space);
@@ -238,7 +238,7 @@ fn the_participant_is_asked_once() {
     assert!(first.query_by_label_contains("Please answer").is_none());
     click(&mut first, "Continue");
     wait_for(&mut first, "Please answer this question.");
-    wait_for(&mut first, "Please read this and tick the box.");
+    wait_for(&mut first, "Please read this and check the box.");
     type_into(&mut first, "Age in years *", "young");
     wait_for(&mut first, "Enter a number, e.g. 27.");
     type_into(&mut first, "Age in years *", "27");
@@ -267,9 +267,8 @@ const ASKING: &str = "schema = 1\nname = \"panes\"\n[stimulus]\nkind = \"mach-ba
 #[test]
 fn characters_without_a_font_are_reported_before_the_session() {
     let folder = tempfile::tempdir().unwrap();
-    let mut protocol = protocol(0.2, 10.0);
     // The last character of the last private area.
-    protocol.instructions.welcome.push('\u{10fffd}');
+    let protocol = protocol(0.2, 10.0).with(|definition| definition.instructions.welcome.push('\u{10fffd}')).unwrap();
     let mut harness = harness(request(folder.path(), protocol));
     wait_for(&mut harness, "No font on this computer has these characters of the participant's texts: U+10FFFD.");
     press(&mut harness, Key::Space);
@@ -290,8 +289,7 @@ fn japanese_texts_fit_into_a_narrow_window() {
     }
     let folder = tempfile::tempdir().unwrap();
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/quick-ja.toml");
-    let mut protocol = definition::open(path).unwrap();
-    protocol.viewing.window_deg = 5.0;
+    let protocol = definition::open(path).unwrap().with(|definition| definition.viewing.window_deg = 5.0).unwrap();
     let texts = protocol.instructions.clone();
     let request = request(folder.path(), protocol);
     let builder = window::builder([420.0, 900.0], STEP_S);

@@ -105,7 +105,6 @@ fn colors_are_read_in_every_model() {
     for (text, rgb, written) in [
         ("yellow", [1.0, 1.0, 0.0], "yellow"),
         ("gray", [1.0; 3], "gray"),
-        ("grey", [1.0; 3], "gray"),
         ("white", [1.0; 3], "gray"),
         ("red", [1.0, 0.0, 0.0], "red"),
         ("green", [0.0, 1.0, 0.0], "green"),

@@ -9,11 +9,12 @@ use std::{
 
 use machband::{
     display::DisplayProfile,
-    experiment::{Identity, MAX_RATING, Order, Phase, Protocol, Schedule, columns},
+    experiment::{Identity, MAX_RATING, Order, Phase, Protocol, ResponseScale, Schedule, columns},
     light::Transfer,
     stimulus::KINDS,
     store::{FileErrors, Writer, check::check, definition, observer, profile},
 };
+use sha2::{Digest as _, Sha256};
 
 /// A definition with every table, one key per line.
 const BASE: &str = r#"schema = 1
@@ -57,9 +58,6 @@ welcome = "Hello"
 /// Every kind of question about the participant, to replace the head of the last table.
 const PARTICIPANT: &str = "[participant]\nage = { required = false }\nsex = { choice_labels = [\"w\", \"m\", \"d\"] }\nvision = {}\n\
      consent = { text = \"I take part.\" }\nhobby = { label = \"Hobby\", required = false }\nyears = { number = true }\n[instructions]";
-
-/// The hash of [`BASE`] in version 0.1.0.
-const BASE_HASH: &str = "acd1d29facfbba1b4f8ad5d7afc7625d589e48939eed53bbba22f41188c0c3cb";
 
 /// Asserts that one error starts with `start`, which is its place, and contains `part` of its message.
 fn assert_error(error: &FileErrors, start: &str, part: &str) {
@@ -135,7 +133,7 @@ depth = [1, 2, "inf"] => orientation_deg = [0, nan] => 13:23 => orientation_deg 
 depth = [1, 2, "inf"] => orientation_deg = [inf] => 13:20 => orientation_deg | inf | an angle
 depth = [1, 2, "inf"] => orientation_deg = [-inf] => 13:20 => orientation_deg "-inf" is not a number
 width = [0.1, 0.4] => width = [1, 1.0] => 12:13 => level 1 of width appears twice
-depth = [1, 2, "inf"] => color = ["gray", "grey"] => 13:18 => level gray of color appears twice
+depth = [1, 2, "inf"] => color = ["gray", "white"] => 13:18 => level gray of color appears twice
 duration_s = 2.0 => duration_s = -2.0 => 23:1 => duration_s -2 | 0…600 | seconds
 duration_s = 2.0 => duration_s = nan => 23:1 => recovery.duration_s is the text "NaN" | a number
 [recovery] => [presentation]\nduration_s = 0\n[recovery] => 23:1 => duration_s 0 is outside 0.001…600
@@ -347,56 +345,122 @@ fn files_that_are_not_definitions_are_reported() {
 #[test]
 fn a_sidecar_preserves_the_definition_and_its_hash() {
     let other = "\u{22}\u{5c}\t\u{7f}é\u{1F600} '''\"\"\" \u{0}";
-    let mut odd = definition::parse("mine.toml", BASE).unwrap();
-    odd.title = other.to_owned();
-    odd.participant = definition::parse("mine.toml", &BASE.replace("[instructions]", PARTICIPANT)).unwrap().participant;
-    odd.instructions.welcome = format!("{other}\n\n{other}");
-    odd.recovery.duration_s = 1.0 / 3.0;
-    odd.design.order = Order::Latin("depth".to_owned());
-    odd.design.max_run = None;
+    let asking = definition::parse("mine.toml", &BASE.replace("[instructions]", PARTICIPANT)).unwrap();
+    let odd = asking.with(|odd| {
+        odd.title = other.to_owned();
+        odd.instructions.welcome = format!("{other}\n\n{other}");
+        odd.recovery.duration_s = 1.0 / 3.0;
+        odd.design.order = Order::Latin("depth".to_owned());
+        odd.design.max_run = None;
+    });
     let built_in = definition::BUILT_IN.iter().map(|built_in| definition::open(built_in.name).unwrap());
     let timed = edited("[recovery]", "[presentation]\nduration_s = 0.5\n[recovery]");
     let others = [BASE, &timed].map(|text| definition::parse("mine.toml", text).unwrap());
-    for protocol in built_in.chain(others).chain([odd]) {
+    for protocol in built_in.chain(others).chain([odd.unwrap()]) {
         // Write the definition as text and read it back, as a sidecar does.
         let json: serde_json::Value =
             serde_json::from_str(&serde_json::to_string(&serde_json::to_value(&protocol).unwrap()).unwrap()).unwrap();
         let back: Protocol = definition::from_json("sidecar.json", &json).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(back, protocol);
-        // The hash of definitions without `presentation` does not change.
-        assert_eq!(json.get("presentation").is_some(), protocol.presentation.is_some());
         assert_eq!(definition::hash(&back), definition::hash(&protocol));
     }
     for (broken, part) in [("{}", "schema 1"), ("3", "expected a table"), ("{\"a\": null}", "a")] {
         let error = definition::from_json("sidecar.json", &serde_json::from_str(broken).unwrap()).unwrap_err();
         assert!(error.to_string().starts_with("sidecar.json") && error.to_string().contains(part), "{error}");
     }
-    let hash = |text: &str| definition::hash(&definition::parse("mine.toml", text).unwrap());
+}
+
+fn sha256(text: &str) -> String {
+    Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Returns the hash of a definition as a file.
+fn hash(text: &str) -> String {
+    definition::hash(&definition::parse("mine.toml", text).unwrap_or_else(|error| panic!("{text}: {error}")))
+}
+
+/// The hash is that of the canonical JSON, which has only what the file says, so no default is a part of it.
+#[test]
+fn the_hash_covers_exactly_what_a_definition_says() {
+    let said = r#"{"name":"mine","title":"My study","stimulus":{"kind":"mach-band"},"factors":{"width":[0.1,0.4],"depth":[1.0,2.0,"inf"]},"design":{"repetitions":2,"practice":4,"break_every":10,"max_run":3},"response":{"question":"How?","labels":["a","b","c","d"]},"instructions":{"welcome":"Hello"}}"#;
+    assert_eq!(hash(BASE), sha256(said));
+    let (least, said) =
+        ("schema = 1\nname = \"a\"\nstimulus.kind = \"chevreul\"\n", r#"{"name":"a","stimulus":{"kind":"chevreul"}}"#);
+    assert_eq!(hash(least), sha256(said));
+}
+
+/// Layout, the order of keys, and keys with their default values do not affect the hash.
+#[test]
+fn what_means_the_same_has_the_same_hash() {
     let same = [
         BASE.replace("width = [0.1, 0.4]", "# comment\nwidth   = [ 1e-1,\n  4e-1, ] # and another"),
         BASE.replace("depth = [1, 2, \"inf\"]", "depth = [1.0, 2.0, inf]"),
-        BASE.replace("distance_cm = 50.0", "distance_cm = 5_0"),
         BASE.replace("repetitions = 2", "repetitions = 0b10"),
-        BASE.replace("[recovery]\nduration_s = 2.0\nlevel = 0.5\n", ""),
         BASE.replace("\n", "\r\n"),
         BASE.replace("[instructions]", "[participant]\n[instructions]"),
-        // A text that is newer than the first version of definitions.
-        BASE.replace("[instructions]", "[instructions]\npage_count = \"Page {page} of {pages}\""),
+        // The order of keys and of tables.
+        BASE.replace("low = 0.25\nhigh = 0.75", "high = 0.75\nlow = 0.25"),
+        BASE.replace("repetitions = 2\npractice = 4", "practice = 4\nrepetitions = 2"),
+        BASE.replace("schema = 1\nname = \"mine\"", "name = \"mine\"\nschema = 1"),
+        BASE.replace("[viewing]\ndistance_cm = 50.0\nwindow_deg = 10.0\n", "")
+            .replace("[stimulus]", "[viewing]\nwindow_deg = 10\ndistance_cm = 5_0\n[stimulus]"),
     ];
     for text in same {
         assert_eq!(hash(&text), hash(BASE), "{text}");
     }
+    // Every key, with its default in the same words as in the canonical form.
+    let least = "schema = 1\nname = \"a\"\n";
+    for kind in KINDS {
+        let stimulus = machband::stimulus::Stimulus::default_of(kind).unwrap();
+        for parameter in stimulus.parameters() {
+            let default = serde_json::to_string(&stimulus.get(parameter.name).unwrap()).unwrap();
+            let text = format!("{least}[stimulus]\nkind = \"{kind}\"\n");
+            assert_eq!(
+                hash(&format!("{text}{} = {default}\n", parameter.name)),
+                hash(&text),
+                "{kind} {}",
+                parameter.name
+            );
+        }
+    }
+    let least = format!("{least}stimulus.kind = \"mach-band\"\n");
+    for [key, _, default] in machband::experiment::Texts::ALL {
+        let text = format!("{least}[instructions]\n{key} = {}\n", serde_json::to_string(default).unwrap());
+        assert_eq!(hash(&text), hash(&least), "{key}");
+    }
+    let scale = ResponseScale::default();
+    let labels: Vec<&str> = scale.categories.iter().map(|category| category.label.as_str()).collect();
+    for default in [
+        "title = \"a\"\n",
+        "[factors]\n",
+        "[design]\nrepetitions = 1\npractice = 0\nbreak_every = 0\norder = \"random\"\n",
+        "[recovery]\nduration_s = 2\nlevel = 0.5\n",
+        "[viewing]\ndistance_cm = 50\nwindow_deg = 10\n",
+        "[response]\nkeys = [\"0\", \"1\", \"2\", \"3\"]\n",
+        &format!("[response]\nquestion = {:?}\nlabels = {labels:?}\n", scale.question),
+    ] {
+        assert_eq!(hash(&format!("{least}{default}")), hash(&least), "{default}");
+    }
+    let asking = format!("{least}[participant]\nage = {{}}\n");
+    assert_eq!(hash(&asking.replace("{}", "{ required = true, number = false, choices = [] }")), hash(&asking));
+}
+
+#[test]
+fn what_differs_has_another_hash() {
     let others = [
         BASE.replace("width = [0.1, 0.4]", "width = [0.4, 0.1]"),
+        // The order of factors is the order of the columns and of the conditions.
+        BASE.replace("width = [0.1, 0.4]\ndepth = [1, 2, \"inf\"]", "depth = [1, 2, \"inf\"]\nwidth = [0.1, 0.4]"),
         BASE.replace("max_run = 3\n", ""),
         BASE.replace("level = 0.5", "level = 0.51"),
         BASE.replace("\"Hello\"", "\"Hallo\""),
         BASE.replace("[instructions]", "[instructions]\npage_count = \"{page}/{pages}\""),
+        BASE.replace("[recovery]", "[presentation]\nduration_s = 0.5\n[recovery]"),
         BASE.replace("[instructions]", "[participant]\nage = {}\n[instructions]"),
         BASE.replace("[instructions]", "[participant]\nage = { required = false }\n[instructions]"),
+        BASE.replace("[instructions]", "[participant]\nage = {}\nsex = {}\n[instructions]"),
+        BASE.replace("[instructions]", "[participant]\nsex = {}\nage = {}\n[instructions]"),
     ];
-    // The hash of a definition that was recorded by an earlier version.
-    assert_eq!(hash(BASE), BASE_HASH);
     let hashes: HashSet<String> = others.iter().map(|text| hash(text)).chain([hash(BASE)]).collect();
     assert_eq!(hashes.len(), others.len() + 1);
 }

@@ -8,6 +8,7 @@ use std::{
 };
 
 use machband::{
+    display::Monitor,
     experiment::columns,
     store::{
         export::{Choice, Exported, Format, export},
@@ -15,6 +16,7 @@ use machband::{
         ratings::data_files,
         recorded::Recorded,
         sidecar::Sidecar,
+        sitting::{FrameSummary, Geometry},
     },
 };
 use serde_json::{Value, json};
@@ -47,8 +49,8 @@ fn edit_json(path: &Path, edit: impl FnOnce(&mut Value)) {
 fn rewrite(path: &Path, edit: impl FnOnce(&mut Value)) {
     edit_json(path, edit);
     let mut sidecar = Sidecar::read(path).unwrap().unwrap();
-    let own = sidecar.own_sha256();
-    sidecar.seal.as_mut().unwrap().sidecar_sha256 = own;
+    let own = sidecar.sha256_at_end_of(sidecar.sittings.len() - 1);
+    sidecar.sittings.last_mut().unwrap().seal.as_mut().unwrap().sidecar_sha256 = own;
     sidecar.write(path).unwrap();
 }
 
@@ -62,23 +64,15 @@ fn interrupt(results: &Path, subject: &str, rows: usize) {
     cells[0] = cells[0].strip_suffix("_1").unwrap().to_owned() + "_2";
     cells[7] = "2".to_owned();
     fs::write(&csv, lines[..=rows].concat() + &cells.join(",") + "\nS001_1_ma").unwrap();
-    // The register lists the end as its last event.
-    let register = results.join("quick/sessions.csv");
-    let listed = fs::read_to_string(&register).unwrap();
-    let is_end = |line: &&str| line.contains(",ended,") && line.contains(&format!("subject-{subject}_"));
-    let without_end = listed.split_inclusive('\n').filter(|line| !is_end(line)).collect::<String>();
-    fs::write(&register, without_end).unwrap();
     edit_json(&sidecar(results, "quick", subject), |sidecar| {
-        sidecar["complete"] = false.into();
-        sidecar.as_object_mut().unwrap().remove("seal");
         let last = sidecar["sittings"].as_array_mut().unwrap().last_mut().unwrap();
-        last.as_object_mut().unwrap().remove("ended_at");
+        last["complete"] = false.into();
+        ["seal", "ended_at"].iter().for_each(|key| drop(last.as_object_mut().unwrap().remove(*key)));
     });
 }
 
 /// Simulates two participants of `quick`: the first is interrupted, corrected and resumed; the second is interrupted
-/// and not resumed. Also simulates a task with shaded meshes, and turns its file into one from an earlier version,
-/// without the last column.
+/// and not resumed. Also simulates a task with shaded meshes.
 fn study() -> (TempDir, PathBuf) {
     let (scratch, results) = simulated(&["quick", "--participants", "2"]);
     succeeds(scratch.path(), &["simulate", "shaders"]);
@@ -86,15 +80,6 @@ fn study() -> (TempDir, PathBuf) {
     let resumed = ["simulate", "quick", "--participants", "1", "--resume"];
     assert!(crate::common::machband(scratch.path(), &resumed).status.success());
     interrupt(&results, "S002", 7);
-    let older = session_csv(&results, "shaders", "S001");
-    fs::remove_file(results.join("shaders/sessions.csv")).unwrap();
-    let text = fs::read_to_string(&older).unwrap();
-    fs::write(&older, text.lines().map(|line| line.rsplit_once(',').unwrap().0.to_owned() + "\n").collect::<String>())
-        .unwrap();
-    edit_json(&sidecar(&results, "shaders", "S001"), |sidecar| {
-        sidecar.as_object_mut().unwrap().remove("seal");
-        sidecar["sittings"][0]["program"].as_object_mut().unwrap().remove("system");
-    });
     (scratch, results)
 }
 
@@ -281,9 +266,15 @@ fn screens_and_participants_are_described_in_bids_terms_and_units() {
     rewrite(&sidecar(&results, "quick", "S001"), |sidecar| {
         let sitting = &mut sidecar["sittings"][0];
         sitting.as_object_mut().unwrap().remove("observer");
-        sitting["viewing"] = json!({ "distance_cm": 57.0, "screen_width_cm": 53.1, "screen_width_measured": true });
-        sitting["monitor"] = json!({ "width_px": 2560, "height_px": 1440, "refresh_hz": 60.0 });
-        sitting["frames"] = json!({ "refresh_s": 0.016683350 });
+        sitting["viewing"] = json!(Geometry {
+            distance_cm: 57.0,
+            screen_width_cm: 53.1,
+            screen_width_measured: true,
+            ..Geometry::default()
+        });
+        sitting["monitor"] =
+            json!(Monitor { width_px: 2560, height_px: 1440, refresh_hz: Some(60.0), ..Monitor::default() });
+        sitting["frames"] = json!(FrameSummary { refresh_s: Some(0.016683350), ..FrameSummary::default() });
     });
     edit_json(&results.join("quick/dataset_description.json"), |description| {
         description["author"] =

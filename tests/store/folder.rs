@@ -7,9 +7,11 @@ use machband::{
     experiment::{Identity, Phase, Protocol, Rating, Seconds, TrialRecord, columns},
     light::Depth,
     store::{
-        StoreError, check, definition,
+        StoreError, check,
+        dataset::free_participant,
+        definition,
         results::ResultFile,
-        session::{Changes, Interrupted, SessionStore, register::free_participant},
+        session::{Changes, Interrupted, SessionStore},
         sidecar::Sidecar,
     },
 };
@@ -60,7 +62,6 @@ mod layout {
             "small-one/data/subject-S001_session-1_task-smallone_data.csv",
             "small-one/data/subject-S001_session-1_task-smallone_data.json",
             "small-one/dataset_description.json",
-            "small-one/sessions.csv",
         ];
         assert_eq!(files, expected);
         let paths = paths(folder.path());
@@ -78,14 +79,15 @@ mod layout {
         let names: Vec<&str> =
             description["variableMeasured"].as_array().unwrap().iter().map(|v| v["name"].as_str().unwrap()).collect();
         assert_eq!(names, header);
-        assert_eq!(header[header.len() - 4..], ["tanh_k", "stimulus_s", "late_onset", "response_uncertainty_s"]);
+        let further = ["stimulus_s", "late_onset", "response_uncertainty_s", "sitting", "seed", "tanh_k"];
+        assert_eq!(header[23..], further);
         let sidecar = json(&paths.sidecar);
         let described: Vec<&String> = sidecar["columns"].as_object().unwrap().keys().collect();
         assert_eq!(described, header);
         assert!(
             sidecar["columns"].as_object().unwrap().values().all(|c| !c["description"].as_str().unwrap().is_empty())
         );
-        assert_eq!((sidecar["seed"].as_u64(), sidecar["complete"].as_bool()), (Some(7), Some(true)));
+        assert_eq!((sidecar["seed"].as_u64(), sidecar["sittings"][0]["complete"].as_bool()), (Some(7), Some(true)));
         assert_eq!(sidecar["definition_sha256"], definition::hash(&small()));
         let kept = definition::from_json("sidecar", &sidecar["definition"]).unwrap();
         assert_eq!(kept, small());
@@ -193,7 +195,7 @@ mod rows_on_disk {
         rate(&mut store, Some(&found), usize::MAX).unwrap();
         assert_whole(folder.path());
         drop(store);
-        assert_eq!(everything(folder.path()).len(), 8, "rows, a sidecar, and six files that describe the data set");
+        assert_eq!(everything(folder.path()).len(), 7, "rows, a sidecar, and five files that describe the data set");
     }
 }
 
@@ -206,8 +208,7 @@ mod interrupted {
     fn truncation_at_any_byte_loses_only_the_last_row() {
         let folder = session_of(4);
         let paths = paths(folder.path());
-        let register = paths.dataset.join("sessions.csv");
-        let [whole, saved, listed] = [&paths.csv, &paths.sidecar, &register].map(|path| fs::read(path).unwrap());
+        let [whole, saved] = [&paths.csv, &paths.sidecar].map(|path| fs::read(path).unwrap());
         let ends: Vec<usize> = (0..whole.len()).filter(|i| whole[*i] == b'\n').map(|i| i + 1).collect();
         let (header, two_rows) = (ends[0], ends[ends.len() - 3]);
         let cuts = (0..=header).step_by(7).chain(two_rows..=whole.len()).map(|length| (length, 0));
@@ -223,7 +224,6 @@ mod interrupted {
         for (length, content) in cases {
             fs::write(&paths.csv, &content).unwrap();
             fs::write(&paths.sidecar, &saved).unwrap();
-            fs::write(&register, &listed).unwrap();
             let (mut store, found) = resume(folder.path()).unwrap_or_else(|error| panic!("{length}: {error}"));
             let kept = ends.iter().filter(|end| **end <= length).count();
             assert_eq!(found.rows.len(), kept.saturating_sub(1), "{length}");
@@ -319,12 +319,6 @@ mod interrupted {
         refused(&other("0.4", "0.5"), Some(7), "another definition");
         refused(&other("tanh_k = [5, 7.5]", "depth = [1, 2]"), Some(7), "another definition");
         refused(&small(), Some(8), "has seed 7; expected that seed or no seed, not 8");
-        // The same cases without a sidecar.
-        let saved = fs::read(paths(folder.path()).sidecar).unwrap();
-        fs::remove_file(paths(folder.path()).sidecar).unwrap();
-        refused(&other("0.4", "0.5"), Some(7), "another definition");
-        refused(&small(), Some(8), "has seed 7; expected that seed or no seed, not 8");
-        fs::write(paths(folder.path()).sidecar, saved).unwrap();
         let rows = fs::read_to_string(&csv).unwrap();
         fs::write(&csv, rows.replace("S001", "S002")).unwrap();
         refused(&small(), Some(7), "row S002_1_practice_0001_1 is not planned");
@@ -343,18 +337,17 @@ mod interrupted {
 
     #[test]
     fn a_missing_sidecar_is_recreated_and_a_broken_one_is_reported() {
-        for lost_after in [0, 3] {
-            let folder = session_of(lost_after);
-            fs::remove_file(paths(folder.path()).sidecar).unwrap();
-            let (mut store, found) = resume(folder.path()).unwrap();
-            assert_eq!(found.sitting, 2, "each sitting has its own entry in the sidecar");
-            rate(&mut store, Some(&found), usize::MAX).unwrap();
-            drop(store);
-            assert_whole(folder.path());
-            let sidecar = Sidecar::read(&paths(folder.path()).sidecar).unwrap().unwrap();
-            assert_eq!((sidecar.seed, sidecar.sittings.len()), (7, 2));
-            assert!(sidecar.sittings[0].incidents[0].contains("missing"), "{:?}", sidecar.sittings[0].incidents);
-        }
+        // With rows, a missing sidecar is an error: see `rows_without_their_sidecar_are_not_resumed`.
+        let folder = session_of(0);
+        fs::remove_file(paths(folder.path()).sidecar).unwrap();
+        let (mut store, found) = resume(folder.path()).unwrap();
+        assert_eq!(found.sitting, 2, "each sitting has its own entry in the sidecar");
+        rate(&mut store, Some(&found), usize::MAX).unwrap();
+        drop(store);
+        assert_whole(folder.path());
+        let sidecar = Sidecar::read(&paths(folder.path()).sidecar).unwrap().unwrap();
+        assert_eq!((sidecar.seed, sidecar.sittings.len()), (7, 2));
+        assert!(sidecar.sittings[0].incidents[0].contains("missing"), "{:?}", sidecar.sittings[0].incidents);
         let folder = session_of(3);
         let sidecar = paths(folder.path()).sidecar;
         let whole = fs::read(&sidecar).unwrap();

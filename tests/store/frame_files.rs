@@ -1,12 +1,12 @@
-//! The frames file next to a session's rows, and rows from versions that lacked some columns.
+//! The frames file next to a session's rows.
 
 use std::{fs, path::Path, time::Duration};
 
 use machband::{
     display::frames::Refresh,
     experiment::{
-        Effect, Event, FrameCount, LATER_COLUMN_COUNT, Phase, Resumed, RowContext, Schedule, Session, SessionOptions,
-        Shown, State, TrialRecord,
+        Effect, Event, FrameCount, Phase, Resumed, RowContext, Schedule, Session, SessionOptions, Shown, State,
+        TrialRecord,
     },
     report::Study,
     store::{
@@ -19,7 +19,7 @@ use machband::{
     },
 };
 
-use crate::recording::{SEED, create, identity, paths, resume, rows, small};
+use crate::recording::{SEED, create, identity, paths, rows, small};
 
 fn row(intervals_us: &[u32]) -> FrameRow {
     FrameRow {
@@ -183,44 +183,4 @@ fn a_failure_to_write_frames_is_noted_once_and_harms_nothing_else() {
     let incidents = &sidecar.sittings[0].incidents;
     let noted = incidents.iter().filter(|incident| incident.contains("frames could not be written")).count();
     assert_eq!(noted, 1, "{incidents:?}");
-}
-
-/// The columns after the factors were added in later versions. A session that lacks them can be read, checked and
-/// continued without them.
-#[test]
-fn a_session_from_an_older_version_continues_without_newer_columns() {
-    let folder = tempfile::tempdir().unwrap();
-    drop(session(folder.path(), 2));
-    let paths = paths(folder.path());
-    // Older versions had no register.
-    fs::remove_file(paths.dataset.join("sessions.csv")).unwrap();
-    let text = fs::read_to_string(&paths.csv).unwrap();
-    // The file without its last `missing` columns.
-    let cut = |missing: usize| -> String {
-        text.lines().map(|line| line.rsplitn(missing + 1, ',').last().unwrap().to_owned() + "\n").collect()
-    };
-    for missing in 0..=LATER_COLUMN_COUNT {
-        fs::write(&paths.csv, cut(missing)).unwrap();
-        let rows = rows(&paths.csv);
-        assert!(rows.len() == 2 && ["5", "7.5"].contains(&rows[0].extra_factors[0].as_str()), "{rows:?}");
-        let known = (rows[0].stimulus_s.is_some(), rows[0].late_onset.is_some());
-        assert_eq!(known, (missing < LATER_COLUMN_COUNT, missing < LATER_COLUMN_COUNT - 1), "{missing}");
-        assert!(check(paths.csv.to_str().unwrap()).is_ok());
-    }
-    let old = cut(LATER_COLUMN_COUNT);
-    let (mut store, found) = resume(folder.path()).unwrap();
-    rate(&mut store, &found.schedule, &found.resumed, 2, 4);
-    store.finish(true, "then".to_owned(), None).unwrap();
-    drop(store);
-    let text = fs::read_to_string(&paths.csv).unwrap();
-    assert!(text.starts_with(&old));
-    assert_eq!(rows(&paths.csv).len(), 6);
-    assert!(check(paths.csv.to_str().unwrap()).unwrap().sentence.contains("6 of 6 planned trials"));
-    // Outside a data set, where there is no sidecar, the file is recognized by its header.
-    let alone = folder.path().join(paths.csv.file_name().unwrap());
-    fs::write(&alone, &text).unwrap();
-    assert!(check(&alone).unwrap().sentence.contains("6 rows"));
-    // A file that lacks any other column is an error.
-    fs::write(&alone, text.replacen(",seed,", ",sead,", 1)).unwrap();
-    assert!(check(&alone).unwrap_err().to_string().contains("expected \"seed\""));
 }

@@ -8,11 +8,11 @@ use std::{
 
 use jiff::Timestamp;
 use machband::{
-    experiment::Protocol,
+    experiment::Identity,
     store::{
-        StoreError, check, definition,
+        check,
         frames::HEADER,
-        session::{Changes, Interrupted, SessionStore, register::free_participant, repair},
+        session::{Changes, Interrupted, SessionStore, repair},
         sidecar::Sidecar,
         verify,
     },
@@ -20,7 +20,7 @@ use machband::{
 
 use crate::{
     common::{everything, fails, machband, session_csv, succeeds, text, verified},
-    recording::{self, SEED, TEXT, create, identity, paths, resume, sitting, small},
+    recording::{self, SEED, create, identity, paths, resume, sitting, small},
 };
 
 /// Rates up to `limit` trials, and ends the sitting.
@@ -79,30 +79,15 @@ fn errors(csv: &Path) -> String {
 #[test]
 fn resuming_refuses_a_changed_session_or_records_the_change_permanently() {
     type Touch = fn(&Path);
-    fn without_end(sidecar: &mut Sidecar) {
-        (sidecar.complete, sidecar.seal) = (false, None);
-        sidecar.sittings.last_mut().unwrap().ended_at = None;
-    }
-    let ways: [(&str, usize, Touch); 6] = [
+    let ways: [(&str, usize, Touch); 5] = [
         ("a rating of an ended sitting", 3, change_rating),
         ("a rating and the last row of a complete session", 6, |csv| {
             change_rating(csv);
             edit(csv, without_last_row);
         }),
         ("every row", 3, |csv| fs::write(csv, "").unwrap()),
-        ("the seal", 6, |csv| edit_sidecar(csv, |sidecar| sidecar.seal = None)),
-        // Only the register still knows that the session ended.
-        ("a rating and every trace of the end", 6, |csv| {
-            change_rating(csv);
-            edit_sidecar(csv, without_end);
-        }),
-        ("a rating and the end of the last sitting", 6, |csv| {
-            change_rating(csv);
-            edit_sidecar(csv, |sidecar| {
-                without_end(sidecar);
-                sidecar.sittings.push(sitting());
-            });
-        }),
+        ("the seal", 6, |csv| edit_sidecar(csv, |sidecar| sidecar.sittings[0].seal = None)),
+        ("the whole end but the time", 3, |csv| edit_sidecar(csv, |sidecar| sidecar.sittings[0].seal = None)),
     ];
     for (what, rows, touch) in ways {
         let (folder, csv) = ended(rows);
@@ -120,7 +105,7 @@ fn resuming_refuses_a_changed_session_or_records_the_change_permanently() {
         let notes = verified(&csv).notes.join("; ");
         assert!(notes.contains("accepted"), "{what}: {notes}");
         let has_hashes = notes.contains("when sealed") && notes.contains(" now");
-        assert!(has_hashes || what == "the seal", "{what}: {notes}");
+        assert!(has_hashes || what.starts_with("the "), "{what}: {notes}");
     }
 }
 
@@ -134,8 +119,6 @@ fn rows_of_earlier_sittings_stay_sealed() {
     assert_eq!(errors(&csv), "");
     let whole = everything(folder.path());
     edit(&csv, |text| text.replacen(",S001,", ",S002,", 1));
-    // Even with a new seal for the session as a whole.
-    edit_sidecar(&csv, |sidecar| sidecar.seal = None);
     let found = errors(&csv);
     for sitting in ["sitting 1 ended", "sitting 2 ended"] {
         assert!(found.contains(&format!("_data.csv: was changed since {sitting}")), "{found}");
@@ -147,80 +130,94 @@ fn rows_of_earlier_sittings_stay_sealed() {
     assert!(errors(&csv).contains("_data.json: was changed since sitting 1 ended"));
 }
 
-/// A session of an earlier version has no seal, no register and no system in its sidecar.
 #[test]
-fn only_an_earlier_version_may_lack_a_seal_and_a_register() {
-    let (folder, csv) = ended(usize::MAX);
-    edit_sidecar(&csv, |sidecar| sidecar.seal = None);
-    assert!(errors(&csv).contains("has no seal although the session ended"), "{}", errors(&csv));
-    for rows in [3, usize::MAX] {
-        let (folder, csv) = ended(rows);
-        edit_sidecar(&csv, |sidecar| {
-            sidecar.seal = None;
-            sidecar.sittings[0].program.system = None;
-        });
-        fs::remove_file(folder.path().join("small-one/sessions.csv")).unwrap();
-        assert_eq!(errors(&csv), "");
-        let notes = verified(&csv).notes.join("; ");
-        assert!(notes.contains("not sealed") && notes.contains("not in sessions.csv"), "{notes}");
-        if rows == 3 {
-            let (mut store, found) = resume(folder.path()).unwrap();
-            sit(&mut store, Some(&found), usize::MAX);
-            assert_eq!(errors(&csv), "");
-        }
+fn every_sitting_that_ended_has_a_seal() {
+    let (folder, csv) = ended(3);
+    let (mut store, found) = resume(folder.path()).unwrap();
+    sit(&mut store, Some(&found), usize::MAX);
+    let whole = fs::read(csv.with_extension("json")).unwrap();
+    for (sitting, expected) in
+        [(0, "has no seal although sitting 1 ended"), (1, "has no seal although the session ended")]
+    {
+        edit_sidecar(&csv, |sidecar| sidecar.sittings[sitting].seal = None);
+        assert!(errors(&csv).contains(expected), "{}", errors(&csv));
+        assert!(check::check(&csv).is_err());
+        fs::write(csv.with_extension("json"), &whole).unwrap();
     }
-    drop(folder);
+    assert_eq!(errors(&csv), "");
+}
+
+/// Records a session of another participant in the same folder, up to `limit` trials.
+fn record(results: &Path, subject: &str, limit: usize) -> PathBuf {
+    let identity = Identity::new(subject, "1").unwrap();
+    let mut store = SessionStore::create(results, &small(), &identity, SEED, sitting()).unwrap();
+    recording::rate(&mut store, (&small(), &identity), None, limit, false).unwrap();
+    if !store.is_complete() {
+        store.finish(false, Timestamp::now().to_string(), None).unwrap();
+    }
+    store.csv().to_owned()
+}
+
+/// The notes of `verify` about gaps in the chain of sessions.
+fn notes(csv: &Path) -> String {
+    let notes = verified(csv).notes.into_iter();
+    notes.filter(|note| note.contains("which ended before this session")).collect::<Vec<_>>().join("; ")
 }
 
 #[test]
-fn the_register_reveals_deleted_and_exchanged_sessions() {
+fn the_session_after_a_deleted_one_reveals_it() {
     let folder = tempfile::tempdir().unwrap();
-    succeeds(folder.path(), &["simulate", "quick", "--participants", "2"]);
-    let dataset = folder.path().join("results/quick");
-    let events: Vec<String> = fs::read_to_string(dataset.join("sessions.csv"))
-        .unwrap()
-        .lines()
-        .skip(1)
-        .map(|line| line.split(',').nth(1).unwrap().to_owned())
-        .collect();
-    assert_eq!(events.iter().filter(|event| *event == "started").count(), 2, "{events:?}");
-    assert_eq!(events.iter().filter(|event| *event == "ended").count(), 2, "{events:?}");
-    let [first, second] = ["S001", "S002"].map(|id| session_csv(&folder.path().join("results"), "quick", id));
-    assert!(check::check(dataset.join("sessions.csv")).unwrap().sentence.contains("sessions: 2"));
-
-    // A consistent forgery: other ratings under a valid seal.
-    let whole = everything(&dataset);
+    let files = ["S001", "S002", "S003"].map(|subject| record(folder.path(), subject, usize::MAX));
+    assert_eq!(files.each_ref().map(|csv| (errors(csv), notes(csv))), [(); 3].map(|()| Default::default()));
+    let sidecar = |csv: &Path| Sidecar::read(&csv.with_extension("json")).unwrap().unwrap();
+    assert_eq!(sidecar(&files[0]).sittings[0].previous, None);
+    // Other ratings under a valid seal.
     let forged = tempfile::tempdir().unwrap();
-    succeeds(forged.path(), &["simulate", "quick", "--observer", "random"]);
-    let other = session_csv(&forged.path().join("results"), "quick", "S001");
-    for (from, to) in [(&other, &first), (&other.with_extension("json"), &first.with_extension("json"))] {
-        fs::copy(from, to).unwrap();
+    let other = record(forged.path(), "S002", 2);
+    let copy = |from: &Path, to: &Path| {
+        for extension in ["csv", "json"] {
+            fs::copy(from.with_extension(extension), to.with_extension(extension)).unwrap();
+        }
+    };
+    let kept = forged.path().join("kept.csv");
+    copy(&files[1], &kept);
+    copy(&other, &files[1]);
+    assert_eq!(errors(&files[1]), "");
+    let expected = "S002_session-1_task-smallone_data.csv, which ended before this session, was replaced";
+    assert!(notes(&files[2]).contains(expected), "{}", notes(&files[2]));
+    copy(&kept, &files[1]);
+    assert_eq!(notes(&files[2]), "");
+    for extension in ["csv", "json"] {
+        fs::remove_file(files[1].with_extension(extension)).unwrap();
     }
-    let said = fails_verify(folder.path());
-    assert!(said.contains("_data.csv: was changed since sessions.csv listed it as ended: sha256"), "{said}");
-    for (path, content) in whole {
-        fs::write(path, content).unwrap();
-    }
-    succeeds(folder.path(), &["verify", "results"]);
+    let said = succeeds(folder.path(), &["verify", "small-one"]);
+    assert!(said.contains("S002_session-1_task-smallone_data.csv, which ended before this session, is no longer here"));
+    assert_eq!(errors(&files[2]), "");
+}
 
-    for path in [&second, &second.with_extension("json")] {
-        fs::remove_file(path).unwrap();
+#[test]
+fn neither_resuming_nor_repairing_nor_concurrent_sessions_leave_a_gap() {
+    let (folder, csv) = ended(3);
+    let second = record(folder.path(), "S002", usize::MAX);
+    let previous = Sidecar::read(&second.with_extension("json")).unwrap().unwrap().sittings[0].previous.clone();
+    assert!(previous.unwrap().data_file.starts_with("subject-S001"));
+    // A repair, a killed sitting, a sitting that ended early, and a complete one.
+    edit(&csv, |text| text.to_owned() + "damaged\n");
+    assert_eq!(repair(&csv).unwrap().lines, [5]);
+    assert_eq!(notes(&second), "");
+    let (mut store, found) = resume(folder.path()).unwrap();
+    recording::rate(&mut store, (&small(), &identity()), Some(&found), 1, false).unwrap();
+    let between = record(folder.path(), "S003", usize::MAX);
+    drop(store);
+    for limit in [1, usize::MAX] {
+        let (mut store, found) = resume(folder.path()).unwrap();
+        sit(&mut store, Some(&found), limit);
     }
-    let said = fails_verify(folder.path());
-    assert!(said.contains("subject-S002") && said.contains("sessions.csv lists it as ended"), "{said}");
-    for path in [&first, &first.with_extension("json")] {
-        fs::remove_file(path).unwrap();
+    let last = record(folder.path(), "S004", usize::MAX);
+    for csv in [&second, &between, &last] {
+        assert_eq!((errors(csv), notes(csv)), Default::default());
     }
-    assert!(fails_verify(folder.path()).contains("subject-S001"));
-
-    // A new session under the same name would hide the deletion.
-    let before = everything(&dataset);
-    let said = fails(folder.path(), &["simulate", "quick"], 1);
-    assert!(said.contains("no longer exists, but sessions.csv lists it as ended; expected another"), "{said}");
-    assert_eq!(everything(&dataset), before);
-    let protocol = definition::open("quick").unwrap();
-    edit(&dataset.join("sessions.csv"), |text| text.replace("subject-S00", "subject-P00"));
-    assert_eq!(free_participant(&folder.path().join("results"), &protocol), "P003");
+    assert_eq!((errors(&csv), notes(&csv)), Default::default());
 }
 
 #[test]
@@ -231,51 +228,20 @@ fn a_sidecar_lists_a_sitting() {
     assert!(errors(&csv).contains("lists no sitting"));
 }
 
-fn fails_verify(folder: &Path) -> String {
-    let said = machband(folder, &["verify", "results"]);
-    assert_eq!(said.status.code(), Some(1));
-    text(&said.stderr)
-}
-
-#[test]
-fn a_register_that_cannot_be_written_is_noted_and_harms_nothing_else() {
-    let folder = tempfile::tempdir().unwrap();
-    let register = paths(folder.path()).dataset.join("sessions.csv");
-    fs::create_dir_all(register.parent().unwrap()).unwrap();
-    fs::write(&register, "participant,age\n").unwrap();
-    sit(&mut create(folder.path()).unwrap(), None, usize::MAX);
-    assert_eq!(fs::read_to_string(&register).unwrap(), "participant,age\n");
-    let sidecar = Sidecar::read(&paths(folder.path()).sidecar).unwrap().unwrap();
-    let noted = |event: &str| sidecar.sittings[0].incidents.iter().any(|incident| incident.contains(event));
-    assert!(noted("Started could not be registered") && noted("Ended could not be registered"), "{sidecar:?}");
-    fs::remove_file(&register).unwrap();
-    assert_eq!(errors(&paths(folder.path()).csv), "");
-    // An interrupted program left the last line incomplete.
-    fs::write(&register, "at,event,data_file,definition_sha256,seed,data_bytes,data_sha256,sidecar_sha256\n2026,st")
-        .unwrap();
-    let second = tempfile::tempdir().unwrap();
-    fs::create_dir(second.path().join("small-one")).unwrap();
-    fs::copy(&register, second.path().join("small-one/sessions.csv")).unwrap();
-    sit(&mut create(second.path()).unwrap(), None, usize::MAX);
-    assert!(check::check(second.path().join("small-one/sessions.csv")).unwrap().sentence.contains("sessions: 1"));
-}
-
 /// Reading a pipe would wait forever.
 #[cfg(unix)]
 #[test]
 fn pipes_next_to_a_session_do_not_stop_it() {
     let (folder, csv) = ended(2);
-    let register = paths(folder.path()).dataset.join("sessions.csv");
-    fs::remove_file(&register).unwrap();
-    for pipe in [register, csv.with_file_name("subject-S001_session-1_task-smallone_data.csv.lock")] {
+    for pipe in ["subject-S009_session-1_task-smallone_data.json", "subject-S001_session-1_task-smallone_data.csv.lock"]
+    {
+        let pipe = csv.with_file_name(pipe);
         assert!(std::process::Command::new("mkfifo").arg(pipe).status().unwrap().success());
     }
     let (mut store, found) = resume(folder.path()).unwrap();
     sit(&mut store, Some(&found), usize::MAX);
     drop(store);
     assert!(check::check(&csv).unwrap().sentence.contains("6 of 6"));
-    let sidecar = Sidecar::read(&csv.with_extension("json")).unwrap().unwrap();
-    assert!(sidecar.sittings[1].incidents.iter().any(|incident| incident.contains("could not be registered")));
 }
 
 #[test]
@@ -319,42 +285,20 @@ fn the_rows_decide_whether_a_session_is_complete() {
     assert!(fails(folder.path(), &resume, 1).contains("was changed since the session ended"));
 }
 
-/// None of these definitions changes a row, so the rows alone cannot reveal them.
 #[test]
-fn without_a_sidecar_the_register_decides_which_definition_is_resumed() {
+fn rows_without_their_sidecar_are_not_resumed() {
     let (folder, csv) = ended(3);
     fs::remove_file(csv.with_extension("json")).unwrap();
-    let with = |protocol: &Protocol, seed| {
-        SessionStore::resume(folder.path(), protocol, &identity(), seed, sitting(), Changes::Refuse).map(|_| ())
-    };
-    for (from, to) in [
-        ("title = \"Small\"", "title = \"Large\""),
-        ("duration_s = 0.1", "duration_s = 0.2"),
-        ("practice = 2", "practice = 2\nbreak_every = 3"),
-        ("[recovery]", "[viewing]\ndistance_cm = 70.0\n[recovery]"),
-        ("[recovery]", "[presentation]\nduration_s = 1.0\n[recovery]"),
-        ("[recovery]\n", "[recovery]\nlevel = 0.4\n"),
-    ] {
-        let other = definition::parse("small.toml", &TEXT.replacen(from, to, 1)).unwrap();
-        let error = with(&other, Some(SEED)).expect_err(to);
-        assert!(
-            error.to_string().contains("sessions.csv: the session was recorded with another definition"),
-            "{error}"
-        );
-    }
-    assert!(with(&small(), Some(8)).unwrap_err().to_string().contains("has seed 7"));
-    // The register also seals the rows.
-    let whole = fs::read(&csv).unwrap();
-    change_rating(&csv);
-    assert!(with(&small(), Some(SEED)).unwrap_err().to_string().contains("--accept-changes"));
-    fs::write(&csv, whole).unwrap();
-    let register = folder.path().join("small-one/sessions.csv");
-    let listed = fs::read(&register).unwrap();
-    fs::remove_file(&register).unwrap();
-    let error = with(&small(), None).unwrap_err();
-    assert!(matches!(&error, StoreError::Mismatch { what, .. } if what.contains("does not list")), "{error}");
-    fs::write(&register, listed).unwrap();
-    with(&small(), None).unwrap();
+    let before = everything(folder.path());
+    let error = resume(folder.path()).map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("_data.json: does not exist; expected the sidecar"), "{error}");
+    assert_eq!(everything(folder.path()), before);
+    let said = machband(folder.path(), &["verify", "small-one"]);
+    assert!(text(&said.stderr).contains("_data.json: does not exist; expected the sidecar"), "{said:?}");
+    // A sidecar or frames file without rows is reported too.
+    fs::rename(&csv, csv.with_file_name("subject-S001_session-1_task-smallone_data.json")).unwrap();
+    let said = machband(folder.path(), &["verify", "small-one"]);
+    assert!(text(&said.stderr).contains("_data.json: has no data file next to it"), "{said:?}");
 }
 
 /// After each of these edits, every row is still planned and can be read. Every edit is reported, with and without the
@@ -412,7 +356,6 @@ fn repair_moves_damaged_lines_and_deletes_no_byte() {
     assert_eq!(fs::read_to_string(&csv).unwrap(), [head, tail].concat());
     assert_eq!(fs::read_to_string(&aside).unwrap(), damaged);
     assert!(succeeds(folder.path(), &["repair", "small-one"]).contains("_data.csv: no line is damaged"));
-    assert!(fs::read_to_string(folder.path().join("small-one/sessions.csv")).unwrap().contains(",repaired,"));
     // The lines were sealed, so a repair alone does not pass the file off as unchanged.
     let found = errors(&csv);
     assert!(found.lines().count() == 1 && found.contains("_data.csv: was changed since"), "{found}");
@@ -510,8 +453,8 @@ fn frames_belong_to_planned_trials_and_the_generator_is_known() {
     }
     edit_sidecar(&csv, |sidecar| {
         sidecar.generator = "MT19937".to_owned();
-        let own = sidecar.own_sha256();
-        sidecar.seal.as_mut().unwrap().sidecar_sha256 = own;
+        let own = sidecar.sha256_at_end_of(0);
+        sidecar.sittings[0].seal.as_mut().unwrap().sidecar_sha256 = own;
     });
     assert!(errors(&csv).contains("the generator is \"MT19937\""), "{}", errors(&csv));
 }
@@ -529,29 +472,4 @@ fn only_a_clock_that_was_set_back_is_reported() {
     assert!(!notes().contains("clock"), "{}", notes());
     edit_sidecar(&csv, |sidecar| sidecar.sittings[0].ended_at = Some("2999-01-01T00:00:00Z".to_owned()));
     assert!(notes().contains("the wall clock was set back (times: 1)"), "{}", notes());
-}
-
-#[test]
-fn a_lock_file_names_the_program_that_writes_a_session() {
-    let (folder, csv) = ended(2);
-    let lock = csv.with_file_name("subject-S001_session-1_task-smallone_data.csv.lock");
-    assert!(!lock.exists(), "an ended session is not locked");
-    // A program on another computer of the network.
-    fs::write(&lock, "elsewhere 12\n").unwrap();
-    let before = everything(folder.path());
-    let error = resume(folder.path()).map(|_| ()).unwrap_err().to_string();
-    assert!(error.contains("process 12 on elsewhere is writing this session"), "{error}");
-    assert_eq!(everything(folder.path()), before);
-    fs::remove_file(&lock).unwrap();
-    // Files of killed programs on this computer do not matter.
-    let (store, _) = resume(folder.path()).unwrap();
-    let ours = fs::read_to_string(&lock).unwrap();
-    assert_eq!(ours.split_whitespace().nth(1), Some(&*std::process::id().to_string()));
-    drop(store);
-    assert!(!lock.exists());
-    for left in [&*ours, &ours.replace(&std::process::id().to_string(), "1"), "", "torn"] {
-        fs::write(&lock, left).unwrap();
-        drop(resume(folder.path()).unwrap());
-        assert!(!lock.exists(), "{left}");
-    }
 }

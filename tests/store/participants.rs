@@ -51,7 +51,8 @@ fn table(path: &Path) -> Vec<Vec<String>> {
 
 #[test]
 fn answers_are_checked_in_the_form_in_which_people_give_them() {
-    let fields = asking().participant.0;
+    let asking = asking();
+    let fields = &asking.participant.0;
     let field = |name: &str| fields.iter().find(|field| field.name == name).unwrap();
     let age = |typed: &str| field("age").answer(typed);
     assert_eq!([" 27 ", "27,5", "1e1"].map(|typed| age(typed).unwrap().unwrap()), [json!(27), json!(27.5), json!(10)]);

@@ -7,16 +7,17 @@ use std::{
 };
 
 use machband::{
+    analysis::counts::{Excluded, Exclusions, Role},
     experiment::{Identity, Phase, Protocol, RatingRow, TrialRecord},
     report::{Study, tables},
     store::{
-        FileErrors,
+        Columns, FileErrors,
         dataset::SessionPaths,
         definition,
         ratings::{self, FileRead, Layout, ReadOptions, Source},
         session::SessionStore,
-        table::inert,
     },
+    text::inert,
 };
 
 use crate::{
@@ -443,13 +444,83 @@ mod layouts {
         let study = Study::read(&[folder.path().to_owned()], &ReadOptions::default()).unwrap();
         let counts = study.measured.counts;
         let path = folder.path().join("counts.csv");
-        fs::write(&path, tables::counts(&counts, &study.source.shape)).unwrap();
+        fs::write(&path, tables::counts_csv(&counts, &study.source.shape)).unwrap();
         assert!(fs::read_to_string(&path).unwrap().starts_with("subject_id,width,tanh_k,rating,count\nS1,0.1,5,"));
         let again = Study::read(&[path], &ReadOptions::default()).unwrap();
         assert_eq!((again.measured.counts, again.source.files[0].layout), (counts, Layout::Counts));
         // What the table cannot contain is said once.
         let [warning] = &again.source.warnings[..] else { panic!("{:?}", again.source.warnings) };
         assert!(warning.message.starts_with("is a table of counts, so it is not known whether ratings are simulated"));
+    }
+
+    /// IDs and levels are the texts of the file; only in result files is a level written as the definition writes it.
+    #[test]
+    fn nothing_is_merged_because_it_is_the_same_number() {
+        let folder = tempfile::tempdir().unwrap();
+        let ids = ["9007199254740993", "9007199254740992", "1", "01", "1.0", "+1", "1,0"];
+        let row = |(index, id): (usize, &&str)| format!(" {id} ;{};1\n", ["0.1", "0.10"][index % 2]);
+        let text = format!("subject_id;triangles;rating\n{}", ids.iter().enumerate().map(row).collect::<String>());
+        let path = file(&folder, "t.csv", text);
+        let study = |how: ReadOptions| Study::read(std::slice::from_ref(&path), &how).unwrap().measured.counts;
+        let counts = study(with_factors(&["triangles"]));
+        assert_eq!(counts.subjects.len(), ids.len(), "{:?}", counts.subjects);
+        assert!(ids.iter().all(|id| counts.subjects.iter().any(|subject| subject == id)), "{:?}", counts.subjects);
+        assert_eq!(counts.factors[0].levels, ["0.1", "0.10"]);
+        assert_eq!(counts.factors[0].role, Role::Number);
+        let direction = vec!["triangles".to_owned()];
+        let declared = study(ReadOptions { direction, ..with_factors(&["triangles"]) });
+        assert_eq!(declared.factors[0].role, Role::Direction);
+        let unknown = ReadOptions { direction: vec!["triangle".to_owned()], ..with_factors(&["triangles"]) };
+        let said = "t.csv: --direction triangle is not a factor; expected one of triangles; did you mean triangles?";
+        assert_eq!(errors(&[&path], &unknown), [said]);
+
+        let (_results, files) = super::study(&["S1"]);
+        let before = Study::read(&files, &ReadOptions::default()).unwrap().measured.counts;
+        edit(&files[0], |text| text.replace(",0.1,", ",0.10,").replace(",5,", ",5.0,"));
+        assert_eq!(Study::read(&files, &ReadOptions::default()).unwrap().measured.counts, before);
+    }
+
+    /// A table in memory gives the same as a file; its errors count rows from 0.
+    #[test]
+    fn columns_in_memory_are_read_like_a_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let columns = Columns::default()
+            .with_texts("who", ["A", "B", "A"])
+            .with_numbers("width", [0.1, 0.4, f64::NAN])
+            .with_texts("depth", ["1", "inf", "1"])
+            .with_numbers("answer", [2.0, 0.0, 3.0])
+            .with_numbers("n", [1.0, 3.0, 2.0]);
+        let study = Study::from_columns("ratings", columns, &long()).unwrap();
+        let path = file(&folder, "t.csv", LONG);
+        assert_eq!(study.measured, Study::read(&[path], &long()).unwrap().measured);
+        assert_eq!((&study.source.files[0].path, &study.source.files[0].sha256), (&PathBuf::from("ratings"), &None));
+        let how = ReadOptions { count: None, ..long() };
+        let columns = Columns::default().with_texts("who", ["A", " "]).with_numbers("width", [1.0, 2.0]);
+        let unequal = columns.clone().with_numbers("answer", [1.0]);
+        let columns = columns.with_numbers("answer", [1.0, 2.0]).with_texts("depth", ["1", "2"]);
+        let study = Study::from_columns("ratings", columns, &how).unwrap();
+        let [error] = &study.source.errors[..] else { panic!("{:?}", study.source.errors) };
+        assert_eq!((error.position, &error.message[..]), (Some((1, 1)), "who is empty; expected a participant"));
+        let error = Study::from_columns("ratings", unequal, &how).unwrap_err().to_string();
+        assert_eq!(error, "ratings: the column answer has 1 rows; expected 2, as in who");
+    }
+
+    /// The options exclude the same as a narrowed study, and unknown names are errors.
+    #[test]
+    fn exclusions_are_applied_after_reading() {
+        let (folder, _) = study(&["S1", "S2", "S10"]);
+        let paths = [folder.path().to_owned()];
+        let (exclude, only) = (vec!["S2".to_owned()], vec![("width".to_owned(), vec!["0.4".to_owned()])]);
+        let how = ReadOptions { exclude: exclude.clone(), only: only.clone(), ..ReadOptions::default() };
+        let read = Study::read(&paths, &how).unwrap().measured;
+        let whole = Study::read(&paths, &ReadOptions::default()).unwrap();
+        assert_eq!(whole.narrowed(&Exclusions { exclude, only }).unwrap().measured, read);
+        assert_eq!((read.counts.subjects.join(" "), read.counts.total()), ("S1 S10".to_owned(), 2 * MAIN / 3));
+        let excluded: Vec<u64> = read.excluded.iter().map(Excluded::ratings).collect();
+        assert_eq!(excluded, [MAIN, 2 * MAIN - 2 * MAIN / 3]);
+        let how = ReadOptions { exclude: vec!["S11".to_owned()], ..ReadOptions::default() };
+        let error = Study::read(&paths, &how).unwrap_err().to_string();
+        assert_eq!(error, "exclude: S11 is not a participant; expected one of S1, S2, S10; did you mean S1?");
     }
 
     #[test]

@@ -165,7 +165,7 @@ mod order {
             let protocol =
                 protocol("width = [0.1, 0.2]\ndepth = [1, 2]", &format!("repetitions = {repetitions}\nmax_run = 1"));
             let error = Schedule::new(&protocol, &identity(1), 1).unwrap_err();
-            assert_eq!(error, ScheduleError::MaxRun { max_run: 1 });
+            assert_eq!(error, ScheduleError { max_run: 1 });
             assert!(error.to_string().contains("max_run = 1") && error.to_string().contains("expected"), "{error}");
         }
         assert!(started.elapsed() < Duration::from_secs(20), "{:?}", started.elapsed());
@@ -578,8 +578,7 @@ mod observer {
     #[test]
     fn an_interrupted_simulation_continues_identically() {
         for duration_s in [0.5, 1.0 / 3.0, 2.0 / 3.0, 1e-10, 0.0] {
-            let mut protocol = ten();
-            protocol.recovery.duration_s = duration_s;
+            let protocol = ten().with(|definition| definition.recovery.duration_s = duration_s).unwrap();
             let schedule = Schedule::new(&protocol, &identity(1), 9).unwrap();
             let run = |done: BTreeSet<usize>, stop: usize| {
                 let options = SessionOptions { pages: 0, frames: FrameCount::Off };

@@ -16,7 +16,7 @@ use machband::{
     store::{
         definition, observer,
         session::SessionStore,
-        sidecar::{Pictures, Sitting},
+        sitting::{Pictures, SimulatedObserver, Sitting},
     },
 };
 
@@ -101,7 +101,7 @@ pub fn sample(results: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let now = Timestamp::now() - Duration::from_secs(3600);
     let sitting = Sitting {
         started_at: now.to_string(),
-        observer: Some(serde_json::json!({ "observer": "tools sample-study" })),
+        observer: Some(SimulatedObserver::Program { name: "tools sample-study".to_owned() }),
         pictures: Some(Pictures::without_screen(&protocol)),
         ..Sitting::default()
     };

@@ -15,6 +15,8 @@ use crate::{analysis::levels, experiment::RatingRow};
 pub struct MeasuredBuilder {
     factors: Vec<String>,
     declared: Option<Vec<String>>,
+    /// Names of the factors that are directions.
+    directions: Vec<String>,
     /// Whether to drop factors that have only one level.
     only_varied: bool,
     /// Texts of the ratings, in the order of their first appearance.
@@ -57,6 +59,7 @@ impl MeasuredBuilder {
         Self {
             factors: factors.iter().map(|name| name.as_ref().to_owned()).collect(),
             declared: None,
+            directions: Vec::new(),
             only_varied: false,
             ratings: Vec::new(),
             index: HashMap::new(),
@@ -71,6 +74,13 @@ impl MeasuredBuilder {
         let declared: Vec<String> = categories.iter().map(|name| name.as_ref().to_owned()).collect();
         self.ratings.clone_from(&declared);
         self.declared = Some(declared);
+        self
+    }
+
+    /// Declares factors that are directions.
+    #[must_use]
+    pub fn with_directions<S: AsRef<str>>(mut self, names: &[S]) -> Self {
+        self.directions = names.iter().map(|name| name.as_ref().to_owned()).collect();
         self
     }
 
@@ -211,7 +221,7 @@ impl MeasuredBuilder {
                 continue;
             }
             conditions.iter_mut().zip(level_of).for_each(|(condition, level)| condition.push(level));
-            factors.push(Factor { name: name.clone(), numbers: levels::numbers_of(&levels), levels });
+            factors.push(Factor::new(name, levels, self.directions.contains(name)));
         }
         drop(values);
         let condition_of = conditions;
@@ -265,6 +275,7 @@ impl MeasuredBuilder {
         Measured {
             retests: retests.collect(),
             times: times.collect(),
+            excluded: Vec::new(),
             counts: Counts { subjects, factors, conditions, categories, rows: rows.collect() },
         }
     }

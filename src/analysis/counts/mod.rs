@@ -2,9 +2,11 @@
 //! Fitting these counts costs the same for a thousand rows as for a billion.
 
 mod builder;
+mod exclusions;
 mod size;
 mod table;
 
 pub use builder::MeasuredBuilder;
+pub use exclusions::{Excluded, ExclusionError, Exclusions, MISSING};
 pub(super) use table::varies_within;
-pub use table::{CountError, CountRow, Counts, Factor, Measured, Quartiles, RetestPair, TimeCount, Times};
+pub use table::{CountError, CountRow, Counts, Factor, Measured, Quartiles, RetestPair, Role, TimeCount, Times};

@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 use thiserror::Error;
 
+use super::Excluded;
 use crate::analysis::levels;
 
 /// A factor of the design and its levels.
@@ -13,19 +14,41 @@ use crate::analysis::levels;
 pub struct Factor {
     /// Name of the column.
     pub name: String,
-    /// Names of the levels in natural order: numbers in ascending order with `inf` last, or else strings in byte order.
+    /// Names of the levels, as written: in ascending order, with `inf` last, if all of them are numbers, or else in
+    /// natural order.
     pub levels: Vec<String>,
     /// The levels as numbers, if all of them are numbers; `inf` is infinite.
     pub numbers: Option<Vec<f64>>,
+    /// What the levels mean.
+    pub role: Role,
+}
+
+/// What the levels of a factor mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Categories without an order.
+    Category,
+    /// Numbers, which can increase.
+    Number,
+    /// Directions, which are circular. A factor has this role only if it is declared.
+    Direction,
 }
 
 impl Factor {
-    /// Returns whether the levels can meaningfully increase, as numbers do; directions do not, because they are
-    /// circular.
+    /// Creates a factor with these levels, in this order.
+    pub fn new(name: impl Into<String>, levels: Vec<String>, is_direction: bool) -> Self {
+        let numbers = levels::numbers_of(&levels);
+        let role = match numbers {
+            _ if is_direction => Role::Direction,
+            Some(_) => Role::Number,
+            None => Role::Category,
+        };
+        Self { name: name.into(), levels, numbers, role }
+    }
+
+    /// Returns whether the levels can meaningfully increase.
     pub fn is_ordered(&self) -> bool {
-        let name = self.name.to_lowercase();
-        let is_direction = ["orientation", "angle", "hue", "direction"].iter().any(|word| name.contains(word));
-        !is_direction && self.numbers.is_some()
+        self.role == Role::Number
     }
 }
 
@@ -147,6 +170,8 @@ pub struct Measured {
     /// The first and the second rating of each condition that a participant rated more than once.
     pub retests: Vec<RetestPair>,
     pub times: Vec<TimeCount>,
+    /// What was excluded on request from the ratings that were read; nothing of it is in the other fields.
+    pub excluded: Vec<Excluded>,
 }
 
 /// A participant's first and second rating of a condition.
@@ -209,10 +234,10 @@ impl Measured {
         let levels: Vec<Kept> = (0..counts.factors.len())
             .map(|factor| Kept::new(conditions.0.iter().filter_map(|&c| counts.conditions[c as usize][factor])))
             .collect();
-        let factors = counts.factors.iter().zip(&levels).map(|(factor, kept)| {
-            let levels: Vec<String> = kept.of(&factor.levels);
-            Factor { name: factor.name.clone(), numbers: levels::numbers_of(&levels), levels }
-        });
+        let factors =
+            counts.factors.iter().zip(&levels).map(|(factor, kept)| {
+                Factor::new(&factor.name, kept.of(&factor.levels), factor.role == Role::Direction)
+            });
         let renumbered = |levels_of: &Vec<Option<u32>>| {
             levels_of.iter().zip(&levels).map(|(level, kept)| level.map(|level| kept.index(level))).collect()
         };
@@ -242,6 +267,7 @@ impl Measured {
                     TimeCount { subject, condition, ..*row }
                 })
                 .collect(),
+            excluded: self.excluded.clone(),
         }
     }
 }

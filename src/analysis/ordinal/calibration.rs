@@ -236,10 +236,7 @@ fn contrasts(full: &Fitted, report: &ModelReport, limits: &[f64], wanted: &[(Str
         if own + 1 != full.frame.levels(index).len() {
             return None;
         }
-        let find = |level: &String| {
-            let name = format!("{factor}{level}");
-            full.x.columns.iter().position(|column| column.term == term && column.name == name)
-        };
+        let find = |level: &String| full.x.columns.iter().position(|column| column.is_level(factor, level));
         let places = [find(&names[0]), find(&names[1])];
         let (estimate, se) = estimates::difference(&report.model, places);
         let interval = match places {

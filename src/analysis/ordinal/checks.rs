@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
+    design::is_level,
     estimates::difference,
     fitting::{Fitted, How, fit_counts, fit_terms},
     link::Link,
@@ -186,10 +187,8 @@ fn influence(full: &Fitted, contrasts: &[Contrast]) -> Vec<Influence> {
         let model = fit_counts(&rest, &spec, false).ok().map(|fitted| super::estimates::report(&fitted));
         let estimate = |contrast: &Contrast| {
             let model = model.as_ref()?;
-            let find = |level: &str| {
-                let name = format!("{}{level}", contrast.factor);
-                model.coefficients.iter().position(|c| c.term == contrast.factor && c.name == name)
-            };
+            let find =
+                |level: &str| model.coefficients.iter().position(|c| is_level(&c.parts, &contrast.factor, level));
             let known = model.coefficients.iter().any(|c| c.term == contrast.factor);
             known.then(|| difference(model, [find(&contrast.level), find(&contrast.other)]).0)
         };

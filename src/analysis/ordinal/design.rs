@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 
 use super::{
     model::ModelError,
-    terms::{Term, Terms, Variable},
+    terms::{Term, TermPart, Terms, Variable},
 };
 use crate::analysis::frame::{Frame, find_factor};
 
@@ -17,6 +17,8 @@ use crate::analysis::frame::{Frame, find_factor};
 pub(crate) struct Column {
     /// The coefficient's name, as in R.
     pub name: String,
+    /// What the name consists of, one part for each variable of the term.
+    pub parts: Vec<TermPart>,
     /// Index of the term in [`Design::terms`].
     pub term: usize,
     /// The value for each condition of the table; 0 for conditions that are not in the frame.
@@ -32,6 +34,19 @@ pub(crate) struct Design {
     pub dropped: Vec<Column>,
     /// A shift with a given size, for each condition of the table: columns whose coefficients are not estimated.
     offset: Option<Vec<f64>>,
+}
+
+impl Column {
+    /// Returns whether the column is the contrast of a level with the baseline, in the main effect of a factor.
+    pub fn is_level(&self, factor: &str, level: &str) -> bool {
+        is_level(&self.parts, factor, level)
+    }
+}
+
+/// Returns whether these are the parts of a contrast of a level with the baseline, in the main effect of a factor.
+pub(super) fn is_level(parts: &[TermPart], factor: &str, level: &str) -> bool {
+    let is_factor = |variable: &Variable| matches!(variable, Variable::Factor(name) if name == factor);
+    matches!(parts, [part] if is_factor(&part.variable) && part.level.as_deref() == Some(level))
 }
 
 impl Design {
@@ -131,9 +146,9 @@ pub(crate) fn check_size(frame: &Frame, terms: &Terms, most: usize) -> Result<()
     if coefficients > most { Err(ModelError::TooManyCoefficients { coefficients, most }) } else { Ok(()) }
 }
 
-/// One variable's part of a column: its name and its value for each condition.
+/// A column in progress: what it stands for and its value for each condition.
 struct Part {
-    name: String,
+    parts: Vec<TermPart>,
     values: Vec<f64>,
 }
 
@@ -146,7 +161,11 @@ fn term_columns(frame: &Frame, terms: &Terms, term: &Term, index: usize) -> Resu
         let parts = variable_parts(frame, variable, contrasts)?;
         columns = if position == 0 { parts } else { products(&columns, &parts) };
     }
-    Ok(columns.into_iter().map(|part| Column { name: part.name, term: index, values: part.values }).collect())
+    let column = |Part { parts, values }: Part| {
+        let name = parts.iter().map(ToString::to_string).collect::<Vec<_>>().join(":");
+        Column { name, parts, term: index, values }
+    };
+    Ok(columns.into_iter().map(column).collect())
 }
 
 /// Returns all products of the columns. The levels of the first factor vary fastest.
@@ -154,7 +173,7 @@ fn products(left: &[Part], right: &[Part]) -> Vec<Part> {
     let pairs = right.iter().flat_map(|r| left.iter().map(move |l| (l, r)));
     pairs
         .map(|(l, r)| Part {
-            name: format!("{}:{}", l.name, r.name),
+            parts: [&l.parts[..], &r.parts].concat(),
             values: l.values.iter().zip(&r.values).map(|(a, b)| a * b).collect(),
         })
         .collect()
@@ -163,15 +182,16 @@ fn products(left: &[Part], right: &[Part]) -> Vec<Part> {
 fn variable_parts(frame: &Frame, variable: &Variable, contrasts: bool) -> Result<Vec<Part>, ModelError> {
     let conditions = &frame.counts.conditions;
     let (index, inverse) = find_factor(frame.counts, variable)?;
+    let parts = |level: Option<String>| vec![TermPart { variable: variable.clone(), level }];
     Ok(match variable {
-        Variable::Number(name) => {
+        Variable::Number(_) => {
             let numbers = frame.numbers(index, inverse)?;
             let values = conditions.iter().map(|c| c[index].map_or(0.0, |level| numbers[level as usize])).collect();
-            vec![Part { name: name.clone(), values }]
+            vec![Part { parts: parts(None), values }]
         }
-        Variable::Factor(name) => (frame.levels(index).iter().skip(usize::from(contrasts)))
+        Variable::Factor(_) => (frame.levels(index).iter().skip(usize::from(contrasts)))
             .map(|&level| Part {
-                name: format!("{name}{}", frame.counts.factors[index].levels[level as usize]),
+                parts: parts(Some(frame.counts.factors[index].levels[level as usize].clone())),
                 values: conditions.iter().map(|c| f64::from(u8::from(c[index] == Some(level)))).collect(),
             })
             .collect(),

@@ -10,7 +10,6 @@ use super::{
     model::{
         Coefficient, Model, ModelError, ModelSpec, Note, Random, RandomEffect, RandomSlope, SubjectMode, Threshold,
     },
-    random::INTERCEPT,
     search::{MixedFit, MixedFitEnd},
 };
 use crate::{
@@ -57,6 +56,7 @@ pub(super) fn report(fitted: &Fitted) -> Model {
         Coefficient {
             name: fitted.x.columns[column].name.clone(),
             term: fitted.term_name(column),
+            parts: fitted.x.columns[column].parts.clone(),
             estimate,
             se,
             z,
@@ -114,6 +114,7 @@ fn random_effect(fitted: &Fitted, mixed: &MixedFit, covariance: Option<(&DMatrix
     };
     let slopes = (1..size).map(|row| RandomSlope {
         name: part.components[row].name.clone(),
+        term: part.components[row].term.clone(),
         sd: sd(row),
         se: se(row),
         interval: None,
@@ -292,9 +293,9 @@ fn note_mixed(fitted: &Fitted, notes: &mut Vec<Note>) {
         notes.extend(pivots.into_iter().any(|pivot| pivot < 1e-2).then_some(Note::SingularCovariance));
     } else if mixed.end != MixedFitEnd::Boundary {
         let zeros = part.components.iter().zip(psi).filter(|(_, psi)| **psi == 0.0).map(|(component, _)| component);
-        notes.extend(zeros.map(|component| match component.name.as_str() {
-            INTERCEPT => Note::NoSubjectVariance,
-            term => Note::NoSlopeVariance { term: term.to_owned() },
+        notes.extend(zeros.map(|component| match component.term.variables.is_empty() {
+            true => Note::NoSubjectVariance,
+            false => Note::NoSlopeVariance { term: component.name.clone() },
         }));
     }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use statrs::function::erf::{erfc, erfc_inv};
 
-use crate::light::names::named;
+use crate::text::names::named;
 
 named! {
     /// The link of a cumulative model.

@@ -4,10 +4,13 @@ use nalgebra::DMatrix;
 use serde::{Serialize, Serializer};
 use thiserror::Error;
 
-use super::{link::Link, terms::Terms};
+use super::{
+    link::Link,
+    terms::{Term, TermPart, Terms, Variable},
+};
 use crate::{
-    light::names::{expected_one_of, named},
     statistics::Interval,
+    text::names::{expected_one_of, named},
 };
 
 named! {
@@ -88,6 +91,8 @@ pub struct Coefficient {
     pub name: String,
     /// The term it belongs to.
     pub term: String,
+    /// What it stands for: each variable of the term, with its level.
+    pub parts: Vec<TermPart>,
     /// Estimate on the scale of the link; infinite if there is no finite estimate.
     #[serde(serialize_with = "finite")]
     pub estimate: f64,
@@ -138,6 +143,9 @@ pub struct RandomEffect {
 pub struct RandomSlope {
     /// The term, or the name of the contrast if the effects are correlated.
     pub name: String,
+    /// The term whose effect differs between participants.
+    #[serde(skip)]
+    pub term: Term,
     /// Standard deviation between participants, on the scale of the link: of the deviation at each level, or per unit
     /// of a number.
     pub sd: f64,
@@ -200,7 +208,8 @@ impl Model {
     pub fn share_between(&self) -> (Option<f64>, Option<Interval>) {
         let Some(random) = &self.random else { return (None, None) };
         // A slope on a number has another unit; a deviation at a level belongs to the rating's own variance.
-        let levels = random.slopes.iter().filter(|slope| !slope.name.contains("num:"));
+        let is_factor = |variable: &Variable| matches!(variable, Variable::Factor(_));
+        let levels = random.slopes.iter().filter(|slope| slope.term.variables.iter().all(is_factor));
         let rest = self.link.sd().powi(2) + levels.map(|slope| slope.sd * slope.sd).sum::<f64>();
         let share = |sd: f64| if sd.is_finite() { sd * sd / (sd * sd + rest) } else { 1.0 };
         let interval = random.interval.map(|i| Interval { low: share(i.low), high: share(i.high) });

@@ -20,7 +20,7 @@ use crate::analysis::{
 };
 
 /// Name of the random intercept, as in R.
-pub(super) const INTERCEPT: &str = "(Intercept)";
+const INTERCEPT: &str = "(Intercept)";
 /// A random slope needs on average this many ratings per participant and level; with fewer, it cannot be told apart
 /// from the variation between ratings.
 const RATINGS_PER_EFFECT: u64 = 2;
@@ -34,6 +34,8 @@ const MAX_CORRELATED: usize = 10;
 pub(super) struct Component {
     /// Name of the term, or of the contrast if the effects are correlated; [`INTERCEPT`] for the intercept.
     pub name: String,
+    /// The term; without variables for the intercept.
+    pub term: Term,
     /// The group of each condition of the table.
     groups: Vec<usize>,
     number_of_groups: usize,
@@ -55,6 +57,7 @@ impl Component {
     fn intercept(conditions: usize) -> Self {
         Self {
             name: INTERCEPT.to_owned(),
+            term: Term { variables: Vec::new() },
             groups: vec![0; conditions],
             number_of_groups: 1,
             values: vec![1.0; conditions],
@@ -63,11 +66,11 @@ impl Component {
     }
 
     /// Creates a component with the given values, scaled to at most 1.
-    fn new(name: String, mut values: Vec<f64>, groups: Vec<usize>, number_of_groups: usize) -> Self {
+    fn new(name: String, term: Term, mut values: Vec<f64>, groups: Vec<usize>, number_of_groups: usize) -> Self {
         let unit = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let unit = if unit > 0.0 { unit } else { 1.0 };
         values.iter_mut().for_each(|value| *value /= unit);
-        Self { name, groups, number_of_groups, values, unit }
+        Self { name, term, groups, number_of_groups, values, unit }
     }
 }
 
@@ -129,7 +132,8 @@ impl RandomPart {
             if values.iter().any(|value| *value != 0.0 && *value != 1.0) {
                 center(frame, &mut values);
             }
-            self.components.push(Component::new(column.name.clone(), values, vec![0; conditions.len()], 1));
+            let term = Term { variables: column.parts.iter().map(|part| part.variable.clone()).collect() };
+            self.components.push(Component::new(column.name.clone(), term, values, vec![0; conditions.len()], 1));
         }
         self.correlated = self.components.len() > 1;
         Ok(())
@@ -234,7 +238,7 @@ fn independent(frame: &Frame, term: &Term) -> Result<Component, ModelError> {
         frame.conditions().iter().map(|c| (&keys[*c as usize], 0)).collect();
     let places: BTreeMap<_, usize> = places.into_keys().zip(0..).collect();
     let groups = keys.iter().map(|key| places.get(key).copied().unwrap_or(0)).collect();
-    Ok(Component::new(term.to_string(), values, groups, places.len()))
+    Ok(Component::new(term.to_string(), term.clone(), values, groups, places.len()))
 }
 
 /// Subtracts the mean over all ratings.

@@ -3,6 +3,7 @@
 
 use std::fmt;
 
+use serde::{Serialize, Serializer};
 use thiserror::Error;
 
 /// One variable of a term.
@@ -19,6 +20,18 @@ pub enum Variable {
 pub struct Term {
     /// At least one variable, without duplicates.
     pub variables: Vec<Variable>,
+}
+
+/// One variable of a coefficient and, unless it is a number, the level that it stands for.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct TermPart {
+    #[serde(serialize_with = "as_text")]
+    pub variable: Variable,
+    pub level: Option<String>,
+}
+
+fn as_text<S: Serializer>(variable: &Variable, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(variable)
 }
 
 /// The terms of a model in R's order: main effects first, then interactions by the number of their variables.
@@ -80,7 +93,14 @@ impl std::str::FromStr for Terms {
     }
 }
 
-crate::light::names::serde_as_text!(Terms);
+crate::text::names::serde_as_text!(Terms);
+
+impl fmt::Display for TermPart {
+    /// Writes the part as R does: the factor followed by the level, or the name of the number.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}{}", self.variable.name(), self.level.as_deref().unwrap_or_default())
+    }
+}
 
 impl Term {
     /// Creates the main effect of a factor.

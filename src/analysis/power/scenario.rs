@@ -13,8 +13,8 @@ use crate::{
         levels,
     },
     experiment::{Condition, MAX_RATING, OrderedLogit, Protocol},
-    light::names::expected_one_of,
     stimulus::ParameterError,
+    text::names::expected_one_of,
 };
 
 /// The reason why a plan is impossible.
@@ -108,7 +108,7 @@ impl Scenario {
         shifts: &[Shift],
         slopes: &[Slope],
     ) -> Result<Self, PlanError> {
-        let conditions = protocol.conditions()?;
+        let conditions = protocol.conditions();
         let shifts = shifts.iter().map(|shift| resolve(protocol, shift)).collect::<Result<Vec<_>, _>>()?;
         let added = |condition: &Condition| -> f64 {
             let here = shifts.iter().filter(|(factor, level, _)| condition.levels[*factor] == *level);

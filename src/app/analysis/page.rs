@@ -14,8 +14,7 @@ use crate::{
         Dialog, Field, FileKind, Step, escaped, heading, hint, page_from, paragraph, section, show_error,
         work::{BackgroundTask, Progress},
     },
-    report::Study,
-    store::FileErrors,
+    report::{Study, StudyError},
     system::entries,
     work::{Analyze, Ratings},
 };
@@ -43,7 +42,7 @@ struct Pending {
     asked: Analyze,
     /// Whether the files that are already open are read again with other options.
     again: bool,
-    work: BackgroundTask<Result<Study, FileErrors>>,
+    work: BackgroundTask<Result<Study, StudyError>>,
 }
 
 impl Analysis {

@@ -57,7 +57,7 @@ impl TableView {
             let last = ((visible.bottom() - line) / height).ceil().max(0.0) as usize;
             for (index, row) in self.table.rows.iter().enumerate().take(last).skip(first) {
                 for (column, text) in row.iter().enumerate() {
-                    self.cell(ui, rect, height, (index + 1, column), |ui| ui.add(Label::new(text).extend()));
+                    self.cell(ui, rect, height, (index + 1, column), |ui| ui.add(Label::new(&**text).extend()));
                 }
             }
             clicked
@@ -119,7 +119,7 @@ impl TableView {
             |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), theme::ink(ui).secondary).size().x;
         (self.table.header.iter().enumerate())
             .map(|(column, name)| {
-                let texts = self.table.rows.iter().map(|row| row[column].as_str());
+                let texts = self.table.rows.iter().map(|row| &*row[column]);
                 let widest = if self.table.rows.len() > MEASURED {
                     texts.max_by_key(|text| text.chars().count()).map(width).unwrap_or_default() + PADDING
                 } else {
@@ -135,26 +135,17 @@ impl TableView {
     fn sort(&mut self, column: usize) {
         let down = self.sorted == Some((column, false));
         self.sorted = Some((column, down));
-        // Numbers come before text.
-        let key = |row: &[String]| (value(&row[column]).is_none(), value(&row[column]).unwrap_or_default());
         self.table.rows.sort_by(|a, b| {
-            let ((a_text, a_number), (b_text, b_number)) = (key(a), key(b));
-            let order = a_text.cmp(&b_text).then(a_number.total_cmp(&b_number));
-            let order = if a_text && b_text { a[column].cmp(&b[column]) } else { order };
+            let order = a[column].value().compare(b[column].value());
             if down { order.reverse() } else { order }
         });
     }
 
     /// Returns the table as text, with tabs between cells, for spreadsheets.
     fn text(&self) -> String {
-        let line = |row: &Vec<String>| row.join("\t").replace('−', "-") + "\n";
-        std::iter::once(&self.table.header).chain(&self.table.rows).map(line).collect()
+        let line = |cells: Vec<&str>| cells.join("\t").replace('−', "-") + "\n";
+        let header = self.table.header.iter().map(String::as_str).collect();
+        let rows = self.table.rows.iter().map(|row| row.iter().map(|cell| &**cell).collect());
+        std::iter::once(header).chain(rows).map(line).collect()
     }
-}
-
-/// Returns the number at the start of a cell; `None` for text.
-fn value(cell: &str) -> Option<f64> {
-    let cell = cell.trim_start_matches(['<', '>', ' ']).replace('−', "-").replace(',', "").replace('∞', "inf");
-    let number = cell.split([' ', '°']).next().unwrap_or_default();
-    number.parse().ok().filter(|value: &f64| !value.is_nan())
 }

@@ -63,12 +63,12 @@ impl Thumbnails {
 
     /// Lists the conditions. Those that were already listed keep their pictures if `keep` is true.
     fn refresh(&mut self, protocol: &Protocol, keep: bool) {
-        let conditions = protocol.conditions().unwrap_or_default();
+        let conditions = protocol.conditions();
         self.conditions = conditions.len();
         let names: Vec<String> = protocol.factors.iter().map(|factor| ui::parameter::label(&factor.name)).collect();
         self.factors = names.join("; ");
         let old = std::mem::take(&mut self.all);
-        let thumbnail = |condition: Condition| {
+        let thumbnail = |condition: &Condition| {
             let level = |(factor, index): (&Factor, &usize)| factor.levels[*index].to_string();
             let levels: Vec<String> = protocol.factors.iter().zip(&condition.levels).map(level).collect();
             let described: Vec<String> =
@@ -78,10 +78,10 @@ impl Thumbnails {
                 texture: before.and_then(|before| before.texture.clone()),
                 levels: levels.join("; "),
                 description: described.join("; "),
-                stimulus: condition.stimulus,
+                stimulus: condition.stimulus.clone(),
             }
         };
-        self.all = conditions.into_iter().take(MAX_THUMBNAILS).map(thumbnail).collect();
+        self.all = conditions.iter().take(MAX_THUMBNAILS).map(thumbnail).collect();
     }
 
     /// Draws the next stimuli that have no picture yet on another thread.

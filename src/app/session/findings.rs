@@ -13,12 +13,7 @@ use crate::{
         frames::{FrameTimes, Refresh},
     },
     experiment::Protocol,
-    store::{
-        check::missing_fonts,
-        dataset::SessionPaths,
-        profile,
-        sidecar::{PreflightNote, Sidecar},
-    },
+    store::{check::missing_fonts, dataset::SessionPaths, profile, sidecar::Sidecar, sitting::PreflightNote},
 };
 
 /// Number of positions across an image at which its light is compared with the light of the field.
@@ -36,7 +31,7 @@ pub struct PreviousSitting {
     profile: String,
     /// Whether this is still the current profile.
     same_profile: bool,
-    size_px: u64,
+    size_px: u32,
 }
 
 impl PreviousSitting {
@@ -46,20 +41,16 @@ impl PreviousSitting {
         let sidecar = Sidecar::read(&paths.sidecar).ok()??;
         let sitting = sidecar.sittings.last()?;
         let display = sitting.display.as_ref()?;
-        let transfer = display["transfer"].as_str()?;
         Some(Self {
-            profile: format!("{} ({transfer})", display["name"].as_str().unwrap_or("an unnamed profile")),
-            same_profile: match display["sha256"].as_str() {
-                Some(hash) => hash == profile::hash(&request.display),
-                None => transfer == request.display.transfers.to_string(),
-            },
-            size_px: sitting.viewing.as_ref()?["stimulus_px"].as_u64()?,
+            profile: format!("{} ({})", display.name, display.transfer),
+            same_profile: display.sha256 == profile::hash(&request.display),
+            size_px: sitting.viewing.as_ref()?.stimulus_px,
         })
     }
 
     fn note(&self, now_px: u32) -> PreflightNote {
         let Self { profile, same_profile, size_px } = self;
-        let same = *same_profile && *size_px == u64::from(now_px);
+        let same = *same_profile && *size_px == now_px;
         let sentence = match same {
             true => "The display profile and the stimulus size are the same as in the previous sitting.".to_owned(),
             false => format!(
@@ -264,9 +255,7 @@ pub fn fonts(missing: &BTreeSet<char>) -> Option<PreflightNote> {
 /// Participants must tolerate it.
 pub fn light_steps(protocol: &Protocol) -> PreflightNote {
     let field = protocol.stimulus.field_light(protocol.recovery.level);
-    // Cannot fail: a loaded definition always has conditions.
-    let conditions = protocol.conditions().unwrap_or_default();
-    let lights = conditions.iter().flat_map(|condition| condition.stimulus.profile(SAMPLES));
+    let lights = protocol.conditions().iter().flat_map(|condition| condition.stimulus.profile(SAMPLES));
     let steps = lights.flat_map(|light| [0, 1, 2].map(|channel| (light[channel] - field[channel]).abs()));
     let percent = 100.0 * steps.fold(0.0, f32::max);
     let gentle = percent < 95.0;

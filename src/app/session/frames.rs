@@ -1,11 +1,10 @@
 //! The refresh of the screen, and whether the frames of a sitting kept up with it.
 
-use serde_json::{Value, json};
-
 use crate::{
     app::ui::Monitor,
     display::frames::{FrameTimes, Refresh},
     experiment::FrameCount,
+    store::sitting::FrameSummary,
 };
 
 /// The refresh, if known, and its source: `reported` by the system, `measured`, or `unknown`.
@@ -64,20 +63,20 @@ impl ScreenRefresh {
 
     /// Returns the summary of a sitting's frames for the sidecar; `None` if none were counted. `file` is the name of
     /// the file with every interval.
-    pub fn summary(&self, times: &FrameTimes, file: Option<String>) -> Option<Value> {
+    pub fn summary(&self, times: &FrameTimes, file: Option<String>) -> Option<FrameSummary> {
         let round = |seconds: f64| (seconds * 1e6).round() / 1e6;
         let (refresh, source) = self.now;
-        Some(json!({
-            "intervals": times.intervals_us().len(),
-            "median_s": round(times.quantile(0.5)?),
-            "p01_s": round(times.quantile(0.01)?),
-            "p99_s": round(times.quantile(0.99)?),
-            "refresh_s": refresh.map(|refresh| (refresh.seconds() * 1e9).round() / 1e9),
-            "refresh_source": source,
-            "dropped": times.dropped(),
-            "missed_refreshes": times.missed_refreshes(),
-            "late_onsets": times.dropped().map(|_| times.late_onsets()),
-            "file": file,
-        }))
+        Some(FrameSummary {
+            intervals: times.intervals_us().len(),
+            median_s: round(times.quantile(0.5)?),
+            p01_s: round(times.quantile(0.01)?),
+            p99_s: round(times.quantile(0.99)?),
+            refresh_s: refresh.map(|refresh| (refresh.seconds() * 1e9).round() / 1e9),
+            refresh_source: source.to_owned(),
+            dropped: times.dropped(),
+            missed_refreshes: times.missed_refreshes(),
+            late_onsets: times.dropped().map(|_| times.late_onsets()),
+            file,
+        })
     }
 }

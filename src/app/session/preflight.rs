@@ -14,10 +14,7 @@ use crate::{
     app::ui::{self, Monitor, Step, fonts::TextFonts, platform::Platform, theme, window_px},
     display::frames::FrameTimes,
     experiment::Answers,
-    store::{
-        dataset::SessionPaths,
-        sidecar::{PreflightNote, Sidecar},
-    },
+    store::{dataset::SessionPaths, sidecar::Sidecar, sitting::PreflightNote},
 };
 
 /// Duration of the frame measurement after the window has settled, seconds.

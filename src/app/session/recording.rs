@@ -9,7 +9,6 @@ use std::{
 };
 
 use jiff::Timestamp;
-use serde_json::{Value, json};
 
 use super::{
     frames::ScreenRefresh,
@@ -27,9 +26,9 @@ use crate::{
     store::{
         StoreError,
         frames::FrameRow,
-        image, profile,
+        image,
         session::SessionStore,
-        sidecar::{Pictures, PreflightNote, Sitting},
+        sitting::{Geometry, Pictures, PreflightNote, Sitting, UsedDisplay},
     },
     system::{after, before, now},
 };
@@ -59,16 +58,12 @@ impl Recording {
         answers: Option<Answers>,
     ) -> Result<(Self, Session, Duration), StoreError> {
         let Request { protocol, identity, display, results, .. } = request;
-        let hash = profile::hash(display);
+        let used = UsedDisplay::from(display);
+        let hash = used.sha256.clone();
         let sitting = Sitting {
             started_at: now().to_string(),
-            display: Some(json!({
-                "name": display.name,
-                "transfer": display.transfers.to_string(),
-                "sha256": hash,
-                "profile": profile::value(display),
-            })),
-            monitor: serde_json::to_value(monitor).ok(),
+            display: Some(used),
+            monitor: Some(monitor.clone()),
             viewing: Some(viewing(request, prepared)),
             preflight: notes,
             pictures: Some(Pictures::new(protocol, prepared.size_px, &display.transfers, Some(hash))),
@@ -202,18 +197,18 @@ impl Hasher {
     }
 }
 
-fn viewing(request: &Request, prepared: &Prepared) -> Value {
+fn viewing(request: &Request, prepared: &Prepared) -> Geometry {
     let screen = prepared.viewing.screen();
-    json!({
-        "distance_cm": request.distance_cm,
-        "screen_width_cm": screen.width_cm(),
-        "screen_width_measured": request.screen_width_cm.or(request.display.screen_width_cm).is_some(),
-        "pixels_per_degree": prepared.viewing.px_per_degree(),
-        "stimulus_px": prepared.size_px,
-        "stimulus_deg": prepared.viewing.deg_from_px(f64::from(prepared.size_px)),
-        "window_px": [prepared.window.0, prepared.window.1],
-        "windowed": request.windowed,
-    })
+    Geometry {
+        distance_cm: request.distance_cm,
+        screen_width_cm: screen.width_cm(),
+        screen_width_measured: request.screen_width_cm.or(request.display.screen_width_cm).is_some(),
+        pixels_per_degree: prepared.viewing.px_per_degree(),
+        stimulus_px: prepared.size_px,
+        stimulus_deg: prepared.viewing.deg_from_px(f64::from(prepared.size_px)),
+        window_px: [prepared.window.0, prepared.window.1],
+        windowed: request.windowed,
+    }
 }
 
 /// Returns the session time at which a resumed sitting starts. It follows the wall clock, but is never before the last

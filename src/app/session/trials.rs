@@ -23,7 +23,7 @@ use crate::{
     },
     experiment::{Answers, Effect, Event, Identity, Phase, ResponseScale, Session, State},
     light::{Bits, Quantizer},
-    store::{StoreError, sidecar::PreflightNote},
+    store::{StoreError, sitting::PreflightNote},
 };
 
 /// Number of textures in memory: the current stimulus and the next one.
@@ -412,7 +412,7 @@ impl Trials {
         let keys: Vec<String> = protocol.response.categories.iter().map(|one| one.key.to_string()).collect();
         let keys = protocol.instructions.answer_keys.replace("{keys}", &keys.join(" "));
         let state = (self.session.state(), now);
-        self.feedback.draw(ui, state, protocol.recovery.duration(), center, self.field, &keys);
+        self.feedback.draw(ui, state, protocol.recovery_duration(), center, self.field, &keys);
     }
 
     fn finish(&mut self, ctx: &egui::Context) -> Step<Box<Finish>> {

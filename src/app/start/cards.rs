@@ -93,7 +93,7 @@ impl Card {
         let name = Path::new(&self.experiment).file_name().unwrap_or_default().to_string_lossy().into_owned();
         match &self.protocol {
             Ok(protocol) => {
-                let trials = protocol.main_trials().saturating_add(protocol.design.practice as usize);
+                let trials = protocol.main_trials() + protocol.design.practice as usize;
                 let origin = if built_in { String::new() } else { format!(" · {name}") };
                 (protocol.title.clone(), format!("{trials} trials, {} min{origin}", protocol.minutes()))
             }
@@ -136,7 +136,7 @@ impl Card {
         self.picture.want(ui.ctx(), px, || {
             let protocol = protocol.clone();
             move || {
-                let conditions = protocol.conditions().map_err(|error| error.to_string())?;
+                let conditions = protocol.conditions();
                 let middle = conditions.get(conditions.len() / 2).map_or(&protocol.stimulus, |middle| &middle.stimulus);
                 Ok(middle.codes(px, &Quantizer::new(&Transfer::Srgb, Bits::Eight)))
             }

@@ -15,8 +15,10 @@ use crate::{
     display::{DisplayProfile, Screen, Viewing},
     experiment::{Identity, Protocol, Schedule},
     store::{
-        StoreError, definition,
-        session::{Changes, SessionStore, register::free_participant},
+        StoreError,
+        dataset::free_participant,
+        definition,
+        session::{Changes, SessionStore},
     },
 };
 

@@ -35,6 +35,7 @@ pub mod text;
 pub mod theme;
 pub mod work;
 
+pub use crate::display::Monitor;
 pub use dialog::{Dialog, FileKind};
 pub use fields::{Field, number};
 pub use history::History;
@@ -44,6 +45,6 @@ pub use page::{
 pub use parameter::parameter;
 pub use plot::{legend, still_plot, table};
 pub use saving::{Saving, ending, full, saved};
-pub use screen::{Monitor, ScreenFields, today, window_px};
+pub use screen::{ScreenFields, today, window_px};
 pub use side_bar::{Place, SideChoice, side_bar};
 pub use text::{describe, extent, hint, note, paragraph, secondary, section, show_error, signed, success, tick};

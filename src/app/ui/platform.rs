@@ -12,7 +12,7 @@ use x11rb::{
     rust_connection::RustConnection,
 };
 
-use super::screen::Monitor;
+use crate::display::Monitor;
 
 /// The properties of a screen; `None` for those that the system does not report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

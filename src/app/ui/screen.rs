@@ -1,10 +1,13 @@
-//! The monitor as the window system describes it, and the settings that the user types.
+//! The monitors of this computer, and the settings that the user types.
 
 use std::path::Path;
 
 use eframe::egui;
 
-use crate::{display::DisplayProfile, store::profile};
+use crate::{
+    display::{DisplayProfile, Monitor},
+    store::profile,
+};
 
 /// Converts the window system's description of a monitor. This is a macro, because the type belongs to the window
 /// system's library and is not named anywhere else here.
@@ -21,21 +24,6 @@ macro_rules! described {
     }};
 }
 
-/// What is known about a monitor.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Monitor {
-    /// The system's name for the monitor.
-    pub name: Option<String>,
-    /// Width in physical pixels.
-    pub width_px: u32,
-    /// Height in physical pixels.
-    pub height_px: u32,
-    /// Refresh rate in hertz, if the system reports it.
-    pub refresh_hz: Option<f64>,
-    /// Physical pixels per logical point of the system.
-    pub scale: f64,
-}
-
 impl Monitor {
     /// Returns the monitor that shows the window now; without a window, as in tests, a monitor of the size of the page.
     pub fn current(ctx: &egui::Context, frame: &eframe::Frame) -> Self {
@@ -50,29 +38,6 @@ impl Monitor {
     pub fn all(frame: &eframe::Frame) -> Vec<Self> {
         let Some(window) = frame.winit_window() else { return Vec::new() };
         window.available_monitors().map(|monitor| described!(monitor)).collect()
-    }
-
-    /// Returns the name and size, for a list to choose from.
-    pub fn title(&self) -> String {
-        let size = format!("{} × {} pixels", self.width_px, self.height_px);
-        match &self.name {
-            Some(name) => format!("{name}, {size}"),
-            None => size,
-        }
-    }
-
-    /// Says what [`Monitor::assumed_width_cm`] assumes.
-    pub fn assumption(&self) -> String {
-        let scaled = match self.scale {
-            1.0 => String::new(),
-            scale => format!(" × the system's scale of {scale}"),
-        };
-        format!("Assumed (96 pixels per inch{scaled}); measure it before an actual study")
-    }
-
-    /// Returns the width in cm if its pixels are 1/96 inch apart, as systems assume for unknown screens.
-    pub fn assumed_width_cm(&self) -> f64 {
-        f64::from(self.width_px) / self.scale.max(0.1) / 96.0 * 2.54
     }
 }
 

@@ -11,6 +11,8 @@ use std::{
 
 use eframe::egui::Key;
 
+use crate::store::sitting::InputSummary;
+
 /// A key or a mouse button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pressed {
@@ -119,7 +121,7 @@ impl InputReport {
     }
 
     /// Returns the summary for the sidecar.
-    pub fn summary(&self) -> serde_json::Value {
+    pub fn summary(&self) -> InputSummary {
         let mut waits = self.waits.clone();
         waits.sort_unstable();
         let seconds = |wait: Option<&Duration>| wait.map(|wait| (wait.as_secs_f64() * 1e6).round() / 1e6);
@@ -135,13 +137,13 @@ impl InputReport {
                     late by at most one frame interval."
             }
         };
-        serde_json::json!({
-            "stamp": stamp,
-            "stamped": waits.len(),
-            "unstamped": self.unstamped,
-            "median_uncertainty_s": seconds(waits.get(waits.len() / 2)),
-            "max_uncertainty_s": seconds(waits.last()),
-        })
+        InputSummary {
+            stamp: stamp.to_owned(),
+            stamped: waits.len(),
+            unstamped: self.unstamped,
+            median_uncertainty_s: seconds(waits.get(waits.len() / 2)),
+            max_uncertainty_s: seconds(waits.last()),
+        }
     }
 }
 

@@ -7,10 +7,8 @@ use crate::{
     },
     cli::columns,
     experiment::Protocol,
-    report::{
-        document::numbers::count,
-        tables::{Table, number},
-    },
+    report::document::{Shown, numbers::count},
+    text::{Cell, Column, Table},
 };
 
 /// The simulated powers of a plan, and the settings they depend on.
@@ -66,24 +64,28 @@ impl Findings<'_> {
         columns(&HEADER, &self.powers.iter().map(|power| self.cells(power)).collect::<Vec<_>>())
     }
 
-    fn cells(&self, power: &Power) -> Vec<String> {
+    fn cells(&self, power: &Power) -> Vec<Shown> {
         let Hypothesis { term, effect, .. } = self.hypothesis(power);
         let interval = power.interval();
-        let share = format!("{:.1} %", 100.0 * power.share());
-        let [found, false_alarms] = if effect.is_some() { [share, String::new()] } else { [String::new(), share] };
+        let share = Shown::new(power.share(), format!("{:.1} %", 100.0 * power.share()));
+        let none = || Shown::from("");
+        let [found, false_alarms] = if effect.is_some() { [share, none()] } else { [none(), share] };
         let truth = |effect: &Effect| {
             let levels = format!("{} over {}", effect.above, effect.below);
-            effect.logits.map_or(levels.clone(), |logits| format!("{logits:.2}: {levels}"))
+            effect.logits.map_or_else(
+                || Shown::from(levels.as_str()),
+                |logits| Shown::new(logits, format!("{logits:.2}: {levels}")),
+            )
         };
         vec![
-            power.participants.to_string(),
-            term.clone(),
-            self.test(power).to_owned(),
-            effect.as_ref().map_or("none".to_owned(), truth),
+            Shown::new(power.participants, power.participants.to_string()),
+            term.as_str().into(),
+            self.test(power).into(),
+            effect.as_ref().map_or("none".into(), truth),
             found,
             false_alarms,
-            format!("{:.1}–{:.1} %", 100.0 * interval.low, 100.0 * interval.high),
-            power.estimate.map_or_else(String::new, |estimate| format!("{estimate:.2}")),
+            Shown::new(interval.low, format!("{:.1}–{:.1} %", 100.0 * interval.low, 100.0 * interval.high)),
+            Shown::new(power.estimate, power.estimate.map_or_else(String::new, |estimate| format!("{estimate:.2}"))),
         ]
     }
 
@@ -239,16 +241,13 @@ impl Findings<'_> {
 
     /// Writes one row for each number of participants and each test.
     pub fn csv(&self) -> Vec<u8> {
-        let rows: Vec<_> = self.powers.iter().map(|power| self.csv_row(power)).collect();
-        let header = rows.first().map(|row| row.iter().map(|(name, _)| (*name).to_owned()).collect());
-        let rows = rows.into_iter().map(|row| row.into_iter().map(|(_, cell)| cell).collect()).collect();
-        Table { header: header.unwrap_or_default(), rows }.csv()
+        let columns = COLUMNS.iter().map(|(name, unit, description)| Column::new(*name, unit, *description)).collect();
+        Table::new(columns, self.powers.iter().map(|power| self.row(power))).csv()
     }
 
-    fn csv_row(&self, power: &Power) -> Vec<(&'static str, String)> {
+    fn row(&self, power: &Power) -> Vec<Cell> {
         let (hypothesis, spec) = (self.hypothesis(power), self.plan.spec());
         let effect = hypothesis.effect.as_ref();
-        let maybe = |value: Option<f64>| value.map(number).unwrap_or_default();
         let interval = power.interval();
         let slope_sd: Vec<String> =
             self.plan.slopes().iter().map(|slope| format!("{}={}", slope.factor, slope.sd)).collect();
@@ -257,32 +256,59 @@ impl Findings<'_> {
             Test::Friedman => "friedman",
         };
         vec![
-            ("experiment", self.protocol.name.clone()),
-            ("participants", power.participants.to_string()),
-            ("term", hypothesis.term.clone()),
-            ("test", test.to_owned()),
-            ("truth", if effect.is_some() { "effect" } else { "none" }.to_owned()),
-            ("effect_logits", effect.map_or_else(|| "0".to_owned(), |effect| maybe(effect.logits))),
-            ("above", effect.map_or_else(String::new, |effect| effect.above.clone())),
-            ("below", effect.map_or_else(String::new, |effect| effect.below.clone())),
-            ("studies", power.studies.to_string()),
-            ("found", power.found.to_string()),
-            ("untested", power.untested.to_string()),
-            ("power", maybe(effect.map(|_| power.share()))),
-            ("false_alarms", maybe(effect.is_none().then(|| power.share()))),
-            ("ci_low", number(interval.low)),
-            ("ci_high", number(interval.high)),
-            ("median_estimate", maybe(power.estimate)),
-            ("alpha", number(self.sampling.alpha)),
-            ("link", spec.link.to_string()),
-            ("terms", spec.terms.to_string()),
-            ("slopes", spec.slopes.to_string()),
-            ("slope_sd", slope_sd.join(" ")),
-            ("seed", self.sampling.seed.to_string()),
-            ("observer", self.observer.clone()),
+            self.protocol.name.as_str().into(),
+            power.participants.into(),
+            hypothesis.term.as_str().into(),
+            test.into(),
+            if effect.is_some() { "effect" } else { "none" }.into(),
+            effect.map_or(Some(0.0), |effect| effect.logits).into(),
+            effect.map(|effect| effect.above.as_str()).into(),
+            effect.map(|effect| effect.below.as_str()).into(),
+            power.studies.into(),
+            power.found.into(),
+            power.untested.into(),
+            effect.map(|_| power.share()).into(),
+            effect.is_none().then(|| power.share()).into(),
+            interval.low.into(),
+            interval.high.into(),
+            power.estimate.into(),
+            self.sampling.alpha.into(),
+            spec.link.to_string().into(),
+            spec.terms.to_string().into(),
+            spec.slopes.to_string().into(),
+            slope_sd.join(" ").into(),
+            self.sampling.seed.into(),
+            self.observer.as_str().into(),
         ]
     }
 }
+
+/// Name, unit and description of the columns of the CSV file.
+const COLUMNS: [(&str, &str, &str); 23] = [
+    ("experiment", "", "Name of the definition."),
+    ("participants", "", "Number of participants."),
+    ("term", "", "Term or factor that is tested."),
+    ("test", "", "Name of the test."),
+    ("truth", "", "Whether the simulated observer has the effect."),
+    ("effect_logits", "logit", "Size of the effect on the latent scale."),
+    ("above", "", "Level that is rated higher."),
+    ("below", "", "Level that is rated lower."),
+    ("studies", "", "Number of simulated studies."),
+    ("found", "", "Number of studies in which the test is significant."),
+    ("untested", "", "Number of studies in which the test is not possible."),
+    ("power", "", "Proportion of studies that find the effect."),
+    ("false_alarms", "", "Proportion of studies that find an effect that is not there."),
+    ("ci_low", "", "Lower end of the 95 % interval of this proportion."),
+    ("ci_high", "", "Upper end of the 95 % interval of this proportion."),
+    ("median_estimate", "logit", "Median of the estimated effects."),
+    ("alpha", "", "Level of significance."),
+    ("link", "", "Link function of the model."),
+    ("terms", "", "Terms of the model."),
+    ("slopes", "", "Random slopes of the model."),
+    ("slope_sd", "logit", "Standard deviations of the simulated random slopes."),
+    ("seed", "", "Seed of the simulation."),
+    ("observer", "", "Simulated observer."),
+];
 
 fn people(number: u32) -> String {
     count(number.into(), "participant")

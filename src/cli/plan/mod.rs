@@ -11,8 +11,8 @@ use super::{Bar, OutPath, print_line};
 use crate::{
     analysis::power::{ModelChoice, Plan, Power, Sampling, Shift, Slope},
     experiment::{OrderedLogit, Protocol},
-    light::names::expected_one_of,
     store::{Writer, definition, observer},
+    text::names::expected_one_of,
     work::{Model, RequestError, Watcher as _},
 };
 use findings::Findings;

@@ -2,6 +2,9 @@
 //! formats its numbers as in a paper.
 
 pub mod numbers;
+mod shown;
+
+pub use shown::Shown;
 
 use crate::report::figures::Figure;
 
@@ -42,8 +45,8 @@ pub enum Block {
     Figure(Figure),
 }
 
-/// A table. Its cells are formatted text.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A table of formatted values.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// What it shows.
     pub caption: String,
@@ -52,7 +55,7 @@ pub struct Table {
     /// Number of columns, from the left, that contain text; the others contain numbers.
     pub texts: usize,
     /// Cells, one per column.
-    pub rows: Vec<Vec<String>>,
+    pub rows: Vec<Vec<Shown>>,
 }
 
 impl Section {
@@ -89,14 +92,14 @@ impl Section {
     }
 
     /// Adds a table. The columns in `texts` contain text, and the columns in `numbers` after them contain numbers.
-    pub fn table(&mut self, caption: impl Into<String>, texts: &[&str], numbers: &[&str], rows: Vec<Vec<String>>) {
+    pub fn table(&mut self, caption: impl Into<String>, texts: &[&str], numbers: &[&str], rows: Vec<Vec<Shown>>) {
         let header = texts.iter().chain(numbers).map(|&name| name.to_owned()).collect();
         self.blocks.push(Block::Table(Table { caption: caption.into(), header, texts: texts.len(), rows }));
     }
 
     /// Adds a table of names and their values.
-    pub fn facts<S: Into<String>>(&mut self, caption: &str, rows: impl IntoIterator<Item = (S, String)>) {
-        let rows = rows.into_iter().map(|(name, value)| vec![name.into(), value]).collect();
+    pub fn facts<S: Into<String>, V: Into<Shown>>(&mut self, caption: &str, rows: impl IntoIterator<Item = (S, V)>) {
+        let rows = rows.into_iter().map(|(name, value)| vec![Shown::from(name), value.into()]).collect();
         self.table(caption, &["What", "Value"], &[], rows);
     }
 

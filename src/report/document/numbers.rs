@@ -1,54 +1,57 @@
 //! Formats numbers as readers expect them: with reasonable precision, thousands separators, and no leading zero in a
 //! probability. A dash stands for a missing number.
 
+use super::shown::Shown;
 use crate::statistics::Interval;
 
 /// A no-break space.
 pub const NBSP: &str = "\u{a0}";
 
 /// Formats a whole number with thousands separators: `1,920`.
-pub fn whole(number: u64) -> String {
+pub fn whole(number: u64) -> Shown {
     let digits: Vec<char> = number.to_string().chars().collect();
-    digits.rchunks(3).rev().map(String::from_iter).collect::<Vec<_>>().join(",")
+    Shown::new(number, digits.rchunks(3).rev().map(String::from_iter).collect::<Vec<_>>().join(","))
 }
 
 /// Formats a number with the given number of decimals and a true minus sign.
-pub fn fixed(number: impl Into<Option<f64>>, decimals: usize) -> String {
+pub fn fixed(number: impl Into<Option<f64>>, decimals: usize) -> Shown {
     let number = number.into().unwrap_or(f64::NAN);
     if number.is_nan() {
-        return "–".to_owned();
+        return Shown::new(number, "–");
     }
     let text = if number.is_infinite() { "∞".to_owned() } else { format!("{:.decimals$}", number.abs()) };
     // A number that rounds to 0 has no sign.
-    if number < 0.0 && text.contains(|c| c == '∞' || ('1'..='9').contains(&c)) { format!("−{text}") } else { text }
+    let is_negative = number < 0.0 && text.contains(|c| c == '∞' || ('1'..='9').contains(&c));
+    Shown::new(number, if is_negative { format!("−{text}") } else { text })
 }
 
 /// Formats a mean rating.
-pub fn mean(number: f64) -> String {
+pub fn mean(number: f64) -> Shown {
     fixed(number, 2)
 }
 
 /// Formats a proportion or a coefficient that cannot exceed 1: `.62`, `−.08`, `1.00`.
-pub fn unit(number: impl Into<Option<f64>>) -> String {
-    fixed(number, 2).replacen("0.", ".", 1)
+pub fn unit(number: impl Into<Option<f64>>) -> Shown {
+    let fixed = fixed(number, 2);
+    Shown::new(fixed.value().clone(), fixed.replacen("0.", ".", 1))
 }
 
 /// Formats a probability with three decimals below .1 and two above, and never rounds it across .05.
-pub fn probability(p: impl Into<Option<f64>>) -> String {
+pub fn probability(p: impl Into<Option<f64>>) -> Shown {
     let p = p.into().unwrap_or(f64::NAN);
     if p.is_nan() {
-        return "–".to_owned();
+        return Shown::new(p, "–");
     }
     if p < 0.001 {
-        return "< .001".to_owned();
+        return Shown::new(p, "< .001");
     }
     if p > 0.995 {
-        return "> .99".to_owned();
+        return Shown::new(p, "> .99");
     }
     let decimals = if p < 0.1 { 3 } else { 2 };
     let rounded = format!("{p:.decimals$}");
     let text = if p < 0.05 && rounded == "0.050" { format!("{:.4}", (p * 1e4).floor() / 1e4) } else { rounded };
-    text.trim_start_matches('0').to_owned()
+    Shown::new(p, text.trim_start_matches('0'))
 }
 
 /// Formats a probability for a sentence, as `p = .043` or `p < .001`, so that it is never broken across lines.
@@ -59,27 +62,29 @@ pub fn p_is(p: f64) -> String {
 }
 
 /// Formats a ratio with about three significant digits.
-pub fn ratio(number: f64) -> String {
+pub fn ratio(number: f64) -> Shown {
+    let decimals = |n| fixed(number, n);
     match number {
-        n if !n.is_finite() => fixed(n, 0),
-        n if n >= 1e6 => "> 1,000,000".to_owned(),
-        n if n >= 999.5 => whole(n.round() as u64),
-        n if n >= 99.95 => fixed(n, 0),
-        n if n >= 9.995 => fixed(n, 1),
-        n if n >= 0.0995 => fixed(n, 2),
-        n if n >= 0.001 => fixed(n, 4),
-        0.0 => "0".to_owned(),
-        _ => "< 0.001".to_owned(),
+        n if !n.is_finite() => decimals(0),
+        n if n >= 1e6 => Shown::new(n, "> 1,000,000"),
+        n if n >= 999.5 => Shown::new(n, whole(n.round() as u64).to_string()),
+        n if n >= 99.95 => decimals(0),
+        n if n >= 9.995 => decimals(1),
+        n if n >= 0.0995 => decimals(2),
+        n if n >= 0.001 => decimals(4),
+        0.0 => decimals(0),
+        n => Shown::new(n, "< 0.001"),
     }
 }
 
-/// Formats an interval as `0.81 to 1.20`.
-pub fn range(interval: Option<Interval>, format: impl Fn(f64) -> String) -> String {
-    interval.map_or_else(|| "–".to_owned(), |i| format!("{} to {}", format(i.low), format(i.high)))
+/// Formats an interval as `0.81 to 1.20`; its value is the lower end.
+pub fn range(interval: Option<Interval>, format: impl Fn(f64) -> Shown) -> Shown {
+    let text = interval.map_or_else(|| "–".to_owned(), |i| format!("{} to {}", format(i.low), format(i.high)));
+    Shown::new(interval.map(|interval| interval.low), text)
 }
 
 /// Formats a 95 % interval that follows its estimate, as ` (95 % interval .81 to .92)`; empty if there is none.
-pub fn with_interval(interval: Option<Interval>, format: impl Fn(f64) -> String) -> String {
+pub fn with_interval(interval: Option<Interval>, format: impl Fn(f64) -> Shown) -> String {
     match interval {
         Some(_) => format!(" (95{NBSP}% interval {})", range(interval, format)),
         None => String::new(),
@@ -87,10 +92,10 @@ pub fn with_interval(interval: Option<Interval>, format: impl Fn(f64) -> String)
 }
 
 /// Formats a proportion as a percentage: `95 %`.
-pub fn percent(proportion: f64) -> String {
+pub fn percent(proportion: f64) -> Shown {
     let percent = 100.0 * proportion;
     let decimals = usize::from((percent - percent.round()).abs() > 1e-9);
-    format!("{}{NBSP}%", fixed(percent, decimals))
+    Shown::new(proportion, format!("{}{NBSP}%", fixed(percent, decimals)))
 }
 
 /// Formats a count with its noun, which must have a regular plural: `1 session`, `2 sessions`.

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::analysis::{
     Coefficient, Link, Model, Note, Results,
-    terms::{Term, Variable},
+    terms::{TermPart, Variable},
 };
 use crate::statistics::Interval;
 
@@ -83,46 +83,29 @@ fn caption(results: &Results, model: &Model) -> String {
 /// have no coefficient.
 fn rows<'a>(results: &Results, model: &'a Model) -> Vec<(String, Option<&'a Coefficient>)> {
     let mut rows = Vec::new();
-    let mut last = None;
+    let mut last: Vec<&Variable> = Vec::new();
     for coefficient in model.coefficients.iter().take(MAX_SHOWN) {
-        let term = results.spec.terms.iter().find(|term| term.to_string() == coefficient.term);
-        let is_number = term.is_none_or(|term| matches!(term.variables[..], [Variable::Number(_)]));
-        if !is_number && last != Some(&coefficient.term) {
-            rows.extend(term.map(|term| (heading(results, model, term), None)));
+        let variables: Vec<&Variable> = coefficient.parts.iter().map(|part| &part.variable).collect();
+        let is_number = matches!(variables[..], [Variable::Number(_)]);
+        if !is_number && last != variables {
+            rows.push((heading(results, model, &variables), None));
         }
-        last = Some(&coefficient.term);
-        let name = term.and_then(|term| levels(results, term, &coefficient.name));
-        rows.push((name.unwrap_or_else(|| labels::clean(&coefficient.name)), Some(coefficient)));
+        // The names of factors are in the heading.
+        let part = |part: &TermPart| match &part.level {
+            Some(level) => labels::level(level),
+            None => labels::heading(part.variable.name()).to_owned(),
+        };
+        let parts: Vec<String> = coefficient.parts.iter().map(part).collect();
+        rows.push((labels::clean(&parts.join(" × ")), Some(coefficient)));
+        last = variables;
     }
     rows
 }
 
-/// Returns the levels of a coefficient, which are its name without the names of the factors; those are in the heading.
-fn levels(results: &Results, term: &Term, name: &str) -> Option<String> {
-    let mut rest = name;
-    let mut parts = Vec::new();
-    for (index, variable) in term.variables.iter().enumerate() {
-        rest = if index > 0 { rest.strip_prefix(':')? } else { rest }.strip_prefix(variable.name())?;
-        let Variable::Factor(factor) = variable else {
-            parts.push(labels::heading(variable.name()).to_owned());
-            continue;
-        };
-        let (_, factor) = results.measured.counts.factor(factor)?;
-        // A level may also contain a colon, so the longest match is used.
-        let after = |level: &&String| {
-            rest.strip_prefix(level.as_str()).filter(|after| after.is_empty() || after.starts_with(':'))
-        };
-        let level = factor.levels.iter().filter(|level| after(level).is_some()).max_by_key(|level| level.len())?;
-        rest = after(&level)?;
-        parts.push(labels::level(level));
-    }
-    rest.is_empty().then(|| parts.join(" × "))
-}
-
 /// Returns the heading of a term, with the baseline level of its factor.
-fn heading(results: &Results, model: &Model, term: &Term) -> String {
-    let [Variable::Factor(name)] = &term.variables[..] else {
-        return term.variables.iter().map(|variable| labels::heading(variable.name())).collect::<Vec<_>>().join(" × ");
+fn heading(results: &Results, model: &Model, variables: &[&Variable]) -> String {
+    let [Variable::Factor(name)] = variables else {
+        return variables.iter().map(|variable| labels::heading(variable.name())).collect::<Vec<_>>().join(" × ");
     };
     let rebased = model.notes.iter().find_map(|note| match note {
         Note::Rebased { factor, baseline, .. } if factor == name => Some(baseline),

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::analysis::{
     Results,
-    counts::{Counts, Factor},
+    counts::{Counts, Factor, Role},
     summary::{Group, by_cell, by_levels, category_values},
 };
 use crate::statistics::Interval;
@@ -171,10 +171,12 @@ fn legend(svg: &mut Svg, panel: &Panel, heading: &str, lines: &[Line], lined: bo
     }
 }
 
-/// Draws `orientation`, if `orientation_deg` is a factor with several levels: the means by orientation, and by the
-/// angle to the nearest horizontal or vertical.
+/// Draws `orientation`, if a factor with several levels is a direction: the means by direction, and by the angle to the
+/// nearest horizontal or vertical.
 pub(super) fn orientation(results: &Results) -> Option<Figure> {
-    let (index, factor) = results.measured.counts.factor("orientation_deg")?;
+    let factors = &results.measured.counts.factors;
+    let index = factors.iter().position(|factor| factor.role == Role::Direction && factor.levels.len() > 1)?;
+    let (factor, name) = (&factors[index], labels::in_sentence(&factors[index].name));
     let angles = factor.numbers.as_ref().filter(|angles| angles.len() > 1 && angles.iter().all(|a| a.is_finite()))?;
     let by_angle = project(&results.measured.counts, &[index]);
     let mut distances: Vec<f64> = angles.iter().map(|&angle| distance_to_axis(angle)).collect();
@@ -191,17 +193,17 @@ pub(super) fn orientation(results: &Results) -> Option<Figure> {
     let is_folded = (2..angles.len()).contains(&distances.len());
     let (what, bars) = (labels::rating(results), labels::bars(results));
     let more = if is_folded { ", on the right by the angle to the nearest horizontal or vertical" } else { "" };
-    let caption = format!("{what} by orientation{more}; {bars}.");
+    let caption = format!("{what} by {name}{more}; {bars}.");
     let values = Values::ratings(&by_angle);
     let (left, right) = (values.margin(), WIDTH - EDGE);
     let middle = if is_folded { left + 0.62 * (right - left) } else { right };
     let all = [
-        (by_angle, values.panel(left, middle, EDGE, PANEL), Some(what), labels::axis("orientation_deg")),
+        (by_angle, values.panel(left, middle, EDGE, PANEL), Some(what), labels::axis(&factor.name)),
         (by_distance, values.panel(middle + 46.0, right, EDGE, PANEL), None, "Off axis (°)"),
     ];
     let parts: Vec<_> = all.into_iter().take(1 + usize::from(is_folded)).collect();
     let height = EDGE + PANEL + super::axes::below(TEXT);
-    Some(Figure::draw("orientation", format!("{what} by orientation"), caption, height, |svg| {
+    Some(Figure::draw("orientation", format!("{what} by {name}"), caption, height, |svg| {
         for (counts, panel, up, across) in parts {
             let (levels, means) = (Levels::of(&counts.factors[0]), of_groups(by_cell(&counts)));
             values.draw(svg, &panel, up);

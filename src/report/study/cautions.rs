@@ -44,7 +44,7 @@ pub(super) fn cautions(source: &Source, results: &Results) -> Vec<String> {
 }
 
 fn simulated(source: &Source, results: &Results) -> Option<String> {
-    let simulated = Vec::from_iter(sittings::simulated(source));
+    let simulated = Vec::from_iter(sittings::simulated(source, results));
     if simulated.is_empty() {
         return None;
     }
@@ -146,7 +146,7 @@ fn pairs_without_power(results: &Results, factor: &FactorResults) -> Option<Stri
     let pairs = factor.pairs.as_ref().filter(|pairs| results.is_inferential() && pairs.cannot_reach(ALPHA))?;
     let people = count((results.people() - factor.incomplete.len()) as u64, "participant");
     let name = names::factor(&factor.name);
-    let least = if pairs.least_p >= 1.0 { "1".to_owned() } else { probability(pairs.least_p) };
+    let least = if pairs.least_p >= 1.0 { "1".into() } else { probability(pairs.least_p) };
     Some(match pairs.pairs.len() {
         1 => format!(
             "Wilcoxon’s test cannot tell the levels of {name} apart: with {people}, the smallest possible p is {least} \

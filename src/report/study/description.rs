@@ -1,6 +1,7 @@
 //! Descriptive sections: the design, the ratings by factor, condition and participant, and the response times.
 
 use super::{
+    exclusions,
     names::{self, participant},
     sittings,
 };
@@ -13,7 +14,7 @@ use crate::{
     experiment::{Order, Protocol},
     report::{
         document::{
-            Section,
+            Section, Shown,
             numbers::{count, fixed, mean, range, short_list, unit, whole},
         },
         figures::Figure,
@@ -25,7 +26,9 @@ use crate::{
 pub(super) fn design(source: &Source, results: &Results) -> Section {
     let mut section = Section::new("design", "Design");
     match &source.protocol {
-        Some(protocol) => section.facts("The design according to the definition", definition(source, protocol)),
+        Some(protocol) => {
+            section.facts("The design according to the definition", definition(source, results, protocol))
+        }
         None => section.text(
             "The files contain no definition of an experiment, so this section describes the ratings themselves.",
         ),
@@ -35,7 +38,7 @@ pub(super) fn design(source: &Source, results: &Results) -> Section {
     section
 }
 
-fn definition(source: &Source, protocol: &Protocol) -> Vec<(&'static str, String)> {
+fn definition(source: &Source, results: &Results, protocol: &Protocol) -> Vec<(&'static str, Shown)> {
     let (design, recovery, viewing) = (&protocol.design, &protocol.recovery, &protocol.viewing);
     let breaks = match design.break_every {
         0 => "none".to_owned(),
@@ -44,20 +47,20 @@ fn definition(source: &Source, protocol: &Protocol) -> Vec<(&'static str, String
     let field = format!("a uniform field of relative luminance {} for {} s", recovery.level, recovery.duration_s);
     let planned = format!("{} cm from the screen, stimulus {}° wide", viewing.distance_cm, viewing.window_deg);
     let mut rows = vec![
-        ("Experiment", protocol.name.clone()),
-        ("Stimulus", stimulus(protocol)),
+        ("Experiment", (&protocol.name).into()),
+        ("Stimulus", stimulus(protocol).into()),
         ("Trials per condition", whole(design.repetitions.into())),
         ("Main trials per session", whole(protocol.main_trials() as u64)),
         ("Practice trials, not analyzed", whole(design.practice.into())),
-        ("Order", order(protocol)),
-        ("Break", breaks),
-        ("Between stimuli", field),
-        ("Planned viewing", planned),
-        ("Question", protocol.response.question.clone()),
-        ("Answers", names::categories_of(protocol).join("; ")),
+        ("Order", order(protocol).into()),
+        ("Break", breaks.into()),
+        ("Between stimuli", field.into()),
+        ("Planned viewing", planned.into()),
+        ("Question", (&protocol.response.question).into()),
+        ("Answers", names::categories_of(protocol).join("; ").into()),
     ];
-    rows.extend(sittings::days(source).map(|(first, last)| {
-        ("Sessions", if first == last { format!("on {first}") } else { format!("from {first} to {last}") })
+    rows.extend(sittings::days(source, results).map(|(first, last)| {
+        ("Sessions", if first == last { format!("on {first}") } else { format!("from {first} to {last}") }.into())
     }));
     rows
 }
@@ -91,11 +94,12 @@ fn factors(section: &mut Section, source: &Source, results: &Results) {
         let factor = source.protocol.as_ref()?.factors.iter().find(|factor| factor.name == name)?;
         Some(factor.levels.len() as f64)
     };
-    let rows: Vec<Vec<String>> = (results.measured.counts.factors.iter())
+    let rows: Vec<Vec<Shown>> = (results.measured.counts.factors.iter())
         .map(|factor| {
-            let levels: Vec<String> = factor.levels.iter().map(|level| names::level(&factor.name, level)).collect();
-            let (name, n) = (names::factor(&factor.name).to_owned(), levels.len().to_string());
-            vec![name, levels.join(", "), n, fixed(planned(&factor.name), 0)]
+            let levels: Vec<String> =
+                factor.levels.iter().map(|level| names::level(&factor.name, level).to_string()).collect();
+            let (name, n) = (names::factor(&factor.name).into(), whole(levels.len() as u64));
+            vec![name, levels.join(", ").into(), n, fixed(planned(&factor.name), 0)]
         })
         .collect();
     if rows.is_empty() {
@@ -108,13 +112,14 @@ fn factors(section: &mut Section, source: &Source, results: &Results) {
 /// Describes the planned and the completed trials.
 fn done(section: &mut Section, source: &Source, results: &Results) {
     let counts = &results.measured.counts;
-    let planned: u64 = source.sessions.iter().filter_map(|session| session.planned).sum();
-    let rated: u64 = source.sessions.iter().filter(|s| s.planned.is_some()).map(|s| s.rated).sum();
+    let sessions = exclusions::sessions(source, results);
+    let planned: u64 = sessions.clone().filter_map(|session| session.planned).sum();
+    let rated: u64 = sessions.clone().filter(|s| s.planned.is_some()).map(|s| s.rated).sum();
     if planned > 0 {
         section.text(format!(
             "Of {} in {}, {} are rated ({}\u{a0}%).",
             count(planned, "planned main trial"),
-            count(source.sessions.len() as u64, "session"),
+            count(sessions.count() as u64, "session"),
             whole(rated),
             fixed(100.0 * rated as f64 / planned as f64, 1)
         ));
@@ -183,19 +188,19 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         let rows = results.cells.iter().map(|cell| (levels(cell), cell));
         ratings(&mut section, results, "Ratings of every condition", &heads, rows.collect());
     }
-    let rows = results.subjects.iter().map(|subject| (subject.group.names.clone(), &subject.group));
+    let rows = (results.subjects.iter()).map(|subject| (vec![participant(subject).into()], &subject.group));
     ratings(&mut section, results, "Ratings of every participant", &["Participant"], rows.collect());
     section
 }
 
 /// Adds a table of groups of ratings; `heads` are the headings of the columns with their names.
-fn ratings(section: &mut Section, results: &Results, caption: &str, heads: &[&str], rows: Vec<(Vec<String>, &Group)>) {
+fn ratings(section: &mut Section, results: &Results, caption: &str, heads: &[&str], rows: Vec<(Vec<Shown>, &Group)>) {
     let categories: Vec<String> = results.measured.counts.categories.iter().map(|c| format!("Rated {c}")).collect();
     let intervals = rows.iter().any(|(_, group)| group.summary.interval.is_some());
     let mut numbers = vec!["Ratings", "Mean", "Median"];
     numbers.extend(intervals.then_some("Interval of the mean"));
     numbers.extend(categories.iter().map(String::as_str));
-    let row = |(mut row, group): (Vec<String>, &Group)| {
+    let row = |(mut row, group): (Vec<Shown>, &Group)| {
         let Summary { n, mean: average, median, ref proportions, interval, .. } = group.summary;
         row.extend([whole(n), mean(average), fixed(median, 1)]);
         row.extend(intervals.then(|| range(interval, mean)));
@@ -218,19 +223,24 @@ pub(super) fn times(results: &Results, figures: &[Figure]) -> Section {
     );
     section.figures(figures, &["times"]);
     let counts = &results.measured.counts;
-    quartiles(&mut section, "Rating", "rating", counts.categories.iter().cloned().zip(results.times.iter().copied()));
+    quartiles(
+        &mut section,
+        "Rating",
+        "rating",
+        counts.categories.iter().map(Shown::from).zip(results.times.iter().copied()),
+    );
     for factor in names::varied(results) {
         let name = names::factor(&factor.name);
         let levels = factor.levels.iter().map(|level| names::level_of(factor, level));
         quartiles(&mut section, name, name, levels.zip(factor.times.iter().copied()));
     }
-    let subjects = results.subjects.iter().map(|subject| (participant(subject).to_owned(), subject.times));
+    let subjects = results.subjects.iter().map(|subject| (participant(subject).into(), subject.times));
     quartiles(&mut section, "Participant", "participant", subjects);
     section
 }
 
-fn quartiles(section: &mut Section, head: &str, by: &str, rows: impl Iterator<Item = (String, Option<Quartiles>)>) {
-    let row = |(name, times): (String, Option<Quartiles>)| {
+fn quartiles(section: &mut Section, head: &str, by: &str, rows: impl Iterator<Item = (Shown, Option<Quartiles>)>) {
+    let row = |(name, times): (Shown, Option<Quartiles>)| {
         let seconds = [times.map(|t| t.lower), times.map(|t| t.median), times.map(|t| t.upper)];
         let n = whole(times.map_or(0, |times| times.n));
         [name, n].into_iter().chain(seconds.map(|seconds| fixed(seconds, 2))).collect()

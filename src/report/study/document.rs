@@ -10,7 +10,7 @@ use super::{
 use crate::{
     analysis::{
         Results,
-        counts::{Measured, MeasuredBuilder},
+        counts::{ExclusionError, Exclusions, Measured, MeasuredBuilder},
     },
     experiment::RatingRow,
     report::{
@@ -19,10 +19,21 @@ use crate::{
         prediction::{PredictionError, StudyPrediction},
     },
     store::{
-        FileErrors,
-        ratings::{self, ReadOptions, Shape, Source},
+        Columns, FileErrors,
+        ratings::{self, FileRead, ReadOptions, Shape, Source},
     },
 };
+
+/// The reason why there is no study.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum StudyError {
+    /// The files cannot be analyzed.
+    #[error(transparent)]
+    Files(#[from] FileErrors),
+    /// What is to be excluded does not exist.
+    #[error(transparent)]
+    Exclusion(#[from] ExclusionError),
+}
 
 /// The ratings in the files, and the errors found in them.
 #[derive(Clone, Debug)]
@@ -36,34 +47,74 @@ impl Study {
     /// Reads files and folders of files.
     ///
     /// # Errors
-    /// There is nothing to analyze, or the study is too large. If only part of the input has errors, they are in
-    /// [`Source::errors`].
-    pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Self, FileErrors> {
-        let new = |shape: &Shape| {
-            let mut builder = MeasuredBuilder::new(&shape.factors);
-            if let Some(categories) = &shape.categories {
-                builder = builder.with_categories(categories);
-            }
-            if shape.guessed { builder.only_varied_factors() } else { builder }
-        };
-        let add =
-            |builder: &mut MeasuredBuilder, row: &RatingRow<'_>| builder.add(row).map_err(|error| error.to_string());
-        let mut all: Option<MeasuredBuilder> = None;
-        let source = ratings::read(paths, options, new, add, |read, file| {
-            let Some(all) = &mut all else {
-                all = Some(file);
-                return Ok(());
-            };
-            all.absorb(file).map_err(|error| FileErrors::whole(&read.path, error.to_string()))
-        })?;
-        let all = all.unwrap_or_else(|| new(&source.shape));
-        let measured = all.finish();
+    /// There is nothing to analyze, the study is too large, or an exclusion names something unknown. If only part of the
+    /// input has errors, they are in [`Source::errors`].
+    pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Self, StudyError> {
+        Self::collect(options, |builders| {
+            ratings::read(paths, options, builder, add, |read, file| builders.take(read, file))
+        })
+    }
+
+    /// Reads a table in memory, such as a data frame; `name` stands for it in messages. Errors in rows count rows from 0.
+    ///
+    /// # Errors
+    /// The same errors as [`Study::read`], or the columns differ in length.
+    pub fn from_columns(name: &str, columns: Columns, options: &ReadOptions) -> Result<Self, StudyError> {
+        Self::collect(options, |builders| {
+            ratings::read_columns(name, columns, options, builder, add, |read, file| builders.take(read, file))
+        })
+    }
+
+    fn collect(
+        options: &ReadOptions,
+        read: impl FnOnce(&mut Builders) -> Result<Source, FileErrors>,
+    ) -> Result<Self, StudyError> {
+        let mut builders = Builders(None);
+        let source = read(&mut builders)?;
+        let all = builders.0.unwrap_or_else(|| builder(&source.shape));
+        let exclusions = Exclusions { exclude: options.exclude.clone(), only: options.only.clone() };
+        let measured = all.finish().narrowed(&exclusions)?;
         if !options.large {
             let file = source.files.first().map_or(Path::new("."), |file| &file.path);
             measured.counts.check_size().map_err(|message| FileErrors::whole(file, message))?;
         }
         Ok(Self { source, measured })
     }
+
+    /// Returns the study without what is to be excluded. Nothing is read again.
+    ///
+    /// # Errors
+    /// A name is not known, or no ratings are left.
+    pub fn narrowed(&self, exclusions: &Exclusions) -> Result<Self, ExclusionError> {
+        Ok(Self { source: self.source.clone(), measured: self.measured.narrowed(exclusions)? })
+    }
+}
+
+/// The ratings of the files that were read so far.
+struct Builders(Option<MeasuredBuilder>);
+
+impl Builders {
+    fn take(&mut self, read: &FileRead, file: MeasuredBuilder) -> Result<(), FileErrors> {
+        match &mut self.0 {
+            Some(all) => all.absorb(file).map_err(|error| FileErrors::whole(&read.path, error.to_string())),
+            None => {
+                self.0 = Some(file);
+                Ok(())
+            }
+        }
+    }
+}
+
+fn builder(shape: &Shape) -> MeasuredBuilder {
+    let mut builder = MeasuredBuilder::new(&shape.factors).with_directions(&shape.directions);
+    if let Some(categories) = &shape.categories {
+        builder = builder.with_categories(categories);
+    }
+    if shape.guessed { builder.only_varied_factors() } else { builder }
+}
+
+fn add(builder: &mut MeasuredBuilder, row: &RatingRow<'_>) -> Result<(), String> {
+    builder.add(row).map_err(|error| error.to_string())
 }
 
 /// What a document shows in addition to the results.

@@ -12,7 +12,10 @@ use crate::{
         results::FactorResults,
         terms::{Term, Variable},
     },
-    report::document::numbers::{fixed, list, mean, p_is, percent, ratio, short_list, with_interval},
+    report::document::{
+        Shown,
+        numbers::{fixed, list, mean, p_is, percent, ratio, short_list, with_interval},
+    },
     statistics::Interval,
 };
 
@@ -94,7 +97,7 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
 /// Says that participants differ in the effect, if the interval of the deviations excludes 0.
 fn people_differ(results: &Results, factor: &FactorResults, found: bool) -> Option<String> {
     let random = results.model.as_ref().ok()?.model.random.as_ref()?;
-    let slope = random.slopes.iter().find(|slope| slope.name == factor.name)?;
+    let slope = random.slopes.iter().find(|slope| slope.term == Term::factor(&factor.name))?;
     let interval = slope.interval.filter(|interval| interval.low > 0.0)?;
     let (name, interval) = (names::factor(&factor.name), with_interval(Some(interval), |sd| fixed(sd, 2)));
     let so = if found { "" } else { ", so the mean effect may hide opposite effects in individuals" };
@@ -155,11 +158,11 @@ fn means(results: &Results, factor: &FactorResults) -> String {
 
 /// Returns the lowest and the highest mean with their levels, such as `0.61` and `45°`; levels with equal means are
 /// joined.
-fn least_and_most(factor: &FactorResults) -> [(String, String); 2] {
+fn least_and_most(factor: &FactorResults) -> [(Shown, String); 2] {
     let (most, least) = factor.extremes();
     [least, most].map(|index| {
         let value = factor.levels[index].summary.mean;
-        let same: Vec<String> = (factor.levels.iter().filter(|level| (level.summary.mean - value).abs() < 1e-9))
+        let same: Vec<Shown> = (factor.levels.iter().filter(|level| (level.summary.mean - value).abs() < 1e-9))
             .map(|level| names::level_of(factor, level))
             .collect();
         (mean(value), short_list(&same, 4))
@@ -180,8 +183,7 @@ fn is_reliable(results: &Results, factor: &FactorResults, term: &Term) -> bool {
     let Some(random) = results.model.as_ref().ok().and_then(|report| report.model.random.as_ref()) else {
         return false;
     };
-    let own = |name: &str| name == term.to_string() || name.starts_with(&factor.name);
-    !factor.within || random.slopes.iter().any(|slope| own(&slope.name))
+    !factor.within || random.slopes.iter().any(|slope| slope.term.contains(term))
 }
 
 /// Returns the test that leads: the likelihood ratio of the factor's main effect if it can be relied on, and otherwise
@@ -236,7 +238,8 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
     }
     let odds = results.spec.link == Link::Logit;
     if let [Variable::Number(name)] = &term.variables[..] {
-        let coefficient = report.model.coefficients.iter().find(|c| c.term == term.to_string())?;
+        let coefficient =
+            report.model.coefficients.iter().find(|c| c.parts.iter().map(|part| &part.variable).eq(&term.variables))?;
         let value = |estimate: f64| if odds { ratio(estimate.exp()) } else { fixed(estimate, 2) };
         let interval = with_interval(coefficient.interval, value);
         let estimate = value(coefficient.estimate);

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::{cautions::unusual_behavior, sittings};
+use super::{cautions::unusual_behavior, exclusions, sittings};
 use crate::{
     analysis::Results,
     report::document::{
-        Section,
+        Section, Shown,
         numbers::{count, fixed, list, whole},
     },
     store::ratings::{FileRead, SessionRead, Source},
@@ -15,19 +15,25 @@ use crate::{
 pub(super) fn section(source: &Source, results: &Results) -> Section {
     let mut section = Section::new("health", "Data quality");
     let sum = |of: fn(&FileRead) -> u64| whole(source.files.iter().map(of).sum());
-    section.facts(
-        "Rows read and excluded",
-        [
-            ("Files", whole(source.files.len() as u64)),
-            ("Rows below the headers", sum(|file| file.rows)),
-            ("Excluded: practice", sum(|file| file.practice)),
-            ("Excluded: corrected ratings", sum(|file| file.superseded)),
-            ("Excluded: rows with errors", sum(|file| file.erroneous)),
-            ("Excluded: unfinished sessions, on request", sum(|file| file.unfinished)),
-            ("Rows analyzed", sum(|file| file.counted)),
-            ("Ratings in analyzed rows", sum(|file| file.ratings)),
-        ],
-    );
+    let mut facts = vec![
+        ("Files", whole(source.files.len() as u64)),
+        ("Rows below the headers", sum(|file| file.rows)),
+        ("Excluded: practice", sum(|file| file.practice)),
+        ("Excluded: corrected ratings", sum(|file| file.superseded)),
+        ("Excluded: rows with errors", sum(|file| file.erroneous)),
+        ("Excluded: unfinished sessions, on request", sum(|file| file.unfinished)),
+        ("Other rows", sum(|file| file.counted)),
+        ("Ratings in these rows", sum(|file| file.ratings)),
+    ];
+    let excluded = exclusions::sentences(results);
+    if !excluded.is_empty() {
+        facts.push(("Excluded: ratings, on request", exclusions::ratings(results)));
+    }
+    facts.push(("Ratings analyzed", whole(results.measured.counts.total())));
+    section.facts("Rows read and excluded", facts);
+    if !excluded.is_empty() {
+        section.text(excluded.join(" "));
+    }
     section.heading("Errors");
     if source.errors.is_empty() {
         section.text("No errors were found in the files.");
@@ -35,7 +41,9 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         section.text("Rows with errors were excluded; the rest was analyzed.");
         section.list(source.errors.iter().map(ToString::to_string).collect());
     }
-    let sealed = source.sessions.iter().filter_map(|session| session.sidecar.as_ref()?.seal.as_ref()).count() as u64;
+    let sealed =
+        source.sessions.iter().filter_map(|session| session.sidecar.as_ref()?.sittings.last()?.seal.as_ref()).count()
+            as u64;
     if !source.warnings.is_empty() {
         section.warning("These files were analyzed despite the following warnings.");
         section.list(source.warnings.iter().map(ToString::to_string).collect());
@@ -47,14 +55,16 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         ));
     }
     if !source.sessions.is_empty() {
+        let analyzed: Vec<&SessionRead> = exclusions::sessions(source, results).collect();
+        let is_excluded = |session: &SessionRead| !analyzed.iter().any(|one| std::ptr::eq(*one, session));
         section.heading("Sessions");
         let texts = ["Participant", "Session", "State", "Ratings by"];
         let numbers = ["Planned", "Rated", "Trials with dropped frames"];
-        let rows = source.sessions.iter().map(session).collect();
+        let rows = source.sessions.iter().map(|one| session(one, is_excluded(one))).collect();
         section.table("Sessions: trials planned and rated", &texts, &numbers, rows);
     }
-    if sittings::all(source).next().is_some() {
-        screens(&mut section, source);
+    if sittings::all(source, results).next().is_some() {
+        screens(&mut section, source, results);
     }
     if unusual_behavior(results).is_empty() {
         section.heading("How participants answered");
@@ -71,11 +81,12 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
     section
 }
 
-/// Says how many sessions are known to be finished; `None` if there are no sessions.
-pub(super) fn finished_sentence(source: &Source) -> Option<String> {
-    let all = source.sessions.len();
-    let unknown = source.sessions.iter().filter(|session| session.planned.is_none()).count();
-    let open = source.sessions.iter().filter(|session| session.is_unfinished()).count();
+/// Says how many of the sessions that were not excluded are known to be finished; `None` if there are none.
+pub(super) fn finished_sentence(source: &Source, results: &Results) -> Option<String> {
+    let sessions = exclusions::sessions(source, results);
+    let all = sessions.clone().count();
+    let unknown = sessions.clone().filter(|session| session.planned.is_none()).count();
+    let open = sessions.filter(|session| session.is_unfinished()).count();
     let are = |n: usize| if n == 1 { "is" } else { "are" };
     match (unknown, open, all) {
         (.., 0) => None,
@@ -93,8 +104,9 @@ pub(super) fn finished_sentence(source: &Source) -> Option<String> {
     }
 }
 
-fn session(session: &SessionRead) -> Vec<String> {
+fn session(session: &SessionRead, is_excluded: bool) -> Vec<Shown> {
     let state = match session.planned {
+        _ if is_excluded => "excluded".to_owned(),
         None => "not known".to_owned(),
         Some(planned) if session.rated < planned => format!("unfinished, {} missing", whole(planned - session.rated)),
         Some(_) => "finished".to_owned(),
@@ -106,12 +118,13 @@ fn session(session: &SessionRead) -> Vec<String> {
     };
     let known = |n: Option<u64>| n.map_or_else(|| fixed(None, 0), whole);
     let (planned, rated, dropped) = (known(session.planned), whole(session.rated), known(session.dropped));
-    vec![session.subject.clone(), session.session.clone(), state, by.to_owned(), planned, rated, dropped]
+    vec![(&session.subject).into(), (&session.session).into(), state.into(), by.into(), planned, rated, dropped]
 }
 
-fn screens(section: &mut Section, source: &Source) {
+fn screens(section: &mut Section, source: &Source, results: &Results) {
     section.heading("Screens and incidents");
-    let measured = || source.sessions.iter().filter_map(|session| Some((session.dropped?, session.rated)));
+    let measured =
+        || exclusions::sessions(source, results).filter_map(|session| Some((session.dropped?, session.rated)));
     if measured().next().is_none() {
         section.text("No session recorded its frames.");
     } else {
@@ -123,7 +136,7 @@ fn screens(section: &mut Section, source: &Source) {
     }
     // The number of sittings with each problem.
     let mut problems: BTreeMap<&str, u64> = BTreeMap::new();
-    let checks = || sittings::all(source).flat_map(|(_, sitting)| &sitting.preflight);
+    let checks = || sittings::all(source, results).flat_map(|(_, sitting)| &sitting.preflight);
     for note in checks().filter(|note| !note.ok) {
         *problems.entry(&note.sentence).or_default() += 1;
     }
@@ -135,7 +148,7 @@ fn screens(section: &mut Section, source: &Source) {
         "Preflight checks found these problems:"
     });
     section.list(problems.iter().map(|(text, n)| format!("{text} ({})", count(*n, "sitting"))).collect());
-    let incidents: Vec<String> = sittings::all(source)
+    let incidents: Vec<String> = sittings::all(source, results)
         .flat_map(|(session, sitting)| {
             let who = move |text| format!("{}, session {}: {text}", session.subject, session.session);
             sitting.incidents.iter().map(who)
@@ -146,7 +159,7 @@ fn screens(section: &mut Section, source: &Source) {
         section.list(incidents);
     }
     // Differences between sittings may be confounded with differences between people.
-    let properties = sittings::properties(source);
+    let properties = sittings::properties(source, results);
     let different: Vec<&str> =
         properties.iter().filter(|(_, values)| values.len() > 1).map(|(name, _)| *name).collect();
     if different.is_empty() {
@@ -160,7 +173,7 @@ fn screens(section: &mut Section, source: &Source) {
             let same = if values.len() > 1 { "differs" } else { "the same" };
             let value = |(value, n)| format!("{value} ({})", count(n as u64, "sitting"));
             let values: Vec<String> = values.into_iter().map(value).collect();
-            vec![name.to_owned(), values.join("; "), same.to_owned()]
+            vec![name.into(), values.join("; ").into(), same.into()]
         })
         .collect();
     section.table("How the sittings were run", &["Setting", "Value", "Across sittings"], &[], rows);

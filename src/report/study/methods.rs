@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{names, sittings, vision::degrees};
+use super::{exclusions, names, sittings, vision::degrees};
 use crate::{
     analysis::{Link, Results, rank_tests::PMethod},
     experiment::{Protocol, ResponseScale},
@@ -60,16 +60,17 @@ pub(super) fn sections(source: &Source, results: &Results, predicted: Option<&St
 
 fn procedure(cited: &mut Cited, source: &Source, results: &Results) -> String {
     let people = count(results.people() as u64, "participant");
-    let who = match sittings::simulated(source).len() {
+    let who = match sittings::simulated(source, results).len() {
         0 => people,
         n if n >= results.people() => count(n as u64, "simulated observer"),
         n => format!("{people}, {n} of them simulated,"),
     };
     let rated = names::rated(&who, results, "which varied in", |factor| {
-        factor.levels.iter().map(|level| names::level_of(factor, level)).collect::<Vec<_>>().join(", ")
+        factor.levels.iter().map(|level| names::level_of(factor, level).to_string()).collect::<Vec<_>>().join(", ")
     });
     let shown = source.protocol.as_ref().map(|protocol| shown(cited, protocol)).unwrap_or_default();
-    format!("{rated}{shown}")
+    let excluded: String = exclusions::sentences(results).iter().map(|sentence| format!(" {sentence}")).collect();
+    format!("{rated}{excluded}{shown}")
 }
 
 fn shown(cited: &mut Cited, protocol: &Protocol) -> String {

@@ -7,6 +7,7 @@
 mod cautions;
 mod description;
 mod document;
+mod exclusions;
 mod findings;
 mod health;
 mod methods;
@@ -18,6 +19,6 @@ mod sittings;
 mod summary;
 mod vision;
 
-pub use document::{Parts, Study, document};
+pub use document::{Parts, Study, StudyError, document};
 pub use provenance::{Provenance, shell_command};
 pub use summary::{Summary, summary};

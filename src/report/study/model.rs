@@ -35,7 +35,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     section.figures(figures, &["effects"]);
     coefficients(&mut section, results, model);
     let threshold =
-        |threshold: &Threshold| vec![threshold.name.clone(), fixed(threshold.estimate, 3), fixed(threshold.se, 3)];
+        |threshold: &Threshold| vec![(&threshold.name).into(), fixed(threshold.estimate, 3), fixed(threshold.se, 3)];
     let caption = "Thresholds between the categories, on the latent scale";
     let rows = model.thresholds.iter().map(threshold).collect();
     section.table(caption, &["Between"], &["Estimate", "SE"], rows);
@@ -106,7 +106,7 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
     let mut rows = vec![("Intercept", random.sd, random.se, random.interval)];
     rows.extend(random.slopes.iter().map(|slope| (slope.name.as_str(), slope.sd, slope.se, slope.interval)));
     let row = |(name, sd, se, interval): (&str, f64, Option<f64>, Option<Interval>)| {
-        vec![names::factor(name).to_owned(), fixed(sd, 3), fixed(se, 3), range(interval, |sd| fixed(sd, 2))]
+        vec![names::factor(name).into(), fixed(sd, 3), fixed(se, 3), range(interval, |sd| fixed(sd, 2))]
     };
     let caption = "Standard deviations between participants, on the latent scale";
     let numbers = ["SD", "SE", "95\u{a0}% interval"];
@@ -123,7 +123,7 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
         let names: Vec<&str> =
             std::iter::once("Intercept").chain(random.slopes.iter().map(|s| s.name.as_str())).collect();
         let row = |(name, row): (&&str, &Vec<f64>)| {
-            [(*name).to_owned()].into_iter().chain(row.iter().map(|r| unit(*r))).collect()
+            [(*name).into()].into_iter().chain(row.iter().map(|r| unit(*r))).collect()
         };
         section.table(
             "Correlations of the random effects",
@@ -133,7 +133,8 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
         );
     }
     if results.is_inferential() {
-        let rows = random.subjects.iter().map(|s| vec![s.subject.clone(), fixed(s.mode, 2), fixed(s.sd, 2)]).collect();
+        let rows =
+            random.subjects.iter().map(|s| vec![(&s.subject).into(), fixed(s.mode, 2), fixed(s.sd, 2)]).collect();
         let caption = "Shift of each participant; positive values mean higher ratings";
         section.table(caption, &["Participant"], &["Shift", "Conditional SD"], rows);
     }
@@ -162,8 +163,8 @@ fn effect_sizes(section: &mut Section, results: &Results, model: &Model) {
         let level = |level: &str| names::level(&contrast.factor, level);
         let (estimate, interval) = (contrast.estimate, contrast.interval);
         let mut cells = vec![
-            names::factor(&contrast.factor).to_owned(),
-            format!("{} – {}", level(&contrast.level), level(&contrast.other)),
+            names::factor(&contrast.factor).into(),
+            format!("{} – {}", level(&contrast.level), level(&contrast.other)).into(),
         ];
         if odds {
             cells.extend([ratio(estimate.exp()), range(interval, |x| ratio(x.exp()))]);
@@ -199,9 +200,9 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
         let at =
             c.at.as_ref().map(|(factor, level)| format!("{} {}", names::factor(factor), names::level(factor, level)));
         vec![
-            names::factor(&c.factor).to_owned(),
-            format!("{} – {}", level(&c.level), level(&c.other)),
-            at.unwrap_or_default(),
+            names::factor(&c.factor).into(),
+            format!("{} – {}", level(&c.level), level(&c.other)).into(),
+            at.unwrap_or_default().into(),
             fixed(c.estimate, 2),
             range(c.interval, |x| fixed(x, 2)),
             probability(c.p),
@@ -224,7 +225,7 @@ fn margins(section: &mut Section, report: &ModelReport) {
     );
     let row = |m: &Margin| {
         let interval = range(m.interval, mean);
-        vec![names::factor(&m.factor).to_owned(), names::level(&m.factor, &m.level), mean(m.mean), interval]
+        vec![names::factor(&m.factor).into(), names::level(&m.factor, &m.level), mean(m.mean), interval]
     };
     let rows = report.margins.iter().map(row).collect();
     section.table("Expected ratings", &["Factor", "Level"], &["Expected rating", "95\u{a0}% interval"], rows);
@@ -254,9 +255,9 @@ fn fit_of_model(section: &mut Section, results: &Results, model: &Model, checks:
     ));
     let row = |p: &&Proportion| {
         vec![
-            names::factor(&p.factor).to_owned(),
+            names::factor(&p.factor).into(),
             names::level(&p.factor, &p.level),
-            p.category.clone(),
+            (&p.category).into(),
             unit(p.observed),
             unit(p.expected),
             range(Some(p.range), unit),
@@ -289,7 +290,7 @@ fn alternatives(section: &mut Section, model: &Model, checks: &Checks) {
             Slopes::Correlated => "correlated",
         };
         let numbers = [a.loglik, a.aic, a.bic].map(|value| fixed(value, 2));
-        let cells = [a.link.to_string(), slopes.to_owned(), a.parameters.to_string()];
+        let cells = [a.link.to_string().into(), slopes.into(), whole(a.parameters as u64)];
         cells.into_iter().chain(numbers).collect()
     };
     let numbers = ["Parameters", "Log-likelihood", "AIC", "BIC"];
@@ -327,12 +328,12 @@ fn influence(section: &mut Section, results: &Results, model: &Model, checks: &C
         })
         .collect();
     let mut rows = vec![
-        std::iter::once("nobody".to_owned())
+        std::iter::once("nobody".into())
             .chain(model.contrasts.iter().map(|c| fixed(c.estimate, 2)))
             .collect::<Vec<_>>(),
     ];
     rows.extend(checks.influence.iter().map(|one| {
-        std::iter::once(one.subject.clone()).chain(one.estimates.iter().map(|estimate| fixed(*estimate, 2))).collect()
+        std::iter::once((&one.subject).into()).chain(one.estimates.iter().map(|estimate| fixed(*estimate, 2))).collect()
     }));
     section.table(
         "Contrasts on the latent scale without each participant",
@@ -443,7 +444,8 @@ fn coefficient_table(section: &mut Section, caption: &str, all: &[Coefficient], 
     let mut numbers = vec!["Estimate", "SE", "95\u{a0}% interval"];
     numbers.extend(odds.then_some(["Odds ratio", "95\u{a0}% interval of the odds ratio"]).into_iter().flatten());
     let row = |c: &Coefficient| {
-        let mut cells = vec![c.name.clone(), fixed(c.estimate, 3), fixed(c.se, 3), range(c.interval, |x| fixed(x, 2))];
+        let mut cells =
+            vec![(&c.name).into(), fixed(c.estimate, 3), fixed(c.se, 3), range(c.interval, |x| fixed(x, 2))];
         cells.extend(
             odds.then(|| [ratio(c.estimate.exp()), range(c.interval, |x| ratio(x.exp()))]).into_iter().flatten(),
         );
@@ -475,7 +477,7 @@ fn tests(section: &mut Section, heading: &str, about: &str, caption: &str, tests
         return;
     }
     let row = |test: &TermTest| {
-        let mut cells = vec![test.term.clone(), fixed(test.lr, 2), test.df.to_string(), probability(test.p)];
+        let mut cells = vec![(&test.term).into(), fixed(test.lr, 2), whole(test.df as u64), probability(test.p)];
         cells.extend(corrected.then(|| probability(test.p_holm)));
         cells
     };

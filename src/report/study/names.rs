@@ -3,13 +3,17 @@
 use crate::{
     analysis::{
         Results,
-        counts::Counts,
+        counts::{Counts, MISSING},
         number_of,
         results::{FactorResults, SubjectResults},
         summary::Group,
     },
     experiment::Protocol,
-    report::document::numbers::{count, list},
+    report::document::{
+        Shown,
+        numbers::{count, list},
+    },
+    text::Cell,
 };
 
 /// The suffix of a column with values in degrees.
@@ -21,17 +25,19 @@ pub(super) fn factor(name: &str) -> &str {
 }
 
 /// Formats a level, such as `45°`, `∞` or `0.4`; `(none)` if the value is missing.
-pub(super) fn level(factor: &str, level: &str) -> String {
-    match level {
-        "" => "(none)".to_owned(),
+pub(super) fn level(factor: &str, level: &str) -> Shown {
+    let number = number_of(level);
+    let text = match level {
+        "" | MISSING => "(none)".to_owned(),
         "inf" => "∞".to_owned(),
-        _ if factor.ends_with(DEGREES) && number_of(level).is_some() => format!("{level}°"),
+        _ if factor.ends_with(DEGREES) && number.is_some() => format!("{level}°"),
         _ => level.to_owned(),
-    }
+    };
+    Shown::new(number.map_or_else(|| Cell::from(level), Cell::Number), text)
 }
 
 /// Returns the level of a group of ratings.
-pub(super) fn level_of(factor: &FactorResults, group: &Group) -> String {
+pub(super) fn level_of(factor: &FactorResults, group: &Group) -> Shown {
     level(&factor.name, group.names.first().map_or("", String::as_str))
 }
 

@@ -52,7 +52,7 @@ pub(super) fn section(source: &Source, results: &Results, provenance: &Provenanc
             ("Commit", provenance.commit.clone()),
             ("Created at", provenance.made_at.strftime("%Y-%m-%d %H:%M:%S UTC").to_string()),
             ("Seed of the simulated studies", resampling.seed.to_string()),
-            ("Simulated studies, at most", whole(resampling.draws.into())),
+            ("Simulated studies, at most", whole(resampling.draws.into()).to_string()),
         ],
     );
     let row = |file: &FileRead| {
@@ -62,10 +62,10 @@ pub(super) fn section(source: &Source, results: &Results, provenance: &Provenanc
             Layout::Long => "long table",
         };
         let hash = file.sha256.clone().unwrap_or_else(|| "not computed".to_owned());
-        vec![file.path.display().to_string(), layout.to_owned(), hash, whole(file.rows), whole(file.counted)]
+        vec![file.path.display().to_string().into(), layout.into(), hash.into(), whole(file.rows), whole(file.counted)]
     };
     let texts = ["File", "Kind", "SHA-256"];
-    section.table("Files", &texts, &["Rows", "Rows analyzed"], source.files.iter().map(row).collect());
+    section.table("Files", &texts, &["Rows", "Rows that count"], source.files.iter().map(row).collect());
     if let Some(protocol) = &source.protocol {
         section.heading("The definition");
         if let Some(hash) = &source.definition_sha256 {

@@ -42,7 +42,7 @@ fn friedman(section: &mut Section, factors: &[&FactorResults]) {
     let row = |factor: &&FactorResults| {
         let test = factor.friedman;
         vec![
-            names::factor(&factor.name).to_owned(),
+            names::factor(&factor.name).into(),
             fixed(test.map(|test| test.subjects as f64), 0),
             fixed(test.map(|test| test.levels as f64), 0),
             fixed(test.map(|test| test.chi_squared), 2),
@@ -95,10 +95,10 @@ fn pairs(section: &mut Section, factor: &FactorResults) {
     let level = |level: &str| names::level(&factor.name, level);
     let row = |pair: &Pair| {
         vec![
-            format!("{} – {}", level(&pair.level), level(&pair.other)),
+            format!("{} – {}", level(&pair.level), level(&pair.other)).into(),
             fixed(pair.difference, 2),
             range(pair.interval, mean),
-            pair.test.n.to_string(),
+            whole(pair.test.n as u64),
             fixed(pair.test.v, 1),
             probability(pair.test.p),
             probability(pair.p_holm),
@@ -163,7 +163,7 @@ pub(super) fn agreement(results: &Results) -> Section {
         unit(LOW_KAPPA),
     ));
     let rows = (results.subjects.iter())
-        .map(|subject| vec![names::participant(subject).to_owned(), whole(subject.retests), unit(subject.kappa)])
+        .map(|subject| vec![names::participant(subject).into(), whole(subject.retests), unit(subject.kappa)])
         .collect();
     let numbers = ["Conditions rated twice", "Weighted κ"];
     section.table("First and second ratings of each participant", &["Participant"], &numbers, rows);

@@ -1,6 +1,6 @@
 //! The plain-language summary. Every sentence is computed from the results.
 
-use super::{cautions::cautions, findings, health, names};
+use super::{cautions::cautions, exclusions, findings, health, names};
 use crate::{
     analysis::{
         Results,
@@ -79,7 +79,8 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
             "These are few people: intervals are wide, and only large and consistent effects can be found.".to_owned(),
         );
     }
-    lead.extend(health::finished_sentence(source));
+    lead.extend(exclusions::sentences(results));
+    lead.extend(health::finished_sentence(source, results));
     lead
 }
 

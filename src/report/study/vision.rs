@@ -6,13 +6,13 @@ use crate::{
     analysis::{Results, counts::Counts},
     report::{
         document::{
-            Section,
+            Section, Shown,
             numbers::{count, fixed, list, mean, unit, whole},
         },
         figures::Figure,
         prediction::{Comparison, PredictionError, StudyPrediction},
     },
-    store::ratings::Source,
+    store::{ratings::Source, sitting::SimulatedObserver},
 };
 
 /// Number of conditions to report, out of those whose predictions deviate most from the ratings.
@@ -46,8 +46,8 @@ pub(super) fn section(
     section.text(order(comparison, counts));
     section.text(ceiling(comparison));
     largest_deviations(results, prediction).into_iter().for_each(|text| section.text(text));
-    let is_circular = sittings::all(source)
-        .any(|(_, sitting)| sitting.observer.as_ref().is_some_and(|observer| observer["observer"] == "vision"));
+    let is_circular = sittings::all(source, results)
+        .any(|(_, sitting)| matches!(sitting.observer, Some(SimulatedObserver::Vision { .. })));
     if is_circular {
         section.warning(
             "Some or all ratings of this study were simulated with this same model, so their agreement with it says nothing about human vision.",
@@ -63,8 +63,8 @@ pub(super) fn degrees(prediction: &StudyPrediction) -> String {
 }
 
 fn criterion(comparison: &Comparison, counts: &Counts) -> String {
-    let below: Vec<String> = counts.categories.iter().take(3).map(|category| names::level("", category)).collect();
-    let thresholds: Vec<String> = comparison.criterion.thresholds.iter().map(|t| visibility(*t)).collect();
+    let below: Vec<Shown> = counts.categories.iter().take(3).map(|category| names::level("", category)).collect();
+    let thresholds: Vec<Shown> = comparison.criterion.thresholds.iter().map(|t| visibility(*t)).collect();
     format!(
         "half of the ratings are above {} at a visibility of {}, with a spread of {} in log visibility",
         list(&below),
@@ -75,11 +75,11 @@ fn criterion(comparison: &Comparison, counts: &Counts) -> String {
 
 /// Formats a visibility with about three digits and no thousands separators. A threshold far from all stimuli can be
 /// arbitrarily large or small.
-fn visibility(value: f64) -> String {
+fn visibility(value: f64) -> Shown {
     if (0.01..10_000.0).contains(&value) {
         fixed(value, if value < 10.0 { 2 } else { 1 })
     } else {
-        format!("{value:.1e}")
+        Shown::new(value, format!("{value:.1e}"))
     }
 }
 

@@ -5,8 +5,8 @@ use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::projected::{Frame, FrameVertex};
-use crate::light::names::named;
 use crate::system::checkpoint;
+use crate::text::names::named;
 
 named! {
     /// How to compute the slopes at the vertices, which *patch* and *c1-phong* need.

@@ -4,11 +4,11 @@ use glam::DVec3;
 
 use super::projected::{Frame, View};
 use crate::{
-    light::names::named,
     shading::{
         lighting::{Facets, Lamp, LampPosition, Lighting, Material, Microfacets, Specular},
         mesh::Surface,
     },
+    text::names::named,
 };
 
 /// The index of refraction of the small mirrors. At normal incidence, they reflect a quarter of the light.

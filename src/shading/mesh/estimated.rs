@@ -4,7 +4,7 @@ use glam::DVec3;
 use nalgebra::{SMatrix, SVector};
 
 use super::triangles::Mesh;
-use crate::light::names::named;
+use crate::text::names::named;
 
 named! {
     /// Where the normals at the vertices come from.

@@ -14,7 +14,7 @@ use super::{
     smooth::{FILLET, HALF_HEIGHT, Smooth, TUBE, blob_radius, terrain_height},
     triangles::Mesh,
 };
-use crate::light::names::named;
+use crate::text::names::named;
 
 named! {
     /// The name of a mesh.

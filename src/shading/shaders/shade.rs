@@ -1,9 +1,6 @@
 //! A shader and its options.
 
-use crate::{
-    light::{Depth, names::named},
-    shading::frame::Gradients,
-};
+use crate::{light::Depth, shading::frame::Gradients, text::names::named};
 
 named! {
     /// The shaders, from flat to smooth everywhere.

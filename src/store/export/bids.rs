@@ -19,7 +19,7 @@ use crate::{
         open::read_regular,
         participants::{Collected, MISSING, collect},
         recorded::Recorded,
-        sidecar::Sitting,
+        sitting::Sitting,
     },
 };
 
@@ -164,8 +164,8 @@ fn of_session(session: &Recorded) -> Map<String, Value> {
         let entries = keys([
             ("StartedAt", Some(sitting.started_at.as_str().into())),
             ("EndedAt", sitting.ended_at.as_deref().map(Value::from)),
-            ("SimulatedObserver", sitting.observer.clone()),
-            ("ResponseStamp", sitting.input.clone()),
+            ("SimulatedObserver", sitting.observer.as_ref().map(|observer| json!(observer))),
+            ("ResponseStamp", sitting.input.as_ref().map(|input| json!(input))),
             ("StimulusPresentation", Some(presented.into())),
             ("Incidents", (!sitting.incidents.is_empty()).then(|| sitting.incidents.clone().into())),
         ]);
@@ -187,24 +187,24 @@ fn of_session(session: &Recorded) -> Map<String, Value> {
 /// Describes the screen and the program with BIDS names and units; unknown values are omitted. `n/a` means that there
 /// was no screen.
 fn presentation(sitting: &Sitting) -> Map<String, Value> {
-    let number = |part: &Option<Value>, key: &str| part.as_ref()?.get(key)?.as_f64();
-    let (wide, high) = (number(&sitting.monitor, "width_px"), number(&sitting.monitor, "height_px"));
-    let pixels = wide.zip(high).filter(|(wide, _)| *wide > 0.0);
-    let measured = sitting.viewing.as_ref().and_then(|viewing| viewing.get("screen_width_measured")?.as_bool());
-    let width = number(&sitting.viewing, "screen_width_cm").filter(|_| measured == Some(true));
+    let (monitor, viewing) = (sitting.monitor.as_ref(), sitting.viewing.as_ref());
+    let pixels = monitor.map(|monitor| (monitor.width_px, monitor.height_px)).filter(|(wide, _)| *wide > 0);
+    let width = viewing.filter(|viewing| viewing.screen_width_measured).map(|viewing| viewing.screen_width_cm);
     // The program assumes square pixels.
-    let size = width.zip(pixels).map(|(width, (wide, high))| json!([meters(width), meters(width * high / wide)]));
-    let refresh_hz = number(&sitting.frames, "refresh_s").filter(|seconds| *seconds > 0.0).map(f64::recip);
-    let refresh_hz = refresh_hz.or(number(&sitting.monitor, "refresh_hz"));
+    let size = width
+        .zip(pixels)
+        .map(|(width, (wide, high))| json!([meters(width), meters(width * f64::from(high) / f64::from(wide))]));
+    let refresh_s = sitting.frames.as_ref().and_then(|frames| frames.refresh_s).filter(|seconds| *seconds > 0.0);
+    let refresh_hz = refresh_s.map(f64::recip).or(monitor.and_then(|monitor| monitor.refresh_hz));
     // `n/a` means that there was no screen.
     let no_screen = (sitting.observer.is_some() && sitting.viewing.is_none()).then(|| Value::from(MISSING));
     let program = &sitting.program;
     keys([
-        ("ScreenDistance", number(&sitting.viewing, "distance_cm").map(meters).or(no_screen.clone())),
+        ("ScreenDistance", viewing.map(|viewing| meters(viewing.distance_cm)).or(no_screen.clone())),
         ("ScreenSize", size.or(no_screen.clone())),
-        ("ScreenResolution", pixels.map(|(wide, high)| json!([wide as u64, high as u64])).or(no_screen)),
+        ("ScreenResolution", pixels.map(|(wide, high)| json!([wide, high])).or(no_screen)),
         ("ScreenRefreshRate", refresh_hz.map(|hertz| rounded(hertz, 1e3))),
-        ("OperatingSystem", program.system.as_deref().map(Value::from)),
+        ("OperatingSystem", Some(program.system.as_str().into())),
         ("SoftwareName", Some(program.name.as_str().into())),
         ("SoftwareVersion", Some(program.version.as_str().into())),
         ("SoftwareCommit", (program.commit != "unknown").then(|| program.commit.as_str().into())),

@@ -15,8 +15,8 @@ use crate::{
         dataset::{self, DATA_FILE, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX},
         frames,
         recorded::Recorded,
-        table::is_formula,
     },
+    text::is_formula,
 };
 
 /// Files that describe a data set as a whole. Nothing else is copied, so other files next to the data stay private.

@@ -9,14 +9,15 @@ use std::{
 
 use crate::{
     store::{
-        FileError, FileErrors,
-        dataset::{DATA_FILE, DESCRIPTION, REGISTER},
+        Columns, FileError, FileErrors,
+        dataset::DATA_FILE,
         error::NotData,
         frames,
         open::open_regular,
         table::{Content, MAX_ROW, each_row},
     },
     system::entries,
+    text::names::natural,
 };
 
 /// Returns the files to read, without duplicates and in the given order. The files of a folder are in natural order of
@@ -97,7 +98,7 @@ fn folder(root: &Path) -> Result<Vec<PathBuf>, String> {
             }
             if path.is_dir() {
                 open.push(path);
-            } else if has_suffix(&path, ".csv") && !is_register(&path) {
+            } else if has_suffix(&path, ".csv") {
                 files.push(path);
             }
         }
@@ -109,27 +110,8 @@ fn folder(root: &Path) -> Result<Vec<PathBuf>, String> {
     Ok(files)
 }
 
-/// True for the register of a data set, which contains no ratings.
-fn is_register(path: &Path) -> bool {
-    path.file_name().is_some_and(|name| name == REGISTER) && path.with_file_name(DESCRIPTION).exists()
-}
-
 fn has_suffix(path: &Path, suffix: &str) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().to_ascii_lowercase().ends_with(suffix))
-}
-
-/// Compares strings in natural order: runs of digits are compared as whole numbers, so that S2 comes before S10.
-pub(super) fn natural(a: &str, b: &str) -> std::cmp::Ordering {
-    // `S01` and `S1` must not compare as equal.
-    natural_parts(a).cmp(natural_parts(b)).then_with(|| a.cmp(b))
-}
-
-/// Splits a string into its numbers, each without leading zeros and with its length, and the text between them.
-fn natural_parts(text: &str) -> impl Iterator<Item = (usize, &[u8])> {
-    text.as_bytes().chunk_by(|a, b| a.is_ascii_digit() == b.is_ascii_digit()).map(|part| {
-        let zeros = part.iter().take_while(|digit| **digit == b'0').count();
-        if part[0].is_ascii_digit() { (part.len() - zeros, &part[zeros..]) } else { (usize::MAX, part) }
-    })
 }
 
 /// Maximum number of bytes of the header row. A table with a thousand columns has about 10,000.
@@ -150,6 +132,8 @@ pub(super) struct Header {
     pub size: u64,
     /// The content of the file, if its line ends had to be converted.
     memory: Option<Vec<u8>>,
+    /// The table, if it is not a file.
+    pub columns: Option<Columns>,
 }
 
 impl Header {
@@ -182,6 +166,13 @@ impl Header {
         }
         header.parse(&head).map_err(|(column, message)| FileError::at(path, (1, column), message))?;
         Ok(header)
+    }
+
+    /// Returns the head of a table in memory.
+    pub fn of(columns: Columns) -> Self {
+        let names = columns.names().map(|name| name.trim().to_owned()).collect();
+        let first = (columns.rows() > 0).then(|| columns.row(0).map(|cell| cell.trim().to_owned()).collect());
+        Self { names, separator: b',', first, columns: Some(columns), ..Self::default() }
     }
 
     fn parse(&mut self, head: &[u8]) -> Result<(), (usize, String)> {
@@ -224,7 +215,11 @@ impl Header {
 
     /// Returns the content of the file at `path`, from memory if it is kept there.
     pub fn content<'a>(&'a self, path: &'a Path) -> Content<'a> {
-        self.memory.as_deref().map_or(Content::File(path), Content::Memory)
+        match (&self.columns, &self.memory) {
+            (Some(columns), _) => Content::Columns(columns),
+            (None, Some(bytes)) => Content::Memory(bytes),
+            (None, None) => Content::File(path),
+        }
     }
 
     /// Returns the index of a column.

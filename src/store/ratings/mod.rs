@@ -14,5 +14,5 @@ mod survey;
 mod trials;
 
 pub use files::{column_names, data_files, with_files};
-pub use reader::read;
+pub use reader::{read, read_columns};
 pub use source::{FileRead, Layout, ReadOptions, SessionRead, Shape, Source};

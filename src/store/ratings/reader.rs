@@ -9,7 +9,7 @@ use std::{
 use rayon::prelude::*;
 
 use super::{
-    files::{self, natural},
+    files,
     row::{self, Cells, RowError, is_rating},
     selection::{Definitions, Input, RecordColumns, Selection},
     source::{FileRead, Layout, ReadOptions, SessionRead, Shape, Source},
@@ -19,11 +19,12 @@ use super::{
 use crate::{
     experiment::RatingRow,
     store::{
-        FileError, FileErrors, dataset,
+        Columns, FileError, FileErrors, dataset,
         error::RowErrors,
         file,
         table::{self, Row},
     },
+    text::names::natural,
 };
 
 /// Maximum size, in bytes, of a file for which a hash is reported.
@@ -44,7 +45,7 @@ pub fn read<T: Send>(
     options: &ReadOptions,
     new: impl Fn(&Shape) -> T + Sync,
     add: impl Fn(&mut T, &RatingRow<'_>) -> Result<(), String> + Sync,
-    mut take: impl FnMut(&FileRead, T) -> Result<(), FileErrors>,
+    take: impl FnMut(&FileRead, T) -> Result<(), FileErrors>,
 ) -> Result<Source, FileErrors> {
     let (files, mut errors) = files::files(paths);
     let definitions = Definitions::default();
@@ -59,13 +60,43 @@ pub fn read<T: Send>(
             Err(error) => errors.push(error),
         }
     }
+    read_inputs((inputs, &files), errors, options, new, add, take)
+}
+
+/// Reads a table in memory, as [`read`] does a file. Errors name the table and, for the rows with errors, the row,
+/// counted from 0, and the column, counted from 1.
+///
+/// # Errors
+/// The same errors as [`read`], or the columns differ in length.
+pub fn read_columns<T: Send>(
+    name: &str,
+    columns: Columns,
+    options: &ReadOptions,
+    new: impl Fn(&Shape) -> T + Sync,
+    add: impl Fn(&mut T, &RatingRow<'_>) -> Result<(), String> + Sync,
+    take: impl FnMut(&FileRead, T) -> Result<(), FileErrors>,
+) -> Result<Source, FileErrors> {
+    columns.check(name)?;
+    let input = Input::of(name, columns, options);
+    read_inputs((vec![input], &[PathBuf::from(name)]), Vec::new(), options, new, add, take)
+}
+
+/// Reads what was opened; `errors` are those found so far.
+fn read_inputs<T: Send>(
+    (inputs, files): (Vec<Input>, &[PathBuf]),
+    mut errors: Vec<FileError>,
+    options: &ReadOptions,
+    new: impl Fn(&Shape) -> T + Sync,
+    add: impl Fn(&mut T, &RatingRow<'_>) -> Result<(), String> + Sync,
+    mut take: impl FnMut(&FileRead, T) -> Result<(), FileErrors>,
+) -> Result<Source, FileErrors> {
     let (selection, found) = Selection::new(inputs, options);
     errors.extend(found);
     let Some(mut selection) = selection else {
         if errors.is_empty() {
             errors.push(FileError::whole(".", "no files were given; expected result files or folders".to_owned()));
         }
-        return Err(in_order(errors, &files));
+        return Err(in_order(errors, files));
     };
     let (trials, survey) = first_pass(&selection);
     let measurements = selection.set_survey(survey);
@@ -105,9 +136,9 @@ pub fn read<T: Send>(
     }
     if reports.iter().all(|report| report.ratings == 0) {
         errors.push(no_row_counts(&reports));
-        return Err(in_order(errors, &files));
+        return Err(in_order(errors, files));
     }
-    let errors = in_order(errors, &files).0;
+    let errors = in_order(errors, files).0;
     let mut warnings = warnings(&selection.inputs);
     warnings.extend(measurements);
     let Selection { shape, protocol, definition_sha256, .. } = selection;
@@ -119,6 +150,7 @@ pub fn read<T: Send>(
 fn warnings(inputs: &[Input]) -> Vec<FileError> {
     let beside = |input: &Input| input.path.with_extension("json");
     let changed = |input: &Input| match &input.sidecar {
+        _ if input.header.columns.is_some() => Vec::new(),
         Some(_) => input.changed.clone(),
         None if input.columns.record.is_some()
             && dataset::described(&input.path).is_some()
@@ -133,7 +165,7 @@ fn warnings(inputs: &[Input]) -> Vec<FileError> {
     let mut warnings: Vec<FileError> = inputs.par_iter().flat_map_iter(changed).collect();
     // One warning for each data set, because a version control system may replace every file with a link.
     let mut links: BTreeMap<&Path, Vec<PathBuf>> = BTreeMap::new();
-    for input in inputs {
+    for input in inputs.iter().filter(|input| input.header.columns.is_none()) {
         if let Some(folder) = dataset::described(&input.path) {
             links.entry(folder).or_default().extend(links_out(folder, &input.path));
         }
@@ -314,9 +346,13 @@ impl FileReader<'_> {
         // An unreadable position or time is an error, but the rating still counts.
         let place = row::place(cells, columns).unwrap_or_else(|error| self.unread(row, error));
         let response_time_s = row::response_time(cells, columns).unwrap_or_else(|error| self.unread(row, error));
-        let factors = columns.factors.iter().zip(&survey.factors);
-        let values: Vec<&str> =
-            factors.map(|(&column, contents)| cells.optional(column, contents.are_numbers())).collect();
+        let factors = columns.factors.iter().zip(&survey.factors).zip(&self.selection.levels);
+        let values: Vec<&str> = factors
+            .map(|((&column, contents), defined)| {
+                let defined = if columns.record.is_some() { &defined[..] } else { &[] };
+                row::level(cells.optional(column, contents.are_numbers()), defined)
+            })
+            .collect();
         add(&RatingRow { subject, values: &values, rating, count, place, response_time_s })
             .map_err(|message| RowError { cell: Some(columns.response), message })?;
         Ok(count)
@@ -404,7 +440,7 @@ fn partial_row(row: &Row<'_>, error: &RowError) -> Option<RowError> {
 }
 
 fn sha256(input: &Input) -> Option<String> {
-    if input.header.size > MAX_HASHED {
+    if input.header.size > MAX_HASHED || input.header.columns.is_some() {
         return None;
     }
     input.header.content(&input.path).bytes().ok().map(|bytes| file::sha256(&bytes))

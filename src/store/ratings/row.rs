@@ -48,17 +48,23 @@ impl<'a> Cells<'a> {
         self.row.record.range(index).and_then(|range| self.text.get(range)).unwrap_or_default().trim()
     }
 
+    /// Returns an ID exactly as written, without surrounding white space.
+    pub fn id(&self, index: usize) -> &'a str {
+        let text = self.row.text().unwrap_or_default();
+        self.row.record.range(index).and_then(|range| text.get(range)).unwrap_or_default().trim()
+    }
+
     /// Returns a level or a number as written; empty for a missing value.
     pub fn optional(&self, index: usize, among_numbers: bool) -> &str {
         Some(self.get(index)).filter(|text| !is_missing(text, among_numbers)).unwrap_or_default()
     }
 
-    /// Returns a cell that must not be empty.
+    /// Returns an ID, which must not be empty.
     ///
     /// # Errors
     /// The cell is empty.
-    pub fn present(&self, index: usize, expected: &str) -> Result<&str, RowError> {
-        Some(self.get(index)).filter(|text| !text.is_empty()).ok_or_else(|| self.error(index, expected))
+    pub fn present(&self, index: usize, expected: &str) -> Result<&'a str, RowError> {
+        Some(self.id(index)).filter(|text| !text.is_empty()).ok_or_else(|| self.error(index, expected))
     }
 
     /// Creates the error for a cell with an unexpected value.
@@ -154,6 +160,15 @@ pub(super) fn rating<'a>(
         }
         _ => Err(cells.error(columns.response, "a rating")),
     }
+}
+
+/// Returns a level as the definition writes it, so that a level that a spreadsheet or pandas wrote as `0.40` or `1.0` is
+/// the level `0.4` or `1`; otherwise as it is written.
+pub(super) fn level<'a>(text: &'a str, defined: &'a [String]) -> &'a str {
+    let is_exact = defined.is_empty() || text.is_empty() || defined.iter().any(|level| level == text);
+    let number = if is_exact { None } else { text.parse::<f64>().ok() };
+    let same = number.and_then(|number| defined.iter().find(|level| level.parse() == Ok(number)));
+    same.map_or(text, String::as_str)
 }
 
 /// Returns how many trials a row represents. A count of 3 may be written as `3.0`, because pandas does so.

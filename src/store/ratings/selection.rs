@@ -15,8 +15,9 @@ use super::{
 };
 use crate::{
     experiment::{MAX_RATING, Protocol, columns_by_header},
-    light::names::expected_one_of,
-    store::{FileError, FileErrors, StoreError, definition, session::register, sidecar::Sidecar},
+    stimulus::is_direction,
+    store::{FileError, FileErrors, StoreError, definition, session::seal, sidecar::Sidecar},
+    text::names::expected_one_of,
 };
 
 /// Columns that a result file must have in addition to the participant's column.
@@ -79,6 +80,8 @@ pub(super) struct Selection {
     pub experiment: Option<String>,
     /// True if ratings are on our own scale, 0…3.
     pub own_scale: bool,
+    /// For each factor, its levels in the definition, as result files have them; empty without a definition.
+    pub levels: Vec<Vec<String>>,
     /// For each factor, whether it is read only because no factors were named and there is no definition.
     pub guessed: Vec<bool>,
     /// What the columns contain; nothing until the rows have been read once.
@@ -124,12 +127,20 @@ impl Selection {
                 false
             }
         });
+        for name in options.direction.iter().filter(|name| !shape.factors.contains(name)) {
+            let message = format!("--direction {name} is not a factor; {}", expected_one_of(name, &shape.factors));
+            errors.extend(inputs.first().map(|file| FileError::whole(&file.path, message)));
+        }
+        let levels =
+            (shape.factors.iter()).map(|name| protocol.as_ref().map_or_else(Vec::new, |all| levels(all, name)));
+        let levels = levels.collect();
         let own_scale = options.response.is_none();
         let is_empty = inputs.is_empty();
         let is_guess = options.factors.is_none() && protocol.is_none();
         let guessed = shape.factors.iter().map(|name| is_guess && !options.also.contains(name)).collect();
         let survey = Survey::new(shape.factors.len());
-        let selection = Self { inputs, shape, protocol, definition_sha256, experiment, own_scale, guessed, survey };
+        let selection =
+            Self { inputs, shape, protocol, definition_sha256, experiment, own_scale, levels, guessed, survey };
         ((!is_empty).then_some(selection), errors)
     }
 
@@ -142,6 +153,7 @@ impl Selection {
             let Some((different, rows)) = self.survey.factors[index].measurement() else { continue };
             self.survey.factors.remove(index);
             let name = self.shape.factors.remove(index);
+            self.levels.remove(index);
             let columns = self.inputs.iter_mut().map(|input| input.columns.factors.remove(index)).collect::<Vec<_>>();
             let message = format!(
                 "the column {name} has {different} different numbers in {rows} rows, so it is a measurement and not a \
@@ -203,7 +215,7 @@ impl Input {
                 Err(error) => errors.push(FileError::whole(&name, format!("cannot be read: {error}"))),
             }
             if let Some(sidecar) = &mut sidecar {
-                changed = register::errors(path, sidecar);
+                changed = seal::errors(path, sidecar);
                 match definitions.protocol(&name, &sidecar.definition) {
                     Ok(found) => protocol = Some(found),
                     Err(found) => errors.extend(found.0),
@@ -214,6 +226,22 @@ impl Input {
         let sidecar = sidecar.map(Arc::new);
         let (name, columns, kind) = (path.display().to_string(), Columns::default(), String::new());
         Ok((Self { path: path.to_owned(), name, header, layout, columns, sidecar, protocol, changed, kind }, errors))
+    }
+
+    /// Inspects a table in memory.
+    pub fn of(name: &str, columns: crate::store::Columns, options: &ReadOptions) -> Self {
+        let header = Header::of(columns);
+        Self {
+            path: PathBuf::from(name),
+            name: name.to_owned(),
+            layout: layout(&header, options, false),
+            header,
+            columns: Columns::default(),
+            sidecar: None,
+            protocol: None,
+            changed: Vec::new(),
+            kind: String::new(),
+        }
     }
 
     /// Returns the number of main trials in the file's definition.
@@ -227,6 +255,9 @@ impl Input {
 
     /// Creates an error in the header.
     fn error(&self, column: usize, message: String) -> FileError {
+        if self.header.columns.is_some() {
+            return FileError::whole(&self.name, message);
+        }
         FileError::at(&self.name, (1, column), message)
     }
 
@@ -377,6 +408,24 @@ fn chosen(files: &[Input], options: &ReadOptions) -> Vec<String> {
     }
 }
 
+/// Returns the levels of a factor as result files have them; empty if the definition has no such factor.
+fn levels(protocol: &Protocol, name: &str) -> Vec<String> {
+    let factor = protocol.factors.iter().find(|factor| factor.name == name);
+    factor.map_or_else(Vec::new, |factor| factor.levels.iter().map(ToString::to_string).collect())
+}
+
+/// Returns which factors are directions: stimulus parameters that are, and those that the options name.
+fn directions(factors: &[String], protocol: Option<&Protocol>, options: &ReadOptions) -> Vec<String> {
+    let of_stimulus = |name: &String| match protocol {
+        Some(protocol) => {
+            let mut parameters = protocol.stimulus.parameters().iter();
+            parameters.any(|parameter| parameter.name == *name && parameter.is_direction)
+        }
+        None => is_direction(name),
+    };
+    factors.iter().filter(|name| options.direction.contains(name) || of_stimulus(name)).cloned().collect()
+}
+
 fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &ReadOptions) -> Shape {
     let has = |name: &str| files.iter().any(|file| file.header.position(name).is_some());
     let mut guessed = false;
@@ -402,6 +451,7 @@ fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &
     factors.retain(|name| known.insert(name.clone()));
     let scale = (0..=MAX_RATING).map(|rating| rating.to_string()).collect();
     Shape {
+        directions: directions(&factors, protocol, options),
         factors,
         subject: options.subject().to_owned(),
         response: options.response().to_owned(),

@@ -29,6 +29,12 @@ pub struct ReadOptions {
     pub complete_only: bool,
     /// True if the session, repetition and response time of each row are also read.
     pub details: bool,
+    /// Factors that are directions, in addition to stimulus parameters that are.
+    pub direction: Vec<String>,
+    /// Participants to leave out after reading.
+    pub exclude: Vec<String>,
+    /// Factors, each with the levels to keep after reading. `NA` stands for a missing value.
+    pub only: Vec<(String, Vec<String>)>,
     /// True if the size of the study has no limit.
     pub large: bool,
 }
@@ -55,6 +61,8 @@ impl ReadOptions {
 pub struct Shape {
     /// Names of the factors, in the order of [`RatingRow::values`](crate::experiment::RatingRow::values).
     pub factors: Vec<String>,
+    /// The factors that are directions.
+    pub directions: Vec<String>,
     /// Name of the column with the participant ID.
     pub subject: String,
     /// Name of the column with the response.

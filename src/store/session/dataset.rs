@@ -2,6 +2,7 @@
 //! programs: `dataset_description.json`, `README.md`, `CHANGES.md` and the list of files that are not data.
 
 use std::{
+    collections::HashSet,
     fs,
     path::{Path, PathBuf},
     time::Duration,
@@ -11,13 +12,14 @@ use serde_json::{Value, json};
 
 use super::{frames, lock};
 use crate::{
-    experiment::{Column, Identity, Protocol, columns},
+    experiment::{Column, Definition, Identity, Protocol, columns},
     store::{
         StoreError,
         error::io,
         file::{exists, make_folder, remove_temporary, write_json, write_whole},
         open::read_regular,
     },
+    system::entries,
 };
 
 /// Suffix of a data file in a Psych-DS data set; our result files have it too.
@@ -28,11 +30,8 @@ pub(crate) const SIDECAR_SUFFIX: &str = "_data.json";
 /// Suffix of a file that contains the damaged lines of a data file. A number follows it.
 pub(super) const DAMAGED: &str = ".damaged-";
 
-/// Name of the register of the sessions, which is next to the description of the data set.
-pub const REGISTER: &str = "sessions.csv";
-/// The first line of the register.
-pub(in crate::store) const REGISTER_HEADER: &str =
-    "at,event,data_file,definition_sha256,seed,data_bytes,data_sha256,sidecar_sha256";
+/// Name of the file in which people record the changes of a data set by hand.
+pub(super) const CHANGES: &str = "CHANGES.md";
 
 /// Name of the table of the participants, which is next to the description of the data set.
 pub const PARTICIPANTS: &str = "participants.tsv";
@@ -96,7 +95,7 @@ impl SessionPaths {
     /// Reports the first link.
     pub(crate) fn refuse_links(&self) -> Result<(), StoreError> {
         let data = self.dataset.join("data");
-        let shared = [REGISTER, PARTICIPANTS, PARTICIPANTS_DESCRIBED].map(|name| self.dataset.join(name));
+        let shared = [CHANGES, PARTICIPANTS, PARTICIPANTS_DESCRIBED].map(|name| self.dataset.join(name));
         for path in [&self.dataset, &data, &self.csv, &self.sidecar, &self.frames].into_iter().chain(&shared) {
             if let Ok(target) = fs::read_link(path) {
                 return Err(StoreError::Link { path: path.clone(), target });
@@ -130,6 +129,17 @@ pub(crate) fn identity(csv: &Path) -> Result<(String, Identity), String> {
     Ok((stem.to_owned(), identity))
 }
 
+/// Returns the first of `P001`, `P002`, … that has no file in this experiment's results.
+pub fn free_participant(results: &Path, protocol: &Protocol) -> String {
+    let files = entries(&results.join(&protocol.name).join("data")).unwrap_or_default();
+    let participant = |path: PathBuf| {
+        let name = path.file_name()?.to_str()?;
+        Some(name.strip_prefix("subject-")?.split('_').next()?.to_ascii_uppercase())
+    };
+    let taken: HashSet<String> = files.into_iter().filter_map(participant).collect();
+    (1..).map(|number| format!("P{number:03}")).find(|id| !taken.contains(id)).unwrap_or_default()
+}
+
 /// Maximum size of the description of a data set in bytes; a typical one has 10,000 bytes.
 pub(in crate::store) const MAX_DESCRIPTION: u64 = 16 << 20;
 
@@ -148,7 +158,7 @@ pub(crate) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<Str
     let [by_text, by_validator] = IGNORE;
     for (name, text) in [
         ("README.md", readme(protocol)),
-        ("CHANGES.md", CHANGES.to_owned()),
+        (CHANGES, NO_CHANGES.to_owned()),
         (by_text, ignored()),
         (by_validator, ignored()),
     ] {
@@ -214,7 +224,7 @@ fn variable(column: &Column) -> Value {
 }
 
 fn readme(protocol: &Protocol) -> String {
-    let Protocol { name, title, participant, .. } = protocol;
+    let Definition { name, title, participant, .. } = &**protocol;
     let participants = match participant.is_empty() {
         true => String::new(),
         false => format!(
@@ -233,9 +243,7 @@ Ratings recorded with machband {version}, using the definition `{name}`.
   definition and the seed that determine the order of its trials, the program, the screen, the geometry, and the meaning
   of each column.
 - `data/…{frames}`: every frame interval, if a screen was used.
-{participants}- `{REGISTER}`: when each session started, was resumed and ended, with the hashes of its files at that time.
-  It is not exported.
-
+{participants}
 Missing values are empty. A corrected response is a separate row with `attempt` + 1; the last attempt of a trial
 counts. Rows with the `phase` practice are not data.
 
@@ -246,7 +254,7 @@ Add the author, license and similar information to `{DESCRIPTION}`; machband kee
     )
 }
 
-const CHANGES: &str = "# Changes
+const NO_CHANGES: &str = "# Changes
 
 Sessions are added while they are recorded and are never changed afterward. Record any manual change here with its date.
 ";
@@ -254,7 +262,7 @@ Sessions are added while they are recorded and are never changed afterward. Reco
 fn ignored() -> String {
     let [by_the_text, _] = IGNORE;
     format!(
-        "# Frame intervals describe a session and are not its data.\n*{frames}\n# The events and hashes of the sessions, for machband verify.\n{REGISTER}\n# The participants, in the form of another standard.\n{PARTICIPANTS}\n{PARTICIPANTS_DESCRIBED}\n# Exists only while a session runs.\n*{lock}\n# Lines that machband repair removed from a data file.\n*{DAMAGED}*\n# This list, under the name used in the text of the standard.\n{by_the_text}\n",
+        "# Frame intervals describe a session and are not its data.\n*{frames}\n# The participants, in the form of another standard.\n{PARTICIPANTS}\n{PARTICIPANTS_DESCRIBED}\n# Exists only while a session runs, where the file system has no locks.\n*{lock}\n# Lines that machband repair removed from a data file.\n*{DAMAGED}*\n# This list, under the name used in the text of the standard.\n{by_the_text}\n",
         frames = frames::SUFFIX,
         lock = lock::SUFFIX,
     )

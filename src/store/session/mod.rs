@@ -1,16 +1,17 @@
 //! Writes, reads and verifies a session on disk: its data set, its rows, and the sidecar and frames file next to them.
 
+mod chain;
 pub mod dataset;
 pub mod frames;
 mod lock;
 pub mod overview;
 pub mod participants;
 pub mod recorded;
-pub mod register;
 mod repair;
 pub mod results;
 pub mod seal;
 pub mod sidecar;
+pub mod sitting;
 mod store;
 pub mod verify;
 

@@ -48,7 +48,7 @@ impl SessionState {
     pub fn to_resume(&self) -> Result<(Protocol, Option<f64>), StoreError> {
         let (path, sidecar) = Sidecar::of(&self.csv)?;
         let viewing = sidecar.sittings.last().and_then(|sitting| sitting.viewing.as_ref());
-        let distance_cm = viewing.and_then(|viewing| viewing["distance_cm"].as_f64());
+        let distance_cm = viewing.map(|viewing| viewing.distance_cm);
         Ok((definition::from_json(&path.display().to_string(), &sidecar.definition)?, distance_cm))
     }
 
@@ -56,16 +56,17 @@ impl SessionState {
         let (_, identity) = identity(&csv).map_err(|message| FileErrors::whole(&csv, message))?;
         let (path, sidecar) = Sidecar::of(&csv)?;
         let protocol = definition::from_json(&path.display().to_string(), &sidecar.definition)?;
-        let planned = protocol.main_trials().saturating_add(protocol.design.practice as usize);
+        let planned = protocol.main_trials() + protocol.design.practice as usize;
         // A complete session was rated to the end, so its rows need not be read.
-        let rated = if sidecar.complete {
+        let complete = sidecar.is_complete();
+        let rated = if complete {
             planned
         } else {
             let rows = results::read(&csv, &columns(&protocol))?.rows;
             rows.iter().map(|row| (row.phase, row.trial)).collect::<HashSet<_>>().len()
         };
         let started_at = sidecar.sittings.last().map(|sitting| sitting.started_at.clone()).unwrap_or_default();
-        Ok(Self { csv, experiment: protocol.name, identity, rated, planned, complete: sidecar.complete, started_at })
+        Ok(Self { csv, experiment: protocol.name.clone(), identity, rated, planned, complete, started_at })
     }
 }
 

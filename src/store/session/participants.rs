@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, io::ErrorKind, path::Path};
 
 use serde_json::{Map, Value, json};
 
-use super::dataset::{PARTICIPANTS, PARTICIPANTS_DESCRIBED, REGISTER};
+use super::dataset::{CHANGES, PARTICIPANTS, PARTICIPANTS_DESCRIBED};
 use crate::{
     experiment::{Answers, FieldKind, ParticipantFields},
     store::{
@@ -13,8 +13,8 @@ use crate::{
         error::io,
         file::{in_turn, write_json, write_whole},
         open::read_regular,
-        table::is_formula,
     },
+    text::is_formula,
 };
 
 /// How BIDS writes a missing value.
@@ -148,8 +148,8 @@ pub(super) fn enter(
     fields: &ParticipantFields,
     answers: &Answers,
 ) -> Result<(), StoreError> {
-    // The table is replaced as a whole, so it cannot be locked itself. The register of the data set is never replaced.
-    in_turn(&dataset.join(REGISTER), || {
+    // The table is replaced as a whole, so it cannot be locked itself. The program never replaces the list of changes.
+    in_turn(&dataset.join(CHANGES), || {
         let mut table = Participants::read(dataset)?;
         let cell = |value: &Value| {
             value.as_str().map_or_else(|| value.to_string(), |text| text.replace(['\t', '\n', '\r'], " "))

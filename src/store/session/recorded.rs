@@ -7,7 +7,7 @@ use std::{
 
 use super::{
     dataset::{DATA_FILE, identity},
-    frames, register, results,
+    frames, results, seal,
     sidecar::Sidecar,
 };
 use crate::{
@@ -35,7 +35,7 @@ pub struct Recorded {
     pub rows: Vec<TrialRecord>,
     /// An incomplete last line, if the session was interrupted and not resumed.
     pub partial_line: Option<String>,
-    /// The files that differ from what the session wrote, according to its seal.
+    /// The files that differ from what the session wrote, according to its seals.
     pub changed: Vec<FileError>,
 }
 
@@ -54,7 +54,7 @@ impl Recorded {
         let read = results::read(csv, &columns(&protocol))?;
         let frames = csv.with_file_name(format!("{stem}{}", frames::SUFFIX));
         Ok(Self {
-            changed: register::errors(csv, &sidecar),
+            changed: seal::errors(csv, &sidecar),
             csv: csv.to_owned(),
             sidecar_path,
             frames: frames.exists().then_some(frames),

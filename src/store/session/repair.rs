@@ -7,16 +7,14 @@ use std::{
 };
 
 use super::{
-    dataset::{self, DAMAGED, SIDECAR_SUFFIX, identity},
+    dataset::{DAMAGED, SIDECAR_SUFFIX, identity},
     lock::LockFile,
     recorded::Order,
-    register::{self, Entry, Event},
     results::{self, ResultFile},
-    seal::Difference,
-    sidecar::{REPAIRED, Seal, Sidecar},
+    sidecar::{REPAIRED, Sidecar},
 };
 use crate::{
-    experiment::{Column, Identity, LATER_COLUMN_COUNT, Protocol, RowContext, Schedule, TrialRecord, columns},
+    experiment::{Column, Identity, Protocol, RowContext, Schedule, TrialRecord, columns},
     store::{
         FileErrors, StoreError, definition,
         error::io,
@@ -34,14 +32,12 @@ pub struct Repaired {
     pub moved_to: Option<PathBuf>,
     /// True if the header was damaged or gone and was written again.
     pub header_restored: bool,
-    /// What could not be recorded about the repair, if anything.
-    pub warning: Option<String>,
 }
 
 /// Moves the damaged lines of a session's data file to a new file next to it: lines that cannot be read, and rows that
 /// the definition and the seed do not plan, or that no session could have recorded in their place. A damaged header is
-/// replaced. Every byte is kept. The sidecar and the register record the repair, and the trials of the moved lines are
-/// shown again when the session is resumed. The seals are not renewed.
+/// replaced. Every byte is kept. The sidecar records the repair, and the trials of the moved lines are shown again when the
+/// session is resumed. The seals are not renewed.
 ///
 /// # Errors
 /// Another program is writing the session; the sidecar is missing or cannot be read; no row is planned, so the sidecar
@@ -66,11 +62,9 @@ pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
     let Sorted { header_restored, lines, damaged, kept } =
         sort(&before, (&protocol, &identity, sidecar.seed), &columns, csv)?;
     if kept == before {
-        return Ok(Repaired { lines, moved_to: None, header_restored: false, warning: None });
+        return Ok(Repaired { lines, moved_to: None, header_restored: false });
     }
     let moved_to = (!damaged.is_empty()).then(|| write_new(csv, &damaged)).transpose()?;
-    let mut incidents: Vec<String> =
-        register::unsealed_differences(csv, &sidecar).iter().map(Difference::accepted).collect();
     write_whole(csv, &kept, true)?;
     let name = moved_to.as_ref().and_then(|path| path.file_name()).unwrap_or_default().to_string_lossy();
     let [was, is] = [&before, &kept].map(|content| sha256(content));
@@ -79,19 +73,9 @@ pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
         (count, false) => format!("damaged lines were moved to {name}: {count}"),
         (count, true) => format!("damaged lines were moved to {name}: {count}; the header was restored"),
     };
-    incidents.push(format!("{REPAIRED}{what}; sha256 {was} before, {is} now"));
-    record(incidents, &mut sidecar);
+    record(format!("{REPAIRED}{what}; sha256 {was} before, {is} now"), &mut sidecar);
     sidecar.write(&sidecar_path)?;
-    let seal = Seal {
-        data_bytes: Some(kept.len() as u64),
-        data_sha256: is,
-        frames_bytes: None,
-        frames_sha256: None,
-        sidecar_sha256: sidecar.own_sha256(),
-    };
-    let entry = Entry::new(Event::Repaired, csv, &sidecar, seal);
-    let warning = dataset::of(csv).and_then(|dataset| entry.append(dataset).err()).map(|error| error.to_string());
-    Ok(Repaired { lines, moved_to, header_restored, warning })
+    Ok(Repaired { lines, moved_to, header_restored })
 }
 
 /// The lines of a data file.
@@ -120,13 +104,8 @@ fn sort(
             number = 2;
             lines.remove(0).to_vec()
         }
-        // The header is damaged or gone. The columns are those with which most of the lines are rows.
-        _ => {
-            let widths = (columns.len().saturating_sub(LATER_COLUMN_COUNT)..=columns.len()).rev();
-            let headers = widths.map(|width| results::header(&columns[..width]));
-            let rows = |header: &Vec<u8>| lines.iter().filter(|line| row(header, line, columns).is_some()).count();
-            headers.rev().max_by_key(rows).unwrap_or_default()
-        }
+        // The header is damaged or gone.
+        _ => results::header(columns),
     };
     let rows: Vec<Option<TrialRecord>> = lines.iter().map(|line| row(&header, line, columns)).collect();
     let readable = rows.iter().flatten().count();
@@ -192,17 +171,19 @@ fn write_new(csv: &Path, content: &[u8]) -> Result<PathBuf, StoreError> {
     }
 }
 
-/// Adds the incidents to the sidecar. The seals of the rows stay as they are, because a repair cannot know what the
-/// damaged lines contained: if they were sealed, the user must accept the change.
-fn record(incidents: Vec<String>, sidecar: &mut Sidecar) {
-    let own = sidecar.own_sha256();
-    sidecar.complete = false;
+/// Adds the incident to the sidecar. The seals of the rows stay as they are, because a repair cannot know what the damaged
+/// lines contained: if they were sealed, the user must accept the change.
+fn record(incident: String, sidecar: &mut Sidecar) {
+    let index = sidecar.sittings.len().saturating_sub(1);
+    let own = sidecar.sha256_at_end_of(index);
     if let Some(last) = sidecar.sittings.last_mut() {
-        last.incidents.extend(incidents);
+        last.complete = false;
+        last.incidents.push(incident);
     }
     // The incident itself is not a manual change.
-    let now = sidecar.own_sha256();
-    if let Some(seal) = sidecar.seal.as_mut().filter(|seal| seal.sidecar_sha256 == own) {
+    let now = sidecar.sha256_at_end_of(index);
+    let seal = sidecar.sittings.last_mut().and_then(|last| last.seal.as_mut());
+    if let Some(seal) = seal.filter(|seal| seal.sidecar_sha256 == own) {
         seal.sidecar_sha256 = now;
     }
 }

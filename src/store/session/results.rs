@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::{
-    experiment::{Column, LATER_COLUMN_COUNT, TrialRecord},
+    experiment::{Column, TrialRecord},
     store::{
         FileErrors, StoreError,
         error::io,
@@ -20,8 +20,6 @@ pub(in crate::store) const MAX_FILE: u64 = 256 << 20;
 #[derive(Debug)]
 pub struct ResultFile {
     pub(in crate::store) file: AppendFile,
-    /// Number of columns in the file. A file created by an earlier version lacks some of the last columns.
-    width: usize,
 }
 
 /// The content of a result file.
@@ -41,7 +39,7 @@ impl ResultFile {
     pub fn create(path: &Path, columns: &[Column]) -> Result<Self, StoreError> {
         let mut file = AppendFile::new(path, true, header(columns));
         file.flush()?;
-        Ok(Self { file, width: columns.len() })
+        Ok(Self { file })
     }
 
     /// Opens and locks the file of an interrupted session. The file is not changed until the next write, which removes
@@ -50,9 +48,7 @@ impl ResultFile {
     /// # Errors
     /// [`StoreError::InUse`]; I/O errors; or the file has no complete line and does not begin with the header.
     pub fn open(path: &Path, columns: &[Column]) -> Result<Self, StoreError> {
-        let file = AppendFile::open(path, true, header(columns), MAX_FILE)?;
-        let width = columns_of(file.content(), columns).len();
-        Ok(Self { file, width })
+        Ok(Self { file: AppendFile::open(path, true, header(columns), MAX_FILE)? })
     }
 
     /// Reads the rows of a file that was opened.
@@ -69,7 +65,7 @@ impl ResultFile {
     /// # Errors
     /// The write failed, or the file is no longer the one that was written.
     pub fn append(&mut self, record: &TrialRecord) -> Result<(), StoreError> {
-        self.file.append(&table::line(record.cells().iter().take(self.width)))
+        self.file.append(&table::line(record.cells()))
     }
 }
 
@@ -95,28 +91,12 @@ pub(super) fn header(columns: &[Column]) -> Vec<u8> {
     table::line(columns.iter().map(|column| &column.name))
 }
 
-/// Returns the columns that the file has. A file from an earlier version lacks some of the last columns.
-fn columns_of<'a>(content: &[u8], columns: &'a [Column]) -> &'a [Column] {
-    let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
-    // Column names contain no commas. A header that differs in any other way is reported as an error elsewhere.
-    let found = header.split(|byte| *byte == b',').count();
-    let least = columns.len().saturating_sub(LATER_COLUMN_COUNT);
-    &columns[..if (least..columns.len()).contains(&found) { found } else { columns.len() }]
-}
-
-/// Parses all rows of a result file with known columns. The last columns may be missing in a file from an earlier
-/// version.
+/// Parses all rows of a result file with known columns.
 ///
 /// # Errors
 /// Reports every row that cannot be parsed, with its line and column, and a header that is not the expected one.
 pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<TrialRecord>, FileErrors> {
-    let all = columns.len();
-    let header = |header: &[&str]| check_header(header, columns_of(content, columns));
-    table::parse(file, content, header, |cells| {
-        let mut full = cells.to_vec();
-        full.resize(all.max(cells.len()), "");
-        TrialRecord::from_cells(&full)
-    })
+    table::parse(file, content, |header: &[&str]| check_header(header, columns), TrialRecord::from_cells)
 }
 
 /// Checks the header, and names the first column that is not the expected one.

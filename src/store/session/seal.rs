@@ -10,9 +10,9 @@ use std::{
 use sha2::{Digest as _, Sha256};
 
 use super::{
-    dataset::{DATA_FILE, REGISTER, SIDECAR_SUFFIX},
+    dataset::{DATA_FILE, SIDECAR_SUFFIX},
     frames,
-    sidecar::{Seal, Sidecar},
+    sidecar::Sidecar,
 };
 use crate::store::{FileError, error::NotData, file::hexadecimal, open::open_regular};
 
@@ -28,8 +28,6 @@ pub(super) struct Difference {
     pub sitting: usize,
     /// True if later sittings followed, so that the seal covers only the beginning of the file.
     pub is_prefix: bool,
-    /// The event in the register with this hash, if the hash is not from a seal.
-    pub listed: Option<&'static str>,
     /// The recorded hash; `None` if the sitting has no seal.
     pub was: Option<String>,
     /// The hash now, or why there is none.
@@ -38,13 +36,12 @@ pub(super) struct Difference {
 
 impl Difference {
     pub(super) fn error(&self) -> FileError {
-        let since = match (self.listed, self.is_prefix) {
-            (Some(event), _) => format!("{REGISTER} listed it as {event}"),
-            (None, true) => format!("sitting {} ended", self.sitting + 1),
-            (None, false) => "the session ended".to_owned(),
+        let since = match self.is_prefix {
+            true => format!("sitting {} ended", self.sitting + 1),
+            false => "the session ended".to_owned(),
         };
         let message = match (&self.was, &self.is) {
-            (None, _) => format!("has no seal although {since}; expected the hashes that this version records"),
+            (None, _) => format!("has no seal although {since}; expected the hashes of the files at that time"),
             (Some(was), Ok(is)) => format!("was changed since {since}: sha256 {is}; expected {was}"),
             (Some(_), Err(why)) => format!("{why}; expected the file that the session wrote"),
         };
@@ -62,69 +59,51 @@ impl Difference {
     }
 }
 
+/// Returns an error for each file of a session that differs from what the session wrote.
+pub fn errors(csv: &Path, sidecar: &Sidecar) -> Vec<FileError> {
+    differences(csv, sidecar).iter().map(Difference::error).collect()
+}
+
 /// Returns every difference between the files of a session and a seal, in the order of the sittings: the data file `csv`,
 /// its frames file and its sidecar. The seal of the last sitting covers the whole files, and the seals of earlier
-/// sittings cover their beginnings. A session that ended must be sealed, unless an earlier version of the program
-/// recorded it. Reads files in constant memory.
+/// sittings cover their beginnings. Every sitting that ended must have a seal. Reads files in constant memory.
 pub(super) fn differences(csv: &Path, sidecar: &Sidecar) -> Vec<Difference> {
     let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let stem = name.strip_suffix(DATA_FILE).unwrap_or(&name);
     let [sidecar_path, frames] =
         [SIDECAR_SUFFIX, frames::SUFFIX].map(|suffix| csv.with_file_name(format!("{stem}{suffix}")));
     let last = sidecar.sittings.len().saturating_sub(1);
-    let earlier =
-        sidecar.sittings.iter().enumerate().filter_map(|(i, sitting)| Some((i, true, sitting.seal.as_ref()?)));
-    let seals: Vec<_> = earlier.chain(sidecar.seal.as_ref().map(|seal| (last, false, seal))).collect();
-    let bytes =
-        |of: fn(&Seal) -> Option<u64>| seals.iter().filter(|seal| seal.1).filter_map(move |seal| of(seal.2)).collect();
-    let (of_rows, of_frames) = (
-        seals.first().map(|_| Prefixes::read(csv, bytes(|seal| seal.data_bytes))),
-        seals
-            .iter()
-            .any(|seal| seal.2.frames_sha256.is_some())
-            .then(|| Prefixes::read(&frames, bytes(|seal| seal.frames_bytes))),
-    );
+    let seals = || sidecar.sittings.iter().filter_map(|sitting| sitting.seal.as_ref());
+    let of_rows = seals().next().map(|_| Prefixes::read(csv, seals().map(|seal| seal.data_bytes).collect()));
+    let of_frames = seals()
+        .any(|seal| seal.frames_sha256.is_some())
+        .then(|| Prefixes::read(&frames, seals().filter_map(|seal| seal.frames_bytes).collect()));
     let mut found = Vec::new();
-    for (sitting, is_prefix, seal) in seals {
+    for (sitting, entry) in sidecar.sittings.iter().enumerate() {
+        let is_prefix = sitting < last;
+        let Some(seal) = &entry.seal else {
+            if entry.ended_at.is_some() || entry.complete {
+                let (path, is) = (sidecar_path.clone(), Err("has no seal".to_owned()));
+                found.push(Difference { path, sitting, is_prefix, was: None, is });
+            }
+            continue;
+        };
         let mut compare = |path: &Path, is: Result<String, String>, was: &str| {
             if is.as_deref() != Ok(was) {
                 let (path, was) = (path.to_owned(), Some(was.to_owned()));
-                found.push(Difference { path, sitting, is_prefix, listed: None, was, is });
+                found.push(Difference { path, sitting, is_prefix, was, is });
             }
         };
         let hash = |of: &Option<Prefixes>, bytes: Option<u64>| {
             of.as_ref().map_or(Err("was not read".to_owned()), |of| of.hash(bytes.filter(|_| is_prefix)))
         };
-        compare(csv, hash(&of_rows, seal.data_bytes), &seal.data_sha256);
-        compare(&sidecar_path, own_sha256(sidecar, sitting, is_prefix, &seal.sidecar_sha256), &seal.sidecar_sha256);
+        compare(csv, hash(&of_rows, Some(seal.data_bytes)), &seal.data_sha256);
+        compare(&sidecar_path, Ok(sidecar.sha256_at_end_of(sitting)), &seal.sidecar_sha256);
         if let Some(was) = &seal.frames_sha256 {
             compare(&frames, hash(&of_frames, seal.frames_bytes), was);
         }
     }
-    // Earlier versions, which did not record the system, may not have sealed the session. A version between them and
-    // this one removed the seal when it resumed a session, so only the last sitting is certain to have been sealed.
-    let ended = sidecar.sittings.last().filter(|sitting| sidecar.complete || sitting.ended_at.is_some());
-    if ended.is_some_and(|sitting| sitting.program.system.is_some() && sitting.seal.is_none()) && sidecar.seal.is_none()
-    {
-        let is = Err("has no seal".to_owned());
-        found.push(Difference { path: sidecar_path, sitting: last, is_prefix: false, listed: None, was: None, is });
-    }
     found
-}
-
-/// Returns the hash of a file, or of its first `bytes`, or why there is none.
-pub(super) fn sha256_of(path: &Path, bytes: Option<u64>) -> Result<String, String> {
-    Prefixes::read(path, bytes.into_iter().collect()).hash(bytes)
-}
-
-/// Returns the hash of the sidecar as it was when a sitting ended. Whether all trials were rated at that time is not
-/// recorded, so if one of the two possible hashes is the recorded one, it is returned.
-fn own_sha256(sidecar: &Sidecar, sitting: usize, is_prefix: bool, was: &str) -> Result<String, String> {
-    if !is_prefix {
-        return Ok(sidecar.own_sha256());
-    }
-    let [open, complete] = [false, true].map(|complete| sidecar.at_end_of(sitting, complete).own_sha256());
-    Ok(if complete == was { complete } else { open })
 }
 
 /// The hashes of the beginnings of a file.

@@ -1,23 +1,17 @@
 //! The sidecar of a result file: everything about a session except its rows.
 
-use std::{
-    collections::BTreeMap,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use super::sitting::{Seal, Sitting};
 use crate::{
-    experiment::{Answers, Condition, GENERATOR, Protocol, columns},
-    light::{Bits, Dither, Transfer, Transfers},
-    stimulus::recipe::Recipe,
+    experiment::{Answers, GENERATOR, Protocol, columns},
     store::{
         FileError, FileErrors, StoreError, definition,
         error::io,
         file::{sha256, write_json},
-        image,
         open::read_regular,
     },
 };
@@ -25,9 +19,6 @@ use crate::{
 /// Maximum size in bytes of a sidecar. The largest has a hash for each of 100,000 conditions, 8 MB in all, for each
 /// sitting.
 const MAX_FILE: u64 = 64 << 20;
-
-/// Side length of the pictures in a session without a screen, in pixels.
-const SIZE_WITHOUT_SCREEN: u32 = 256;
 
 /// The beginning of the incident that records a repair.
 pub(super) const REPAIRED: &str = "repaired: ";
@@ -51,8 +42,6 @@ pub struct Sidecar {
     pub generator: String,
     /// How an onset is defined.
     pub onset: String,
-    /// True if every planned trial is rated.
-    pub complete: bool,
     /// One entry for each time the session was started or resumed.
     pub sittings: Vec<Sitting>,
     /// Description, unit and levels of every column.
@@ -60,128 +49,15 @@ pub struct Sidecar {
     /// What the participant answered before the first page; absent if nothing was asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub participant: Option<Answers>,
-    /// Reveals whether files were changed after the session ended; absent until the session ends.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub seal: Option<Seal>,
-}
-
-/// Hashes of a session's files when a sitting ended. They reveal accidents and honest manual changes, but do not
-/// protect against fraud: anyone can create new hashes.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Seal {
-    /// Number of bytes of the data file; earlier versions did not record it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub data_bytes: Option<u64>,
-    /// SHA-256 of these bytes.
-    pub data_sha256: String,
-    /// Number of bytes of the frames file; `None` if there is no such file, or if an earlier version sealed the
-    /// session.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub frames_bytes: Option<u64>,
-    /// SHA-256 of the frames file, if there is one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub frames_sha256: Option<String>,
-    /// [`Sidecar::own_sha256`], up to and including the sitting that ended.
-    pub sidecar_sha256: String,
 }
 
 /// Returns the linked-data context. schema.org does not define the keys of a sidecar; without this context, readers of
 /// linked data would look for them there.
 fn context() -> Value {
-    let own = [
-        "definition",
-        "definition_sha256",
-        "seed",
-        "generator",
-        "onset",
-        "complete",
-        "sittings",
-        "columns",
-        "participant",
-        "seal",
-    ];
+    let own = ["definition", "definition_sha256", "seed", "generator", "onset", "sittings", "columns", "participant"];
     let mut context = Map::from_iter([("@vocab".to_owned(), "http://schema.org/".into())]);
     context.extend(own.map(|key| (key.to_owned(), Value::Null)));
     context.into()
-}
-
-/// One sitting of a session: from a start or resumption to the next end or interruption.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Sitting {
-    /// RFC 3339, UTC.
-    pub started_at: String,
-    /// RFC 3339, UTC; absent after a crash.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub ended_at: Option<String>,
-    /// The program that ran it.
-    pub program: Program,
-    /// Parameters of the simulated observer; absent for a person.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub observer: Option<Value>,
-    /// The display profile.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub display: Option<Value>,
-    /// The monitor, as described by the system.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub monitor: Option<Value>,
-    /// Distance, screen size, size of the stimulus.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub viewing: Option<Value>,
-    /// The findings of the preflight, each in a plain sentence.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub preflight: Vec<PreflightNote>,
-    /// Frame intervals over the sitting.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub frames: Option<Value>,
-    /// How ratings are timestamped, and the maximum time that a key press may have waited for its timestamp.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub input: Option<Value>,
-    /// What was shown, so that anyone can re-render it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub pictures: Option<Pictures>,
-    /// Repairs, moves and other incidents.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub incidents: Vec<String>,
-    /// The seal of this sitting, if the session was resumed after it ended. It covers the beginnings of the files. The
-    /// seal of the last sitting is [`Sidecar::seal`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub seal: Option<Seal>,
-}
-
-/// The program that ran a sitting.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Program {
-    /// `machband`.
-    pub name: String,
-    /// Version of the package.
-    pub version: String,
-    /// The commit from which it was built, or `unknown`.
-    pub commit: String,
-    /// The operating system for which it was built, such as `linux`; earlier versions did not record it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub system: Option<String>,
-}
-
-impl Default for Program {
-    fn default() -> Self {
-        Self {
-            name: env!("CARGO_PKG_NAME").to_owned(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            commit: env!("MACHBAND_COMMIT").to_owned(),
-            system: Some(std::env::consts::OS.to_owned()),
-        }
-    }
-}
-
-/// One finding of the preflight before a session.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PreflightNote {
-    /// What was checked.
-    pub check: String,
-    /// True if the check passed.
-    pub ok: bool,
-    /// The finding as a sentence.
-    pub sentence: String,
 }
 
 impl Sidecar {
@@ -198,40 +74,51 @@ impl Sidecar {
             seed,
             generator: GENERATOR.to_owned(),
             onset: ONSET.to_owned(),
-            complete: false,
             sittings: vec![sitting],
             columns,
             participant: None,
-            seal: None,
         }
     }
 
-    /// Computes the SHA-256 of the sidecar without its seal.
+    /// True if the last sitting ended with every planned trial rated.
     #[must_use]
-    pub fn own_sha256(&self) -> String {
-        let open = Self { seal: None, ..self.clone() };
-        // A sidecar is plain data, so serialization cannot fail.
-        sha256(&serde_json::to_vec(&open).unwrap_or_default())
+    pub fn is_complete(&self) -> bool {
+        self.sittings.last().is_some_and(|sitting| sitting.complete)
     }
 
-    /// Returns the sidecar as it was when a sitting ended, without the seal of that sitting. `sitting` is an index.
-    /// `complete` says whether all trials were rated at that time.
-    pub(crate) fn at_end_of(&self, sitting: usize, complete: bool) -> Self {
-        let mut then = Self { complete, seal: None, ..self.clone() };
+    /// Returns the latest seal; `None` if no sitting ended.
+    #[must_use]
+    pub fn last_seal(&self) -> Option<&Seal> {
+        self.sittings.iter().rev().find_map(|sitting| sitting.seal.as_ref())
+    }
+
+    /// Computes the SHA-256 of the sidecar as it was when a sitting ended, without the seal of that sitting. `sitting` is
+    /// an index.
+    #[must_use]
+    pub fn sha256_at_end_of(&self, sitting: usize) -> String {
+        let mut then = self.clone();
         then.sittings.truncate(sitting + 1);
         if let Some(last) = then.sittings.last_mut() {
             last.seal = None;
         }
-        then
+        // A sidecar is plain data, so serialization cannot fail.
+        sha256(&serde_json::to_vec(&then).unwrap_or_default())
     }
 
-    /// Replaces the seals of the sittings from this index on with the seal of the files as they are now, because the
-    /// user accepted a change.
-    pub(crate) fn reseal(&mut self, from: usize, seal: &Seal) {
+    /// Seals a sitting, given by its index, with these hashes of the files and the hash of the sidecar.
+    pub(super) fn seal(&mut self, sitting: usize, files: Seal) {
+        let sidecar_sha256 = self.sha256_at_end_of(sitting);
+        if let Some(sitting) = self.sittings.get_mut(sitting) {
+            sitting.seal = Some(Seal { sidecar_sha256, ..files });
+        }
+    }
+
+    /// Seals the sittings that ended, from this index on, with the files as they are now, because the user accepted a
+    /// change.
+    pub(super) fn reseal(&mut self, from: usize, files: &Seal) {
         for sitting in from..self.sittings.len() {
-            if self.sittings[sitting].seal.is_some() {
-                let sidecar_sha256 = self.at_end_of(sitting, false).own_sha256();
-                self.sittings[sitting].seal = Some(Seal { sidecar_sha256, ..seal.clone() });
+            if self.sittings[sitting].ended_at.is_some() || self.sittings[sitting].seal.is_some() {
+                self.seal(sitting, files.clone());
             }
         }
     }
@@ -283,51 +170,5 @@ impl Sidecar {
     pub fn write(&self, path: &Path) -> Result<(), StoreError> {
         let value = serde_json::to_value(self).map_err(|error| io(path, "encode")(std::io::Error::other(error)))?;
         write_json(path, &value)
-    }
-}
-
-/// The pictures of a sitting.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Pictures {
-    /// How light was converted to codes. The stimulus in it is the definition's, before any factor is set.
-    pub recipe: Recipe,
-    /// [`image::hash`] of each condition's picture, by condition number. Conditions are numbered from 1 by crossing the
-    /// factors, with the last factor varying fastest.
-    pub sha256: BTreeMap<usize, String>,
-}
-
-impl Pictures {
-    /// Creates the pictures for a screen: `size` pixels per side, 8 bits, no dither. None of them is hashed yet.
-    #[must_use]
-    pub fn new(protocol: &Protocol, size: u32, transfers: &Transfers, display_sha256: Option<String>) -> Self {
-        let recipe = Recipe {
-            stimulus: protocol.stimulus.clone(),
-            size,
-            transfers: transfers.clone(),
-            bits: Bits::Eight,
-            dither: Dither::None,
-            seed: 0,
-            display_sha256,
-        };
-        Self { recipe, sha256: BTreeMap::new() }
-    }
-
-    /// Creates the pictures of a session without a screen: 256 pixels per side, sRGB. None of them is hashed yet.
-    #[must_use]
-    pub fn without_screen(protocol: &Protocol) -> Self {
-        Self::new(protocol, SIZE_WITHOUT_SCREEN, &Transfer::Srgb.into(), None)
-    }
-
-    /// Renders every condition's picture and returns the hashes, in order.
-    #[must_use]
-    pub fn hashes(&self, conditions: &[Condition]) -> Vec<String> {
-        let quantizer = self.recipe.quantizer();
-        conditions.par_iter().map(|condition| image::hash(&self.recipe_of(condition).codes(&quantizer))).collect()
-    }
-
-    /// Returns the recipe of a condition's picture.
-    #[must_use]
-    pub fn recipe_of(&self, condition: &Condition) -> Recipe {
-        Recipe { stimulus: condition.stimulus.clone(), ..self.recipe.clone() }
     }
 }

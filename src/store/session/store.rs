@@ -3,15 +3,16 @@
 use std::path::Path;
 
 use super::{
-    dataset::{PARTICIPANTS, REGISTER, SessionPaths},
+    chain,
+    dataset::{PARTICIPANTS, SessionPaths},
     frames::{FrameFile, FrameRow},
-    lock::{self, LockFile},
+    lock::LockFile,
     participants,
     recorded::order_errors,
-    register::{Entry, Event, Register},
     results::{Recovered, ResultFile},
     seal::{self, Difference},
-    sidecar::{Seal, Sidecar, Sitting},
+    sidecar::Sidecar,
+    sitting::{FrameSummary, InputSummary, Seal, Sitting},
 };
 use crate::{
     experiment::{Answers, Identity, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns},
@@ -30,7 +31,8 @@ pub struct SessionStore {
     frames: Option<FrameFile>,
     /// True if a failure to write frames has already been noted.
     frames_refused: bool,
-    /// Tells other programs that this one is writing the session; `None` if the session is complete.
+    /// Tells other programs that this one is writing the session; `None` if the session is complete, or if a lock of the
+    /// operating system tells them.
     lock: Option<LockFile>,
 }
 
@@ -71,8 +73,7 @@ impl SessionStore {
     /// Creates the files of a new session.
     ///
     /// # Errors
-    /// [`StoreError::Exists`]; [`StoreError::Mismatch`] if the register lists this session, whose files are gone; or an
-    /// I/O error.
+    /// [`StoreError::Exists`], or an I/O error.
     pub fn create(
         results: &Path,
         protocol: &Protocol,
@@ -87,25 +88,17 @@ impl SessionStore {
                 return Err(StoreError::Exists(taken.clone()));
             }
         }
-        // A register that cannot be read must not prevent a session; `verify` reports it.
-        if let Some(last) = Register::read(&paths.dataset).unwrap_or_default().last(&paths.csv) {
-            let what = format!(
-                "no longer exists, but {REGISTER} lists it as {}; expected another participant or session, or a register without this one",
-                last.event.name()
-            );
-            return Err(StoreError::Mismatch { path: paths.csv, what });
-        }
         let undescribed = paths.prepare(protocol)?;
         let rows = ResultFile::create(&paths.csv, &columns(protocol))?;
         let mut sidecar = Sidecar::new(protocol, seed, sitting);
         sidecar.sittings[0].incidents.extend(undescribed);
-        let locked = LockFile::create(&paths.csv, rows.file.is_locked()).and_then(|(lock, incidents)| {
-            sidecar.sittings[0].incidents.extend(incidents);
+        let locked = LockFile::create(&paths.csv, rows.file.is_locked()).and_then(|(lock, incident)| {
+            sidecar.sittings[0].incidents.extend(incident);
             sidecar.write(&paths.sidecar)?;
             Ok(lock)
         });
         let lock = match locked {
-            Ok(lock) => Some(lock),
+            Ok(lock) => lock,
             Err(error) => {
                 // Nothing is recorded yet, so the next attempt must not find an existing session, least of all a
                 // sidecar without rows. If the sidecar cannot be removed, the session can still be resumed.
@@ -119,9 +112,7 @@ impl SessionStore {
         };
         let frames = Some(FrameFile::new(&paths.frames));
         let (protocol, identity) = (protocol.clone(), identity.clone());
-        let mut store = Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false, lock };
-        store.register(Event::Started);
-        Ok(store)
+        Ok(Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false, lock })
     }
 
     /// Resumes an interrupted session.
@@ -140,7 +131,7 @@ impl SessionStore {
     ) -> Result<(Self, Interrupted), StoreError> {
         let found = Found::read(results, protocol, identity, seed, changes)?;
         let is_finished = found.is_finished();
-        let Found { paths, rows, sidecar, differences, schedule, resumed, recovered, unread } = found;
+        let Found { paths, rows, sidecar, differences, schedule, resumed, recovered } = found;
         let sittings = recovered.rows.last().map_or(0, |row| row.sitting).max(sidecar.sittings.len() as u32);
         let frames = FrameFile::resume(&paths.frames);
         let without_frames = frames.as_ref().err().map(ToString::to_string);
@@ -148,15 +139,15 @@ impl SessionStore {
         let mut store = Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false, lock: None };
         store.paths.remove_temporary(true);
         // From here on, the files are changed, unless the session is complete.
-        if is_finished {
-            lock::remove_left(&store.paths.csv, store.rows.file.is_locked());
-        } else {
-            let (lock, incidents) = LockFile::create(&store.paths.csv, store.rows.file.is_locked())?;
-            store.lock = Some(lock);
-            store.keep_seal(&differences);
-            store.sidecar.complete = false;
+        if !is_finished {
+            let (lock, incident) = LockFile::create(&store.paths.csv, store.rows.file.is_locked())?;
+            store.lock = lock;
+            if let Some(first) = differences.iter().map(|difference| difference.sitting).min() {
+                let now = store.seal_of_files();
+                store.sidecar.reseal(first, &now);
+            }
             store.sidecar.sittings.push(sitting);
-            incidents.into_iter().for_each(|incident| store.note(incident));
+            incident.into_iter().for_each(|incident| store.note(incident));
             differences.iter().for_each(|difference| store.note(difference.accepted()));
             if let Some(partial_line) = &recovered.partial_line {
                 store.note(format!(
@@ -166,14 +157,8 @@ impl SessionStore {
             if let Some(error) = without_frames {
                 store.note(format!("the frames of this sitting are not saved: {error}"));
             }
-            if let Some(error) = unread {
-                store.note(format!("the files were not compared with the register: {error}"));
-            }
-            // An earlier version of the program may have described fewer columns.
-            store.prepare()?;
             store.sidecar.write(&store.paths.sidecar)?;
             store.rows.file.flush()?;
-            store.register(Event::Resumed);
         }
         let last = recovered.rows.last();
         let interrupted = Interrupted {
@@ -200,38 +185,6 @@ impl SessionStore {
         changes: Changes,
     ) -> Result<bool, StoreError> {
         Ok(Found::read(results, protocol, identity, seed, changes)?.is_finished())
-    }
-
-    /// Moves the seal to the sitting that it belongs to, so that the rows of that sitting continue to be checked. If
-    /// the user accepted differences, the seals that differ are replaced.
-    fn keep_seal(&mut self, accepted: &[Difference]) {
-        let seal = self.sidecar.seal.take();
-        let now = self.seal();
-        if let Some(last) = self.sidecar.sittings.last_mut() {
-            // Earlier versions did not record the lengths.
-            let (data_bytes, frames_bytes) = (now.data_bytes, now.frames_bytes);
-            let with_lengths = |seal: Seal| Seal {
-                data_bytes: seal.data_bytes.or(data_bytes),
-                frames_bytes: seal.frames_bytes.or(frames_bytes.filter(|_| seal.frames_sha256.is_some())),
-                ..seal
-            };
-            let unsealed = accepted.iter().any(|difference| difference.was.is_none());
-            last.seal = seal.map(with_lengths).or(last.seal.take()).or(unsealed.then(|| now.clone()));
-        }
-        if let Some(first) = accepted.iter().map(|difference| difference.sitting).min() {
-            self.sidecar.reseal(first, &now);
-        }
-    }
-
-    /// Appends an event to the register of the data set. A failure is noted, and the session continues. Returns whether
-    /// the event was written.
-    fn register(&mut self, event: Event) -> bool {
-        let entry = Entry::new(event, &self.paths.csv, &self.sidecar, self.seal());
-        let written = entry.append(&self.paths.dataset);
-        if let Err(error) = &written {
-            self.note(format!("the event {event:?} could not be registered: {error}"));
-        }
-        written.is_ok()
     }
 
     /// Keeps what the participant answered before the first page: in the sidecar, and in the participants of the data
@@ -302,9 +255,7 @@ impl SessionStore {
             self.rows.file.continue_in(&self.paths.csv)?;
             self.lock_again();
             self.enter_participant();
-            self.sidecar.write(&self.paths.sidecar)?;
-            self.register(Event::Moved);
-            Ok(())
+            self.sidecar.write(&self.paths.sidecar)
         })
     }
 
@@ -331,7 +282,7 @@ impl SessionStore {
         if let Some(Err(error)) = self.frames.as_mut().map(|frames| frames.continue_in(&paths.frames)) {
             self.note(format!("the frames could not be moved: {error}"));
             // Seals that include the frames would report them as missing in the new folder.
-            let without = Seal { frames_bytes: None, frames_sha256: None, ..self.seal() };
+            let without = Seal { frames_bytes: None, frames_sha256: None, ..self.seal_of_files() };
             self.sidecar.reseal(0, &without);
         }
         self.paths = paths;
@@ -339,18 +290,16 @@ impl SessionStore {
         undescribed.into_iter().for_each(|what| self.note(what));
         self.note(format!("a row could not be saved; the session was moved from {from}"));
         self.enter_participant();
-        self.sidecar.write(&self.paths.sidecar)?;
-        self.register(Event::Moved);
-        Ok(())
+        self.sidecar.write(&self.paths.sidecar)
     }
 
-    /// Creates a lock file where the session is now, and removes the previous one.
+    /// Locks the session where it is now.
     fn lock_again(&mut self) {
         self.lock = None;
         match LockFile::create(&self.paths.csv, self.rows.file.is_locked()) {
-            Ok((lock, incidents)) => {
-                self.lock = Some(lock);
-                incidents.into_iter().for_each(|incident| self.note(incident));
+            Ok((lock, incident)) => {
+                self.lock = lock;
+                incident.into_iter().for_each(|incident| self.note(incident));
             }
             Err(error) => self.note(error.to_string()),
         }
@@ -358,7 +307,7 @@ impl SessionStore {
 
     /// True if the session has ended with every planned trial rated.
     pub fn is_complete(&self) -> bool {
-        self.sidecar.complete
+        self.sidecar.is_complete()
     }
 
     fn sitting(&mut self) -> Option<&mut Sitting> {
@@ -380,7 +329,7 @@ impl SessionStore {
     }
 
     /// Notes how ratings were timestamped, to be saved with the sidecar.
-    pub fn describe_input(&mut self, input: serde_json::Value) {
+    pub fn describe_input(&mut self, input: InputSummary) {
         if let Some(sitting) = self.sitting() {
             sitting.input = Some(input);
         }
@@ -390,16 +339,14 @@ impl SessionStore {
     ///
     /// # Errors
     /// I/O errors. Even then, the rows are safe.
-    pub fn finish(
-        &mut self,
-        complete: bool,
-        ended_at: String,
-        frames: Option<serde_json::Value>,
-    ) -> Result<(), StoreError> {
-        self.sidecar.complete = complete;
+    pub fn finish(&mut self, complete: bool, ended_at: String, frames: Option<FrameSummary>) -> Result<(), StoreError> {
+        let previous = chain::previous(&self.paths.csv).unwrap_or_else(|error| {
+            self.note(format!("the session that ended before this one is not known: {error}"));
+            None
+        });
         if let Some(sitting) = self.sitting() {
-            sitting.ended_at = Some(ended_at);
-            sitting.frames = frames;
+            (sitting.ended_at, sitting.complete) = (Some(ended_at), complete);
+            (sitting.frames, sitting.previous) = (frames, previous);
         }
         // Sealed data must survive a power failure.
         if let Some(Err(error)) = self.frames.as_mut().map(FrameFile::sync) {
@@ -407,29 +354,22 @@ impl SessionStore {
             self.frames_refused = true;
             self.frames = None;
         }
-        self.sidecar.seal = Some(self.seal());
-        self.sidecar.write(&self.paths.sidecar)?;
-        if !self.register(Event::Ended) {
-            // The incident was noted after the sidecar had been sealed.
-            self.sidecar.seal = Some(self.seal());
-            self.sidecar.write(&self.paths.sidecar)?;
-            // The event may be listed in spite of the error, with the previous hash.
-            let _ = Entry::new(Event::Ended, &self.paths.csv, &self.sidecar, self.seal()).append(&self.paths.dataset);
-        }
-        Ok(())
+        let files = self.seal_of_files();
+        self.sidecar.seal(self.sidecar.sittings.len().saturating_sub(1), files);
+        self.sidecar.write(&self.paths.sidecar)
     }
 
-    /// Returns the seal of the files as they are now.
-    fn seal(&self) -> Seal {
+    /// Returns the hashes of the files as they are now, without that of the sidecar.
+    fn seal_of_files(&self) -> Seal {
         let rows = &self.rows.file;
         let frames = self.frames.as_ref().map(|frames| (frames, &frames.0));
         let frames = frames.filter(|(frames, file)| !frames.is_empty() && file.path() == self.paths.frames);
         Seal {
-            data_bytes: Some(rows.content().len() as u64),
+            data_bytes: rows.content().len() as u64,
             data_sha256: rows.sha256(),
             frames_bytes: frames.map(|(_, file)| file.content().len() as u64),
             frames_sha256: frames.map(|(_, file)| file.sha256()),
-            sidecar_sha256: self.sidecar.own_sha256(),
+            sidecar_sha256: String::new(),
         }
     }
 }
@@ -444,8 +384,6 @@ struct Found {
     schedule: Schedule,
     resumed: Resumed,
     recovered: Recovered,
-    /// Why the register could not be read, if it could not.
-    unread: Option<String>,
 }
 
 impl Found {
@@ -470,42 +408,22 @@ impl Found {
         let rows = ResultFile::open(&paths.csv, &columns)?;
         let found = Sidecar::read(&paths.sidecar)?;
         if let Some(sidecar) = &found {
-            check_same((&sidecar.definition_sha256, sidecar.seed), protocol, seed, &paths.sidecar)?;
+            check_same(sidecar, protocol, seed, &paths.sidecar)?;
         }
         let recovered = rows.recover(&columns)?;
-        let mut unread = None;
-        let (recorded, differences) = match &found {
-            Some(sidecar) => {
-                let mut differences = seal::differences(&paths.csv, sidecar);
-                match Register::read(&paths.dataset) {
-                    // At the start there were no rows, and the header was checked above.
-                    Ok(listed) => differences.extend(
-                        listed
-                            .last(&paths.csv)
-                            .filter(|last| last.event != Event::Started)
-                            .into_iter()
-                            .flat_map(|last| last.differences(&paths.csv, Some(sidecar))),
-                    ),
-                    // It must not prevent a session; `verify` reports it as long as it is damaged.
-                    Err(errors) => unread = errors.0.first().map(ToString::to_string),
-                }
-                (Some(sidecar.seed), differences)
-            }
+        let sidecar = match found {
+            Some(sidecar) => sidecar,
             // A session without rows has recorded nothing that could belong to another definition.
-            None if recovered.rows.is_empty() => (None, Vec::new()),
+            None if recovered.rows.is_empty() => {
+                let incidents = vec!["the sidecar of the first sitting was missing on resume".to_owned()];
+                Sidecar::new(protocol, seed.unwrap_or_default(), Sitting { incidents, ..Sitting::default() })
+            }
             None => {
-                let listed = Register::read(&paths.dataset)?;
-                let entry = listed.last(&paths.csv).ok_or_else(|| StoreError::Mismatch {
-                    path: paths.sidecar.clone(),
-                    what: format!(
-                        "does not exist, and {REGISTER} does not list the session; expected the sidecar, which says how the rows were recorded"
-                    ),
-                })?;
-                let register = paths.dataset.join(REGISTER);
-                check_same((&entry.definition_sha256, entry.seed), protocol, seed, &register)?;
-                (Some(entry.seed), entry.differences(&paths.csv, None))
+                let what = "does not exist; expected the sidecar, which says how the rows were recorded".to_owned();
+                return Err(StoreError::Mismatch { path: paths.sidecar, what });
             }
         };
+        let differences = seal::differences(&paths.csv, &sidecar);
         if changes == Changes::Refuse && !differences.is_empty() {
             let hint = "use --accept-changes to resume anyway; the sidecar then lists the change";
             let error = |difference: &Difference| {
@@ -514,45 +432,38 @@ impl Found {
             };
             return Err(FileErrors(differences.iter().map(error).collect()).into());
         }
-        let seed = recorded.or(seed).or(recovered.rows.first().map(|row| row.seed)).unwrap_or_default();
         let mismatch = |what: String| StoreError::Mismatch { path: paths.csv.clone(), what };
-        let schedule = Schedule::new(protocol, identity, seed).map_err(|error| mismatch(error.to_string()))?;
+        let schedule = Schedule::new(protocol, identity, sidecar.seed).map_err(|error| mismatch(error.to_string()))?;
         let context = RowContext { protocol, schedule: &schedule, identity, sitting: 1 };
         let mut resumed = Resumed::default();
         for row in &recovered.rows {
             let trial = row.planned_trial(&context).map_err(mismatch)?;
             resumed.done.insert(trial);
         }
-        let is_repaired = found.as_ref().is_some_and(Sidecar::is_repaired);
-        let mut errors = order_errors(&paths.csv, recovered.rows.iter().zip(2..), is_repaired);
+        let mut errors = order_errors(&paths.csv, recovered.rows.iter().zip(2..), sidecar.is_repaired());
         if !errors.is_empty() {
             errors.iter_mut().for_each(|error| error.message += "; machband repair moves such rows to another file");
             return Err(FileErrors(errors).into());
         }
-        let sidecar = found.unwrap_or_else(|| {
-            let mut lost = Sidecar::new(protocol, seed, Sitting::default());
-            lost.sittings[0].incidents.push("the sidecar of the first sitting was missing on resume".to_owned());
-            lost
-        });
-        Ok(Self { paths, rows, sidecar, differences, schedule, resumed, recovered, unread })
+        Ok(Self { paths, rows, sidecar, differences, schedule, resumed, recovered })
     }
 
     /// True if every trial is rated and the sidecar says so too, so that there is nothing to do.
     fn is_finished(&self) -> bool {
         let is_rated = self.resumed.done.len() == self.schedule.trials.len() && self.recovered.partial_line.is_none();
-        is_rated && self.sidecar.complete && self.differences.is_empty()
+        is_rated && self.sidecar.is_complete() && self.differences.is_empty()
     }
 }
 
-/// Checks that a session was `recorded` with this definition, given as its hash, and this seed.
+/// Checks that a session was recorded with this definition and this seed.
 fn check_same(
-    (definition_sha256, seed): (&str, u64),
+    sidecar: &Sidecar,
     protocol: &Protocol,
     expected_seed: Option<u64>,
     path: &Path,
 ) -> Result<(), StoreError> {
-    let hash = definition::hash(protocol);
-    let what = if definition_sha256 != hash {
+    let (hash, &Sidecar { ref definition_sha256, seed, .. }) = (definition::hash(protocol), sidecar);
+    let what = if *definition_sha256 != hash {
         format!(
             "the session was recorded with another definition (sha256 {definition_sha256}); expected that one, not {} (sha256 {hash})",
             protocol.name

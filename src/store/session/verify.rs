@@ -10,10 +10,10 @@ use jiff::Timestamp;
 use rayon::prelude::*;
 
 use super::{
-    dataset::{DATA_FILE, REGISTER, SIDECAR_SUFFIX, identity},
+    chain,
+    dataset::{DATA_FILE, DESCRIPTION, SIDECAR_SUFFIX, identity},
     frames::{self, FrameRow},
     recorded::Recorded,
-    register::Register,
     sidecar::Sidecar,
 };
 use crate::{
@@ -111,31 +111,24 @@ pub fn data_sets(
     mut each: impl FnMut(&Path, &Verified, usize) -> bool,
 ) -> Result<VerifiedFolder, FileErrors> {
     let folders = std::iter::once(folder.to_owned()).chain(entries(folder).unwrap_or_default());
-    let registers: Vec<PathBuf> = folders.filter(|folder| folder.join(REGISTER).is_file()).collect();
-    // If every session was deleted, the register still lists them.
-    let files = ratings::data_files(folder).or_else(|error| match registers.is_empty() {
-        true => Err(error),
-        false => Ok(Vec::new()),
-    })?;
-    let dataset = |csv: &Path| csv.parent().and_then(Path::parent).map(Path::to_owned);
-    let mut datasets: BTreeSet<PathBuf> = files.iter().filter_map(|csv| dataset(csv)).collect();
-    datasets.extend(registers);
+    let mut datasets: BTreeSet<PathBuf> = folders.filter(|folder| folder.join(DESCRIPTION).is_file()).collect();
+    // If the rows of every session were deleted, their sidecars still exist.
+    let (files, unreadable) = match ratings::data_files(folder) {
+        Ok(files) => (files, None),
+        Err(error) => (Vec::new(), Some(error)),
+    };
+    datasets.extend(files.iter().filter_map(|csv| csv.parent()?.parent().map(Path::to_owned)));
     let mut found = VerifiedFolder { sessions: files.len(), ..VerifiedFolder::default() };
-    let mut listed = BTreeMap::new();
     for dataset in datasets {
-        let register = Register::read(&dataset).unwrap_or_else(|errors| {
-            found.errors.extend(errors.0);
-            Register::default()
-        });
-        found.errors.extend(register.missing(&dataset));
         found.errors.extend(unexpected_files(&dataset));
         found.left.extend(temporary_files(&dataset));
-        listed.insert(dataset, register);
     }
-    let (unlisted, mut renderer, mut further) = (Register::default(), Renderer::default(), 0);
+    if let Some(error) = unreadable.filter(|_| found.errors.is_empty()) {
+        return Err(error);
+    }
+    let (mut renderer, mut further) = (Renderer::default(), 0);
     for csv in &files {
-        let register = dataset(csv).and_then(|dataset| listed.get(&dataset)).unwrap_or(&unlisted);
-        let verified = session(csv, &mut renderer, register);
+        let verified = session(csv, &mut renderer);
         if !each(csv, &verified, files.len()) {
             break;
         }
@@ -149,8 +142,8 @@ pub fn data_sets(
     Ok(found)
 }
 
-/// Verifies one session, given the path of its data file and the register of its data set.
-pub fn session(csv: &Path, renderer: &mut Renderer, register: &Register) -> Verified {
+/// Verifies one session, given the path of its data file.
+pub fn session(csv: &Path, renderer: &mut Renderer) -> Verified {
     let mut found = Verified::default();
     match Recorded::open(csv) {
         Ok(recorded) => {
@@ -160,9 +153,7 @@ pub fn session(csv: &Path, renderer: &mut Renderer, register: &Register) -> Veri
             found.errors.extend(recorded.row_errors());
             check_end(&recorded, &mut found);
             check_seal(&recorded, &mut found);
-            let (errors, unlisted) = register.compare(csv, &recorded.sidecar);
-            found.errors.extend(errors);
-            found.notes.extend(unlisted);
+            found.notes.extend(chain::gaps(csv, &recorded.sidecar));
             if let Some(Err(FileErrors(errors))) = recorded.frames.as_ref().map(|path| check_frames(path, &recorded)) {
                 found.errors.extend(errors);
             }
@@ -216,7 +207,7 @@ fn check_frames(path: &Path, recorded: &Recorded) -> Result<(), FileErrors> {
 
 /// Checks that no rows are missing at the end of the file.
 fn check_end(recorded: &Recorded, found: &mut Verified) {
-    let ((rated, planned), is_complete) = (found.rated, recorded.sidecar.complete);
+    let ((rated, planned), is_complete) = (found.rated, recorded.sidecar.is_complete());
     if is_complete && rated < planned {
         let message = format!(
             "{rated} of {planned} trials are rated; expected all, because the sidecar says that the session is complete"
@@ -257,12 +248,9 @@ fn turned_back(sidecar: &Sidecar) -> usize {
 
 /// Checks that the files have not changed since the session ended.
 fn check_seal(recorded: &Recorded, found: &mut Verified) {
-    found.sealed = recorded.sidecar.seal.is_some();
+    found.sealed = recorded.sidecar.sittings.last().is_some_and(|sitting| sitting.seal.is_some());
     if !found.sealed && recorded.changed.is_empty() {
-        let ended = recorded.sidecar.complete;
-        let why =
-            if ended { "not sealed: recorded by an earlier version" } else { "not sealed: the session did not end" };
-        found.notes.push(why.to_owned());
+        found.notes.push("not sealed: the session did not end".to_owned());
     }
     found.errors.extend(recorded.changed.iter().cloned());
 }

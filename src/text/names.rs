@@ -18,6 +18,20 @@ pub(crate) fn expected_one_of<S: AsRef<str>>(name: &str, known: &[S]) -> String 
     format!("expected one of {}{question}", known.join(", "))
 }
 
+/// Compares strings in natural order: runs of digits are compared as whole numbers, so that S2 comes before S10.
+pub(crate) fn natural(a: &str, b: &str) -> std::cmp::Ordering {
+    // `S01` and `S1` must not compare as equal.
+    natural_parts(a).cmp(natural_parts(b)).then_with(|| a.cmp(b))
+}
+
+/// Splits a string into its numbers, each without leading zeros and with its length, and the text between them.
+fn natural_parts(text: &str) -> impl Iterator<Item = (usize, &[u8])> {
+    text.as_bytes().chunk_by(|a, b| a.is_ascii_digit() == b.is_ascii_digit()).map(|part| {
+        let zeros = part.iter().take_while(|digit| **digit == b'0').count();
+        if part[0].is_ascii_digit() { (part.len() - zeros, &part[zeros..]) } else { (usize::MAX, part) }
+    })
+}
+
 /// Declares an enum whose values have a name in commands and files, and the error for any other name.
 macro_rules! named {
     ($(#[$meta:meta])* $enum:ident, $error:ident { $($(#[$doc:meta])* $variant:ident = $name:literal,)* }) => {
@@ -62,7 +76,7 @@ macro_rules! named {
             }
         }
 
-        $crate::light::names::serde_as_text!($enum);
+        $crate::text::names::serde_as_text!($enum);
     };
 }
 pub(crate) use named;

@@ -1,0 +1,159 @@
+//! Excludes participants and levels on request, and records what was excluded.
+
+use thiserror::Error;
+
+use super::table::{Counts, Measured};
+use crate::text::names::expected_one_of;
+
+/// The word for a missing level in [`Exclusions::only`]. No level has this name.
+pub const MISSING: &str = "NA";
+
+/// What to exclude.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Exclusions {
+    /// Participants to leave out.
+    pub exclude: Vec<String>,
+    /// Factors, each with the levels to keep. `NA` stands for a missing value.
+    pub only: Vec<(String, Vec<String>)>,
+}
+
+/// One exclusion that was applied.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Excluded {
+    /// A participant.
+    Participant {
+        /// The participant's ID.
+        id: String,
+        /// Number of the participant's ratings.
+        ratings: u64,
+    },
+    /// The other levels of a factor.
+    Levels {
+        /// Name of the factor.
+        factor: String,
+        /// The levels that were kept.
+        kept: Vec<String>,
+        /// Number of ratings at other levels. Those of excluded participants and of levels that another factor excludes
+        /// are not among them.
+        ratings: u64,
+    },
+}
+
+impl Excluded {
+    /// Returns the number of ratings that were excluded.
+    pub fn ratings(&self) -> u64 {
+        match self {
+            Self::Participant { ratings, .. } | Self::Levels { ratings, .. } => *ratings,
+        }
+    }
+}
+
+/// The reason why an exclusion is impossible.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum ExclusionError {
+    /// There is no such participant.
+    #[error("{id} is not a participant; {}", expected_one_of(.id, .known))]
+    Participant {
+        /// The name that was given.
+        id: String,
+        /// All participants.
+        known: Vec<String>,
+    },
+    /// There is no such factor.
+    #[error("{name} is not a factor; {}", expected_one_of(.name, .known))]
+    Factor {
+        /// The name that was given.
+        name: String,
+        /// All factors.
+        known: Vec<String>,
+    },
+    /// The factor has no such level.
+    #[error("{level} is not a level of {factor}; {}", expected_one_of(.level, .known))]
+    Level {
+        /// Name of the factor.
+        factor: String,
+        /// The level that was given.
+        level: String,
+        /// All levels.
+        known: Vec<String>,
+    },
+    /// Nothing is left.
+    #[error("no ratings are left; expected to keep some participants and levels")]
+    Nothing,
+}
+
+impl Measured {
+    /// Returns the ratings without what is to be excluded.
+    ///
+    /// # Errors
+    /// A name is not known, or no ratings are left.
+    pub fn narrowed(&self, exclusions: &Exclusions) -> Result<Self, ExclusionError> {
+        let counts = &self.counts;
+        let people = people(counts, &exclusions.exclude)?;
+        let only: Vec<(usize, &[String])> =
+            exclusions.only.iter().map(|(name, kept)| levels(counts, name, kept)).collect::<Result<_, _>>()?;
+        let level_of = |levels: &[Option<u32>], factor: usize| {
+            levels[factor].map_or(MISSING, |level| counts.factors[factor].levels[level as usize].as_str())
+        };
+        let is_kept = |levels: &[Option<u32>], (factor, kept): &(usize, &[String])| {
+            kept.iter().any(|name| name == level_of(levels, *factor))
+        };
+        // Each rating is counted once: for its participant, or else for the first factor that excludes it.
+        let mut excluded = self.excluded.clone();
+        let first = excluded.len();
+        excluded.extend(people.iter().map(|&index| {
+            let id = counts.subjects[index as usize].clone();
+            Excluded::Participant { id, ratings: 0 }
+        }));
+        excluded.extend(only.iter().map(|&(factor, kept)| {
+            let factor = counts.factors[factor].name.clone();
+            Excluded::Levels { factor, kept: kept.to_vec(), ratings: 0 }
+        }));
+        for row in &counts.rows {
+            let levels = &counts.conditions[row.condition as usize];
+            let reason = (people.iter().position(|person| *person == row.subject))
+                .or_else(|| only.iter().position(|one| !is_kept(levels, one)).map(|index| people.len() + index));
+            if let Some(Excluded::Participant { ratings, .. } | Excluded::Levels { ratings, .. }) =
+                reason.and_then(|reason| excluded.get_mut(first + reason))
+            {
+                *ratings += row.count;
+            }
+        }
+        let left =
+            self.filtered(|subject| !people.contains(&subject), |levels| only.iter().all(|one| is_kept(levels, one)));
+        if left.counts.total() == 0 && counts.total() > 0 {
+            return Err(ExclusionError::Nothing);
+        }
+        Ok(Self { excluded, ..left })
+    }
+}
+
+/// Returns the indices of participants, each once.
+fn people(counts: &Counts, ids: &[String]) -> Result<Vec<u32>, ExclusionError> {
+    let mut people = Vec::new();
+    for id in ids {
+        let index = counts
+            .subjects
+            .iter()
+            .position(|known| known == id)
+            .ok_or_else(|| ExclusionError::Participant { id: id.clone(), known: counts.subjects.clone() })?;
+        if !people.contains(&(index as u32)) {
+            people.push(index as u32);
+        }
+    }
+    Ok(people)
+}
+
+/// Returns the index of a factor, and checks its levels.
+fn levels<'a>(counts: &Counts, name: &str, kept: &'a [String]) -> Result<(usize, &'a [String]), ExclusionError> {
+    let (index, factor) = counts.factor(name).ok_or_else(|| ExclusionError::Factor {
+        name: name.to_owned(),
+        known: counts.factors.iter().map(|factor| factor.name.clone()).collect(),
+    })?;
+    let is_missing = counts.conditions.iter().any(|levels| levels[index].is_none());
+    let known: Vec<String> = factor.levels.iter().cloned().chain(is_missing.then(|| MISSING.to_owned())).collect();
+    match kept.iter().find(|level| !known.contains(level)) {
+        Some(level) => Err(ExclusionError::Level { factor: name.to_owned(), level: level.clone(), known }),
+        None => Ok((index, kept)),
+    }
+}

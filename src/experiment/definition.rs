@@ -1,0 +1,229 @@
+//! What the definition of an experiment says.
+
+use serde::{Deserialize, Serialize, Serializer, ser::SerializeMap as _};
+
+use super::{
+    condition::{Factor, serialize_factors},
+    participant::ParticipantFields,
+    texts::Texts,
+};
+use crate::{stimulus::Stimulus, text::names::serde_as_text};
+
+/// Highest rating on the paper's scale; ratings are 0…3 (Bangay §3.1).
+pub const MAX_RATING: u8 = 3;
+
+/// The definition of an experiment: what is varied, in what order it is shown, and how it is shown and rated. A
+/// [`Protocol`](super::Protocol) is a definition without errors. It is serialized in the form of its file, so that the
+/// copy in a sidecar can be read back; texts that equal their defaults are left out.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Definition {
+    /// Version of the definition's format; 1.
+    pub schema: u32,
+    /// Name, `[a-z0-9-]+`. The results folder has the same name.
+    pub name: String,
+    /// Title for people, one line.
+    pub title: String,
+    /// The stimulus with the parameters that do not vary.
+    pub stimulus: Stimulus,
+    /// The factors to cross, in the order of the definition.
+    #[serde(serialize_with = "serialize_factors")]
+    pub factors: Vec<Factor>,
+    /// Number and order of the trials.
+    pub design: Design,
+    /// What is shown between stimuli.
+    pub recovery: Recovery,
+    /// How long the stimulus is shown. If `None`, it stays until it is rated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub presentation: Option<Presentation>,
+    /// The rating scale.
+    pub response: ResponseScale,
+    /// The planned viewing geometry.
+    pub viewing: ViewingPlan,
+    /// What is asked about the participant before the first page.
+    #[serde(skip_serializing_if = "ParticipantFields::is_empty")]
+    pub participant: ParticipantFields,
+    /// The participant's texts.
+    pub instructions: Texts,
+}
+
+/// Number and order of the trials.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Design {
+    /// Number of main trials for each condition, at least 1.
+    pub repetitions: u32,
+    /// Number of practice trials, which are drawn from the same conditions.
+    pub practice: u32,
+    /// Number of main trials between two breaks; 0 for no breaks.
+    pub break_every: u32,
+    /// Order of the main trials.
+    pub order: Order,
+    /// Maximum number of consecutive trials with the same level of a factor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_run: Option<u32>,
+}
+
+/// Order of the main trials.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// All trials are shuffled together.
+    Random,
+    /// One block for each level of a factor. The blocks are in random order, and the trials are shuffled within each
+    /// block.
+    Blocked(String),
+    /// One block for each level of a factor. A Williams square counterbalances the order of the blocks across
+    /// participants, and the trials are shuffled within each block.
+    Latin(String),
+}
+
+impl Order {
+    /// Returns the factor that defines the blocks, if there are any.
+    pub fn factor(&self) -> Option<&str> {
+        match self {
+            Self::Random => None,
+            Self::Blocked(factor) | Self::Latin(factor) => Some(factor),
+        }
+    }
+}
+
+impl std::fmt::Display for Order {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Random => write!(f, "random"),
+            Self::Blocked(factor) => write!(f, "blocked:{factor}"),
+            Self::Latin(factor) => write!(f, "latin:{factor}"),
+        }
+    }
+}
+
+impl std::str::FromStr for Order {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once(':') {
+            None if text == "random" => Ok(Self::Random),
+            Some(("blocked", factor)) => Ok(Self::Blocked(factor.to_owned())),
+            Some(("latin", factor)) => Ok(Self::Latin(factor.to_owned())),
+            _ => Err(format!("order {text:?} is unknown; expected random, blocked:FACTOR or latin:FACTOR")),
+        }
+    }
+}
+
+serde_as_text!(Order);
+
+/// The uniform field between stimuli (Bangay §3.1).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Recovery {
+    /// Seconds, 0…600.
+    pub duration_s: f64,
+    /// Relative luminance in linear light, 0…1, in the color of the stimulus.
+    pub level: f64,
+}
+
+/// A stimulus of fixed duration. The uniform field follows until the stimulus is rated; an earlier rating ends the
+/// stimulus.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Presentation {
+    /// Seconds, 0.001…600.
+    pub duration_s: f64,
+}
+
+/// The rating scale: one category for each of the ratings 0…3.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResponseScale {
+    /// Shown next to the scale.
+    pub question: String,
+    /// Categories in the order of their ratings.
+    pub categories: Vec<Category>,
+}
+
+/// Serializes the scale as it appears in a definition: question, labels and keys.
+impl Serialize for ResponseScale {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(3))?;
+        map.serialize_entry("question", &self.question)?;
+        map.serialize_entry("labels", &self.categories.iter().map(|c| &c.label).collect::<Vec<_>>())?;
+        map.serialize_entry("keys", &self.categories.iter().map(|c| c.key).collect::<Vec<_>>())?;
+        map.end()
+    }
+}
+
+/// One possible answer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Category {
+    /// What the answer means.
+    pub label: String,
+    /// The key for this answer: one digit or letter.
+    pub key: char,
+}
+
+/// The planned viewing geometry.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ViewingPlan {
+    /// Distance from the eye to the screen, cm.
+    pub distance_cm: f64,
+    /// Side of the square stimulus, degrees of visual angle.
+    pub window_deg: f64,
+}
+
+impl Default for Design {
+    fn default() -> Self {
+        Self { repetitions: 1, practice: 0, break_every: 0, order: Order::Random, max_run: None }
+    }
+}
+
+impl Default for Recovery {
+    fn default() -> Self {
+        Self { duration_s: 2.0, level: 0.5 }
+    }
+}
+
+impl Default for ViewingPlan {
+    /// About 10° at 50 cm (Bangay §3.1).
+    fn default() -> Self {
+        Self { distance_cm: 50.0, window_deg: 10.0 }
+    }
+}
+
+impl Default for ResponseScale {
+    /// The paper's four categories (Bangay §3.1).
+    fn default() -> Self {
+        let labels = ["No band", "Broad band", "Narrow band, indistinct boundaries", "Narrow band, clearly defined"];
+        Self {
+            question: "How visible is the brighter band?".to_owned(),
+            categories: labels
+                .iter()
+                .zip('0'..)
+                .map(|(label, key)| Category { label: (*label).to_owned(), key })
+                .collect(),
+        }
+    }
+}
+
+impl Definition {
+    /// Creates a definition with a name and a stimulus. Everything else has its default: one trial without factors.
+    pub fn new(name: String, stimulus: Stimulus) -> Self {
+        Self {
+            schema: 1,
+            title: name.clone(),
+            name,
+            stimulus,
+            factors: Vec::new(),
+            design: Design::default(),
+            recovery: Recovery::default(),
+            presentation: None,
+            response: ResponseScale::default(),
+            viewing: ViewingPlan::default(),
+            participant: ParticipantFields::default(),
+            instructions: Texts::default(),
+        }
+    }
+
+    /// Returns the name without hyphens, for file names: a Psych-DS keyword value must be alphanumeric.
+    pub fn task(&self) -> String {
+        self.name.replace('-', "")
+    }
+}

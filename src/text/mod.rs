@@ -1,0 +1,10 @@
+//! Floor −1, the basement: values as words, for people and in files; and tables of typed values. CSV files, JSON, the
+//! window, reports and Python's arrays are written from the values; no text is read back. It uses no other module of this
+//! crate.
+
+mod cell;
+pub(crate) mod names;
+mod table;
+
+pub use cell::{Cell, inert, is_formula};
+pub use table::{Column, Table, csv};
