@@ -72,7 +72,6 @@ def mesh(fields: _Fields) -> tuple[_Floats, npt.NDArray[np.uint32], _Floats]: ..
 def shade(
     fields: _Fields, mesh: _Arrays | None, measure: bool
 ) -> tuple[npt.NDArray[np.uint8] | npt.NDArray[np.uint16], str | None]: ...
-def shade_scene(fields: _Fields) -> npt.NDArray[np.uint8] | npt.NDArray[np.uint16]: ...
 @final
 class Definition:
     @staticmethod

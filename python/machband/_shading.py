@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from . import _machband
 from ._common import flag, options, suggests, whole
-from ._stimulus import MAX_SIZE, Codes
+from ._stimulus import Codes
 
 Triple = Sequence[float]
 
@@ -202,7 +202,7 @@ def shade(
         window=window_deg,
         white=white,
     )
-    image = options(size=whole("size", size, 1, MAX_SIZE), bits=bits, transfer=transfer, display=display)
+    image = options(size=whole("size", size), bits=whole("bits", bits), transfer=transfer, display=display)
     if isinstance(vertices, (str, os.PathLike)):
         path = os.fspath(vertices)
         if triangles is not None:
@@ -210,7 +210,7 @@ def shade(
         if normals is not None and estimated is None:
             raise TypeError(f"shade() got normals for the mesh {path!r}; expected only arrays or only a name")
         if path.endswith(".toml"):
-            return Shaded(_machband.shade_scene({"scene": path, **image}), None)
+            return Shaded(*_machband.shade({"scene": path, **image}, None, False))
         fields = {**options(mesh=path, vertices=whole("n_vertices", n_vertices)), **given, **image}
         codes, measured = _machband.shade(fields, None, flag("metrics", metrics) and shader is not None)
     else:

@@ -9,13 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Table, flag, name_of, suggests, table, value, whole, words
+from ._common import Table, flag, name_of, options, suggests, table, value, whole, words
 
 Codes = npt.NDArray[np.uint8] | npt.NDArray[np.uint16]
 Floats = npt.NDArray[np.float64]
-
-#: Largest side of a stimulus, pixels.
-MAX_SIZE = 16384
 
 
 class Parameter(NamedTuple):
@@ -56,17 +53,15 @@ def _coding(
     display: str | PathLike[str] | None,
     dither: str | None,
     seed: int,
-) -> dict[str, Any]:
-    if isinstance(bits, bool) or bits not in (8, 16):
-        raise _machband.Error(f"bits {bits!r} is not known; expected 8 or 16")
-    return {
-        "size": whole("size", size, 1, MAX_SIZE),
-        "bits": int(bits),
-        "transfer": words("transfer", transfer),
-        "display": display,
-        "dither": words("dither", dither),
-        "seed": whole("seed", seed),
-    }
+) -> dict[str, str | bool]:
+    return options(
+        size=whole("size", size),
+        bits=whole("bits", bits),
+        transfer=words("transfer", transfer),
+        display=display,
+        dither=words("dither", dither),
+        seed=whole("seed", seed),
+    )
 
 
 def kinds() -> dict[str, str]:
@@ -141,7 +136,7 @@ def stimulus(
     kind
         One of `kinds`.
     size
-        Side of the image in pixels, 1 to 16384.
+        Side of the image in pixels.
     bits
         Bits per channel, 8 or 16.
     transfer
@@ -235,7 +230,7 @@ def light(kind: str = "mach-band", *, size: int = 1024, **parameters: Any) -> np
     >>> round(float(light(size=64, low=0.2)[0, 0, 0]), 3)
     0.2
     """
-    return _machband.light(name_of("kind", kind), _parameters(parameters), whole("size", size, 1, MAX_SIZE))
+    return _machband.light(name_of("kind", kind), _parameters(parameters), options(size=whole("size", size)))
 
 
 def profile(

@@ -24,12 +24,29 @@ const INTERVAL: Duration = Duration::from_millis(100);
 /// How long a function waits for work that was stopped. Most work looks for a stop far more often.
 const PATIENCE: Duration = Duration::from_secs(5);
 
+/// The warnings of an operation.
+#[derive(Default)]
+pub struct Warnings(Mutex<Vec<String>>);
+
+impl Warnings {
+    /// Issues them in Python.
+    pub fn issue(&self, py: Python<'_>) -> PyResult<()> {
+        warn(py, &std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner)))
+    }
+}
+
+impl Watcher for Warnings {
+    fn warn(&self, warning: &str) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(warning.to_owned());
+    }
+}
+
 /// A running computation, as it sees itself.
 #[derive(Default)]
 pub struct Job {
     done: AtomicU64,
     total: AtomicU64,
-    warnings: Mutex<Vec<String>>,
+    warnings: Warnings,
 }
 
 impl Job {
@@ -47,6 +64,10 @@ impl Watcher for Job {
         self.done.fetch_max(done, Ordering::Relaxed);
         self.total.store(total, Ordering::Relaxed);
     }
+
+    fn warn(&self, warning: &str) {
+        self.warnings.warn(warning);
+    }
 }
 
 /// What a simulation tells its job. The simulation has threads of its own, and its sessions must end cleanly.
@@ -59,7 +80,7 @@ impl Watcher for Simulation<'_> {
     }
 
     fn warn(&self, warning: &str) {
-        self.0.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(warning.to_owned());
+        self.0.warnings.warn(warning);
     }
 
     fn check(&self, place: &Path) -> anyhow::Result<()> {
@@ -140,8 +161,7 @@ pub fn run<T: Send + 'static>(
         Ok(Err(panic)) => Err(PyRuntimeError::new_err(panic_text(&*panic))),
         Err(_) => Err(PyRuntimeError::new_err("the computation ended without a result")),
     }?;
-    let warnings = std::mem::take(&mut *job.warnings.lock().unwrap_or_else(PoisonError::into_inner));
-    warn(py, &warnings)?;
+    job.warnings.issue(py)?;
     Ok(result)
 }
 

@@ -65,7 +65,7 @@ mod _machband {
         definition::{Definition, simulate},
         light::{encode, interpolate, kinds, light, parameters, profile, stimulus, visual_angle},
         main,
-        mesh::{mesh, shade, shade_scene},
+        mesh::{mesh, shade},
         study::{Analysis, analyze, export, read_results, verify},
         table::write_table,
         vision::{predict_codes, predict_file, predict_light, predict_stimulus},

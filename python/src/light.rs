@@ -8,17 +8,17 @@ use std::{
 use machband::{
     display::{Screen, Viewing},
     light::{Bits, CodeImage, Depth, Dither, Interpolation, LinearImage, Quantizer, Samples, Transfer, Transfers},
-    stimulus::{
-        ParameterValue, Stimulus, catalog,
-        recipe::{MAX_SIZE, Recipe},
-    },
+    stimulus::{ParameterValue, Stimulus, catalog, recipe::Recipe},
     store::{self, curve},
+    work::Image,
 };
 use numpy::{IntoPyArray as _, PyArray1, PyArrayMethods as _, PyReadonlyArray1};
 use pyo3::{prelude::*, types::PyDict};
 
 use crate::{
-    error, job,
+    Fields, error,
+    job::{self, Warnings},
+    request,
     table::{self, Column},
 };
 
@@ -63,44 +63,6 @@ pub fn transfers_of(transfer: Option<&str>, display: Option<&PathBuf>) -> PyResu
     }
 }
 
-/// Returns the size if an image can have it.
-fn checked(size: u32) -> PyResult<u32> {
-    let is_possible = (1..=MAX_SIZE).contains(&size);
-    if is_possible { Ok(size) } else { Err(error(format!("size {size} is outside 1…{MAX_SIZE}; expected pixels"))) }
-}
-
-/// How the light of a stimulus becomes codes.
-#[derive(FromPyObject)]
-pub struct Coding {
-    #[pyo3(item)]
-    size: u32,
-    #[pyo3(item)]
-    bits: u32,
-    #[pyo3(item)]
-    transfer: Option<String>,
-    #[pyo3(item)]
-    display: Option<PathBuf>,
-    #[pyo3(item)]
-    dither: Option<String>,
-    #[pyo3(item)]
-    seed: u64,
-}
-
-impl Coding {
-    fn recipe(self, stimulus: Stimulus) -> PyResult<Recipe> {
-        let (transfers, display_sha256) = transfers_of(self.transfer.as_deref(), self.display.as_ref())?;
-        Ok(Recipe {
-            stimulus,
-            size: checked(self.size)?,
-            transfers,
-            bits: self.bits.to_string().parse::<Bits>().map_err(|wrong| error(format!("bits {wrong}")))?,
-            dither: self.dither.as_deref().unwrap_or("none").parse().map_err(error)?,
-            seed: self.seed,
-            display_sha256,
-        })
-    }
-}
-
 /// Returns the quantizer for a recipe. The last one is kept, because the next stimulus is mostly for the same display.
 fn quantizer(recipe: &Recipe) -> Arc<Quantizer> {
     static LAST: Mutex<Option<Arc<Quantizer>>> = Mutex::new(None);
@@ -123,10 +85,19 @@ pub fn codes_array(py: Python<'_>, image: CodeImage) -> PyResult<Bound<'_, PyAny
     })
 }
 
+/// Returns the recipe of an image of a stimulus.
+fn recipe(py: Python<'_>, kind: &str, parameters: Given, image: Fields) -> PyResult<Recipe> {
+    let (stimulus, image) = (stimulus_of(kind, parameters)?, request::<Image>(image)?);
+    let warnings = Warnings::default();
+    let recipe = image.recipe(stimulus, &warnings).map_err(error)?;
+    warnings.issue(py)?;
+    Ok(recipe)
+}
+
 /// Returns the codes of a stimulus.
 #[pyfunction]
-pub fn stimulus<'py>(py: Python<'py>, kind: &str, parameters: Given, coding: Coding) -> PyResult<Bound<'py, PyAny>> {
-    let recipe = coding.recipe(stimulus_of(kind, parameters)?)?;
+pub fn stimulus<'py>(py: Python<'py>, kind: &str, parameters: Given, image: Fields) -> PyResult<Bound<'py, PyAny>> {
+    let recipe = recipe(py, kind, parameters, image)?;
     // Another thread would take longer than such a stimulus, mostly to get its memory.
     let is_quick = recipe.size <= QUICK_PX
         && recipe.bits == Bits::Eight
@@ -140,16 +111,16 @@ pub fn stimulus<'py>(py: Python<'py>, kind: &str, parameters: Given, coding: Cod
 
 /// Returns the light of a stimulus.
 #[pyfunction]
-pub fn light<'py>(py: Python<'py>, kind: &str, parameters: Given, size: u32) -> PyResult<Bound<'py, PyAny>> {
-    let (stimulus, size) = (stimulus_of(kind, parameters)?, checked(size)?);
+pub fn light<'py>(py: Python<'py>, kind: &str, parameters: Given, image: Fields) -> PyResult<Bound<'py, PyAny>> {
+    let (stimulus, Image { size, .. }) = (stimulus_of(kind, parameters)?, request(image)?);
     let LinearImage { width, height, data } = job::run(py, None, false, move |_, _| Ok(stimulus.linear(size)))?;
     Ok(data.into_pyarray(py).reshape([height as usize, width as usize, 3])?.into_any())
 }
 
 /// Returns the columns of the profile that the command `stimulus --profile` writes.
 #[pyfunction]
-pub fn profile<'py>(py: Python<'py>, kind: &str, parameters: Given, coding: Coding) -> PyResult<Bound<'py, PyDict>> {
-    let recipe = coding.recipe(stimulus_of(kind, parameters)?)?;
+pub fn profile<'py>(py: Python<'py>, kind: &str, parameters: Given, image: Fields) -> PyResult<Bound<'py, PyDict>> {
+    let recipe = recipe(py, kind, parameters, image)?;
     let samples = job::run(py, None, false, move |_, _| Ok(curve::samples(&recipe, &quantizer(&recipe))))?;
     let columns = curve::table(&samples).columns.into_iter();
     table::columns(py, columns.map(|column| (column.name, Column::of(&column.cells))))

@@ -3,7 +3,10 @@
 use std::path::Path;
 
 use glam::DVec3;
-use machband::{cli::shade::Arguments as ShadeOptions, shading::Mesh, store};
+use machband::{
+    store,
+    work::shade::{FoundMesh, Shade, Wanted},
+};
 use numpy::{IntoPyArray as _, PyArrayMethods as _, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -18,22 +21,22 @@ fn triples<T: Copy + numpy::Element>(array: &PyReadonlyArray2<'_, T>) -> PyResul
 }
 
 /// Makes the mesh of arrays, which have three columns, and a note if it was repaired.
-fn mesh_of(Arrays(positions, triangles, normals, crease_deg): &Arrays<'_>) -> PyResult<(Mesh, Option<String>)> {
+fn mesh_of(Arrays(positions, triangles, normals, crease_deg): &Arrays<'_>) -> PyResult<FoundMesh> {
     let vectors = |array| triples(array).map(|rows| rows.into_iter().map(DVec3::from_array).collect::<Vec<_>>());
     let normals = normals.as_ref().map(vectors).transpose()?;
     let file =
         store::mesh::from_arrays("mesh", &vectors(positions)?, &triples(triangles)?, normals.as_deref(), *crease_deg);
     let file = file.map_err(error)?;
     let note = file.note(Path::new("mesh"));
-    Ok((file.mesh, note))
+    Ok(FoundMesh { mesh: file.mesh, note })
 }
 
 /// Returns the positions, triangles and normals of the mesh that the command's options name.
 #[pyfunction]
 #[allow(clippy::type_complexity)]
 pub fn mesh(py: Python<'_>, fields: Fields) -> PyResult<(Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyAny>)> {
-    let options: ShadeOptions = request(fields)?;
-    let (mesh, note) = job::run(py, None, false, move |_, _| options.mesh())?;
+    let request: Shade = request(fields)?;
+    let FoundMesh { mesh, note } = job::run(py, None, false, move |_, _| request.one.mesh())?;
     job::warn(py, note.as_slice())?;
     let vectors = |of: fn(&machband::shading::Vertex) -> DVec3| {
         let flat: Vec<f64> = mesh.vertices.iter().flat_map(|vertex| of(vertex).to_array()).collect();
@@ -44,7 +47,7 @@ pub fn mesh(py: Python<'_>, fields: Fields) -> PyResult<(Bound<'_, PyAny>, Bound
     Ok((vectors(|vertex| vertex.position)?, triangles, vectors(|vertex| vertex.normal)?))
 }
 
-/// Shades a mesh with the command's options. Returns the codes, and the measurements as JSON if they are wanted.
+/// Shades a mesh or a scene. Returns the codes, and the measurements as JSON if they are wanted.
 #[pyfunction]
 pub fn shade<'py>(
     py: Python<'py>,
@@ -52,26 +55,12 @@ pub fn shade<'py>(
     mesh: Option<Arrays<'py>>,
     measure: bool,
 ) -> PyResult<(Bound<'py, PyAny>, Option<String>)> {
-    let options: ShadeOptions = request(fields)?;
+    let request: Shade = request(fields)?;
     let given = mesh.as_ref().map(mesh_of).transpose()?;
-    let (codes, metrics, notes) = job::run(py, None, false, move |_, _| {
-        let (mesh, note) = given.map_or_else(|| options.mesh(), Ok)?;
-        let drawing = options.drawing(mesh)?;
-        let (codes, clipped) = drawing.codes();
-        let metrics = measure.then(|| drawing.metrics()).transpose()?;
-        let notes: Vec<String> = [note, drawing.note.clone(), clipped].into_iter().flatten().collect();
-        Ok((codes, metrics, notes))
-    })?;
-    job::warn(py, &notes)?;
-    Ok((codes_array(py, codes)?, metrics.map(|metrics| metrics.to_string())))
-}
-
-/// Draws the scene of a file.
-#[pyfunction]
-pub fn shade_scene(py: Python<'_>, fields: Fields) -> PyResult<Bound<'_, PyAny>> {
-    let options: ShadeOptions = request(fields)?;
-    let picture = job::run(py, None, false, move |_, _| options.scene_picture())?;
-    let (codes, notes) = picture.ok_or_else(|| error("no scene; expected the path to a scene"))?;
-    job::warn(py, &notes)?;
-    codes_array(py, codes)
+    let wanted = Wanted { picture: true, metrics: measure, creases: false };
+    let shaded = job::run(py, None, false, move |job, _| request.shade(given, wanted, job))?;
+    job::warn(py, &shaded.notes)?;
+    let codes = shaded.picture.ok_or_else(|| error("no picture; expected one"))?;
+    let metrics = shaded.metrics.as_ref().map(serde_json::to_string).transpose().map_err(error)?;
+    Ok((codes_array(py, codes)?, metrics))
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use jiff::civil::Date;
 use serde_json::{Value, json};
 
-use super::{OutPath, columns, print_line, report_written, today, warn};
+use super::{OutPath, columns, message, print_line, report_written};
 use crate::{
     display::{
         Measurement,
@@ -13,7 +13,7 @@ use crate::{
     },
     report::{document::Shown, figures},
     store::{Writer, profile, readings},
-    work::RequestError,
+    work::{RequestError, outdated, today},
 };
 
 /// Make a display profile from photometer readings.
@@ -81,7 +81,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         writer.write(path, format!("{:#}\n", report(&calibration, family)).as_bytes())?;
         report_written(path)?;
     }
-    warn(&arguments.out, &made);
+    outdated(&arguments.out, &made).iter().for_each(|warning| message("warning", warning));
     print_line(&format!("{done} {}: {}", arguments.out.display(), made.sentence()))
 }
 

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::{Bar, print_line, warn};
+use super::{Bar, print_line};
 use crate::{
     report::{document::numbers::count, terminal::message},
     store::{self, image::MAX_PIXELS, verify},
-    work::Watcher as _,
+    work::{Watcher as _, outdated},
 };
 
 /// Check definitions, result files, display profiles, readings, observers and images, and report every error.
@@ -30,9 +30,8 @@ pub(super) fn check(arguments: &CheckArguments) -> anyhow::Result<()> {
     for file in &arguments.files {
         match store::check::check_large(file, pixels) {
             Ok(found) => {
-                if let Some(profile) = &found.profile {
-                    warn(file, profile);
-                }
+                let outdated = found.profile.as_ref().and_then(|profile| outdated(file, profile));
+                outdated.iter().for_each(|warning| message("warning", warning));
                 if let Some(warning) = &found.warning {
                     message("warning", &format!("{}: {warning}", file.display()));
                 }

@@ -8,7 +8,6 @@ mod bar;
 mod calibrate;
 pub mod check;
 mod export;
-mod options;
 mod outputs;
 mod plan;
 mod predict;
@@ -16,7 +15,7 @@ mod ratings;
 mod repair;
 #[cfg(feature = "window")]
 mod run;
-pub mod shade;
+mod shade;
 mod simulate;
 mod stimulus;
 #[cfg(feature = "window")]
@@ -35,14 +34,12 @@ use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use self::bar::Bar;
 pub use self::outputs::{FittedPath, NewFolder, OutPath};
 use crate::{
-    display::DisplayProfile,
     report::{
         document::{Shown, numbers::count},
         terminal::{message, printable},
     },
     store::{StoreError, Writer},
     system::{
-        now,
         signals::{self, Signal},
         start_threads,
     },
@@ -189,18 +186,6 @@ fn print_data(data: &[u8]) -> anyhow::Result<()> {
 
 fn report_written(path: &Path) -> anyhow::Result<()> {
     print_line(&format!("wrote {}", path.display()))
-}
-
-/// Prints a warning if a measured profile should be measured again. `place` says where the profile comes from.
-fn warn(place: &Path, profile: &DisplayProfile) {
-    if let Some(warning) = profile.warning(today()).filter(|_| profile.measured.is_some()) {
-        message("warning", &format!("{}: {warning}", place.display()));
-    }
-}
-
-/// Returns today's date in UTC.
-fn today() -> jiff::civil::Date {
-    jiff::tz::TimeZone::UTC.to_datetime(now()).date()
 }
 
 /// Formats a table as lines of text. Each column is as wide as its widest cell, numbers are right-aligned, and empty

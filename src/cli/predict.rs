@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::{
-    FittedPath, OutPath, count,
-    options::{StimulusOptions, TransferOptions},
+    Bar, FittedPath, OutPath, count,
     print_data, print_line,
 };
 use crate::{
@@ -21,7 +20,7 @@ use crate::{
     store::{self, Writer, definition, observer, ratings::ReadOptions},
     text::{Cell, Column, Table},
     vision::{Criterion, PicturePrediction, Visibility},
-    work::RequestError,
+    work::{Drawn, Encoded, Encoding, RequestError},
 };
 
 /// Maximum number of conditions of a definition, unless the user allows more. A prediction takes milliseconds; a study
@@ -55,9 +54,9 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE.png", requires = "image")]
     map: Option<OutPath>,
     #[command(flatten)]
-    stimulus: StimulusOptions,
+    stimulus: Drawn,
     #[command(flatten)]
-    transfer: TransferOptions,
+    encoding: Encoding,
     /// Side of the stimulus in pixels [default: 512, or 1024 if it varies in one direction only].
     #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(16..=16384))]
     size: Option<u32>,
@@ -91,10 +90,8 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         value => Ok(value),
     };
     let window = positive("window", arguments.window)?;
-    let white = match positive("white", arguments.white)? {
-        Some(white) => white,
-        None => arguments.transfer.white()?.unwrap_or(ViewingConditions::WHITE_CD_M2),
-    };
+    let encoded = arguments.encoding.read(&Bar::new("conditions"))?;
+    let white = encoded.white_cd_m2(positive("white", arguments.white)?);
     let viewing = |window_deg| ViewingConditions { window_deg, white_cd_m2: white };
     if let Some(experiment) = &arguments.experiment {
         let protocol = definition::open(experiment)?;
@@ -109,7 +106,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let criterion = criterion(arguments)?;
     let viewing = viewing(window.unwrap_or(10.0));
     if let Some(path) = &arguments.image {
-        let (seen, view) = image(arguments, writer, path, &viewing)?;
+        let (seen, view) = image(arguments, writer, path, &encoded, &viewing)?;
         let name = Cell::Text(printable(&path.display().to_string()).into_owned());
         let image = vec![Column::new("image", "", "The file.")];
         let mut table = table(image, vec![vec![name]], &[seen], &criterion, 0.0);
@@ -154,11 +151,12 @@ fn image(
     arguments: &Arguments,
     writer: &Writer,
     path: &Path,
+    encoded: &Encoded,
     viewing: &ViewingConditions,
 ) -> anyhow::Result<(Seen, PicturePrediction)> {
-    let transfers = arguments.transfer.given()?;
+    let transfers = encoded.is_given.then_some(&encoded.transfers);
     let pixels = if arguments.large { u64::MAX } else { MAX_PIXELS };
-    let image = store::image::read_light(path, transfers.as_ref(), pixels)?;
+    let image = store::image::read_light(path, transfers, pixels)?;
     let wrong = |error| anyhow::anyhow!("{}: {error}", path.display());
     let view = viewing.predict_image(&image).map_err(wrong)?;
     let detection = viewing.detection_of_image(&image).map_err(wrong)?;

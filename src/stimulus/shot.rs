@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use glam::{DVec2, DVec3};
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::{
@@ -109,7 +110,7 @@ pub fn describe_scene(scene: &Scene) -> Value {
 const ROUNDING: f32 = 1e-5;
 
 /// How far a shader's light falls below what the lighting can give, which is at least the ambient light.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Undershoot {
     /// The share of the surface's pixels that are darker than the ambient light, 0…1.
     pub below_ambient: f64,

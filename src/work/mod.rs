@@ -6,13 +6,20 @@
 //! may end it. What an operation writes goes through the [`Writer`](crate::store::Writer) that its caller made.
 
 mod analyze;
+mod drawn;
+mod image;
 mod model;
 mod ratings;
 mod request;
+pub mod shade;
 pub mod simulate;
+pub mod stimuli;
+pub mod stimulus;
 mod watcher;
 
 pub use analyze::Analyze;
+pub use drawn::Drawn;
+pub use image::{Encoded, Encoding, Image, outdated, today};
 pub use model::Model;
 pub use ratings::{Only, Ratings, explained};
 pub use request::{Request, RequestError, from_names, named, words};

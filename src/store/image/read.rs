@@ -21,8 +21,6 @@ use crate::{
 
 /// Maximum number of pixels of an image, unless the user allows more. A 4K screen has 8.3 million.
 pub const MAX_PIXELS: u64 = 4096 * 4096;
-/// Maximum side length of an image that is read as light, in pixels.
-const MAX_SIDE: u32 = 16_384;
 /// Maximum file size in bytes; more than the largest stimulus needs without compression.
 const MAX_FILE: u64 = 2 << 30;
 /// Maximum number of bytes that one byte of PNG data can expand to; DEFLATE reaches 1032.
@@ -58,7 +56,7 @@ pub fn parse_light(name: &str, content: &[u8]) -> Result<LinearImage, FileErrors
 }
 
 fn light(name: &str, content: &[u8], transfers: Option<&Transfers>, pixels: u64) -> Result<LinearImage, FileErrors> {
-    let (image, info) = decode(name, content, pixels, |_| Ok(MAX_SIDE))?;
+    let (image, info) = decode(name, content, pixels, |_| Ok(MAX_SIZE))?;
     let transfers = match transfers {
         Some(transfers) => transfers.clone(),
         None => declared(name, &info)?.into(),

@@ -1,0 +1,138 @@
+//! How the light of an image becomes codes: options that several requests share.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Serialize, Serializer};
+
+use super::{RequestError, Watcher, named};
+use crate::{
+    display::DisplayProfile,
+    light::{Bits, Dither, Transfer, Transfers},
+    stimulus::{
+        Stimulus, ViewingConditions,
+        recipe::{MAX_SIZE, Recipe},
+    },
+    store,
+    system::now,
+};
+
+/// How the display converts codes to light.
+#[derive(Clone, Debug, Default, PartialEq, clap::Args, Serialize)]
+pub struct Encoding {
+    /// Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; for separate
+    /// functions for red, green and blue, join three with /.
+    #[arg(long)]
+    #[serde(serialize_with = "as_text")]
+    pub transfer: Option<Transfers>,
+    /// Display profile written by `machband calibrate`.
+    #[arg(long, value_name = "FILE")]
+    pub display: Option<PathBuf>,
+}
+
+/// Writes a value as its text.
+pub(super) fn as_text<T: ToString, S: Serializer>(value: &Option<T>, serializer: S) -> Result<S::Ok, S::Error> {
+    value.as_ref().map(ToString::to_string).serialize(serializer)
+}
+
+/// An [`Encoding`] whose display profile, if it names one, has been read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Encoded {
+    /// The transfer functions, by default sRGB.
+    pub transfers: Transfers,
+    /// True if they were asked for.
+    pub is_given: bool,
+    /// The display profile and its hash.
+    profile: Option<(DisplayProfile, String)>,
+}
+
+impl Encoded {
+    /// Returns the luminance of white in cd/m²: the one that was asked for, otherwise the profile's, otherwise 100.
+    #[must_use]
+    pub fn white_cd_m2(&self, asked: Option<f64>) -> f64 {
+        let of_profile = self.profile.as_ref().and_then(|(profile, _)| profile.luminance);
+        asked.or(of_profile.map(|range| range.white_cd_m2)).unwrap_or(ViewingConditions::WHITE_CD_M2)
+    }
+}
+
+impl Encoding {
+    /// Reads the display profile. The watcher is warned if it should be measured again.
+    ///
+    /// # Errors
+    /// The profile cannot be read, or there are transfer functions besides it.
+    pub fn read(&self, watcher: &dyn Watcher) -> anyhow::Result<Encoded> {
+        let Some(path) = &self.display else {
+            let transfers = self.transfer.clone().unwrap_or_else(|| Transfer::Srgb.into());
+            return Ok(Encoded { transfers, is_given: self.transfer.is_some(), profile: None });
+        };
+        if self.transfer.is_some() {
+            let message = "excludes a display profile, which has its own; expected one of them";
+            return Err(RequestError::value("transfer", message).into());
+        }
+        let profile = store::profile::open(path)?;
+        outdated(path, &profile).iter().for_each(|warning| watcher.warn(warning));
+        let hash = store::profile::hash(&profile);
+        Ok(Encoded { transfers: profile.transfers.clone(), is_given: true, profile: Some((profile, hash)) })
+    }
+}
+
+/// Returns a warning if a measured profile should be measured again. `place` says where the profile comes from.
+#[must_use]
+pub fn outdated(place: &Path, profile: &DisplayProfile) -> Option<String> {
+    let warning = profile.warning(today()).filter(|_| profile.measured.is_some());
+    warning.map(|warning| format!("{}: {warning}", place.display()))
+}
+
+/// Returns today's date in UTC.
+#[must_use]
+pub fn today() -> jiff::civil::Date {
+    jiff::tz::TimeZone::UTC.to_datetime(now()).date()
+}
+
+/// Returns a parser for the side of a picture, in pixels.
+pub(super) fn side(least: u32) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync {
+    move |text| match text.parse::<u32>() {
+        Ok(side) if (least..=MAX_SIZE).contains(&side) => Ok(side),
+        Ok(_) => Err(format!("outside {least}…{MAX_SIZE}; expected pixels in this range")),
+        Err(_) => Err(format!("not a whole number; expected pixels, {least} to {MAX_SIZE}")),
+    }
+}
+
+/// How an image converts light to codes.
+#[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
+pub struct Image {
+    /// Side of the image in pixels.
+    #[arg(long, value_name = "PX", default_value_t = 1024, value_parser = side(1))]
+    pub size: u32,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub encoding: Encoding,
+    /// Bits per channel.
+    #[arg(long, default_value = "8", value_parser = named::<Bits>(Bits::NAMES))]
+    pub bits: Bits,
+    /// Dither: none, ordered, blue-noise or random; for a specific matrix, ordered:bayer2, 4, 8 or 16, or
+    /// ordered:clustered2 or 3.
+    #[arg(long, default_value = "none")]
+    pub dither: Dither,
+    /// Seed of the random dither.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+}
+
+impl Image {
+    /// Returns the complete description of an image of this stimulus.
+    ///
+    /// # Errors
+    /// The display profile cannot be read.
+    pub fn recipe(&self, stimulus: Stimulus, watcher: &dyn Watcher) -> anyhow::Result<Recipe> {
+        let Encoded { transfers, profile, .. } = self.encoding.read(watcher)?;
+        Ok(Recipe {
+            stimulus,
+            size: self.size,
+            transfers,
+            bits: self.bits,
+            dither: self.dither,
+            seed: self.seed,
+            display_sha256: profile.map(|(_, hash)| hash),
+        })
+    }
+}

@@ -1,0 +1,561 @@
+//! The picture of a shaded mesh or scene, and its measurements.
+
+use std::{
+    collections::HashSet,
+    path::{Path, PathBuf},
+};
+
+use glam::DVec3;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::{Encoding, RequestError, Watcher, image::side, named};
+use crate::{
+    light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Transfer, Transfers},
+    report::document::numbers::count,
+    shading::{
+        self, Correction, Creases, EdgeKind, Frame, Gradients, Highlight, Mesh, Normals, Scene, Shader, Surface, Truth,
+        crease,
+        shapes::{self, Shape},
+    },
+    stimulus::{
+        Judged, Renderer, Residual, Shot, StimulusColor, Triple, Undershoot, ViewingConditions, describe_scene,
+    },
+    store::{self, scene::SceneFile},
+    vision::{PicturePrediction, Visibility, VisionError},
+};
+
+/// A mesh or a scene, and how it is shaded.
+#[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
+pub struct Shade {
+    /// A scene of several meshes, with their materials, transparency, and lamps, in place of the options for one mesh.
+    #[arg(value_name = "SCENE.toml", conflicts_with = "OneMesh")]
+    pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub one: OneMesh,
+    /// Side of the image in pixels.
+    #[arg(long, value_name = "PX", default_value_t = 1024, value_parser = side(1))]
+    pub size: u32,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub encoding: Encoding,
+    /// Bits per channel.
+    #[arg(long, default_value = "8", value_parser = named::<Bits>(Bits::NAMES))]
+    pub bits: Bits,
+}
+
+/// One mesh, and how it is shaded and seen.
+#[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
+pub struct OneMesh {
+    #[arg(long, value_name = "MESH", default_value = "blob", help = mesh_help())]
+    pub mesh: PathBuf,
+    /// Number of vertices; exact for a blob, approximate for other round shapes.
+    #[arg(long, value_name = "N", default_value_t = 313)]
+    pub vertices: usize,
+    /// Angle in degrees above which the edge between two faces of a file is a crease.
+    #[arg(long, value_name = "DEG", default_value_t = 180.0, value_parser = within(0.0, 180.0))]
+    pub crease: f64,
+    /// Normals at the vertices: the mesh's own, or estimated from its triangles as the mean over the faces, as Max's
+    /// weighted mean (1999), or from a cubic fitted to the neighbors.
+    #[arg(long, default_value = "given", value_parser = named::<Normals>(Normals::NAMES))]
+    pub normals: Normals,
+    /// Shader: how the light inside each triangle is computed.
+    #[arg(long, required_unless_present_any = ["truth", "scene"], value_parser = named::<Shader>(Shader::NAMES))]
+    pub shader: Option<Shader>,
+    /// Draw the smooth surface that the mesh approximates, not the mesh. For a mesh from a file, the surface is this file
+    /// with many more triangles; if a shader is also given, it is only what the measurements compare the
+    /// picture with.
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = KNOWN)]
+    pub truth: Option<PathBuf>,
+    /// Continuity depth n of the strips at the edges, 1 to 32 or inf; used by fixed, gradient and the corrections.
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub depth: Depth,
+    /// Width b of the strips, as a barycentric weight, 0 to 1; values above 1/3 act as 1/3.
+    #[arg(long, value_name = "B", default_value_t = shading::Shade::new(Shader::Fixed).boundary, value_parser = within(0.0, 1.0))]
+    pub boundary: f64,
+    /// Vertex shading correction (Bangay, eq. 7).
+    #[arg(long, default_value = "off", value_parser = named::<Correction>(Correction::NAMES))]
+    pub vertex: Correction,
+    /// Intensity reweighting correction (Bangay, eq. 9).
+    #[arg(long, default_value = "off", value_parser = named::<Correction>(Correction::NAMES))]
+    pub reweight: Correction,
+    /// How patch and c1-phong compute their slopes.
+    #[arg(long, default_value = "curvature", value_parser = named::<Gradients>(Gradients::NAMES))]
+    pub gradients: Gradients,
+    /// Rotation of the mesh about x, then y, then z, in degrees.
+    #[arg(long, value_name = "X,Y,Z", default_value = "25,-35,0", allow_hyphen_values = true)]
+    pub rotate: Triple,
+    /// Direction toward the lamp: x right, y up, z toward the viewer.
+    #[arg(long, value_name = "X,Y,Z", default_value = "0.36,0.48,0.8", allow_hyphen_values = true)]
+    pub light: Triple,
+    /// Color of the surface: gray, yellow, red, green, blue, R,G,B (linear weights), hsv:H,S,V or xyY:x,y,Y.
+    #[arg(long, default_value = "gray")]
+    pub color: StimulusColor,
+    /// Ambient light, 0 to 1.
+    #[arg(long, value_name = "L", default_value_t = Scene::default().ambient, value_parser = within(0.0, 1.0))]
+    pub ambient: f64,
+    /// Diffuse light at normal incidence, 0 to 1.
+    #[arg(long, value_name = "L", default_value_t = Scene::default().diffuse, value_parser = within(0.0, 1.0))]
+    pub diffuse: f64,
+    /// Specular light at the center of a highlight, 0 to 1.
+    #[arg(long, value_name = "L", default_value_t = Scene::default().specular, value_parser = within(0.0, 1.0))]
+    pub specular: f64,
+    /// Highlight model.
+    #[arg(long, default_value = "phong", value_parser = named::<Highlight>(Highlight::NAMES))]
+    pub highlight: Highlight,
+    /// Exponent of the highlight.
+    #[arg(long, value_name = "M", default_value_t = Scene::default().shininess, value_parser = within(1.0, 1000.0))]
+    pub shininess: f64,
+    /// Background light, 0 to 1.
+    #[arg(long, value_name = "L", default_value_t = Scene::default().background, value_parser = within(0.0, 1.0))]
+    pub background: f64,
+    /// Distance of the eye in mesh radii, 1.05 to 1e6; inf for a parallel projection.
+    #[arg(long, value_name = "R", default_value_t = f64::INFINITY, value_parser = distance)]
+    pub distance: f64,
+    /// Interpolate encoded values, like a renderer that ignores gamma.
+    #[arg(long)]
+    pub naive: bool,
+    /// Width of the image in degrees of visual angle, for the visibility of bands, 0.5 to 170.
+    #[arg(long, value_name = "DEG", default_value_t = 10.0, value_parser = within(0.5, 170.0))]
+    pub window: f64,
+    /// Luminance of white in cd/m², for the visibility of bands [default: the display profile's, or 100].
+    #[arg(long, value_name = "CD_M2", value_parser = within(1e-3, 1e6))]
+    pub white: Option<f64>,
+}
+
+/// What the request's `truth` stands for without a file: the surface that the built-in shape approximates.
+const KNOWN: &str = "known";
+
+/// Says which meshes there are.
+fn mesh_help() -> String {
+    format!("Mesh: {}, or the path to an OBJ, PLY, glTF or GLB file", Shape::NAMES.join(", "))
+}
+
+/// Returns a parser that accepts only numbers from `least` to `most`.
+fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {
+    move |text| match text.parse() {
+        Ok(number) if (least..=most).contains(&number) => Ok(number),
+        Ok(_) => Err(format!("outside {least}…{most}; expected a number in this range")),
+        Err(_) => Err(format!("not a number; expected one from {least} to {most}")),
+    }
+}
+
+/// Parses the distance of the eye, in mesh radii.
+fn distance(text: &str) -> Result<f64, String> {
+    match text {
+        "inf" => Ok(f64::INFINITY),
+        _ => within(1.05, 1e6)(text).map_err(|error| format!("{error}, or inf (the mesh has a radius of 1)")),
+    }
+}
+
+/// Which results are wanted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wanted {
+    /// The picture.
+    pub picture: bool,
+    /// The measurements, which take longer than the picture.
+    pub metrics: bool,
+    /// A picture of the change of slope at each edge.
+    pub creases: bool,
+}
+
+/// A shaded mesh or scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shaded {
+    pub picture: Option<CodeImage>,
+    pub metrics: Option<Metrics>,
+    pub creases: Option<CodeImage>,
+    /// The display's transfer functions, for which the picture was made.
+    pub transfers: Transfers,
+    /// Every parameter, as image files record them.
+    pub description: Value,
+    /// What is unusual about the mesh or the light.
+    pub notes: Vec<String>,
+}
+
+/// How smooth the edges of a shaded mesh are, how visible its bands, and how far it is from the smooth surface. What is
+/// `over_gouraud` is relative to Gouraud shading, and missing if that has only rounding error.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Metrics {
+    /// Every parameter.
+    #[serde(flatten)]
+    pub description: Value,
+    /// Number of different positions of vertices.
+    pub sites: usize,
+    pub triangles: usize,
+    /// Number of triangles that face the viewer.
+    pub triangles_seen: usize,
+    /// Number of interior edges between two triangles that face the viewer.
+    pub edges: usize,
+    /// Change of slope across the edges, in linear light per pixel.
+    pub crease_rms: f64,
+    pub crease_median: f64,
+    pub crease_p95: f64,
+    pub crease_max: f64,
+    pub crease_rms_gouraud: f64,
+    pub crease_rms_over_gouraud: Option<f64>,
+    pub crease_median_over_gouraud: Option<f64>,
+    pub crease_p95_over_gouraud: Option<f64>,
+    /// Change of light across the edges.
+    pub step_rms: f64,
+    pub crease_unit: &'static str,
+    pub window_deg: f64,
+    pub white_cd_m2: f64,
+    /// Visibility of the strongest band, in times threshold.
+    pub visibility: f64,
+    pub visibility_bright: f64,
+    pub visibility_dark: f64,
+    pub visibility_gouraud: f64,
+    pub visibility_over_gouraud: Option<f64>,
+    pub visibility_unit: &'static str,
+    pub band_density: f64,
+    pub band_density_gouraud: f64,
+    pub band_density_over_gouraud: Option<f64>,
+    pub band_density_unit: &'static str,
+    /// The visible difference from the smooth surface; `None` if that is not known.
+    pub residual: Option<Difference>,
+    pub residual_unit: &'static str,
+    /// The share of the surface that does not count for the visibility, 0…1.
+    pub masked: f64,
+    pub undershoot: Undershoot,
+}
+
+/// The visible difference from the smooth surface, in linear light.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Difference {
+    pub rms: f64,
+    pub p999: f64,
+    pub over_gouraud: OverGouraud,
+    /// The share of the surface that is not compared, 0…1.
+    pub masked: Option<f64>,
+}
+
+/// A difference relative to Gouraud's.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct OverGouraud {
+    pub rms: Option<f64>,
+    pub p999: Option<f64>,
+}
+
+/// The measurements and predictions for one renderer.
+#[derive(Clone)]
+struct Measured {
+    creases: Creases,
+    visibility: Visibility,
+    density: f64,
+    residual: Option<Residual>,
+    undershoot: Undershoot,
+}
+
+impl Shade {
+    /// Draws and measures what is wanted of `given`, or of the mesh or scene that the request names. A scene has nothing
+    /// but a picture.
+    ///
+    /// # Errors
+    /// A value is impossible, a file cannot be read, no triangle faces the viewer, or the picture is too small for a
+    /// prediction.
+    pub fn shade(&self, given: Option<FoundMesh>, wanted: Wanted, watcher: &dyn Watcher) -> anyhow::Result<Shaded> {
+        let encoded = self.encoding.read(watcher)?;
+        if let Some(scene) = &self.scene {
+            return self.scene(scene, encoded.transfers);
+        }
+        let one = &self.one;
+        if one.shader.is_none() && (wanted.metrics || wanted.creases) {
+            let message = format!(
+                "is missing, and a shader is what is measured; expected one of {}",
+                Shader::NAMES.join(", ")
+            );
+            return Err(RequestError::value("shader", message).into());
+        }
+        let FoundMesh { mesh, note } = given.map_or_else(|| one.mesh(), Ok)?;
+        let viewing =
+            ViewingConditions { window_deg: one.window, white_cd_m2: encoded.white_cd_m2(one.white) };
+        let drawing = one.drawing(mesh, self.size, encoded.transfers, viewing)?;
+        let mut notes: Vec<String> = [note, drawing.non_manifold()].into_iter().flatten().collect();
+        let picture = wanted.picture.then(|| {
+            let image = drawing.image();
+            notes.extend(clipped(&image));
+            Quantizer::new(drawing.transfers.clone(), self.bits).quantize(&image)
+        });
+        let metrics = wanted.metrics.then(|| drawing.metrics()).transpose()?;
+        let creases = wanted.creases.then(|| drawing.creases());
+        let Drawing { transfers, description, .. } = drawing;
+        Ok(Shaded { picture, metrics, creases, transfers, description, notes })
+    }
+
+    /// Draws a scene of several meshes.
+    fn scene(&self, scene: &Path, transfers: Transfers) -> anyhow::Result<Shaded> {
+        let SceneFile { composition, text, mut notes } = store::scene::read(scene)?;
+        let image = composition.image(self.size, self.size);
+        notes.extend(clipped(&image));
+        let picture = Quantizer::new(&transfers, self.bits).quantize(&image);
+        let description = json!({ "scene": scene.display().to_string(), "size": self.size, "toml": text });
+        Ok(Shaded { picture: Some(picture), metrics: None, creases: None, transfers, description, notes })
+    }
+}
+
+/// A mesh, and a note if it was repaired.
+#[derive(Clone, Debug)]
+pub struct FoundMesh {
+    pub mesh: Mesh,
+    pub note: Option<String>,
+}
+
+/// A mesh in its place, with everything that determines how it looks.
+struct Drawing<'a> {
+    one: &'a OneMesh,
+    renderer: Renderer,
+    scene: Scene,
+    viewing: ViewingConditions,
+    transfers: Transfers,
+    surface: Surface,
+    frame: Frame,
+    /// A finer mesh for the same surface, if one was given.
+    fine: Option<Surface>,
+    /// Every parameter.
+    description: Value,
+}
+
+impl Drawing<'_> {
+    /// Says how many edges cannot be shaded smoothly, if any.
+    fn non_manifold(&self) -> Option<String> {
+        let found = self.surface.edges.edges.iter().filter(|edge| edge.kind == EdgeKind::NonManifold).count();
+        let name = self.one.mesh.display();
+        (found > 0).then(|| {
+            format!(
+                "{name}: shading is not smooth across edges that belong to more than two triangles, or to neighbors with opposite winding ({found} found)"
+            )
+        })
+    }
+
+    /// Returns the light of the picture.
+    fn image(&self) -> LinearImage {
+        let shot = self.renderer.shoot(&self.frame, &self.transfers);
+        let truth = || self.one.truth(&self.frame, self.fine.as_ref());
+        let truth = self.one.draws_truth().then(truth).flatten();
+        truth.map_or_else(|| shot.image(), |truth| truth.picture(&shot.frame))
+    }
+
+    /// Returns the codes of a picture of the change of slope at each edge.
+    fn creases(&self) -> CodeImage {
+        let plain = self.frame.clone().unpainted();
+        let creases = self.renderer.shoot(&plain, &self.transfers).creases();
+        let picture = crease::picture(&plain, &creases, Creases::of_gouraud(&plain).p95);
+        Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&picture)
+    }
+
+    /// Measures this picture and Gouraud's.
+    fn metrics(&self) -> anyhow::Result<Metrics> {
+        let Self { one, renderer, viewing, transfers, surface, frame, .. } = self;
+        let (plain, side) = (frame.clone().unpainted(), ViewingConditions::PICTURE_PX);
+        let seen = self.scene.frame(surface, side, side).unpainted();
+        let judged = Judged::new(viewing, &seen, one.truth(&seen, self.fine.as_ref()).as_ref())
+            .map_err(|error| one.unseen(&error))?;
+        let measured = |renderer: &Renderer| {
+            let creases = renderer.shoot(&plain, transfers).creases();
+            one.measured(creases, &renderer.shoot(&seen, transfers), &judged, viewing)
+        };
+        let own = measured(renderer)?;
+        let gouraud = if renderer.is_gouraud() { own.clone() } else { measured(&Renderer::gouraud())? };
+        let sites: HashSet<_> = surface.mesh.vertices.iter().map(|vertex| vertex.site).collect();
+        let over_gouraud = |of: fn(&Measured) -> f64| over(of(&own), of(&gouraud));
+        let residual = own.residual.zip(gouraud.residual).map(|(own, gouraud)| Difference {
+            rms: own.rms,
+            p999: own.p999,
+            over_gouraud: OverGouraud { rms: over(own.rms, gouraud.rms), p999: over(own.p999, gouraud.p999) },
+            masked: judged.not_compared(),
+        });
+        Ok(Metrics {
+            description: self.description.clone(),
+            sites: sites.len(),
+            triangles: surface.mesh.triangles.len(),
+            triangles_seen: frame.triangles.len(),
+            edges: own.creases.edges.len(),
+            crease_rms: own.creases.rms,
+            crease_median: own.creases.median,
+            crease_p95: own.creases.p95,
+            crease_max: own.creases.max,
+            crease_rms_gouraud: gouraud.creases.rms,
+            crease_rms_over_gouraud: over_gouraud(|of| of.creases.rms),
+            crease_median_over_gouraud: over_gouraud(|of| of.creases.median),
+            crease_p95_over_gouraud: over_gouraud(|of| of.creases.p95),
+            step_rms: own.creases.step_rms,
+            crease_unit: "linear light per pixel",
+            window_deg: viewing.window_deg,
+            white_cd_m2: viewing.white_cd_m2,
+            visibility: own.visibility.max(),
+            visibility_bright: own.visibility.bright,
+            visibility_dark: own.visibility.dark,
+            visibility_gouraud: gouraud.visibility.max(),
+            visibility_over_gouraud: over_gouraud(|of| of.visibility.max()),
+            visibility_unit: "1 is just visible, like a thin line at its threshold",
+            band_density: own.density,
+            band_density_gouraud: gouraud.density,
+            band_density_over_gouraud: over_gouraud(|of| of.density),
+            band_density_unit: "root mean square of the visibility over the surface",
+            residual,
+            residual_unit: "linear light, filtered by contrast sensitivity, against the smooth surface",
+            masked: judged.masked(),
+            undershoot: own.undershoot,
+        })
+    }
+}
+
+/// Says how many pixels are brighter than white, if any.
+fn clipped(image: &LinearImage) -> Option<String> {
+    let clipped = image.data.chunks_exact(3).filter(|pixel| pixel.iter().any(|light| *light > 1.0)).count();
+    let pixels = count(clipped as u64, "pixel");
+    (clipped > 0).then(|| format!("light above white is clipped, which creates edges ({pixels})"))
+}
+
+/// Returns `value` relative to Gouraud's; `None` if Gouraud's is only rounding error.
+fn over(value: f64, gouraud: f64) -> Option<f64> {
+    (gouraud > crease::NOISE).then(|| value / gouraud)
+}
+
+/// Adds the fields of one object to another.
+fn append(object: &mut Value, fields: Value) {
+    if let (Value::Object(object), Value::Object(fields)) = (object, fields) {
+        object.extend(fields);
+    }
+}
+
+impl OneMesh {
+    /// Puts a mesh in its place.
+    fn drawing(
+        &self,
+        mesh: Mesh,
+        size: u32,
+        transfers: Transfers,
+        viewing: ViewingConditions,
+    ) -> anyhow::Result<Drawing<'_>> {
+        let (renderer, scene) = (self.renderer()?, self.scene()?);
+        let surface = Surface::new(mesh.estimated(self.normals));
+        let frame = scene.frame(&surface, size, size);
+        let name = self.mesh.display();
+        if self.truth.is_some() && self.fine_file().is_none() && frame.smooth.is_none() {
+            let message = format!("the smooth surface behind {name} is not known; expected the file of a finer mesh");
+            return Err(RequestError::new("truth", message).into());
+        }
+        if frame.triangles.is_empty() {
+            anyhow::bail!("{name}: no triangle faces the viewer; expected at least one");
+        }
+        let (fine, description) = (self.fine()?, self.describe(&scene, &renderer, size));
+        Ok(Drawing { one: self, renderer, scene, viewing, transfers, surface, frame, fine, description })
+    }
+
+    fn renderer(&self) -> Result<Renderer, RequestError> {
+        let Self { depth, boundary, vertex, reweight, gradients, naive, .. } = *self;
+        // Without a shader, only the smooth surface is drawn, which every pixel lights.
+        let shader = self.shader.unwrap_or(Shader::Phong);
+        let corrections = [("vertex", vertex), ("reweight", reweight)];
+        let corrected = corrections.iter().find(|(_, correction)| *correction != Correction::Off);
+        if let Some((field, _)) = corrected.filter(|_| !shader.interpolates_light()) {
+            let message = format!("the correction needs interpolated light; expected off for {shader}");
+            return Err(RequestError::new(field, message));
+        }
+        Ok(Renderer { shade: shading::Shade { shader, depth, boundary, vertex, reweight, gradients }, naive })
+    }
+
+    fn scene(&self) -> Result<Scene, RequestError> {
+        let light = DVec3::from_array(self.light.0);
+        if !(1e-6..=1e6).contains(&light.length()) {
+            let message = format!("{} is too short or long; expected a length from 1e-6 to 1e6", self.light);
+            return Err(RequestError::value("light", message));
+        }
+        Ok(Scene {
+            rotate_deg: self.rotate.0,
+            light,
+            color: DVec3::from_array(self.color.rgb()),
+            ambient: self.ambient,
+            diffuse: self.diffuse,
+            specular: self.specular,
+            highlight: self.highlight,
+            shininess: self.shininess,
+            background: self.background,
+            distance: self.distance,
+            ..Scene::default()
+        })
+    }
+
+    /// Combines the measurements with the prediction. An all-black picture has no bands.
+    fn measured(
+        &self,
+        creases: Creases,
+        shot: &Shot<'_>,
+        judged: &Judged,
+        viewing: &ViewingConditions,
+    ) -> Result<Measured, RequestError> {
+        let emitted = shot.emitted();
+        let view = match viewing.predict_surface(judged, &emitted) {
+            Ok(view) => view,
+            Err(VisionError::AllBlack) => PicturePrediction::default(),
+            Err(error) => return Err(self.unseen(&error)),
+        };
+        let residual = judged.residual(viewing, &emitted);
+        let undershoot = shot.undershoot();
+        Ok(Measured { creases, visibility: view.visibility, density: view.density, residual, undershoot })
+    }
+
+    /// Says why nothing can be predicted.
+    fn unseen(&self, error: &VisionError) -> RequestError {
+        RequestError::value("window", format!("{}: {error}", self.window))
+    }
+
+    /// True if the picture is the smooth surface's.
+    fn draws_truth(&self) -> bool {
+        self.shader.is_none() || (self.truth.is_some() && self.fine_file().is_none())
+    }
+
+    fn fine_file(&self) -> Option<&Path> {
+        self.truth.as_deref().filter(|file| *file != KNOWN)
+    }
+
+    /// Reads the fine mesh, if one is given.
+    fn fine(&self) -> anyhow::Result<Option<Surface>> {
+        let read = |file: &Path| Ok(Surface::new(store::mesh::read(file, self.crease)?.mesh));
+        self.fine_file().map(read).transpose()
+    }
+
+    /// Returns the smooth surface in `frame`, if it is known.
+    fn truth(&self, frame: &Frame, fine: Option<&Surface>) -> Option<Truth> {
+        match fine {
+            Some(fine) => Some(Truth::of_mesh(frame, fine)),
+            None => Truth::traced(frame),
+        }
+    }
+
+    /// Returns the mesh that the request names.
+    ///
+    /// # Errors
+    /// There is no such shape, or the file cannot be read.
+    pub fn mesh(&self) -> anyhow::Result<FoundMesh> {
+        let path = &self.mesh;
+        if let Some(shape) = path.to_str().and_then(|name| name.parse::<Shape>().ok()) {
+            let mesh = shapes::mesh(shape, self.vertices);
+            let mesh = mesh.map_err(|error| RequestError::new("vertices", error))?;
+            return Ok(FoundMesh { mesh, note: None });
+        }
+        if path.extension().is_none() && !path.exists() {
+            let (name, names) = (path.display().to_string(), Shape::NAMES.join(", "));
+            let message = format!("{name:?} is not known; expected {names} or an OBJ, PLY, glTF or GLB file");
+            return Err(RequestError::new("mesh", message).into());
+        }
+        let file = store::mesh::read(path, self.crease)?;
+        let note = file.note(path);
+        Ok(FoundMesh { mesh: file.mesh, note })
+    }
+
+    /// Describes all parameters of the image.
+    fn describe(&self, scene: &Scene, renderer: &Renderer, size: u32) -> Value {
+        let mut all = json!({ "mesh": self.mesh.display().to_string(), "vertices": self.vertices, "crease_deg": self.crease, "normals": self.normals });
+        append(&mut all, renderer.describe());
+        if let Some(file) = &self.truth {
+            append(&mut all, json!({ "truth": file.display().to_string(), "draws_truth": self.draws_truth() }));
+        }
+        append(&mut all, describe_scene(scene));
+        append(&mut all, json!({ "color": self.color.to_string(), "naive": self.naive, "size": size }));
+        all
+    }
+}

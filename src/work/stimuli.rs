@@ -1,0 +1,111 @@
+//! Every condition of a definition as an image.
+
+use std::{
+    fmt,
+    path::{Path, PathBuf},
+    str::FromStr,
+    sync::atomic::{AtomicU64, Ordering},
+};
+
+use rayon::prelude::*;
+use serde::{Serialize, Serializer};
+
+use super::{Image, Watcher};
+use crate::{
+    experiment::Condition,
+    stimulus::recipe::Recipe,
+    store::{Writer, definition, manifest::Manifest},
+};
+
+/// A definition, and how the images of its conditions are made.
+#[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
+pub struct RenderAll {
+    /// Built-in definition or path to a .toml file.
+    pub experiment: PathBuf,
+    /// Make only part I of N, counted from 1, to split the work among machines or the tasks of a job array.
+    #[arg(long, value_name = "I/N", default_value = "1/1")]
+    pub shard: Shard,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub image: Image,
+}
+
+/// What was made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rendered {
+    /// Number of images that were made.
+    pub made: usize,
+    /// Number of images that were already there.
+    pub kept: usize,
+    /// True if every shard is done, so that the manifest is written.
+    pub is_whole: bool,
+}
+
+/// Part `index` of `of` parts, counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    pub index: usize,
+    pub of: usize,
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.index, self.of)
+    }
+}
+
+impl Serialize for Shard {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (index, of) =
+            text.split_once('/').ok_or_else(|| format!("shard {text:?} has no slash; expected I/N such as 1/3"))?;
+        match (index.parse(), of.parse()) {
+            (Ok(index), Ok(of)) if (1..=of).contains(&index) && of <= 1_000_000 => Ok(Self { index, of }),
+            _ => Err(format!("shard {text:?} does not exist; expected I/N with 1 ≤ I ≤ N ≤ 1000000, such as 1/3")),
+        }
+    }
+}
+
+/// Memory in bytes for the images that are made at the same time.
+const MEMORY: u64 = 4 << 30;
+
+/// Returns how many images are made at the same time: as many as fit into [`MEMORY`], each with its light, its codes
+/// and its file.
+fn at_once(size: u32) -> usize {
+    let image = 16 * u64::from(size) * u64::from(size);
+    usize::try_from(MEMORY / image.max(1)).unwrap_or(usize::MAX).max(1)
+}
+
+impl RenderAll {
+    /// Writes the images of this shard into a folder, and the manifest once every shard is done. Images that are already
+    /// there are kept if they are the same. The watcher learns the number of images.
+    ///
+    /// # Errors
+    /// The definition or the display profile cannot be read, or a file cannot be written.
+    pub fn render(&self, out: &Path, writer: &Writer, watcher: &dyn Watcher) -> anyhow::Result<Rendered> {
+        let protocol = definition::open(&self.experiment)?;
+        let conditions = protocol.conditions();
+        let like = self.image.recipe(protocol.stimulus.clone(), watcher)?;
+        let of = |condition: &Condition| Recipe { stimulus: condition.stimulus.clone(), ..like.clone() };
+        let recipes: Vec<Recipe> = conditions.iter().map(of).collect();
+        let Shard { index, of } = self.shard;
+        let manifest = Manifest::open(writer, out, &protocol, conditions, &recipes, (index, of))?;
+        let (made, kept, done) = (manifest.missing.len(), manifest.kept, AtomicU64::new(0));
+        let quantizer = like.quantizer();
+        for together in manifest.missing.chunks(at_once(self.image.size)) {
+            together.par_iter().try_for_each(|i| {
+                manifest.make(*i, &quantizer)?;
+                watcher.progress(done.fetch_add(1, Ordering::Relaxed) + 1, made as u64);
+                anyhow::Ok(())
+            })?;
+        }
+        Ok(Rendered { made, kept, is_whole: manifest.finish()? })
+    }
+}

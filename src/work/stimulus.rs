@@ -1,0 +1,77 @@
+//! One stimulus as an image.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::{Drawn, Image, RequestError, Watcher, image::as_text};
+use crate::{
+    light::{
+        Bits,
+        halftone::Screen,
+        palette::{IndexedImage, Reduction},
+    },
+    store::{self, Writer},
+};
+
+/// A stimulus, and how its image is made.
+#[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
+pub struct Render {
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub drawn: Drawn,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub image: Image,
+    /// Reduce the image to a palette, given as the method (popularity, median-cut or k-means) and the maximum number of
+    /// colors, such as median-cut:16.
+    #[arg(long, value_name = "METHOD:N")]
+    #[serde(serialize_with = "as_text")]
+    pub palette: Option<Reduction>,
+    /// Draw each pixel as a cell of dots, for devices with few codes such as printers; given as the matrix and the bits
+    /// per channel, such as clustered3:1.
+    #[arg(long, value_name = "MATRIX:BITS", conflicts_with = "palette")]
+    #[serde(serialize_with = "as_text")]
+    pub halftone: Option<Screen>,
+}
+
+impl Render {
+    /// Writes the image, and the luminance profile through the center, to the files that are wanted. Returns the image
+    /// if it was reduced to a palette.
+    ///
+    /// # Errors
+    /// A value is impossible, or a file cannot be written.
+    pub fn render(
+        &self,
+        out: Option<&Path>,
+        profile: Option<&Path>,
+        writer: &Writer,
+        watcher: &dyn Watcher,
+    ) -> anyhow::Result<Option<IndexedImage>> {
+        let changed = [("palette", self.palette.is_some()), ("halftone", self.halftone.is_some())];
+        if let (None, Some((field, _))) = (out, changed.iter().find(|(_, is_given)| *is_given)) {
+            let message = "changes only the image; expected a file for the image";
+            return Err(RequestError::value(field, message).into());
+        }
+        if self.palette.is_some() && self.image.bits == Bits::Sixteen {
+            let message = "a palette has 8 bits per channel; expected 8 bits";
+            return Err(RequestError::new("palette", message).into());
+        }
+        let recipe = self.image.recipe(self.drawn.stimulus()?, watcher)?;
+        let quantizer = recipe.quantizer();
+        let mut reduced = None;
+        if let Some(out) = out {
+            match (self.halftone, self.palette) {
+                (Some(screen), _) => store::image::write_halftone(writer, out, &recipe, screen)?,
+                (None, Some(reduction)) => {
+                    reduced = Some(store::image::write_reduced(writer, out, &recipe, &quantizer, reduction)?);
+                }
+                (None, None) => store::image::write_recipe(writer, out, &recipe, &quantizer)?,
+            }
+        }
+        if let Some(profile) = profile {
+            store::curve::write_profile(writer, profile, &recipe, &quantizer)?;
+        }
+        Ok(reduced)
+    }
+}
