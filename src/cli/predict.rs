@@ -4,10 +4,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::{
-    Bar, FittedPath, OutPath, count,
-    print_data, print_line,
-};
+use super::{Bar, FittedPath, OutPath, count, print_data, print_line};
 use crate::{
     experiment::{Condition, Protocol, visibilities},
     light::{LinearImage, Quantizer},

@@ -262,15 +262,12 @@ impl Shade {
         }
         let one = &self.one;
         if one.shader.is_none() && (wanted.metrics || wanted.creases) {
-            let message = format!(
-                "is missing, and a shader is what is measured; expected one of {}",
-                Shader::NAMES.join(", ")
-            );
+            let message =
+                format!("is missing, and a shader is what is measured; expected one of {}", Shader::NAMES.join(", "));
             return Err(RequestError::value("shader", message).into());
         }
         let FoundMesh { mesh, note } = given.map_or_else(|| one.mesh(), Ok)?;
-        let viewing =
-            ViewingConditions { window_deg: one.window, white_cd_m2: encoded.white_cd_m2(one.white) };
+        let viewing = ViewingConditions { window_deg: one.window, white_cd_m2: encoded.white_cd_m2(one.white) };
         let drawing = one.drawing(mesh, self.size, encoded.transfers, viewing)?;
         let mut notes: Vec<String> = [note, drawing.non_manifold()].into_iter().flatten().collect();
         let picture = wanted.picture.then(|| {
