@@ -65,7 +65,7 @@ pub struct OpenStudy {
     filters: Filters,
     settings: Settings,
     /// The last requested analysis, finished or not.
-    last: Option<Query>,
+    last: Option<Analyze>,
     work: Option<BackgroundTask<Option<(Outcome, Document)>>>,
     /// The progress of the analysis in `work`.
     simulated: Arc<Simulated>,
@@ -86,13 +86,6 @@ pub struct OpenStudy {
     columns: OnceCell<BTreeSet<String>>,
 }
 
-/// The filters of an analysis, and what is requested.
-#[derive(Clone, Debug, PartialEq)]
-struct Query {
-    filters: Filters,
-    request: Analyze,
-}
-
 /// The results of an analysis, without the document.
 struct Outcome {
     request: Analyze,
@@ -105,7 +98,7 @@ struct Outcome {
 impl OpenStudy {
     pub fn new(study: Study, asked: Analyze) -> Self {
         Self {
-            filters: Filters::new(&study.measured.counts),
+            filters: Filters::default(),
             settings: Settings::default(),
             last: None,
             work: None,
@@ -129,7 +122,7 @@ impl OpenStudy {
         let (old, new) = (&before.study.measured.counts, &study.measured.counts);
         let same = old.subjects == new.subjects && old.factors == new.factors && old.conditions == new.conditions;
         Self {
-            filters: if same { before.filters } else { Filters::new(new) },
+            filters: if same { before.filters } else { Filters::default() },
             settings: before.settings,
             section: before.section,
             export: before.export,
@@ -210,16 +203,17 @@ impl OpenStudy {
 
     /// Runs one analysis at a time. Newer requests wait, and only the latest of them is run.
     fn analyze(&mut self, ctx: &egui::Context) {
-        let request = Analyze { ratings: self.asked.ratings.clone(), ..self.settings.request() };
-        let query = Query { filters: self.filters.clone(), request };
-        if self.work.is_some() || self.last.as_ref() == Some(&query) {
+        let ratings = self.asked.ratings.clone().excluding(self.filters.exclusions().clone());
+        let request = Analyze { ratings, ..self.settings.request() };
+        if self.work.is_some() || self.last.as_ref() == Some(&request) {
             return;
         }
         self.error = None;
-        self.last = Some(query.clone());
+        self.last = Some(request.clone());
+        let filter = self.filters.sentence(&self.study.measured.counts);
         let (study, simulated) = (self.study.clone(), Arc::<Simulated>::default());
         self.simulated = simulated.clone();
-        self.work = Some(BackgroundTask::start(ctx, move || Outcome::new(&study, query, &simulated)));
+        self.work = Some(BackgroundTask::start(ctx, move || Outcome::new(&study, request, filter, &simulated)));
     }
 
     fn choose_section(&mut self, ui: &mut egui::Ui, narrow: bool) {
@@ -310,7 +304,7 @@ impl OpenStudy {
         let counts = &self.study.measured.counts;
         self.filters.show(ui, counts);
         if self.filters.is_narrowed() && ui.button("Select everything").clicked() {
-            self.filters = Filters::new(counts);
+            self.filters = Filters::default();
         }
         ui.separator();
         let is_column = |name: &str| self.columns.get_or_init(|| columns(&self.study.source)).contains(name);
@@ -410,16 +404,15 @@ impl Simulated {
 
 impl Outcome {
     /// Analyzes the selected data; `None` if nothing is selected.
-    fn new(study: &Study, query: Query, simulated: &Simulated) -> Option<(Self, Document)> {
-        let measured = query.filters.apply(&study.measured);
+    fn new(study: &Study, request: Analyze, filter: String, simulated: &Simulated) -> Option<(Self, Document)> {
+        let measured = study.measured.narrowed(&request.ratings.exclusions()).ok()?;
         if measured.counts.total() == 0 {
             return None;
         }
-        let results = Arc::new(analyze_with(measured, &query.request.options(), &|done, all| simulated.set(done, all)));
+        let results = Arc::new(analyze_with(measured, &request.options(), &|done, all| simulated.set(done, all)));
         let figures = figures::all(&results);
         let document = document(&study.source, &results, Parts { figures: &figures, ..Parts::default() });
-        let filter = query.filters.sentence(&study.measured.counts);
-        Some((Self { request: query.request, results, figures, filter }, document))
+        Some((Self { request, results, figures, filter }, document))
     }
 }
 
