@@ -14,7 +14,7 @@ use eframe::egui::{self, CentralPanel, CollapsingHeader, Frame, Panel, RichText,
 use super::{
     document::DocumentView,
     export::{Export, Exported},
-    query::{Filters, Settings},
+    query::{Filters, ModelControls},
 };
 use crate::{
     analysis::{Results, analyze_with},
@@ -63,7 +63,7 @@ pub struct OpenStudy {
     /// How the study was read.
     pub asked: Analyze,
     filters: Filters,
-    settings: Settings,
+    model: ModelControls,
     /// The last requested analysis, finished or not.
     last: Option<Analyze>,
     work: Option<BackgroundTask<Option<(Outcome, Document)>>>,
@@ -99,7 +99,7 @@ impl OpenStudy {
     pub fn new(study: Study, asked: Analyze) -> Self {
         Self {
             filters: Filters::default(),
-            settings: Settings::default(),
+            model: ModelControls::default(),
             last: None,
             work: None,
             simulated: Arc::default(),
@@ -123,7 +123,7 @@ impl OpenStudy {
         let same = old.subjects == new.subjects && old.factors == new.factors && old.conditions == new.conditions;
         Self {
             filters: if same { before.filters } else { Filters::default() },
-            settings: before.settings,
+            model: before.model,
             section: before.section,
             export: before.export,
             extra: before.extra,
@@ -204,7 +204,7 @@ impl OpenStudy {
     /// Runs one analysis at a time. Newer requests wait, and only the latest of them is run.
     fn analyze(&mut self, ctx: &egui::Context) {
         let ratings = self.asked.ratings.clone().excluding(self.filters.exclusions().clone());
-        let request = Analyze { ratings, ..self.settings.request() };
+        let request = Analyze { ratings, ..self.model.request() };
         if self.work.is_some() || self.last.as_ref() == Some(&request) {
             return;
         }
@@ -308,7 +308,7 @@ impl OpenStudy {
         }
         ui.separator();
         let is_column = |name: &str| self.columns.get_or_init(|| columns(&self.study.source)).contains(name);
-        self.settings.show(ui, counts, &self.filters, &is_column);
+        self.model.show(ui, counts, &self.filters, &is_column);
         ui.separator();
         // Only displayed results can be exported, not results that are still being computed.
         let outcome = self.shown.as_ref().filter(|_| self.work.is_none()).map(|(outcome, _)| outcome);
@@ -326,12 +326,12 @@ impl OpenStudy {
     fn read_columns_of_terms(&mut self) {
         let factors = self.study.measured.counts.factors.iter().map(|factor| factor.name.as_str());
         let usual: Vec<&str> = factors.filter(|name| !self.extra.iter().any(|extra| extra == name)).collect();
-        let extra = self.settings.missing(&usual);
+        let extra = self.model.missing(&usual);
         if extra != self.extra && self.request.is_none() {
             // Also if the files cannot be read, so that the same request is not repeated in every frame.
             self.extra = extra;
             let Analyze { ratings, .. } = self.asked.clone();
-            self.request = Some(Request::Read(Box::new(Analyze { ratings, ..self.settings.request() })));
+            self.request = Some(Request::Read(Box::new(Analyze { ratings, ..self.model.request() })));
         }
     }
 }

@@ -143,7 +143,7 @@ fn check(ui: &mut egui::Ui, checked: &mut bool, of: &str, text: &str) {
 
 /// The values of the controls.
 #[derive(Clone, Debug, Default)]
-pub struct Settings {
+pub struct ModelControls {
     /// What is requested, except the ratings and the terms.
     request: Analyze,
     /// The terms as they are being typed.
@@ -154,7 +154,7 @@ pub struct Settings {
     terms: Option<Terms>,
 }
 
-impl Settings {
+impl ModelControls {
     /// Returns the requested analysis, without the ratings.
     pub fn request(&self) -> Analyze {
         let model = Model { terms: self.terms.clone(), ..self.request.model.clone() };
