@@ -12,12 +12,11 @@
 //! | `start` | the experiments, the sessions, and the form that starts one |
 
 mod analysis;
+mod dialogs;
 mod display;
 mod editor;
 pub mod explore;
-mod help;
 mod memory;
-mod quit;
 mod session;
 mod start;
 mod ui;
@@ -27,8 +26,8 @@ use std::{path::PathBuf, time::Instant};
 
 use eframe::egui::{self, ViewportCommand};
 
+use dialogs::Quit;
 use memory::Memory;
-use quit::Quit;
 use session::Runner;
 use start::{Destination, Start};
 use ui::{Place, SideChoice, Step, number};
@@ -271,8 +270,8 @@ impl App {
 
     fn draw_dialogs(&mut self, ctx: &egui::Context) {
         let open = match self.dialog {
-            Some(Dialog::Help) => help::help(ctx, self.place),
-            Some(Dialog::Settings) => help::settings(ctx, &mut self.memory.settings, self.memory.problem.as_deref()),
+            Some(Dialog::Help) => dialogs::help(ctx, self.place),
+            Some(Dialog::Settings) => dialogs::settings(ctx, &mut self.memory.settings, self.memory.problem.as_deref()),
             None => true,
         };
         if !open {

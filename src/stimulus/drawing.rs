@@ -139,8 +139,7 @@ impl Runs {
     fn new(pixels: &Pixels<'_>, quantizer: &Quantizer) -> Self {
         let grid = &pixels.grid;
         let side = f64::from(grid.size);
-        let mut search =
-            Search { profile: pixels.profile, quantizer, shortest: MIN_RUN_PX / side, runs: Vec::new() };
+        let mut search = Search { profile: pixels.profile, quantizer, shortest: MIN_RUN_PX / side, runs: Vec::new() };
         // Pixels at an oblique jump mix the light of both sides.
         let mixed = |turn: f64| pixels.jumps.iter().any(|(at, _)| *at == turn);
         let near = |turn: f64| if mixed(turn) { ERROR_X + half_extent(grid) / side } else { ERROR_X };

@@ -10,7 +10,7 @@ use eframe::egui;
 use crate::{
     analysis::Results,
     app::ui::{
-        Dialog, FileKind, Saving, full, hint, secondary, show_error,
+        Dialog, FileKind, Saving, full, hint, open, secondary, show_error,
         work::{BackgroundTask, Progress},
     },
     report::{Provenance, Study, study::shell_command, write_all},
@@ -126,9 +126,7 @@ impl Export {
         ui.horizontal_wrapped(|ui| {
             for (text, path) in [("Open report", folder.join("report.html")), ("Open folder", folder.clone())] {
                 if ui.button(text).clicked() {
-                    let opened = open::that_detached(&path);
-                    self.not_opened =
-                        opened.err().map(|error| format!("{} cannot be opened: {error}", full(&path).display()));
+                    self.not_opened = open(&path);
                 }
             }
         });

@@ -4,13 +4,12 @@
 //! filters and models the data.
 //! [`document`] shows the document of `machband analyze` in the window, with sortable [`tables`](table).
 
-mod columns;
 mod document;
 mod export;
 mod open_study;
-mod order;
 mod page;
 mod query;
+mod questions;
 mod table;
 
 pub use page::Analysis;

@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 use eframe::egui::{self, Key};
 
 use super::{
-    columns::Columns,
     open_study::{OpenStudy, Request},
-    order::CategoryOrder,
+    questions::{CategoryOrder, Columns},
 };
 use crate::{
     app::ui::{
