@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use super::NewFolder;
 use crate::{
     report::document::numbers::count,
     store::export::{self, Choice, Format},
+    work::NewFolder,
 };
 
 /// Export recorded sessions as a data set that passes the standard's validator.

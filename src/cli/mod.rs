@@ -32,7 +32,6 @@ use std::{
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use self::bar::Bar;
-pub use self::outputs::{FittedPath, NewFolder, OutPath};
 use crate::{
     report::{
         document::{Shown, numbers::count},
@@ -44,7 +43,7 @@ use crate::{
         start_threads,
     },
     text::Cell,
-    work::RequestError,
+    work::{OutPath, RequestError},
 };
 
 /// Measure how visible Mach bands are.

@@ -12,9 +12,10 @@ use clap::{
     error::{ContextKind, ContextValue, ErrorKind},
 };
 use machband::{
-    cli::{self, FittedPath, NewFolder, OutPath},
+    cli,
     display::DisplayProfile,
     store::{StoreError, Writer, matches::MatchFile, profile, readings},
+    work::{FittedPath, NewFolder, OutPath},
 };
 
 use crate::common::{
