@@ -10,6 +10,7 @@ mod drawn;
 mod image;
 mod model;
 mod paths;
+pub mod plan;
 pub mod predict;
 mod ratings;
 mod request;
