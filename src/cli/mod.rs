@@ -6,13 +6,12 @@
 mod analyze;
 mod bar;
 mod calibrate;
-pub mod check;
+mod check;
 mod export;
 mod outputs;
 mod plan;
 mod predict;
 mod ratings;
-mod repair;
 #[cfg(feature = "window")]
 mod run;
 mod shade;
@@ -43,7 +42,7 @@ use crate::{
         start_threads,
     },
     text::Cell,
-    work::{OutPath, RequestError},
+    work::{self, OutPath, RequestError},
 };
 
 /// Measure how visible Mach bands are.
@@ -66,21 +65,21 @@ struct Arguments {
 enum Command {
     #[cfg(feature = "window")]
     Run(run::Arguments),
-    Simulate(crate::work::simulate::Simulate),
-    Check(check::CheckArguments),
+    Simulate(work::simulate::Simulate),
+    Check(work::Check),
     Plan(plan::Arguments),
     Predict(predict::Arguments),
     Analyze(analyze::Arguments),
     Calibrate(calibrate::Arguments),
     Counts(ratings::CountsArguments),
-    Export(export::Arguments),
-    Repair(repair::Arguments),
+    Export(work::Export),
+    Repair(work::Repair),
     Shade(shade::Arguments),
     Stimulus(stimulus::StimulusArguments),
     Stimuli(stimulus::StimuliArguments),
     #[cfg(feature = "window")]
     Timing(timing::Arguments),
-    Verify(check::VerifyArguments),
+    Verify(work::verify::Verify),
 }
 
 /// Returns the definition of all commands and their options.
@@ -145,7 +144,7 @@ fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<()> {
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments, writer),
         Some(Command::Counts(arguments)) => ratings::counts(&arguments, writer),
         Some(Command::Export(arguments)) => export::run(&arguments),
-        Some(Command::Repair(arguments)) => repair::run(&arguments),
+        Some(Command::Repair(arguments)) => check::repair(&arguments),
         Some(Command::Shade(arguments)) => shade::run(&arguments, writer),
         Some(Command::Stimulus(arguments)) => stimulus::stimulus(&arguments, writer),
         Some(Command::Stimuli(arguments)) => stimulus::stimuli(&arguments, writer),

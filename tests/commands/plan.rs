@@ -363,7 +363,10 @@ fn wrong_usage_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     for (options, expected) in [
         ("--participants 2 --effect oblik=1", "did you mean oblique?"),
-        ("--participants 2 --effect oblique", "'oblique' for '--effect <NAME=VALUE>': contains no =; expected NAME=VALUE"),
+        (
+            "--participants 2 --effect oblique",
+            "'oblique' for '--effect <NAME=VALUE>': contains no =; expected NAME=VALUE",
+        ),
         ("--participants 2 --effect oblique=much", "the value is not a finite number"),
         ("--participants 2 --effect lapse=2", "lapse 2 is outside 0…1"),
         ("--participants 2 --effect width=2", "width is a factor; expected width:LEVEL=LOGITS"),
@@ -372,8 +375,14 @@ fn wrong_usage_is_reported() {
         ("--participants 2 --effect fall=1 --effect fall=2", "--effect fall=2: fall is given twice"),
         ("--participants 2 --slope widht=1", "--slope widht: no such factor; expected one of width, depth"),
         ("--participants 2 --slope width", "'--slope <FACTOR=SD>': contains no =; expected FACTOR=SD"),
-        ("--participants 2 --slope width=inf", "'width=inf' for '--slope <FACTOR=SD>': the value is not a finite number"),
-        ("--participants 2 --slope width=-1", "'--slope <FACTOR=SD>': the value is out of range; expected 0…1000 logits"),
+        (
+            "--participants 2 --slope width=inf",
+            "'width=inf' for '--slope <FACTOR=SD>': the value is not a finite number",
+        ),
+        (
+            "--participants 2 --slope width=-1",
+            "'--slope <FACTOR=SD>': the value is out of range; expected 0…1000 logits",
+        ),
         ("--participants 2 --slope width=1 --slope width=2", "--slope width=2: width is given twice"),
         ("--participants 2 --slopes some", "independent, correlated"),
         ("--participants 2 --terms widht", "did you mean width?"),

@@ -18,7 +18,8 @@ use crate::{
 };
 
 /// Format of an export.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Format {
     /// Brain Imaging Data Structure 1.11, behavioral data: one data set for all experiments
     Bids,
