@@ -6,6 +6,7 @@
 //! may end it. What an operation writes goes through the [`Writer`](crate::store::Writer) that its caller made.
 
 mod analyze;
+pub mod calibrate;
 mod check;
 mod drawn;
 mod export;
