@@ -86,6 +86,7 @@ impl Watcher for Bar {
     }
 
     fn check(&self, place: &Path) -> anyhow::Result<()> {
-        Ok(signals::check(place)?)
+        signals::check(place)
+            .map_err(|ended| anyhow::anyhow!("{ended}; to continue, use the same command with --resume"))
     }
 }

@@ -42,7 +42,7 @@ use crate::{
         start_threads,
     },
     text::Cell,
-    work::{self, OutPath, RequestError},
+    work::{self, OutPath, RequestError, told},
 };
 
 /// Measure how visible Mach bands are.
@@ -104,13 +104,12 @@ pub fn run_with(arguments: Vec<OsString>) -> u8 {
     let status = match started.and_then(|writer| run(parsed, &writer)) {
         Ok(()) => 0,
         Err(error) => {
-            let request = error.downcast_ref::<RequestError>();
             let option = |field: &str| called.map_or_else(|| field.to_owned(), |(command, _)| option(command, field));
             // Each line is an error with its cause.
-            message("error", &request.map_or_else(|| error.to_string(), |request| request.told(option)));
+            message("error", &told(&error, option));
             let is_output =
                 matches!(error.downcast_ref(), Some(StoreError::Occupied(_) | StoreError::Protected { .. }));
-            if is_output || request.is_some() { 2 } else { 1 }
+            if is_output || error.is::<RequestError>() { 2 } else { 1 }
         }
     };
     signals::received().map_or(status, Signal::status)

@@ -14,7 +14,10 @@ use clap::{
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use crate::{store::table::list, text::names::expected_one_of};
+use crate::{
+    store::{StoreError, table::list},
+    text::names::expected_one_of,
+};
 
 /// A struct with a field for each option. To be written as [words], it also implements [`Serialize`], which writes a field
 /// as the option's value: a text, a number, a flag, or a list.
@@ -93,6 +96,16 @@ impl RequestError {
             }
         };
         Self { field, text: format!(" {message}"), hint: None }
+    }
+}
+
+/// Returns the message of an error, in which `name` writes the fields of the request.
+pub fn told(error: &anyhow::Error, name: impl Fn(&str) -> String) -> String {
+    let remedy = error.downcast_ref().and_then(StoreError::remedy);
+    match (error.downcast_ref::<RequestError>(), remedy) {
+        (Some(request), _) => request.told(name),
+        (None, Some(field)) => format!("{error}, or the option {}", name(field)),
+        (None, None) => error.to_string(),
     }
 }
 
