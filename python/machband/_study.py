@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import _machband
-from ._common import Table, flag, options, progress, quoted, suggests, table, whole
+from ._common import Table, flag, options, progress, quoted, suggests, table, whole, words
 
 
 def read_results(folder: str | PathLike[str]) -> Table:
@@ -397,9 +397,7 @@ def export(
     -------
     What was written: the names of the experiments, and the numbers of sessions, rows and pictures.
     """
-    experiments, counts, notes = _machband.export(
-        os.fspath(folder), os.fspath(out), format, flag("complete_only", complete_only), flag("accept_changes", accept_changes)
-    )
-    for note in notes:
-        warnings.warn(note, stacklevel=3)
+    given = options(folder=os.fspath(folder), out=os.fspath(out), format=words("format", format))
+    chosen = options(complete_only=flag("complete_only", complete_only), accept_changes=flag("accept_changes", accept_changes))
+    experiments, counts = _machband.export({**given, **chosen})
     return Exported(experiments, *counts)

@@ -14,7 +14,10 @@ use clap::{
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use crate::{store::table::list, text::names::expected_one_of};
+use crate::{
+    store::{StoreError, table::list},
+    text::names::expected_one_of,
+};
 
 /// A struct with a field for each option. To be written as [words], it also implements [`Serialize`], which writes a field
 /// as the option's value: a text, a number, a flag, or a list.
@@ -30,38 +33,44 @@ pub struct RequestError {
     pub field: Option<String>,
     /// What follows the name of the field: its value, what is wrong with it, and what is expected.
     text: String,
-    /// A field with a value, quoted for a shell, that would be possible.
-    example: Option<(&'static str, String)>,
+    /// What would be possible: some words, a field, and its value, quoted for a shell.
+    hint: Option<(&'static str, &'static str, String)>,
 }
 
 impl RequestError {
     /// Says what is wrong with a field.
     pub fn new(field: &str, message: impl Display) -> Self {
-        Self { field: Some(field.to_owned()), text: format!(": {message}"), example: None }
+        Self { field: Some(field.to_owned()), text: format!(": {message}"), hint: None }
     }
 
     /// Says what is wrong with a field; the message begins with its value.
     pub fn value(field: &str, message: impl Display) -> Self {
-        Self { field: Some(field.to_owned()), text: format!(" {message}"), example: None }
+        Self { field: Some(field.to_owned()), text: format!(" {message}"), hint: None }
     }
 
     /// Says what is wrong with the request as a whole.
     pub fn whole(message: impl Display) -> Self {
-        Self { field: None, text: message.to_string(), example: None }
+        Self { field: None, text: message.to_string(), hint: None }
     }
 
     /// Adds a value of a field that would be possible.
     #[must_use]
     pub fn such_as(self, field: &'static str, value: &str) -> Self {
         let quoted = shlex::try_quote(value).map_or_else(|_| value.to_owned(), Into::into);
-        Self { example: Some((field, quoted)), ..self }
+        Self { hint: Some((", such as ", field, format!(" {quoted}"))), ..self }
+    }
+
+    /// Adds that a flag would make the request possible.
+    #[must_use]
+    pub fn unless(self, flag: &'static str) -> Self {
+        Self { hint: Some((", or the option ", flag, String::new())), ..self }
     }
 
     /// Returns the message with its fields as `name` writes them.
     pub fn told(&self, name: impl Fn(&str) -> String) -> String {
         let field = self.field.as_deref().map_or_else(String::new, &name);
-        let example = self.example.as_ref().map(|(field, value)| format!(", such as {} {value}", name(field)));
-        field + &self.text + &example.unwrap_or_default()
+        let hint = self.hint.as_ref().map(|(words, field, value)| format!("{words}{}{value}", name(field)));
+        field + &self.text + &hint.unwrap_or_default()
     }
 
     /// Reads an error of clap, which names options as the command line does.
@@ -86,7 +95,17 @@ impl RequestError {
                 return Self::whole(lines.join("; ").trim_start_matches("error: "));
             }
         };
-        Self { field, text: format!(" {message}"), example: None }
+        Self { field, text: format!(" {message}"), hint: None }
+    }
+}
+
+/// Returns the message of an error, in which `name` writes the fields of the request.
+pub fn told(error: &anyhow::Error, name: impl Fn(&str) -> String) -> String {
+    let remedy = error.downcast_ref().and_then(StoreError::remedy);
+    match (error.downcast_ref::<RequestError>(), remedy) {
+        (Some(request), _) => request.told(name),
+        (None, Some(field)) => format!("{error}, or the option {}", name(field)),
+        (None, None) => error.to_string(),
     }
 }
 

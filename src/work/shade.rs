@@ -117,8 +117,8 @@ pub struct OneMesh {
     #[arg(long)]
     pub naive: bool,
     /// Width of the image in degrees of visual angle, for the visibility of bands, 0.5 to 170.
-    #[arg(long, value_name = "DEG", default_value_t = 10.0, value_parser = within(0.5, 170.0))]
-    pub window: f64,
+    #[arg(long = "window", value_name = "DEG", default_value_t = ViewingConditions::WINDOW_DEG, value_parser = within(0.5, 170.0))]
+    pub window_deg: f64,
     /// Luminance of white in cd/m², for the visibility of bands [default: the display profile's, or 100].
     #[arg(long, value_name = "CD_M2", value_parser = within(1e-3, 1e6))]
     pub white: Option<f64>,
@@ -267,7 +267,7 @@ impl Shade {
             return Err(RequestError::value("shader", message).into());
         }
         let FoundMesh { mesh, note } = given.map_or_else(|| one.mesh(), Ok)?;
-        let viewing = ViewingConditions { window_deg: one.window, white_cd_m2: encoded.white_cd_m2(one.white) };
+        let viewing = ViewingConditions { window_deg: one.window_deg, white_cd_m2: encoded.white_cd_m2(one.white) };
         let drawing = one.drawing(mesh, self.size, encoded.transfers, viewing)?;
         let mut notes: Vec<String> = [note, drawing.non_manifold()].into_iter().flatten().collect();
         let picture = wanted.picture.then(|| {
@@ -497,7 +497,7 @@ impl OneMesh {
 
     /// Says why nothing can be predicted.
     fn unseen(&self, error: &VisionError) -> RequestError {
-        RequestError::value("window", format!("{}: {error}", self.window))
+        RequestError::value("window_deg", format!("{}: {error}", self.window_deg))
     }
 
     /// True if the picture is the smooth surface's.
