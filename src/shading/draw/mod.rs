@@ -1,6 +1,4 @@
-//! Draws frames on the CPU and on a graphics card.
-//!
-//! The CPU draws all triangles in one pass, row by row, in bands that are distributed over threads:
+//! Draws frames in one pass over all triangles, row by row, in bands that are distributed over threads:
 //!
 //! ```text
 //! Frame → Prepared (constants of every triangle: once per frame) → bands of rows: spans → light (f32) → picture
@@ -16,8 +14,6 @@ mod composition;
 #[cfg(target_arch = "x86_64")]
 mod curves;
 mod encoder;
-#[cfg(feature = "gpu")]
-pub mod gpu;
 mod lanes;
 mod prepared;
 mod rays;

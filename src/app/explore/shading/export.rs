@@ -60,12 +60,10 @@ pub fn parameters(
     compared: &Comparison,
     settings: &ViewSettings,
     size: [u32; 2],
-    drawn_by: &str,
     full_scale: Option<f64>,
 ) -> Value {
     let mut all = compared.describe();
     all["size"] = json!(size);
-    all["drawn_by"] = json!(drawn_by);
     let column = settings.column(size[0]);
     all["view"] = match settings.layer {
         Layer::Split => json!({"show": "split", "right_from_column": column}),
