@@ -208,7 +208,7 @@ fn a_session_that_was_left_can_be_resumed() {
     let mut second = start(true);
     wait_for(&mut second, "the same as in the previous sitting");
     press(&mut second, Key::Space);
-    wait_for(&mut second, "2 of 5 are done");
+    wait_for(&mut second, "2 of 5 images are done");
     press(&mut second, Key::Space);
     wait_for(&mut second, "The four answers");
     press(&mut second, Key::Space);

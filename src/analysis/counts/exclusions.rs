@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::table::{Counts, Measured};
+use super::table::{Counts, Excluded, Measured};
 use crate::text::names::expected_one_of;
 
 /// The word for a missing level in [`Exclusions::only`]. No level has this name.
@@ -15,37 +15,6 @@ pub struct Exclusions {
     pub exclude: Vec<String>,
     /// Factors, each with the levels to keep. `NA` stands for a missing value.
     pub only: Vec<(String, Vec<String>)>,
-}
-
-/// One exclusion that was applied.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Excluded {
-    /// A participant.
-    Participant {
-        /// The participant's ID.
-        id: String,
-        /// Number of the participant's ratings.
-        ratings: u64,
-    },
-    /// The other levels of a factor.
-    Levels {
-        /// Name of the factor.
-        factor: String,
-        /// The levels that were kept.
-        kept: Vec<String>,
-        /// Number of ratings at other levels. Those of excluded participants and of levels that another factor excludes
-        /// are not among them.
-        ratings: u64,
-    },
-}
-
-impl Excluded {
-    /// Returns the number of ratings that were excluded.
-    pub fn ratings(&self) -> u64 {
-        match self {
-            Self::Participant { ratings, .. } | Self::Levels { ratings, .. } => *ratings,
-        }
-    }
 }
 
 /// The reason why an exclusion is impossible.
