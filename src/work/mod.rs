@@ -22,5 +22,5 @@ pub use drawn::Drawn;
 pub use image::{Encoded, Encoding, Image, outdated, today};
 pub use model::Model;
 pub use ratings::{Only, Ratings, explained};
-pub use request::{Request, RequestError, from_names, named, words};
+pub use request::{Request, RequestError, changed, from_names, named, words};
 pub use watcher::Watcher;

@@ -96,7 +96,12 @@ impl Ratings {
     /// # Errors
     /// No file can be read, or an exclusion is not possible.
     pub fn read(&self, also: Vec<String>, details: bool, large: bool) -> Result<Study, StudyError> {
-        let how = ReadOptions {
+        Study::read(&self.paths, &self.options(also, details, large))
+    }
+
+    /// Returns how the ratings are read.
+    pub(super) fn options(&self, also: Vec<String>, details: bool, large: bool) -> ReadOptions {
+        ReadOptions {
             subject: self.subject.clone(),
             response: self.response.clone(),
             categories: self.categories.clone().map(|list| list.0),
@@ -109,8 +114,7 @@ impl Ratings {
             complete_only: self.complete_only,
             details,
             large,
-        };
-        Study::read(&self.paths, &how)
+        }
     }
 }
 
