@@ -135,18 +135,30 @@ pub fn from_names<T: Request>(given: &Map<String, Value>) -> Result<T, RequestEr
     matches.and_then(|matches| T::from_arg_matches(&matches)).map_err(|error| RequestError::of(&error, &command))
 }
 
+/// Returns the fields of a request that differ from their defaults, with their values: what stands without an option on
+/// the command line, then the options.
+pub fn changed<T: Request + Serialize>(request: &T) -> Vec<(String, Value)> {
+    let given = serde_json::to_value(request).unwrap_or_default();
+    let is_default = |argument: &Arg, value: &Value| {
+        let default: Vec<_> = argument.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
+        let is_nothing =
+            matches!(value, Value::Null | Value::Bool(false)) || value.as_array().is_some_and(Vec::is_empty);
+        if default.is_empty() { is_nothing } else { default.join(",") == text(value) }
+    };
+    let fields = T::augment_args(Command::new("machband"));
+    let fields = fields.get_arguments().map(|argument| (argument, &given[argument.get_id().as_str()]));
+    let fields = fields.filter(|(argument, value)| !is_default(argument, value));
+    fields.map(|(argument, value)| (argument.get_id().to_string(), value.clone())).collect()
+}
+
 /// Returns the words of the command line that repeat a request: what stands without an option, then every option that
 /// differs from its default.
 pub fn words<T: Request + Serialize>(request: &T) -> Vec<String> {
     let command = T::augment_args(Command::new("machband"));
-    let given = serde_json::to_value(request).unwrap_or_default();
     let mut line = Line::default();
-    for argument in command.get_arguments() {
-        let value = &given[argument.get_id().as_str()];
-        let default: Vec<_> = argument.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
-        if default.is_empty() || default.join(",") != text(value) {
-            line.add(argument, value);
-        }
+    for (name, value) in changed(request) {
+        let argument = command.get_arguments().find(|argument| argument.get_id() == name.as_str());
+        argument.into_iter().for_each(|argument| line.add(argument, &value));
     }
     line.words()
 }
