@@ -7,12 +7,10 @@
 //! Coverage is exactly as in [`coverage`](super::coverage). Hidden surfaces are found by comparing depths in f64, and
 //! the light is within 1e-5 of the light that [`Reference`] computes. The image is the same to the last bit for any
 //! number of threads and on any machine: the vector width is detected at run time, but no operation on light is fused or
-//! approximate. Codes are exactly the quantizer's, however they are found.
+//! approximate. Codes are exactly the quantizer's.
 
 mod band;
 mod composition;
-#[cfg(target_arch = "x86_64")]
-mod curves;
 mod encoder;
 mod lanes;
 mod prepared;
