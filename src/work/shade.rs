@@ -262,8 +262,7 @@ impl Shade {
         }
         let one = &self.one;
         if one.shader.is_none() && (wanted.metrics || wanted.creases) {
-            let message =
-                format!("is missing, and a shader is what is measured; expected one of {}", Shader::NAMES.join(", "));
+            let message = format!("is missing, and a shader is what is measured; expected {}", Shader::EXPECTED);
             return Err(RequestError::value("shader", message).into());
         }
         let FoundMesh { mesh, note } = given.map_or_else(|| one.mesh(), Ok)?;
@@ -535,8 +534,9 @@ impl OneMesh {
             return Ok(FoundMesh { mesh, note: None });
         }
         if path.extension().is_none() && !path.exists() {
-            let (name, names) = (path.display().to_string(), Shape::NAMES.join(", "));
-            let message = format!("{name:?} is not known; expected {names} or an OBJ, PLY, glTF or GLB file");
+            let name = path.display().to_string();
+            let message =
+                format!("{name:?} is not known; expected {}, or an OBJ, PLY, glTF or GLB file", Shape::EXPECTED);
             return Err(RequestError::new("mesh", message).into());
         }
         let file = store::mesh::read(path, self.crease)?;

@@ -779,7 +779,9 @@ mod errors {
             (
                 LONG,
                 ReadOptions { factors: None, count: None, ..long() },
-                &["1:1: no factors were given; expected the option factors or terms with some of the columns width, depth, n"],
+                &[
+                    "1:1: no factors were given; expected the option factors or terms with some of the columns width, depth, n",
+                ],
                 &[],
             ),
             (
