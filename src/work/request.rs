@@ -4,14 +4,14 @@
 //! its state, and [`words`] writes it back as the command that repeats it. Names, bounds, defaults and help stand at its
 //! fields and nowhere else.
 
-use std::{error::Error, fmt::Display, str::FromStr};
+use std::{error::Error, fmt::Display, path::PathBuf, str::FromStr};
 
 use clap::{
     Arg, Args, Command, FromArgMatches,
     builder::{PossibleValuesParser, TypedValueParser},
     error::{ContextKind, ContextValue, ErrorKind},
 };
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
 
 use crate::{
@@ -133,6 +133,34 @@ pub fn from_names<T: Request>(given: &Map<String, Value>) -> Result<T, RequestEr
     }
     let matches = command.clone().try_get_matches_from(line.words());
     matches.and_then(|matches| T::from_arg_matches(&matches)).map_err(|error| RequestError::of(&error, &command))
+}
+
+/// Paths in a field of a request.
+pub(super) trait Paths {
+    fn value(&self) -> Value;
+}
+
+impl Paths for PathBuf {
+    fn value(&self) -> Value {
+        self.to_string_lossy().into()
+    }
+}
+
+impl<T: Paths> Paths for Option<T> {
+    fn value(&self) -> Value {
+        self.as_ref().map_or(Value::Null, Paths::value)
+    }
+}
+
+impl<T: Paths> Paths for Vec<T> {
+    fn value(&self) -> Value {
+        self.iter().map(Paths::value).collect()
+    }
+}
+
+/// Writes paths as text. Bytes that are not UTF-8 are replaced, so that they do not prevent the rest from being written.
+pub(super) fn paths<T: Paths, S: Serializer>(paths: &T, serializer: S) -> Result<S::Ok, S::Error> {
+    paths.value().serialize(serializer)
 }
 
 /// Returns the words of the command line that repeat a request: what stands without an option, then every option that

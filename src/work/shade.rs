@@ -9,7 +9,7 @@ use glam::DVec3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{Encoding, RequestError, Watcher, image::side, named};
+use super::{Encoding, RequestError, Watcher, image::side, named, request::paths};
 use crate::{
     light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Transfer, Transfers},
     report::document::numbers::count,
@@ -30,6 +30,7 @@ use crate::{
 pub struct Shade {
     /// A scene of several meshes, with their materials, transparency, and lamps, in place of the options for one mesh.
     #[arg(value_name = "SCENE.toml", conflicts_with = "OneMesh")]
+    #[serde(serialize_with = "paths")]
     pub scene: Option<PathBuf>,
     #[command(flatten)]
     #[serde(flatten)]
@@ -49,6 +50,7 @@ pub struct Shade {
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
 pub struct OneMesh {
     #[arg(long, value_name = "MESH", default_value = "blob", help = mesh_help())]
+    #[serde(serialize_with = "paths")]
     pub mesh: PathBuf,
     /// Number of vertices; exact for a blob, approximate for other round shapes.
     #[arg(long, value_name = "N", default_value_t = 313)]
@@ -67,6 +69,7 @@ pub struct OneMesh {
     /// with many more triangles; if a shader is also given, it is only what the measurements compare the
     /// picture with.
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = KNOWN)]
+    #[serde(serialize_with = "paths")]
     pub truth: Option<PathBuf>,
     /// Continuity depth n of the strips at the edges, 1 to 32 or inf; used by fixed, gradient and the corrections.
     #[arg(long, value_name = "N", default_value = "1")]
