@@ -6,7 +6,7 @@ use jiff::civil::Date;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{named, today};
+use super::{named, request::paths, today};
 use crate::{
     display::{
         DisplayProfile, Measurement,
@@ -20,6 +20,7 @@ use crate::{
 pub struct Calibrate {
     /// Photometer readings.
     #[arg(value_name = "READINGS.csv")]
+    #[serde(serialize_with = "paths")]
     pub readings: PathBuf,
     /// Name of the display [default: the profile's file name].
     #[arg(long)]

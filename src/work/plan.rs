@@ -9,7 +9,7 @@ use std::{
 
 use serde::Serialize;
 
-use super::{Model, RequestError, Watcher, analyze};
+use super::{Model, RequestError, Watcher, analyze, request::paths};
 use crate::{
     analysis::power::{self, Hypothesis, ModelChoice, PlanError, Power, Sampling, Shift, Slope, Test},
     experiment::{OrderedLogit, Protocol},
@@ -24,6 +24,7 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
 pub struct Plan {
     /// Built-in definition or path to a .toml file.
+    #[serde(serialize_with = "paths")]
     pub experiment: PathBuf,
     /// Number of participants per study; give several numbers to compare them.
     #[arg(long, value_name = "N,…", required = true, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000))]
@@ -48,6 +49,7 @@ pub struct Plan {
     pub seed: u64,
     /// Parameters of the observer; experiments/observers/paper.toml has the documented defaults.
     #[arg(long, value_name = "FILE.toml")]
+    #[serde(serialize_with = "paths")]
     pub observer_file: Option<PathBuf>,
     #[command(flatten)]
     #[serde(flatten)]

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Drawn, Encoded, Encoding, FittedPath, Ratings, RequestError, Watcher, explained, image::side};
+use super::{
+    Drawn, Encoded, Encoding, FittedPath, Ratings, RequestError, Watcher, explained, image::side, request::paths,
+};
 use crate::{
     experiment::{Condition, Protocol, visibilities},
     light::{Bits, CodeImage, LinearImage, Quantizer, Transfer},
@@ -31,10 +33,12 @@ const MAX_PIXELS: u64 = 3840 * 2160;
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
 pub struct Predict {
     /// Built-in definition or path to a .toml file; all its conditions are predicted.
+    #[serde(serialize_with = "paths")]
     pub experiment: Option<PathBuf>,
     /// Predict the bands in this image, which can be any opaque PNG. Without a transfer function or a display profile,
     /// the codes mean what the file's sRGB or gAMA chunk says, or sRGB.
     #[arg(long, value_name = "FILE.png", conflicts_with = "experiment")]
+    #[serde(serialize_with = "paths")]
     pub image: Option<PathBuf>,
     /// Also accept more than 500 conditions (100 if each has a rendered picture), an image of more than 3840 × 2160
     /// pixels, and ratings beyond the limits of `analyze`. This needs more time and memory.
@@ -61,6 +65,7 @@ pub struct Predict {
     pub white: Option<f64>,
     /// Compare the prediction with ratings from these result files or folders.
     #[arg(long, value_name = "FILE|DIR", num_args = 1.., requires = "experiment")]
+    #[serde(serialize_with = "paths")]
     pub fit: Vec<PathBuf>,
     /// File with the thresholds between ratings; written if the prediction is compared with ratings,
     /// otherwise read.

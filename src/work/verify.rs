@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::{Found, Watcher};
+use super::{Found, Watcher, request::paths};
 use crate::{
     report::document::numbers::count,
     store::{FileErrors, verify},
@@ -20,6 +20,7 @@ use crate::{
 pub struct Verify {
     /// Results folder, or the folder of one experiment.
     #[arg(value_name = "DIR")]
+    #[serde(serialize_with = "paths")]
     pub folder: PathBuf,
 }
 
