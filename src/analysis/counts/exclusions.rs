@@ -51,6 +51,14 @@ pub enum ExclusionError {
     Nothing,
 }
 
+impl Counts {
+    /// Returns the levels of a factor, and `NA` if it has missing values.
+    pub fn selectable_levels(&self, factor: usize) -> Vec<String> {
+        let is_missing = self.conditions.iter().any(|levels| levels[factor].is_none());
+        self.factors[factor].levels.iter().cloned().chain(is_missing.then(|| MISSING.to_owned())).collect()
+    }
+}
+
 impl Measured {
     /// Returns the ratings without what is to be excluded.
     ///
@@ -115,12 +123,11 @@ fn people(counts: &Counts, ids: &[String]) -> Result<Vec<u32>, ExclusionError> {
 
 /// Returns the index of a factor, and checks its levels.
 fn levels<'a>(counts: &Counts, name: &str, kept: &'a [String]) -> Result<(usize, &'a [String]), ExclusionError> {
-    let (index, factor) = counts.factor(name).ok_or_else(|| ExclusionError::Factor {
+    let (index, _) = counts.factor(name).ok_or_else(|| ExclusionError::Factor {
         name: name.to_owned(),
         known: counts.factors.iter().map(|factor| factor.name.clone()).collect(),
     })?;
-    let is_missing = counts.conditions.iter().any(|levels| levels[index].is_none());
-    let known: Vec<String> = factor.levels.iter().cloned().chain(is_missing.then(|| MISSING.to_owned())).collect();
+    let known = counts.selectable_levels(index);
     match kept.iter().find(|level| !known.contains(level)) {
         Some(level) => Err(ExclusionError::Level { factor: name.to_owned(), level: level.clone(), known }),
         None => Ok((index, kept)),
