@@ -100,9 +100,9 @@ def text(name: str, given: object) -> str:
     return number
 
 
-def options(**given: object) -> dict[str, str | bool]:
+def options(**given: object) -> dict[str, str | bool | list[str]]:
     """Return the fields of a request; those that are `None` have their defaults."""
-    fields: dict[str, str | bool] = {}
+    fields: dict[str, str | bool | list[str]] = {}
     for name, option in given.items():
         if isinstance(option, (bool, np.bool_)):
             fields[name] = bool(option)

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import _machband
-from ._common import Table, flag, options, progress, quoted, suggests, table, whole, words
+from ._common import Table, flag, options, progress, quoted, suggests, table, text, whole, words
 
 
 def read_results(folder: str | PathLike[str]) -> Table:
@@ -189,6 +189,11 @@ def _cells(data: Mapping[str, Any]) -> list[tuple[str, Any]]:
     return columns
 
 
+def _level(given: object) -> str:
+    """Return the text of a level; what is missing is ``NA``."""
+    return "NA" if given is None or given != given else text("only", given)
+
+
 def _paths(data: object) -> Iterator[str]:
     if isinstance(data, (str, os.PathLike)):
         yield os.fspath(data)
@@ -208,6 +213,9 @@ def analyze(
     categories: Sequence[str] | None = None,
     count: str | None = None,
     factors: Sequence[str] | None = None,
+    direction: Sequence[str] | None = None,
+    exclude: Sequence[str] | None = None,
+    only: Mapping[str, Sequence[Any]] | None = None,
     terms: str | Sequence[str] | None = None,
     link: str = "logit",
     slopes: str | None = "independent",
@@ -238,6 +246,12 @@ def analyze(
         Columns with the factors. By default, they are those of the definition or of the terms; in rows of `read_results`
         or `simulate`, the parameters of the stimulus that vary, and every column that you added. Their levels are in
         natural order: numbers ascending, then texts. The first is the baseline.
+    direction
+        Factors that are directions in degrees, which are circular; by default the stimulus parameters that are.
+    exclude
+        IDs of participants to exclude. The summary names every exclusion.
+    only
+        Factors with the levels to analyze, such as ``{"width": [0.1, 0.2]}``; `None` or NaN is a missing value.
     terms
         Terms of the model, such as ``["width", "num:depth"]`` or ``"width*depth"``; by default every factor that varies.
     link
@@ -279,6 +293,8 @@ def analyze(
         categories=quoted(categories),
         count=count,
         factors=quoted(factors),
+        direction=quoted(direction),
+        exclude=quoted(exclude),
         terms=terms if terms is None or isinstance(terms, str) else ",".join(terms),
         link=link,
         slopes="none" if slopes is None else slopes,
@@ -288,6 +304,8 @@ def analyze(
         complete_only=flag("complete_only", complete_only),
         large=flag("large", large),
     )
+    if only:
+        given["only"] = [f"{factor}={quoted(map(_level, levels))}" for factor, levels in only.items()]
     ratings = _cells(columns) if columns is not None else list(_paths(data))
     if not ratings:
         raise _machband.Error("there are no paths; expected at least one")
