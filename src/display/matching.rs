@@ -25,8 +25,8 @@ use rand_chacha::{
 
 use super::channel::{Channel, SettingsError};
 use crate::{
-    light::{CodeImage, Samples, Transfer, TransferError, Transfers, random::shuffle},
-    statistics::{mean_and_sd, t_quantile},
+    light::{CodeImage, Samples, Transfer, TransferError, Transfers},
+    statistics::{mean_and_sd, shuffle, t_quantile},
 };
 
 /// Lit rows and rows per period in the fields of a check: a quarter, a half and three quarters of full light.
