@@ -67,8 +67,10 @@ pub fn time(request: timing::TimingRequest) -> Result<(), WindowError> {
 }
 
 /// What the window shows.
+#[derive(Default)]
 enum View {
     /// One of the places, next to the side bar.
+    #[default]
     Places,
     Session(Box<Runner>),
     Timing(Box<timing::TimingPage>),
@@ -82,6 +84,7 @@ enum Dialog {
 }
 
 /// The program's window.
+#[derive(Default)]
 pub struct App {
     view: View,
     place: Place,
@@ -122,23 +125,7 @@ impl App {
     fn at(cc: &eframe::CreationContext<'_>, view: View) -> Self {
         ui::theme::apply(&cc.egui_ctx);
         ui::blit::install(cc);
-        Self {
-            view,
-            place: Place::default(),
-            start: Start::default(),
-            editor: None,
-            gallery: None,
-            shading: None,
-            display: None,
-            analysis: None,
-            behind: None,
-            direct: false,
-            dialog: None,
-            quit: Quit::default(),
-            monitors: Vec::new(),
-            memory: Memory::default(),
-            input: Input::default(),
-        }
+        Self { view, ..Self::default() }
     }
 
     fn draw(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
