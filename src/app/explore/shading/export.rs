@@ -56,12 +56,7 @@ impl Export {
 
 /// Returns the parameters of the view, for the exported file. `full_scale` is the strength that is drawn lightest or
 /// darkest in a map of predicted bands.
-pub fn parameters(
-    compared: &Comparison,
-    settings: &ViewSettings,
-    size: [u32; 2],
-    full_scale: Option<f64>,
-) -> Value {
+pub fn parameters(compared: &Comparison, settings: &ViewSettings, size: [u32; 2], full_scale: Option<f64>) -> Value {
     let mut all = compared.describe();
     all["size"] = json!(size);
     let column = settings.column(size[0]);

@@ -308,8 +308,7 @@ impl ShadingPage {
             self.load(self.compared.mesh.clone());
         }
         let Some((_, surface)) = &self.surface else { return };
-        let pictures =
-            Pictures::updated(ctx, self.pictures.take(), &mut self.canvases, surface, &self.compared, size);
+        let pictures = Pictures::updated(ctx, self.pictures.take(), &mut self.canvases, surface, &self.compared, size);
         if !self.dragging {
             self.creases.want(ctx, &pictures, measures::creases);
             self.bands.want(ctx, &pictures, measures::bands);

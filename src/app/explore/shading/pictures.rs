@@ -75,9 +75,7 @@ impl Pictures {
     ) -> Pictures {
         let edition = before.as_ref().map_or(0, |before| before.edition + 1);
         let is_right = |p: &Pictures| {
-            [p.frame.width, p.frame.height] == size
-                && Arc::ptr_eq(&p.surface, surface)
-                && p.compared == *compared
+            [p.frame.width, p.frame.height] == size && Arc::ptr_eq(&p.surface, surface) && p.compared == *compared
         };
         if let Some(before) = before.filter(is_right) {
             return before;
@@ -85,9 +83,8 @@ impl Pictures {
         let started = Instant::now();
         let frame = compared.scene.frame(surface, size[0], size[1]);
         let frame_ms = ms_since(started);
-        let draw = |which: usize| {
-            Picture::draw(ctx, &mut canvases[which], &compared.shot(&compared.sides[which], &frame))
-        };
+        let draw =
+            |which: usize| Picture::draw(ctx, &mut canvases[which], &compared.shot(&compared.sides[which], &frame));
         let sides = [0, 1].map(draw);
         Pictures { compared: compared.clone(), surface: surface.clone(), edition, frame, frame_ms, sides }
     }
