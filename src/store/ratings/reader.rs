@@ -375,12 +375,13 @@ fn add_rows(
 
 /// Returns the errors in a file. If all its rows also occur in other files, that is the only one.
 fn file_errors(input: &Input, mut rows: Rows, inputs: &[Input]) -> Vec<FileError> {
-    let others = rows.status.iter().filter_map(|status| match status {
+    let other = |status: &Status| match status {
         Status::Repeated(file) => Some(&inputs[*file as usize].name).filter(|name| **name != input.name),
         _ => None,
-    });
-    let (number, all, other) = (others.clone().count(), rows.status.len(), others.last());
-    let everything = other.filter(|_| number == all).map(|other| {
+    };
+    let others: Option<Vec<&String>> = rows.status.iter().map(other).collect();
+    let everything = others.as_deref().and_then(<[_]>::last).map(|other| {
+        let all = rows.status.len();
         let message = format!(
             "all its rows ({all}) already appear in {other}; expected each session only once (this file is left out)"
         );
