@@ -7,20 +7,17 @@ use std::{
 
 use machband::{
     analysis::{Note, Results},
-    cli::check,
     experiment,
     report::{self, Provenance, Study, document::Section, study::shell_command},
     stimulus::Stimulus,
-    store::{
-        FileErrors, Writer,
-        export::{self as exports, Choice, Format},
-        ratings, results,
-        sidecar::Sidecar,
-        verify as verification,
-    },
+    store::{FileErrors, Writer, ratings, results, sidecar::Sidecar},
     system::now,
     text::{Cell, Table},
-    work::{Analyze, changed, words},
+    work::{
+        Analyze, Export, changed,
+        verify::{Verified, Verify},
+        words,
+    },
 };
 use pyo3::{
     prelude::*,
@@ -29,7 +26,7 @@ use pyo3::{
 use serde_json::Value;
 
 use crate::{
-    Field, Fields, error,
+    Field, Fields,
     job::{self, Job},
     request,
     table::{self, Column, Given},
@@ -246,35 +243,15 @@ pub fn verify(
     folder: PathBuf,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Vec<(PathBuf, String)>, Vec<String>, Vec<PathBuf>)> {
-    job::run(py, progress, false, move |job, _| {
-        let mut sessions = Vec::new();
-        let found = verification::data_sets(&folder, |csv, found, all| {
-            sessions.push((csv.to_owned(), check::sentence(found)));
-            job.set(sessions.len(), all);
-            true
-        })?;
-        Ok((sessions, found.errors.iter().map(ToString::to_string).collect(), found.left))
-    })
+    let Verified { found, left, .. } = job::run(py, progress, false, move |job, _| Verify { folder }.verify(job))?;
+    Ok((found.files, found.errors.iter().map(ToString::to_string).collect(), left))
 }
 
-/// Exports the sessions in a folder. Returns the names of the experiments; the numbers of sessions, rows and pictures;
-/// and notes.
+/// Exports the sessions in a folder. Returns the names of the experiments, and the numbers of sessions, rows and
+/// pictures.
 #[pyfunction]
-#[allow(clippy::type_complexity)]
-pub fn export(
-    py: Python<'_>,
-    folder: PathBuf,
-    out: PathBuf,
-    format: &str,
-    complete_only: bool,
-    accept_changes: bool,
-) -> PyResult<(Vec<String>, [usize; 3], Vec<String>)> {
-    let format = match format {
-        "bids" => Format::Bids,
-        "psych-ds" => Format::PsychDs,
-        other => return Err(error(format!("format {other:?} is not known; expected one of bids, psych-ds"))),
-    };
-    let choice = Choice { complete_only, accept_changes };
-    let exported = job::run(py, None, true, move |_, _| Ok(exports::export(&folder, &out, format, choice)?))?;
-    Ok((exported.experiments, [exported.sessions, exported.rows, exported.pictures], exported.notes))
+pub fn export(py: Python<'_>, fields: Fields) -> PyResult<(Vec<String>, [usize; 3])> {
+    let request: Export = request(fields)?;
+    let exported = job::run(py, None, true, move |job, _| request.export(job))?;
+    Ok((exported.experiments, [exported.sessions, exported.rows, exported.pictures]))
 }

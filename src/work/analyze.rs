@@ -99,7 +99,7 @@ impl Analyze {
 }
 
 /// Returns what is wrong with the requested model, if it is not the data.
-fn refused(error: &ModelError) -> Option<RequestError> {
+pub(super) fn refused(error: &ModelError) -> Option<RequestError> {
     match error {
         ModelError::UnknownFactor { .. } | ModelError::NotANumber { .. } | ModelError::InfiniteDepth { .. } => {
             Some(RequestError::value("terms", error))

@@ -4,7 +4,7 @@ use std::{fmt, path::PathBuf, str::FromStr};
 
 use serde::Serialize;
 
-use super::RequestError;
+use super::{RequestError, request::paths};
 use crate::{
     analysis::counts::{ExclusionError, Exclusions},
     report::{Study, StudyError},
@@ -20,6 +20,7 @@ use crate::{
 pub struct Ratings {
     /// Result files, folders of result files, tables of counts, or any CSV file.
     #[arg(required = true, value_name = "FILE|DIR")]
+    #[serde(serialize_with = "paths")]
     pub paths: Vec<PathBuf>,
     /// Column with the participant ID [default: subject_id].
     #[arg(long, value_name = "COL")]
@@ -141,6 +142,7 @@ impl Ratings {
 pub fn explained(error: StudyError) -> anyhow::Error {
     let field = match &error {
         StudyError::Files(_) => return error.into(),
+        StudyError::TooLarge(_) => return RequestError::whole(error).unless("large").into(),
         StudyError::Exclusion(ExclusionError::Participant { .. } | ExclusionError::Nothing) => "exclude",
         StudyError::Exclusion(ExclusionError::Factor { .. } | ExclusionError::Level { .. }) => "only",
     };

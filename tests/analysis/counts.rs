@@ -122,7 +122,7 @@ fn repeats_without_order_and_too_many_levels_are_said() {
     assert_eq!((builder.clone().finish().retests.len(), builder.clone().finish().repeats_without_order()), (2, 1));
     (0..130).for_each(|i| builder.add_counts("S1", &[&i.to_string(), "1"], "1", 1).unwrap());
     let error = builder.finish().counts.check_size().unwrap_err();
-    assert!(error.ends_with("--large and, because all levels are numbers, num:width in --terms"), "{error}");
+    assert!(error.ends_with("or, because all levels are numbers, the term num:width"), "{error}");
 }
 
 #[test]

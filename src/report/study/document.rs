@@ -30,6 +30,9 @@ pub enum StudyError {
     /// The files cannot be analyzed.
     #[error(transparent)]
     Files(#[from] FileErrors),
+    /// The study is larger than usual.
+    #[error(transparent)]
+    TooLarge(FileErrors),
     /// What is to be excluded does not exist.
     #[error(transparent)]
     Exclusion(#[from] ExclusionError),
@@ -66,7 +69,7 @@ impl Study {
         let measured = all.finish().narrowed(&exclusions)?;
         if !options.large {
             let file = source.files.first().map_or(Path::new("."), |file| &file.path);
-            measured.counts.check_size().map_err(|message| FileErrors::whole(file, message))?;
+            measured.counts.check_size().map_err(|message| StudyError::TooLarge(FileErrors::whole(file, message)))?;
         }
         Ok(Self { source, measured })
     }
