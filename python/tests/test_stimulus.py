@@ -119,7 +119,7 @@ def test_visual_angle_is_trigonometry():
         ({"kind": "mach-bnd"}, "did you mean mach-band"),
         ({"size": 0}, "size 0"),
         ({"size": 20000}, "16384"),
-        ({"bits": 12}, "8 or 16"),
+        ({"bits": 12}, "expected one of 8, 16"),
         ({"width": math.nan}, "not a finite number"),
         ({"seed": -1}, "seed -1"),
         ({"as_dict": True, "window_deg": 0}, "window_deg"),

@@ -166,11 +166,11 @@ pub const fn coefficients<const N: usize>() -> [f64; N] {
 /// I_n for one depth, prepared for repeated evaluation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interpolation {
-    form: Form,
+    form: Family,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Form {
+enum Family {
     /// n and the first n elements of `SUMS[n]`.
     Polynomial(u8, &'static [f64]),
     Tanh {
@@ -190,10 +190,10 @@ impl Interpolation {
     #[must_use]
     pub fn with_k(depth: Depth, k: f64) -> Self {
         let form = match depth {
-            Depth::Infinite => Form::Tanh { k },
+            Depth::Infinite => Family::Tanh { k },
             Depth::Finite(n) => {
                 let n = n.clamp(1, Depth::MAX_FINITE);
-                Form::Polynomial(n, &SUMS[usize::from(n)][..usize::from(n)])
+                Family::Polynomial(n, &SUMS[usize::from(n)][..usize::from(n)])
             }
         };
         Self { form }
@@ -223,12 +223,12 @@ impl Interpolation {
     #[inline]
     fn lower_half(&self, u: f64) -> f64 {
         match self.form {
-            Form::Polynomial(n, sum) => {
+            Family::Polynomial(n, sum) => {
                 let v = 1.0 - u;
                 power(u, n) * sum.iter().rev().fold(0.0, |sum, c| sum * v + c)
             }
             // (1 + tanh(k(u−½)))/2, in a form that does not cancel below u = ½.
-            Form::Tanh { k } => 1.0 / (1.0 + (2.0 * k * (0.5 - u)).exp()),
+            Family::Tanh { k } => 1.0 / (1.0 + (2.0 * k * (0.5 - u)).exp()),
         }
     }
 }

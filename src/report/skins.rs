@@ -4,7 +4,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html as markup};
 
 use crate::report::{
-    document::{Block, Document, Section, Table, numbers::whole},
+    document::{Block, Document, Section, TextTable, numbers::whole},
     figures::Figure,
     study::Provenance,
 };
@@ -100,8 +100,8 @@ fn folded(is_long: bool, line: &str, content: Markup) -> Markup {
 }
 
 /// Renders a table. Its first column names the rows, and it scrolls sideways on a narrow page.
-fn table_markup(table: &Table) -> Markup {
-    let Table { caption, header, texts, rows } = table;
+fn table_markup(table: &TextTable) -> Markup {
+    let TextTable { caption, header, texts, rows } = table;
     let class = |column: usize| (column >= *texts).then_some("number");
     let body = markup! {
         div.scroll {

@@ -146,7 +146,7 @@ pub(super) enum Range {
 }
 
 /// A type of field that can be read from a parameter's value and written as one.
-pub(super) trait Field: Sized {
+pub(super) trait ParameterType: Sized {
     fn read(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result<Self, ParameterError>;
     fn write(&self) -> ParameterValue;
 }
@@ -167,7 +167,7 @@ fn number(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result
     }
 }
 
-impl Field for f64 {
+impl ParameterType for f64 {
     fn read(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
         number(parameter, range, value)
     }
@@ -176,7 +176,7 @@ impl Field for f64 {
     }
 }
 
-impl Field for u32 {
+impl ParameterType for u32 {
     fn read(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
         let number = number(parameter, range, value)?;
         if number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&number) {
@@ -190,7 +190,7 @@ impl Field for u32 {
     }
 }
 
-impl Field for Depth {
+impl ParameterType for Depth {
     fn read(parameter: &Parameter, _: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
         let text = value.to_string();
         let shown = if let ParameterValue::Text(text) = value { format!("{text:?}") } else { text.clone() };
@@ -207,10 +207,10 @@ impl Field for Depth {
     }
 }
 
-/// Implements [`Field`] for types that are written as text.
+/// Implements [`ParameterType`] for types that are written as text.
 macro_rules! text_field {
     ($($kind:ty),*) => {$(
-        impl $crate::stimulus::parameter::Field for $kind {
+        impl $crate::stimulus::parameter::ParameterType for $kind {
             fn read(
                 parameter: &$crate::stimulus::parameter::Parameter,
                 _: $crate::stimulus::parameter::Range,
@@ -227,7 +227,7 @@ macro_rules! text_field {
 }
 pub(super) use text_field;
 
-impl Field for StimulusColor {
+impl ParameterType for StimulusColor {
     fn read(parameter: &Parameter, _: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
         let text = value.to_string();
         text.parse().map_err(|error: ColorError| parameter.error(format!("{text:?}"), error.problem))
@@ -240,12 +240,12 @@ impl Field for StimulusColor {
 /// The text that stands for the color of the other plateau.
 const SAME: &str = "same";
 
-impl Field for Option<StimulusColor> {
+impl ParameterType for Option<StimulusColor> {
     fn read(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
-        if value.to_string().trim() == SAME { Ok(None) } else { Field::read(parameter, range, value).map(Some) }
+        if value.to_string().trim() == SAME { Ok(None) } else { ParameterType::read(parameter, range, value).map(Some) }
     }
     fn write(&self) -> ParameterValue {
-        self.as_ref().map_or(SAME.into(), Field::write)
+        self.as_ref().map_or(SAME.into(), ParameterType::write)
     }
 }
 
@@ -303,7 +303,7 @@ macro_rules! kind {
                 };
                 let (parameter, range) = (&Self::PARAMETERS[at], Self::RANGES[at]);
                 $(if name == stringify!($field) {
-                    self.$field = $crate::stimulus::parameter::Field::read(parameter, range, value)?;
+                    self.$field = $crate::stimulus::parameter::ParameterType::read(parameter, range, value)?;
                 })*
                 Ok(())
             }
@@ -312,7 +312,7 @@ macro_rules! kind {
             #[must_use]
             pub fn get(&self, name: &str) -> Option<$crate::stimulus::parameter::ParameterValue> {
                 $(if name == stringify!($field) {
-                    return Some($crate::stimulus::parameter::Field::write(&self.$field));
+                    return Some($crate::stimulus::parameter::ParameterType::write(&self.$field));
                 })*
                 None
             }

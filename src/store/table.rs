@@ -103,7 +103,7 @@ impl<'a> Row<'a> {
     /// invalid byte. In columns, the place is the row, counted from 0, and the number of the column, from 1.
     pub fn place(&self, cell: usize) -> (usize, usize) {
         if let Content::Columns(_) = self.content {
-            return (self.start.line() as usize, cell + 1);
+            return (self.start.line() as usize - 1, cell + 1);
         }
         let raw = self.raw();
         let raw = raw.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&raw);
@@ -229,7 +229,7 @@ pub(super) fn each_row(content: Content<'_>, separator: u8, mut take: impl FnMut
 fn each_row_of(columns: &Columns, mut take: impl FnMut(&Row<'_>)) {
     let mut give = |cells: ByteRecord, line: usize| {
         let mut start = Position::new();
-        start.set_line(line as u64);
+        start.set_line(line as u64 + 1);
         let content = Content::Columns(columns);
         take(&Row { record: &cells, content, separator: b',', start: &start, end: 0, last: false });
     };

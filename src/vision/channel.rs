@@ -16,7 +16,7 @@ use crate::system::checkpoint;
 /// A channel: a filter whose gain is a Gaussian of the logarithm of frequency (log-Gabor; Field 1987, J. Opt. Soc. Am.
 /// A 4:2379).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Channel {
+pub(super) struct FrequencyChannel {
     /// Preferred frequency, cycles per degree.
     pub(super) frequency: f64,
 }
@@ -69,16 +69,17 @@ const HALVED_AT: f64 = 120.0;
 const VEIL: f64 = 0.01;
 /// Exponent for pooling over channels.
 const POOLING: i32 = 2;
-impl Channel {
+impl FrequencyChannel {
     /// Returns all channels, starting with the coarsest.
-    pub(super) fn all() -> impl DoubleEndedIterator<Item = Channel> {
-        (0..CHANNELS)
-            .map(|k| Channel { frequency: MIN_FREQUENCY * (LN_2 * f64::from(k) / f64::from(PER_OCTAVE)).exp() })
+    pub(super) fn all() -> impl DoubleEndedIterator<Item = FrequencyChannel> {
+        (0..CHANNELS).map(|k| FrequencyChannel {
+            frequency: MIN_FREQUENCY * (LN_2 * f64::from(k) / f64::from(PER_OCTAVE)).exp(),
+        })
     }
 
     /// Returns the channel an octave below.
-    pub(super) fn octave_below(self) -> Channel {
-        Channel { frequency: 0.5 * self.frequency }
+    pub(super) fn octave_below(self) -> FrequencyChannel {
+        FrequencyChannel { frequency: 0.5 * self.frequency }
     }
 
     /// Returns the share of a grating's amplitude that the channel passes, 0…1. `ratio` is the logarithm of the
@@ -117,7 +118,7 @@ impl Fields {
     /// far bands count there; both are given a place of the grid.
     pub(super) fn answer(
         self,
-        channel: Channel,
+        channel: FrequencyChannel,
         px_per_deg: f64,
         eye: &Eye,
         mean: impl Fn([f64; 2]) -> f64,

@@ -91,7 +91,7 @@ impl ContrastSpectrum {
             k * self.px_per_deg / n as f64
         };
         let scale = 1.0 / self.values.len() as f64;
-        let gain = Table::new(self.px_per_deg, |frequency| gain(frequency) * scale);
+        let gain = Lookup::new(self.px_per_deg, |frequency| gain(frequency) * scale);
         let mut response = vec![Complex64::default(); self.values.len()];
         let filtered = response.par_chunks_mut(columns).zip(self.values.par_chunks(columns)).enumerate();
         filtered.for_each(|(row, (response, values))| {
@@ -128,7 +128,7 @@ impl ContrastSpectrum {
         let area = 1.0 / (self.px_per_deg * self.px_per_deg);
         let middle = [columns, rows].map(|n| 0.5 * n as f64 - 0.5);
         let farthest = middle[0].hypot(middle[1]) / self.px_per_deg;
-        let weight = Table::new(farthest, |away| sensitivity.eccentric(away).powf(sensitivity.pooling));
+        let weight = Lookup::new(farthest, |away| sensitivity.eccentric(away).powf(sensitivity.pooling));
         let total: f64 = response
             .par_chunks(columns)
             .enumerate()
@@ -149,7 +149,7 @@ impl ContrastSpectrum {
 }
 
 /// A function of a number that is not negative, interpolated between values that lie densest near 0.
-struct Table {
+struct Lookup {
     values: Vec<f64>,
     per_root: f64,
 }
@@ -157,10 +157,10 @@ struct Table {
 /// Number of values in a table; the error is below a millionth.
 const TABLE: usize = 4096;
 
-impl Table {
-    fn new(most: f64, value: impl Fn(f64) -> f64) -> Table {
+impl Lookup {
+    fn new(most: f64, value: impl Fn(f64) -> f64) -> Lookup {
         let per_root = (TABLE - 2) as f64 / most.sqrt();
-        Table { values: (0..TABLE).map(|i| value((i as f64 / per_root).powi(2))).collect(), per_root }
+        Lookup { values: (0..TABLE).map(|i| value((i as f64 / per_root).powi(2))).collect(), per_root }
     }
 
     fn at(&self, of: f64) -> f64 {

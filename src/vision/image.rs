@@ -58,12 +58,12 @@ fn neighbors(at: f64, n: usize) -> (usize, usize, f64) {
 }
 
 /// A grid with a value at each of its places.
-pub(super) struct Field {
+pub(super) struct GridValues {
     pub(super) grid: Grid,
     pub(super) values: Vec<f64>,
 }
 
-impl Field {
+impl GridValues {
     /// Interpolates the field at a position in the image, pixels.
     pub(super) fn at(&self, place: [f64; 2]) -> f64 {
         self.grid.at(&self.values, place)

@@ -7,7 +7,7 @@ use rustfft::num_complex::Complex64;
 
 use super::{
     band::{Band, Polarity, Visibility, crest, vertex},
-    channel::{Answer, Channel, Fields, SAMPLES_PER_PERIOD, SLOPE_PERIODS, pooled},
+    channel::{Answer, Fields, FrequencyChannel, SAMPLES_PER_PERIOD, SLOPE_PERIODS, pooled},
     error::{VisionError, check},
     eye::{ADAPTATION_DEG, Border, Eye},
     fft::{self, next_fast_length},
@@ -67,12 +67,12 @@ impl Line<'_> {
             return Err(VisionError::TooSmall { width: self.light.len(), height: 1, least: 2 });
         }
         let (spectrum, mean, half) = (self.spectrum(), self.mean(), 0.5 * self.length());
-        let answer = |channel: Channel| {
+        let answer = |channel: FrequencyChannel| {
             let mean = |[x, _]: [f64; 2]| between(&mean, (x + half) * CELLS_PER_DEG);
             let weight = |[x, _]: [f64; 2]| self.border.weight((half - x.abs()) * channel.frequency);
             self.respond(channel, &spectrum).answer(channel, 1.0, eye, mean, weight)
         };
-        let channels: Vec<Channel> = Channel::all().collect();
+        let channels: Vec<FrequencyChannel> = FrequencyChannel::all().collect();
         let answers: Vec<Answer> = channels.into_par_iter().rev().map(answer).collect();
         let columns = (self.length() * PLACES_PER_DEG).ceil() as usize + 1;
         let step = self.length() / (columns - 1) as f64;
@@ -132,7 +132,7 @@ impl Line<'_> {
         let repeat = self.repeat();
         // The first place is half a period before the middle of the profile.
         let first = 0.5 * (self.length() - repeat);
-        let last = Channel::all().map(|channel| self.samples(channel) / 2).max().unwrap_or(0);
+        let last = FrequencyChannel::all().map(|channel| self.samples(channel) / 2).max().unwrap_or(0);
         let frequency = |j: usize| {
             let f = j as f64 / repeat;
             Frequency { log: f.ln(), slope: jumps[j % period] * Complex64::cis(2.0 * PI * f * first) / repeat }
@@ -141,12 +141,12 @@ impl Line<'_> {
     }
 
     /// Returns the number of samples of a channel's responses over one period of the padded profile, which is even.
-    fn samples(&self, channel: Channel) -> usize {
+    fn samples(&self, channel: FrequencyChannel) -> usize {
         2 * next_fast_length((0.5 * SAMPLES_PER_PERIOD * channel.frequency * self.repeat()).ceil() as usize)
     }
 
     /// Returns a channel's responses on a grid in degrees from the middle of the profile.
-    fn respond(&self, channel: Channel, spectrum: &[Frequency]) -> Fields {
+    fn respond(&self, channel: FrequencyChannel, spectrum: &[Frequency]) -> Fields {
         let (frequency, repeat, samples) = (channel.frequency, self.repeat(), self.samples(channel));
         let (step, middle) = (repeat / samples as f64, samples / 2);
         let (own, coarse) = (frequency.ln(), channel.octave_below().frequency.ln());

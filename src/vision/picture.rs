@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{
     band::{BandMap, Visibility},
-    channel::{Answer, Channel, pooled},
+    channel::{Answer, FrequencyChannel, pooled},
     error::{VisionError, check},
     eye::{Border, Eye},
     image::{Distances, Grid, LuminanceImage},
@@ -42,9 +42,9 @@ impl LuminanceImage<'_> {
             return Err(VisionError::Count { found: mask.len(), expected: self.light.len() });
         }
         let side = self.width.min(self.height);
-        let sampled = || Channel::all().filter(|channel| 2.0 * channel.frequency < self.px_per_deg);
-        let margins = |channel: &Channel| MIN_PERIODS / channel.frequency;
-        let channels: Vec<Channel> =
+        let sampled = || FrequencyChannel::all().filter(|channel| 2.0 * channel.frequency < self.px_per_deg);
+        let margins = |channel: &FrequencyChannel| MIN_PERIODS / channel.frequency;
+        let channels: Vec<FrequencyChannel> =
             sampled().filter(|channel| margins(channel) < side as f64 / self.px_per_deg).collect();
         if side < MIN_SIDE_PX || channels.is_empty() {
             let finest = sampled().next_back().map_or(0.0, |channel| margins(&channel) * self.px_per_deg);
@@ -53,7 +53,7 @@ impl LuminanceImage<'_> {
         }
         let (spectrum, distances) = rayon::join(|| Spectrum::new(self), || Distances::new(self));
         let mean = spectrum.mean();
-        let answer = |channel: &Channel| {
+        let answer = |channel: &FrequencyChannel| {
             let periods = channel.frequency / self.px_per_deg;
             let weight = |place: [f64; 2]| Border::Cut.weight(distances.distance_at(place) * periods);
             spectrum.respond(*channel).answer(*channel, self.px_per_deg, eye, |place| mean.at(place), weight)

@@ -6,10 +6,10 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
 use super::{
-    channel::{Channel, Fields, SAMPLES_PER_PERIOD, SLOPE_PERIODS},
+    channel::{Fields, FrequencyChannel, SAMPLES_PER_PERIOD, SLOPE_PERIODS},
     eye::ADAPTATION_DEG,
     fft::{self, next_fast_length, transform, transpose},
-    image::{Field, Grid, LuminanceImage},
+    image::{Grid, GridValues, LuminanceImage},
 };
 
 /// Highest frequency of the mean light, cycles per degree.
@@ -138,7 +138,7 @@ impl Spectrum {
     /// Computes a channel's responses with the Riesz transform (Felsberg & Sommer 2001, IEEE Trans. Signal Process.
     /// 49:3136). The odd part is a vector: the response of the quadrature pair oriented across the local structure. All
     /// orientations are therefore treated alike, and none has to be sampled.
-    pub(super) fn respond(&self, channel: Channel) -> Fields {
+    pub(super) fn respond(&self, channel: FrequencyChannel) -> Fields {
         let grid = self.grid(SAMPLES_PER_PERIOD / 2.0 * channel.frequency);
         let whole = self.columns / 2 + 1;
         let coarse = channel.octave_below();
@@ -153,7 +153,7 @@ impl Spectrum {
                 return;
             }
             let value = self.periodic[from] * shift;
-            let of = |k: usize, channel: Channel| value * channel.passes_log(frequency.log - logs[k]);
+            let of = |k: usize, channel: FrequencyChannel| value * channel.passes_log(frequency.log - logs[k]);
             let (own, coarse) = (of(0, channel), of(1, coarse));
             let [right, down] = [column.sign * frequency.direction[0], row.sign * frequency.direction[1]];
             let direction = Complex64::new(right, down);
@@ -171,7 +171,7 @@ impl Spectrum {
     }
 
     /// Computes the mean light to which the eye is adapted.
-    pub(super) fn mean(&self) -> Field {
+    pub(super) fn mean(&self) -> GridValues {
         let grid = self.grid(MEAN_TOP);
         let passes = |k: usize, whole: usize| {
             let f = k as f64 * self.px_per_deg / whole as f64;
@@ -185,7 +185,7 @@ impl Spectrum {
         });
         let cropped = self.cropped(&grid);
         let values = inverse(mean, &grid, &cropped).into_iter().map(|value| value.re).collect();
-        Field { grid: cropped.grid, values }
+        GridValues { grid: cropped.grid, values }
     }
 
     /// Returns the part of a grid that covers the image, up to and including the first value beyond each edge.

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{RequestError, request::paths};
 use crate::{
-    analysis::counts::ExclusionError,
+    analysis::counts::{ExclusionError, Exclusions},
     report::{Study, StudyError},
     store::{
         ratings::ReadOptions,
@@ -92,11 +92,30 @@ fn categories(text: &str) -> Result<List, String> {
 }
 
 impl Ratings {
+    /// Returns what is to be excluded.
+    pub fn exclusions(&self) -> Exclusions {
+        Exclusions {
+            exclude: self.exclude.clone().unwrap_or_default().0,
+            only: self.only.iter().map(|only| (only.factor.clone(), only.levels.clone())).collect(),
+        }
+    }
+
+    /// Returns the same ratings without what is to be excluded.
+    #[must_use]
+    pub fn excluding(self, Exclusions { exclude, only }: Exclusions) -> Self {
+        Self {
+            exclude: (!exclude.is_empty()).then_some(List(exclude)),
+            only: only.into_iter().map(|(factor, levels)| Only { factor, levels }).collect(),
+            ..self
+        }
+    }
+
     /// Reads the files; `also` names additional columns that a model needs.
     ///
     /// # Errors
     /// No file can be read, or an exclusion is not possible.
     pub fn read(&self, also: Vec<String>, details: bool, large: bool) -> Result<Study, StudyError> {
+        let Exclusions { exclude, only } = self.exclusions();
         let how = ReadOptions {
             subject: self.subject.clone(),
             response: self.response.clone(),
@@ -105,8 +124,8 @@ impl Ratings {
             factors: self.factors.clone().map(|list| list.0),
             also,
             direction: self.direction.clone().unwrap_or_default().0,
-            exclude: self.exclude.clone().unwrap_or_default().0,
-            only: self.only.iter().map(|only| (only.factor.clone(), only.levels.clone())).collect(),
+            exclude,
+            only,
             complete_only: self.complete_only,
             details,
             large,

@@ -9,7 +9,7 @@ use std::{
 use eframe::egui::{self, Key};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
-    analysis::{Options, Results, analyze},
+    analysis::{Options, Results, analyze, counts::Exclusions},
     app::{App, Launch},
     report::{
         Study,
@@ -18,6 +18,7 @@ use machband::{
         study::{Parts, document},
     },
     store::{definition, ratings::ReadOptions},
+    system,
 };
 
 use crate::{
@@ -219,7 +220,7 @@ fn the_window_shows_the_document_and_follows_the_settings() {
 #[test]
 fn filters_narrow_the_analysis_and_its_export() {
     let (folder, data_set) = study(4);
-    let (study, whole) = read(&data_set);
+    let (study, _) = read(&data_set);
     let mut window = opened(&data_set);
     click_and_rest(&mut window, "Participants: 4 of 4");
     click_and_rest(&mut window, "Participant S002");
@@ -227,8 +228,8 @@ fn filters_narrow_the_analysis_and_its_export() {
     click_and_rest(&mut window, "width: 3 of 3 levels");
     click_and_rest(&mut window, "width 0.4");
     window.get_by_label("36 ratings by 3 participants. Filtered: 3 of 4 participants; width 0.1, 0.8.");
-    let second = whole.measured.counts.subjects.iter().position(|name| name == "S002").unwrap() as u32;
-    let left = study.measured.filtered(|subject| subject != second, |levels| levels[0] != Some(1));
+    let only = vec![("width".to_owned(), vec!["0.1".to_owned(), "0.8".to_owned()])];
+    let left = study.measured.narrowed(&Exclusions { exclude: vec!["S002".to_owned()], only }).unwrap();
     let results = analyze(left, &Options::default());
     assert_document(&mut window, &study, &results);
 
@@ -258,7 +259,19 @@ fn filters_narrow_the_analysis_and_its_export() {
     click(&mut window, "Save");
     assert_has(&window, "end the name in .svg or .png");
     let report = std::fs::read_to_string(out.join("report.html")).unwrap();
-    assert!(report.contains("filtered in the window: 3 of 4 participants; width 0.1, 0.8"));
+    assert!(report.contains("the participant S002 (18 ratings) was excluded"));
+    // The command that repeats it gives the same files; only the report says when it was made, and into which folder.
+    click(&mut window, "Copy as command");
+    let shown = texts(&window);
+    let command = shown.iter().find_map(|text| text.strip_prefix("Copied: machband ")).unwrap();
+    assert!(command.contains("--exclude S002 --only width=0.1,0.8"), "{command}");
+    let (again, mut words) = (folder.path().join("again"), shlex::split(command).unwrap());
+    *words.last_mut().unwrap() = again.display().to_string();
+    succeeds(folder.path(), &words.iter().map(String::as_str).collect::<Vec<_>>());
+    for file in system::entries(&out).unwrap().iter().map(|path| path.file_name().unwrap()) {
+        let same = std::fs::read(out.join(file)).unwrap() == std::fs::read(again.join(file)).unwrap();
+        assert!(same || file == "report.html", "{file:?}");
+    }
     let cells = std::fs::read_to_string(out.join("cells.csv")).unwrap();
     assert_eq!(cells.lines().count(), 1 + 4);
     assert!(cells.lines().skip(1).all(|line| line.contains(",9,")), "3 participants × 3 repetitions: {cells}");

@@ -86,7 +86,7 @@ fn with_a_profile_the_screen_shows_what_the_command_writes() {
         let shot = harness.render().unwrap();
         press(&mut harness, Key::Num1);
         let viewing = sidecar(folder.path()).sittings[0].viewing.clone().unwrap();
-        let size = viewing["stimulus_px"].as_u64().unwrap() as u32;
+        let size = viewing.stimulus_px;
         let schedule = Schedule::new(&protocol(), &Identity::new("P001", "1").unwrap(), 5).unwrap();
         let stimulus = schedule.conditions[schedule.trials[0].condition].stimulus.clone();
         let (transfers, bits, dither) = (Transfer::Srgb.into(), Bits::Eight, Dither::None);
@@ -130,8 +130,8 @@ fn the_preflight_detects_an_old_profile_and_another_screen_and_records_confirmat
     assert!(note("light_steps"));
     // The data alone say what was shown.
     let display = sitting.display.as_ref().unwrap();
-    assert_eq!(display["sha256"], profile::hash(&differing()).as_str());
-    assert_eq!(display["profile"], profile::value(&differing()));
+    assert_eq!(display.sha256, profile::hash(&differing()));
+    assert_eq!(display.profile, profile::value(&differing()));
 }
 
 #[test]

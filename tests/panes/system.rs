@@ -57,6 +57,6 @@ fn the_sidecar_says_which_ratings_have_a_timestamp() {
         let mut report = InputReport::default();
         waits_ms.iter().for_each(|wait| report.rated(wait.map(Duration::from_millis)));
         let stamp = report.summary().stamp;
-        assert!(stamp[1..].starts_with(sentence), "{stamp}");
+        assert!(stamp.starts_with(sentence), "{stamp}");
     }
 }

@@ -154,7 +154,6 @@ fn changed(text: &str) -> String {
         "practice" => "main".to_owned(),
         "true" => "false".to_owned(),
         "null" | "false" => "true".to_owned(),
-        "true" => "false".to_owned(),
         _ => match text.rfind(|c: char| c.is_ascii_digit()) {
             Some(at) => {
                 let digit = text.as_bytes()[at] - b'0';

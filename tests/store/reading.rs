@@ -476,7 +476,7 @@ mod layouts {
 
         let (_results, files) = super::study(&["S1"]);
         let before = Study::read(&files, &ReadOptions::default()).unwrap().measured.counts;
-        edit(&files[0], |text| text.replace(",0.1,", ",0.10,").replace(",5,", ",5.0,"));
+        edit(&files[0], |text| text.replace(",0.1,5\n", ",0.10,5.0\n"));
         assert_eq!(Study::read(&files, &ReadOptions::default()).unwrap().measured.counts, before);
     }
 
@@ -520,7 +520,7 @@ mod layouts {
         assert_eq!(excluded, [MAIN, 2 * MAIN - 2 * MAIN / 3]);
         let how = ReadOptions { exclude: vec!["S11".to_owned()], ..ReadOptions::default() };
         let error = Study::read(&paths, &how).unwrap_err().to_string();
-        assert_eq!(error, "exclude: S11 is not a participant; expected one of S1, S2, S10; did you mean S1?");
+        assert_eq!(error, "S11 is not a participant; expected one of S1, S2, S10; did you mean S1?");
     }
 
     #[test]

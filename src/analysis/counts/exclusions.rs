@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::table::{Counts, Measured};
+use super::table::{Counts, Excluded, Measured};
 use crate::text::names::expected_one_of;
 
 /// The word for a missing level in [`Exclusions::only`]. No level has this name.
@@ -15,37 +15,6 @@ pub struct Exclusions {
     pub exclude: Vec<String>,
     /// Factors, each with the levels to keep. `NA` stands for a missing value.
     pub only: Vec<(String, Vec<String>)>,
-}
-
-/// One exclusion that was applied.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Excluded {
-    /// A participant.
-    Participant {
-        /// The participant's ID.
-        id: String,
-        /// Number of the participant's ratings.
-        ratings: u64,
-    },
-    /// The other levels of a factor.
-    Levels {
-        /// Name of the factor.
-        factor: String,
-        /// The levels that were kept.
-        kept: Vec<String>,
-        /// Number of ratings at other levels. Those of excluded participants and of levels that another factor excludes
-        /// are not among them.
-        ratings: u64,
-    },
-}
-
-impl Excluded {
-    /// Returns the number of ratings that were excluded.
-    pub fn ratings(&self) -> u64 {
-        match self {
-            Self::Participant { ratings, .. } | Self::Levels { ratings, .. } => *ratings,
-        }
-    }
 }
 
 /// The reason why an exclusion is impossible.
@@ -80,6 +49,14 @@ pub enum ExclusionError {
     /// Nothing is left.
     #[error("no ratings are left; expected to keep some participants and levels")]
     Nothing,
+}
+
+impl Counts {
+    /// Returns the levels of a factor, and `NA` if it has missing values.
+    pub fn selectable_levels(&self, factor: usize) -> Vec<String> {
+        let is_missing = self.conditions.iter().any(|levels| levels[factor].is_none());
+        self.factors[factor].levels.iter().cloned().chain(is_missing.then(|| MISSING.to_owned())).collect()
+    }
 }
 
 impl Measured {
@@ -146,12 +123,11 @@ fn people(counts: &Counts, ids: &[String]) -> Result<Vec<u32>, ExclusionError> {
 
 /// Returns the index of a factor, and checks its levels.
 fn levels<'a>(counts: &Counts, name: &str, kept: &'a [String]) -> Result<(usize, &'a [String]), ExclusionError> {
-    let (index, factor) = counts.factor(name).ok_or_else(|| ExclusionError::Factor {
+    let (index, _) = counts.factor(name).ok_or_else(|| ExclusionError::Factor {
         name: name.to_owned(),
         known: counts.factors.iter().map(|factor| factor.name.clone()).collect(),
     })?;
-    let is_missing = counts.conditions.iter().any(|levels| levels[index].is_none());
-    let known: Vec<String> = factor.levels.iter().cloned().chain(is_missing.then(|| MISSING.to_owned())).collect();
+    let known = counts.selectable_levels(index);
     match kept.iter().find(|level| !known.contains(level)) {
         Some(level) => Err(ExclusionError::Level { factor: name.to_owned(), level: level.clone(), known }),
         None => Ok((index, kept)),

@@ -7,6 +7,8 @@ mod size;
 mod table;
 
 pub use builder::MeasuredBuilder;
-pub use exclusions::{Excluded, ExclusionError, Exclusions, MISSING};
+pub use exclusions::{ExclusionError, Exclusions, MISSING};
 pub(super) use table::varies_within;
-pub use table::{CountError, CountRow, Counts, Factor, Measured, Quartiles, RetestPair, Role, TimeCount, Times};
+pub use table::{
+    CountError, CountRow, Counts, Excluded, Factor, Measured, Quartiles, RetestPair, Role, TimeCount, Times,
+};

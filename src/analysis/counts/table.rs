@@ -6,7 +6,6 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 use thiserror::Error;
 
-use super::Excluded;
 use crate::analysis::levels;
 
 /// A factor of the design and its levels.
@@ -109,6 +108,37 @@ pub enum CountError {
     /// There are more different ratings than a rating scale can have categories.
     #[error("more than 255 different ratings; expected a scale of ordered categories")]
     TooManyCategories,
+}
+
+/// One exclusion that was applied.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Excluded {
+    /// A participant.
+    Participant {
+        /// The participant's ID.
+        id: String,
+        /// Number of the participant's ratings.
+        ratings: u64,
+    },
+    /// The other levels of a factor.
+    Levels {
+        /// Name of the factor.
+        factor: String,
+        /// The levels that were kept.
+        kept: Vec<String>,
+        /// Number of ratings at other levels. Those of excluded participants and of levels that another factor excludes
+        /// are not among them.
+        ratings: u64,
+    },
+}
+
+impl Excluded {
+    /// Returns the number of ratings that were excluded.
+    pub fn ratings(&self) -> u64 {
+        match self {
+            Self::Participant { ratings, .. } | Self::Levels { ratings, .. } => *ratings,
+        }
+    }
 }
 
 impl Counts {

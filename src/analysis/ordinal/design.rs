@@ -147,13 +147,13 @@ pub(crate) fn check_size(frame: &Frame, terms: &Terms, most: usize) -> Result<()
 }
 
 /// A column in progress: what it stands for and its value for each condition.
-struct Part {
+struct PartialColumn {
     parts: Vec<TermPart>,
     values: Vec<f64>,
 }
 
 fn term_columns(frame: &Frame, terms: &Terms, term: &Term, index: usize) -> Result<Vec<Column>, ModelError> {
-    let mut columns: Vec<Part> = Vec::new();
+    let mut columns: Vec<PartialColumn> = Vec::new();
     for (position, variable) in term.variables.iter().enumerate() {
         let mut rest = term.clone();
         rest.variables.remove(position);
@@ -161,7 +161,7 @@ fn term_columns(frame: &Frame, terms: &Terms, term: &Term, index: usize) -> Resu
         let parts = variable_parts(frame, variable, contrasts)?;
         columns = if position == 0 { parts } else { products(&columns, &parts) };
     }
-    let column = |Part { parts, values }: Part| {
+    let column = |PartialColumn { parts, values }: PartialColumn| {
         let name = parts.iter().map(ToString::to_string).collect::<Vec<_>>().join(":");
         Column { name, parts, term: index, values }
     };
@@ -169,17 +169,17 @@ fn term_columns(frame: &Frame, terms: &Terms, term: &Term, index: usize) -> Resu
 }
 
 /// Returns all products of the columns. The levels of the first factor vary fastest.
-fn products(left: &[Part], right: &[Part]) -> Vec<Part> {
+fn products(left: &[PartialColumn], right: &[PartialColumn]) -> Vec<PartialColumn> {
     let pairs = right.iter().flat_map(|r| left.iter().map(move |l| (l, r)));
     pairs
-        .map(|(l, r)| Part {
+        .map(|(l, r)| PartialColumn {
             parts: [&l.parts[..], &r.parts].concat(),
             values: l.values.iter().zip(&r.values).map(|(a, b)| a * b).collect(),
         })
         .collect()
 }
 
-fn variable_parts(frame: &Frame, variable: &Variable, contrasts: bool) -> Result<Vec<Part>, ModelError> {
+fn variable_parts(frame: &Frame, variable: &Variable, contrasts: bool) -> Result<Vec<PartialColumn>, ModelError> {
     let conditions = &frame.counts.conditions;
     let (index, inverse) = find_factor(frame.counts, variable)?;
     let parts = |level: Option<String>| vec![TermPart { variable: variable.clone(), level }];
@@ -187,10 +187,10 @@ fn variable_parts(frame: &Frame, variable: &Variable, contrasts: bool) -> Result
         Variable::Number(_) => {
             let numbers = frame.numbers(index, inverse)?;
             let values = conditions.iter().map(|c| c[index].map_or(0.0, |level| numbers[level as usize])).collect();
-            vec![Part { parts: parts(None), values }]
+            vec![PartialColumn { parts: parts(None), values }]
         }
         Variable::Factor(_) => (frame.levels(index).iter().skip(usize::from(contrasts)))
-            .map(|&level| Part {
+            .map(|&level| PartialColumn {
                 parts: parts(Some(frame.counts.factors[index].levels[level as usize].clone())),
                 values: conditions.iter().map(|c| f64::from(u8::from(c[index] == Some(level)))).collect(),
             })

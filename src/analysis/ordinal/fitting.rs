@@ -11,7 +11,7 @@ use super::{
     link::Link,
     model::{ModelError, ModelSpec, Note, Random, Slopes},
     random::{Loadings, RandomPart, is_within},
-    search::{self, MixedFit, MixedFitEnd, Settings},
+    search::{self, MixedFit, MixedFitEnd, Task},
     terms::{Term, Variable},
 };
 use crate::analysis::{
@@ -192,14 +192,14 @@ fn fit_mixed(fitted: &Fitted, how: How<'_>) -> Option<MixedFit> {
         start.get_or_insert_with(|| plain.clone().resize_vertically(data.parameters(), 0.3))[index] =
             value * fitted.random.units()[parameter];
     }
-    let settings = Settings { plain, start: start.as_ref(), free: &free, tolerance, errors: how.errors };
-    let found = search::fit(&data, settings);
+    let task = Task { plain, start: start.as_ref(), free: &free, tolerance, errors: how.errors };
+    let found = search::fit(&data, task);
     let good = |fit: &MixedFit| matches!(fit.end, MixedFitEnd::Converged | MixedFitEnd::Boundary);
     if how.held.is_some() || start.is_none() || found.as_ref().is_some_and(good) {
         return found;
     }
     // The similar fit was not so similar.
-    search::fit(&data, Settings { start: None, ..settings }).or(found)
+    search::fit(&data, Task { start: None, ..task }).or(found)
 }
 
 impl Fitted<'_> {

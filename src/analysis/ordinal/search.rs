@@ -58,7 +58,7 @@ struct Search<'a> {
 
 /// What a search needs to know besides the data.
 #[derive(Clone, Copy)]
-pub(super) struct Settings<'a> {
+pub(super) struct Task<'a> {
     /// The estimates of the model without random effects (θ and β).
     pub plain: &'a DVector<f64>,
     /// Where to start (θ, β and ψ); `None` tries a few standard deviations.
@@ -72,13 +72,13 @@ pub(super) struct Settings<'a> {
 }
 
 /// Fits a mixed model.
-pub(super) fn fit(data: &ClmmData, settings: Settings<'_>) -> Option<MixedFit> {
-    let tolerance = settings.tolerance;
-    let mut search = Search::begin(data, settings)?;
+pub(super) fn fit(data: &ClmmData, task: Task<'_>) -> Option<MixedFit> {
+    let tolerance = task.tolerance;
+    let mut search = Search::begin(data, task)?;
     let (mut iterations, mut end) = search.climb(tolerance);
     // Each pass holds at least one more deviation at 0, or the search ends.
     for _ in 0..=data.loadings.parameters() {
-        if !search.hold_zeros(settings.free) {
+        if !search.hold_zeros(task.free) {
             break;
         }
         let more = search.climb(tolerance);
@@ -86,10 +86,10 @@ pub(super) fn fit(data: &ClmmData, settings: Settings<'_>) -> Option<MixedFit> {
     }
     let is_zero = |parameter: &usize| search.at[data.first_psi() + parameter] == 0.0;
     if data.loadings.independent && data.loadings.deviations.iter().all(is_zero) {
-        search.move_to_boundary(settings.plain)?;
+        search.move_to_boundary(task.plain)?;
         return search.finish(iterations, MixedFitEnd::Boundary, DMatrix::zeros(0, 0));
     }
-    if end == MixedFitEnd::Diverged || (!settings.errors && end == MixedFitEnd::Converged) {
+    if end == MixedFitEnd::Diverged || (!task.errors && end == MixedFitEnd::Converged) {
         return search.finish(iterations, end, DMatrix::zeros(0, 0));
     }
     search.make_deviations_positive();
@@ -99,19 +99,19 @@ pub(super) fn fit(data: &ClmmData, settings: Settings<'_>) -> Option<MixedFit> {
 }
 
 impl<'a> Search<'a> {
-    /// Starts where the settings say, or at the most likely of a few standard deviations with all other parameters from
+    /// Starts where the task says, or at the most likely of a few standard deviations with all other parameters from
     /// the fit without random effects.
-    fn begin(data: &'a ClmmData, settings: Settings<'_>) -> Option<Self> {
+    fn begin(data: &'a ClmmData, task: Task<'_>) -> Option<Self> {
         let mut best: Option<Self> = None;
         let psi = |(intercept, slope): (f64, f64)| {
             let mut psi = vec![0.0; data.loadings.parameters()];
             for (place, &parameter) in data.loadings.deviations.iter().enumerate() {
                 psi[parameter] = if place == 0 { intercept } else { slope };
             }
-            let start = settings.plain;
+            let start = task.plain;
             DVector::from_iterator(start.len() + psi.len(), start.iter().copied().chain(psi))
         };
-        let starts: Vec<DVector<f64>> = match settings.start {
+        let starts: Vec<DVector<f64>> = match task.start {
             Some(start) => vec![start.clone()],
             None => {
                 let several = if data.loadings.effects() > 1 { &[(0.6, 1.5), (1.2, 3.0)][..] } else { &[] };
@@ -123,7 +123,7 @@ impl<'a> Search<'a> {
             if let Some(value) = data.evaluate(&at, &mut modes)
                 && best.as_ref().is_none_or(|best| value.loglik > best.value.loglik)
             {
-                best = Some(Self { data, free: settings.free.to_vec(), modes, at, value });
+                best = Some(Self { data, free: task.free.to_vec(), modes, at, value });
             }
         }
         best

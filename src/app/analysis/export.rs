@@ -89,15 +89,13 @@ impl Export {
         self.dialog.missing_error(ui);
         self.saving.show(ui);
         self.open_buttons(ui);
-        let whole = exported.filter(|exported| exported.filter.is_empty());
-        let copy = ui.add_enabled(whole.is_some(), egui::Button::new("Copy as command"));
-        let copy = copy.on_disabled_hover_text("The command analyzes all data; select everything first.").clicked();
-        if let Some(whole) = whole.filter(|_| copy) {
-            let command = self.command(whole);
+        let copy = ui.add_enabled(exported.is_some(), egui::Button::new("Copy as command")).clicked();
+        if let Some(exported) = exported.filter(|_| copy) {
+            let command = self.command(exported);
             ui.ctx().copy_text(command.clone());
             self.copied = Some(command);
         }
-        if let Some(command) = self.copied.as_ref().filter(|_| whole.is_some()) {
+        if let Some(command) = &self.copied {
             hint(ui, format!("Copied: {command}"));
         }
     }
@@ -142,15 +140,11 @@ impl Export {
     fn start(&mut self, ctx: &egui::Context, folder: PathBuf, writer: Writer, exported: &Exported<'_>) {
         self.written = None;
         let (study, results, to) = (exported.study.clone(), exported.results.clone(), folder.clone());
-        let mut command = self.command(exported);
-        if !exported.filter.is_empty() {
-            // A shell comment, because no command applies filters.
-            command += &format!(" # filtered in the window: {}", exported.filter);
-        }
+        let command = self.command(exported);
         self.work = Some((folder, BackgroundTask::start(ctx, move || write(&writer, &study, &results, &command, &to))));
     }
 
-    /// Returns the command that repeats the request. Filters are omitted.
+    /// Returns the command that repeats the request.
     fn command(&self, exported: &Exported<'_>) -> String {
         let out = ["--out".to_owned(), self.folder.trim().to_owned()];
         shell_command(["analyze".to_owned()].into_iter().chain(words(exported.request)).chain(out))

@@ -14,7 +14,7 @@ use eframe::egui::{self, CentralPanel, CollapsingHeader, Frame, Panel, RichText,
 use super::{
     document::DocumentView,
     export::{Export, Exported},
-    query::{Filters, Settings},
+    query::{Filters, ModelControls},
 };
 use crate::{
     analysis::{Results, analyze_with},
@@ -63,9 +63,9 @@ pub struct OpenStudy {
     /// How the study was read.
     pub asked: Analyze,
     filters: Filters,
-    settings: Settings,
+    model: ModelControls,
     /// The last requested analysis, finished or not.
-    last: Option<Query>,
+    last: Option<Analyze>,
     work: Option<BackgroundTask<Option<(Outcome, Document)>>>,
     /// The progress of the analysis in `work`.
     simulated: Arc<Simulated>,
@@ -86,13 +86,6 @@ pub struct OpenStudy {
     columns: OnceCell<BTreeSet<String>>,
 }
 
-/// The filters of an analysis, and what is requested.
-#[derive(Clone, Debug, PartialEq)]
-struct Query {
-    filters: Filters,
-    request: Analyze,
-}
-
 /// The results of an analysis, without the document.
 struct Outcome {
     request: Analyze,
@@ -105,8 +98,8 @@ struct Outcome {
 impl OpenStudy {
     pub fn new(study: Study, asked: Analyze) -> Self {
         Self {
-            filters: Filters::new(&study.measured.counts),
-            settings: Settings::default(),
+            filters: Filters::default(),
+            model: ModelControls::default(),
             last: None,
             work: None,
             simulated: Arc::default(),
@@ -129,8 +122,8 @@ impl OpenStudy {
         let (old, new) = (&before.study.measured.counts, &study.measured.counts);
         let same = old.subjects == new.subjects && old.factors == new.factors && old.conditions == new.conditions;
         Self {
-            filters: if same { before.filters } else { Filters::new(new) },
-            settings: before.settings,
+            filters: if same { before.filters } else { Filters::default() },
+            model: before.model,
             section: before.section,
             export: before.export,
             extra: before.extra,
@@ -210,16 +203,17 @@ impl OpenStudy {
 
     /// Runs one analysis at a time. Newer requests wait, and only the latest of them is run.
     fn analyze(&mut self, ctx: &egui::Context) {
-        let request = Analyze { ratings: self.asked.ratings.clone(), ..self.settings.request() };
-        let query = Query { filters: self.filters.clone(), request };
-        if self.work.is_some() || self.last.as_ref() == Some(&query) {
+        let ratings = self.asked.ratings.clone().excluding(self.filters.exclusions().clone());
+        let request = Analyze { ratings, ..self.model.request() };
+        if self.work.is_some() || self.last.as_ref() == Some(&request) {
             return;
         }
         self.error = None;
-        self.last = Some(query.clone());
+        self.last = Some(request.clone());
+        let filter = self.filters.sentence(&self.study.measured.counts);
         let (study, simulated) = (self.study.clone(), Arc::<Simulated>::default());
         self.simulated = simulated.clone();
-        self.work = Some(BackgroundTask::start(ctx, move || Outcome::new(&study, query, &simulated)));
+        self.work = Some(BackgroundTask::start(ctx, move || Outcome::new(&study, request, filter, &simulated)));
     }
 
     fn choose_section(&mut self, ui: &mut egui::Ui, narrow: bool) {
@@ -310,11 +304,11 @@ impl OpenStudy {
         let counts = &self.study.measured.counts;
         self.filters.show(ui, counts);
         if self.filters.is_narrowed() && ui.button("Select everything").clicked() {
-            self.filters = Filters::new(counts);
+            self.filters = Filters::default();
         }
         ui.separator();
         let is_column = |name: &str| self.columns.get_or_init(|| columns(&self.study.source)).contains(name);
-        self.settings.show(ui, counts, &self.filters, &is_column);
+        self.model.show(ui, counts, &self.filters, &is_column);
         ui.separator();
         // Only displayed results can be exported, not results that are still being computed.
         let outcome = self.shown.as_ref().filter(|_| self.work.is_none()).map(|(outcome, _)| outcome);
@@ -332,12 +326,12 @@ impl OpenStudy {
     fn read_columns_of_terms(&mut self) {
         let factors = self.study.measured.counts.factors.iter().map(|factor| factor.name.as_str());
         let usual: Vec<&str> = factors.filter(|name| !self.extra.iter().any(|extra| extra == name)).collect();
-        let extra = self.settings.missing(&usual);
+        let extra = self.model.missing(&usual);
         if extra != self.extra && self.request.is_none() {
             // Also if the files cannot be read, so that the same request is not repeated in every frame.
             self.extra = extra;
             let Analyze { ratings, .. } = self.asked.clone();
-            self.request = Some(Request::Read(Box::new(Analyze { ratings, ..self.settings.request() })));
+            self.request = Some(Request::Read(Box::new(Analyze { ratings, ..self.model.request() })));
         }
     }
 }
@@ -410,16 +404,15 @@ impl Simulated {
 
 impl Outcome {
     /// Analyzes the selected data; `None` if nothing is selected.
-    fn new(study: &Study, query: Query, simulated: &Simulated) -> Option<(Self, Document)> {
-        let measured = query.filters.apply(&study.measured);
+    fn new(study: &Study, request: Analyze, filter: String, simulated: &Simulated) -> Option<(Self, Document)> {
+        let measured = study.measured.narrowed(&request.ratings.exclusions()).ok()?;
         if measured.counts.total() == 0 {
             return None;
         }
-        let results = Arc::new(analyze_with(measured, &query.request.options(), &|done, all| simulated.set(done, all)));
+        let results = Arc::new(analyze_with(measured, &request.options(), &|done, all| simulated.set(done, all)));
         let figures = figures::all(&results);
         let document = document(&study.source, &results, Parts { figures: &figures, ..Parts::default() });
-        let filter = query.filters.sentence(&study.measured.counts);
-        Some((Self { request: query.request, results, figures, filter }, document))
+        Some((Self { request, results, figures, filter }, document))
     }
 }
 

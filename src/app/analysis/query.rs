@@ -1,11 +1,13 @@
 //! The selection of participants and levels, and the choice of model.
 
+use std::collections::HashSet;
+
 use eframe::egui::{self, CollapsingHeader, Key, ScrollArea, TextEdit};
 
 use crate::{
     analysis::{
         Link, ModelError, Random, Slopes,
-        counts::{Counts, Factor, Measured},
+        counts::{Counts, Exclusions},
         find_factor, level_number,
         terms::{Terms, Variable},
     },
@@ -18,43 +20,29 @@ const LABELS: f32 = 124.0;
 /// Seconds without a key after which typed terms are used.
 const PAUSE_S: f64 = 0.4;
 
-/// Checklists of the participants and of the levels of every factor.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Filters {
-    people: Vec<bool>,
-    /// The levels of each factor. If some conditions have no value, an extra last level represents them.
-    factors: Vec<Vec<bool>>,
-}
+/// What is excluded, drawn as checklists of the participants and of the levels of every factor.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Filters(Exclusions);
 
 impl Filters {
-    /// Selects everything.
-    pub fn new(counts: &Counts) -> Self {
-        let factors = counts.factors.iter().enumerate().map(|(index, factor)| {
-            let missing = counts.conditions.iter().any(|levels| levels[index].is_none());
-            vec![true; factor.levels.len() + usize::from(missing)]
-        });
-        Self { people: vec![true; counts.subjects.len()], factors: factors.collect() }
+    /// Returns what is excluded.
+    pub fn exclusions(&self) -> &Exclusions {
+        &self.0
     }
 
     /// Returns whether anything is excluded.
     pub fn is_narrowed(&self) -> bool {
-        self.people.contains(&false) || self.factors.iter().any(|levels| levels.contains(&false))
+        self.0 != Exclusions::default()
     }
 
-    /// Returns the number of selected participants.
-    pub fn people(&self) -> usize {
-        checked(&self.people)
+    /// Returns the number of participants who are left.
+    pub fn people(&self, counts: &Counts) -> usize {
+        counts.subjects.len() - self.0.exclude.len()
     }
 
-    /// Returns the selected part of a study.
-    pub fn apply(&self, measured: &Measured) -> Measured {
-        let is_checked = |(levels, level): (&Vec<bool>, &Option<u32>)| {
-            level.map_or(levels.last(), |level| levels.get(level as usize)) == Some(&true)
-        };
-        measured.filtered(
-            |subject| self.people[subject as usize],
-            |condition| self.factors.iter().zip(condition).all(is_checked),
-        )
+    /// Returns the levels of a factor that are left; `None` if all are.
+    fn kept(&self, factor: &str) -> Option<&[String]> {
+        self.0.only.iter().find(|(name, _)| name == factor).map(|(_, kept)| &kept[..])
     }
 
     /// Checks that the terms name factors, or columns that can become factors, and use as numbers only selected levels
@@ -67,11 +55,10 @@ impl Filters {
                 Err(error) => return Err(error),
             };
             let factor = &counts.factors[index];
-            let selected = factor.levels.iter().zip(&self.factors[index]).filter(|(_, selected)| **selected);
+            let kept = self.kept(&factor.name);
+            let mut selected = factor.levels.iter().filter(|level| kept.is_none_or(|kept| kept.contains(level)));
             if let Variable::Number(_) = variable {
-                selected
-                    .map(|(level, _)| level)
-                    .try_for_each(|level| level_number(factor, level, inverse).map(drop))?;
+                selected.try_for_each(|level| level_number(factor, level, inverse).map(drop))?;
             }
         }
         Ok(())
@@ -79,22 +66,20 @@ impl Filters {
 
     /// Returns the selection as a phrase; empty if nothing is excluded.
     pub fn sentence(&self, counts: &Counts) -> String {
-        let mut parts = Vec::new();
-        if self.people.contains(&false) {
-            parts.push(format!("{} of {} participants", self.people(), self.people.len()));
-        }
-        for (levels, factor) in self.factors.iter().zip(&counts.factors).filter(|(levels, _)| levels.contains(&false)) {
-            let kept: Vec<&str> = names(factor).zip(levels).filter(|(_, kept)| **kept).map(|(name, _)| name).collect();
+        let people = format!("{} of {} participants", self.people(counts), counts.subjects.len());
+        let levels = self.0.only.iter().map(|(factor, kept)| {
             let kept = if kept.is_empty() { "none".to_owned() } else { kept.join(", ") };
-            parts.push(format!("{} {kept}", factor.name));
-        }
-        parts.join("; ")
+            format!("{factor} {kept}")
+        });
+        (!self.0.exclude.is_empty()).then_some(people).into_iter().chain(levels).collect::<Vec<_>>().join("; ")
     }
 
     /// Draws the checklists.
     pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts) {
-        let title = format!("Participants: {} of {}", self.people(), self.people.len());
-        list(ui, "participants", &title, &mut self.people, |ui, people| {
+        let excluded: HashSet<&str> = self.0.exclude.iter().map(String::as_str).collect();
+        let mut people: Vec<bool> = counts.subjects.iter().map(|id| !excluded.contains(&**id)).collect();
+        let title = format!("Participants: {} of {}", checked(&people), people.len());
+        list(ui, "participants", &title, &mut people, |ui, people| {
             // A long list has its own scroll area; only the visible part is drawn.
             let height = ui.spacing().interact_size.y;
             let area = ScrollArea::vertical().id_salt("people").max_height(190.0);
@@ -105,26 +90,32 @@ impl Filters {
                 }
             });
         });
-        for (levels, factor) in self.factors.iter_mut().zip(&counts.factors) {
-            let title = format!("{}: {} of {} levels", factor.name, checked(levels), levels.len());
-            list(ui, &factor.name, &title, levels, |ui, levels| {
+        let mut only = Vec::new();
+        for (index, factor) in counts.factors.iter().enumerate() {
+            let names = counts.selectable_levels(index);
+            let kept = self.kept(&factor.name);
+            let is_kept = |name: &String| kept.is_none_or(|kept| kept.contains(name));
+            let mut levels: Vec<bool> = names.iter().map(is_kept).collect();
+            let title = format!("{}: {} of {} levels", factor.name, checked(&levels), levels.len());
+            list(ui, &factor.name, &title, &mut levels, |ui, levels| {
                 ui.horizontal_wrapped(|ui| {
-                    for (checked, level) in levels.iter_mut().zip(names(factor)) {
+                    for (checked, level) in levels.iter_mut().zip(&names) {
                         check(ui, checked, &factor.name, level);
                     }
                 });
             });
+            if levels.contains(&false) {
+                let kept = names.into_iter().zip(levels).filter(|(_, kept)| *kept).map(|(name, _)| name);
+                only.push((factor.name.clone(), kept.collect()));
+            }
         }
+        let exclude = counts.subjects.iter().zip(people).filter(|(_, kept)| !kept).map(|(id, _)| id.clone());
+        self.0 = Exclusions { exclude: exclude.collect(), only };
     }
 }
 
 fn checked(list: &[bool]) -> usize {
     list.iter().filter(|checked| **checked).count()
-}
-
-/// Returns the levels of a factor, and the label for conditions without a level.
-fn names(factor: &Factor) -> impl Iterator<Item = &str> {
-    factor.levels.iter().map(String::as_str).chain(["missing"])
 }
 
 /// Draws a collapsible list below two buttons that select all or none. Its state belongs to `id`, so its title may
@@ -152,7 +143,7 @@ fn check(ui: &mut egui::Ui, checked: &mut bool, of: &str, text: &str) {
 
 /// The values of the controls.
 #[derive(Clone, Debug, Default)]
-pub struct Settings {
+pub struct ModelControls {
     /// What is requested, except the ratings and the terms.
     request: Analyze,
     /// The terms as they are being typed.
@@ -163,7 +154,7 @@ pub struct Settings {
     terms: Option<Terms>,
 }
 
-impl Settings {
+impl ModelControls {
     /// Returns the requested analysis, without the ratings.
     pub fn request(&self) -> Analyze {
         let model = Model { terms: self.terms.clone(), ..self.request.model.clone() };
@@ -173,7 +164,7 @@ impl Settings {
     /// Draws the controls. `is_column` says whether the files have a column that is not a factor yet.
     pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters, is_column: &dyn Fn(&str) -> bool) {
         self.terms_field(ui, counts, filters, is_column);
-        let people = filters.people();
+        let people = filters.people(counts);
         let request = &mut self.request;
         let links = [Link::Logit, Link::Probit];
         Field::new("Link")

@@ -7,7 +7,7 @@ use eframe::egui::{
 
 use crate::{
     app::ui::{text::name, theme},
-    report::document::Table,
+    report::document::TextTable,
 };
 
 /// Padding of a column, points.
@@ -18,7 +18,7 @@ const MEASURED: usize = 2000;
 
 /// A table and the order of its rows.
 pub struct TableView {
-    table: Table,
+    table: TextTable,
     /// Width of each column, points; measured when the table is first drawn.
     widths: Vec<f32>,
     /// The column by which the table is sorted, and whether the order is descending.
@@ -26,7 +26,7 @@ pub struct TableView {
 }
 
 impl TableView {
-    pub fn new(table: Table) -> Self {
+    pub fn new(table: TextTable) -> Self {
         Self { table, widths: Vec::new(), sorted: None }
     }
 

@@ -25,7 +25,7 @@ const OPTIONAL: f32 = 140.0;
 /// Maximum number of errors shown for one field.
 const MAX_SHOWN: usize = 3;
 
-pub struct Form {
+pub struct DefinitionForm {
     draft: Draft,
     /// What was typed, by the key of the field. The draft may have it in a different form.
     typed: BTreeMap<String, String>,
@@ -41,7 +41,7 @@ pub struct Form {
     shown: BTreeSet<usize>,
 }
 
-impl Form {
+impl DefinitionForm {
     /// Opens a copy of a definition, with a name that no file in the folder has.
     ///
     /// # Errors
@@ -144,7 +144,7 @@ impl Form {
         self.show(&found)
     }
 
-    /// Like [`Form::error`], without the errors of the values in this table or list.
+    /// Like [`DefinitionForm::error`], without the errors of the values in this table or list.
     pub fn own_error(&mut self, key: &str) -> String {
         let found: Vec<usize> = (0..self.errors.len()).filter(|i| self.errors[*i].key == key).collect();
         self.show(&found)

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf, absolute};
 
 use eframe::egui::{CentralPanel, Context, Frame, Id, Key, KeyboardShortcut, Modal, Modifiers, Panel, ScrollArea, Ui};
 
-use super::{form::Form, sections, thumbnails::Thumbnails};
+use super::{form::DefinitionForm, sections, thumbnails::Thumbnails};
 use crate::{
     app::ui::{self, Dialog, Field, FileKind, Saving, Step, theme},
     store::definition,
@@ -24,7 +24,7 @@ pub struct Editor {
     /// The definition that is copied, as it was named.
     of: String,
     /// The form, or why the definition cannot be edited.
-    form: Result<Form, String>,
+    form: Result<DefinitionForm, String>,
     /// The folder for the new file.
     folder: String,
     dialog: Dialog,
@@ -43,7 +43,7 @@ impl Editor {
         let folder = absolute(folder).unwrap_or_default();
         Self {
             of: name_or_path.to_owned(),
-            form: Form::open(name_or_path, &folder).map_err(|error| error.to_string()),
+            form: DefinitionForm::open(name_or_path, &folder).map_err(|error| error.to_string()),
             folder: folder.display().to_string(),
             dialog: Dialog::default(),
             saving: Saving::default(),
@@ -53,7 +53,7 @@ impl Editor {
     }
 
     fn is_changed(&self) -> bool {
-        self.form.as_ref().is_ok_and(Form::is_changed)
+        self.form.as_ref().is_ok_and(DefinitionForm::is_changed)
     }
 
     /// Returns whether the page asks before changes are lost by closing the window. Closing it a second time answers

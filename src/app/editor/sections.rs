@@ -2,7 +2,7 @@
 
 use eframe::egui::{Align, CollapsingHeader, ComboBox, Layout, Response, Role, TextEdit, Ui, WidgetInfo};
 
-use super::form::{Form, LABELS};
+use super::form::{DefinitionForm, LABELS};
 use crate::{
     app::ui::{self, Field, parameter},
     experiment::{Design, MAX_RATING, Recovery, ResponseScale, Texts, ViewingPlan},
@@ -14,7 +14,7 @@ use crate::{
 const LONG: usize = 70;
 
 /// Draws all fields.
-pub fn show(form: &mut Form, ui: &mut Ui) {
+pub fn show(form: &mut DefinitionForm, ui: &mut Ui) {
     form.text(ui, "Name", "name", "", "The name of the file, the experiment and its data: a–z, 0–9 and hyphens.");
     form.text(ui, "Title", "title", "", "One line that describes the experiment.");
     stimulus(form, ui);
@@ -26,7 +26,7 @@ pub fn show(form: &mut Form, ui: &mut Ui) {
     texts(form, ui);
 }
 
-fn stimulus(form: &mut Form, ui: &mut Ui) {
+fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Stimulus");
     let kind = form.value("stimulus.kind", "");
     let mut chosen = kind.clone();
@@ -62,7 +62,7 @@ fn stimulus(form: &mut Form, ui: &mut Ui) {
     }
 }
 
-fn factors(form: &mut Form, ui: &mut Ui) {
+fn factors(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Factors");
     ui::hint(ui, "Every combination of their levels is a condition. Separate levels with commas: 0.02, 0.05, 0.1");
     show_errors(ui, &form.own_error("factors"));
@@ -88,7 +88,13 @@ fn factors(form: &mut Form, ui: &mut Ui) {
 }
 
 /// Draws a factor. `place` is its index and the number of factors.
-fn factor(form: &mut Form, ui: &mut Ui, name: &str, parameter: Option<&'static Parameter>, place: [usize; 2]) {
+fn factor(
+    form: &mut DefinitionForm,
+    ui: &mut Ui,
+    name: &str,
+    parameter: Option<&'static Parameter>,
+    place: [usize; 2],
+) {
     let key = format!("factors.{name}");
     let mut levels = form.value(&key, "");
     let (error, label) = (form.error(&key), parameter::label(name));
@@ -141,7 +147,7 @@ fn with_level(new: &[&str], levels: &str) -> String {
     before.into_iter().chain(new.iter().map(quoted)).collect::<Vec<_>>().join(", ")
 }
 
-fn design(form: &mut Form, ui: &mut Ui) {
+fn design(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Trials");
     let default = Design::default();
     form.number(ui, "Repetitions", "design.repetitions", default.repetitions, "Main trials for each condition.");
@@ -154,7 +160,7 @@ fn design(form: &mut Form, ui: &mut Ui) {
     form.optional(ui, "Longest run", ["design.max_run"; 2], "any length", about);
 }
 
-fn order(form: &mut Form, ui: &mut Ui) {
+fn order(form: &mut DefinitionForm, ui: &mut Ui) {
     const KINDS: [(&str, &str); 3] = [
         ("random", "Random: all trials shuffled together"),
         ("blocked", "Blocked: one block for each level, in random order"),
@@ -181,7 +187,7 @@ fn order(form: &mut Form, ui: &mut Ui) {
     }
 }
 
-fn timing(form: &mut Form, ui: &mut Ui) {
+fn timing(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Timing");
     let default = Recovery::default();
     let about = "Duration of the uniform field between two stimuli.";
@@ -192,7 +198,7 @@ fn timing(form: &mut Form, ui: &mut Ui) {
     form.optional(ui, "Stimulus, s", ["presentation.duration_s", "presentation"], "until it is rated", about);
 }
 
-fn viewing(form: &mut Form, ui: &mut Ui) {
+fn viewing(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Viewing");
     let default = ViewingPlan::default();
     let about = "Planned distance from the eye to the screen.";
@@ -201,7 +207,7 @@ fn viewing(form: &mut Form, ui: &mut Ui) {
     form.number(ui, "Stimulus size, °", "viewing.window_deg", default.window_deg, about);
 }
 
-fn answers(form: &mut Form, ui: &mut Ui) {
+fn answers(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Answers");
     let default = ResponseScale::default();
     form.text(ui, "Question", "response.question", &default.question, "Shown next to the scale.");
@@ -242,7 +248,7 @@ fn answers(form: &mut Form, ui: &mut Ui) {
     }
 }
 
-fn texts(form: &mut Form, ui: &mut Ui) {
+fn texts(form: &mut DefinitionForm, ui: &mut Ui) {
     ui.add_space(6.0);
     CollapsingHeader::new("What participants read").show(ui, |ui| {
         ui::hint(ui, "In the participants' language. The program fills in the words in braces.");

@@ -44,8 +44,8 @@ const MARKS: [f64; 2] = [0.06, 0.22];
 
 /// The page with the stimuli of the catalog.
 pub struct Gallery {
-    settings: Settings,
-    history: History<Settings>,
+    settings: Choices,
+    history: History<Choices>,
     /// Whether the size has been chosen, so that the image and its plot fit the window.
     is_fitted: bool,
     derivatives: bool,
@@ -59,7 +59,7 @@ pub struct Gallery {
 
 /// Everything that determines the image.
 #[derive(Clone, Debug, PartialEq)]
-struct Settings {
+struct Choices {
     /// The place of the kind in the catalog.
     entry: usize,
     /// The text in the control of each parameter, for every kind. Each kind keeps its own values.
@@ -79,12 +79,12 @@ struct Shown {
 }
 
 /// Points of a plotted curve.
-type Curve = Vec<[f64; 2]>;
+type Trace = Vec<[f64; 2]>;
 
 /// Luminance of the strongest channel along a line through the center, in the direction of the orientation.
 struct Curves {
-    requested: Curve,
-    emitted: Curve,
+    requested: Trace,
+    emitted: Trace,
 }
 
 /// Returns the default values of a kind's parameters, as text.
@@ -95,7 +95,7 @@ fn default_values(entry: &catalog::Entry) -> Vec<String> {
     stimulus.parameters().iter().map(value).collect()
 }
 
-impl Settings {
+impl Choices {
     fn new(size: u32) -> Self {
         let values = catalog::all().iter().map(default_values).collect();
         Self { entry: 0, values, size, dither: Dither::None }
@@ -134,7 +134,7 @@ impl Settings {
 impl Gallery {
     /// Creates the gallery for a screen described by `display`, viewed from `distance_cm` centimeters if that is known.
     pub fn new(display: DisplayProfile, distance_cm: Option<f64>) -> Self {
-        let settings = Settings::new(SIZES[0]);
+        let settings = Choices::new(SIZES[0]);
         Self {
             prediction: Prediction::new(ViewingPlace::new(&display, distance_cm)),
             history: History::new(settings.clone()),
@@ -264,7 +264,7 @@ impl Gallery {
         let show = |ui: &mut Ui, name: Option<&str>| {
             errors.iter().filter(|(of, _)| *of == name).for_each(|(_, error)| ui::show_error(ui, error));
         };
-        let Settings { entry, values, size, dither } = &mut self.settings;
+        let Choices { entry, values, size, dither } = &mut self.settings;
         let parameters = catalog::all()[*entry].default_stimulus().parameters();
         for (parameter, text) in parameters.iter().zip(&mut values[*entry]) {
             ui::parameter(ui, LABELS, parameter, text);
@@ -364,7 +364,7 @@ impl Gallery {
         });
         // The requested light is drawn last: where the curves agree, it covers the other.
         let lines = [(after, &curves.emitted), (requested, &curves.requested)];
-        let plot = |ui: &mut Ui, what: &str, lines: &[(Color32, &Curve)], marks: &[Mark]| {
+        let plot = |ui: &mut Ui, what: &str, lines: &[(Color32, &Trace)], marks: &[Mark]| {
             plot(ui, what, AXIS + side, lines, |plot| {
                 marks.iter().for_each(|mark| draw_mark(plot, mark, &curves.requested, ink.band));
             })
@@ -408,7 +408,7 @@ fn plot(
     ui: &mut Ui,
     what: &str,
     width: f32,
-    lines: &[(Color32, &Curve)],
+    lines: &[(Color32, &Trace)],
     over: impl FnOnce(&mut PlotUi<'_>),
 ) -> egui::Response {
     let lowest = lines.iter().flat_map(|(_, points)| points.iter()).map(|point| point[1]).fold(f64::INFINITY, f64::min);

@@ -29,7 +29,7 @@ pub fn labels(ui: &Ui) -> f32 {
 
 /// The values of the fields, as typed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Form {
+pub struct SessionForm {
     /// Name of a built-in definition, or path of a file.
     pub experiment: String,
     /// Participant ID.
@@ -46,7 +46,7 @@ pub struct Form {
 
 /// A field of the form, used to identify errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Part {
+pub enum SessionField {
     Experiment,
     Participant,
     Session,
@@ -56,7 +56,7 @@ pub enum Part {
     Results,
 }
 
-impl Part {
+impl SessionField {
     fn label(self) -> &'static str {
         match self {
             Self::Experiment => "Experiment",
@@ -77,7 +77,7 @@ pub struct Checked {
     pub protocol: Option<Protocol>,
     /// The profile, if it is valid; sRGB if no profile is given.
     pub display: Option<DisplayProfile>,
-    errors: BTreeMap<Part, String>,
+    errors: BTreeMap<SessionField, String>,
     /// Whether this session is unfinished, so that Start resumes it.
     pub resume: bool,
     /// Side of the stimulus on this screen in physical pixels, and pixels per degree.
@@ -90,18 +90,18 @@ pub struct Checked {
 
 impl Checked {
     /// Creates the control for a field, with its error.
-    pub fn field(&self, ui: &Ui, part: Part) -> Field<'_> {
+    pub fn field(&self, ui: &Ui, part: SessionField) -> Field<'_> {
         let error = self.errors.get(&part).map_or("", String::as_str);
         Field::new(part.label()).column(labels(ui)).error(error)
     }
 
     /// Returns whether a field has an error.
-    pub fn is_wrong(&self, part: Part) -> bool {
+    pub fn is_wrong(&self, part: SessionField) -> bool {
         self.errors.contains_key(&part)
     }
 }
 
-impl Default for Form {
+impl Default for SessionForm {
     fn default() -> Self {
         Self {
             experiment: definition::BUILT_IN[0].name.to_owned(),
@@ -114,7 +114,7 @@ impl Default for Form {
     }
 }
 
-impl Form {
+impl SessionForm {
     /// Fills empty fields with values from the definition.
     pub fn suggest(&mut self, monitor: &Monitor) {
         if self.screen.screen_width_cm.is_empty() {
@@ -131,18 +131,18 @@ impl Form {
 
     pub fn check(&self, monitor: &Monitor) -> Checked {
         let mut errors = BTreeMap::new();
-        let protocol = self.protocol().map_err(|error| errors.insert(Part::Experiment, error)).ok();
-        let display = self.screen.profile().map_err(|error| errors.insert(Part::Profile, error)).ok();
+        let protocol = self.protocol().map_err(|error| errors.insert(SessionField::Experiment, error)).ok();
+        let display = self.screen.profile().map_err(|error| errors.insert(SessionField::Profile, error)).ok();
         if let Err(error) = Identity::check_subject(&self.participant) {
-            errors.insert(Part::Participant, error.to_string());
+            errors.insert(SessionField::Participant, error.to_string());
         }
         if let Err(error) = Identity::check_session(&self.session) {
-            errors.insert(Part::Session, error.to_string());
+            errors.insert(SessionField::Session, error.to_string());
         }
         let identity = Identity::new(&self.participant, &self.session).ok();
         let results = PathBuf::from(self.results.trim());
         if let Some(error) = results_error(&results) {
-            errors.insert(Part::Results, error);
+            errors.insert(SessionField::Results, error);
         }
         let mut resume = false;
         if let (Some(protocol), Some(identity)) = (&protocol, &identity) {
@@ -152,14 +152,14 @@ impl Form {
                     let error = format!(
                         "{subject} has already completed session {session}. Enter another session or participant."
                     );
-                    errors.insert(Part::Session, error);
+                    errors.insert(SessionField::Session, error);
                 }
                 Ok(false) => resume = true,
                 Err(StoreError::NothingToResume(_)) => {}
-                Err(error) => drop(errors.insert(Part::Session, error.to_string())),
+                Err(error) => drop(errors.insert(SessionField::Session, error.to_string())),
             }
             if let Err(error) = Schedule::new(protocol, identity, 1) {
-                errors.insert(Part::Experiment, error.to_string());
+                errors.insert(SessionField::Experiment, error.to_string());
             }
         }
         let viewing = self.viewing(monitor, &mut errors);
@@ -172,7 +172,7 @@ impl Form {
                     "The {deg}° stimulus needs {side} pixels, but the screen has only {least}. Enter a shorter \
                         distance, or use a larger screen."
                 );
-                errors.insert(Part::Distance, error);
+                errors.insert(SessionField::Distance, error);
             }
             (side, viewing.px_per_degree())
         });
@@ -219,14 +219,16 @@ impl Form {
     }
 
     /// Returns the viewing geometry, or adds the errors in its fields.
-    fn viewing(&self, monitor: &Monitor, errors: &mut BTreeMap<Part, String>) -> Option<Viewing> {
+    fn viewing(&self, monitor: &Monitor, errors: &mut BTreeMap<SessionField, String>) -> Option<Viewing> {
         let cm =
             |text: &str, example: &str| number(text).ok_or(format!("Enter a number of centimeters, e.g. {example}."));
         let width = cm(&self.screen.screen_width_cm, "53.1")
             .and_then(|cm| Screen::new(monitor.width_px, monitor.height_px, cm).map_err(|error| error.to_string()))
-            .map_err(|error| errors.insert(Part::ScreenWidth, error));
-        let distance = cm(&self.screen.distance_cm, "57").map_err(|error| errors.insert(Part::Distance, error));
-        Viewing::new(width.ok()?, distance.ok()?).map_err(|error| errors.insert(Part::Distance, error.to_string())).ok()
+            .map_err(|error| errors.insert(SessionField::ScreenWidth, error));
+        let distance = cm(&self.screen.distance_cm, "57").map_err(|error| errors.insert(SessionField::Distance, error));
+        Viewing::new(width.ok()?, distance.ok()?)
+            .map_err(|error| errors.insert(SessionField::Distance, error.to_string()))
+            .ok()
     }
 }
 

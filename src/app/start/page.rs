@@ -12,7 +12,7 @@ use eframe::egui::{
 
 use super::{
     cards::Cards,
-    form::{Checked, Form, Part, labels},
+    form::{Checked, SessionField, SessionForm, labels},
     sessions::SessionList,
 };
 use crate::{
@@ -59,9 +59,9 @@ pub enum Destination {
 
 #[derive(Default)]
 pub struct Start {
-    form: Form,
+    form: SessionForm,
     /// The form and the monitor that were checked last, and the result. Updated if either has changed.
-    checked: Option<(Form, Monitor, Rc<Checked>)>,
+    checked: Option<(SessionForm, Monitor, Rc<Checked>)>,
     /// The participant that the program suggested.
     suggested: String,
     /// The distance that the definition plans, as text.
@@ -170,22 +170,23 @@ impl Start {
 
     /// Updates the remembered values. What the program suggests is not remembered.
     fn remember(&self, settings: &mut Settings, monitor: &Monitor, checked: &Checked) {
-        let Form { screen, results, experiment, .. } = &self.form;
+        let SessionForm { screen, results, experiment, .. } = &self.form;
         let absolute = |text: &str| {
             std::path::absolute(text.trim()).map_or_else(|_| text.to_owned(), |path| path.display().to_string())
         };
-        if !checked.is_wrong(Part::Results) {
-            settings.results = if *results == Form::default().results { results.clone() } else { absolute(results) };
+        if !checked.is_wrong(SessionField::Results) {
+            settings.results =
+                if *results == SessionForm::default().results { results.clone() } else { absolute(results) };
         }
-        if !checked.is_wrong(Part::Profile) {
+        if !checked.is_wrong(SessionField::Profile) {
             settings.screen.profile =
                 if screen.profile.trim().is_empty() { String::new() } else { absolute(&screen.profile) };
         }
-        if !checked.is_wrong(Part::ScreenWidth) && !screen.width_is_assumed(monitor) {
+        if !checked.is_wrong(SessionField::ScreenWidth) && !screen.width_is_assumed(monitor) {
             settings.screen.monitor = monitor.title();
             settings.screen.width_cm.clone_from(&screen.screen_width_cm);
         }
-        if !checked.is_wrong(Part::Distance) {
+        if !checked.is_wrong(SessionField::Distance) {
             let is_planned = screen.distance_cm == self.planned_cm;
             settings.screen.distance_cm = if is_planned { String::new() } else { screen.distance_cm.clone() };
         }
@@ -413,20 +414,20 @@ impl Start {
         let mut name = self.form.experiment.clone();
         // All fields of the form end at the same edge.
         ui.spacing_mut().text_edit_width = f32::INFINITY;
-        checked.field(ui, Part::Experiment).hint("name, or path to a .toml file").text(ui, &mut name);
+        checked.field(ui, SessionField::Experiment).hint("name, or path to a .toml file").text(ui, &mut name);
         if name != self.form.experiment {
             self.choose_experiment(name);
         }
-        let Form { participant, session, screen, .. } = &mut self.form;
-        checked.field(ui, Part::Participant).hint("letters and digits").text(ui, participant);
-        checked.field(ui, Part::Session).hint("1, 2, … for the same participant").text(ui, session);
-        checked.field(ui, Part::Distance).hint("from eye to screen").text(ui, &mut screen.distance_cm);
+        let SessionForm { participant, session, screen, .. } = &mut self.form;
+        checked.field(ui, SessionField::Participant).hint("letters and digits").text(ui, participant);
+        checked.field(ui, SessionField::Session).hint("1, 2, … for the same participant").text(ui, session);
+        checked.field(ui, SessionField::Distance).hint("from eye to screen").text(ui, &mut screen.distance_cm);
         if let Some(coarse) = &checked.coarse {
             Field::new("").column(labels(ui)).show(ui, |ui, _| ui::note(ui, coarse));
         }
         self.width_field(ui, checked, monitor, here);
         let measure = self.profile_field(ui, checked);
-        checked.field(ui, Part::Results).show(ui, |ui, label| {
+        checked.field(ui, SessionField::Results).show(ui, |ui, label| {
             ui.horizontal_wrapped(|ui| {
                 let field = TextEdit::singleline(&mut self.form.results).desired_width(room(ui, 1));
                 ui.add(field).labelled_by(label);
@@ -438,7 +439,7 @@ impl Start {
     }
 
     fn width_field(&mut self, ui: &mut Ui, checked: &Checked, monitor: &Monitor, here: &Monitor) {
-        checked.field(ui, Part::ScreenWidth).show(ui, |ui, label| {
+        checked.field(ui, SessionField::ScreenWidth).show(ui, |ui, label| {
             ui.horizontal_wrapped(|ui| {
                 let width = &mut self.form.screen.screen_width_cm;
                 ui.add(TextEdit::singleline(width).desired_width(90.0)).labelled_by(label);
@@ -448,7 +449,8 @@ impl Start {
                     self.card = Some(CardHelper::new(width, monitor.width_px));
                 }
             });
-            let Some((side, per_degree)) = checked.stimulus_px.filter(|_| !checked.is_wrong(Part::ScreenWidth)) else {
+            let Some((side, per_degree)) = checked.stimulus_px.filter(|_| !checked.is_wrong(SessionField::ScreenWidth))
+            else {
                 return;
             };
             let screen = &self.form.screen;
@@ -464,7 +466,7 @@ impl Start {
 
     /// Draws the field for the profile; returns whether the user wants to measure the screen.
     fn profile_field(&mut self, ui: &mut Ui, checked: &Checked) -> bool {
-        checked.field(ui, Part::Profile).show(ui, |ui, label| {
+        checked.field(ui, SessionField::Profile).show(ui, |ui, label| {
             let path = &mut self.form.screen.profile;
             let mut measure = false;
             ui.horizontal_wrapped(|ui| {

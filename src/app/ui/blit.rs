@@ -107,7 +107,7 @@ fn texture_entries() -> [wgpu::BindGroupLayoutEntry; 3] {
 
 /// A part of a picture, in physical pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
+pub struct Piece {
     /// Upper left corner on the screen.
     pub at: [f32; 2],
     /// Upper left corner in the picture.
@@ -127,7 +127,7 @@ pub fn upload(ctx: &egui::Context, texture: TextureId, delta: &egui::epaint::Ima
 
 /// Draws a part of an image pixel for pixel. Returns `false` if egui must draw it, because the image is not uploaded
 /// yet or because there are no graphics.
-pub fn draw(ui: &egui::Ui, texture: TextureId, part: Part) -> bool {
+pub fn draw(ui: &egui::Ui, texture: TextureId, part: Piece) -> bool {
     let Some(Textures { renderer, .. }) = ui.ctx().data(|data| data.get_temp(Id::NULL)) else { return false };
     let Some(codes) = renderer.read().texture(&texture).map(|texture| texture.bind_group.clone()) else {
         return false;
@@ -144,7 +144,7 @@ pub fn draw(ui: &egui::Ui, texture: TextureId, part: Part) -> bool {
 /// The drawing of one picture in one frame.
 struct Blit {
     codes: wgpu::BindGroup,
-    part: Part,
+    part: Piece,
     corners: OnceLock<wgpu::Buffer>,
 }
 
@@ -188,7 +188,7 @@ impl CallbackTrait for Blit {
     }
 }
 
-impl Part {
+impl Piece {
     /// Returns the corners of a triangle strip in a window of this size.
     fn corners(self, window: [u32; 2]) -> [[f32; 4]; 4] {
         let [width, height] = window.map(|side| side as f32);

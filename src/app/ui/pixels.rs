@@ -9,7 +9,7 @@ use eframe::egui::{
 };
 
 use super::{
-    blit::{self, Part},
+    blit::{self, Piece},
     text::describe,
 };
 use crate::{
@@ -102,7 +102,7 @@ pub fn draw_columns(ui: &egui::Ui, texture: TextureId, size: [u32; 2], columns: 
     let [width, height] = size.map(|side| side as f32);
     let [from, to] = [columns.start as f32, columns.end as f32];
     let corner = (min.to_vec2() * scale).round();
-    let part = Part { at: [corner.x + from, corner.y], from: [from, 0.0], size: [to - from, height] };
+    let part = Piece { at: [corner.x + from, corner.y], from: [from, 0.0], size: [to - from, height] };
     if blit::draw(ui, texture, part) {
         return;
     }

@@ -40,14 +40,14 @@ pub enum Block {
     List(Vec<String>),
     /// Text to copy verbatim.
     Code(String),
-    Table(Table),
+    Table(TextTable),
     /// A chart.
     Figure(Figure),
 }
 
 /// A table of formatted values.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Table {
+pub struct TextTable {
     /// What it shows.
     pub caption: String,
     /// Names of the columns.
@@ -94,7 +94,7 @@ impl Section {
     /// Adds a table. The columns in `texts` contain text, and the columns in `numbers` after them contain numbers.
     pub fn table(&mut self, caption: impl Into<String>, texts: &[&str], numbers: &[&str], rows: Vec<Vec<Shown>>) {
         let header = texts.iter().chain(numbers).map(|&name| name.to_owned()).collect();
-        self.blocks.push(Block::Table(Table { caption: caption.into(), header, texts: texts.len(), rows }));
+        self.blocks.push(Block::Table(TextTable { caption: caption.into(), header, texts: texts.len(), rows }));
     }
 
     /// Adds a table of names and their values.
