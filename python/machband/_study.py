@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import json
 import os
-import re
-import tempfile
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from . import _machband
-from ._common import Table, flag, options, progress, quoted, suggests, table, whole, words
+from ._common import Table, options, progress, suggests, table, words
 
 
 def read_results(folder: str | PathLike[str]) -> Table:
@@ -80,9 +78,7 @@ class Analysis:
         """Wrap the results."""
         self._native = native
         self._is_simulated = False
-        self.warnings, self.errors = (
-            [_rows(problem) for problem in problems] for problems in native.problems()
-        )
+        self.warnings, self.errors = native.problems()
 
     @cached_property
     def tables(self) -> dict[str, Table]:
@@ -150,18 +146,6 @@ class Analysis:
         return f'{first}{self._native.summary_html()}<div style="display: flex; flex-wrap: wrap">{figures}</div>'
 
 
-#: The file that a table is written to. Nobody else has a file of this name.
-TABLE = "machband-table.csv"
-
-
-def _rows(message: str) -> str:
-    """Return a message about this file as one about the rows of the table in it, counted from 0."""
-    # The header is the first line.
-    message = re.sub(rf"{TABLE}:1:\d+:", "table:", message)
-    message = re.sub(rf"{TABLE}:(\d+):\d+:", lambda found: f"table, row {int(found[1]) - 2} (counted from 0):", message)
-    return message.replace(TABLE, "table")
-
-
 def _columns(data: Any) -> Mapping[str, Any] | None:
     """Return the columns of a table, or `None` if `data` is not a table. Named index levels are columns too."""
     if hasattr(data, "reset_index") and hasattr(data, "columns"):
@@ -179,12 +163,11 @@ def _columns(data: Any) -> Mapping[str, Any] | None:
     return None
 
 
-def _write(data: Mapping[str, Any], path: str) -> None:
-    """Write a table as CSV, with numbers in their shortest form and missing values empty."""
+def _cells(data: Mapping[str, Any]) -> list[tuple[str, Any]]:
+    """Return the columns of a table with their names: arrays of numbers, or texts, which are empty if missing."""
     if not len(list(data)):
         raise _machband.Error("the table has no columns; expected at least a participant, a rating and a factor")
-    names: list[str] = []
-    columns: list[Any] = []
+    columns: list[tuple[str, Any]] = []
     for name in data:
         column = data[name]
         if getattr(getattr(column, "dtype", None), "tz", None) is not None:
@@ -192,20 +175,18 @@ def _write(data: Mapping[str, Any], path: str) -> None:
         array = np.asarray(column)
         if array.ndim != 1:
             raise _machband.Error(f"column {name!r} has shape {array.shape}; expected one dimension")
+        cells: Any
         if array.dtype.kind in "ib" or (array.dtype.kind == "u" and array.dtype.itemsize < 8):
-            columns.append(np.ascontiguousarray(array, np.int64))
+            cells = np.ascontiguousarray(array, np.int64)
         elif array.dtype.kind == "f":
-            columns.append(np.ascontiguousarray(array, np.float64))
+            cells = np.ascontiguousarray(array, np.float64)
         elif array.dtype.kind == "M":
-            columns.append([f"{time}Z" for time in np.datetime_as_string(array, "ms")])
+            cells = [f"{time}Z" for time in np.datetime_as_string(array, "ms")]
         else:
             missing = np.asarray(column.isna()) if hasattr(column, "isna") else [cell is None for cell in array]
-            columns.append(["" if gone else str(cell) for gone, cell in zip(missing, array, strict=True)])
-        names.append(str(name))
-    lengths = {len(column) for column in columns}
-    if len(lengths) > 1:
-        raise _machband.Error(f"the columns have {sorted(lengths)} rows; expected the same number")
-    _machband.write_table(path, names, columns)
+            cells = ["" if gone else str(cell) for gone, cell in zip(missing, array, strict=True)]
+        columns.append((str(name), cells))
+    return columns
 
 
 def _paths(data: object) -> Iterator[str]:
@@ -224,17 +205,20 @@ def analyze(
     *,
     subject: str | None = None,
     response: str | None = None,
-    categories: Sequence[str] | None = None,
+    categories: str | Sequence[str] | None = None,
     count: str | None = None,
-    factors: Sequence[str] | None = None,
-    terms: str | Sequence[str] | None = None,
-    link: str = "logit",
-    slopes: str | None = "independent",
-    random: str | None = None,
-    seed: int = 1,
-    draws: int = 999,
+    factors: str | Sequence[str] | None = None,
+    direction: str | Sequence[str] | None = None,
+    exclude: str | Sequence[str] | None = None,
+    only: Mapping[str, Sequence[Any]] | None = None,
     complete_only: bool = False,
+    terms: str | Sequence[str] | None = None,
+    link: Literal["logit", "probit"] = "logit",
+    slopes: Literal["none", "independent", "correlated"] = "independent",
     large: bool = False,
+    random: Literal["none", "subject"] | None = None,
+    draws: int = 999,
+    seed: int = 1,
 ) -> Analysis:
     """Analyze ratings, as ``machband analyze`` does: descriptive statistics, ordinal mixed model, tests, figures.
 
@@ -242,36 +226,46 @@ def analyze(
     ----------
     data
         A DataFrame, whose named index levels count as columns, or a dict of columns; or result files, folders, tables of
-        counts, or any CSV files.
+        counts, or any CSV files. An ordered `Categorical` says which categories the response has, and their order. In
+        rows of `read_results` or `simulate`, the factors are the parameters of the stimulus that vary, and every column
+        that you added.
     subject
-        Column with the participant; ``subject_id`` by default.
+        Column with the participant ID [default: subject_id].
     response
-        Column with the ordered response; by default ``rating``, on the scale from 0 to 3. Name it for any other scale,
-        also if its name is ``rating``.
+        Column with the ordered response [default: rating, 0–3].
     categories
-        Categories of the response, lowest first, if they are neither numbers nor an ordered `Categorical`. Rows with
-        other responses are left out, with a warning.
+        Categories of the response, lowest first, if they are not numbers. Quote a category that contains a comma, as in
+        CSV: 'low,"medium, mostly",high'.
     count
-        Column with the number of trials in each row; ``count`` by default, if there is one.
+        Column with the number of trials per row [default: count, if present].
     factors
-        Columns with the factors. By default, they are those of the definition or of the terms; in rows of `read_results`
-        or `simulate`, the parameters of the stimulus that vary, and every column that you added. Their levels are in
-        natural order: numbers ascending, then texts. The first is the baseline.
-    terms
-        Terms of the model, such as ``["width", "num:depth"]`` or ``"width*depth"``; by default every factor that varies.
-    link
-        ``logit`` or ``probit``.
-    slopes
-        Random slopes: ``none`` (or `None`), ``independent`` or ``correlated``.
-    random
-        ``none`` or ``subject``; by default ``subject`` if there are at least two participants.
-    seed, draws
-        Seed and number (19 to 1,000,000) of the simulated studies that calibrate tests and intervals. No p can be below
-        1 / (draws + 1), so 19 can never show an effect at p < .05.
+        Columns with the factors [default: the factors of the definition or of the terms].
+    direction
+        Factors that are directions, which are circular [default: stimulus parameters that are directions].
+    exclude
+        Participants to exclude.
+    only
+        Analyze only these levels of a factor; NA means a missing value. Repeat the option for other factors.
     complete_only
         Exclude sessions with unrated trials.
+    terms
+        Terms of the model: names of factors. Prefix a numeric term with num:, and join the factors of an interaction
+        with : or * [default: every factor that varies].
+    link
+        Link function of the cumulative model.
+    slopes
+        Random slopes: for each term that varies within participants, as far as the design supports it (independent), or
+        with all their correlations (correlated).
     large
-        Also analyze a study that is larger than usual.
+        Also analyze a study that is larger than usual: more than 10 factors, 120 levels of a factor, 5,000 conditions,
+        20,000 participants or 120 coefficients, or names of more than 200 bytes. The time grows with their square or
+        cube.
+    random
+        Random intercept for each participant [default: subject if there are at least two participants].
+    draws
+        Number of simulated studies that calibrate tests and intervals; an analysis of many ratings uses at most 199.
+    seed
+        Seed of the simulated studies.
 
     Returns
     -------
@@ -292,31 +286,12 @@ def analyze(
         categories = ordered if response is not None or (ordered and not set(ordered) <= {0, 1, 2, 3}) else None
     if categories is not None and response is None:
         response = "rating"
-    given = options(
-        subject=subject,
-        response=response,
-        categories=quoted(categories),
-        count=count,
-        factors=quoted(factors),
-        terms=terms if terms is None or isinstance(terms, str) else ",".join(terms),
-        link=link,
-        slopes="none" if slopes is None else slopes,
-        random=random,
-        seed=whole("seed", seed),
-        draws=whole("draws", draws, 19, 1_000_000),
-        complete_only=flag("complete_only", complete_only),
-        large=flag("large", large),
-    )
-    with tempfile.TemporaryDirectory(prefix="machband-") as temporary, progress("simulated studies") as show:
-        if columns is not None:
-            paths = [os.path.join(temporary, TABLE)]
-            _write(columns, paths[0])
-        elif not (paths := list(_paths(data))):
-            raise _machband.Error("there are no paths; expected at least one")
-        try:
-            analysis = Analysis(_machband.analyze(given, paths, temporary, show))
-        except _machband.Error as error:
-            raise _machband.Error(_rows(str(error).replace(temporary + os.sep, ""))) from None
+    given = options("analyze", locals())
+    ratings = _cells(columns) if columns is not None else list(_paths(data))
+    if not ratings:
+        raise _machband.Error("there are no paths; expected at least one")
+    with progress("simulated studies") as show:
+        analysis = Analysis(_machband.analyze(given, ratings, show))
     analysis._is_simulated = bool(getattr(data, "attrs", {}).get("simulated"))
     for problem in [*analysis.warnings, *analysis.errors]:
         warnings.warn(problem, stacklevel=3)
@@ -397,7 +372,6 @@ def export(
     -------
     What was written: the names of the experiments, and the numbers of sessions, rows and pictures.
     """
-    given = options(folder=os.fspath(folder), out=os.fspath(out), format=words("format", format))
-    chosen = options(complete_only=flag("complete_only", complete_only), accept_changes=flag("accept_changes", accept_changes))
-    experiments, counts = _machband.export({**given, **chosen})
+    fields = {"folder": os.fspath(folder), "out": os.fspath(out), "format": words("format", format) or ""}
+    experiments, counts = _machband.export({**options("export", locals()), **fields})
     return Exported(experiments, *counts)

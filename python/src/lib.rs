@@ -67,7 +67,6 @@ mod _machband {
         main,
         mesh::{mesh, shade},
         study::{Analysis, analyze, export, read_results, verify},
-        table::write_table,
         vision::predict,
     };
 

@@ -97,10 +97,15 @@ pub(super) struct RowErrors {
 impl RowErrors {
     /// Adds an error; its line and column are computed only if it is kept.
     pub fn add(&mut self, file: &str, cell: Option<usize>, message: String, place: impl FnOnce() -> (usize, usize)) {
+        self.add_with(cell, || FileError::at(file, place(), message));
+    }
+
+    /// Adds the error that `make` returns; it is called only if the error is kept.
+    pub fn add_with(&mut self, cell: Option<usize>, make: impl FnOnce() -> FileError) {
         let count = self.counts.entry(cell).or_default();
         *count += 1;
         if *count <= MAX_KEPT {
-            self.kept.push(FileError::at(file, place(), message));
+            self.kept.push(make());
         }
     }
 

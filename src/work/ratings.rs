@@ -115,8 +115,13 @@ impl Ratings {
     /// # Errors
     /// No file can be read, or an exclusion is not possible.
     pub fn read(&self, also: Vec<String>, details: bool, large: bool) -> Result<Study, StudyError> {
+        Study::read(&self.paths, &self.options(also, details, large))
+    }
+
+    /// Returns how the ratings are read.
+    pub(super) fn options(&self, also: Vec<String>, details: bool, large: bool) -> ReadOptions {
         let Exclusions { exclude, only } = self.exclusions();
-        let how = ReadOptions {
+        ReadOptions {
             subject: self.subject.clone(),
             response: self.response.clone(),
             categories: self.categories.clone().map(|list| list.0),
@@ -129,8 +134,7 @@ impl Ratings {
             complete_only: self.complete_only,
             details,
             large,
-        };
-        Study::read(&self.paths, &how)
+        }
     }
 }
 

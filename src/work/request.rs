@@ -163,19 +163,32 @@ pub(super) fn paths<T: Paths, S: Serializer>(paths: &T, serializer: S) -> Result
     paths.value().serialize(serializer)
 }
 
+/// Returns the arguments of a request that differ from their defaults, with their values.
+fn given<T: Request + Serialize>(request: &T) -> Vec<(Arg, Value)> {
+    let values = serde_json::to_value(request).unwrap_or_default();
+    let is_default = |argument: &Arg, value: &Value| {
+        let default: Vec<_> = argument.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
+        let is_nothing =
+            matches!(value, Value::Null | Value::Bool(false)) || value.as_array().is_some_and(Vec::is_empty);
+        if default.is_empty() { is_nothing } else { default.join(",") == text(value) }
+    };
+    let command = T::augment_args(Command::new("machband"));
+    let arguments = command.get_arguments().map(|argument| (argument, &values[argument.get_id().as_str()]));
+    let arguments = arguments.filter(|(argument, value)| !is_default(argument, value));
+    arguments.map(|(argument, value)| (argument.clone(), value.clone())).collect()
+}
+
+/// Returns the fields of a request that differ from their defaults, with their values: what stands without an option on
+/// the command line, then the options.
+pub fn changed<T: Request + Serialize>(request: &T) -> Vec<(String, Value)> {
+    given(request).into_iter().map(|(argument, value)| (argument.get_id().to_string(), value)).collect()
+}
+
 /// Returns the words of the command line that repeat a request: what stands without an option, then every option that
 /// differs from its default.
 pub fn words<T: Request + Serialize>(request: &T) -> Vec<String> {
-    let command = T::augment_args(Command::new("machband"));
-    let given = serde_json::to_value(request).unwrap_or_default();
     let mut line = Line::default();
-    for argument in command.get_arguments() {
-        let value = &given[argument.get_id().as_str()];
-        let default: Vec<_> = argument.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
-        if default.is_empty() || default.join(",") != text(value) {
-            line.add(argument, value);
-        }
-    }
+    given(request).iter().for_each(|(argument, value)| line.add(argument, value));
     line.words()
 }
 

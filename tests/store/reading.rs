@@ -40,13 +40,7 @@ fn try_read(paths: &[&Path], how: &ReadOptions) -> Result<(Source, Vec<String>),
         rows.push(format!("{subject} {} {rating} {count}{details}", values.join("|")));
         Ok(())
     };
-    let mut rows = Vec::new();
-    let take = |_: &FileRead, file: Vec<String>| {
-        rows.extend(file);
-        Ok(())
-    };
-    let source = ratings::read(&paths, how, |_| Vec::new(), add, take)?;
-    Ok((source, rows))
+    ratings::read(&paths, how, |_| Vec::new(), add)
 }
 
 fn read(paths: &[&Path], how: &ReadOptions) -> (Source, Vec<String>) {
@@ -500,7 +494,7 @@ mod layouts {
         let columns = columns.with_numbers("answer", [1.0, 2.0]).with_texts("depth", ["1", "2"]);
         let study = Study::from_columns("ratings", columns, &how).unwrap();
         let [error] = &study.source.errors[..] else { panic!("{:?}", study.source.errors) };
-        assert_eq!((error.position, &error.message[..]), (Some((1, 1)), "who is empty; expected a participant"));
+        assert_eq!(error.to_string(), "ratings, row 1 (counted from 0): who is empty; expected a participant");
         let error = Study::from_columns("ratings", unequal, &how).unwrap_err().to_string();
         assert_eq!(error, "ratings: the column answer has 1 rows; expected 2, as in who");
     }
