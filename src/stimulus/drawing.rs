@@ -5,7 +5,6 @@
 //! none: its step, the limit of narrow ramps, stays as sharp as the pixels at every orientation.
 
 use std::f64::consts::FRAC_1_SQRT_2;
-use std::ops::Range;
 
 use crate::light::{LinearImage, Quantizer};
 use crate::system::checkpoint;
@@ -33,6 +32,9 @@ pub(super) trait Profile {
     /// Returns, in any order, the positions where a channel may turn from rising to falling or vice versa, or where the
     /// light may jump. Between neighboring positions, every channel is monotonic and continuous.
     fn turning_points(&self) -> Vec<f64>;
+
+    /// Returns whether the light is constant to the last bit between the turning points on either side of `x`.
+    fn is_level(&self, x: f64) -> bool;
 
     /// Returns the minimum and the maximum of the light between two positions that have no turning point between them;
     /// `light` is the light at the two positions.
@@ -118,6 +120,10 @@ const ERROR_PX: f64 = 1e-6;
 const ERROR_LIGHT: f64 = 1e-12;
 /// The search for runs stops at this fraction of a pixel.
 const MIN_RUN_PX: f64 = 1.0 / 128.0;
+/// The number of templates: the center line crosses a row in one of this many intervals between two pixels.
+const PHASES: usize = 48;
+/// The largest shift from row to row, in pixels, for which templates are made.
+const MAX_SHIFT_PX: f64 = 4.0;
 
 /// A range of positions along a row that all have the same code.
 struct Run {
@@ -139,7 +145,8 @@ impl Runs {
     fn new(pixels: &Pixels<'_>, quantizer: &Quantizer) -> Self {
         let grid = &pixels.grid;
         let side = f64::from(grid.size);
-        let mut search = Search { profile: pixels.profile, quantizer, shortest: MIN_RUN_PX / side, runs: Vec::new() };
+        let mut search =
+            Search { profile: pixels.profile, quantizer, shortest: MIN_RUN_PX / side, level: false, runs: Vec::new() };
         // Pixels at an oblique jump mix the light of both sides.
         let mixed = |turn: f64| pixels.jumps.iter().any(|(at, _)| *at == turn);
         let near = |turn: f64| if mixed(turn) { ERROR_X + half_extent(grid) / side } else { ERROR_X };
@@ -150,6 +157,7 @@ impl Runs {
         for i in 0..=turning_points.len() {
             let from = turning_points[..i].iter().map(|(at, near)| at + near).fold(-1.0, f64::max);
             let to = turning_points[i..].iter().map(|(at, near)| at - near).fold(1.0, f64::min);
+            search.level = pixels.profile.is_level(0.5 * (from + to));
             if from < to {
                 search.between([from, to], [from, to].map(|x| pixels.profile.light(x, 0.0)));
             }
@@ -168,31 +176,73 @@ impl Runs {
     }
 
     /// Returns the codes of a window of `size` rows. `pixel` computes the pixels that are not certain to lie in a run.
+    ///
+    /// If the center line crosses rows at nearly the same place between two pixels, the rows are shifted copies of one
+    /// template.
     fn draw(&self, size: u32, pixel: impl Fn(u32, u32) -> [u8; 3]) -> Vec<[u8; 3]> {
         let width = size as usize;
-        let mut codes = vec![[0; 3]; width * width];
-        for (iy, row) in (0..).zip(codes.chunks_exact_mut(width)) {
+        let mut codes = Vec::with_capacity(width * width);
+        let mut templates: [Option<Template>; PHASES] = [const { None }; PHASES];
+        let reach = self.middle * self.tan.abs();
+        for iy in 0..size {
             checkpoint();
             let shift = self.middle - (self.middle - f64::from(iy)) * self.tan;
-            let compute = |row: &mut [[u8; 3]], open: Range<usize>| open.for_each(|ix| row[ix] = pixel(ix as u32, iy));
-            let mut done = 0;
-            for run in &self.runs[self.runs.partition_point(|run| run.to + shift < 0.0)..] {
-                // The cast turns negative values into 0.
-                let first = ((run.from + shift).ceil() as usize).max(done);
-                let end = ((run.to + shift).floor() as usize + 1).min(width);
-                if first >= width {
-                    break;
-                }
-                if first < end {
-                    compute(row, done..first);
-                    row[first..end].fill(run.codes);
-                    done = end;
-                }
+            let of_row;
+            let (template, start) = if self.tan.abs() > MAX_SHIFT_PX {
+                // The rows are shifted so far that a shared template would be longer than all rows together. A row
+                // crosses only a few runs, which are quickly filled.
+                of_row = self.template(shift, 0.0, width);
+                (&of_row, 0)
+            } else {
+                let phase = ((shift - shift.floor()) * PHASES as f64) as usize;
+                // A template starts where the row that is shifted farthest to the right starts.
+                let first = (self.middle + reach).floor();
+                let template = templates[phase].get_or_insert_with(|| {
+                    let length = width + 2 * reach.ceil() as usize + 1;
+                    self.template(first + phase as f64 / PHASES as f64, 1.0 / PHASES as f64, length)
+                });
+                (&*template, (first - shift.floor()) as usize)
+            };
+            codes.extend_from_slice(&template.codes[start..start + width]);
+            let row = &mut codes[iy as usize * width..];
+            for at in &template.open[template.open.partition_point(|at| *at < start)..] {
+                let Some(to) = row.get_mut(at - start) else { break };
+                *to = pixel((at - start) as u32, iy);
             }
-            compute(row, done..width);
         }
         codes
     }
+
+    /// Returns a row of `length` pixels, filled where a pixel keeps its code at every shift of the row from `shift` to
+    /// `shift + slack`.
+    fn template(&self, shift: f64, slack: f64, length: usize) -> Template {
+        let (mut codes, mut open, mut done) = (vec![[0; 3]; length], Vec::new(), 0);
+        for run in &self.runs[self.runs.partition_point(|run| run.to + shift < 0.0)..] {
+            // The cast turns negative values into 0.
+            let first = ((run.from + shift + slack).ceil() as usize).max(done);
+            let end = ((run.to + shift).floor() as usize + 1).min(length);
+            if first >= length {
+                break;
+            }
+            if first < end {
+                open.extend(done..first);
+                // Copying four pixels takes no longer than copying one.
+                let (blocks, rest) = codes[first..end].as_chunks_mut::<4>();
+                blocks.fill([run.codes; 4]);
+                rest.fill(run.codes);
+                done = end;
+            }
+        }
+        open.extend(done..length);
+        Template { codes, open }
+    }
+}
+
+/// A row that contains every row of its interval, each shifted by whole pixels.
+struct Template {
+    codes: Vec<[u8; 3]>,
+    /// The pixels whose code depends on where in the interval the center line crosses; they are not filled.
+    open: Vec<usize>,
 }
 
 /// Searches for runs from lower to higher positions.
@@ -200,6 +250,7 @@ struct Search<'a> {
     profile: &'a dyn Profile,
     quantizer: &'a Quantizer,
     shortest: f64,
+    level: bool,
     runs: Vec<Run>,
 }
 
@@ -207,12 +258,13 @@ impl Search<'_> {
     /// Searches between two positions; `light` is the light there.
     fn between(&mut self, positions: [f64; 2], light: [[f64; 3]; 2]) {
         let ([from, to], [least, most]) = (positions, self.profile.bounds(positions, light));
+        let error = if self.level { 0.0 } else { ERROR_LIGHT };
         // An 8-bit code fits.
         let codes = |light: [f64; 3], off: f64| {
             self.quantizer.codes(light.map(|light| (light + off) as f32)).map(|code| code as u8)
         };
-        let lowest = codes(least, -ERROR_LIGHT);
-        if lowest == codes(most, ERROR_LIGHT) {
+        let lowest = codes(least, -error);
+        if lowest == codes(most, error) {
             match self.runs.last_mut() {
                 Some(last) if last.to == from && last.codes == lowest => last.to = to,
                 _ => self.runs.push(Run { from, to, codes: lowest }),

@@ -106,6 +106,10 @@ impl Profile for Ramp {
         vec![-0.5 * self.width, 0.5 * self.width]
     }
 
+    fn is_level(&self, x: f64) -> bool {
+        x.abs() > 0.5 * self.width
+    }
+
     fn bounds(&self, [from, to]: [f64; 2], light: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
         match &self.color_ramp {
             Some(color_ramp) => color_ramp.bounds(self.fraction_at(from), self.fraction_at(to)),
