@@ -7,7 +7,7 @@ use super::{
     Calibration, Link, MAX_COEFFICIENTS, ModelError, ModelReport, ModelSpec, Note, Prediction, Random, Resampling,
     Slopes,
     agreement::{Alpha, mean_over_subjects, ordinal_alpha, retests},
-    counts::{Measured, Quartiles, Times},
+    counts::{Measured, Quartiles},
     fit_calibrated,
     rank_tests::{Friedman, PERMUTATIONS, Pairs, SubjectMeans, friedman, pairs},
     summary::{Group, by_cell, by_factor, by_subject},
@@ -195,13 +195,11 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
             group,
             retests: retest.pairs(),
             kappa: retest.kappa(),
-            times: times.quartiles(),
+            times,
         })
         .collect();
     let kappas: Vec<f64> = subjects.iter().filter_map(|subject| subject.kappa).collect();
-    let times = (measured.times_by(counts.categories.len(), |row| Some(row.rating.into())).iter())
-        .map(Times::quartiles)
-        .collect();
+    let times = measured.times_by(counts.categories.len(), |row| Some(row.rating.into()));
     Results {
         cells,
         factors,
@@ -235,7 +233,6 @@ fn factor_results(measured: &Measured, factor: usize) -> FactorResults {
     let means = SubjectMeans::new(counts, factor);
     let several = means.rows.len() > 1 && means.levels.len() > 1;
     let level_of = |condition: u32| counts.conditions[condition as usize][factor].map(|level| level as usize);
-    let times = measured.times_by(counts.factors[factor].levels.len(), |row| level_of(row.condition));
     FactorResults {
         name: counts.factors[factor].name.clone(),
         levels: by_factor(counts, factor),
@@ -244,6 +241,6 @@ fn factor_results(measured: &Measured, factor: usize) -> FactorResults {
         friedman: friedman(&means, PERMUTATIONS),
         pairs: several.then(|| pairs(&means)),
         incomplete: means.incomplete,
-        times: times.iter().map(Times::quartiles).collect(),
+        times: measured.times_by(counts.factors[factor].levels.len(), |row| level_of(row.condition)),
     }
 }

@@ -16,9 +16,9 @@ use crate::{light::interpolation::Depth, stimulus::ParameterValue, text::Cell as
 
 /// A value in one cell of a CSV file.
 trait Cell: Sized {
-    fn to_cell(&self) -> String;
-    fn value(&self) -> CellValue {
-        CellValue::Text(self.to_cell())
+    fn value(&self) -> CellValue;
+    fn to_cell(&self) -> String {
+        self.value().to_string()
     }
     fn from_cell(text: &str) -> Result<Self, String>;
 }
@@ -26,9 +26,6 @@ trait Cell: Sized {
 macro_rules! plain_cell {
     ($($kind:ty => $expected:literal, $value:expr;)*) => {$(
         impl Cell for $kind {
-            fn to_cell(&self) -> String {
-                self.to_string()
-            }
             fn value(&self) -> CellValue {
                 $value(self)
             }
@@ -49,10 +46,6 @@ plain_cell! {
 }
 
 impl Cell for Timestamp {
-    /// Writes the time to the millisecond.
-    fn to_cell(&self) -> String {
-        format!("{self:.3}")
-    }
     fn value(&self) -> CellValue {
         CellValue::Time(*self)
     }
@@ -62,9 +55,6 @@ impl Cell for Timestamp {
 }
 
 impl Cell for bool {
-    fn to_cell(&self) -> String {
-        u8::from(*self).to_string()
-    }
     fn value(&self) -> CellValue {
         CellValue::Whole((*self).into())
     }
@@ -78,8 +68,8 @@ impl Cell for bool {
 }
 
 impl Cell for String {
-    fn to_cell(&self) -> String {
-        self.clone()
+    fn value(&self) -> CellValue {
+        CellValue::Text(self.clone())
     }
     fn from_cell(text: &str) -> Result<Self, String> {
         if text.is_empty() { Err("expected text".to_owned()) } else { Ok(text.to_owned()) }
@@ -87,6 +77,7 @@ impl Cell for String {
 }
 
 impl Cell for f64 {
+    /// Writes the number without an exponent, as a definition does.
     fn to_cell(&self) -> String {
         self.to_string()
     }
@@ -106,9 +97,6 @@ impl Cell for f64 {
 pub struct Rating(pub u8);
 
 impl Cell for Rating {
-    fn to_cell(&self) -> String {
-        self.0.to_string()
-    }
     fn value(&self) -> CellValue {
         CellValue::Whole(self.0.into())
     }

@@ -76,15 +76,10 @@ pub struct Slope {
     pub sd: f64,
 }
 
-/// Whether a simulated study is one of the planned ones or lacks an effect. Their random numbers are separate.
-#[derive(Clone, Copy)]
-enum Kind {
-    Planned = 0,
-    WithoutEffect = 2,
-}
-
-/// Added to [`Kind`] for the deviations, so that the ratings have the same random numbers with and without slopes.
+/// The purpose of the random numbers of the deviations, so that the ratings have the same with and without slopes.
 const DEVIATIONS: u8 = 1;
+/// Added to the purpose in studies without an effect.
+const WITHOUT_EFFECT: u8 = 2;
 
 /// A definition and its observer.
 #[derive(Clone, Debug)]
@@ -166,18 +161,18 @@ impl Scenario {
         Counts { subjects: ["S1", "S2"].map(str::to_owned).to_vec(), rows: rows.collect(), ..self.empty.clone() }
     }
 
-    /// Simulates one study. A participant's ratings depend only on the seed, the study and the participant's number, so
-    /// a larger study contains every smaller one.
+    /// Simulates one of the planned studies. A participant's ratings depend only on the seed, the study and the
+    /// participant's number, so a larger study contains every smaller one.
     pub fn study(&self, people: u32, study: u32, seed: u64) -> Counts {
-        self.simulate(&self.predictors, &self.slopes, people, |purpose, subject| {
-            generator(seed, Kind::Planned as u8 | purpose, study, subject)
-        })
+        let generator = |purpose, subject| generator(seed, purpose, study, subject);
+        self.simulate(&self.predictors, &self.slopes, people, generator)
     }
 
-    /// Simulates one study with other predictors and slopes, in which an effect is absent.
+    /// Simulates one study with other predictors and slopes, in which an effect is absent. Its random numbers are not
+    /// those of the planned studies.
     pub fn study_without(&self, predictors: &[f64], slopes: &[Slope], people: u32, study: u32, seed: u64) -> Counts {
         self.simulate(predictors, slopes, people, |purpose, subject| {
-            generator(seed, Kind::WithoutEffect as u8 | purpose, study, subject)
+            generator(seed, WITHOUT_EFFECT | purpose, study, subject)
         })
     }
 
