@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::{
     Calibration, Link, MAX_COEFFICIENTS, ModelError, ModelReport, ModelSpec, Note, Prediction, Random, Resampling,
     Slopes,
-    agreement::{Alpha, mean_over_subjects, ordinal_alpha, retests},
+    agreement::{Alpha, kappa, mean_over_subjects, ordinal_alpha, retests},
     counts::{Measured, Quartiles},
     fit_calibrated,
     rank_tests::{Friedman, PERMUTATIONS, Pairs, SubjectMeans, friedman, pairs},
@@ -193,8 +193,8 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         .zip(measured.times_by(people, |row| Some(row.subject as usize)))
         .map(|((group, retest), times)| SubjectResults {
             group,
-            retests: retest.pairs(),
-            kappa: retest.kappa(),
+            retests: retest.len() as u64,
+            kappa: kappa(&retest),
             times,
         })
         .collect();

@@ -248,36 +248,30 @@ record! {
 
 /// Returns every column of a protocol's result files, in order.
 pub fn columns(protocol: &Protocol) -> Vec<Column> {
-    let described = |(name, unit, description): &(&str, &str, &str)| Column {
-        name: (*name).to_owned(),
-        description: (*description).to_owned(),
-        unit: (*unit).to_owned(),
-        levels: levels(protocol, name),
-    };
     let known = protocol.stimulus.parameters();
     let extra = extra_factors(protocol).map(|name| {
         let parameter = known.iter().find(|parameter| parameter.name == name);
-        Column {
-            name: name.to_owned(),
-            description: parameter.map_or_else(String::new, |p| p.description.to_owned()),
-            unit: parameter.map_or_else(String::new, |p| p.unit.to_owned()),
-            levels: levels(protocol, name),
-        }
+        parameter.map_or((name, "", ""), |parameter| (name, parameter.unit, parameter.description))
     });
-    FIXED.iter().map(described).chain(extra).collect()
+    let with_levels = |one: (&str, &str, &str)| Column { levels: levels(protocol, one.0), ..column(one) };
+    FIXED.iter().copied().chain(extra).map(with_levels).collect()
 }
 
 /// Returns the columns of a file whose definition is unknown: the columns that every file has, and any others in its
 /// header.
 pub fn columns_by_header<'a>(header: impl Iterator<Item = &'a str>) -> Vec<Column> {
-    let column = |(name, unit, description): (&str, &str, &str)| Column {
+    let extra = header.skip(FIXED.len()).map(|name| (name, "", ""));
+    FIXED.iter().copied().chain(extra).map(column).collect()
+}
+
+/// Describes a column by its name, unit and meaning.
+fn column((name, unit, description): (&str, &str, &str)) -> Column {
+    Column {
         name: name.to_owned(),
         description: description.to_owned(),
         unit: unit.to_owned(),
         ..Column::default()
-    };
-    let extra = header.skip(FIXED.len()).map(|name| (name, "", ""));
-    FIXED.iter().copied().chain(extra).map(column).collect()
+    }
 }
 
 fn extra_factors(protocol: &Protocol) -> impl Iterator<Item = &str> {

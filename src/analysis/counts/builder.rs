@@ -236,6 +236,11 @@ impl MeasuredBuilder {
             rating,
             count,
         });
+        // Not in the order in which they were added.
+        times.sort_unstable_by(|l: &Timed, r| {
+            let cell = |timed: &Timed| (timed.subject, timed.condition, timed.rating, timed.count);
+            cell(l).cmp(&cell(r)).then(l.seconds.total_cmp(&r.seconds))
+        });
         let retests = earliest.into_iter().filter_map(|((subject, condition), earliest)| {
             let [Some(first), Some(second)] = earliest.0 else { return None };
             let (first, second) = (category(first.rating.into()), category(second.rating.into()));
