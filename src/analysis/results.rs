@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    Calibration, Link, MAX_COEFFICIENTS, ModelError, ModelReport, ModelSpec, Note, Prediction, Random, Resampling,
+    Calibration, Link, MAX_COEFFICIENTS, ModelError, ModelReport, ModelSpec, Prediction, Random, Resampling,
     Slopes,
     agreement::{Alpha, kappa, mean_over_subjects, ordinal_alpha, retests},
     counts::{Measured, Quartiles},
@@ -21,7 +21,7 @@ pub struct Options {
     /// Terms of the model. `None` means the main effects of all factors with two or more levels.
     pub terms: Option<Terms>,
     pub link: Link,
-    /// The random part. `None` means an intercept for each participant if there are two or more participants.
+    /// The random part. `None` means an intercept for each participant; a single participant has none in any case.
     pub random: Option<Random>,
     /// Random slopes, as far as the design supports them.
     pub slopes: Slopes,
@@ -180,14 +180,8 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         .collect();
     let Options { resampling, checks, .. } = *options;
     let calibration = Calibration { resampling, checks, contrasts: &contrasts, progress };
-    let (mut model, (cells, alpha)) =
+    let (model, (cells, alpha)) =
         rayon::join(|| fit_calibrated(counts, &spec, &calibration), || (by_cell(counts), ordinal_alpha(counts)));
-    if let Ok(ModelReport { model, .. }) = &mut model
-        && people == 1
-        && !model.notes.contains(&Note::OneSubject)
-    {
-        model.notes.push(Note::OneSubject);
-    }
     let subjects: Vec<SubjectResults> = (by_subject(counts).into_iter())
         .zip(retests(&measured))
         .zip(measured.times_by(people, |row| Some(row.subject as usize)))
@@ -218,10 +212,9 @@ fn model_spec(measured: &Measured, options: &Options) -> ModelSpec {
     let counts = &measured.counts;
     let varied: Vec<&str> =
         counts.factors.iter().filter(|factor| factor.levels.len() > 1).map(|factor| factor.name.as_str()).collect();
-    let random = if counts.subjects.len() > 1 { Random::Subject } else { Random::None };
     ModelSpec {
         link: options.link,
-        random: options.random.unwrap_or(random),
+        random: options.random.unwrap_or(Random::Subject),
         slopes: options.slopes,
         max_coefficients: options.max_coefficients,
         ..ModelSpec::new(options.terms.clone().unwrap_or_else(|| Terms::factors(&varied)))
