@@ -4,8 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    Calibration, Link, MAX_COEFFICIENTS, ModelError, ModelReport, ModelSpec, Prediction, Random, Resampling,
-    Slopes,
+    Calibration, Link, MAX_COEFFICIENTS, ModelError, ModelReport, ModelSpec, Prediction, Random, Resampling, Slopes,
     agreement::{Alpha, kappa, mean_over_subjects, ordinal_alpha, retests},
     counts::{Measured, Quartiles},
     fit_calibrated,

@@ -266,12 +266,7 @@ pub fn columns_by_header<'a>(header: impl Iterator<Item = &'a str>) -> Vec<Colum
 
 /// Describes a column by its name, unit and meaning.
 fn column((name, unit, description): (&str, &str, &str)) -> Column {
-    Column {
-        name: name.to_owned(),
-        description: description.to_owned(),
-        unit: unit.to_owned(),
-        ..Column::default()
-    }
+    Column { name: name.to_owned(), description: description.to_owned(), unit: unit.to_owned(), ..Column::default() }
 }
 
 fn extra_factors(protocol: &Protocol) -> impl Iterator<Item = &str> {

@@ -175,7 +175,9 @@ fn legend(svg: &mut Svg, panel: &Panel, heading: &str, lines: &[Line], lined: bo
 pub(super) fn orientation(results: &Results) -> Option<Figure> {
     let counts = &results.measured.counts;
     let is_shown = |factor: &Factor| {
-        factor.role == Role::Direction && factor.levels.len() > 1 && factor.numbers.iter().flatten().all(|a| a.is_finite())
+        factor.role == Role::Direction
+            && factor.levels.len() > 1
+            && factor.numbers.iter().flatten().all(|a| a.is_finite())
     };
     let index = counts.factors.iter().position(is_shown)?;
     let means = of_groups(by_levels(counts, &[index]));

@@ -3,8 +3,8 @@
 use super::{cautions::is_serious, findings::ALPHA, names};
 use crate::{
     analysis::{
-        Checks, Coefficient, Comparison, Contrast, Influence, Link, Margin, Model, ModelReport,
-        Proportion, Random, RandomEffect, Results, TermTest, Threshold, terms::Variable,
+        Checks, Coefficient, Comparison, Contrast, Influence, Link, Margin, Model, ModelReport, Proportion, Random,
+        RandomEffect, Results, TermTest, Threshold, terms::Variable,
     },
     report::{
         document::{
