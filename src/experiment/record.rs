@@ -12,7 +12,7 @@ use super::{
     schedule::{Phase, Schedule},
     session::TrialResponse,
 };
-use crate::{light::interpolation::Depth, stimulus::ParameterValue, text::Cell as CellValue};
+use crate::{light::interpolation::Depth, text::Cell as CellValue};
 
 /// A value in one cell of a CSV file.
 trait Cell: Sized {
@@ -349,10 +349,7 @@ impl TrialRecord {
         let RowContext { protocol, schedule, identity, .. } = context;
         let trial = &schedule.trials[trial];
         let stimulus = &schedule.conditions[trial.condition].stimulus;
-        let number = |name| match stimulus.get(name) {
-            Some(ParameterValue::Number(value)) => Some(value),
-            _ => None,
-        };
+        let number = |name: &str| CellValue::from(stimulus.get(name)?).as_number();
         let text = |name: &str| stimulus.get(name).map(|value| value.to_string());
         let (subject, session) = (identity.subject(), identity.session());
         Self {

@@ -31,8 +31,8 @@ struct Cell {
     key: Box<[u8]>,
     /// Number of ratings, by index into [`MeasuredBuilder::ratings`].
     counts: Vec<u64>,
-    /// Response times: seconds, rating and count.
-    times: Vec<(f64, u8, u64)>,
+    /// Response times: seconds and rating.
+    times: Vec<(f64, u8)>,
     earliest: Earliest,
 }
 
@@ -113,8 +113,8 @@ impl MeasuredBuilder {
         }
         let cell = self.cell();
         cell.count(rating, count);
-        if let Some(seconds) = response_time_s {
-            cell.times.push((seconds, rating, count));
+        if let Some(seconds) = response_time_s.filter(|_| count == 1) {
+            cell.times.push((seconds, rating));
         }
         if let Some((session, repetition)) = place {
             cell.earliest.place(session, repetition, rating);
@@ -221,9 +221,9 @@ impl MeasuredBuilder {
             for (rating, &count) in cell.counts.iter().enumerate().filter(|(_, count)| **count > 0) {
                 *counts.entry((subject, condition, category(rating))).or_insert(0) += count;
             }
-            times.extend(cell.times.into_iter().map(|(seconds, rating, count)| {
+            times.extend(cell.times.into_iter().map(|(seconds, rating)| {
                 let rating = category(rating.into());
-                Timed { subject, condition, rating, seconds, count }
+                Timed { subject, condition, rating, seconds }
             }));
             let known = earliest.entry((subject, condition)).or_default();
             for placed in cell.earliest.0.iter().flatten() {
@@ -238,7 +238,7 @@ impl MeasuredBuilder {
         });
         // Not in the order in which they were added.
         times.sort_unstable_by(|l: &Timed, r| {
-            let cell = |timed: &Timed| (timed.subject, timed.condition, timed.rating, timed.count);
+            let cell = |timed: &Timed| (timed.subject, timed.condition, timed.rating);
             cell(l).cmp(&cell(r)).then(l.seconds.total_cmp(&r.seconds))
         });
         let retests = earliest.into_iter().filter_map(|((subject, condition), earliest)| {

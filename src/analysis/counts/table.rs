@@ -189,6 +189,7 @@ pub struct Measured {
     pub counts: Counts,
     /// The first and the second rating of each condition that a participant rated more than once.
     pub retests: Vec<RetestPair>,
+    /// The known response times. A row that stands for several ratings has none.
     pub times: Vec<Timed>,
     /// What was excluded on request from the ratings that were read; nothing of it is in the other fields.
     pub excluded: Vec<Excluded>,
@@ -207,7 +208,7 @@ pub struct RetestPair {
     pub second: u8,
 }
 
-/// The response time of a rating, or of several equal ratings.
+/// The response time of a rating.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timed {
     /// Index into [`Counts::subjects`].
@@ -217,8 +218,6 @@ pub struct Timed {
     /// Index into [`Counts::categories`].
     pub rating: u8,
     pub seconds: f64,
-    /// Number of ratings, at least 1.
-    pub count: u64,
 }
 
 impl Measured {
@@ -237,7 +236,7 @@ impl Measured {
         let mut times = vec![Vec::new(); groups];
         for row in &self.times {
             if let Some(group) = group_of(row) {
-                times[group].push((row.seconds, row.count));
+                times[group].push(row.seconds);
             }
         }
         times.into_iter().map(quartiles).collect()
@@ -326,17 +325,11 @@ pub struct Quartiles {
     pub upper: f64,
 }
 
-/// Returns the quartiles of response times and their numbers, or `None` if there are no times.
-fn quartiles(mut times: Vec<(f64, u64)>) -> Option<Quartiles> {
-    times.sort_by(|l, r| l.0.total_cmp(&r.0));
-    let n: u64 = times.iter().map(|(_, count)| count).sum();
-    let quantile = |proportion: f64| {
-        let wanted = (proportion * n as f64).ceil() as u64;
-        let mut below = 0;
-        times.iter().find_map(|(seconds, count)| {
-            below += count;
-            (below >= wanted).then_some(*seconds)
-        })
-    };
-    Some(Quartiles { n, lower: quantile(0.25)?, median: quantile(0.5)?, upper: quantile(0.75)? })
+/// Returns the quartiles of response times, or `None` if there are no times.
+fn quartiles(mut times: Vec<f64>) -> Option<Quartiles> {
+    times.sort_unstable_by(f64::total_cmp);
+    // The smallest time that at least this share of the times does not exceed.
+    let quantile = |share: f64| times.get(((share * times.len() as f64).ceil() as usize).checked_sub(1)?).copied();
+    let (lower, median, upper) = (quantile(0.25)?, quantile(0.5)?, quantile(0.75)?);
+    Some(Quartiles { n: times.len() as u64, lower, median, upper })
 }
