@@ -237,7 +237,7 @@ def test_ratings_without_a_level_are_a_warning(sessions):
     frame = sessions[1][["subject_id", "width", "rating"]].copy()
     frame.loc[:3, "width"] = np.nan
     with pytest.warns(UserWarning, match="the model: 4 ratings without a value of width are excluded"):
-        found = machband.analyze(frame, factors=["width"], draws=19, slopes=None)
+        found = machband.analyze(frame, factors=["width"], draws=19, slopes="none")
     assert len(found.warnings) == 1 and not found.model["random"]["slopes"]
 
 
