@@ -177,7 +177,7 @@ pub(super) fn orientation(results: &Results) -> Option<Figure> {
     let is_shown = |factor: &Factor| {
         factor.role == Role::Direction
             && factor.levels.len() > 1
-            && factor.numbers.iter().flatten().all(|a| a.is_finite())
+            && factor.numbers.as_ref().is_some_and(|angles| angles.iter().all(|angle| angle.is_finite()))
     };
     let index = counts.factors.iter().position(is_shown)?;
     let means = of_groups(by_levels(counts, &[index]));
