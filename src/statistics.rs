@@ -22,11 +22,6 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// Returns the 95 % interval of an estimate from its standard error, or `None` if either is missing or not finite.
-    pub fn wald(estimate: f64, se: Option<f64>) -> Option<Self> {
-        Self::around(estimate, se, Z_95)
-    }
-
     /// Returns the interval that reaches a number of standard errors from an estimate, or `None` if either is missing
     /// or not finite.
     pub fn around(estimate: f64, se: Option<f64>, errors: f64) -> Option<Self> {

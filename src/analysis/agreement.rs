@@ -130,52 +130,21 @@ pub fn mean_over_subjects(values: &[f64]) -> Option<(f64, Option<Interval>)> {
     (!values.is_empty()).then(|| (mean_and_sd(values).0, Interval::of_mean(values)))
 }
 
-/// First and second ratings of the same conditions, as the sums that κ needs. A table of all pairs of categories would
-/// be large for a scale of many steps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Retest {
-    pairs: u64,
-    /// Sums of the first and the second ratings.
-    sums: [u64; 2],
-    /// Sums of their squares.
-    squares: [u64; 2],
-    /// Sum of the squared differences.
-    differences: u64,
+/// Returns Cohen's κ (1968) with quadratic weights for first and second ratings, given as categories: 1 is perfect
+/// agreement, 0 is chance agreement. Returns `None` if there are no pairs or all ratings are in the same category.
+pub fn kappa(pairs: &[[u8; 2]]) -> Option<f64> {
+    let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 { pairs.iter().map(|[a, b]| of((*a).into(), (*b).into())).sum() };
+    let observed = sum(&|a, b| (a - b) * (a - b));
+    // Σᵢⱼ (i − j)² rᵢ cⱼ / n, for rᵢ first ratings i and cⱼ second ratings j.
+    let expected = sum(&|a, b| a * a + b * b) - 2.0 * sum(&|a, _| a) * sum(&|_, b| b) / pairs.len() as f64;
+    (expected > 0.0).then(|| 1.0 - observed / expected)
 }
 
-impl Retest {
-    /// Adds the first and the second rating of a condition as categories counted from 0.
-    pub fn add(&mut self, first: u8, second: u8) {
-        let both = [first, second].map(u64::from);
-        self.pairs += 1;
-        for (i, rating) in both.into_iter().enumerate() {
-            self.sums[i] += rating;
-            self.squares[i] += rating * rating;
-        }
-        self.differences += both[0].abs_diff(both[1]).pow(2);
-    }
-
-    /// Returns the number of pairs.
-    pub fn pairs(&self) -> u64 {
-        self.pairs
-    }
-
-    /// Returns Cohen's κ (1968) with quadratic weights: 1 is perfect agreement, 0 is chance agreement. Returns `None`
-    /// if there are no pairs or all ratings are in the same category.
-    pub fn kappa(&self) -> Option<f64> {
-        let [n, observed] = [self.pairs, self.differences].map(|count| count as f64);
-        let ([first, second], [squares, other]) = (self.sums.map(|sum| sum as f64), self.squares.map(|sum| sum as f64));
-        // Σᵢⱼ (i − j)² rᵢ cⱼ / n, for rᵢ first ratings i and cⱼ second ratings j.
-        let expected = squares + other - 2.0 * first * second / n;
-        (expected > 0.0).then(|| 1.0 - observed / expected)
-    }
-}
-
-/// Returns each participant's first and second ratings.
-pub fn retests(measured: &Measured) -> Vec<Retest> {
-    let mut retests = vec![Retest::default(); measured.counts.subjects.len()];
+/// Returns each participant's first and second ratings of the same conditions.
+pub fn retests(measured: &Measured) -> Vec<Vec<[u8; 2]>> {
+    let mut retests = vec![Vec::new(); measured.counts.subjects.len()];
     for pair in &measured.retests {
-        retests[pair.subject as usize].add(pair.first, pair.second);
+        retests[pair.subject as usize].push([pair.first, pair.second]);
     }
     retests
 }

@@ -64,9 +64,7 @@ impl<'a> Frame<'a> {
     /// Returns the frame with other ratings by the same participants in the same conditions, or `None` if they are all
     /// the same. The ratings are numbered as in this frame.
     pub fn with_ratings(&self, mut rows: Vec<CountRow>) -> Option<Self> {
-        let used: BTreeSet<u8> = rows.iter().map(|row| row.rating).collect();
-        let used: Vec<u8> = used.into_iter().collect();
-        rows.iter_mut().for_each(|row| row.rating = used.partition_point(|other| *other < row.rating) as u8);
+        let used = renumber(&mut rows, |row| &mut row.rating);
         let categories: Vec<String> = used.iter().map(|&index| self.categories[index as usize].clone()).collect();
         (categories.len() > 1).then(|| Self { rows, categories, ..self.clone() })
     }
@@ -138,26 +136,23 @@ fn needed_factors(counts: &Counts, terms: &Terms) -> Result<BTreeSet<usize>, Mod
 }
 
 /// Renumbers an index to the values that occur, and returns those values in order.
-fn renumber(rows: &mut [CountRow], field: impl Fn(&mut CountRow) -> &mut u32) -> Vec<u32> {
-    let present: BTreeSet<u32> = rows.iter_mut().map(|row| *field(row)).collect();
-    let present: Vec<u32> = present.into_iter().collect();
+fn renumber<T: Copy + Ord + TryFrom<usize>>(rows: &mut [CountRow], field: impl Fn(&mut CountRow) -> &mut T) -> Vec<T> {
+    let present: BTreeSet<T> = rows.iter_mut().map(|row| *field(row)).collect();
+    let present: Vec<T> = present.into_iter().collect();
     for row in rows {
         let value = field(row);
-        *value = present.partition_point(|other| other < value) as u32;
+        // A new number is never larger than the old one.
+        *value = T::try_from(present.partition_point(|other| other < value)).unwrap_or(*value);
     }
     present
 }
 
 /// Removes the categories that have no ratings, with a note for each, and returns the names of the others.
 fn used_categories(counts: &Counts, rows: &mut [CountRow], notes: &mut Vec<Note>) -> Result<Vec<String>, ModelError> {
-    let used: BTreeSet<u8> = rows.iter().map(|row| row.rating).collect();
-    let used: Vec<u8> = used.into_iter().collect();
+    let used = renumber(rows, |row| &mut row.rating);
     let names: Vec<String> = used.iter().map(|&index| counts.categories[index as usize].clone()).collect();
     if used.len() < 2 {
         return Err(ModelError::NoVariation { category: names.concat() });
-    }
-    for row in rows {
-        row.rating = used.partition_point(|other| *other < row.rating) as u8;
     }
     let empty = (0..counts.categories.len()).filter(|index| !used.contains(&(*index as u8)));
     notes.extend(empty.map(|index| Note::EmptyCategory { category: counts.categories[index].clone() }));

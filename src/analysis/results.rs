@@ -4,10 +4,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    Calibration, Link, MAX_COEFFICIENTS, ModelError, ModelReport, ModelSpec, Note, Prediction, Random, Resampling,
-    Slopes,
-    agreement::{Alpha, mean_over_subjects, ordinal_alpha, retests},
-    counts::{Measured, Quartiles, Times},
+    Calibration, Link, MAX_COEFFICIENTS, ModelError, ModelReport, ModelSpec, Prediction, Random, Resampling, Slopes,
+    agreement::{Alpha, kappa, mean_over_subjects, ordinal_alpha, retests},
+    counts::{Measured, Quartiles},
     fit_calibrated,
     rank_tests::{Friedman, PERMUTATIONS, Pairs, SubjectMeans, friedman, pairs},
     summary::{Group, by_cell, by_factor, by_subject},
@@ -21,7 +20,7 @@ pub struct Options {
     /// Terms of the model. `None` means the main effects of all factors with two or more levels.
     pub terms: Option<Terms>,
     pub link: Link,
-    /// The random part. `None` means an intercept for each participant if there are two or more participants.
+    /// The random part. `None` means an intercept for each participant; a single participant has none in any case.
     pub random: Option<Random>,
     /// Random slopes, as far as the design supports them.
     pub slopes: Slopes,
@@ -180,28 +179,20 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         .collect();
     let Options { resampling, checks, .. } = *options;
     let calibration = Calibration { resampling, checks, contrasts: &contrasts, progress };
-    let (mut model, (cells, alpha)) =
+    let (model, (cells, alpha)) =
         rayon::join(|| fit_calibrated(counts, &spec, &calibration), || (by_cell(counts), ordinal_alpha(counts)));
-    if let Ok(ModelReport { model, .. }) = &mut model
-        && people == 1
-        && !model.notes.contains(&Note::OneSubject)
-    {
-        model.notes.push(Note::OneSubject);
-    }
     let subjects: Vec<SubjectResults> = (by_subject(counts).into_iter())
         .zip(retests(&measured))
         .zip(measured.times_by(people, |row| Some(row.subject as usize)))
         .map(|((group, retest), times)| SubjectResults {
             group,
-            retests: retest.pairs(),
-            kappa: retest.kappa(),
-            times: times.quartiles(),
+            retests: retest.len() as u64,
+            kappa: kappa(&retest),
+            times,
         })
         .collect();
     let kappas: Vec<f64> = subjects.iter().filter_map(|subject| subject.kappa).collect();
-    let times = (measured.times_by(counts.categories.len(), |row| Some(row.rating.into())).iter())
-        .map(Times::quartiles)
-        .collect();
+    let times = measured.times_by(counts.categories.len(), |row| Some(row.rating.into()));
     Results {
         cells,
         factors,
@@ -220,10 +211,9 @@ fn model_spec(measured: &Measured, options: &Options) -> ModelSpec {
     let counts = &measured.counts;
     let varied: Vec<&str> =
         counts.factors.iter().filter(|factor| factor.levels.len() > 1).map(|factor| factor.name.as_str()).collect();
-    let random = if counts.subjects.len() > 1 { Random::Subject } else { Random::None };
     ModelSpec {
         link: options.link,
-        random: options.random.unwrap_or(random),
+        random: options.random.unwrap_or(Random::Subject),
         slopes: options.slopes,
         max_coefficients: options.max_coefficients,
         ..ModelSpec::new(options.terms.clone().unwrap_or_else(|| Terms::factors(&varied)))
@@ -235,7 +225,6 @@ fn factor_results(measured: &Measured, factor: usize) -> FactorResults {
     let means = SubjectMeans::new(counts, factor);
     let several = means.rows.len() > 1 && means.levels.len() > 1;
     let level_of = |condition: u32| counts.conditions[condition as usize][factor].map(|level| level as usize);
-    let times = measured.times_by(counts.factors[factor].levels.len(), |row| level_of(row.condition));
     FactorResults {
         name: counts.factors[factor].name.clone(),
         levels: by_factor(counts, factor),
@@ -244,6 +233,6 @@ fn factor_results(measured: &Measured, factor: usize) -> FactorResults {
         friedman: friedman(&means, PERMUTATIONS),
         pairs: several.then(|| pairs(&means)),
         incomplete: means.incomplete,
-        times: times.iter().map(Times::quartiles).collect(),
+        times: measured.times_by(counts.factors[factor].levels.len(), |row| level_of(row.condition)),
     }
 }

@@ -62,8 +62,10 @@ pub fn by_levels(counts: &Counts, factors: &[usize]) -> Vec<Group> {
     all.sort_unstable();
     all.dedup();
     let name = |group: usize| -> Vec<String> {
-        let named = all[group].iter().zip(factors);
-        named.map(|(level, &factor)| level_name(&counts.factors[factor].levels, *level)).collect()
+        let level = |(level, factor): (&Option<u32>, &usize)| {
+            level.map(|level| counts.factors[*factor].levels[level as usize].clone()).unwrap_or_default()
+        };
+        all[group].iter().zip(factors).map(level).collect()
     };
     groups(counts, all.len(), |row| all.binary_search(&own[row.condition as usize]).ok(), name, true)
 }
@@ -79,10 +81,6 @@ pub fn by_factor(counts: &Counts, factor: usize) -> Vec<Group> {
 pub fn by_subject(counts: &Counts) -> Vec<Group> {
     let name = |group: usize| vec![counts.subjects[group].clone()];
     groups(counts, counts.subjects.len(), |row| Some(row.subject as usize), name, false)
-}
-
-fn level_name(levels: &[String], level: Option<u32>) -> String {
-    level.map(|level| levels[level as usize].clone()).unwrap_or_default()
 }
 
 /// One participant's ratings in one group: the number of conditions and the sum of the means in them.

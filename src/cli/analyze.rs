@@ -1,14 +1,12 @@
 //! `machband analyze`
 
-use std::time::Duration;
-
 use serde::Serialize;
 
 use super::{Bar, OutPath};
 use crate::{
     report::{
-        AnalysisOutput, Provenance, check_folder,
-        prediction::{PredictionError, StudyPrediction},
+        AnalysisOutput, Predicted, Provenance, check_folder,
+        prediction::StudyPrediction,
         skins,
         study::{Parts, document, shell_command},
         write_all,
@@ -64,8 +62,8 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
             model.link, model.method, model.loglik
         ))?;
     }
-    if let Some((predicted, took)) = &prediction {
-        super::print_line(&prediction_line(predicted, *took))?;
+    if let Some(predicted) = &prediction {
+        super::print_line(&prediction_line(predicted))?;
     }
     let report = files.iter().find(|file| file.extension().is_some_and(|extension| extension == "html"));
     let place = report.map_or(&*arguments.out, |report| report);
@@ -74,13 +72,12 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
 }
 
 /// Summarizes the vision model's prediction in one line.
-fn prediction_line(predicted: &Result<StudyPrediction, PredictionError>, took: Duration) -> String {
+fn prediction_line(predicted: &Predicted) -> String {
     match predicted {
         Ok(StudyPrediction { comparison, .. }) => format!(
-            "vision model: rank correlation {} with the mean ratings of {} conditions ({:.1} s)",
+            "vision model: rank correlation {} with the mean ratings of {} conditions",
             comparison.rank_correlation.map_or_else(|| "—".to_owned(), |rho| format!("{rho:.3}")),
-            comparison.conditions,
-            took.as_secs_f64()
+            comparison.conditions
         ),
         Err(error) => format!("no prediction by the vision model: {error}"),
     }

@@ -1,6 +1,6 @@
 //! Factors and the conditions that result from crossing them.
 
-use serde::{Serializer, ser::SerializeMap as _};
+use serde::Serializer;
 
 use crate::stimulus::{ParameterError, ParameterValue, Stimulus};
 
@@ -45,9 +45,5 @@ pub(super) fn cross(base: &Stimulus, factors: &[Factor]) -> Result<Vec<Condition
 
 /// Serializes factors as they appear in a definition, in JSON `{"width": [0.02, …], …}`.
 pub(super) fn serialize_factors<S: Serializer>(factors: &[Factor], serializer: S) -> Result<S::Ok, S::Error> {
-    let mut map = serializer.serialize_map(Some(factors.len()))?;
-    for factor in factors {
-        map.serialize_entry(&factor.name, &factor.levels)?;
-    }
-    map.end()
+    serializer.collect_map(factors.iter().map(|factor| (&factor.name, &factor.levels)))
 }

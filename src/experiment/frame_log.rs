@@ -38,19 +38,15 @@ pub struct FrameRun {
 /// The frames of a sitting. The time until the next frame begins counts for what the current frame shows.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FrameLog {
-    times: FrameTimes,
+    /// The intervals of all frames so far.
+    pub times: FrameTimes,
     /// What the current frame shows, with its trial and attempt.
     shown: Option<(Shown, usize, u32)>,
-    /// The runs not yet returned by [`FrameLog::take`].
-    runs: Vec<FrameRun>,
+    /// The runs that were not yet taken.
+    pub runs: Vec<FrameRun>,
 }
 
 impl FrameLog {
-    /// Returns the intervals of all frames so far.
-    pub fn times(&self) -> &FrameTimes {
-        &self.times
-    }
-
     /// Begins a frame that shows `shown`, or a page if it is `None`.
     pub fn begin(&mut self, now: Duration, refresh: Option<Refresh>, shown: Option<(Shown, usize, u32)>) {
         self.shown = shown;
@@ -84,15 +80,5 @@ impl FrameLog {
     pub fn interrupt(&mut self) {
         self.shown = None;
         self.times.interrupt();
-    }
-
-    /// Counts a late onset.
-    pub fn late_onset(&mut self) {
-        self.times.late_onset();
-    }
-
-    /// Returns the runs recorded since the last call.
-    pub fn take(&mut self) -> Vec<FrameRun> {
-        std::mem::take(&mut self.runs)
     }
 }

@@ -17,7 +17,8 @@ use super::{
 };
 use crate::{
     light::interpolation::Depth,
-    stimulus::{ParameterValue, Stimulus, ViewingConditions},
+    stimulus::{Stimulus, ViewingConditions},
+    text::Cell,
     vision::{Criterion, Visibility, VisionError},
 };
 
@@ -100,10 +101,7 @@ impl Default for OrderedLogit {
 impl OrderedLogit {
     /// Returns the linear predictor η of a stimulus for a participant, or −∞ if there is no band to see.
     pub fn predictor(&self, stimulus: &Stimulus, subject: f64) -> f64 {
-        let number = |name| match stimulus.get(name) {
-            Some(ParameterValue::Number(value)) => Some(value),
-            _ => None,
-        };
+        let number = |name: &str| Cell::from(stimulus.get(name)?).as_number();
         let depth = match stimulus.get("depth").and_then(|d| d.to_string().parse().ok()) {
             Some(Depth::Finite(n)) => self.depth / f64::from(n),
             Some(Depth::Infinite) => self.depth / self.infinite_as,

@@ -5,7 +5,6 @@ use std::fmt;
 use serde::{
     Deserialize, Deserializer, Serialize, Serializer,
     de::{MapAccess, Visitor},
-    ser::SerializeMap as _,
 };
 
 use super::faults::DefinitionErrors;
@@ -274,9 +273,7 @@ impl ParticipantField {
 
 impl Serialize for ParticipantFields {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(self.0.len()))?;
-        self.0.iter().try_for_each(|field| map.serialize_entry(&field.name, &field.spec))?;
-        map.end()
+        serializer.collect_map(self.0.iter().map(|field| (&field.name, &field.spec)))
     }
 }
 

@@ -12,13 +12,13 @@ use super::{
     schedule::{Phase, Schedule},
     session::TrialResponse,
 };
-use crate::{light::interpolation::Depth, stimulus::ParameterValue, text::Cell as CellValue};
+use crate::{light::interpolation::Depth, text::Cell as CellValue};
 
 /// A value in one cell of a CSV file.
 trait Cell: Sized {
-    fn to_cell(&self) -> String;
-    fn value(&self) -> CellValue {
-        CellValue::Text(self.to_cell())
+    fn value(&self) -> CellValue;
+    fn to_cell(&self) -> String {
+        self.value().to_string()
     }
     fn from_cell(text: &str) -> Result<Self, String>;
 }
@@ -26,9 +26,6 @@ trait Cell: Sized {
 macro_rules! plain_cell {
     ($($kind:ty => $expected:literal, $value:expr;)*) => {$(
         impl Cell for $kind {
-            fn to_cell(&self) -> String {
-                self.to_string()
-            }
             fn value(&self) -> CellValue {
                 $value(self)
             }
@@ -49,10 +46,6 @@ plain_cell! {
 }
 
 impl Cell for Timestamp {
-    /// Writes the time to the millisecond.
-    fn to_cell(&self) -> String {
-        format!("{self:.3}")
-    }
     fn value(&self) -> CellValue {
         CellValue::Time(*self)
     }
@@ -62,9 +55,6 @@ impl Cell for Timestamp {
 }
 
 impl Cell for bool {
-    fn to_cell(&self) -> String {
-        u8::from(*self).to_string()
-    }
     fn value(&self) -> CellValue {
         CellValue::Whole((*self).into())
     }
@@ -78,8 +68,8 @@ impl Cell for bool {
 }
 
 impl Cell for String {
-    fn to_cell(&self) -> String {
-        self.clone()
+    fn value(&self) -> CellValue {
+        CellValue::Text(self.clone())
     }
     fn from_cell(text: &str) -> Result<Self, String> {
         if text.is_empty() { Err("expected text".to_owned()) } else { Ok(text.to_owned()) }
@@ -87,6 +77,7 @@ impl Cell for String {
 }
 
 impl Cell for f64 {
+    /// Writes the number without an exponent, as a definition does.
     fn to_cell(&self) -> String {
         self.to_string()
     }
@@ -106,9 +97,6 @@ impl Cell for f64 {
 pub struct Rating(pub u8);
 
 impl Cell for Rating {
-    fn to_cell(&self) -> String {
-        self.0.to_string()
-    }
     fn value(&self) -> CellValue {
         CellValue::Whole(self.0.into())
     }
@@ -260,36 +248,25 @@ record! {
 
 /// Returns every column of a protocol's result files, in order.
 pub fn columns(protocol: &Protocol) -> Vec<Column> {
-    let described = |(name, unit, description): &(&str, &str, &str)| Column {
-        name: (*name).to_owned(),
-        description: (*description).to_owned(),
-        unit: (*unit).to_owned(),
-        levels: levels(protocol, name),
-    };
     let known = protocol.stimulus.parameters();
     let extra = extra_factors(protocol).map(|name| {
         let parameter = known.iter().find(|parameter| parameter.name == name);
-        Column {
-            name: name.to_owned(),
-            description: parameter.map_or_else(String::new, |p| p.description.to_owned()),
-            unit: parameter.map_or_else(String::new, |p| p.unit.to_owned()),
-            levels: levels(protocol, name),
-        }
+        parameter.map_or((name, "", ""), |parameter| (name, parameter.unit, parameter.description))
     });
-    FIXED.iter().map(described).chain(extra).collect()
+    let with_levels = |one: (&str, &str, &str)| Column { levels: levels(protocol, one.0), ..column(one) };
+    FIXED.iter().copied().chain(extra).map(with_levels).collect()
 }
 
 /// Returns the columns of a file whose definition is unknown: the columns that every file has, and any others in its
 /// header.
 pub fn columns_by_header<'a>(header: impl Iterator<Item = &'a str>) -> Vec<Column> {
-    let column = |(name, unit, description): (&str, &str, &str)| Column {
-        name: name.to_owned(),
-        description: description.to_owned(),
-        unit: unit.to_owned(),
-        ..Column::default()
-    };
     let extra = header.skip(FIXED.len()).map(|name| (name, "", ""));
     FIXED.iter().copied().chain(extra).map(column).collect()
+}
+
+/// Describes a column by its name, unit and meaning.
+fn column((name, unit, description): (&str, &str, &str)) -> Column {
+    Column { name: name.to_owned(), description: description.to_owned(), unit: unit.to_owned(), ..Column::default() }
 }
 
 fn extra_factors(protocol: &Protocol) -> impl Iterator<Item = &str> {
@@ -372,10 +349,7 @@ impl TrialRecord {
         let RowContext { protocol, schedule, identity, .. } = context;
         let trial = &schedule.trials[trial];
         let stimulus = &schedule.conditions[trial.condition].stimulus;
-        let number = |name| match stimulus.get(name) {
-            Some(ParameterValue::Number(value)) => Some(value),
-            _ => None,
-        };
+        let number = |name: &str| CellValue::from(stimulus.get(name)?).as_number();
         let text = |name: &str| stimulus.get(name).map(|value| value.to_string());
         let (subject, session) = (identity.subject(), identity.session());
         Self {

@@ -259,12 +259,12 @@ impl Session {
 
     /// Returns the intervals of all frames of the trials so far, excluding pages.
     pub fn frame_times(&self) -> &FrameTimes {
-        self.log.times()
+        &self.log.times
     }
 
     /// Returns what the frames since the last call showed and how long each was shown.
     pub fn take_frame_runs(&mut self) -> Vec<FrameRun> {
-        self.log.take()
+        std::mem::take(&mut self.log.runs)
     }
 
     /// Judges frames against `frames`, beginning with the next one. Call this when the screen has changed or when its
@@ -375,7 +375,7 @@ impl Session {
         self.frames = 1;
         self.late = self.refresh().map(|refresh| refresh.is_late(recovery, self.protocol.recovery_duration()));
         if self.late == Some(true) {
-            self.log.late_onset();
+            self.log.times.late_onset();
         }
         self.state = State::Stimulus { onset: now, recovery };
     }

@@ -1,7 +1,7 @@
 //! The texts that participants read. A definition can replace every one of them, so that a session can run in the
 //! participants' language.
 
-use serde::{Deserialize, Serialize, Serializer, ser::SerializeMap as _};
+use serde::{Deserialize, Serialize, Serializer};
 
 /// Defines the texts. Only texts that differ from their defaults are serialized.
 macro_rules! texts {
@@ -22,10 +22,8 @@ macro_rules! texts {
         impl Serialize for Texts {
             fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
                 let given = [$((stringify!($name), &self.$name, $default)),*].into_iter();
-                let given: Vec<_> = given.filter(|(_, text, default)| text != default).collect();
-                let mut map = serializer.serialize_map(Some(given.len()))?;
-                given.into_iter().try_for_each(|(name, text, _)| map.serialize_entry(name, text))?;
-                map.end()
+                let given = given.filter(|(_, text, default)| text != default).map(|(name, text, _)| (name, text));
+                serializer.collect_map(given.collect::<Vec<_>>())
             }
         }
 

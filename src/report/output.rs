@@ -1,9 +1,6 @@
 //! The output of `machband analyze` and of the export on the window's analysis page.
 
-use std::{
-    path::{Path, PathBuf},
-    time::{Duration, Instant},
-};
+use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
@@ -22,8 +19,8 @@ use crate::{
 /// A file that every analysis has.
 const CELLS: &str = "cells.csv";
 
-/// What the vision model predicted, and the time it took.
-pub type Predicted = (Result<StudyPrediction, PredictionError>, Duration);
+/// What the vision model predicted, or why it could not.
+pub type Predicted = Result<StudyPrediction, PredictionError>;
 
 /// The files that were written, and the prediction.
 #[derive(Debug)]
@@ -73,16 +70,15 @@ pub fn report_files(
     provenance: &Provenance,
     folder: &Path,
 ) -> Result<(Contents, Predicted), StoreError> {
-    let start = Instant::now();
-    let predict = || (StudyPrediction::of(&study.source, &results.measured.counts), start.elapsed());
-    let ((predicted, took), mut figures) = rayon::join(predict, || figures::all(results));
+    let predict = || StudyPrediction::of(&study.source, &results.measured.counts);
+    let (predicted, mut figures) = rayon::join(predict, || figures::all(results));
     figures.extend(predicted.iter().flat_map(|predicted| figures::predicted(results, &predicted.ratings)));
     let parts = Parts { figures: &figures, prediction: Some(&predicted), provenance: Some(provenance) };
     let page = skins::html(&document(&study.source, results, parts), provenance);
     let mut contents = vec![("report.html".to_owned(), page.into_bytes())];
     let pictures: Result<Vec<_>, StoreError> = figures.par_iter().map(|figure| pictures(figure, folder)).collect();
     contents.extend(pictures?.into_iter().flatten());
-    Ok((contents, (predicted, took)))
+    Ok((contents, predicted))
 }
 
 /// Checks before work starts that an analysis can be written into a folder, which need not exist yet.

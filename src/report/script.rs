@@ -1,7 +1,5 @@
-//! The R script that fits the main model again, from `counts.csv` in the same folder, with R's package `ordinal`. The
-//! numbers of this analysis are in its comments, for comparison with R's summary.
+//! The R script that fits the main model again, from `counts.csv` in the same folder, with R's package `ordinal`.
 
-use super::document::numbers::fixed;
 use crate::{
     analysis::{
         Model, Note, RandomEffect, Results,
@@ -39,24 +37,8 @@ pub(super) fn script(shape: &Shape, results: &Results) -> String {
         return nothing("clmm needs at least three participants");
     }
     let call = call(results, model).replace(", link", ",\n  data = data, weights = count, link");
-    let (numbers, data) = (numbers(model), Names::new(results).data(shape, results, model));
-    format!("{introduction}#\n{numbers}\nlibrary(ordinal)\n\n{data}\nfit <- {call}\nprint(summary(fit))\n")
-}
-
-/// Lists this analysis's numbers as comments.
-fn numbers(model: &Model) -> String {
-    let mut rows = vec![("log-likelihood".to_owned(), model.loglik, None)];
-    rows.extend(model.thresholds.iter().map(|one| (one.name.clone(), one.estimate, one.se)));
-    rows.extend(model.coefficients.iter().map(|one| (one.name.clone(), one.estimate, one.se)));
-    if let Some(RandomEffect { sd, se, slopes, .. }) = &model.random {
-        rows.push(("SD (Intercept)".to_owned(), *sd, *se));
-        rows.extend(slopes.iter().map(|slope| (format!("SD {}", slope.name), slope.sd, slope.se)));
-    }
-    let row = |(name, estimate, se): (String, f64, Option<f64>)| {
-        let se = se.map_or_else(String::new, |se| format!(", SE {}", fixed(se, 4)));
-        format!("#   {} {}{se}\n", string(&name), fixed(estimate, 4)).replace('−', "-").replace('∞', "Inf")
-    };
-    "# The numbers of machband:\n".to_owned() + &rows.into_iter().map(row).collect::<String>()
+    let data = Names::new(results).data(shape, results, model);
+    format!("{introduction}\nlibrary(ordinal)\n\n{data}\nfit <- {call}\nprint(summary(fit))\n")
 }
 
 /// The names of the variables in R.

@@ -29,23 +29,6 @@ impl Grid {
     pub(super) fn place(&self, column: usize, row: usize) -> [f64; 2] {
         [self.first[0] + column as f64 * self.step[0], self.first[1] + row as f64 * self.step[1]]
     }
-
-    /// Interpolates `values` at a position in the image, pixels.
-    pub(super) fn at(&self, values: &[f64], [x, y]: [f64; 2]) -> f64 {
-        self.between(values, [(x - self.first[0]) / self.step[0], (y - self.first[1]) / self.step[1]])
-    }
-
-    /// Interpolates linearly between the four values around a position in grid steps. Beyond the grid, the values at
-    /// its edge continue.
-    pub(super) fn between(&self, values: &[f64], [x, y]: [f64; 2]) -> f64 {
-        let (across, down) = (neighbors(x, self.columns), neighbors(y, self.rows));
-        let row = |y: usize| {
-            let row = &values[y * self.columns..][..self.columns];
-            row[across.0] + (row[across.1] - row[across.0]) * across.2
-        };
-        let upper = row(down.0);
-        upper + (row(down.1) - upper) * down.2
-    }
 }
 
 /// Returns the indices of the two of `n` values around the position `at`, and the distance of `at` from the first of
@@ -64,9 +47,18 @@ pub(super) struct GridValues {
 }
 
 impl GridValues {
-    /// Interpolates the field at a position in the image, pixels.
+    /// Interpolates linearly between the four values around a position in the image, pixels. Beyond the grid, the values at
+    /// its edge continue.
     pub(super) fn at(&self, place: [f64; 2]) -> f64 {
-        self.grid.at(&self.values, place)
+        let Grid { columns, rows, first, step } = &self.grid;
+        let at = |axis: usize, n: usize| neighbors((place[axis] - first[axis]) / step[axis], n);
+        let (across, down) = (at(0, *columns), at(1, *rows));
+        let row = |y: usize| {
+            let row = &self.values[y * columns..][..*columns];
+            row[across.0] + (row[across.1] - row[across.0]) * across.2
+        };
+        let upper = row(down.0);
+        upper + (row(down.1) - upper) * down.2
     }
 }
 

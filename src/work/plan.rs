@@ -36,16 +36,16 @@ pub struct Plan {
     #[arg(long = "slope", value_name = "FACTOR=SD", value_parser = deviation)]
     pub deviations: Vec<Assignment>,
     /// Number of studies to simulate for each number of participants.
-    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = Sampling::default().studies, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub studies: u32,
     /// Significance level: an effect is found if p is below it.
-    #[arg(long, value_name = "P", default_value_t = 0.05, value_parser = proportion)]
+    #[arg(long, value_name = "P", default_value_t = Sampling::default().alpha, value_parser = proportion)]
     pub alpha: f64,
     /// Target power.
     #[arg(long, value_name = "P", default_value_t = 0.8, value_parser = proportion)]
     pub target: f64,
     /// Seed of the simulated ratings.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = Sampling::default().seed)]
     pub seed: u64,
     /// Parameters of the observer; experiments/observers/paper.toml has the documented defaults.
     #[arg(long, value_name = "FILE.toml")]

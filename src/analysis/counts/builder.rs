@@ -1,12 +1,11 @@
-//! Reduces trials to counts. Memory use grows with the number of distinct combinations of participant and condition,
-//! not with the number of rows.
+//! Reduces trials to counts and response times.
 
 use std::{
     cmp::Ordering,
     collections::{BTreeMap, BTreeSet, HashMap},
 };
 
-use super::table::{CountError, CountRow, Counts, Factor, Measured, RetestPair, TimeCount, time_bin};
+use super::table::{CountError, CountRow, Counts, Factor, Measured, RetestPair, Timed};
 use crate::{analysis::levels, experiment::RatingRow};
 
 /// Collects trials, which can come in any order, into [`Measured`].
@@ -32,8 +31,8 @@ struct Cell {
     key: Box<[u8]>,
     /// Number of ratings, by index into [`MeasuredBuilder::ratings`].
     counts: Vec<u64>,
-    /// Response times: bin, rating and count.
-    times: Vec<(u16, u8, u64)>,
+    /// Response times: seconds and rating.
+    times: Vec<(f64, u8)>,
     earliest: Earliest,
 }
 
@@ -114,8 +113,8 @@ impl MeasuredBuilder {
         }
         let cell = self.cell();
         cell.count(rating, count);
-        if let Some(seconds) = response_time_s {
-            cell.time(time_bin(seconds), rating, count);
+        if let Some(seconds) = response_time_s.filter(|_| count == 1) {
+            cell.times.push((seconds, rating));
         }
         if let Some((session, repetition)) = place {
             cell.earliest.place(session, repetition, rating);
@@ -212,7 +211,7 @@ impl MeasuredBuilder {
         let category = |rating: usize| category_of[rating].unwrap_or_default() as u8;
         // Two spellings of a level, such as 0.4 and 0.40, are two cells here but one condition.
         let mut counts: BTreeMap<(u32, u32, u8), u64> = BTreeMap::new();
-        let mut times: BTreeMap<(u32, u32, u8, u16), u64> = BTreeMap::new();
+        let mut times = Vec::new();
         let mut earliest: BTreeMap<(u32, u32), Earliest> = BTreeMap::new();
         // Each cell is dropped as soon as it is counted.
         for ((cell, subject), levels) in std::mem::take(&mut self.cells).into_iter().zip(subject_of).zip(&condition_of)
@@ -222,9 +221,10 @@ impl MeasuredBuilder {
             for (rating, &count) in cell.counts.iter().enumerate().filter(|(_, count)| **count > 0) {
                 *counts.entry((subject, condition, category(rating))).or_insert(0) += count;
             }
-            for &(bin, rating, count) in &cell.times {
-                *times.entry((subject, condition, category(rating.into()), bin)).or_insert(0) += count;
-            }
+            times.extend(cell.times.into_iter().map(|(seconds, rating)| {
+                let rating = category(rating.into());
+                Timed { subject, condition, rating, seconds }
+            }));
             let known = earliest.entry((subject, condition)).or_default();
             for placed in cell.earliest.0.iter().flatten() {
                 known.place(&placed.session, placed.repetition, placed.rating);
@@ -236,12 +236,10 @@ impl MeasuredBuilder {
             rating,
             count,
         });
-        let times = (times.into_iter()).map(|((subject, condition, rating, bin), count)| TimeCount {
-            subject,
-            condition,
-            rating,
-            bin,
-            count,
+        // Not in the order in which they were added.
+        times.sort_unstable_by(|l: &Timed, r| {
+            let cell = |timed: &Timed| (timed.subject, timed.condition, timed.rating);
+            cell(l).cmp(&cell(r)).then(l.seconds.total_cmp(&r.seconds))
         });
         let retests = earliest.into_iter().filter_map(|((subject, condition), earliest)| {
             let [Some(first), Some(second)] = earliest.0 else { return None };
@@ -250,7 +248,7 @@ impl MeasuredBuilder {
         });
         Measured {
             retests: retests.collect(),
-            times: times.collect(),
+            times,
             excluded: Vec::new(),
             counts: Counts { subjects, factors, conditions, categories, rows: rows.collect() },
         }
@@ -264,17 +262,6 @@ impl Cell {
             self.counts.resize(rating + 1, 0);
         }
         self.counts[rating] += count;
-    }
-
-    fn time(&mut self, bin: u16, rating: u8, count: u64) {
-        match self.times.iter_mut().find(|(b, r, _)| (*b, *r) == (bin, rating)) {
-            Some((.., n)) => *n += count,
-            None => {
-                // There may be many cells, and most of them have few times.
-                self.times.reserve_exact(1);
-                self.times.push((bin, rating, count));
-            }
-        }
     }
 
     /// Returns the participant and the values of the factors.

@@ -10,5 +10,5 @@ pub use builder::MeasuredBuilder;
 pub use exclusions::{ExclusionError, Exclusions, MISSING};
 pub(super) use table::varies_within;
 pub use table::{
-    CountError, CountRow, Counts, Excluded, Factor, Measured, Quartiles, RetestPair, Role, TimeCount, Times,
+    CountError, CountRow, Counts, Excluded, Factor, Measured, Quartiles, RetestPair, Role, Timed,
 };

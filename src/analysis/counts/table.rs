@@ -1,5 +1,4 @@
-//! The data that are kept for any number of trials: counts of ratings, pairs of repeated ratings, and a histogram of
-//! response times with wider bins for longer times.
+//! The data that are kept for any number of trials: counts of ratings, pairs of repeated ratings, and response times.
 
 use std::collections::BTreeSet;
 
@@ -169,15 +168,6 @@ impl Counts {
     pub fn is_ordered(&self, declared: Option<&[String]>) -> bool {
         declared.is_some() || levels::numbers_of(&self.categories).is_some()
     }
-
-    /// Returns the number of ratings in each category.
-    pub fn category_totals(&self) -> Vec<u64> {
-        let mut totals = vec![0; self.categories.len()];
-        for row in &self.rows {
-            totals[row.rating as usize] += row.count;
-        }
-        totals
-    }
 }
 
 /// Returns whether most participants in these rows rated at least two levels of a factor.
@@ -199,7 +189,8 @@ pub struct Measured {
     pub counts: Counts,
     /// The first and the second rating of each condition that a participant rated more than once.
     pub retests: Vec<RetestPair>,
-    pub times: Vec<TimeCount>,
+    /// The known response times. A row that stands for several ratings has none.
+    pub times: Vec<Timed>,
     /// What was excluded on request from the ratings that were read; nothing of it is in the other fields.
     pub excluded: Vec<Excluded>,
 }
@@ -217,17 +208,16 @@ pub struct RetestPair {
     pub second: u8,
 }
 
-/// The number of ratings whose response times fall into one bin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TimeCount {
+/// The response time of a rating.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timed {
     /// Index into [`Counts::subjects`].
     pub subject: u32,
     /// Index into [`Counts::conditions`].
     pub condition: u32,
     /// Index into [`Counts::categories`].
     pub rating: u8,
-    pub(super) bin: u16,
-    pub(super) count: u64,
+    pub seconds: f64,
 }
 
 impl Measured {
@@ -240,15 +230,16 @@ impl Measured {
         all.filter(|rows| rows.iter().map(|row| row.count).sum::<u64>() > 1).count().saturating_sub(self.retests.len())
     }
 
-    /// Groups the response times. Each trial goes into the group that `group_of` returns, if any.
-    pub fn times_by(&self, groups: usize, group_of: impl Fn(&TimeCount) -> Option<usize>) -> Vec<Times> {
-        let mut times = vec![Times::default(); groups];
+    /// Returns the quartiles of the response times in each group. Each time goes into the group that `group_of` returns, if
+    /// any.
+    pub fn times_by(&self, groups: usize, group_of: impl Fn(&Timed) -> Option<usize>) -> Vec<Option<Quartiles>> {
+        let mut times = vec![Vec::new(); groups];
         for row in &self.times {
             if let Some(group) = group_of(row) {
-                times[group].add(row.bin, row.count);
+                times[group].push(row.seconds);
             }
         }
-        times
+        times.into_iter().map(quartiles).collect()
     }
 
     /// Returns the ratings by some participants in some conditions. Levels and participants without ratings are
@@ -294,7 +285,7 @@ impl Measured {
             times: (self.times.iter().filter(|row| keep(row.subject, row.condition)))
                 .map(|row| {
                     let (subject, condition) = moved(row.subject, row.condition);
-                    TimeCount { subject, condition, ..*row }
+                    Timed { subject, condition, ..*row }
                 })
                 .collect(),
             excluded: self.excluded.clone(),
@@ -321,32 +312,7 @@ impl Kept {
     }
 }
 
-/// Ratio of a bin's upper end to its lower end. With this ratio, quantiles are correct to 2.5 %.
-const GROWTH: f64 = 1.05;
-/// Lower end of bin 0, seconds.
-const MIN_TIME_S: f64 = 0.01;
-/// Number of bins; the last begins at about 2.3 hours.
-const BINS: u16 = 280;
-
-/// Returns the bin into which a time falls.
-pub(super) fn time_bin(seconds: f64) -> u16 {
-    let bin = (seconds / MIN_TIME_S).ln() / GROWTH.ln();
-    // Shorter times, including 0 s, go into the first bin.
-    bin.clamp(0.0, f64::from(BINS - 1)) as u16
-}
-
-/// Returns the time in the (geometric) middle of a bin.
-fn middle(bin: u16) -> f64 {
-    MIN_TIME_S * GROWTH.powf(f64::from(bin) + 0.5)
-}
-
-/// A histogram of response times.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Times {
-    counts: Vec<u64>,
-}
-
-/// Quartiles of response times in seconds, each within 2.5 % of the exact value.
+/// Quartiles of response times in seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Quartiles {
     /// Number of times.
@@ -359,31 +325,11 @@ pub struct Quartiles {
     pub upper: f64,
 }
 
-impl Times {
-    /// Adds `count` response times to one bin.
-    fn add(&mut self, bin: u16, count: u64) {
-        self.counts.resize(usize::from(BINS), 0);
-        self.counts[usize::from(bin)] += count;
-    }
-
-    /// Returns the number of times in the histogram.
-    pub fn n(&self) -> u64 {
-        self.counts.iter().sum()
-    }
-
-    /// Returns the quantile for a proportion in seconds, or `None` if there are no times.
-    pub fn quantile(&self, proportion: f64) -> Option<f64> {
-        let wanted = (proportion * self.n() as f64).ceil().max(1.0) as u64;
-        let mut below = 0;
-        (self.counts.iter().zip(0_u16..)).find_map(|(&count, bin)| {
-            below += count;
-            (count > 0 && below >= wanted).then(|| middle(bin))
-        })
-    }
-
-    /// Returns the quartiles, or `None` if there are no times.
-    pub fn quartiles(&self) -> Option<Quartiles> {
-        let [lower, median, upper] = [0.25, 0.5, 0.75].map(|proportion| self.quantile(proportion));
-        Some(Quartiles { n: self.n(), lower: lower?, median: median?, upper: upper? })
-    }
+/// Returns the quartiles of response times, or `None` if there are no times.
+fn quartiles(mut times: Vec<f64>) -> Option<Quartiles> {
+    times.sort_unstable_by(f64::total_cmp);
+    // The smallest time that at least this share of the times does not exceed.
+    let quantile = |share: f64| times.get(((share * times.len() as f64).ceil() as usize).checked_sub(1)?).copied();
+    let (lower, median, upper) = (quantile(0.25)?, quantile(0.5)?, quantile(0.75)?);
+    Some(Quartiles { n: times.len() as u64, lower, median, upper })
 }

@@ -12,7 +12,7 @@ use super::{
     margins::{self, Comparison, Margin},
     model::{Contrast, Model, ModelError, ModelSpec, RandomEffect},
     profile::{self, Quantity, chi_squared_limit},
-    resampling::{Ratios, Resampling, Statistics, simulate},
+    resampling::{Resampling, Statistics, simulate},
     terms::Term,
 };
 use crate::{
@@ -156,7 +156,7 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut [f64], 
         let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
         (calibration.progress)(done, settings.draws as usize);
     };
-    let Ratios { terms: of_terms, nominal } = simulate(full, &what, settings, &progress);
+    let [of_terms, nominal] = simulate(full, &what, settings, &progress);
     for (tests, terms, ratios) in
         [(&mut report.terms, &what.terms, &of_terms), (&mut report.proportional_odds, &what.nominal, &nominal)]
     {

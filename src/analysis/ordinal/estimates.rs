@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     analysis::{counts::Counts, levels},
-    statistics::{Interval, normal_two_sided, t_quantile, t_two_sided},
+    statistics::{Interval, Z_95, normal_two_sided, t_quantile, t_two_sided},
 };
 
 /// Fits a model.
@@ -61,7 +61,7 @@ pub(super) fn report(fitted: &Fitted) -> Model {
             se,
             z,
             p: z.map(normal_two_sided),
-            interval: Interval::wald(estimate, se),
+            interval: Interval::around(estimate, se, Z_95),
         }
     };
     let first_psi = thresholds + fitted.x.columns.len();
@@ -330,40 +330,65 @@ pub(super) fn predictions(fitted: &Fitted, model: &Model) -> Vec<Prediction> {
     let reach = Widening::new(fitted, 1).reach();
     let predict = |(index, &condition): (usize, &u32)| {
         let x: Vec<f64> = x.row(index).iter().copied().collect();
-        let bounds = model.bounds(&x);
-        let probability = |category| {
-            let (a, b) = category_bounds(&bounds, category);
-            model.link.between(a, b)
-        };
-        let probabilities: Vec<f64> = (0..values.len()).map(probability).collect();
-        let mean = probabilities.iter().zip(&values).map(|(p, value)| p * value).sum();
-        let gradient = mean_gradient(model, &values, &bounds, &x);
-        let variance = model.covariance.view((0, 0), (gradient.len(), gradient.len())) * &gradient;
-        let interval = on_the_scale(mean, gradient.dot(&variance).sqrt(), reach, &values);
+        let Expected { probabilities, mean, gradient } = model.expected(&x, &values);
+        let interval = model.interval_of_mean(mean, &gradient, reach, &values);
         let names = fitted.frame.counts.level_names(condition).into_iter().map(str::to_owned).collect();
         Prediction { names, probabilities, mean, interval }
     };
     conditions.iter().enumerate().map(predict).collect()
 }
 
-impl Model {
-    /// Returns the bounds of the categories for a row of the design, for a participant whose random effects are 0.
-    pub(super) fn bounds(&self, x: &[f64]) -> Vec<f64> {
-        let coefficients = self.coefficients.iter().map(|coefficient| &coefficient.estimate);
-        let location = dot_ignoring_zero_weights(x.iter(), coefficients);
-        self.thresholds.iter().map(|threshold| threshold.estimate - location).collect()
-    }
+/// What a model expects of a participant whose random effects are 0.
+pub(super) struct Expected {
+    /// Probability of each category.
+    pub probabilities: Vec<f64>,
+    /// Mean rating.
+    pub mean: f64,
+    /// Gradient of the mean with respect to the thresholds and the coefficients.
+    pub gradient: DVector<f64>,
 }
 
-/// Returns the gradient of the mean rating with respect to the thresholds and the coefficients.
-pub(super) fn mean_gradient(model: &Model, values: &[f64], bounds: &[f64], x: &[f64]) -> DVector<f64> {
-    // If the bound between two categories rises, the mean falls in proportion to the step between them.
-    let by_bound: Vec<f64> = (bounds.iter().enumerate())
-        .map(|(j, bound)| -(values[j + 1] - values[j]) * model.link.density(*bound))
-        .collect();
-    let sum: f64 = by_bound.iter().sum();
-    let coefficients = x.iter().map(|x| -sum * x);
-    DVector::from_iterator(bounds.len() + x.len(), by_bound.iter().copied().chain(coefficients))
+impl Model {
+    /// Returns what the model expects for a row of the design. `values` are the numbers of the categories.
+    pub(super) fn expected(&self, x: &[f64], values: &[f64]) -> Expected {
+        let coefficients = self.coefficients.iter().map(|coefficient| &coefficient.estimate);
+        let location = dot_ignoring_zero_weights(x.iter(), coefficients);
+        let bounds: Vec<f64> = self.thresholds.iter().map(|threshold| threshold.estimate - location).collect();
+        let probability = |category| {
+            let (a, b) = category_bounds(&bounds, category);
+            self.link.between(a, b)
+        };
+        let probabilities: Vec<f64> = (0..values.len()).map(probability).collect();
+        // If the bound between two categories rises, the mean falls in proportion to the step between them.
+        let by_bound: Vec<f64> = (bounds.iter().enumerate())
+            .map(|(j, bound)| -(values[j + 1] - values[j]) * self.link.density(*bound))
+            .collect();
+        let sum: f64 = by_bound.iter().sum();
+        Expected {
+            mean: probabilities.iter().zip(values).map(|(p, value)| p * value).sum(),
+            probabilities,
+            gradient: by_bound.into_iter().chain(x.iter().map(|x| -sum * x)).collect::<Vec<_>>().into(),
+        }
+    }
+
+    /// Returns the interval of a mean rating from its gradient, on the logit of its place between the ends of the scale,
+    /// so that it stays there. `reach` is the number of standard errors to either end.
+    pub(super) fn interval_of_mean(
+        &self,
+        mean: f64,
+        gradient: &DVector<f64>,
+        reach: f64,
+        values: &[f64],
+    ) -> Option<Interval> {
+        let variance = self.covariance.view((0, 0), (gradient.len(), gradient.len())) * gradient;
+        let se = gradient.dot(&variance).sqrt();
+        let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+        let span = high - low;
+        let share = (mean - low) / span;
+        let half = reach * se / (span * share * (1.0 - share));
+        let end = |sign: f64| low + span / (1.0 + (-(share / (1.0 - share)).ln() - sign * half).exp());
+        half.is_finite().then(|| Interval { low: end(-1.0), high: end(1.0) })
+    }
 }
 
 /// How the standard errors of a fit are widened: those of maximum likelihood are too small with few participants.
@@ -396,15 +421,4 @@ impl Widening {
     pub fn probability(self, z: f64) -> f64 {
         t_two_sided(z / self.factor, self.df)
     }
-}
-
-/// Returns the interval of a mean rating on the logit of its place between the ends of the scale, so that it stays
-/// there.
-pub(super) fn on_the_scale(mean: f64, se: f64, reach: f64, values: &[f64]) -> Option<Interval> {
-    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-    let span = high - low;
-    let share = (mean - low) / span;
-    let half = reach * se / (span * share * (1.0 - share));
-    let end = |sign: f64| low + span / (1.0 + (-(share / (1.0 - share)).ln() - sign * half).exp());
-    half.is_finite().then(|| Interval { low: end(-1.0), high: end(1.0) })
 }

@@ -260,12 +260,6 @@ impl Fitted<'_> {
         self.x.columns.iter().filter(|column| between.get(column.term) == Some(&true)).count()
     }
 
-    /// Returns the number of estimated parameters.
-    pub fn parameters(&self) -> usize {
-        let random = if self.mixed.is_some() { self.random.parameters() } else { 0 };
-        self.frame.categories.len() - 1 + self.rank() + random
-    }
-
     /// Returns the number of coefficients that can be estimated.
     pub fn rank(&self) -> usize {
         self.x.columns.len()

@@ -7,8 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::{
-    clm::category_bounds,
-    estimates::{Widening, category_numbers, mean_gradient, on_the_scale},
+    estimates::{Widening, category_numbers},
     fitting::Fitted,
     model::Model,
     random::is_within,
@@ -51,14 +50,9 @@ pub struct Comparison {
 /// Maximum number of comparisons of a factor; more would not be read.
 const MAX_COMPARISONS: usize = 120;
 
-/// The rows of the design at one combination of levels, one for each cell of the other factors.
-struct Cells {
-    conditions: Vec<u32>,
-}
-
 /// Returns, for each combination of the levels of some factors, the conditions in those cells of the other factors that
 /// were rated in every combination; none if there is no such cell.
-fn matched(fitted: &Fitted, factors: &[usize]) -> Option<BTreeMap<Vec<u32>, Cells>> {
+fn matched(fitted: &Fitted, factors: &[usize]) -> Option<BTreeMap<Vec<u32>, Vec<u32>>> {
     let counts: &Counts = fitted.frame.counts;
     let mut by_cell: BTreeMap<Vec<Option<u32>>, BTreeMap<Vec<u32>, u32>> = BTreeMap::new();
     for condition in fitted.frame.conditions() {
@@ -69,7 +63,7 @@ fn matched(fitted: &Fitted, factors: &[usize]) -> Option<BTreeMap<Vec<u32>, Cell
     }
     let all: BTreeSet<&Vec<u32>> = by_cell.values().flat_map(BTreeMap::keys).collect();
     let whole: Vec<_> = by_cell.values().filter(|cell| cell.len() == all.len()).collect();
-    let conditions = |own: &Vec<u32>| Cells { conditions: whole.iter().map(|cell| cell[own]).collect() };
+    let conditions = |own: &Vec<u32>| whole.iter().map(|cell| cell[own]).collect();
     (!whole.is_empty()).then(|| all.iter().map(|own| ((*own).clone(), conditions(own))).collect())
 }
 
@@ -82,21 +76,16 @@ pub(super) fn margins(fitted: &Fitted, model: &Model) -> Vec<Margin> {
         let between = usize::from(!is_within(&fitted.frame, factor)) * (levels.len() - 1);
         let reach = Widening::new(fitted, 1 + between).reach();
         let description = &fitted.frame.counts.factors[factor];
-        for (level, Cells { conditions }) in levels {
+        for (level, conditions) in levels {
             let x = fitted.x.matrix(&conditions);
             let (mut mean, mut gradient) = (0.0, DVector::zeros(model.thresholds.len() + x.ncols()));
             for row in 0..conditions.len() {
                 let x: Vec<f64> = x.row(row).iter().copied().collect();
-                let bounds = model.bounds(&x);
-                let category = |category: usize| {
-                    let (a, b) = category_bounds(&bounds, category);
-                    model.link.between(a, b) * values[category]
-                };
-                mean += (0..values.len()).map(category).sum::<f64>() / conditions.len() as f64;
-                gradient += mean_gradient(model, &values, &bounds, &x) / conditions.len() as f64;
+                let expected = model.expected(&x, &values);
+                mean += expected.mean / conditions.len() as f64;
+                gradient += expected.gradient / conditions.len() as f64;
             }
-            let variance = model.covariance.view((0, 0), (gradient.len(), gradient.len())) * &gradient;
-            let interval = on_the_scale(mean, gradient.dot(&variance).sqrt(), reach, &values);
+            let interval = model.interval_of_mean(mean, &gradient, reach, &values);
             let level = description.levels[level[0] as usize].clone();
             margins.push(Margin { factor: description.name.clone(), level, mean, interval });
         }
@@ -144,7 +133,7 @@ fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variab
     let between = usize::from(!is_within(&fitted.frame, own)) * (levels.len() - 1);
     let widening = Widening::new(fitted, 1 + between);
     let row = |level: u32, stratum: Option<u32>| -> Option<DVector<f64>> {
-        let Cells { conditions } = cells.get(&[level].into_iter().chain(stratum).collect::<Vec<_>>())?;
+        let conditions = cells.get(&[level].into_iter().chain(stratum).collect::<Vec<_>>())?;
         Some(fitted.x.matrix(conditions).row_mean().transpose())
     };
     let coefficients = DVector::from_iterator(fitted.x.columns.len(), model.coefficients.iter().map(|c| c.estimate));

@@ -94,7 +94,7 @@ impl RandomPart {
     fn add_independent(&mut self, frame: &Frame, terms: &Terms, notes: &mut Vec<Note>) -> Result<(), ModelError> {
         let mut seen: Vec<Term> = Vec::new();
         let mut effects = frame.subjects.len() as u64;
-        for term in terms {
+        for term in terms.iter() {
             let own = within_part(frame, term)?;
             if own.variables.is_empty() || seen.iter().any(|other| other.same(&own)) {
                 continue;

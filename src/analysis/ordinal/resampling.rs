@@ -57,15 +57,14 @@ pub(super) struct Statistics<'a> {
     pub nominal: Vec<&'a Term>,
 }
 
-/// The ratios in the simulated studies, for each term; not finite where a study allows no fit.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Ratios {
-    pub terms: Vec<Vec<f64>>,
-    pub nominal: Vec<Vec<f64>>,
-}
-
-/// Simulates studies from a fit and computes the ratios in each. `progress` is called after each study.
-pub(super) fn simulate(full: &Fitted, what: &Statistics, settings: Resampling, progress: &(dyn Fn() + Sync)) -> Ratios {
+/// Simulates studies from a fit and returns the ratios for each of the terms and of the nominal terms; not finite where a
+/// study allows no fit. `progress` is called after each study.
+pub(super) fn simulate(
+    full: &Fitted,
+    what: &Statistics,
+    settings: Resampling,
+    progress: &(dyn Fn() + Sync),
+) -> [Vec<Vec<f64>>; 2] {
     let simulator = Simulator::new(full, true);
     let held: Vec<Design> = what.terms.iter().map(|term| full.x.held(&own_coefficients(full, term))).collect();
     let of_study = |study: u32| {
@@ -78,7 +77,7 @@ pub(super) fn simulate(full: &Fitted, what: &Statistics, settings: Resampling, p
     let collect = |kind: usize, terms: usize| -> Vec<Vec<f64>> {
         (0..terms).map(|term| studies.iter().map(|ratios| ratios[kind][term]).collect()).collect()
     };
-    Ratios { terms: collect(0, what.terms.len()), nominal: collect(1, what.nominal.len()) }
+    [collect(0, what.terms.len()), collect(1, what.nominal.len())]
 }
 
 /// Returns the indices of a term's columns and their coefficients.

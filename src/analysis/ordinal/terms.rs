@@ -40,14 +40,8 @@ pub struct Terms(Vec<Term>);
 
 /// The error for a list of terms that cannot be read.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-pub enum TermError {
-    /// A name is missing between commas, colons or stars.
-    #[error("{text}: an empty name; expected a factor, num:NAME, or such names joined by : or *")]
-    Empty {
-        /// The list, as given.
-        text: String,
-    },
-}
+#[error("{0}: an empty name; expected a factor, num:NAME, or such names joined by : or *")]
+pub struct TermError(String);
 
 impl Variable {
     /// Returns the name of the column, without `num:`.
@@ -130,7 +124,7 @@ impl Terms {
         }
         let mut terms = Vec::new();
         for item in text.split(',') {
-            terms.extend(expand(item).ok_or_else(|| TermError::Empty { text: text.to_owned() })?);
+            terms.extend(expand(item).ok_or_else(|| TermError(text.to_owned()))?);
         }
         Ok(Self::new(terms))
     }
@@ -184,15 +178,6 @@ impl Terms {
     /// Returns whether a term is part of a larger term. If so, dropping it alone would not give a smaller model.
     pub fn is_marginal(&self, term: &Term) -> bool {
         self.0.iter().any(|other| other.variables.len() > term.variables.len() && other.contains(term))
-    }
-}
-
-impl<'a> IntoIterator for &'a Terms {
-    type Item = &'a Term;
-    type IntoIter = std::slice::Iter<'a, Term>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        self.iter()
     }
 }
 

@@ -99,7 +99,7 @@ impl<'a> Layout<'a> {
                 self.add_friedman(factor, &mut factors, &mut hypotheses);
             }
         }
-        for term in self.terms {
+        for term in self.terms.iter() {
             for factor in self.factors(term)? {
                 self.add_friedman(factor, &mut factors, &mut hypotheses);
             }

@@ -1,7 +1,5 @@
 //! The conditions of a definition, and how visible the bands in each condition are to the observer.
 
-use std::collections::HashMap;
-
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 use rand_distr::{Distribution as _, StandardNormal};
 use thiserror::Error;
@@ -9,10 +7,10 @@ use thiserror::Error;
 use crate::{
     analysis::{
         ModelError,
-        counts::{CountRow, Counts, MeasuredBuilder},
+        counts::{CountRow, Counts, Factor},
         levels,
     },
-    experiment::{Condition, MAX_RATING, OrderedLogit, Protocol},
+    experiment::{self, Condition, MAX_RATING, OrderedLogit, Protocol},
     stimulus::ParameterError,
     text::names::expected_one_of,
 };
@@ -76,15 +74,10 @@ pub struct Slope {
     pub sd: f64,
 }
 
-/// Whether a simulated study is one of the planned ones or lacks an effect. Their random numbers are separate.
-#[derive(Clone, Copy)]
-enum Kind {
-    Planned = 0,
-    WithoutEffect = 2,
-}
-
-/// Added to [`Kind`] for the deviations, so that the ratings have the same random numbers with and without slopes.
+/// The purpose of the random numbers of the deviations, so that the ratings have the same with and without slopes.
 const DEVIATIONS: u8 = 1;
+/// Added to the purpose in studies without an effect.
+const WITHOUT_EFFECT: u8 = 2;
 
 /// A definition and its observer.
 #[derive(Clone, Debug)]
@@ -108,31 +101,31 @@ impl Scenario {
         shifts: &[Shift],
         slopes: &[Slope],
     ) -> Result<Self, PlanError> {
-        let conditions = protocol.conditions();
         let shifts = shifts.iter().map(|shift| resolve(protocol, shift)).collect::<Result<Vec<_>, _>>()?;
         let added = |condition: &Condition| -> f64 {
             let here = shifts.iter().filter(|(factor, level, _)| condition.levels[*factor] == *level);
             here.map(|(_, _, logits)| logits).sum()
         };
-        let factors: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
-        let categories: Vec<String> = (0..=MAX_RATING).map(|rating| rating.to_string()).collect();
-        let mut builder = MeasuredBuilder::new(&factors).with_categories(&categories);
-        let names: Vec<Vec<String>> = conditions.iter().map(|condition| level_names(protocol, condition)).collect();
-        for names in &names {
-            // This cannot fail: the levels of a definition are never empty, and the rating is a declared one.
-            let _ = builder.add_counts("S", names, "0", 1);
-        }
-        let mut empty = builder.finish().counts;
-        let mut predictors = vec![0.0; empty.conditions.len()];
-        let places: HashMap<Vec<&str>, u32> = (0..).map(|c| (empty.level_names(c), c)).take(predictors.len()).collect();
-        for (condition, names) in conditions.iter().zip(&names) {
-            let names: Vec<&str> = names.iter().map(String::as_str).collect();
-            if let Some(place) = places.get(&names) {
-                predictors[*place as usize] = observer.predictor(&condition.stimulus, 0.0) + added(condition);
-            }
-        }
-        empty.rows.clear();
-        empty.subjects.clear();
+        // The levels of each factor in order, and the place of each level of the definition among them.
+        let ranked = |factor: &experiment::Factor| {
+            let texts: Vec<String> = factor.levels.iter().map(|level| level.to_string().trim().to_owned()).collect();
+            levels::rank(&texts.iter().map(|text| Some(text.as_str())).collect::<Vec<_>>())
+        };
+        let (names, places): (Vec<_>, Vec<_>) = protocol.factors.iter().map(ranked).unzip();
+        let placed = |condition: &Condition| -> (Vec<Option<u32>>, f64) {
+            let levels = places.iter().zip(&condition.levels).map(|(places, level)| places[*level]).collect();
+            (levels, observer.predictor(&condition.stimulus, 0.0) + added(condition))
+        };
+        let mut conditions: Vec<(Vec<Option<u32>>, f64)> = protocol.conditions().iter().map(placed).collect();
+        conditions.sort_by(|l, r| l.0.cmp(&r.0));
+        let (conditions, predictors) = conditions.into_iter().unzip();
+        let factors = protocol.factors.iter().zip(names).map(|(factor, names)| Factor::new(&factor.name, names, false));
+        let empty = Counts {
+            factors: factors.collect(),
+            conditions,
+            categories: (0..=MAX_RATING).map(|rating| rating.to_string()).collect(),
+            ..Counts::default()
+        };
         let mut slopes = slopes.to_vec();
         for slope in &slopes {
             factor_of(protocol, true, &slope.factor)?;
@@ -166,18 +159,18 @@ impl Scenario {
         Counts { subjects: ["S1", "S2"].map(str::to_owned).to_vec(), rows: rows.collect(), ..self.empty.clone() }
     }
 
-    /// Simulates one study. A participant's ratings depend only on the seed, the study and the participant's number, so
-    /// a larger study contains every smaller one.
+    /// Simulates one of the planned studies. A participant's ratings depend only on the seed, the study and the
+    /// participant's number, so a larger study contains every smaller one.
     pub fn study(&self, people: u32, study: u32, seed: u64) -> Counts {
-        self.simulate(&self.predictors, &self.slopes, people, |purpose, subject| {
-            generator(seed, Kind::Planned as u8 | purpose, study, subject)
-        })
+        let generator = |purpose, subject| generator(seed, purpose, study, subject);
+        self.simulate(&self.predictors, &self.slopes, people, generator)
     }
 
-    /// Simulates one study with other predictors and slopes, in which an effect is absent.
+    /// Simulates one study with other predictors and slopes, in which an effect is absent. Its random numbers are not
+    /// those of the planned studies.
     pub fn study_without(&self, predictors: &[f64], slopes: &[Slope], people: u32, study: u32, seed: u64) -> Counts {
         self.simulate(predictors, slopes, people, |purpose, subject| {
-            generator(seed, Kind::WithoutEffect as u8 | purpose, study, subject)
+            generator(seed, WITHOUT_EFFECT | purpose, study, subject)
         })
     }
 
@@ -231,11 +224,6 @@ fn generator(seed: u64, purpose: u8, study: u32, subject: u32) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::from_seed(key);
     rng.set_stream(u64::from(study) << 32 | u64::from(subject));
     rng
-}
-
-fn level_names(protocol: &Protocol, condition: &Condition) -> Vec<String> {
-    let levels = protocol.factors.iter().zip(&condition.levels);
-    levels.map(|(factor, level)| factor.levels[*level].to_string().trim().to_owned()).collect()
 }
 
 /// Returns the index of the factor with this name, which a slope or an effect gave.

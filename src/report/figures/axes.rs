@@ -7,7 +7,7 @@ use super::{
     svg::{Anchor, Font, Svg, WIDTH},
 };
 use crate::analysis::{
-    counts::{Counts, Factor},
+    counts::{Counts, Factor, Role},
     summary::category_values,
 };
 
@@ -131,12 +131,12 @@ pub(super) struct Levels {
 }
 
 impl Levels {
-    /// Places numbers at their values, on a logarithmic axis if they span more than a factor of ten; angles are always
-    /// on a linear axis. Depths and all other levels are evenly spaced, in order.
+    /// Places numbers at their values, on a logarithmic axis if they span more than a factor of ten; directions are
+    /// always on a linear axis. Depths and all other levels are evenly spaced, in order.
     pub fn of(factor: &Factor) -> Self {
         let numbers = factor.numbers.as_ref();
         let places = numbers.filter(|n| factor.name != "depth" && n.len() > 1);
-        let places = places.and_then(|numbers| spread(numbers, factor.name.ends_with("_deg")));
+        let places = places.and_then(|numbers| spread(numbers, factor.role == Role::Direction));
         let even = Self::evenly(&factor.levels, numbers.is_some());
         Self { at: places.unwrap_or(even.at), ..even }
     }
@@ -255,6 +255,6 @@ fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
 }
 
 /// Formats a number without binary rounding noise.
-pub(super) fn plain(value: f64) -> String {
+fn plain(value: f64) -> String {
     labels::level(&((value * 1e6).round() / 1e6 + 0.0).to_string())
 }

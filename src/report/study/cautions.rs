@@ -43,7 +43,8 @@ pub(super) fn cautions(source: &Source, results: &Results) -> Vec<String> {
     cautions
 }
 
-fn simulated(source: &Source, results: &Results) -> Option<String> {
+/// Says which ratings come from a program, if any do.
+pub(super) fn simulated(source: &Source, results: &Results) -> Option<String> {
     let simulated = Vec::from_iter(sittings::simulated(source, results));
     if simulated.is_empty() {
         return None;

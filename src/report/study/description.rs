@@ -149,9 +149,6 @@ fn done(section: &mut Section, source: &Source, results: &Results) {
             "Participants gave {least} to {most} ratings each. The following gave fewer than the maximum: {few}."
         ));
     }
-    if source.protocol.is_none() && !counts.subjects.is_empty() {
-        section.text(format!("Participants: {}.", short_list(&counts.subjects, 12)));
-    }
 }
 
 /// Returns the smallest and the largest number of ratings.
@@ -218,8 +215,7 @@ pub(super) fn times(results: &Results, figures: &[Figure]) -> Section {
         return section;
     }
     section.text(
-        "Times are measured from the onset of the stimulus to the rating, in seconds. They are binned in steps of 5\u{a0}%, so \
-         quartiles are accurate to 2.5\u{a0}%. They are described, but not tested.",
+        "Times are measured from the onset of the stimulus to the rating, in seconds. They are described, but not tested.",
     );
     section.figures(figures, &["times"]);
     let counts = &results.measured.counts;

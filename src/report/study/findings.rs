@@ -16,7 +16,6 @@ use crate::{
         Shown,
         numbers::{fixed, list, mean, p_is, percent, ratio, short_list, with_interval},
     },
-    statistics::Interval,
 };
 
 /// Significance level: if p is below this, a difference counts as more than chance.
@@ -261,7 +260,7 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
     let (higher, lower) = if flip { (&contrast.other, &contrast.level) } else { (&contrast.level, &contrast.other) };
     let [higher, lower] = [higher, lower].map(|level| names::level(&factor.name, level));
     let estimate = contrast.estimate.abs();
-    let interval = contrast.interval.map(|i| if flip { Interval { low: -i.high, high: -i.low } } else { i });
+    let interval = contrast.interval.map(|i| if flip { i.negative() } else { i });
     let value = |estimate: f64| if odds { ratio(estimate.exp()) } else { fixed(estimate, 2) };
     let superiority = |estimate: f64| percent((100.0 * results.spec.link.superiority(estimate)).round() / 100.0);
     let of_pairs = format!(
@@ -293,7 +292,7 @@ fn difference_of_means(factor: &FactorResults) -> Option<Size> {
     let flip = pair.difference < 0.0;
     let (higher, lower) = if flip { (&pair.other, &pair.level) } else { (&pair.level, &pair.other) };
     let [higher, lower] = [higher, lower].map(|level| names::level(&factor.name, level));
-    let interval = pair.interval.map(|i| if flip { Interval { low: -i.high, high: -i.low } } else { i });
+    let interval = pair.interval.map(|i| if flip { i.negative() } else { i });
     let text = format!(
         "The mean rating at {higher} is {} higher than at {lower}{}",
         mean(pair.difference.abs()),

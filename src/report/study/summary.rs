@@ -1,6 +1,9 @@
 //! The plain-language summary. Every sentence is computed from the results.
 
-use super::{cautions::cautions, exclusions, findings, health, names};
+use super::{
+    cautions::{cautions, simulated},
+    exclusions, findings, health, names,
+};
 use crate::{
     analysis::{
         Results,
@@ -37,7 +40,7 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
     let Summary { lead, findings, mut cautions } = summary(source, results);
     let mut section = Section::new("summary", "Summary");
     // A caution about simulated data comes first, and prominently.
-    if cautions.first().is_some_and(|first| first.contains("simulated")) {
+    if simulated(source, results).is_some() {
         section.warning(cautions.remove(0));
     }
     section.text(lead.join(" "));
