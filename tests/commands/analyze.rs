@@ -188,25 +188,6 @@ fn non_numeric_scales_need_an_order() {
     }
 }
 
-/// What is inferred from a single participant's session is about that participant's trials.
-#[test]
-fn a_single_participant_is_a_case_of_its_own() {
-    let folder = study("quick", 1);
-    let output = succeeds(folder.path(), &split("analyze results --out a"));
-    assert!(output.contains("24 ratings of 24 conditions by 1 participant, from 1 file"), "{output}");
-    let out = folder.path().join("a");
-    let (_, tests) = table(&out.join("tests.csv"));
-    assert!(!tests.is_empty() && table(&out.join("agreement.csv")).1.is_empty());
-    assert!(tests.iter().all(|row| !["friedman", "wilcoxon"].contains(&&*row[0])), "{tests:?}");
-    let ratios = tests.iter().filter(|row| row[0] == "likelihood-ratio");
-    assert!(ratios.clone().all(|row| row[11].contains("this participant's trials")), "{tests:?}");
-    // Every condition was rated once, so there is nothing to say about other trials of it.
-    assert!(table(&out.join("cells.csv")).1.iter().all(|row| row[10].is_empty() && row[11].is_empty()));
-    let model = json(&out.join("model.json"));
-    assert!(model["random"].is_null() && model["scope"] == "trials of one participant", "{model}");
-    assert!(model["sentences"][0].as_str().unwrap().contains("only one participant"), "{model}");
-}
-
 /// Terms as documented: factors by name, numbers with num:, 1/n as num:inv_n; with both links and both approximations.
 #[test]
 fn terms_select_the_model() {

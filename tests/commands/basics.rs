@@ -290,18 +290,6 @@ fn paths_need_not_be_text() {
     }
 }
 
-#[test]
-fn every_command_has_help_with_an_example() {
-    let folder = tempfile::tempdir().unwrap();
-    for command in ["", "run ", "simulate ", "check ", "stimulus ", "stimuli "] {
-        let help = succeeds(folder.path(), &split(&format!("{command}--help")));
-        let example = help.lines().rev().find_map(|line| line.strip_prefix("Example")?.split_once("machband "));
-        let (_, example) = example.unwrap_or_else(|| panic!("{help}"));
-        assert!(example.starts_with(command), "{example}");
-    }
-    assert!(succeeds(folder.path(), &["--version"]).starts_with("machband "));
-}
-
 /// A closed pipe, as after `| head -1`, is not an error. A full disk is reported as an error.
 #[test]
 fn a_closed_pipe_or_a_full_disk_does_not_panic() {

@@ -84,18 +84,6 @@ fn bad_readings_are_errors_and_produce_no_profile() {
 }
 
 #[test]
-fn readings_are_never_overwritten() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("r.csv");
-    readings::write(&Writer::default(), &path, &good(6)).unwrap();
-    let before = std::fs::read(&path).unwrap();
-    for options in ["--out r.csv --name x", "--out p.toml --report ./r.csv", "--out p.toml --plot p.jpg"] {
-        fails(folder.path(), &split(&format!("calibrate r.csv {options}")), 2);
-        assert_eq!(std::fs::read(&path).unwrap(), before);
-    }
-}
-
-#[test]
 fn every_error_in_a_file_has_its_line_and_column() {
     let found = errors("channel,level,luminance_cd_m2\nr,0,0.3\nviolet,half,1\nr,0.5,\n\ng,1,x\n");
     assert_eq!(

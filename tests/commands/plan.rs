@@ -125,20 +125,6 @@ fn slopes_keep_the_false_alarm_rate() {
     assert!(without > 0.05 + 3.0 * error, "{without}");
 }
 
-/// Slopes have their own random numbers, and neither they nor other participants change anything else.
-#[test]
-fn slopes_leave_the_other_random_numbers_alone() {
-    let sampling = Sampling { studies: 20, ..Sampling::default() };
-    let with = |sd: f64| plan_with_slopes(&oblique(0.6), sd, Slopes::None).run(&[12], &sampling, &|_| ());
-    let plain = plan(&design(), &oblique(0.6), &[], None);
-    assert_ne!(with(0.0), with(0.5));
-    let friedman = |powers: &[Power]| -> Vec<usize> {
-        let tested = powers.iter().filter(|power| plain.hypotheses()[power.hypothesis].test == Test::Friedman);
-        tested.map(|power| power.found).collect()
-    };
-    assert_eq!(friedman(&with(0.0)), friedman(&plain.run(&[12], &sampling, &|_| ())));
-}
-
 /// Whitehead (1993), Statistics in Medicine 12, 2257: the power to distinguish two groups of n/2 ordered ratings with a
 /// log odds ratio of θ is Φ(|θ| √(n(1 − Σp̄³)/12) − 1.96), where p̄ are the mean proportions of the categories.
 #[test]
@@ -202,23 +188,6 @@ fn without_an_effect_the_false_alarm_rate_is_alpha() {
         let sd = (1000.0 * alpha * (1.0 - alpha)).sqrt();
         assert!((found - 1000.0 * alpha).abs() < 4.0 * sd, "alpha {alpha}: {found} of 1000");
     }
-}
-
-#[test]
-fn power_grows_with_people_and_with_the_effect() {
-    let found = |effect: f64| {
-        let sampling = Sampling { studies: 200, ..Sampling::default() };
-        let powers = powers(&plan_with_slopes(&oblique(effect), 0.0, Slopes::None), &[2, 5, 10, 20], &sampling);
-        powers.map(|powers| powers.iter().map(|power| power.found).collect::<Vec<_>>())
-    };
-    let ([small, few], [large, many]) = (found(0.3), found(0.8));
-    assert!(small.is_sorted() && large.is_sorted(), "{small:?} {large:?}");
-    assert!(large[1] > large[0] + 20 && large[3] > 190, "{large:?}");
-    assert!(small.iter().zip(&large).all(|(small, large)| small + 10 < *large), "{small:?} {large:?}");
-    // With five people, the smallest p of Friedman's test of two levels is 1/16. With more, its p has few values: its
-    // power rises and falls.
-    assert!(many[..2] == [0, 0] && many[3] > many[2] && many[3] > 170, "{many:?}");
-    assert!(few[2..].iter().zip(&many[2..]).all(|(few, many)| few + 10 < *many), "{few:?} {many:?}");
 }
 
 /// Shifting one level has exactly the same effect, on every single rating, as the equivalent observer parameter.

@@ -124,21 +124,6 @@ fn every_error_has_its_own_message() {
     assert!(fails(folder.path(), &split("shade --shader flat"), 2).contains("nothing to write"));
 }
 
-/// An OBJ file with a quad, a polygon, relative indices and normals can be rendered.
-#[test]
-fn an_obj_file_is_rendered() {
-    let folder = tempfile::tempdir().unwrap();
-    let text =
-        "o roof\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 1\nf -5 -4 -1\nf 2 3 5\nf 3 4 5\nf 4 1 5\nf 4 3 2 1\n";
-    fs::write(folder.path().join("roof.obj"), text).unwrap();
-    let found = metrics(folder.path(), "--mesh roof.obj --shader patch");
-    assert_eq!(found["triangles"], 6);
-    assert!(found["crease_rms_over_gouraud"].as_f64().unwrap() < 1e-3, "{found}");
-    // With a crease angle of 10°, more edges are creases, so fewer smooth edges remain.
-    let creased = metrics(folder.path(), "--mesh roof.obj --shader gouraud --crease 10");
-    assert!(creased["edges"].as_u64().unwrap() < found["edges"].as_u64().unwrap(), "{creased}");
-}
-
 /// `--truth` alone draws the surface; a finer file is the surface of a mesh from a file; what is not known is said.
 #[test]
 fn the_smooth_surface_is_drawn_and_compared() {

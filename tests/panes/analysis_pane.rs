@@ -342,15 +342,6 @@ fn the_empty_page_and_errors_in_files() {
     wait_for(&mut window, "Participants: 2 of 2");
 }
 
-#[test]
-fn a_changed_file_causes_a_warning() {
-    let (folder, data_set) = study(1);
-    change_rating(&session_csv(&folder.path().join("results"), "tiny", "S001"));
-    let window = opened(&data_set);
-    assert_has(&window, "Warnings: 1");
-    assert_has(&window, "_data.csv: was changed since the session ended");
-}
-
 /// The user says what the columns of a file from another program mean.
 #[test]
 fn the_user_identifies_the_columns_of_a_foreign_file() {

@@ -100,30 +100,6 @@ fn settings_of_the_gallery_are_undone_and_kept_for_each_kind() {
     assert_eq!(settings(&window), ["3", "ordered"]);
 }
 
-#[test]
-fn an_image_of_the_gallery_is_predicted() {
-    let mut window = open("Stimuli", [1100.0, 860.0]);
-    let to = catalog::all().iter().find(|entry| entry.kind == "shaded-mesh").unwrap();
-    choose(&mut window, "Size, px", "256");
-    choose(&mut window, "Stimulus", to.title);
-    wait_for(&mut window, "Predicted visibility");
-    assert_eq!(text(&window, "Predicted visibility"), sentence(&to.default_stimulus(), 256));
-    window.get_by_label("Predicted bands").click();
-    window.run_steps(3);
-    assert_eq!(window.query_all_by_label_contains("Predicted visibility").count(), 1);
-}
-
-/// The visibility of the bands of a side according to the library, for a picture of the size that the page uses.
-fn expected_visibility(compared: &Comparison, side: &Renderer, size: [u32; 2]) -> f64 {
-    let shorter = size[0].min(size[1]);
-    let scale = f64::from(shorter.min(512)) / f64::from(shorter);
-    let [width, height] = size.map(|side| (f64::from(side) * scale).round() as u32);
-    let frame = compared.scene.frame(&Surface::new(compared.mesh.mesh().unwrap()), width, height);
-    let viewing = ViewingConditions::new(10.0 * f64::from(width) / f64::from(width.min(height)));
-    let shot = compared.shot(side, &frame);
-    viewing.predict_surface(&Judged::known(&viewing, &frame).unwrap(), &shot.emitted()).unwrap().visibility.max()
-}
-
 /// The left and right cells of the row `predicted visibility`.
 fn visibilities(window: &Window) -> Vec<String> {
     let head = window.get_by_label("predicted visibility").rect();
@@ -168,27 +144,4 @@ fn the_demo_predicts_what_the_library_predicts() {
     let expected = expected_visibility(&compared, &compared.sides[0], size(&window));
     assert!((naive - expected).abs() <= 0.051, "{naive}, not {expected}");
     assert!((naive - gouraud).abs() > 0.1);
-}
-
-#[test]
-fn the_pages_fit_small_and_large_windows() {
-    for size in [[520.0, 360.0], [1100.0, 860.0]] {
-        for (page, texts) in [
-            ("Stimuli", &["Predicted visibility", "1 is just visible", "Export", "Dither"][..]),
-            (
-                "Shading",
-                &["Predicted bands", "predicted visibility", "A visibility of 1", "Triangles facing", "p95"][..],
-            ),
-        ] {
-            let window = open(page, size);
-            for text in texts {
-                let nodes: Vec<_> = window.query_all_by_label_contains(text).collect();
-                assert!(!nodes.is_empty(), "{text} is not on {page}");
-                for node in nodes {
-                    let rect = node.rect();
-                    assert!(rect.left() >= 0.0 && rect.right() <= size[0], "{text} in {size:?}: {rect:?}");
-                }
-            }
-        }
-    }
 }

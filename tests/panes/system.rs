@@ -46,17 +46,3 @@ fn each_press_is_given_once_in_its_order_and_at_its_own_time() {
     input.frame(2.13, start + ms(2130));
     assert_eq!(input.click(), None);
 }
-
-#[test]
-fn the_sidecar_says_which_ratings_have_a_timestamp() {
-    for (waits_ms, sentence) in [
-        (&[None][..], "A rating is timestamped at the start of the frame"),
-        (&[Some(2)], "A rating is timestamped when the window system"),
-        (&[None, Some(2)], "Ratings with a response_uncertainty_s are timestamped when the window system"),
-    ] {
-        let mut report = InputReport::default();
-        waits_ms.iter().for_each(|wait| report.rated(wait.map(Duration::from_millis)));
-        let stamp = report.summary().stamp;
-        assert!(stamp.starts_with(sentence), "{stamp}");
-    }
-}

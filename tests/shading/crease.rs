@@ -97,20 +97,6 @@ fn a_smooth_field_has_no_crease() {
     assert_eq!((uniform.max, creases.over(&uniform)), (0.0, None));
 }
 
-#[test]
-fn percentiles_are_weighted_by_length() {
-    let creases = Creases::of_gouraud(&scenes()[0].1);
-    let total: f64 = creases.edges.iter().map(|e| e.length).sum();
-    for (level, share) in [(creases.median, 0.5), (creases.p95, 0.95)] {
-        let of = |keep: &dyn Fn(f64) -> bool| -> f64 {
-            creases.edges.iter().filter(|e| keep(e.jump)).map(|e| e.length).sum::<f64>() / total
-        };
-        assert!(of(&|jump| jump < level) < share && of(&|jump| jump <= level) >= share - 1e-12);
-    }
-    let mean = creases.edges.iter().map(|e| e.length * e.jump * e.jump).sum::<f64>() / total;
-    assert!((creases.rms - mean.sqrt()).abs() < 1e-12 * creases.rms);
-}
-
 /// Each shared edge of a frame is measured once, and silhouettes are not measured.
 #[test]
 fn every_shared_edge_is_measured_once() {

@@ -52,13 +52,6 @@ fn derivatives_vanish_up_to_the_depth_and_then_jump() {
     }
 }
 
-#[test]
-fn infinite_depth_is_zero_before_the_ramp_and_has_a_steepness() {
-    assert_eq!(TANH_K, 5.0);
-    assert_eq!(Interpolation::new(Depth::Infinite).value(-1e-9), 0.0);
-    assert!((Interpolation::with_k(Depth::Infinite, 10.0).value(0.0) - 4.54e-5).abs() < 1e-7);
-}
-
 proptest! {
     #[test]
     fn halves_complement_each_other(n in 1u8..=32, billionths in 0u32..=1 << 30) {

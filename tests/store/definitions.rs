@@ -260,42 +260,6 @@ fn soon<T>(what: &str, work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Large files are accepted or rejected quickly, and rejected files use no memory.
-#[test]
-fn large_files_do_not_stall_the_program() {
-    let list =
-        |count: u32, scale: f64| (0..count).map(|i| (f64::from(i) * scale).to_string()).collect::<Vec<_>>().join(",");
-    let head = "schema = 1\nname = \"huge\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\n";
-    let (numbers, angles) = (list(1000, 1e-3), list(1000, 0.3));
-    let four =
-        format!("{head}width = [{numbers}]\norientation_deg = [{angles}]\nlow = [{numbers}]\nhigh = [{numbers}]\n");
-    for (design, part) in [("", "trials; expected at most"), ("repetitions = 0", "repetitions is 0")] {
-        let text = format!("{four}[design]\n{design}\n");
-        let error = soon("four factors", || definition::parse("huge.toml", &text)).unwrap_err();
-        assert!(error.to_string().contains(part), "{error}");
-    }
-    let one = format!("{head}orientation_deg = [{}]\n", list(90_000, 1e-3));
-    assert_eq!(soon("one long factor", || definition::parse("huge.toml", &one)).unwrap().main_trials(), 90_000);
-    let wrong = format!("{head}depth = [{}]\n", vec!["99"; 300_000].join(","));
-    let error = soon("many faults", || definition::parse("huge.toml", &wrong)).unwrap_err();
-    assert_eq!(error.0.len(), 300_000);
-    assert_eq!(error.0[299_999].position, Some((6, 10 + 3 * 299_999)));
-}
-
-#[test]
-fn deep_nesting_is_rejected() {
-    let texts = [
-        "a = ".to_owned() + &"[".repeat(100_000),
-        "a = ".to_owned() + &"{a=".repeat(100_000),
-        "a.".repeat(100_000) + "a = 1",
-        format!("[[{}a]]", "a.".repeat(100_000)),
-    ];
-    for text in texts {
-        let error = soon("nesting", || definition::parse("deep.toml", &text)).unwrap_err();
-        assert!(error.to_string().starts_with("deep.toml:1:"), "{:.100}", error.to_string());
-    }
-}
-
 #[test]
 fn files_that_are_not_definitions_are_reported() {
     let folder = tempfile::tempdir().unwrap();

@@ -179,24 +179,6 @@ mod rows_on_disk {
         assert!(matches!(&error, StoreError::Exists(path) if *path == paths(folder.path()).sidecar), "{error}");
         assert_eq!(everything(folder.path()), before);
     }
-
-    /// A killed program with the same process ID may have left its temporary file; in a container, every program has
-    /// process ID 1.
-    #[test]
-    fn leftovers_of_a_killed_program_do_no_harm() {
-        let folder = session_of(2);
-        let sidecar = paths(folder.path()).sidecar;
-        for count in 0..100 {
-            let own = sidecar.file_name().unwrap().to_str().unwrap();
-            let name = format!("{own}.machband-{:08}{count:08}.tmp", std::process::id());
-            fs::write(sidecar.with_file_name(name), "{").unwrap();
-        }
-        let (mut store, found) = resume(folder.path()).unwrap();
-        rate(&mut store, Some(&found), usize::MAX).unwrap();
-        assert_whole(folder.path());
-        drop(store);
-        assert_eq!(everything(folder.path()).len(), 7, "rows, a sidecar, and five files that describe the data set");
-    }
 }
 
 mod interrupted {

@@ -90,37 +90,6 @@ fn every_changed_text_is_reported() {
 }
 
 #[test]
-fn every_changed_row_is_reported() {
-    type Touch = fn(&Path);
-    let ways: [(&str, Touch); 5] = [
-        ("27 of 28 trials are rated", |csv| edit_lines(csv, |lines| drop(lines.remove(12)))),
-        ("is attempt 1; expected attempt 2", |csv| {
-            edit_lines(csv, |lines| lines.extend_from_within(lines.len() - 1..))
-        }),
-        ("was recorded before the row above it", |csv| edit_lines(csv, |lines| lines.swap(7, 8))),
-        ("ends in the middle of a row", |csv| edit(csv, |text| text[..text.len() - 10].to_owned())),
-        ("_data.csv: was changed since the session ended", change_rating),
-    ];
-    let (folder, csv) = recorded();
-    let whole = fs::read(&csv).unwrap();
-    for (expected, touch) in ways {
-        touch(&csv);
-        assert_named(folder.path(), &csv, expected, &[expected, "was changed since"]);
-        fs::write(&csv, &whole).unwrap();
-    }
-    let sidecar = csv.with_extension("json");
-    let mut read = Sidecar::read(&sidecar).unwrap().unwrap();
-    read.sittings[0].pictures.as_mut().unwrap().sha256.insert(3, "0".repeat(64));
-    // Even with a new seal, re-rendering reveals the change.
-    let own = read.sha256_at_end_of(0);
-    read.sittings[0].seal.as_mut().unwrap().sidecar_sha256 = own;
-    read.write(&sidecar).unwrap();
-    assert_named(folder.path(), &csv, "a hash", &["condition 3 of sitting 1 renders to sha256"]);
-    fs::remove_file(&sidecar).unwrap();
-    assert_named(folder.path(), &csv, "no sidecar", &["does not exist; expected the sidecar"]);
-}
-
-#[test]
 fn interrupted_sessions_cause_notes_and_stray_files_cause_errors() {
     let (_folder, csv) = recorded();
     let data = csv.parent().unwrap();
