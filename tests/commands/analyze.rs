@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, fs, path::Path, process::Command};
 
-use crate::common::{change_rating, fails, json, machband, session_csv, split, succeeds, table, text};
+use crate::common::{change_rating, fails, json, machband, session_csv, skip, split, succeeds, table, text};
 
 /// Returns a folder with the results of some simulated participants.
 fn study(experiment: &str, participants: u32) -> tempfile::TempDir {
@@ -52,12 +52,6 @@ fn analyze_writes_every_documented_file() {
         assert_eq!((header[0].as_str(), total), (factor, 960));
     }
     let model = json(&out.join("model.json"));
-    for name in ["link", "method", "nobs", "loglik", "thresholds", "coefficients", "random"] {
-        assert!(!model[name].is_null(), "{name}");
-    }
-    for name in ["name", "estimate", "se", "z", "p"] {
-        assert!(!model["coefficients"][0][name].is_null(), "{name}");
-    }
     let length = |name: &str| model[name].as_array().unwrap().len();
     assert_eq!((length("thresholds"), length("coefficients")), (3, 5 + 4 + 3));
     assert!(model["method"] == "clmm-laplace" && model["random"]["sd"].as_f64().unwrap() >= 0.0);
@@ -298,9 +292,7 @@ fn links_out_of_a_data_set_are_followed_with_a_warning() {
 fn run_script(folder: &Path) -> Option<String> {
     let r = |arguments: &[&str]| Command::new("Rscript").args(arguments).current_dir(folder).output();
     if !r(&["-e", "library(ordinal)"]).is_ok_and(|output| output.status.success()) {
-        let required = std::env::var_os("MACHBAND_REQUIRE_R").is_some_and(|value| value == "1");
-        assert!(!required, "Rscript with the package ordinal: not found");
-        eprintln!("SKIPPED: analysis.R was not run, because there is no Rscript with the package ordinal");
+        skip("R", "analysis.R was not run: no Rscript with the package ordinal");
         return None;
     }
     let output = r(&["analysis.R"]).unwrap();

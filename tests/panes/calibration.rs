@@ -16,7 +16,7 @@ use machband::{
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
 use super::{
-    eye::matched_code,
+    common::eye::matched_code,
     window::{Window, click, home, press, type_into, value},
 };
 

@@ -279,10 +279,7 @@ fn characters_without_a_font_are_reported_before_the_session() {
 fn japanese_texts_fit_into_a_narrow_window() {
     let (_, missing) = machband::system::fonts::covering(&"あ帯".chars().collect());
     if !missing.is_empty() {
-        assert!(std::env::var_os("MACHBAND_REQUIRE_FONT").is_none_or(|v| v != "1"), "no Japanese font is installed");
-        // Not with `eprintln!`, because the test harness captures it.
-        let _ = std::io::Write::write_all(&mut std::io::stderr(), b"SKIPPED: Japanese texts: no font is installed\n");
-        return;
+        return common::skip("FONT", "Japanese texts: no font is installed");
     }
     let folder = tempfile::tempdir().unwrap();
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/quick-ja.toml");
@@ -361,17 +358,6 @@ fn no_answer_is_lost_when_the_folder_is_removed() {
 #[test]
 fn home_shows_errors_next_to_their_fields() {
     let mut harness = window::home(SIZE, STEP_S);
-    for label in [
-        "Experiment",
-        "Participant",
-        "Session",
-        "Viewing distance, cm",
-        "Screen width, cm",
-        "Display profile",
-        "Results folder",
-    ] {
-        assert!(harness.query_all_by_label(label).count() > 0, "{label}");
-    }
     harness.get_by_label_contains("about 4 min");
     type_into(&mut harness, "Participant", "../../x");
     harness.get_by_label_contains("expected letters A–Z");

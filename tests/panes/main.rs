@@ -4,8 +4,6 @@
 
 #[path = "../common/mod.rs"]
 mod common;
-#[path = "../common/eye.rs"]
-mod eye;
 mod window;
 
 mod analysis_pane;

@@ -77,6 +77,11 @@ fn every_control_of_every_place_has_a_name() {
     {
         click(&mut window, tool);
         named(&window, tool);
+        if tool == "Check the gamma" {
+            for field in ["gray, 1 of 4 rows", "blue, 3 of 4 rows", "green, off by −0.2", "blue, off by +0.2"] {
+                window.get_by_label(field);
+            }
+        }
         press(&mut window, Key::Escape);
         window.run_steps(5);
     }

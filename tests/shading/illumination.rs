@@ -57,12 +57,6 @@ fn directions() -> impl Strategy<Value = DVec3> {
     (0.0..1.0f64, 0.0..1.0f64).prop_map(direction)
 }
 
-/// Returns the unit vector in the plane of x and z that is `degrees` from z.
-fn leaning(degrees: f64) -> DVec3 {
-    let (sin, cos) = degrees.to_radians().sin_cos();
-    DVec3::new(sin, 0.0, cos)
-}
-
 #[test]
 fn highlights_of_microfacets_agree_with_python() {
     let rows = golden("illumination.csv");

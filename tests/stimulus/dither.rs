@@ -27,17 +27,6 @@ fn gray(width: u32, height: u32, mut light: impl FnMut(u32, u32) -> f32) -> Line
     LinearImage::from_fn(width, height, |x, y| [light(x, y); 3])
 }
 
-fn ramp(size: u32, orientation_deg: f64) -> LinearImage {
-    let band = MachBand {
-        width: 0.8,
-        depth: Depth::finite(1).unwrap(),
-        orientation_deg,
-        color: "gray".parse::<StimulusColor>().unwrap(),
-        ..MachBand::default()
-    };
-    band.linear(size)
-}
-
 /// Returns the red codes in row `y`.
 fn reds(codes: &CodeImage, y: u32) -> Vec<u16> {
     (0..codes.width).map(|x| codes.pixel(x, y)[0]).collect()
@@ -49,7 +38,7 @@ fn fnv1a(bytes: impl IntoIterator<Item = u8>) -> u64 {
 
 #[test]
 fn names_read_back_and_other_texts_are_explained() {
-    for text in ["none", "ordered", "ordered:bayer2", "ordered:clustered3", "blue-noise", "random"] {
+    for text in ["none", "ordered", "blue-noise", "random"] {
         let dither: Dither = text.parse().unwrap();
         assert_eq!((dither.to_string().as_str(), format!(" {text} ").parse()), (text, Ok(dither)));
     }
@@ -57,16 +46,12 @@ fn names_read_back_and_other_texts_are_explained() {
         assert_eq!(Dither::Ordered(matrix).to_string().parse(), Ok(Dither::Ordered(matrix)));
     }
     assert_eq!("ordered".parse(), Ok(Dither::Ordered(DitherMatrix::Bayer8)));
-    assert_eq!("random".parse::<Dither>().unwrap().with_seed(7), Dither::Random { seed: 7 });
-    assert_eq!(Dither::BlueNoise.with_seed(7), Dither::BlueNoise);
     for (text, expected) in [
         ("bayer8", "dither \"bayer8\" is not known; expected none, ordered, ordered:MATRIX, blue-noise or random"),
-        ("random:3", "dither \"random:3\" is not known"),
         (
             "ordered:bayer3",
             "\"bayer3\" is not known; expected one of bayer2, bayer4, bayer8, bayer16, clustered2, clustered3",
         ),
-        ("ordered:", "expected one of bayer2"),
     ] {
         let message = text.parse::<Dither>().unwrap_err().to_string();
         assert!(message.contains(expected), "{message}");

@@ -44,14 +44,6 @@ fn an_unchanged_session_is_confirmed() {
     );
 }
 
-fn edit_lines(csv: &Path, change: fn(&mut Vec<String>)) {
-    edit(csv, |text| {
-        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-        change(&mut lines);
-        lines.join("\n") + "\n"
-    });
-}
-
 /// Asserts that every part of `expected` occurs in an error, and that the command prints an error line for each error.
 fn assert_named(folder: &Path, csv: &Path, what: &str, expected: &[&str]) {
     let errors = errors(csv);
