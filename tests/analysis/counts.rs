@@ -3,7 +3,7 @@
 use machband::{
     analysis::{
         agreement::{ordinal_alpha, retests},
-        counts::{CountError, Counts, Excluded, Exclusions, MeasuredBuilder, Role},
+        counts::{CountError, Counts, Excluded, Exclusions, MeasuredBuilder},
         summary::{by_cell, by_factor, by_subject},
     },
     experiment::RatingRow,

@@ -7,7 +7,6 @@ use std::{
 
 use machband::{
     analysis::{Options, Resampling, Results, analyze, counts::MeasuredBuilder, terms::Terms},
-    display::frames::Refresh,
     experiment::RatingRow,
     report::figures::{self, Figure},
 };

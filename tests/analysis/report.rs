@@ -12,12 +12,11 @@ use machband::{
     experiment::{Definition, OrderedLogit, Protocol, RatingRow},
     report::{
         Provenance,
-        document::numbers::{NBSP, count, fixed, list, p_is, percent, probability, ratio, short_list, unit, whole},
+        document::numbers::{NBSP, count},
         figures,
         prediction::StudyPrediction,
         skins,
-        study::{self, Parts, Summary, document, shell_command},
-        tables,
+        study::{self, Parts, Summary, document},
     },
     store::{
         FileError, definition,
@@ -25,7 +24,6 @@ use machband::{
         sidecar::Sidecar,
         sitting::{Geometry, PreflightNote, SimulatedObserver, Sitting},
     },
-    text::Cell,
 };
 use proptest::prelude::*;
 use resvg::usvg::roxmltree;

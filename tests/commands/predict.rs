@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{fails, machband, split, succeeds};
+use crate::common::{fails, split, succeeds};
 
 fn column(table: &str, name: &str) -> Vec<String> {
     let mut reader = csv::Reader::from_reader(table.as_bytes());

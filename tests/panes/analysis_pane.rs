@@ -22,7 +22,7 @@ use machband::{
 };
 
 use crate::{
-    common::{change_rating, session_csv, succeeds},
+    common::succeeds,
     window::{Role, Window, builder, choose, click, home, leave, press, request, texts, type_into, value, wait_for},
 };
 

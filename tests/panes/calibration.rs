@@ -17,7 +17,7 @@ use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
 use super::{
     common::eye::matched_code,
-    window::{Window, click, home, press, type_into, value},
+    window::{Window, click, home, press, type_into},
 };
 
 const GAMMAS: [f64; 3] = [1.9, 2.2, 2.5];

@@ -3,7 +3,7 @@
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 
-use crate::window::{Role, Window, choose, click, home, press, type_into};
+use crate::window::{Role, Window, choose, click, home, press};
 
 /// The controls without a name.
 fn nameless(window: &Window) -> Vec<String> {

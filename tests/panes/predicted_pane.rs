@@ -1,18 +1,16 @@
 //! Tests the predicted bands in the gallery and in the shading demo without a display: they agree with the library, and
 //! the window does not wait for them.
 
-use eframe::egui::{Key, Modifiers, Vec2, accesskit::Role};
+use eframe::egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::{By, NodeT as _, Queryable as _};
 use machband::{
-    app::explore::shading::Comparison,
-    shading::Surface,
-    stimulus::{Judged, MachBand, Renderer, Stimulus, ViewingConditions, catalog},
+    stimulus::{MachBand, Stimulus, ViewingConditions, catalog},
     vision::{Criterion, Visibility},
 };
 
 use crate::{
     shading::await_numbers,
-    window::{Window, choose, click, home, type_into, value, wait_for},
+    window::{Window, choose, click, home, type_into, value},
 };
 
 fn open(page: &str, size: [f32; 2]) -> Window {

@@ -1,17 +1,15 @@
 //! Tests the shading demo without a display, and compares what it draws with the images that the shaders compute.
 
-use std::path::Path;
 
 use eframe::egui::{self, Key, PointerButton, Pos2, Rect, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use machband::{
     app::{
         App, Launch,
-        explore::shading::{Comparison, MeshChoice, title},
+        explore::shading::{Comparison, MeshChoice},
     },
-    light::{CodeImage, Depth, Samples},
-    shading::{Correction, Encoder, Prepared, Scene, Shade, Shader, Surface, shapes::Shape},
-    stimulus::Renderer,
+    light::{CodeImage, Samples},
+    shading::{Encoder, Prepared, Scene, Shader, Surface, shapes::Shape},
 };
 
 use crate::window::{Window, builder, choose, click, type_into, value};

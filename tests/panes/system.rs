@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use eframe::egui::Key;
-use machband::app::{Input, InputReport, Pressed, Stamps, is_resampled};
+use machband::app::{Input, Pressed, Stamps, is_resampled};
 use x11rb::protocol::randr::{GetCrtcInfoReply, ModeInfo, Rotation};
 
 #[test]

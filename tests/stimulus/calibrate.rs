@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use machband::{
     display::{
-        Channel, Measurement,
+        Channel,
         photometer::{
             Calibration, Family, Patch, PatchSettings, Reading, Readings, ReadingsError, Sum, additivity,
             drift_percent, largest, patches,

@@ -7,10 +7,9 @@ use std::{collections::BTreeSet, sync::LazyLock};
 use machband::light::dither::MASK_SIZE;
 use machband::light::halftone::{Halftone, Screen};
 use machband::light::{
-    Bits, CodeImage, Depth, Dither, DitherMatrix, LinearImage, Quantizer, Samples, Thresholds, Transfer, TransferTable,
+    Bits, CodeImage, Dither, DitherMatrix, LinearImage, Quantizer, Samples, Thresholds, Transfer,
     Transfers,
 };
-use machband::stimulus::{MachBand, StimulusColor};
 
 /// Returns every kind of dither, the random kind with several seeds.
 fn dithers() -> Vec<Dither> {

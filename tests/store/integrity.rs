@@ -1,7 +1,6 @@
 //! A session that was changed by hand is not passed off as unchanged, and an honest session is not called faulty.
 
 use std::{
-    fmt::Write as _,
     fs,
     path::{Path, PathBuf},
 };

@@ -7,9 +7,9 @@ use std::{
 };
 
 use machband::{
-    analysis::counts::{Excluded, Exclusions, Role},
+    analysis::counts::Role,
     experiment::{Identity, Phase, Protocol, RatingRow, TrialRecord},
-    report::{Study, tables},
+    report::Study,
     store::{
         Columns, FileErrors,
         dataset::SessionPaths,

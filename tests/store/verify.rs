@@ -7,7 +7,7 @@ use std::{
 
 use machband::store::{sidecar::Sidecar, verify};
 
-use crate::common::{change_rating, machband, session_csv, succeeds, text, verified};
+use crate::common::{machband, session_csv, succeeds, text, verified};
 
 /// Records one session of `quick` with the simulated observer.
 fn recorded() -> (tempfile::TempDir, PathBuf) {
