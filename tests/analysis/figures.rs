@@ -338,19 +338,6 @@ fn odd_studies_are_drawn() {
         assert_eq!(names.len(), *expected, "{what}: {names:?}");
         check(&figures);
     }
-    // If there are more lines than can be told apart, some are left out evenly between both ends, and the caption says
-    // so. If there are too many numbers, some are not labeled; if there are too many texts, they are rotated.
-    let numbers = figures::all(&studies[5].1);
-    let figure = named(&numbers, "figure4a");
-    assert!(figure.caption.contains("(12 of 30 are shown)"), "{}", figure.caption);
-    let shown = texts(figure);
-    for (name, expected) in [("0", true), ("145", true), ("5", false)] {
-        let lines = shown.iter().skip_while(|text| *text != "b").skip(1);
-        assert_eq!(lines.clone().any(|text| text == name), expected, "{shown:?}");
-    }
-    assert!(!figure.svg.contains("text-anchor=\"end\" transform=\"rotate"));
-    let texts = figures::all(&studies[6].1);
-    assert!(named(&texts, "figure4a").svg.contains("text-anchor=\"end\" transform=\"rotate"));
 }
 
 #[test]

@@ -283,23 +283,15 @@ fn paths_need_not_be_text() {
     }
 }
 
-/// A closed pipe, as after `| head -1`, is not an error. A full disk is reported as an error.
+/// A closed pipe, as after `| head -1`, is not an error.
 #[test]
-fn a_closed_pipe_or_a_full_disk_does_not_panic() {
+fn a_closed_pipe_is_no_error() {
     let folder = tempfile::tempdir().unwrap();
     for line in ["check quick orientation", "simulate quick --resume"] {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
         let output = command(folder.path(), &split(line)).stdout(writer).output().unwrap();
         assert_eq!((output.status.code(), text(&output.stderr).as_str()), (Some(0), ""));
-        if !cfg!(target_os = "linux") {
-            continue;
-        }
-        let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
-        let output = command(folder.path(), &split(line)).stdout(full).output().unwrap();
-        let error = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{error}");
-        assert!(error.starts_with("error: standard output: cannot write"), "{error}");
     }
 }
 

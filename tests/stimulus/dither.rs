@@ -1,7 +1,7 @@
 //! Dither and halftone, compared with the published matrices and algorithm and with their defining properties: only the
 //! two enclosing codes occur, the mean light is right, and there is no noise where none is needed.
 
-use super::{Draw as _, transfers};
+use super::transfers;
 use std::{collections::BTreeSet, sync::LazyLock};
 
 use machband::light::dither::MASK_SIZE;

@@ -403,16 +403,6 @@ mod layouts {
         }
     }
 
-    #[test]
-    fn the_term_inv_n_reads_the_column_depth() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = file(&folder, "long.csv", LONG);
-        let how = ReadOptions { factors: None, also: vec!["width".to_owned(), "inv_n".to_owned()], ..long() };
-        let (source, rows) = read(&[&path], &how);
-        assert_eq!(source.shape.factors, ["width", "depth"]);
-        assert_eq!(rows, LONG_ROWS);
-    }
-
     /// Without a definition, the columns of the stimulus serve as factors, and the order of trials is kept.
     #[test]
     fn result_files_without_a_sidecar_are_read_too() {
