@@ -10,7 +10,7 @@ use machband::{
     experiment::{Column, Identity, RatingRow, Schedule, columns},
     store::{
         FileErrors, definition, image, mesh, observer, profile,
-        ratings::{self, FileRead, ReadOptions},
+        ratings::{self, ReadOptions},
         readings, results,
     },
 };
@@ -72,15 +72,10 @@ pub fn ratings(content: &[u8]) {
         *rows += 1;
         Ok(())
     };
-    let mut rows = 0;
-    let take = |_: &FileRead, found: u64| {
-        rows += found;
-        Ok(())
-    };
-    let read = ratings::read(std::slice::from_ref(&path), &ReadOptions::default(), |_| 0, count, take);
+    let read = ratings::read(std::slice::from_ref(&path), &ReadOptions::default(), |_| 0, count);
     std::fs::remove_file(&path).unwrap();
     match read {
-        Ok(source) => {
+        Ok((source, rows)) => {
             assert!(rows > 0 || !source.errors.is_empty() || !source.files.is_empty());
             source.errors.iter().for_each(|error| assert!(!error.message.is_empty()));
         }

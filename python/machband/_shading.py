@@ -199,7 +199,7 @@ def shade(
         background=background,
         distance=distance,
         naive=flag("naive", naive),
-        window=window_deg,
+        window_deg=window_deg,
         white=white,
     )
     image = options(size=whole("size", size), bits=whole("bits", bits), transfer=transfer, display=display)

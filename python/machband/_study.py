@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
-import tempfile
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -17,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import _machband
-from ._common import Table, flag, options, progress, quoted, suggests, table, whole
+from ._common import Table, flag, options, progress, quoted, suggests, table, whole, words
 
 
 def read_results(folder: str | PathLike[str]) -> Table:
@@ -80,9 +78,7 @@ class Analysis:
         """Wrap the results."""
         self._native = native
         self._is_simulated = False
-        self.warnings, self.errors = (
-            [_rows(problem) for problem in problems] for problems in native.problems()
-        )
+        self.warnings, self.errors = native.problems()
 
     @cached_property
     def tables(self) -> dict[str, Table]:
@@ -150,18 +146,6 @@ class Analysis:
         return f'{first}{self._native.summary_html()}<div style="display: flex; flex-wrap: wrap">{figures}</div>'
 
 
-#: The file that a table is written to. Nobody else has a file of this name.
-TABLE = "machband-table.csv"
-
-
-def _rows(message: str) -> str:
-    """Return a message about this file as one about the rows of the table in it, counted from 0."""
-    # The header is the first line.
-    message = re.sub(rf"{TABLE}:1:\d+:", "table:", message)
-    message = re.sub(rf"{TABLE}:(\d+):\d+:", lambda found: f"table, row {int(found[1]) - 2} (counted from 0):", message)
-    return message.replace(TABLE, "table")
-
-
 def _columns(data: Any) -> Mapping[str, Any] | None:
     """Return the columns of a table, or `None` if `data` is not a table. Named index levels are columns too."""
     if hasattr(data, "reset_index") and hasattr(data, "columns"):
@@ -179,12 +163,11 @@ def _columns(data: Any) -> Mapping[str, Any] | None:
     return None
 
 
-def _write(data: Mapping[str, Any], path: str) -> None:
-    """Write a table as CSV, with numbers in their shortest form and missing values empty."""
+def _cells(data: Mapping[str, Any]) -> list[tuple[str, Any]]:
+    """Return the columns of a table with their names: arrays of numbers, or texts, which are empty if missing."""
     if not len(list(data)):
         raise _machband.Error("the table has no columns; expected at least a participant, a rating and a factor")
-    names: list[str] = []
-    columns: list[Any] = []
+    columns: list[tuple[str, Any]] = []
     for name in data:
         column = data[name]
         if getattr(getattr(column, "dtype", None), "tz", None) is not None:
@@ -192,20 +175,18 @@ def _write(data: Mapping[str, Any], path: str) -> None:
         array = np.asarray(column)
         if array.ndim != 1:
             raise _machband.Error(f"column {name!r} has shape {array.shape}; expected one dimension")
+        cells: Any
         if array.dtype.kind in "ib" or (array.dtype.kind == "u" and array.dtype.itemsize < 8):
-            columns.append(np.ascontiguousarray(array, np.int64))
+            cells = np.ascontiguousarray(array, np.int64)
         elif array.dtype.kind == "f":
-            columns.append(np.ascontiguousarray(array, np.float64))
+            cells = np.ascontiguousarray(array, np.float64)
         elif array.dtype.kind == "M":
-            columns.append([f"{time}Z" for time in np.datetime_as_string(array, "ms")])
+            cells = [f"{time}Z" for time in np.datetime_as_string(array, "ms")]
         else:
             missing = np.asarray(column.isna()) if hasattr(column, "isna") else [cell is None for cell in array]
-            columns.append(["" if gone else str(cell) for gone, cell in zip(missing, array, strict=True)])
-        names.append(str(name))
-    lengths = {len(column) for column in columns}
-    if len(lengths) > 1:
-        raise _machband.Error(f"the columns have {sorted(lengths)} rows; expected the same number")
-    _machband.write_table(path, names, columns)
+            cells = ["" if gone else str(cell) for gone, cell in zip(missing, array, strict=True)]
+        columns.append((str(name), cells))
+    return columns
 
 
 def _paths(data: object) -> Iterator[str]:
@@ -307,16 +288,11 @@ def analyze(
         complete_only=flag("complete_only", complete_only),
         large=flag("large", large),
     )
-    with tempfile.TemporaryDirectory(prefix="machband-") as temporary, progress("simulated studies") as show:
-        if columns is not None:
-            paths = [os.path.join(temporary, TABLE)]
-            _write(columns, paths[0])
-        elif not (paths := list(_paths(data))):
-            raise _machband.Error("there are no paths; expected at least one")
-        try:
-            analysis = Analysis(_machband.analyze(given, paths, temporary, show))
-        except _machband.Error as error:
-            raise _machband.Error(_rows(str(error).replace(temporary + os.sep, ""))) from None
+    ratings = _cells(columns) if columns is not None else list(_paths(data))
+    if not ratings:
+        raise _machband.Error("there are no paths; expected at least one")
+    with progress("simulated studies") as show:
+        analysis = Analysis(_machband.analyze(given, ratings, show))
     analysis._is_simulated = bool(getattr(data, "attrs", {}).get("simulated"))
     for problem in [*analysis.warnings, *analysis.errors]:
         warnings.warn(problem, stacklevel=3)
@@ -397,9 +373,7 @@ def export(
     -------
     What was written: the names of the experiments, and the numbers of sessions, rows and pictures.
     """
-    experiments, counts, notes = _machband.export(
-        os.fspath(folder), os.fspath(out), format, flag("complete_only", complete_only), flag("accept_changes", accept_changes)
-    )
-    for note in notes:
-        warnings.warn(note, stacklevel=3)
+    given = options(folder=os.fspath(folder), out=os.fspath(out), format=words("format", format))
+    chosen = options(complete_only=flag("complete_only", complete_only), accept_changes=flag("accept_changes", accept_changes))
+    experiments, counts = _machband.export({**given, **chosen})
     return Exported(experiments, *counts)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import os
 import re
 from dataclasses import dataclass, field
 from os import PathLike
@@ -13,13 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import whole, words
+from ._common import flag, options, whole, words
 from ._stimulus import _parameters
 
 Floats = npt.NDArray[np.float64]
-
-#: Maximum number of pixels of an image, unless the caller allows more: those of a 4K screen.
-MAX_PIXELS = 3840 * 2160
 
 
 class Band(NamedTuple):
@@ -131,25 +127,23 @@ def predict(
     for name, number in [("window_deg", window_deg), ("ppd", ppd), ("white", white)]:
         if not (number is None or isinstance(number, (int, float, np.number))):
             raise TypeError(f"{name} is {number!r}; expected a number")
-    words("transfer", transfer)
-    view = (window_deg, ppd, white, display)
+    view = options(window_deg=window_deg, ppd=ppd, white=white, display=display, large=flag("large", large))
     is_file = isinstance(image_or_kind, PathLike) or (
         isinstance(image_or_kind, str) and bool(re.search(r"[/\\]|\.\w+$", image_or_kind))
     )
     if isinstance(image_or_kind, str) and not is_file:
         if transfer is not None:
             raise TypeError("predict() got transfer, which means something only for the codes of an image")
-        pixels = None if size is None else whole("size", size)
-        return _prediction(_machband.predict_stimulus(image_or_kind, _parameters(parameters), pixels, view))
+        pixels = options(size=None if size is None else whole("size", size))
+        return _prediction(_machband.predict({**view, **pixels}, (image_or_kind, _parameters(parameters))))
     if parameters or size is not None:
         name = next(iter(parameters), "size")
         near = difflib.get_close_matches(name, ["window_deg", "ppd", "white", "display", "transfer", "large"], 1)
         question = f"; did you mean {near[0]!r}?" if near else ""
         raise TypeError(f"predict() got {name!r}, which an image does not have{question}")
-    most_pixels = 2**32 if large else MAX_PIXELS
+    coded = {**view, **options(transfer=words("transfer", transfer))}
     if is_file:
-        path = os.fspath(image_or_kind)  # type: ignore[arg-type]
-        return _prediction(_machband.predict_file(path, transfer, view, most_pixels))
+        return _prediction(_machband.predict({**coded, **options(image=image_or_kind)}, None))
     if isinstance(image_or_kind, np.ma.MaskedArray):
         raise TypeError("the image is a masked array, and every pixel counts; expected an array without a mask")
     image = np.asarray(image_or_kind)
@@ -162,11 +156,9 @@ def predict(
     height, width = image.shape[:2]
     if width == 0 or height == 0:
         raise _machband.Error(f"the image has shape {image.shape}; expected at least one pixel")
-    if height * width > most_pixels:
-        raise _machband.Error(f"the image has {width} × {height} pixels; expected at most {MAX_PIXELS}, or large=True")
     if image.dtype.kind == "u" and image.dtype.itemsize <= 2:
         codes = np.ascontiguousarray(image, image.dtype.newbyteorder("=")).ravel()
-        return _prediction(_machband.predict_codes(codes, (height, width), transfer, view))
+        return _prediction(_machband.predict(coded, (codes, (height, width))))
     if image.dtype.kind != "f":
         raise TypeError(f"the image has dtype {image.dtype}; expected uint8, uint16 or floats")
     if transfer is not None:
@@ -174,4 +166,4 @@ def predict(
     if image.max() > 1:
         raise _machband.Error(f"the light goes up to {image.max()}; expected 0 to 1, such as codes / 255 decoded by transfer")
     linear = np.ascontiguousarray(image, dtype=np.float32).ravel()
-    return _prediction(_machband.predict_light(linear, (height, width), view))
+    return _prediction(_machband.predict(view, (linear, (height, width))))

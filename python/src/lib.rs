@@ -67,8 +67,7 @@ mod _machband {
         main,
         mesh::{mesh, shade},
         study::{Analysis, analyze, export, read_results, verify},
-        table::write_table,
-        vision::{predict_codes, predict_file, predict_light, predict_stimulus},
+        vision::predict,
     };
 
     /// Loads NumPy now, so that nothing can interrupt it later.

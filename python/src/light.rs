@@ -1,15 +1,12 @@
 //! Stimuli as arrays, and the functions that turn light into codes.
 
-use std::{
-    path::PathBuf,
-    sync::{Arc, Mutex, PoisonError},
-};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use machband::{
     display::{Screen, Viewing},
-    light::{Bits, CodeImage, Depth, Dither, Interpolation, LinearImage, Quantizer, Samples, Transfer, Transfers},
+    light::{Bits, CodeImage, Depth, Dither, Interpolation, LinearImage, Quantizer, Samples, Transfer},
     stimulus::{ParameterValue, Stimulus, catalog, recipe::Recipe},
-    store::{self, curve},
+    store::curve,
     work::Image,
 };
 use numpy::{IntoPyArray as _, PyArray1, PyArrayMethods as _, PyReadonlyArray1};
@@ -47,20 +44,6 @@ pub fn stimulus_of(kind: &str, given: Given) -> PyResult<Stimulus> {
     let given: Vec<(String, ParameterValue)> = given.into_iter().map(|(name, value)| (name, value.into())).collect();
     let given = given.iter().map(|(name, value)| (name.as_str(), value.clone()));
     Stimulus::with_parameters(kind, given).map_err(|errors| error(errors.join("\n")))
-}
-
-/// Returns the transfer functions, which are given by name or by a display profile, and the profile's hash.
-pub fn transfers_of(transfer: Option<&str>, display: Option<&PathBuf>) -> PyResult<(Transfers, Option<String>)> {
-    match (transfer, display) {
-        (Some(_), Some(_)) => Err(error("transfer and display exclude each other; expected one of them")),
-        (Some(transfer), None) => Ok((transfer.parse().map_err(error)?, None)),
-        (None, Some(path)) => {
-            let profile = store::profile::open(path).map_err(error)?;
-            let hash = store::profile::hash(&profile);
-            Ok((profile.transfers, Some(hash)))
-        }
-        (None, None) => Ok((Transfer::Srgb.into(), None)),
-    }
 }
 
 /// Returns the quantizer for a recipe. The last one is kept, because the next stimulus is mostly for the same display.

@@ -7,31 +7,29 @@ use std::{
 
 use machband::{
     analysis::{Note, Results},
-    cli::check,
     experiment,
     report::{self, Provenance, Study, document::Section, study::shell_command},
     stimulus::Stimulus,
-    store::{
-        FileErrors, Writer,
-        export::{self as exports, Choice, Format},
-        ratings, results,
-        sidecar::Sidecar,
-        verify as verification,
-    },
+    store::{FileErrors, Writer, ratings, results, sidecar::Sidecar},
     system::now,
     text::{Cell, Table},
-    work::{Analyze, words},
+    work::{
+        Analyze, Export, changed,
+        verify::{Verified, Verify},
+        words,
+    },
 };
 use pyo3::{
     prelude::*,
     types::{PyBytes, PyDict},
 };
+use serde_json::Value;
 
 use crate::{
-    Field, Fields, error,
+    Field, Fields,
     job::{self, Job},
     request,
-    table::{self, Column},
+    table::{self, Column, Given},
 };
 
 /// Columns; for each its unit and its description; and whether an observer was simulated.
@@ -98,35 +96,61 @@ pub struct Analysis {
     command: String,
 }
 
-/// Analyzes ratings with the command's options. Files in the folder `temporary` will not exist later, so the results name
-/// them without it. Progress counts the simulated studies.
+/// Where ratings come from.
+#[derive(FromPyObject)]
+pub enum Ratings<'py> {
+    Paths(Vec<String>),
+    /// A table: the names of its columns, and their cells.
+    Columns(Vec<(String, Given<'py>)>),
+}
+
+/// The name of a table in messages.
+const TABLE: &str = "table";
+
+/// Analyzes ratings with the command's options. Progress counts the simulated studies.
 #[pyfunction]
 pub fn analyze(
     py: Python<'_>,
     mut fields: Fields,
-    paths: Vec<String>,
-    temporary: PathBuf,
+    ratings: Ratings<'_>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Analysis> {
-    let short = |path: &Path| path.strip_prefix(&temporary).unwrap_or(path).to_owned();
+    let (paths, columns) = match ratings {
+        Ratings::Paths(paths) => (paths, None),
+        Ratings::Columns(columns) => (vec![TABLE.to_owned()], Some(table::given(&columns)?)),
+    };
     fields.insert("paths".to_owned(), Field::List(paths));
-    let mut asked: Analyze = request(fields)?;
-    let paths = std::mem::take(&mut asked.ratings.paths);
-    asked.ratings.paths = paths.iter().map(|path| short(path)).collect();
-    let command = shell_command(std::iter::once("analyze".to_owned()).chain(words(&asked)));
-    asked.ratings.paths = paths;
-    let (mut study, results) = job::run(py, progress, false, move |job, _| {
-        let study = asked.read()?;
+    let asked: Analyze = request(fields)?;
+    let command = if columns.is_some() { call(&asked) } else { command(&asked) };
+    let (study, results) = job::run(py, progress, false, move |job, _| {
+        let study = match columns {
+            Some(columns) => asked.read_columns(TABLE, columns)?,
+            None => asked.read()?,
+        };
         let results = asked.analyze(&study, job)?;
-        Ok((study, Arc::new(results)))
+        Ok((Arc::new(study), Arc::new(results)))
     })?;
-    let source = &mut study.source;
-    source.files.iter_mut().for_each(|file| file.path = short(&file.path));
-    source.sessions.iter_mut().for_each(|session| session.path = short(&session.path));
-    for problem in source.warnings.iter_mut().chain(&mut source.errors) {
-        problem.file = short(Path::new(&problem.file)).display().to_string();
+    Ok(Analysis { study, results, command })
+}
+
+/// Returns the command that repeats an analysis of files.
+fn command(asked: &Analyze) -> String {
+    shell_command(std::iter::once("analyze".to_owned()).chain(words(asked)))
+}
+
+/// Returns the call that repeats the analysis of a table.
+fn call(asked: &Analyze) -> String {
+    let fields = changed(asked).into_iter().filter(|(name, _)| name != "paths");
+    let fields: Vec<String> = fields.map(|(name, value)| format!(", {name}={}", argument(&value))).collect();
+    format!("# The data came as a table from Python.\nmachband.analyze({TABLE}{})", fields.concat())
+}
+
+/// Writes a value as Python does.
+fn argument(value: &Value) -> String {
+    match value {
+        Value::Bool(true) => "True".to_owned(),
+        value => value.to_string(),
     }
-    Ok(Analysis { study: Arc::new(study), results, command })
 }
 
 /// A table: its name, its columns, and the name, unit and description of each column.
@@ -219,35 +243,15 @@ pub fn verify(
     folder: PathBuf,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Vec<(PathBuf, String)>, Vec<String>, Vec<PathBuf>)> {
-    job::run(py, progress, false, move |job, _| {
-        let mut sessions = Vec::new();
-        let found = verification::data_sets(&folder, |csv, found, all| {
-            sessions.push((csv.to_owned(), check::sentence(found)));
-            job.set(sessions.len(), all);
-            true
-        })?;
-        Ok((sessions, found.errors.iter().map(ToString::to_string).collect(), found.left))
-    })
+    let Verified { found, left, .. } = job::run(py, progress, false, move |job, _| Verify { folder }.verify(job))?;
+    Ok((found.files, found.errors.iter().map(ToString::to_string).collect(), left))
 }
 
-/// Exports the sessions in a folder. Returns the names of the experiments; the numbers of sessions, rows and pictures;
-/// and notes.
+/// Exports the sessions in a folder. Returns the names of the experiments, and the numbers of sessions, rows and
+/// pictures.
 #[pyfunction]
-#[allow(clippy::type_complexity)]
-pub fn export(
-    py: Python<'_>,
-    folder: PathBuf,
-    out: PathBuf,
-    format: &str,
-    complete_only: bool,
-    accept_changes: bool,
-) -> PyResult<(Vec<String>, [usize; 3], Vec<String>)> {
-    let format = match format {
-        "bids" => Format::Bids,
-        "psych-ds" => Format::PsychDs,
-        other => return Err(error(format!("format {other:?} is not known; expected one of bids, psych-ds"))),
-    };
-    let choice = Choice { complete_only, accept_changes };
-    let exported = job::run(py, None, true, move |_, _| Ok(exports::export(&folder, &out, format, choice)?))?;
-    Ok((exported.experiments, [exported.sessions, exported.rows, exported.pictures], exported.notes))
+pub fn export(py: Python<'_>, fields: Fields) -> PyResult<(Vec<String>, [usize; 3])> {
+    let request: Export = request(fields)?;
+    let exported = job::run(py, None, true, move |job, _| request.export(job))?;
+    Ok((exported.experiments, [exported.sessions, exported.rows, exported.pictures]))
 }

@@ -1,12 +1,8 @@
 //! Columns of tables.
 
-use std::path::PathBuf;
-
-use machband::text::Cell;
+use machband::{store::Columns, text::Cell};
 use numpy::{IntoPyArray as _, PyReadonlyArray1};
 use pyo3::{prelude::*, types::PyDict};
-
-use crate::error;
 
 /// A column: whole numbers; numbers, of which missing ones are NaN; times in milliseconds since 1970; or texts, of which
 /// missing ones are `None`.
@@ -83,34 +79,21 @@ pub fn columns<'py>(
     Ok(all)
 }
 
-/// A column to write.
+/// The cells of a column.
 #[derive(FromPyObject)]
-pub enum Written<'py> {
+pub enum Given<'py> {
     Whole(PyReadonlyArray1<'py, i64>),
     Number(PyReadonlyArray1<'py, f64>),
     Text(Vec<String>),
 }
 
-/// Writes columns of equal length as a CSV file. Numbers are written in their shortest form; NaN is an empty cell.
-#[pyfunction]
-pub fn write_table(path: PathBuf, names: Vec<String>, columns: Vec<Written<'_>>) -> PyResult<()> {
-    let texts = columns
-        .into_iter()
-        .map(|column| {
-            Ok(match column {
-                Written::Whole(numbers) => numbers.as_slice()?.iter().map(i64::to_string).collect(),
-                Written::Number(numbers) => {
-                    let text = |number: &f64| if number.is_nan() { String::new() } else { (number + 0.0).to_string() };
-                    numbers.as_slice()?.iter().map(text).collect()
-                }
-                Written::Text(texts) => texts,
-            })
+/// Returns columns as a table of the library.
+pub fn given(columns: &[(String, Given<'_>)]) -> PyResult<Columns> {
+    columns.iter().try_fold(Columns::default(), |table, (name, column)| {
+        Ok(match column {
+            Given::Whole(numbers) => table.with_texts(name, numbers.as_slice()?.iter().map(i64::to_string)),
+            Given::Number(numbers) => table.with_numbers(name, numbers.as_slice()?.iter().copied()),
+            Given::Text(texts) => table.with_texts(name, texts),
         })
-        .collect::<PyResult<Vec<Vec<String>>>>()?;
-    let mut writer = csv::Writer::from_path(&path).map_err(error)?;
-    writer.write_record(&names).map_err(error)?;
-    for row in 0..texts.first().map_or(0, Vec::len) {
-        writer.write_record(texts.iter().map(|column| &column[row])).map_err(error)?;
-    }
-    Ok(writer.flush()?)
+    })
 }

@@ -204,7 +204,7 @@ impl App {
                     shading.recall(&self.memory.page("shading"));
                     shading
                 });
-                let step = shading.show(ui, frame.wgpu_render_state()).widen();
+                let step = shading.show(ui).widen();
                 if !ui.input(|input| input.pointer.any_down()) {
                     self.memory.set_page("shading", shading.remembered());
                 }

@@ -81,7 +81,12 @@ impl Watcher for Bar {
         self.above(|| message("warning", warning));
     }
 
+    fn found(&self, file: &Path, sentence: &str) -> anyhow::Result<()> {
+        self.above(|| super::print_line(&format!("{}: {sentence}", file.display())))
+    }
+
     fn check(&self, place: &Path) -> anyhow::Result<()> {
-        Ok(signals::check(place)?)
+        signals::check(place)
+            .map_err(|ended| anyhow::anyhow!("{ended}; to continue, use the same command with --resume"))
     }
 }

@@ -1,19 +1,17 @@
 //! `machband calibrate`
 
-use std::path::{Path, PathBuf};
-
-use jiff::civil::Date;
-use serde_json::{Value, json};
+use std::path::Path;
 
 use super::{OutPath, columns, message, print_line, report_written};
 use crate::{
-    display::{
-        Measurement,
-        photometer::{Calibration, Family, FittedChannel, Sum, largest},
-    },
+    display::photometer::{Calibration, Family, FittedChannel, Sum, largest},
     report::{document::Shown, figures},
-    store::{Writer, profile, readings},
-    work::{RequestError, outdated, today},
+    store::{Writer, profile},
+    work::{
+        RequestError,
+        calibrate::{Calibrate, Calibrated},
+        outdated,
+    },
 };
 
 /// Make a display profile from photometer readings.
@@ -24,31 +22,15 @@ use crate::{
 #[command(
     after_help = "Example: machband calibrate left.csv --out left.toml --with \"Konica Minolta LS-150\" --plot left.svg\n\n\
     Models: srgb is the sRGB curve; gamma is black + range·V^γ; gog adds an offset, (gain·V + offset)^γ; table\n\
-    interpolates the readings, for displays that no curve fits. auto leaves out each level in turn and chooses the\n\
-    simplest of the models that predict the omitted levels best."
+    interpolates the readings, for displays that no curve fits. By default, each level is left out in turn,\n\
+    and the simplest of the models that predict the omitted levels best is chosen."
 )]
 pub(super) struct Arguments {
-    /// Photometer readings.
-    #[arg(value_name = "READINGS.csv")]
-    readings: PathBuf,
+    #[command(flatten)]
+    request: Calibrate,
     /// Display profile to write.
     #[arg(long, value_name = "PROFILE.toml")]
     out: OutPath,
-    /// Name of the display [default: the profile's file name].
-    #[arg(long)]
-    name: Option<String>,
-    /// Name of the person who took the readings.
-    #[arg(long, value_name = "WHO")]
-    by: Option<String>,
-    /// Name of the photometer.
-    #[arg(long, value_name = "PHOTOMETER", default_value = "photometer")]
-    with: String,
-    /// Date of the measurement, such as 2026-01-31 [default: today].
-    #[arg(long, value_name = "DATE")]
-    on: Option<Date>,
-    /// Model of the profile.
-    #[arg(long, default_value = "auto", value_parser = ["auto", "gamma", "gog", "srgb", "table"])]
-    model: String,
     /// Where to write a chart of the readings, curves and errors.
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     plot: Option<OutPath>,
@@ -58,58 +40,49 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
-    check(arguments)?;
-    let readings = readings::open(&arguments.readings)?;
-    let calibration = Calibration::new(&readings);
-    let requested = Family::ALL.into_iter().find(|family| family.name() == arguments.model);
-    let family = requested.unwrap_or(calibration.chosen);
-    print(arguments, &calibration, family)?;
-    let stem = arguments.out.file_stem().map_or_else(|| "display".into(), |stem| stem.to_string_lossy().into_owned());
-    let measured = Measurement {
-        on: Some(arguments.on.unwrap_or_else(today)),
-        by: arguments.by.clone(),
-        with: Some(arguments.with.clone()),
-    };
-    let made = calibration.profile(family, arguments.name.as_deref().unwrap_or(&stem), measured);
-    let done = if arguments.out.exists() { "replaced" } else { "wrote" };
-    profile::write(writer, &arguments.out, &made)?;
-    if let Some(path) = &arguments.plot {
-        plot(writer, path, &calibration)?;
+    let Arguments { request, out, plot, report } = arguments;
+    plot.as_deref().map_or(Ok(()), check)?;
+    let stem = out.file_stem().map_or_else(|| "display".into(), |stem| stem.to_string_lossy().into_owned());
+    let made = request.calibrate(&stem)?;
+    print(request, &made)?;
+    let done = if out.exists() { "replaced" } else { "wrote" };
+    profile::write(writer, out, &made.profile)?;
+    if let Some(path) = plot {
+        draw(writer, path, &made.calibration)?;
         report_written(path)?;
     }
-    if let Some(path) = &arguments.report {
-        writer.write(path, format!("{:#}\n", report(&calibration, family)).as_bytes())?;
+    if let Some(path) = report {
+        writer.write(path, format!("{:#}\n", made.json()).as_bytes())?;
         report_written(path)?;
     }
-    outdated(&arguments.out, &made).iter().for_each(|warning| message("warning", warning));
-    print_line(&format!("{done} {}: {}", arguments.out.display(), made.sentence()))
+    outdated(out, &made.profile).iter().for_each(|warning| message("warning", warning));
+    print_line(&format!("{done} {}: {}", out.display(), made.profile.sentence()))
 }
 
-fn check(arguments: &Arguments) -> Result<(), RequestError> {
-    match &arguments.plot {
-        Some(path) if !has_extension(path, "svg") && !has_extension(path, "png") => Err(RequestError::whole(format!(
-            "--plot {} is neither an SVG nor a PNG file; expected a name ending in .svg or .png",
-            path.display()
-        ))),
-        _ => Ok(()),
+fn check(plot: &Path) -> Result<(), RequestError> {
+    if has_extension(plot, "svg") || has_extension(plot, "png") {
+        return Ok(());
     }
+    let message = "is neither an SVG nor a PNG file; expected a name ending in .svg or .png";
+    Err(RequestError::value("plot", format!("{} {message}", plot.display())))
 }
 
 fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
 }
 
-fn plot(writer: &Writer, path: &Path, calibration: &Calibration) -> anyhow::Result<()> {
+fn draw(writer: &Writer, path: &Path, calibration: &Calibration) -> anyhow::Result<()> {
     let figure = figures::calibration(calibration);
     let bytes = if has_extension(path, "png") { figure.png()? } else { figure.svg.into_bytes() };
     Ok(writer.write(path, &bytes)?)
 }
 
 /// Prints the results as text.
-fn print(arguments: &Arguments, calibration: &Calibration, family: Family) -> anyhow::Result<()> {
+fn print(request: &Calibrate, made: &Calibrated) -> anyhow::Result<()> {
+    let Calibrated { calibration, family, .. } = made;
     let channels: Vec<&str> = calibration.readings.channels().iter().map(|channel| channel.name()).collect();
-    let (file, readings) = (arguments.readings.display(), calibration.readings.all().len());
-    let (scatter, light) = (100.0 * calibration.noise, calibration.luminance_of(family));
+    let (file, readings) = (request.readings.display(), calibration.readings.all().len());
+    let (scatter, light) = (100.0 * calibration.noise, calibration.luminance_of(*family));
     print_line(&format!(
         "{file}: {readings} readings of {}; repeated readings vary by {scatter:.2} %",
         channels.join(", ")
@@ -147,7 +120,7 @@ fn print(arguments: &Arguments, calibration: &Calibration, family: Family) -> an
     calibration.notes.iter().try_for_each(|note| print_line(&format!("note: {note}")))?;
     let better = calibration.chosen;
     print_line(&format!("best by cross-validation: {better} (the simplest of the best-predicting models)"))?;
-    print_line(&format!("chosen: {family}{}", if arguments.model == "auto" { "" } else { ", as requested" }))
+    print_line(&format!("chosen: {family}{}", if request.model.is_some() { ", as requested" } else { "" }))
 }
 
 /// Formats a number with this many decimals.
@@ -171,59 +144,4 @@ fn cells(family: Family, channel: &FittedChannel) -> Vec<Shown> {
         decimals(channel.largest_codes, 2),
         decimals(channel.largest_cd_m2, 3),
     ]
-}
-
-/// Returns the results as JSON.
-fn report(calibration: &Calibration, family: Family) -> Value {
-    let models = calibration.models.iter().map(|model| {
-        json!({
-            "model": model.family.name(),
-            "common_shape": model.common_shape,
-            "channels": model.channels.iter().map(channel_json).collect::<Value>(),
-            "cross_validation": model.validation,
-        })
-    });
-    let sums = &calibration.additivity;
-    let additivity = (!sums.is_empty()).then(|| {
-        let levels = sums.iter().map(|sum| {
-            json!({
-                "level": sum.level,
-                "gray_cd_m2": sum.gray_cd_m2,
-                "sum_cd_m2": sum.sum_cd_m2,
-                "deviation_percent": sum.deviation_percent(),
-            })
-        });
-        json!({
-            "largest_percent": largest(sums, Sum::deviation_percent),
-            "largest_cd_m2": largest(sums, Sum::deviation_cd_m2),
-            "levels": levels.collect::<Value>(),
-        })
-    });
-    json!({
-        "readings": calibration.readings.all().len(),
-        "noise": { "relative": calibration.noise },
-        "luminance": calibration.luminance_of(family),
-        "models": models.collect::<Value>(),
-        "chosen": family.name(),
-        "better_by_cross_validation": calibration.chosen.name(),
-        "additivity": additivity,
-        "drift_percent": calibration.drift_percent,
-        "notes": calibration.notes,
-    })
-}
-
-fn channel_json(channel: &FittedChannel) -> Value {
-    let gain_and_offset = channel.curve.gain_and_offset();
-    json!({
-        "channel": channel.channel.key(),
-        "gamma": channel.curve.gamma(),
-        "gamma_se": channel.gamma_se,
-        "gain": gain_and_offset.map(|(gain, _)| gain),
-        "offset": gain_and_offset.map(|(_, offset)| offset),
-        "black_cd_m2": channel.curve.black_cd_m2,
-        "range_cd_m2": channel.curve.range_cd_m2,
-        "r_squared": channel.r_squared,
-        "largest_error_codes": channel.largest_codes,
-        "largest_error_cd_m2": channel.largest_cd_m2,
-    })
 }

@@ -6,13 +6,12 @@
 mod analyze;
 mod bar;
 mod calibrate;
-pub mod check;
+mod check;
 mod export;
 mod outputs;
 mod plan;
 mod predict;
 mod ratings;
-mod repair;
 #[cfg(feature = "window")]
 mod run;
 mod shade;
@@ -32,7 +31,6 @@ use std::{
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use self::bar::Bar;
-pub use self::outputs::{FittedPath, NewFolder, OutPath};
 use crate::{
     report::{
         document::{Shown, numbers::count},
@@ -44,7 +42,7 @@ use crate::{
         start_threads,
     },
     text::Cell,
-    work::RequestError,
+    work::{self, OutPath, RequestError, told},
 };
 
 /// Measure how visible Mach bands are.
@@ -67,21 +65,21 @@ struct Arguments {
 enum Command {
     #[cfg(feature = "window")]
     Run(run::Arguments),
-    Simulate(crate::work::simulate::Simulate),
-    Check(check::CheckArguments),
+    Simulate(work::simulate::Simulate),
+    Check(work::Check),
     Plan(plan::Arguments),
     Predict(predict::Arguments),
     Analyze(analyze::Arguments),
     Calibrate(calibrate::Arguments),
     Counts(ratings::CountsArguments),
-    Export(export::Arguments),
-    Repair(repair::Arguments),
+    Export(work::Export),
+    Repair(work::Repair),
     Shade(shade::Arguments),
     Stimulus(stimulus::StimulusArguments),
     Stimuli(stimulus::StimuliArguments),
     #[cfg(feature = "window")]
     Timing(timing::Arguments),
-    Verify(check::VerifyArguments),
+    Verify(work::verify::Verify),
 }
 
 /// Returns the definition of all commands and their options.
@@ -106,13 +104,12 @@ pub fn run_with(arguments: Vec<OsString>) -> u8 {
     let status = match started.and_then(|writer| run(parsed, &writer)) {
         Ok(()) => 0,
         Err(error) => {
-            let request = error.downcast_ref::<RequestError>();
             let option = |field: &str| called.map_or_else(|| field.to_owned(), |(command, _)| option(command, field));
             // Each line is an error with its cause.
-            message("error", &request.map_or_else(|| error.to_string(), |request| request.told(option)));
+            message("error", &told(&error, option));
             let is_output =
                 matches!(error.downcast_ref(), Some(StoreError::Occupied(_) | StoreError::Protected { .. }));
-            if is_output || request.is_some() { 2 } else { 1 }
+            if is_output || error.is::<RequestError>() { 2 } else { 1 }
         }
     };
     signals::received().map_or(status, Signal::status)
@@ -146,7 +143,7 @@ fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<()> {
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments, writer),
         Some(Command::Counts(arguments)) => ratings::counts(&arguments, writer),
         Some(Command::Export(arguments)) => export::run(&arguments),
-        Some(Command::Repair(arguments)) => repair::run(&arguments),
+        Some(Command::Repair(arguments)) => check::repair(&arguments),
         Some(Command::Shade(arguments)) => shade::run(&arguments, writer),
         Some(Command::Stimulus(arguments)) => stimulus::stimulus(&arguments, writer),
         Some(Command::Stimuli(arguments)) => stimulus::stimuli(&arguments, writer),

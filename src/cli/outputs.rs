@@ -1,56 +1,14 @@
 //! Guards the inputs and outputs of every command. Both follow from the types of its options, so a new command is
 //! guarded too.
 
-use std::{
-    any::TypeId,
-    ops::Deref,
-    path::{Path, PathBuf},
+use std::{any::TypeId, path::PathBuf};
+
+use clap::{Arg, ArgAction, ArgMatches, Command, ValueHint};
+
+use crate::{
+    store::{StoreError, Writer, ratings::with_files},
+    work::{FittedPath, NewFolder, OutPath},
 };
-
-use clap::{
-    Arg, ArgAction, ArgMatches, Command, ValueHint,
-    builder::{MapValueParser, PathBufValueParser, TypedValueParser as _, ValueParserFactory},
-};
-
-use crate::store::{StoreError, Writer, ratings::with_files};
-
-macro_rules! output_path {
-    ($(#[$documentation:meta])* $name:ident) => {
-        $(#[$documentation])*
-        #[derive(Clone, Debug, serde::Serialize)]
-        pub struct $name(PathBuf);
-
-        impl ValueParserFactory for $name {
-            type Parser = MapValueParser<PathBufValueParser, fn(PathBuf) -> Self>;
-
-            fn value_parser() -> Self::Parser {
-                PathBufValueParser::new().map(Self)
-            }
-        }
-
-        impl Deref for $name {
-            type Target = Path;
-
-            fn deref(&self) -> &Path {
-                &self.0
-            }
-        }
-    };
-}
-
-output_path! {
-    /// A file to write, or, with the hint [`ValueHint::DirPath`], a folder to write files into. A command with such an
-    /// option also has `--force`.
-    OutPath
-}
-output_path! {
-    /// A folder to create; the command itself checks that it is new or empty.
-    NewFolder
-}
-output_path! {
-    /// A file that is written if the option `--fit` is present, and otherwise read.
-    FittedPath
-}
 
 /// Name of the option that makes a [`FittedPath`] an output.
 const FIT: &str = "fit";
@@ -87,11 +45,11 @@ pub(super) fn writer(command: &Command, matches: &ArgMatches) -> Result<Writer, 
         let paths = paths.chain(values(argument, matches, |text: &String| PathBuf::from(text)));
         // A built-in definition may have the same name as a folder.
         inputs.extend(paths.filter(|path| reads_folders || path.is_file()));
-        let fitted = values(argument, matches, |path: &FittedPath| path.0.clone());
+        let fitted = values(argument, matches, |path: &FittedPath| path.to_path_buf());
         if is_fit { &mut files } else { &mut inputs }.extend(fitted);
-        let written = values(argument, matches, |path: &OutPath| path.0.clone());
+        let written = values(argument, matches, |path: &OutPath| path.to_path_buf());
         if is_folder { &mut folders } else { &mut files }.extend(written);
-        folders.extend(values(argument, matches, |path: &NewFolder| path.0.clone()));
+        folders.extend(values(argument, matches, |path: &NewFolder| path.to_path_buf()));
     }
     let force = matches!(matches.try_get_one::<bool>(FORCE), Ok(Some(true)));
     // Without `--force`, no existing file is replaced anyway.

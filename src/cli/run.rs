@@ -59,8 +59,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         (false, _) => protocol,
         (true, Some(gray)) => gray,
         (true, None) => {
-            let message = format!("--gray: {} is already gray or varies color; omit --gray", protocol.name);
-            return Err(RequestError::whole(message).into());
+            let message = format!("{} is already gray or varies color; expected another definition", protocol.name);
+            return Err(RequestError::new("gray", message).into());
         }
     };
     let participant = match &arguments.participant {

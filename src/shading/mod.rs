@@ -11,7 +11,7 @@
 //! | [`lighting`] | materials, lamps, highlights, transparency, refraction |
 //! | [`frame`] | a mesh on the screen: the view, which triangle each pixel shows, slopes at vertices |
 //! | [`shaders`] | one file per shader: how light spreads over a triangle |
-//! | [`draw`] | drawing on the CPU and on a graphics card |
+//! | [`draw`] | drawing: fast, and in f64 as the reference |
 //! | [`measure`] | the creases that a shader leaves, and the smooth surface itself |
 
 pub mod draw;
@@ -22,8 +22,6 @@ pub mod mesh;
 mod number;
 pub mod shaders;
 
-#[cfg(feature = "gpu")]
-pub use draw::gpu;
 pub use draw::{Body, Composition, Encoder, Prepared, Reference, picture};
 pub use frame::{
     Across, Field, Frame, FrameTriangle, FrameVertex, Gradients, Highlight, Patches, Scene, View, coverage,

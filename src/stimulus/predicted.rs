@@ -30,6 +30,15 @@ impl StimulusPrediction {
             Self::Picture(view) => view.visibility,
         }
     }
+
+    /// Returns the visibility of the lines that are in the light itself.
+    #[must_use]
+    pub fn lines(&self) -> Visibility {
+        match self {
+            Self::Line(view) => view.lines,
+            Self::Picture(view) => view.lines,
+        }
+    }
 }
 
 impl ViewingConditions {

@@ -9,7 +9,7 @@ use crate::light::{
 };
 
 /// Largest side of an image, pixels.
-pub const MAX_SIZE: u32 = 16_384;
+pub const MAX_SIZE: u32 = crate::light::halftone::MAX_PX;
 
 /// The complete description of an image. Equal recipes give equal codes on every machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -60,10 +60,10 @@ kind! {
         shader: Shader = Shader::Gouraud, Range::Any, "", "Shader", Shader::EXPECTED, ["flat", "gouraud", "phong", "fixed", "patch", "c1-phong"];
         depth: Depth = Depth::Finite(3), Range::Any, "", "Continuity depth n of the strips at the edges", "a whole number from 1 to 32, or inf", ["1", "3", "5"];
         boundary: f64 = 0.2, Range::Within(0.0, 1.0), "1", "Width b of the strips at the edges, as a barycentric weight", "a width from 0 to 1; values above 1/3 act as 1/3", ["0.05", "0.2", "0.33"];
-        vertex: Correction = Correction::Off, Range::Any, "", "Vertex shading, Bangay eq. 7: off, printed or repaired", "off, printed or repaired", ["off", "repaired"];
-        reweight: Correction = Correction::Off, Range::Any, "", "Intensity reweighting, Bangay eq. 9: off, printed or repaired", "off, printed or repaired", ["off", "repaired"];
-        gradients: Gradients = Gradients::Curvature, Range::Any, "", "How patch and c1-phong compute their slopes: curvature, ring or quadric", "curvature, ring or quadric", ["curvature", "ring"];
-        mesh: Shape = Shape::Blob, Range::Any, "", "Mesh: cube, pyramid, sphere, uv-sphere, torus, jittered-torus, blob, terrain, cylinder or filleted-cylinder", "cube, pyramid, sphere, uv-sphere, torus, jittered-torus, blob, terrain, cylinder or filleted-cylinder", ["cube", "sphere", "blob"];
+        vertex: Correction = Correction::Off, Range::Any, "", "Vertex shading, Bangay eq. 7", Correction::EXPECTED, ["off", "repaired"];
+        reweight: Correction = Correction::Off, Range::Any, "", "Intensity reweighting, Bangay eq. 9", Correction::EXPECTED, ["off", "repaired"];
+        gradients: Gradients = Gradients::Curvature, Range::Any, "", "How patch and c1-phong compute their slopes", Gradients::EXPECTED, ["curvature", "ring"];
+        mesh: Shape = Shape::Blob, Range::Any, "", "Mesh", Shape::EXPECTED, ["cube", "sphere", "blob"];
         vertices: u32 = 313, Range::Within(4.0, 20_000.0), "1", "Number of vertices; exact for a blob, approximate for other round shapes", "a whole number from 4 to 20000", ["313", "771"];
         rotate: Triple = Triple([25.0, -35.0, 0.0]), Range::Any, "°", "Rotation about x, then y, then z", "three angles in degrees, such as 25,-35,0", ["25,-35,0"];
         light: Triple = Triple([0.36, 0.48, 0.8]), Range::Any, "", "Direction toward the lamp: right, up, toward the viewer", "a vector with a length from 1e-6 to 1e6, such as 0.36,0.48,0.8", ["0.36,0.48,0.8"];

@@ -21,6 +21,8 @@ pub struct ViewingConditions {
 impl ViewingConditions {
     /// Luminance of white on a typical screen, cd/m².
     pub const WHITE_CD_M2: f64 = 100.0;
+    /// Width of a window of unknown size, degrees.
+    pub const WINDOW_DEG: f64 = 10.0;
     /// A sufficient width for a stimulus that varies in one direction, pixels.
     pub const LINE_PX: u32 = 1024;
     /// A sufficient side for any other stimulus, pixels. It is smaller because the time grows with the area.

@@ -1,57 +1,45 @@
-//! A table in memory, such as a data frame.
+//! A table in memory, such as a data frame, and columns in which equal texts are stored once.
 
 use std::collections::HashMap;
 
 use super::FileErrors;
 
-/// The columns of a table in memory. Equal cells of a column are stored once.
+/// The columns of a table in memory, with their names.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Columns(Vec<Column>);
+pub struct Columns(Vec<(String, Column)>);
 
 #[derive(Clone, Debug, PartialEq)]
-struct Column {
-    name: String,
-    /// The different texts, in the order in which they first occur.
-    texts: Vec<String>,
-    /// For each row, the index of its text.
-    cells: Vec<u32>,
+enum Column {
+    Texts(Texts),
+    Numbers(Vec<f64>),
 }
 
 impl Columns {
     /// Adds a column of text. An empty text is a missing value.
     #[must_use]
     pub fn with_texts<S: AsRef<str>>(mut self, name: &str, cells: impl IntoIterator<Item = S>) -> Self {
-        let mut index: HashMap<String, u32> = HashMap::new();
-        let mut texts = Vec::new();
-        let mut find = |text: &str| {
-            index.get(text).copied().unwrap_or_else(|| {
-                texts.push(text.to_owned());
-                index.insert(text.to_owned(), texts.len() as u32 - 1);
-                texts.len() as u32 - 1
-            })
-        };
-        let cells = cells.into_iter().map(|cell| find(cell.as_ref())).collect();
-        self.0.push(Column { name: name.to_owned(), texts, cells });
+        let mut texts = Interner::default();
+        cells.into_iter().for_each(|cell| texts.push(cell.as_ref().trim()));
+        self.0.push((name.to_owned(), Column::Texts(texts.finish())));
         self
     }
 
     /// Adds a column of numbers, each written in the shortest form that reads back as the same number. NaN is a missing
     /// value.
     #[must_use]
-    pub fn with_numbers(self, name: &str, numbers: impl IntoIterator<Item = f64>) -> Self {
-        let text = |number: f64| if number.is_nan() { String::new() } else { number.to_string() };
-        self.with_texts(name, numbers.into_iter().map(text))
+    pub fn with_numbers(mut self, name: &str, numbers: impl IntoIterator<Item = f64>) -> Self {
+        self.0.push((name.to_owned(), Column::Numbers(numbers.into_iter().collect())));
+        self
     }
 
     /// Checks that there are columns and that all of them have the same number of rows.
     pub(super) fn check(&self, name: &str) -> Result<(), FileErrors> {
         let rows = self.rows();
-        let other = self.0.iter().find(|column| column.cells.len() != rows);
+        let other = self.0.iter().find(|(_, column)| column.len() != rows);
         match (other, self.0.first()) {
             (_, None) => Err(FileErrors::whole(name, "has no columns; expected columns with names")),
-            (Some(other), Some(first)) => {
-                let (name_of, found) = (&other.name, other.cells.len());
-                let message = format!("the column {name_of} has {found} rows; expected {rows}, as in {}", first.name);
+            (Some((other, column)), Some((first, _))) => {
+                let message = format!("the column {other} has {} rows; expected {rows}, as in {first}", column.len());
                 Err(FileErrors::whole(name, message))
             }
             (None, Some(_)) => Ok(()),
@@ -60,16 +48,122 @@ impl Columns {
 
     /// Returns the names of the columns.
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
-        self.0.iter().map(|column| column.name.as_str())
+        self.0.iter().map(|(name, _)| name.as_str())
     }
 
     /// Returns the number of rows.
     pub(super) fn rows(&self) -> usize {
-        self.0.first().map_or(0, |column| column.cells.len())
+        self.0.first().map_or(0, |(_, column)| column.len())
     }
 
-    /// Returns the cells of a row, counted from 0.
-    pub(super) fn row(&self, row: usize) -> impl Iterator<Item = &str> {
-        self.0.iter().map(move |column| column.texts[column.cells[row] as usize].as_str())
+    /// Returns the text of a cell.
+    pub(super) fn cell(&self, row: usize, column: usize) -> String {
+        match &self.0[column].1 {
+            Column::Texts(texts) => texts.get(row).to_owned(),
+            Column::Numbers(numbers) => text_of(numbers[row]),
+        }
+    }
+
+    /// Returns a column as texts.
+    pub(super) fn texts(&self, column: usize) -> Texts {
+        let numbers = match &self.0[column].1 {
+            Column::Texts(texts) => return texts.clone(),
+            Column::Numbers(numbers) => numbers,
+        };
+        let (mut index, mut texts) = (HashMap::new(), Vec::new());
+        let mut cell = |number: &f64| {
+            *index.entry(number.to_bits()).or_insert_with(|| {
+                texts.push(text_of(*number).into());
+                texts.len() as u32 - 1
+            })
+        };
+        Texts { cells: numbers.iter().map(&mut cell).collect(), texts }
+    }
+
+    /// Returns a column as numbers; `of` finds the number in a text.
+    pub(super) fn numbers(&self, column: usize, of: impl Fn(&str) -> f64) -> Vec<f64> {
+        match &self.0[column].1 {
+            Column::Texts(texts) => texts.map(of).iter().copied().collect(),
+            Column::Numbers(numbers) => numbers.clone(),
+        }
+    }
+}
+
+impl Column {
+    fn len(&self) -> usize {
+        match self {
+            Self::Texts(texts) => texts.cells.len(),
+            Self::Numbers(numbers) => numbers.len(),
+        }
+    }
+}
+
+fn text_of(number: f64) -> String {
+    // The sum turns −0 into 0.
+    if number.is_nan() { String::new() } else { (number + 0.0).to_string() }
+}
+
+/// A column of texts. Equal texts are stored once.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Texts {
+    /// The different texts, in the order in which they first occur.
+    pub texts: Vec<Box<str>>,
+    /// For each row, the index of its text.
+    pub cells: Vec<u32>,
+}
+
+impl Texts {
+    /// Returns the text in a row.
+    pub fn get(&self, row: usize) -> &str {
+        &self.texts[self.cells[row] as usize]
+    }
+
+    /// Interprets each of the different texts once.
+    pub fn map<'a, T>(&'a self, of: impl FnMut(&'a str) -> T) -> Mapped<'a, T> {
+        Mapped { values: self.texts.iter().map(AsRef::as_ref).map(of).collect(), cells: &self.cells }
+    }
+}
+
+/// What the cells of a column mean.
+pub(super) struct Mapped<'a, T> {
+    values: Vec<T>,
+    cells: &'a [u32],
+}
+
+impl<T> Mapped<'_, T> {
+    /// Returns the value in a row.
+    pub fn get(&self, row: usize) -> &T {
+        &self.values[self.cells[row] as usize]
+    }
+
+    /// Returns the values of all rows.
+    pub fn iter(&self) -> impl Iterator<Item = &T> {
+        self.cells.iter().map(|cell| &self.values[*cell as usize])
+    }
+}
+
+/// Collects the texts of a column.
+#[derive(Debug, Default)]
+pub(super) struct Interner {
+    index: HashMap<Box<str>, u32>,
+    cells: Vec<u32>,
+}
+
+impl Interner {
+    /// Adds the text of the next row.
+    pub fn push(&mut self, text: &str) {
+        let cell = self.index.get(text).copied().unwrap_or_else(|| {
+            let new = self.index.len() as u32;
+            self.index.insert(text.into(), new);
+            new
+        });
+        self.cells.push(cell);
+    }
+
+    /// Returns the column.
+    pub fn finish(self) -> Texts {
+        let mut texts = vec![Box::default(); self.index.len()];
+        self.index.into_iter().for_each(|(text, index)| texts[index as usize] = text);
+        Texts { texts, cells: self.cells }
     }
 }

@@ -97,10 +97,15 @@ pub(super) struct RowErrors {
 impl RowErrors {
     /// Adds an error; its line and column are computed only if it is kept.
     pub fn add(&mut self, file: &str, cell: Option<usize>, message: String, place: impl FnOnce() -> (usize, usize)) {
+        self.add_with(cell, || FileError::at(file, place(), message));
+    }
+
+    /// Adds the error that `make` returns; it is called only if the error is kept.
+    pub fn add_with(&mut self, cell: Option<usize>, make: impl FnOnce() -> FileError) {
         let count = self.counts.entry(cell).or_default();
         *count += 1;
         if *count <= MAX_KEPT {
-            self.kept.push(FileError::at(file, place(), message));
+            self.kept.push(make());
         }
     }
 
@@ -151,10 +156,10 @@ pub enum StoreError {
         source: std::io::Error,
     },
     /// A new session would overwrite an old one.
-    #[error("{}: this session of this participant already exists; expected a different session, or --resume to continue it", .0.display())]
+    #[error("{}: this session of this participant already exists; expected a different session", .0.display())]
     Exists(PathBuf),
     /// A file exists at the path of an output.
-    #[error("{}: already exists; expected a new file, or --force to replace it", .0.display())]
+    #[error("{}: already exists; expected a new file", .0.display())]
     Occupied(PathBuf),
     /// An output must not be written to this path, for example because it would replace a file of a session.
     #[error("{}: {what}", path.display())]
@@ -186,6 +191,9 @@ pub enum StoreError {
         /// What differs, and what is expected.
         what: String,
     },
+    /// Files were changed after a session ended.
+    #[error(transparent)]
+    Altered(FileErrors),
     /// There is a link where results should be.
     #[error("{}: is a link to {}; expected a regular file or folder (only the results folder itself can be a link)", path.display(), target.display())]
     Link {
@@ -196,6 +204,19 @@ pub enum StoreError {
     /// A file cannot be parsed.
     #[error(transparent)]
     FileErrors(#[from] FileErrors),
+}
+
+impl StoreError {
+    /// Returns the option that makes possible what is refused, if there is one.
+    #[must_use]
+    pub fn remedy(&self) -> Option<&'static str> {
+        match self {
+            Self::Exists(_) => Some("resume"),
+            Self::Occupied(_) => Some("force"),
+            Self::Altered(_) => Some("accept_changes"),
+            _ => None,
+        }
+    }
 }
 
 impl StoreError {

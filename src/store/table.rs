@@ -8,7 +8,7 @@ use std::{
 
 use csv::{ByteRecord, Position};
 
-use super::{Columns, FileError, FileErrors, error::RowErrors, open::open_regular};
+use super::{FileError, FileErrors, error::RowErrors, open::open_regular};
 
 /// Maximum number of bytes in a row. A row of a real study has a few hundred; one with more than this has an unclosed
 /// quote or is not a row.
@@ -27,8 +27,6 @@ pub(super) type CellError = (usize, String);
 pub(super) enum Content<'a> {
     File(&'a Path),
     Memory(&'a [u8]),
-    /// Cells instead of bytes.
-    Columns(&'a Columns),
 }
 
 trait Source: Read + Seek {}
@@ -39,7 +37,6 @@ impl<'a> Content<'a> {
         Ok(match self {
             Self::File(path) => Box::new(open_regular(path)?),
             Self::Memory(content) => Box::new(Cursor::new(content)),
-            Self::Columns(_) => Box::new(Cursor::new(&[][..])),
         })
     }
 
@@ -54,7 +51,6 @@ impl<'a> Content<'a> {
         match self {
             Self::File(path) => std::fs::metadata(path).map(|metadata| metadata.len()),
             Self::Memory(content) => Ok(content.len() as u64),
-            Self::Columns(_) => Ok(0),
         }
     }
 
@@ -99,12 +95,14 @@ impl<'a> Row<'a> {
         self.content.slice(self.start.byte(), self.end)
     }
 
+    /// Returns the position of the row, from which it can be read again.
+    pub fn position(&self) -> Position {
+        self.start.clone()
+    }
+
     /// Returns the line and column, from 1, of the beginning of a cell or, if the cell is not text, of its first
-    /// invalid byte. In columns, the place is the row, counted from 0, and the number of the column, from 1.
+    /// invalid byte.
     pub fn place(&self, cell: usize) -> (usize, usize) {
-        if let Content::Columns(_) = self.content {
-            return (self.start.line() as usize - 1, cell + 1);
-        }
         let raw = self.raw();
         let raw = raw.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&raw);
         let raw = &raw[..raw.iter().rposition(|byte| !is_line_end(*byte)).map_or(0, |last| last + 1)];
@@ -195,10 +193,22 @@ impl Seek for Limited<'_, '_> {
 /// # Errors
 /// The content cannot be read, or a line has more than [`MAX_ROW`] bytes.
 pub(super) fn each_row(content: Content<'_>, separator: u8, mut take: impl FnMut(&Row<'_>)) -> io::Result<()> {
-    if let Content::Columns(columns) = content {
-        each_row_of(columns, take);
-        return Ok(());
-    }
+    rows_from(content, separator, None, |row| {
+        take(row);
+        true
+    })
+}
+
+/// Calls `take` with the rows from a position on, or from the first, as long as it returns true.
+///
+/// # Errors
+/// The same errors as [`each_row`].
+pub(super) fn rows_from(
+    content: Content<'_>,
+    separator: u8,
+    from: Option<&Position>,
+    mut take: impl FnMut(&Row<'_>) -> bool,
+) -> io::Result<()> {
     let size = content.len()?;
     let mut builder = csv::ReaderBuilder::new();
     builder.has_headers(false).flexible(true).delimiter(separator).buffer_capacity(BUFFER);
@@ -206,6 +216,10 @@ pub(super) fn each_row(content: Content<'_>, separator: u8, mut take: impl FnMut
     let most = MAX_ROW + BUFFER as u64;
     let left = Cell::new(most);
     let mut reader = builder.from_reader(Limited { source: content.open()?, left: &left });
+    if let Some(from) = from {
+        reader.seek(from.clone())?;
+        left.set(most);
+    }
     let (mut record, start) = (ByteRecord::new(), Position::new());
     while reader.read_byte_record(&mut record)? {
         let is_cut = left.replace(most) == 0 && reader.position().byte() < size;
@@ -216,25 +230,15 @@ pub(super) fn each_row(content: Content<'_>, separator: u8, mut take: impl FnMut
             let line = start.line();
             return Err(io::Error::other(format!("line {line} has more than {MAX_ROW} bytes")));
         }
-        take(&row);
+        if !take(&row) {
+            break;
+        }
         if row.is_open() {
             let next = row.next_line();
             reader.seek(next)?;
         }
     }
     Ok(())
-}
-
-/// Calls `take` with the names of columns and with every row.
-fn each_row_of(columns: &Columns, mut take: impl FnMut(&Row<'_>)) {
-    let mut give = |cells: ByteRecord, line: usize| {
-        let mut start = Position::new();
-        start.set_line(line as u64 + 1);
-        let content = Content::Columns(columns);
-        take(&Row { record: &cells, content, separator: b',', start: &start, end: 0, last: false });
-    };
-    give(columns.names().collect::<Vec<_>>().into(), 0);
-    (0..columns.rows()).for_each(|row| give(columns.row(row).collect::<Vec<_>>().into(), row));
 }
 
 /// Reads the rows of a small table. `header` checks the first row; if it reports an error in the first cell, the table

@@ -91,7 +91,7 @@ pub fn received() -> Option<Signal> {
 
 /// A session ended because a signal asked the program to end.
 #[derive(Debug, thiserror::Error)]
-#[error("{place}: ended by {signal}; to continue, use the same command with --resume")]
+#[error("{place}: ended by {signal}")]
 pub struct Ended {
     /// Where the answers are.
     pub place: String,

@@ -34,28 +34,35 @@ fn natural_parts(text: &str) -> impl Iterator<Item = (usize, &[u8])> {
 
 /// Declares an enum whose values have a name in commands and files, and the error for any other name.
 macro_rules! named {
-    ($(#[$meta:meta])* $enum:ident, $error:ident { $($(#[$doc:meta])* $variant:ident = $name:literal,)* }) => {
+    ($(#[$meta:meta])* $enum:ident, $error:ident {
+        $(#[$first_doc:meta])* $first:ident = $first_name:literal,
+        $($(#[$doc:meta])* $variant:ident = $name:literal,)*
+    }) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum $enum {
+            $(#[$first_doc])* $first,
             $($(#[$doc])* $variant,)*
         }
 
         #[doc = concat!("The error for a string that names no [`", stringify!($enum), "`].")]
         #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-        #[error("{0:?} is not known; expected one of {expected}", expected = $enum::NAMES.join(", "))]
+        #[error("{0:?} is not known; expected {expected}", expected = $enum::EXPECTED)]
         pub struct $error(String);
 
         impl $enum {
             /// Every value, in the order in which lists show them.
-            pub const ALL: &'static [$enum] = &[$($enum::$variant,)*];
+            pub const ALL: &'static [$enum] = &[$enum::$first, $($enum::$variant,)*];
             /// Their names, in the same order.
-            pub const NAMES: &'static [&'static str] = &[$($name,)*];
+            pub const NAMES: &'static [&'static str] = &[$first_name, $($name,)*];
+            /// All names, as an error says what is expected.
+            pub const EXPECTED: &'static str = concat!("one of ", $first_name $(, ", ", $name)*);
 
             /// The name in commands and files.
             #[must_use]
             pub const fn name(self) -> &'static str {
                 match self {
+                    $enum::$first => $first_name,
                     $($enum::$variant => $name,)*
                 }
             }

@@ -6,7 +6,7 @@ use super::{Model, Ratings, RequestError, Watcher, named, ratings::explained};
 use crate::{
     analysis::{ModelError, Options, Random, Resampling, Results, analyze_with},
     report::{Study, StudyError},
-    store::table::list,
+    store::{Columns, table::list},
 };
 
 /// What to analyze, and how.
@@ -46,7 +46,21 @@ impl Analyze {
     /// # Errors
     /// There is nothing to analyze, the study is too large, or the order of its categories is not known.
     pub fn read(&self) -> anyhow::Result<Study> {
-        let study = self.read_unordered().map_err(explained)?;
+        self.ordered(self.read_unordered())
+    }
+
+    /// Takes the ratings from a table in memory instead of files; `name` stands for it in messages.
+    ///
+    /// # Errors
+    /// The same errors as [`Analyze::read`].
+    pub fn read_columns(&self, name: &str, columns: Columns) -> anyhow::Result<Study> {
+        let how = self.ratings.options(self.columns().map(str::to_owned).collect(), true, self.model.large);
+        self.ordered(Study::from_columns(name, columns, &how))
+    }
+
+    /// Checks that the order of the categories is known.
+    fn ordered(&self, study: Result<Study, StudyError>) -> anyhow::Result<Study> {
+        let study = study.map_err(explained)?;
         let counts = &study.measured.counts;
         if counts.is_ordered(study.source.shape.categories.as_deref()) {
             return Ok(study);
@@ -85,7 +99,7 @@ impl Analyze {
 }
 
 /// Returns what is wrong with the requested model, if it is not the data.
-fn refused(error: &ModelError) -> Option<RequestError> {
+pub(super) fn refused(error: &ModelError) -> Option<RequestError> {
     match error {
         ModelError::UnknownFactor { .. } | ModelError::NotANumber { .. } | ModelError::InfiniteDepth { .. } => {
             Some(RequestError::value("terms", error))

@@ -60,12 +60,14 @@ impl Args for Drawn {
                 [first, ..] => format!(" [default: {first} for {}; other kinds have their own]", kinds[0]),
                 [] => String::new(),
             };
+            let names =
+                parameter.expected.strip_prefix("one of ").map_or_else(String::new, |names| format!(": {names}"));
             command.arg(
                 Arg::new(parameter.name)
                     .long(parameter.option())
                     .value_name("VALUE")
                     .allow_hyphen_values(true)
-                    .help(format!("{}{default}{of}", parameter.description)),
+                    .help(format!("{}{names}{default}{of}", parameter.description)),
             )
         })
     }

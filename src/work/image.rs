@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Serialize, Serializer};
 
-use super::{RequestError, Watcher, named};
+use super::{RequestError, Watcher, named, request::paths};
 use crate::{
     display::DisplayProfile,
     light::{Bits, Dither, Transfer, Transfers},
@@ -26,6 +26,7 @@ pub struct Encoding {
     pub transfer: Option<Transfers>,
     /// Display profile written by `machband calibrate`.
     #[arg(long, value_name = "FILE")]
+    #[serde(serialize_with = "paths")]
     pub display: Option<PathBuf>,
 }
 

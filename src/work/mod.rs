@@ -6,21 +6,35 @@
 //! may end it. What an operation writes goes through the [`Writer`](crate::store::Writer) that its caller made.
 
 mod analyze;
+pub mod calibrate;
+mod check;
 mod drawn;
+mod export;
+mod found;
 mod image;
 mod model;
+mod paths;
+pub mod plan;
+pub mod predict;
 mod ratings;
+mod repair;
 mod request;
 pub mod shade;
 pub mod simulate;
 pub mod stimuli;
 pub mod stimulus;
+pub mod verify;
 mod watcher;
 
 pub use analyze::Analyze;
+pub use check::Check;
 pub use drawn::Drawn;
+pub use export::Export;
+pub use found::Found;
 pub use image::{Encoded, Encoding, Image, outdated, today};
 pub use model::Model;
+pub use paths::{FittedPath, NewFolder, OutPath};
 pub use ratings::{Only, Ratings, explained};
-pub use request::{Request, RequestError, from_names, named, words};
+pub use repair::Repair;
+pub use request::{Request, RequestError, changed, from_names, named, told, words};
 pub use watcher::Watcher;

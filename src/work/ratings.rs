@@ -4,7 +4,7 @@ use std::{fmt, path::PathBuf, str::FromStr};
 
 use serde::Serialize;
 
-use super::RequestError;
+use super::{RequestError, request::paths};
 use crate::{
     analysis::counts::{ExclusionError, Exclusions},
     report::{Study, StudyError},
@@ -20,6 +20,7 @@ use crate::{
 pub struct Ratings {
     /// Result files, folders of result files, tables of counts, or any CSV file.
     #[arg(required = true, value_name = "FILE|DIR")]
+    #[serde(serialize_with = "paths")]
     pub paths: Vec<PathBuf>,
     /// Column with the participant ID [default: subject_id].
     #[arg(long, value_name = "COL")]
@@ -114,8 +115,13 @@ impl Ratings {
     /// # Errors
     /// No file can be read, or an exclusion is not possible.
     pub fn read(&self, also: Vec<String>, details: bool, large: bool) -> Result<Study, StudyError> {
+        Study::read(&self.paths, &self.options(also, details, large))
+    }
+
+    /// Returns how the ratings are read.
+    pub(super) fn options(&self, also: Vec<String>, details: bool, large: bool) -> ReadOptions {
         let Exclusions { exclude, only } = self.exclusions();
-        let how = ReadOptions {
+        ReadOptions {
             subject: self.subject.clone(),
             response: self.response.clone(),
             categories: self.categories.clone().map(|list| list.0),
@@ -128,8 +134,7 @@ impl Ratings {
             complete_only: self.complete_only,
             details,
             large,
-        };
-        Study::read(&self.paths, &how)
+        }
     }
 }
 
@@ -137,6 +142,7 @@ impl Ratings {
 pub fn explained(error: StudyError) -> anyhow::Error {
     let field = match &error {
         StudyError::Files(_) => return error.into(),
+        StudyError::TooLarge(_) => return RequestError::whole(error).unless("large").into(),
         StudyError::Exclusion(ExclusionError::Participant { .. } | ExclusionError::Nothing) => "exclude",
         StudyError::Exclusion(ExclusionError::Factor { .. } | ExclusionError::Level { .. }) => "only",
     };

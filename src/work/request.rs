@@ -4,17 +4,20 @@
 //! its state, and [`words`] writes it back as the command that repeats it. Names, bounds, defaults and help stand at its
 //! fields and nowhere else.
 
-use std::{error::Error, fmt::Display, str::FromStr};
+use std::{error::Error, fmt::Display, path::PathBuf, str::FromStr};
 
 use clap::{
     Arg, Args, Command, FromArgMatches,
     builder::{PossibleValuesParser, TypedValueParser},
     error::{ContextKind, ContextValue, ErrorKind},
 };
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
 
-use crate::{store::table::list, text::names::expected_one_of};
+use crate::{
+    store::{StoreError, table::list},
+    text::names::expected_one_of,
+};
 
 /// A struct with a field for each option. To be written as [words], it also implements [`Serialize`], which writes a field
 /// as the option's value: a text, a number, a flag, or a list.
@@ -30,38 +33,44 @@ pub struct RequestError {
     pub field: Option<String>,
     /// What follows the name of the field: its value, what is wrong with it, and what is expected.
     text: String,
-    /// A field with a value, quoted for a shell, that would be possible.
-    example: Option<(&'static str, String)>,
+    /// What would be possible: some words, a field, and its value, quoted for a shell.
+    hint: Option<(&'static str, &'static str, String)>,
 }
 
 impl RequestError {
     /// Says what is wrong with a field.
     pub fn new(field: &str, message: impl Display) -> Self {
-        Self { field: Some(field.to_owned()), text: format!(": {message}"), example: None }
+        Self { field: Some(field.to_owned()), text: format!(": {message}"), hint: None }
     }
 
     /// Says what is wrong with a field; the message begins with its value.
     pub fn value(field: &str, message: impl Display) -> Self {
-        Self { field: Some(field.to_owned()), text: format!(" {message}"), example: None }
+        Self { field: Some(field.to_owned()), text: format!(" {message}"), hint: None }
     }
 
     /// Says what is wrong with the request as a whole.
     pub fn whole(message: impl Display) -> Self {
-        Self { field: None, text: message.to_string(), example: None }
+        Self { field: None, text: message.to_string(), hint: None }
     }
 
     /// Adds a value of a field that would be possible.
     #[must_use]
     pub fn such_as(self, field: &'static str, value: &str) -> Self {
         let quoted = shlex::try_quote(value).map_or_else(|_| value.to_owned(), Into::into);
-        Self { example: Some((field, quoted)), ..self }
+        Self { hint: Some((", such as ", field, format!(" {quoted}"))), ..self }
+    }
+
+    /// Adds that a flag would make the request possible.
+    #[must_use]
+    pub fn unless(self, flag: &'static str) -> Self {
+        Self { hint: Some((", or the option ", flag, String::new())), ..self }
     }
 
     /// Returns the message with its fields as `name` writes them.
     pub fn told(&self, name: impl Fn(&str) -> String) -> String {
         let field = self.field.as_deref().map_or_else(String::new, &name);
-        let example = self.example.as_ref().map(|(field, value)| format!(", such as {} {value}", name(field)));
-        field + &self.text + &example.unwrap_or_default()
+        let hint = self.hint.as_ref().map(|(words, field, value)| format!("{words}{}{value}", name(field)));
+        field + &self.text + &hint.unwrap_or_default()
     }
 
     /// Reads an error of clap, which names options as the command line does.
@@ -86,7 +95,17 @@ impl RequestError {
                 return Self::whole(lines.join("; ").trim_start_matches("error: "));
             }
         };
-        Self { field, text: format!(" {message}"), example: None }
+        Self { field, text: format!(" {message}"), hint: None }
+    }
+}
+
+/// Returns the message of an error, in which `name` writes the fields of the request.
+pub fn told(error: &anyhow::Error, name: impl Fn(&str) -> String) -> String {
+    let remedy = error.downcast_ref().and_then(StoreError::remedy);
+    match (error.downcast_ref::<RequestError>(), remedy) {
+        (Some(request), _) => request.told(name),
+        (None, Some(field)) => format!("{error}, or the option {}", name(field)),
+        (None, None) => error.to_string(),
     }
 }
 
@@ -116,19 +135,60 @@ pub fn from_names<T: Request>(given: &Map<String, Value>) -> Result<T, RequestEr
     matches.and_then(|matches| T::from_arg_matches(&matches)).map_err(|error| RequestError::of(&error, &command))
 }
 
+/// Paths in a field of a request.
+pub(super) trait Paths {
+    fn value(&self) -> Value;
+}
+
+impl Paths for PathBuf {
+    fn value(&self) -> Value {
+        self.to_string_lossy().into()
+    }
+}
+
+impl<T: Paths> Paths for Option<T> {
+    fn value(&self) -> Value {
+        self.as_ref().map_or(Value::Null, Paths::value)
+    }
+}
+
+impl<T: Paths> Paths for Vec<T> {
+    fn value(&self) -> Value {
+        self.iter().map(Paths::value).collect()
+    }
+}
+
+/// Writes paths as text. Bytes that are not UTF-8 are replaced, so that they do not prevent the rest from being written.
+pub(super) fn paths<T: Paths, S: Serializer>(paths: &T, serializer: S) -> Result<S::Ok, S::Error> {
+    paths.value().serialize(serializer)
+}
+
+/// Returns the arguments of a request that differ from their defaults, with their values.
+fn given<T: Request + Serialize>(request: &T) -> Vec<(Arg, Value)> {
+    let values = serde_json::to_value(request).unwrap_or_default();
+    let is_default = |argument: &Arg, value: &Value| {
+        let default: Vec<_> = argument.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
+        let is_nothing =
+            matches!(value, Value::Null | Value::Bool(false)) || value.as_array().is_some_and(Vec::is_empty);
+        if default.is_empty() { is_nothing } else { default.join(",") == text(value) }
+    };
+    let command = T::augment_args(Command::new("machband"));
+    let arguments = command.get_arguments().map(|argument| (argument, &values[argument.get_id().as_str()]));
+    let arguments = arguments.filter(|(argument, value)| !is_default(argument, value));
+    arguments.map(|(argument, value)| (argument.clone(), value.clone())).collect()
+}
+
+/// Returns the fields of a request that differ from their defaults, with their values: what stands without an option on
+/// the command line, then the options.
+pub fn changed<T: Request + Serialize>(request: &T) -> Vec<(String, Value)> {
+    given(request).into_iter().map(|(argument, value)| (argument.get_id().to_string(), value)).collect()
+}
+
 /// Returns the words of the command line that repeat a request: what stands without an option, then every option that
 /// differs from its default.
 pub fn words<T: Request + Serialize>(request: &T) -> Vec<String> {
-    let command = T::augment_args(Command::new("machband"));
-    let given = serde_json::to_value(request).unwrap_or_default();
     let mut line = Line::default();
-    for argument in command.get_arguments() {
-        let value = &given[argument.get_id().as_str()];
-        let default: Vec<_> = argument.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
-        if default.is_empty() || default.join(",") != text(value) {
-            line.add(argument, value);
-        }
-    }
+    given(request).iter().for_each(|(argument, value)| line.add(argument, value));
     line.words()
 }
 

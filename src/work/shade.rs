@@ -9,7 +9,7 @@ use glam::DVec3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{Encoding, RequestError, Watcher, image::side, named};
+use super::{Encoding, RequestError, Watcher, image::side, named, request::paths};
 use crate::{
     light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Transfer, Transfers},
     report::document::numbers::count,
@@ -30,6 +30,7 @@ use crate::{
 pub struct Shade {
     /// A scene of several meshes, with their materials, transparency, and lamps, in place of the options for one mesh.
     #[arg(value_name = "SCENE.toml", conflicts_with = "OneMesh")]
+    #[serde(serialize_with = "paths")]
     pub scene: Option<PathBuf>,
     #[command(flatten)]
     #[serde(flatten)]
@@ -49,6 +50,7 @@ pub struct Shade {
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
 pub struct OneMesh {
     #[arg(long, value_name = "MESH", default_value = "blob", help = mesh_help())]
+    #[serde(serialize_with = "paths")]
     pub mesh: PathBuf,
     /// Number of vertices; exact for a blob, approximate for other round shapes.
     #[arg(long, value_name = "N", default_value_t = 313)]
@@ -67,6 +69,7 @@ pub struct OneMesh {
     /// with many more triangles; if a shader is also given, it is only what the measurements compare the
     /// picture with.
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = KNOWN)]
+    #[serde(serialize_with = "paths")]
     pub truth: Option<PathBuf>,
     /// Continuity depth n of the strips at the edges, 1 to 32 or inf; used by fixed, gradient and the corrections.
     #[arg(long, value_name = "N", default_value = "1")]
@@ -117,8 +120,8 @@ pub struct OneMesh {
     #[arg(long)]
     pub naive: bool,
     /// Width of the image in degrees of visual angle, for the visibility of bands, 0.5 to 170.
-    #[arg(long, value_name = "DEG", default_value_t = 10.0, value_parser = within(0.5, 170.0))]
-    pub window: f64,
+    #[arg(long = "window", value_name = "DEG", default_value_t = ViewingConditions::WINDOW_DEG, value_parser = within(0.5, 170.0))]
+    pub window_deg: f64,
     /// Luminance of white in cd/m², for the visibility of bands [default: the display profile's, or 100].
     #[arg(long, value_name = "CD_M2", value_parser = within(1e-3, 1e6))]
     pub white: Option<f64>,
@@ -262,12 +265,11 @@ impl Shade {
         }
         let one = &self.one;
         if one.shader.is_none() && (wanted.metrics || wanted.creases) {
-            let message =
-                format!("is missing, and a shader is what is measured; expected one of {}", Shader::NAMES.join(", "));
+            let message = format!("is missing, and a shader is what is measured; expected {}", Shader::EXPECTED);
             return Err(RequestError::value("shader", message).into());
         }
         let FoundMesh { mesh, note } = given.map_or_else(|| one.mesh(), Ok)?;
-        let viewing = ViewingConditions { window_deg: one.window, white_cd_m2: encoded.white_cd_m2(one.white) };
+        let viewing = ViewingConditions { window_deg: one.window_deg, white_cd_m2: encoded.white_cd_m2(one.white) };
         let drawing = one.drawing(mesh, self.size, encoded.transfers, viewing)?;
         let mut notes: Vec<String> = [note, drawing.non_manifold()].into_iter().flatten().collect();
         let picture = wanted.picture.then(|| {
@@ -497,7 +499,7 @@ impl OneMesh {
 
     /// Says why nothing can be predicted.
     fn unseen(&self, error: &VisionError) -> RequestError {
-        RequestError::value("window", format!("{}: {error}", self.window))
+        RequestError::value("window_deg", format!("{}: {error}", self.window_deg))
     }
 
     /// True if the picture is the smooth surface's.
@@ -535,8 +537,9 @@ impl OneMesh {
             return Ok(FoundMesh { mesh, note: None });
         }
         if path.extension().is_none() && !path.exists() {
-            let (name, names) = (path.display().to_string(), Shape::NAMES.join(", "));
-            let message = format!("{name:?} is not known; expected {names} or an OBJ, PLY, glTF or GLB file");
+            let name = path.display().to_string();
+            let message =
+                format!("{name:?} is not known; expected {}, or an OBJ, PLY, glTF or GLB file", Shape::EXPECTED);
             return Err(RequestError::new("mesh", message).into());
         }
         let file = store::mesh::read(path, self.crease)?;

@@ -13,7 +13,7 @@ use std::{
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{RequestError, Watcher};
+use super::{RequestError, Watcher, request::paths};
 use crate::{
     experiment::{
         self, Condition, FrameCount, Identity, Observer, Protocol, RowContext, Schedule, Session, SessionOptions,
@@ -37,6 +37,7 @@ const AT_A_TIME: usize = 32;
 #[command(after_help = "Example: machband simulate bangay2003 --participants 8 --seed 1 --results results")]
 pub struct Simulate {
     /// Built-in definition or path to a .toml file.
+    #[serde(serialize_with = "paths")]
     pub experiment: PathBuf,
     /// Number of participants; their IDs start at S001.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
@@ -46,12 +47,14 @@ pub struct Simulate {
     pub seed: u64,
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "results")]
+    #[serde(serialize_with = "paths")]
     pub results: PathBuf,
     /// Simulated observer.
     #[arg(long, value_enum, default_value_t = ObserverKind::Paper)]
     pub observer: ObserverKind,
     /// Parameters of the paper or vision observer; experiments/observers has the documented defaults.
     #[arg(long, value_name = "FILE.toml")]
+    #[serde(serialize_with = "paths")]
     pub observer_file: Option<PathBuf>,
     /// Resume an interrupted run; complete sessions are not changed.
     #[arg(long)]

@@ -10,7 +10,7 @@ use std::{
 use rayon::prelude::*;
 use serde::{Serialize, Serializer};
 
-use super::{Image, Watcher};
+use super::{Image, Watcher, request::paths};
 use crate::{
     experiment::Condition,
     stimulus::recipe::Recipe,
@@ -21,6 +21,7 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
 pub struct RenderAll {
     /// Built-in definition or path to a .toml file.
+    #[serde(serialize_with = "paths")]
     pub experiment: PathBuf,
     /// Make only part I of N, counted from 1, to split the work among machines or the tasks of a job array.
     #[arg(long, value_name = "I/N", default_value = "1/1")]

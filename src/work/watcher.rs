@@ -10,6 +10,13 @@ pub trait Watcher: Sync {
     fn progress(&self, _done: u64, _total: u64) {}
     /// Receives a warning.
     fn warn(&self, _warning: &str) {}
+    /// Learns something about a file as soon as it is known.
+    ///
+    /// # Errors
+    /// The operation should end.
+    fn found(&self, _file: &Path, _sentence: &str) -> anyhow::Result<()> {
+        Ok(())
+    }
     /// Says whether to continue; `place` is where the results so far are.
     ///
     /// # Errors

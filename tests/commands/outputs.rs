@@ -12,9 +12,10 @@ use clap::{
     error::{ContextKind, ContextValue, ErrorKind},
 };
 use machband::{
-    cli::{self, FittedPath, NewFolder, OutPath},
+    cli,
     display::DisplayProfile,
     store::{StoreError, Writer, matches::MatchFile, profile, readings},
+    work::{FittedPath, NewFolder, OutPath},
 };
 
 use crate::common::{
@@ -282,7 +283,7 @@ fn existing_files_are_replaced_only_with_force() {
             let error = text(&run("").stderr);
             assert_eq!(
                 error,
-                format!("error: {output}: already exists; expected a new file, or --force to replace it\n"),
+                format!("error: {output}: already exists; expected a new file, or the option --force\n"),
                 "{line}"
             );
             assert!(everything(folder.path()) == before, "{line}");

@@ -332,18 +332,27 @@ fn wrong_usage_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     for (options, expected) in [
         ("--participants 2 --effect oblik=1", "did you mean oblique?"),
-        ("--participants 2 --effect oblique", "--effect oblique: contains no =; expected NAME=VALUE"),
+        (
+            "--participants 2 --effect oblique",
+            "'oblique' for '--effect <NAME=VALUE>': contains no =; expected NAME=VALUE",
+        ),
         ("--participants 2 --effect oblique=much", "the value is not a finite number"),
         ("--participants 2 --effect lapse=2", "lapse 2 is outside 0…1"),
         ("--participants 2 --effect width=2", "width is a factor; expected width:LEVEL=LOGITS"),
         ("--participants 2 --effect widht:0.1=2", "no such factor; expected one of width, depth"),
         ("--participants 2 --effect width:0.3=2", "--effect width:0.3: no such level; expected one of 0.02"),
-        ("--participants 2 --effect fall=1 --effect fall=2", "fall is given twice"),
+        ("--participants 2 --effect fall=1 --effect fall=2", "--effect fall=2: fall is given twice"),
         ("--participants 2 --slope widht=1", "--slope widht: no such factor; expected one of width, depth"),
-        ("--participants 2 --slope width", "--slope width: contains no =; expected FACTOR=SD"),
-        ("--participants 2 --slope width=inf", "--slope width=inf: the value is not a finite number"),
-        ("--participants 2 --slope width=-1", "--slope width=-1: the value is out of range; expected 0…1000 logits"),
-        ("--participants 2 --slope width=1 --slope width=2", "width is given twice; expected each slope once"),
+        ("--participants 2 --slope width", "'--slope <FACTOR=SD>': contains no =; expected FACTOR=SD"),
+        (
+            "--participants 2 --slope width=inf",
+            "'width=inf' for '--slope <FACTOR=SD>': the value is not a finite number",
+        ),
+        (
+            "--participants 2 --slope width=-1",
+            "'--slope <FACTOR=SD>': the value is out of range; expected 0…1000 logits",
+        ),
+        ("--participants 2 --slope width=1 --slope width=2", "--slope width=2: width is given twice"),
         ("--participants 2 --slopes some", "independent, correlated"),
         ("--participants 2 --terms widht", "did you mean width?"),
         ("--participants 2 --terms width,,depth", "width,,depth: an empty name"),

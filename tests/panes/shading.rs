@@ -19,17 +19,13 @@ fn open() -> Window {
     opened(builder([1000.0, 800.0], 1.0 / 60.0).build_eframe(|cc| App::new(cc, Launch::default())))
 }
 
-/// Opens the page with rendering, drawn by the CPU; `None` if there is no graphics adapter.
+/// Opens the page with rendering; `None` if there is no graphics adapter.
 fn open_with_pixels(scale: f32) -> Option<Window> {
     if !crate::common::has_graphics() {
         return None;
     }
     let builder = builder([1000.0, 800.0], 1.0 / 60.0).with_pixels_per_point(scale);
-    let mut window = opened(builder.wgpu().build_eframe(|cc| App::new(cc, Launch::default())));
-    if window.query_by_label("Drawn by").is_some() {
-        choose(&mut window, "Drawn by", "CPU");
-    }
-    Some(window)
+    Some(opened(builder.wgpu().build_eframe(|cc| App::new(cc, Launch::default()))))
 }
 
 fn opened(mut window: Window) -> Window {
@@ -112,29 +108,6 @@ fn each_half_shows_exactly_the_image_of_its_shader() {
             assert!(differing > width, "the two halves are the same");
         }
     }
-}
-
-/// Compares the two pictures whenever the window has a graphics adapter of any kind.
-#[test]
-fn the_card_draws_what_the_cpu_draws_within_a_code() {
-    let Some(mut window) = open_with_pixels(1.0) else { return };
-    let by_cpu = pixels(&mut window);
-    if window.query_by_label("Drawn by").is_none() {
-        // If the device cannot run the shaders, the page says so.
-        window.get_by_label_contains("Drawn by the CPU: ");
-        return;
-    }
-    click(&mut window, "Drawn by");
-    let backends = [", Vulkan", ", Gl", ", Metal", ", Dx12"];
-    let card = backends.iter().find_map(|backend| window.query_by_label_contains(backend)).expect("the card's name");
-    card.click();
-    window.run_steps(30);
-    window.remove_cursor();
-    window.run_steps(2);
-    assert_ne!(value(&window, "Drawn by"), "CPU");
-    let by_card = pixels(&mut window);
-    let apart = by_cpu.iter().flatten().zip(by_card.iter().flatten()).map(|(a, b)| a.abs_diff(*b)).max();
-    assert!(apart <= Some(1), "{apart:?} codes");
 }
 
 #[test]
@@ -274,8 +247,6 @@ fn everything_has_a_name_and_fits_a_small_window() {
     window.run_steps(3);
     assert!(picture(&window).height() >= 120.0);
     assert!(window.get_by_label("Plot: light along the scan line").rect().bottom() <= 560.0);
-    // Without an adapter, the CPU draws, and the page says so.
-    window.get_by_label_contains("no graphics adapter");
     window.key_press(Key::Escape);
     window.run_steps(3);
     window.get_by_label("Shading");

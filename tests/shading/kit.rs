@@ -3,6 +3,8 @@
 #[path = "../../shaders/ordinates.rs"]
 mod ordinates;
 
+use std::io::Write as _;
+
 use bytemuck::cast_slice;
 use glam::{DMat3, DVec3};
 use machband::{
@@ -16,7 +18,6 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use wgpu::util::DeviceExt as _;
 
 use self::ordinates::{Camera, Tensor, V};
-use crate::gpu::device;
 
 const PATCH: &str = include_str!("../../shaders/wgsl/patch.wgsl");
 const C1_PHONG: &str =
@@ -231,6 +232,26 @@ fn on_card(subject: &Subject, device: &wgpu::Device, queue: &wgpu::Queue) -> (Ve
     (rows, bytes_of(&pixels))
 }
 
+/// Returns a device for the best card that Vulkan knows, with its name. If there is no card, returns `None`, or panics
+/// if `MACHBAND_REQUIRE_GPU` is set.
+fn device() -> Option<(String, wgpu::Device, wgpu::Queue)> {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+    descriptor.backends = wgpu::Backends::VULKAN;
+    let options = wgpu::RequestAdapterOptions::default();
+    let adapter = match pollster::block_on(wgpu::Instance::new(descriptor).request_adapter(&options)) {
+        Ok(adapter) => adapter,
+        Err(error) => {
+            assert!(std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "{error}, and one is required");
+            // Not with `eprintln!`, because the test harness captures it.
+            let _ = writeln!(std::io::stderr(), "SKIPPED: a test of the graphics card: {error}");
+            return None;
+        }
+    };
+    let descriptor = wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..Default::default() };
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
+    Some((adapter.get_info().name, device, queue))
+}
+
 /// Draws with `c1_phong.wgsl` under the library's standard lighting.
 fn drawn(
     subject: &Subject,
@@ -339,7 +360,7 @@ fn drawn(
 
 #[test]
 fn card_gives_plain_rusts_ordinates_and_the_librarys_pixels() {
-    let Some((card, device, queue)) = device(wgpu::Backends::VULKAN, wgpu::Adapter::limits) else { return };
+    let Some((card, device, queue)) = device() else { return };
     for subject in subjects() {
         let (numbers, pixels) = on_card(&subject, &device, &queue);
         let theirs = subject.ordinates();

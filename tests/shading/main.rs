@@ -5,10 +5,7 @@
 mod common;
 mod crease;
 mod files;
-#[cfg(feature = "window")]
-mod gpu;
 mod illumination;
-#[cfg(feature = "window")]
 mod kit;
 mod meshes;
 mod obj;

@@ -93,9 +93,10 @@ fn resuming_refuses_a_changed_session_or_records_the_change_permanently() {
         touch(&csv);
         let before = everything(folder.path());
         assert!(check::check(&csv).is_err(), "{what}");
-        let error = resume(folder.path()).map(|_| ()).expect_err(what).to_string();
+        let error = resume(folder.path()).map(|_| ()).expect_err(what);
+        assert_eq!(error.remedy(), Some("accept_changes"), "{what}: {error}");
+        let error = error.to_string();
         assert!(error.contains("seal") || error.contains("was changed since"), "{what}: {error}");
-        assert!(error.contains("--accept-changes"), "{what}: {error}");
         assert_eq!(everything(folder.path()), before, "{what}");
         let (mut store, found) = accept(folder.path());
         sit(&mut store, Some(&found), usize::MAX);
@@ -341,7 +342,7 @@ fn repair_moves_damaged_lines_and_deletes_no_byte() {
     // The lines were sealed, so a repair alone does not pass the file off as unchanged.
     let found = errors(&csv);
     assert!(found.lines().count() == 1 && found.contains("_data.csv: was changed since"), "{found}");
-    assert!(resume(folder.path()).map(|_| ()).unwrap_err().to_string().contains("--accept-changes"));
+    assert!(resume(folder.path()).map(|_| ()).unwrap_err().remedy() == Some("accept_changes"));
     let (mut store, found) = accept(folder.path());
     assert_eq!(found.resumed.done.len(), 3);
     sit(&mut store, Some(&found), usize::MAX);

@@ -40,13 +40,7 @@ fn try_read(paths: &[&Path], how: &ReadOptions) -> Result<(Source, Vec<String>),
         rows.push(format!("{subject} {} {rating} {count}{details}", values.join("|")));
         Ok(())
     };
-    let mut rows = Vec::new();
-    let take = |_: &FileRead, file: Vec<String>| {
-        rows.extend(file);
-        Ok(())
-    };
-    let source = ratings::read(&paths, how, |_| Vec::new(), add, take)?;
-    Ok((source, rows))
+    ratings::read(&paths, how, |_| Vec::new(), add)
 }
 
 fn read(paths: &[&Path], how: &ReadOptions) -> (Source, Vec<String>) {
@@ -446,7 +440,7 @@ mod layouts {
         let declared = study(ReadOptions { direction, ..with_factors(&["triangles"]) });
         assert_eq!(declared.factors[0].role, Role::Direction);
         let unknown = ReadOptions { direction: vec!["triangle".to_owned()], ..with_factors(&["triangles"]) };
-        let said = "t.csv: --direction triangle is not a factor; expected one of triangles; did you mean triangles?";
+        let said = "t.csv: the option direction names triangle, which is not a factor; expected one of triangles; did you mean triangles?";
         assert_eq!(errors(&[&path], &unknown), [said]);
 
         let (_results, files) = super::study(&["S1"]);
@@ -475,7 +469,7 @@ mod layouts {
         let columns = columns.with_numbers("answer", [1.0, 2.0]).with_texts("depth", ["1", "2"]);
         let study = Study::from_columns("ratings", columns, &how).unwrap();
         let [error] = &study.source.errors[..] else { panic!("{:?}", study.source.errors) };
-        assert_eq!((error.position, &error.message[..]), (Some((1, 1)), "who is empty; expected a participant"));
+        assert_eq!(error.to_string(), "ratings, row 1 (counted from 0): who is empty; expected a participant");
         let error = Study::from_columns("ratings", unequal, &how).unwrap_err().to_string();
         assert_eq!(error, "ratings: the column answer has 1 rows; expected 2, as in who");
     }
@@ -736,7 +730,9 @@ mod errors {
             (
                 LONG,
                 ReadOptions { factors: None, count: None, ..long() },
-                &["1:1: no factors were given; expected --factors or --terms with some of the columns width, depth, n"],
+                &[
+                    "1:1: no factors were given; expected the option factors or terms with some of the columns width, depth, n",
+                ],
                 &[],
             ),
             (

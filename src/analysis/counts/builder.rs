@@ -9,8 +9,7 @@ use std::{
 use super::table::{CountError, CountRow, Counts, Factor, Measured, RetestPair, TimeCount, time_bin};
 use crate::{analysis::levels, experiment::RatingRow};
 
-/// Collects trials into [`Measured`]. The trials can come in any order and can be split among several builders, one per
-/// thread.
+/// Collects trials, which can come in any order, into [`Measured`].
 #[derive(Clone, Debug)]
 pub struct MeasuredBuilder {
     factors: Vec<String>,
@@ -179,29 +178,6 @@ impl MeasuredBuilder {
     /// Returns the number of distinct combinations of participant and condition so far.
     pub fn cells(&self) -> usize {
         self.cells.len()
-    }
-
-    /// Adds everything that another builder with the same factors and categories has collected.
-    ///
-    /// # Errors
-    /// Returns a [`CountError`] if there are too many different ratings.
-    pub fn absorb(&mut self, other: Self) -> Result<(), CountError> {
-        let ratings: Vec<u8> = other.ratings.iter().map(|text| self.rating_index(text)).collect::<Result<_, _>>()?;
-        for from in other.cells {
-            self.key.clear();
-            self.key.extend_from_slice(&from.key);
-            let cell = self.cell();
-            for (&rating, count) in ratings.iter().zip(from.counts) {
-                cell.count(rating, count);
-            }
-            for (bin, rating, count) in from.times {
-                cell.time(bin, ratings[usize::from(rating)], count);
-            }
-            for placed in from.earliest.0.into_iter().flatten() {
-                cell.earliest.place(&placed.session, placed.repetition, ratings[usize::from(placed.rating)]);
-            }
-        }
-        Ok(())
     }
 
     /// Returns everything that was collected, in natural order.

@@ -21,14 +21,14 @@ impl Counts {
     /// Says what is too large, and what is expected.
     pub fn check_size(&self) -> Result<(), String> {
         let at_most = |what: &str, found: usize, most: usize| match found > most {
-            true => Err(format!("the number of {what} is {found}; expected at most {most}, or the option --large")),
+            true => Err(format!("the number of {what} is {found}; expected at most {most}")),
             false => Ok(()),
         };
         at_most("factors", self.factors.len(), MAX_FACTORS)?;
         for factor in &self.factors {
             let (name, _) = shortened(&factor.name);
             let as_number = match factor.numbers {
-                Some(_) => format!(" and, because all levels are numbers, num:{name} in --terms"),
+                Some(_) => format!(" or, because all levels are numbers, the term num:{name}"),
                 None => String::new(),
             };
             at_most(&format!("levels of {name}"), factor.levels.len(), MAX_LEVELS).map_err(|text| text + &as_number)?;

@@ -27,16 +27,16 @@ pub enum PlanError {
     #[error(transparent)]
     Condition(#[from] ParameterError),
     /// An effect or a slope was given for a factor that is not in the definition.
-    #[error("--{option} {name}: no such factor; {}", expected_one_of(name, known))]
+    #[error("{name}: no such factor; {}", expected_one_of(name, known))]
     UnknownFactor {
-        /// `effect` or `slope`.
-        option: &'static str,
+        /// True if it was a slope.
+        is_slope: bool,
         name: String,
         /// Names of the definition's factors.
         known: Vec<String>,
     },
     /// An effect was given for a level that the factor does not have.
-    #[error("--effect {factor}:{level}: no such level; {}", expected_one_of(level, known))]
+    #[error("{factor}:{level}: no such level; {}", expected_one_of(level, known))]
     UnknownLevel {
         factor: String,
         /// The level, as given.
@@ -45,13 +45,13 @@ pub enum PlanError {
         known: Vec<String>,
     },
     /// A term has no column of its own.
-    #[error("--terms {term}: the term adds nothing to the other terms; expected terms that each add something")]
+    #[error("{term}: the term adds nothing to the other terms; expected terms that each add something")]
     Untestable { term: String },
     /// The definition has too many levels or conditions.
     #[error("{0}")]
     TooLarge(String),
     /// There is no term to test.
-    #[error("nothing to test; expected a definition with a factor of two levels or more, and a term in --terms")]
+    #[error("nothing to test; expected a definition with a factor of two levels or more, and a model with a term")]
     NothingVaries,
 }
 
@@ -135,7 +135,7 @@ impl Scenario {
         empty.subjects.clear();
         let mut slopes = slopes.to_vec();
         for slope in &slopes {
-            factor_of(protocol, "slope", &slope.factor)?;
+            factor_of(protocol, true, &slope.factor)?;
         }
         slopes.sort_by_key(|slope| protocol.factors.iter().position(|factor| factor.name == slope.factor));
         Ok(Self { empty, predictors, slopes, observer: observer.clone(), repetitions: protocol.design.repetitions })
@@ -238,11 +238,11 @@ fn level_names(protocol: &Protocol, condition: &Condition) -> Vec<String> {
     levels.map(|(factor, level)| factor.levels[*level].to_string().trim().to_owned()).collect()
 }
 
-/// Returns the index of the factor with this name, which an option gave.
-fn factor_of(protocol: &Protocol, option: &'static str, name: &str) -> Result<usize, PlanError> {
+/// Returns the index of the factor with this name, which a slope or an effect gave.
+fn factor_of(protocol: &Protocol, is_slope: bool, name: &str) -> Result<usize, PlanError> {
     let known = || protocol.factors.iter().map(|factor| factor.name.clone()).collect();
     (protocol.factors.iter().position(|factor| factor.name == name)).ok_or_else(|| PlanError::UnknownFactor {
-        option,
+        is_slope,
         name: name.to_owned(),
         known: known(),
     })
@@ -250,7 +250,7 @@ fn factor_of(protocol: &Protocol, option: &'static str, name: &str) -> Result<us
 
 /// Returns the indices of a shift's factor and level, and its logits.
 fn resolve(protocol: &Protocol, shift: &Shift) -> Result<(usize, usize, f64), PlanError> {
-    let factor = factor_of(protocol, "effect", &shift.factor)?;
+    let factor = factor_of(protocol, false, &shift.factor)?;
     let names: Vec<String> = protocol.factors[factor].levels.iter().map(ToString::to_string).collect();
     let number = levels::number_of(&shift.level);
     let same = |name: &String| *name == shift.level || (number.is_some() && levels::number_of(name) == number);

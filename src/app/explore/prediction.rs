@@ -11,9 +11,6 @@ use crate::{
     vision::{BandMap, Criterion, LinePrediction, Polarity, Visibility, luminances},
 };
 
-/// Assumed size of the window in degrees if the size of the screen is unknown; the same as in `machband predict`.
-const WINDOW_DEG: f64 = 10.0;
-
 /// The viewing distance and luminance of the stimulus.
 #[derive(Clone, Copy)]
 pub struct ViewingPlace {
@@ -34,7 +31,7 @@ impl ViewingPlace {
 
     /// Returns the size in degrees of a window of `size` pixels.
     fn window_deg(&self, size: u32) -> f64 {
-        self.viewing.map_or(WINDOW_DEG, |viewing| f64::from(size) / viewing.px_per_degree())
+        self.viewing.map_or(ViewingConditions::WINDOW_DEG, |viewing| f64::from(size) / viewing.px_per_degree())
     }
 
     fn sentence(&self, size: u32) -> String {

@@ -51,8 +51,7 @@ fn options(fullscreen: bool) -> NativeOptions {
         dithering: false,
         ..Default::default()
     };
-    // Requests all limits of the graphics card, because eframe's defaults for OpenGL exclude the storage buffers that
-    // the shaders read.
+    // Requests the limits of the graphics card, because a weak card may not reach eframe's defaults.
     if let WgpuSetup::CreateNew(setup) = &mut options.wgpu_options.wgpu_setup {
         setup.device_descriptor = Arc::new(|adapter| DeviceDescriptor {
             label: Some("machband"),

@@ -49,7 +49,10 @@ pub enum WindowError {
 
 fn ended(signal: Signal, rows: Option<&Path>) -> String {
     match rows {
-        Some(rows) => Ended { place: rows.display().to_string(), signal }.to_string(),
+        Some(rows) => {
+            let ended = Ended { place: rows.display().to_string(), signal };
+            format!("{ended}; to continue, use the same command with --resume")
+        }
         None => format!("window: ended by {signal}; expected the user to close it"),
     }
 }

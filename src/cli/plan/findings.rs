@@ -1,27 +1,26 @@
-//! The findings of a plan: a table and sentences for the terminal, and the table as CSV.
+//! The findings of a plan: a table and sentences for the terminal.
+
+use std::ops::Deref;
 
 use crate::{
     analysis::{
         FEW_FOR_LIKELIHOOD_RATIOS, Slopes,
-        power::{Effect, Hypothesis, Plan, Power, Sampling, Slope, Test},
+        power::{Effect, Hypothesis, Power, Sampling, Slope, Test},
     },
     cli::columns,
-    experiment::Protocol,
     report::document::{Shown, numbers::count},
-    text::{Cell, Column, Table},
+    work::plan::Planned,
 };
 
-/// The simulated powers of a plan, and the settings they depend on.
-pub(super) struct Findings<'a> {
-    pub protocol: &'a Protocol,
-    /// The observer and the effects given for it, such as `paper oblique=0.3`.
-    pub observer: String,
-    pub plan: &'a Plan,
-    pub sampling: Sampling,
-    /// Target power.
-    pub target: f64,
-    /// Powers, in the order of the plan.
-    pub powers: &'a [Power],
+/// The findings, as a person reads them.
+pub(super) struct Findings<'a>(pub &'a Planned);
+
+impl Deref for Findings<'_> {
+    type Target = Planned;
+
+    fn deref(&self) -> &Planned {
+        self.0
+    }
 }
 
 impl Findings<'_> {
@@ -43,10 +42,6 @@ impl Findings<'_> {
             }
         );
         [vec![heading, String::new()], self.table(), vec![String::new()], self.sentences()].concat()
-    }
-
-    fn hypothesis(&self, power: &Power) -> &Hypothesis {
-        &self.plan.hypotheses()[power.hypothesis]
     }
 
     /// Formats one line for each number of participants and each test.
@@ -103,7 +98,7 @@ impl Findings<'_> {
         let term = |index: usize| &self.plan.hypotheses()[index].term;
         let mut sentences: Vec<String> =
             indices.chunk_by(|l, r| term(*l) == term(*r)).filter_map(|tests| self.sentence(tests)).collect();
-        for power in self.powers {
+        for power in &self.powers {
             if let Some(least) = self.plan.least_p(power).filter(|least| *least >= self.sampling.alpha) {
                 sentences.push(format!(
                     "With {}, Friedman's test of {} cannot be significant: its smallest possible p is {least:.3}.",
@@ -238,77 +233,7 @@ impl Findings<'_> {
             slopes.join(" and ")
         )
     }
-
-    /// Writes one row for each number of participants and each test.
-    pub fn csv(&self) -> Vec<u8> {
-        let columns = COLUMNS.iter().map(|(name, unit, description)| Column::new(*name, unit, *description)).collect();
-        Table::new(columns, self.powers.iter().map(|power| self.row(power))).csv()
-    }
-
-    fn row(&self, power: &Power) -> Vec<Cell> {
-        let (hypothesis, spec) = (self.hypothesis(power), self.plan.spec());
-        let effect = hypothesis.effect.as_ref();
-        let interval = power.interval();
-        let slope_sd: Vec<String> =
-            self.plan.slopes().iter().map(|slope| format!("{}={}", slope.factor, slope.sd)).collect();
-        let test = match hypothesis.test {
-            Test::LikelihoodRatio => "likelihood-ratio",
-            Test::Friedman => "friedman",
-        };
-        vec![
-            self.protocol.name.as_str().into(),
-            power.participants.into(),
-            hypothesis.term.as_str().into(),
-            test.into(),
-            if effect.is_some() { "effect" } else { "none" }.into(),
-            effect.map_or(Some(0.0), |effect| effect.logits).into(),
-            effect.map(|effect| effect.above.as_str()).into(),
-            effect.map(|effect| effect.below.as_str()).into(),
-            power.studies.into(),
-            power.found.into(),
-            power.untested.into(),
-            effect.map(|_| power.share()).into(),
-            effect.is_none().then(|| power.share()).into(),
-            interval.low.into(),
-            interval.high.into(),
-            power.estimate.into(),
-            self.sampling.alpha.into(),
-            spec.link.to_string().into(),
-            spec.terms.to_string().into(),
-            spec.slopes.to_string().into(),
-            slope_sd.join(" ").into(),
-            self.sampling.seed.into(),
-            self.observer.as_str().into(),
-        ]
-    }
 }
-
-/// Name, unit and description of the columns of the CSV file.
-const COLUMNS: [(&str, &str, &str); 23] = [
-    ("experiment", "", "Name of the definition."),
-    ("participants", "", "Number of participants."),
-    ("term", "", "Term or factor that is tested."),
-    ("test", "", "Name of the test."),
-    ("truth", "", "Whether the simulated observer has the effect."),
-    ("effect_logits", "logit", "Size of the effect on the latent scale."),
-    ("above", "", "Level that is rated higher."),
-    ("below", "", "Level that is rated lower."),
-    ("studies", "", "Number of simulated studies."),
-    ("found", "", "Number of studies in which the test is significant."),
-    ("untested", "", "Number of studies in which the test is not possible."),
-    ("power", "", "Proportion of studies that find the effect."),
-    ("false_alarms", "", "Proportion of studies that find an effect that is not there."),
-    ("ci_low", "", "Lower end of the 95 % interval of this proportion."),
-    ("ci_high", "", "Upper end of the 95 % interval of this proportion."),
-    ("median_estimate", "logit", "Median of the estimated effects."),
-    ("alpha", "", "Level of significance."),
-    ("link", "", "Link function of the model."),
-    ("terms", "", "Terms of the model."),
-    ("slopes", "", "Random slopes of the model."),
-    ("slope_sd", "logit", "Standard deviations of the simulated random slopes."),
-    ("seed", "", "Seed of the simulation."),
-    ("observer", "", "Simulated observer."),
-];
 
 fn people(number: u32) -> String {
     count(number.into(), "participant")

@@ -113,7 +113,7 @@ impl Calibration {
     #[must_use]
     pub fn new(readings: &Readings) -> Self {
         let sample = Sample::new(readings);
-        let mut models: Vec<FittedModel> = Family::ALL.map(|family| model(family, &sample)).into();
+        let mut models: Vec<FittedModel> = Family::ALL.iter().map(|family| model(*family, &sample)).collect();
         let chosen = simplest_of_the_best(&models.iter().map(|model| &model.validation).collect::<Vec<_>>());
         let (chosen, noise) = (models[chosen].family, models[chosen].noise);
         for Validation { score, squares, .. } in models.iter_mut().map(|model| &mut model.validation) {

@@ -6,7 +6,7 @@
 use nalgebra::{Matrix2, Vector2};
 
 use super::readings::{Readings, is_same_level};
-use crate::{display::channel::Channel, light::Transfer};
+use crate::{display::channel::Channel, light::Transfer, text::names::named};
 
 /// The noise assumed for the weights, relative to the light: a photometer's noise is roughly proportional to its
 /// reading.
@@ -23,34 +23,21 @@ const CONVERGED: f64 = 1e-13;
 /// The damping at which the fit stops because no step improves it.
 const STUCK: f64 = 1e12;
 
-/// A family of curves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Family {
-    /// The curve of sRGB.
-    Srgb,
-    /// A power, V^γ.
-    Gamma,
-    /// Gain, offset and gamma, (gain·V + offset)^γ with gain + offset = 1.
-    Gog,
-    /// A monotone table through the readings.
-    Table,
+named! {
+    /// A family of curves; the simplest come first.
+    Family, FamilyError {
+        /// The curve of sRGB.
+        Srgb = "srgb",
+        /// A power, V^γ.
+        Gamma = "gamma",
+        /// Gain, offset and gamma, (gain·V + offset)^γ with gain + offset = 1.
+        Gog = "gog",
+        /// A monotone table through the readings.
+        Table = "table",
+    }
 }
 
 impl Family {
-    /// All families, starting with the simplest.
-    pub const ALL: [Self; 4] = [Self::Srgb, Self::Gamma, Self::Gog, Self::Table];
-
-    /// The name on the command line and in tables.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Srgb => "srgb",
-            Self::Gamma => "gamma",
-            Self::Gog => "gog",
-            Self::Table => "table",
-        }
-    }
-
     /// The number of free parameters of the shape.
     fn free(self) -> usize {
         match self {
@@ -69,12 +56,6 @@ impl Family {
         };
         // Within [`RANGES`], every shape is plausible for a display.
         made.unwrap_or(Transfer::Srgb)
-    }
-}
-
-impl std::fmt::Display for Family {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(self.name())
     }
 }
 

@@ -20,7 +20,7 @@ use crate::{
     },
     store::{
         Columns, FileErrors,
-        ratings::{self, FileRead, ReadOptions, Shape, Source},
+        ratings::{self, ReadOptions, Shape, Source},
     },
 };
 
@@ -30,6 +30,9 @@ pub enum StudyError {
     /// The files cannot be analyzed.
     #[error(transparent)]
     Files(#[from] FileErrors),
+    /// The study is larger than usual.
+    #[error(transparent)]
+    TooLarge(FileErrors),
     /// What is to be excluded does not exist.
     #[error(transparent)]
     Exclusion(#[from] ExclusionError),
@@ -50,33 +53,23 @@ impl Study {
     /// There is nothing to analyze, the study is too large, or an exclusion names something unknown. If only part of the
     /// input has errors, they are in [`Source::errors`].
     pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Self, StudyError> {
-        Self::collect(options, |builders| {
-            ratings::read(paths, options, builder, add, |read, file| builders.take(read, file))
-        })
+        Self::new(ratings::read(paths, options, builder, add)?, options)
     }
 
-    /// Reads a table in memory, such as a data frame; `name` stands for it in messages. Errors in rows count rows from 0.
+    /// Reads a table in memory, such as a data frame; `name` stands for it in messages. Errors count rows from 0.
     ///
     /// # Errors
     /// The same errors as [`Study::read`], or the columns differ in length.
     pub fn from_columns(name: &str, columns: Columns, options: &ReadOptions) -> Result<Self, StudyError> {
-        Self::collect(options, |builders| {
-            ratings::read_columns(name, columns, options, builder, add, |read, file| builders.take(read, file))
-        })
+        Self::new(ratings::read_columns(name, columns, options, builder, add)?, options)
     }
 
-    fn collect(
-        options: &ReadOptions,
-        read: impl FnOnce(&mut Builders) -> Result<Source, FileErrors>,
-    ) -> Result<Self, StudyError> {
-        let mut builders = Builders(None);
-        let source = read(&mut builders)?;
-        let all = builders.0.unwrap_or_else(|| builder(&source.shape));
+    fn new((source, all): (Source, MeasuredBuilder), options: &ReadOptions) -> Result<Self, StudyError> {
         let exclusions = Exclusions { exclude: options.exclude.clone(), only: options.only.clone() };
         let measured = all.finish().narrowed(&exclusions)?;
         if !options.large {
             let file = source.files.first().map_or(Path::new("."), |file| &file.path);
-            measured.counts.check_size().map_err(|message| FileErrors::whole(file, message))?;
+            measured.counts.check_size().map_err(|message| StudyError::TooLarge(FileErrors::whole(file, message)))?;
         }
         Ok(Self { source, measured })
     }
@@ -87,21 +80,6 @@ impl Study {
     /// A name is not known, or no ratings are left.
     pub fn narrowed(&self, exclusions: &Exclusions) -> Result<Self, ExclusionError> {
         Ok(Self { source: self.source.clone(), measured: self.measured.narrowed(exclusions)? })
-    }
-}
-
-/// The ratings of the files that were read so far.
-struct Builders(Option<MeasuredBuilder>);
-
-impl Builders {
-    fn take(&mut self, read: &FileRead, file: MeasuredBuilder) -> Result<(), FileErrors> {
-        match &mut self.0 {
-            Some(all) => all.absorb(file).map_err(|error| FileErrors::whole(&read.path, error.to_string())),
-            None => {
-                self.0 = Some(file);
-                Ok(())
-            }
-        }
     }
 }
 

@@ -1,8 +1,6 @@
 //! Encodes many light values at once as 8-bit codes, with the same result as [`ChannelQuantizer::code`] for every f32,
 //! and writes out the light of a band.
 
-#[cfg(target_arch = "x86_64")]
-use super::curves::Curves;
 use crate::{
     light::{Bits, ChannelQuantizer, Transfer},
     shading::number::Channels,
@@ -17,9 +15,6 @@ use crate::{
 pub struct Encoder {
     quantizer: ChannelQuantizer,
     table: Option<Table>,
-    /// Faster than the table, where the machine can.
-    #[cfg(target_arch = "x86_64")]
-    curves: Option<Curves>,
 }
 
 /// Entries per table: enough for sRGB and exponents around 2.
@@ -46,13 +41,7 @@ impl Encoder {
     #[must_use]
     pub fn new(transfer: &Transfer) -> Encoder {
         let quantizer = ChannelQuantizer::new(transfer, Bits::Eight);
-        let table = Table::new(&quantizer);
-        Encoder {
-            #[cfg(target_arch = "x86_64")]
-            curves: table.as_ref().and_then(|table| Curves::new(&quantizer, table.least)),
-            quantizer,
-            table,
-        }
+        Encoder { table: Table::new(&quantizer), quantizer }
     }
 
     /// Returns the quantizer that encodes one light value at a time.
@@ -102,16 +91,6 @@ impl Encoder {
     /// Encodes up to a block of light values.
     #[inline(always)]
     fn codes(&self, light: &[f32], codes: &mut [u32; BLOCK]) {
-        #[cfg(target_arch = "x86_64")]
-        if let Some(curves) = &self.curves {
-            let exact = |light| u32::from(self.quantizer.code(light));
-            curves.codes(light, codes, exact);
-            let whole = light.len() / Curves::LANES * Curves::LANES;
-            for (code, light) in codes[whole..].iter_mut().zip(&light[whole..]) {
-                *code = exact(*light);
-            }
-            return;
-        }
         let Some(table) = &self.table else {
             for (code, light) in codes.iter_mut().zip(light) {
                 *code = u32::from(self.quantizer.code(*light));

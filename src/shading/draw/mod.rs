@@ -1,6 +1,4 @@
-//! Draws frames on the CPU and on a graphics card.
-//!
-//! The CPU draws all triangles in one pass, row by row, in bands that are distributed over threads:
+//! Draws frames in one pass over all triangles, row by row, in bands that are distributed over threads:
 //!
 //! ```text
 //! Frame → Prepared (constants of every triangle: once per frame) → bands of rows: spans → light (f32) → picture
@@ -9,15 +7,11 @@
 //! Coverage is exactly as in [`coverage`](super::coverage). Hidden surfaces are found by comparing depths in f64, and
 //! the light is within 1e-5 of the light that [`Reference`] computes. The image is the same to the last bit for any
 //! number of threads and on any machine: the vector width is detected at run time, but no operation on light is fused or
-//! approximate. Codes are exactly the quantizer's, however they are found.
+//! approximate. Codes are exactly the quantizer's.
 
 mod band;
 mod composition;
-#[cfg(target_arch = "x86_64")]
-mod curves;
 mod encoder;
-#[cfg(feature = "gpu")]
-pub mod gpu;
 mod lanes;
 mod prepared;
 mod rays;

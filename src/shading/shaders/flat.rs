@@ -20,8 +20,7 @@ impl<T: Constant, const C: usize> Flat<T, C> {
 }
 
 /// Returns the light of `triangle`.
-#[must_use]
-pub fn light(frame: &Frame, triangle: usize) -> DVec3 {
+fn light(frame: &Frame, triangle: usize) -> DVec3 {
     let [a, b, c] = frame.corners(triangle).map(|v| v.eye);
     frame.lit((a + b + c) / 3.0, frame.triangles[triangle].normal)
 }

@@ -2,27 +2,26 @@
 //! the corners on the screen and from the light values I_A, I_B, I_C of the corners.
 //!
 //! Each shader is written once, for any `Number`. It is the reference when it computes in f64, and it draws when it
-//! computes several pixels at once in f32. Its WGSL for graphics cards is next to it, or in `gpu/main.wgsl` if it is
-//! only a line or two.
+//! computes several pixels at once in f32.
 //!
 //! `UncorrectedShader`, below, lists the shaders.
 
 mod c1_phong;
 mod corrections;
 mod fixed;
-pub mod flat;
+mod flat;
 mod gouraud;
 mod gradient;
 mod painted;
 mod patch;
 mod phong;
 mod pixel;
-pub mod quadratic;
+mod quadratic;
 mod shade;
 mod strips;
 
 pub use gouraud::ShaderKernel;
-pub use painted::{Painted, PaintedTriangle};
+pub use painted::Painted;
 pub use patch::Patch;
 pub use shade::{Correction, Shade, Shader};
 pub use strips::Curve;

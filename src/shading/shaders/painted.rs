@@ -15,20 +15,20 @@ use crate::shading::{
 #[derive(Clone, Debug)]
 pub struct Painted {
     /// The triangles of the frame.
-    pub triangles: Vec<PaintedTriangle>,
+    triangles: Vec<PaintedTriangle>,
     /// Their textures.
-    pub coats: Vec<Coat>,
+    coats: Vec<Coat>,
 }
 
 /// The paint of a triangle of a frame.
 #[derive(Clone, Copy, Debug)]
-pub struct PaintedTriangle {
+struct PaintedTriangle {
     /// Its corners, with tangents in eye space.
-    pub corners: [PaintedCorner; 3],
+    corners: [PaintedCorner; 3],
     /// 1 over the distance of each corner from the eye along z, in perspective; otherwise 1.
-    pub nearness: [f64; 3],
+    nearness: [f64; 3],
     /// The index of its coat.
-    pub coat: u32,
+    coat: u32,
 }
 
 impl Painted {

@@ -23,8 +23,7 @@ impl<T: Constant, const C: usize> Quadratic<T, C> {
 
 /// Returns 4(M_k − (I_i + I_j)/2) of each edge of `triangle`, where M_k is lit as `phong` would light it. Both
 /// triangles at an edge get the same values.
-#[must_use]
-pub fn bulges(frame: &Frame, triangle: usize) -> [DVec3; 3] {
+fn bulges(frame: &Frame, triangle: usize) -> [DVec3; 3] {
     let corners = frame.corners(triangle);
     OTHERS.map(|(i, j)| {
         let place = (corners[i].eye + corners[j].eye) / 2.0;

@@ -57,10 +57,6 @@ pub struct Shade {
 }
 
 impl Shader {
-    /// The names of all shaders, for an error message.
-    pub const EXPECTED: &str =
-        "one of flat, gouraud, phong, quadratic, fixed, gradient, gradient-repaired, patch, c1-phong";
-
     /// True if the shader interpolates light between the vertices, which is what the corrections apply to.
     #[must_use]
     pub const fn interpolates_light(self) -> bool {

@@ -339,7 +339,7 @@ fn changes(experiments: &[Experiment]) -> String {
     let day = last.unwrap_or_default().strftime("%Y-%m-%d").to_string();
     let version = env!("CARGO_PKG_VERSION");
     let changed = experiments.iter().flat_map(Experiment::changed);
-    let changed: String = changed.map(|line| format!("  - Exported with --accept-changes: {line}\n")).collect();
+    let changed: String = changed.map(|line| format!("  - Exported although it was changed: {line}\n")).collect();
     format!("1.0.0 {day}\n  - Sessions up to this date, exported by machband {version}.\n{changed}")
 }
 

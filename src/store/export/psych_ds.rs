@@ -50,7 +50,7 @@ pub(super) fn changed_files<'a>(experiments: impl IntoIterator<Item = &'a Experi
         "
 ## Changed files
 
-These files differ from what the session wrote. They were exported by machband {version} with `--accept-changes`.
+These files differ from what the session wrote. They were exported by machband {version} as requested.
 
 {lines}"
     )

@@ -11,7 +11,7 @@ use rayon::{iter::Either, prelude::*};
 use crate::{
     experiment::{columns, name_error},
     store::{
-        FileError, FileErrors,
+        FileError, FileErrors, StoreError,
         dataset::{self, DATA_FILE, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX},
         frames,
         recorded::Recorded,
@@ -94,29 +94,24 @@ pub(super) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErr
 
 /// Reads all sessions, or reports all their errors. Unless `accept_changes` is true, it is an error if a file was
 /// changed after its session ended.
-pub(super) fn read(files: &[PathBuf], accept_changes: bool) -> Result<Vec<Recorded>, FileErrors> {
+pub(super) fn read(files: &[PathBuf], accept_changes: bool) -> Result<Vec<Recorded>, StoreError> {
     let (sessions, errors): (Vec<_>, Vec<_>) = files.par_iter().partition_map(|csv| match Recorded::open(csv) {
-        Ok(session) => match errors(&session, accept_changes) {
+        Ok(session) => match errors(&session) {
             errors if errors.is_empty() => Either::Left(session),
             errors => Either::Right(errors),
         },
         Err(error) => Either::Right(error.errors(csv)),
     });
     FileErrors::none(errors.concat())?;
-    Ok(sessions)
+    let changed: Vec<FileError> = sessions.iter().flat_map(|session| session.changed.iter().cloned()).collect();
+    if changed.is_empty() || accept_changes { Ok(sessions) } else { Err(StoreError::Altered(FileErrors(changed))) }
 }
 
 /// Returns the reasons why a readable session must not be exported.
-fn errors(session: &Recorded, accept_changes: bool) -> Vec<FileError> {
+fn errors(session: &Recorded) -> Vec<FileError> {
     // The experiment's name becomes a folder name, and a sidecar may contain any text.
     let name = name_error(&session.protocol.name).map(|message| FileError::whole(&session.sidecar_path, message));
     let mut errors: Vec<FileError> = name.into_iter().chain(session.row_errors()).collect();
-    if !accept_changes {
-        errors.extend(session.changed.iter().map(|error| {
-            let message = format!("{}, or --accept-changes", error.message);
-            FileError { message, ..error.clone() }
-        }));
-    }
     let columns = columns(&session.protocol);
     for (row, line) in session.rows.iter().zip(2..) {
         for (cell, column) in row.cells().iter().zip(&columns).filter(|(cell, _)| is_formula(cell)) {
@@ -136,7 +131,7 @@ pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &m
         let (rated, planned) = session.rated();
         let is_complete = rated == planned && session.partial_line.is_none();
         if is_complete || !complete_only {
-            notes.extend(session.changed.iter().map(|error| format!("{error}; exported because of --accept-changes")));
+            notes.extend(session.changed.iter().map(|error| format!("{error}; exported as requested")));
         }
         if is_complete {
             return true;

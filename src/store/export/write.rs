@@ -18,7 +18,8 @@ use crate::{
 };
 
 /// Format of an export.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Format {
     /// Brain Imaging Data Structure 1.11, behavioral data: one data set for all experiments
     Bids,
@@ -63,7 +64,11 @@ pub fn export(from: &Path, to: &Path, format: Format, choice: Choice) -> Result<
     let sessions = sessions::read(&files, choice.accept_changes)?;
     let sessions = sessions::chosen(sessions, choice.complete_only, &mut exported.notes);
     if sessions.is_empty() {
-        return Err(FileErrors::whole(from, "has no complete session; expected one, or omit --complete-only").into());
+        return Err(FileErrors::whole(
+            from,
+            "has no complete session; expected one, unless the option complete_only is left out",
+        )
+        .into());
     }
     (exported.sessions, exported.rows) = (sessions.len(), sessions.iter().map(|session| session.rows.len()).sum());
     let experiments = sessions::by_experiment(sessions)?;

@@ -36,17 +36,6 @@ pub fn read_light(path: &Path, transfers: Option<&Transfers>, pixels: u64) -> Re
     light(&path.display().to_string(), &content(path)?, transfers, pixels)
 }
 
-/// Returns the number of pixels across an image without reading them.
-///
-/// # Errors
-/// The file is not readable or not a PNG.
-pub fn width(path: &Path) -> Result<u32, FileErrors> {
-    let fail =
-        |error: &dyn std::fmt::Display| FileErrors::whole(path, format!("cannot be read: {error}; expected a PNG"));
-    let file = open_regular(path).map_err(|error| fail(&error))?;
-    Decoder::new(BufReader::new(file)).read_info().map(|reader| reader.info().width).map_err(|error| fail(&error))
-}
-
 /// Reads the content of a PNG of at most [`MAX_PIXELS`] as light; `name` identifies it in messages.
 ///
 /// # Errors
@@ -103,7 +92,7 @@ fn decode(
     }
     if u64::from(width) * u64::from(height) > pixels {
         return Err(fail(format!(
-            "has {width} × {height} pixels; expected at most {pixels} pixels, or the option --large"
+            "has {width} × {height} pixels; expected at most {pixels} pixels, or the option large"
         )));
     }
     let (color, depth) = reader.output_color_type();

@@ -170,8 +170,8 @@ impl Header {
 
     /// Returns the head of a table in memory.
     pub fn of(columns: Columns) -> Self {
-        let names = columns.names().map(|name| name.trim().to_owned()).collect();
-        let first = (columns.rows() > 0).then(|| columns.row(0).map(|cell| cell.trim().to_owned()).collect());
+        let names: Vec<String> = columns.names().map(|name| name.trim().to_owned()).collect();
+        let first = (columns.rows() > 0).then(|| (0..names.len()).map(|column| columns.cell(0, column)).collect());
         Self { names, separator: b',', first, columns: Some(columns), ..Self::default() }
     }
 
@@ -215,11 +215,7 @@ impl Header {
 
     /// Returns the content of the file at `path`, from memory if it is kept there.
     pub fn content<'a>(&'a self, path: &'a Path) -> Content<'a> {
-        match (&self.columns, &self.memory) {
-            (Some(columns), _) => Content::Columns(columns),
-            (None, Some(bytes)) => Content::Memory(bytes),
-            (None, None) => Content::File(path),
-        }
+        self.memory.as_deref().map_or(Content::File(path), Content::Memory)
     }
 
     /// Returns the index of a column.

@@ -1,8 +1,8 @@
-//! Reads ratings in steps: find the files, read their heads, select the files that belong together, determine which
-//! rows count, and pass those rows to the caller.
+//! Reads ratings in steps: find the files, read their heads, select the files that belong together, read their rows,
+//! determine which rows count, and pass those rows to the caller.
 
 use std::{
-    collections::{BTreeMap, HashMap, HashSet},
+    collections::{BTreeMap, HashMap},
     path::{Path, PathBuf},
 };
 
@@ -10,43 +10,33 @@ use rayon::prelude::*;
 
 use super::{
     files,
-    row::{self, Cells, RowError, is_rating},
+    rows::{MAX_ROWS, RowError, Rows, What},
     selection::{Definitions, Input, RecordColumns, Selection},
     source::{FileRead, Layout, ReadOptions, SessionRead, Shape, Source},
-    survey::Survey,
-    trials::{Identity, Status, Trial, Trials},
+    trials::{self, Attempt, Status},
+    values,
 };
 use crate::{
-    experiment::RatingRow,
-    store::{
-        Columns, FileError, FileErrors, dataset,
-        error::RowErrors,
-        file,
-        table::{self, Row},
-    },
+    experiment::{MAX_RATING, Phase, RatingRow},
+    store::{Columns, FileError, FileErrors, columns::Mapped, dataset, file},
     text::names::natural,
 };
 
 /// Maximum size, in bytes, of a file for which a hash is reported.
 const MAX_HASHED: u64 = 64 << 20;
 
-/// Number of files that are read at the same time. Their results are all in memory at once.
-const AT_A_TIME: usize = 256;
-
-/// Reads files and folders of files. For each file, `new` creates a `T`, `add` adds to it every row that counts, and
-/// `take` receives it, in the order of the files. If `add` fails, an error is reported at the line and column of the
-/// rating, and the row is excluded.
+/// Reads files and folders of files. Every row that counts is added, in the order of the files, to what `new` returns. If
+/// `add` fails, an error is reported at the line and column of the rating, and the row is excluded.
 ///
 /// # Errors
-/// The reason why there is nothing to analyze, or the first error of `take`. If only part of the input has errors, they
-/// are in [`Source::errors`], and the rest is read.
-pub fn read<T: Send>(
+/// The reason why there is nothing to analyze. If only part of the input has errors, they are in [`Source::errors`], and
+/// the rest is read.
+pub fn read<T>(
     paths: &[PathBuf],
     options: &ReadOptions,
-    new: impl Fn(&Shape) -> T + Sync,
-    add: impl Fn(&mut T, &RatingRow<'_>) -> Result<(), String> + Sync,
-    take: impl FnMut(&FileRead, T) -> Result<(), FileErrors>,
-) -> Result<Source, FileErrors> {
+    new: impl FnOnce(&Shape) -> T,
+    add: impl FnMut(&mut T, &RatingRow<'_>) -> Result<(), String>,
+) -> Result<(Source, T), FileErrors> {
     let (files, mut errors) = files::files(paths);
     let definitions = Definitions::default();
     let opened: Vec<_> = files.par_iter().map(|path| Input::new(path, options, &definitions)).collect();
@@ -60,36 +50,33 @@ pub fn read<T: Send>(
             Err(error) => errors.push(error),
         }
     }
-    read_inputs((inputs, &files), errors, options, new, add, take)
+    read_inputs((inputs, &files), errors, options, new, add)
 }
 
-/// Reads a table in memory, as [`read`] does a file. Errors name the table and, for the rows with errors, the row,
-/// counted from 0, and the column, counted from 1.
+/// Reads a table in memory, as [`read`] does a file. An error in a row names the table and the row, counted from 0.
 ///
 /// # Errors
 /// The same errors as [`read`], or the columns differ in length.
-pub fn read_columns<T: Send>(
+pub fn read_columns<T>(
     name: &str,
     columns: Columns,
     options: &ReadOptions,
-    new: impl Fn(&Shape) -> T + Sync,
-    add: impl Fn(&mut T, &RatingRow<'_>) -> Result<(), String> + Sync,
-    take: impl FnMut(&FileRead, T) -> Result<(), FileErrors>,
-) -> Result<Source, FileErrors> {
+    new: impl FnOnce(&Shape) -> T,
+    add: impl FnMut(&mut T, &RatingRow<'_>) -> Result<(), String>,
+) -> Result<(Source, T), FileErrors> {
     columns.check(name)?;
     let input = Input::of(name, columns, options);
-    read_inputs((vec![input], &[PathBuf::from(name)]), Vec::new(), options, new, add, take)
+    read_inputs((vec![input], &[PathBuf::from(name)]), Vec::new(), options, new, add)
 }
 
 /// Reads what was opened; `errors` are those found so far.
-fn read_inputs<T: Send>(
+fn read_inputs<T>(
     (inputs, files): (Vec<Input>, &[PathBuf]),
     mut errors: Vec<FileError>,
     options: &ReadOptions,
-    new: impl Fn(&Shape) -> T + Sync,
-    add: impl Fn(&mut T, &RatingRow<'_>) -> Result<(), String> + Sync,
-    mut take: impl FnMut(&FileRead, T) -> Result<(), FileErrors>,
-) -> Result<Source, FileErrors> {
+    new: impl FnOnce(&Shape) -> T,
+    mut add: impl FnMut(&mut T, &RatingRow<'_>) -> Result<(), String>,
+) -> Result<(Source, T), FileErrors> {
     let (selection, found) = Selection::new(inputs, options);
     errors.extend(found);
     let Some(mut selection) = selection else {
@@ -98,41 +85,23 @@ fn read_inputs<T: Send>(
         }
         return Err(in_order(errors, files));
     };
-    let (trials, survey) = first_pass(&selection);
-    let measurements = selection.set_survey(survey);
-    let sessions = sessions(&selection, &trials);
-    let unfinished: HashSet<(&str, &str)> = (sessions.iter())
-        .filter(|session| options.complete_only && session.is_unfinished())
-        .map(|session| (session.subject.as_str(), session.session.as_str()))
-        .collect();
-    let one = |file: usize| -> (T, FileRead, Vec<FileError>) {
-        let input = &selection.inputs[file];
-        let mut reader = FileReader {
-            selection: &selection,
-            trials: &trials,
-            unfinished: &unfinished,
-            file,
-            input,
-            read: FileRead { path: input.path.clone(), layout: input.layout, ..FileRead::default() },
-            errors: RowErrors::default(),
-            repeated: HashSet::new(),
-            recent: 0,
-            elsewhere: (0, 0),
-        };
-        let mut found = new(&selection.shape);
-        let read = each_row(input, |row, cells| reader.take(row, cells, |rating| add(&mut found, rating)));
-        let (read, errors) = reader.finish(read.err());
-        (found, read, errors)
-    };
+    let mut tables: Vec<Rows> = selection.inputs.par_iter().map(Rows::read).collect();
+    if tables.iter().map(|rows| rows.status.len()).sum::<usize>() > MAX_ROWS {
+        let message = format!("there are more than {MAX_ROWS} rows; expected fewer, or a table of counts");
+        return Err(FileErrors::whole(&selection.inputs[0].name, message));
+    }
+    let measurements = selection.leave_out_measurements(&tables);
+    let mut sessions = sessions(&selection, &mut tables);
+    let unfinished: Vec<bool> =
+        sessions.iter().map(|session| options.complete_only && session.is_unfinished()).collect();
+    let are_numbers = AreNumbers::new(&selection, &tables);
+    let mut all = new(&selection.shape);
     let mut reports = Vec::new();
-    let all = selection.inputs.len();
-    for first in (0..all).step_by(AT_A_TIME) {
-        let read: Vec<_> = (first..all.min(first + AT_A_TIME)).into_par_iter().map(one).collect();
-        for (found, report, wrong) in read {
-            take(&report, found)?;
-            reports.push(report);
-            errors.extend(wrong);
-        }
+    for (input, mut rows) in selection.inputs.iter().zip(tables) {
+        let mut read = add_rows(&selection, &are_numbers, &unfinished, input, &mut rows, |row| add(&mut all, row));
+        read.sha256 = sha256(input);
+        errors.extend(file_errors(input, rows, &selection.inputs));
+        reports.push(read);
     }
     if reports.iter().all(|report| report.ratings == 0) {
         errors.push(no_row_counts(&reports));
@@ -141,8 +110,9 @@ fn read_inputs<T: Send>(
     let errors = in_order(errors, files).0;
     let mut warnings = warnings(&selection.inputs);
     warnings.extend(measurements);
+    sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;
-    Ok(Source { shape, protocol, definition_sha256, files: reports, sessions, errors, warnings })
+    Ok((Source { shape, protocol, definition_sha256, files: reports, sessions, errors, warnings }, all))
 }
 
 /// Returns the warnings about files that are read anyway: changed files, sessions without a sidecar, links that lead out
@@ -203,54 +173,42 @@ fn links_out(dataset: &Path, csv: &Path) -> Vec<PathBuf> {
     [csv.to_owned(), csv.with_extension("json")].into_iter().filter(leads_out).collect()
 }
 
-/// Reads the rows of all files to determine which rows of result files count, and what the columns contain. Errors are
-/// reported later, when the rows are read again.
-fn first_pass(selection: &Selection) -> (Trials, Survey) {
-    let noted: Vec<(Trials, Survey)> = (selection.inputs.par_iter().enumerate())
-        .map(|(file, input)| {
-            let (mut trials, mut survey) = (Trials::default(), Survey::new(selection.shape.factors.len()));
-            let columns = &input.columns;
-            let _ = each_row(input, |_, cells| {
-                let Ok(cells) = cells else { return };
-                let factors = survey.factors.iter_mut().zip(&selection.guessed);
-                for ((contents, guessed), &column) in factors.zip(&columns.factors) {
-                    contents.add(cells.get(column), *guessed);
-                }
-                if !selection.own_scale {
-                    survey.response.add(cells.get(columns.response), false);
-                }
-                let Some(own) = &columns.record else { return };
-                let experiment = selection.experiment.as_deref();
-                let Ok(identity) = row::identity(&cells, columns.subject, own, experiment) else { return };
-                let dropped = own.dropped.map_or("", |column| cells.get(column));
-                let rated = is_rating(cells.get(columns.response), selection.own_scale, false);
-                trials.add(&identity, rated, (!dropped.is_empty()).then_some(dropped != "0"), file);
-            });
-            (trials, survey)
-        })
-        .collect();
-    let mut all = (Trials::default(), Survey::new(selection.shape.factors.len()));
-    for (trials, survey) in noted {
-        all.0.absorb(trials);
-        all.1.absorb(survey);
+/// Returns the sessions of all result files, and determines how the rows of these files are used.
+fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
+    let (mut sessions, mut attempts, mut index) = (Vec::new(), Vec::new(), HashMap::new());
+    for (file, (input, rows)) in (0..).zip(selection.inputs.iter().zip(&mut *tables)) {
+        let Some(own) = &input.columns.record else { continue };
+        let mut enter = |subject: &str, session: &str| {
+            *index.entry((subject.to_owned(), session.to_owned())).or_insert_with(|| {
+                sessions.push(session_read(subject, session, input));
+                sessions.len() as u32 - 1
+            })
+        };
+        let mut wrong = Vec::new();
+        read_attempts(selection, input, own, rows, |row, attempt| match attempt {
+            Ok((subject, session, attempt)) => {
+                attempts.push(Attempt { session: enter(subject, session), file, row: row as u32, ..attempt });
+            }
+            Err(error) => wrong.push(error),
+        });
+        wrong.iter().for_each(|error| rows.status[error.row] = Status::Wrong);
+        rows.errors.extend(wrong);
     }
-    all.0.finish();
-    all
-}
-
-/// Calls `take` with every row below the header, along with its cells or the error in them.
-fn each_row(input: &Input, mut take: impl FnMut(&Row<'_>, Result<Cells<'_>, RowError>)) -> std::io::Result<()> {
-    let (header, mut is_header) = (&input.header, true);
-    table::each_row(header.content(&input.path), header.separator, |row| {
-        if !std::mem::take(&mut is_header) {
-            take(row, Cells::new(row, &header.names));
+    trials::decide(attempts, &mut sessions, tables);
+    for input in selection.inputs.iter().filter(|input| input.columns.record.is_some() && input.header.first.is_none())
+    {
+        if let Ok((_, identity)) = dataset::identity(&input.path) {
+            let (subject, session) = (identity.subject(), identity.session());
+            if !index.contains_key(&(subject.to_owned(), session.to_owned())) {
+                sessions.push(session_read(subject, session, input));
+            }
         }
-    })
+    }
+    sessions
 }
 
-/// Returns the sessions of all result files, including sessions without rows.
-fn sessions(selection: &Selection, trials: &Trials) -> Vec<SessionRead> {
-    let of = |subject: &str, session: &str, input: &Input| SessionRead {
+fn session_read(subject: &str, session: &str, input: &Input) -> SessionRead {
+    SessionRead {
         subject: subject.to_owned(),
         session: session.to_owned(),
         path: input.path.clone(),
@@ -258,185 +216,180 @@ fn sessions(selection: &Selection, trials: &Trials) -> Vec<SessionRead> {
         rated: 0,
         dropped: None,
         sidecar: input.sidecar.clone(),
+    }
+}
+
+/// Calls `take` with every readable row of a result file: its participant, session and trial, or the first error.
+fn read_attempts<'a>(
+    selection: &Selection,
+    input: &Input,
+    own: &RecordColumns,
+    rows: &'a Rows,
+    mut take: impl FnMut(usize, Result<(&'a str, &'a str, Attempt), RowError>),
+) {
+    let texts = |column: usize| &rows.columns[column];
+    let experiment = own.experiment.zip(selection.experiment.as_deref());
+    let phases = texts(own.phase).map(|text| text.parse::<Phase>().ok());
+    let [trials, numbers] = [own.trial, own.attempt].map(|column| texts(column).map(values::ordinal));
+    let rated = texts(input.columns.response).map(|text| values::is_rating(text, selection.own_scale, false));
+    let dropped = own.dropped.map(|column| texts(column).map(|text| (!text.is_empty()).then_some(text != "0")));
+    let one = |row: usize| {
+        let wrong = |column: usize, expected: &'static str| RowError::new(row, column, expected);
+        let present = |column: usize, expected: &'static str| match texts(column).get(row) {
+            "" => Err(wrong(column, expected)),
+            text => Ok(text),
+        };
+        if let Some((column, expected)) = experiment
+            && texts(column).get(row) != expected
+        {
+            return Err(RowError::new(row, column, format!("{expected}, as in the first row")));
+        }
+        let phase = phases.get(row).ok_or_else(|| wrong(own.phase, "practice or main"))?;
+        let trial = trials.get(row).ok_or_else(|| wrong(own.trial, "the number of a trial, from 1 to 1000000"))?;
+        let attempt =
+            numbers.get(row).ok_or_else(|| wrong(own.attempt, "the number of an attempt, from 1 to 1000000"))?;
+        let subject = present(input.columns.subject, "a participant")?;
+        let session = present(own.session, "a session")?;
+        let (rated, dropped) = (*rated.get(row), dropped.as_ref().and_then(|dropped| *dropped.get(row)));
+        let is_main = phase == Phase::Main;
+        Ok((subject, session, Attempt { session: 0, is_main, trial, attempt, file: 0, row: 0, rated, dropped }))
     };
-    let with_rows = trials.sessions.iter().map(|session| {
-        let input = &selection.inputs[session.file()];
-        let (rated, dropped) = (session.rated(), session.dropped());
-        SessionRead { rated, dropped, ..of(&session.subject, &session.session, input) }
-    });
-    let mut sessions: Vec<SessionRead> = with_rows.collect();
-    for input in selection.inputs.iter().filter(|input| input.columns.record.is_some() && input.header.first.is_none())
-    {
-        if let Ok((_, identity)) = dataset::identity(&input.path) {
-            let (subject, session) = (identity.subject(), identity.session());
-            if !sessions.iter().any(|known| known.subject == subject && known.session == session) {
-                sessions.push(of(subject, session, input));
-            }
-        }
-    }
-    sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
-    sessions
+    rows.all().filter(|row| rows.status[*row] != Status::Wrong).for_each(|row| take(row, one(row)));
 }
 
-/// The state while one file is read.
-struct FileReader<'a> {
-    selection: &'a Selection,
-    trials: &'a Trials,
-    /// Participant and session of the excluded sessions.
-    unfinished: &'a HashSet<(&'a str, &'a str)>,
-    file: usize,
-    input: &'a Input,
-    read: FileRead,
-    errors: RowErrors,
-    /// Trials that occur twice in the file, with their session, once their first row has been read.
-    repeated: HashSet<(usize, Trial)>,
-    /// The session of the previous row.
-    recent: usize,
-    /// The number of rows that also occur in another file, and the last such file.
-    elsewhere: (u64, usize),
+/// Which columns have only numbers, in all files together.
+struct AreNumbers {
+    factors: Vec<bool>,
+    response: bool,
 }
 
-impl FileReader<'_> {
-    fn take(
-        &mut self,
-        row: &Row<'_>,
-        cells: Result<Cells<'_>, RowError>,
-        add: impl FnMut(&RatingRow<'_>) -> Result<(), String>,
-    ) {
-        self.read.rows += 1;
-        match cells.map_err(Some).and_then(|cells| self.rating(row, &cells, add)) {
-            Ok(count) => {
-                self.read.counted += 1;
-                self.read.ratings += count;
-            }
-            Err(Some(error)) => {
-                self.read.erroneous += 1;
-                self.error(row, error);
-            }
-            Err(None) => {}
+impl AreNumbers {
+    fn new(selection: &Selection, tables: &[Rows]) -> Self {
+        let factors = 0..selection.shape.factors.len();
+        Self {
+            factors: factors
+                .map(|factor| values::are_numbers(&selection.texts(tables, |columns| columns.factors[factor])))
+                .collect(),
+            response: !selection.own_scale && values::are_numbers(&selection.texts(tables, |columns| columns.response)),
         }
     }
+}
 
-    fn error(&mut self, row: &Row<'_>, error: RowError) {
-        let error = partial_row(row, &error).unwrap_or(error);
-        let cell = error.cell.or(row.text().err()).unwrap_or(0);
-        self.errors.add(&self.input.name, error.cell, error.message, || row.place(cell));
-    }
-
-    /// Calls `add` for a row that counts, and returns how many trials the row represents.
-    ///
-    /// # Errors
-    /// The error in the row; `None` if the row is excluded for another reason and has already been counted as such.
-    fn rating(
-        &mut self,
-        row: &Row<'_>,
-        cells: &Cells<'_>,
-        mut add: impl FnMut(&RatingRow<'_>) -> Result<(), String>,
-    ) -> Result<u64, Option<RowError>> {
-        let (own_scale, survey) = (self.selection.own_scale, &self.selection.survey);
-        let columns = &self.input.columns;
-        if let Some(own) = &columns.record {
-            let experiment = self.selection.experiment.as_deref();
-            let identity = row::identity(cells, columns.subject, own, experiment)?;
-            self.check(&identity, cells, own)?;
+/// Calls `add` for every row of a file that counts. Collects the errors in the rows.
+fn add_rows(
+    selection: &Selection,
+    are_numbers: &AreNumbers,
+    unfinished: &[bool],
+    input: &Input,
+    rows: &mut Rows,
+    mut add: impl FnMut(&RatingRow<'_>) -> Result<(), String>,
+) -> FileRead {
+    let columns = &input.columns;
+    let texts = |column: usize| &rows.columns[column];
+    let subjects = texts(columns.subject);
+    let is_rating = |text| values::is_rating(text, selection.own_scale, are_numbers.response);
+    let ratings = texts(columns.response).map(|text| is_rating(text).then_some(text));
+    let counts = columns.count.map(|column| (column, texts(column).map(values::count)));
+    let factors = columns.factors.iter().zip(&selection.levels).zip(&are_numbers.factors);
+    let factors: Vec<Mapped<'_, &str>> = factors
+        .map(|((&column, defined), &among_numbers)| {
+            let defined = if columns.record.is_some() { &defined[..] } else { &[] };
+            texts(column).map(|text| values::level(text, defined, among_numbers))
+        })
+        .collect();
+    let places = columns.session.zip(columns.repetition);
+    let places = places.map(|(session, column)| (texts(session), column, texts(column).map(values::repetition)));
+    let (mut errors, mut levels) = (Vec::new(), Vec::new());
+    let mut rating = |row: usize, errors: &mut Vec<RowError>| -> Result<u64, RowError> {
+        let subject = subjects.get(row);
+        if subject.is_empty() {
+            return Err(RowError::new(row, columns.subject, "a participant"));
         }
-        let subject = cells.present(columns.subject, "a participant")?;
-        let rating = row::rating(cells, columns, own_scale, survey.response.are_numbers())?;
-        let count = row::count(cells, columns)?;
+        let Some(rating) = *ratings.get(row) else {
+            let is_missing = values::is_missing(texts(columns.response).get(row), are_numbers.response);
+            return Err(RowError::new(
+                row,
+                columns.response,
+                match selection.own_scale {
+                    false => "a rating".to_owned(),
+                    true if is_missing || columns.record.is_some() => format!("a rating from 0 to {MAX_RATING}"),
+                    // Any scale is possible in a table from elsewhere.
+                    true => format!(
+                        "a rating from 0 to {MAX_RATING}, or the option response with this column for another scale"
+                    ),
+                },
+            ));
+        };
+        let count = match &counts {
+            Some((column, counts)) => counts.get(row).map_err(|expected| RowError::new(row, *column, expected))?,
+            None => 1,
+        };
         // An unreadable position or time is an error, but the rating still counts.
-        let place = row::place(cells, columns).unwrap_or_else(|error| self.unread(row, error));
-        let response_time_s = row::response_time(cells, columns).unwrap_or_else(|error| self.unread(row, error));
-        let factors = columns.factors.iter().zip(&survey.factors).zip(&self.selection.levels);
-        let values: Vec<&str> = factors
-            .map(|((&column, contents), defined)| {
-                let defined = if columns.record.is_some() { &defined[..] } else { &[] };
-                row::level(cells.optional(column, contents.are_numbers()), defined)
-            })
-            .collect();
-        add(&RatingRow { subject, values: &values, rating, count, place, response_time_s })
-            .map_err(|message| RowError { cell: Some(columns.response), message })?;
+        let place = places.as_ref().and_then(|(sessions, column, repetitions)| match repetitions.get(row) {
+            Ok(repetition) => repetition.map(|repetition| (sessions.get(row), repetition)),
+            Err(expected) => {
+                errors.push(RowError::new(row, *column, *expected));
+                None
+            }
+        });
+        let response_time_s = columns.time.zip(rows.times.get(row)).and_then(|(column, &seconds)| {
+            if seconds < 0.0 || seconds.is_infinite() {
+                errors.push(RowError::new(row, column, "seconds, 0 or more"));
+            }
+            Some(seconds).filter(|seconds| seconds.is_finite() && *seconds >= 0.0)
+        });
+        levels.clear();
+        levels.extend(factors.iter().map(|levels| *levels.get(row)));
+        add(&RatingRow { subject, values: &levels, rating, count, place, response_time_s })
+            .map_err(|message| RowError { row, cell: Some(columns.response), what: What::Said(message) })?;
         Ok(count)
-    }
-
-    fn unread<T>(&mut self, row: &Row<'_>, error: RowError) -> Option<T> {
-        self.error(row, error);
-        None
-    }
-
-    /// Checks whether a row of a result file counts.
-    ///
-    /// # Errors
-    /// The same errors as [`FileReader::rating`].
-    fn check(&mut self, row: &Identity<'_>, cells: &Cells<'_>, own: &RecordColumns) -> Result<(), Option<RowError>> {
-        let Some(session) = self.trials.find(row.subject, row.session, self.recent) else { return Ok(()) };
-        self.recent = session;
-        let is_new = |trial| self.repeated.insert((self.recent, trial));
-        let status = self.trials.sessions[self.recent].status(row.trial, self.file, is_new);
-        if let Status::Repeated(file) = status {
-            self.elsewhere = (self.elsewhere.0 + u64::from(file != self.file), file);
-            let name = match own.row_id.map_or("", |column| cells.get(column)) {
-                "" => "the trial and attempt of this row".to_owned(),
-                row_id => format!("row_id {row_id:?}"),
-            };
-            let place =
-                if file == self.file { "above".to_owned() } else { format!("in {}", self.selection.inputs[file].name) };
-            let message = format!("{name} already appears {place}; expected each row only once (this one is left out)");
-            return Err(RowError { cell: None, message }.into());
-        }
-        let left_out = if !row.trial.is_main() {
-            &mut self.read.practice
-        } else if status == Status::Superseded {
-            &mut self.read.superseded
-        } else if self.unfinished.contains(&(row.subject, row.session)) {
-            &mut self.read.unfinished
-        } else {
-            return Ok(());
+    };
+    let mut read = FileRead { path: input.path.clone(), layout: input.layout, ..FileRead::default() };
+    read.rows = rows.status.len() as u64;
+    for row in rows.all() {
+        let left_out = match rows.status[row] {
+            Status::Counts(session) if columns.record.is_some() && unfinished[session as usize] => &mut read.unfinished,
+            Status::Counts(_) => match rating(row, &mut errors) {
+                Ok(count) => {
+                    read.ratings += count;
+                    &mut read.counted
+                }
+                Err(error) => {
+                    errors.push(error);
+                    &mut read.erroneous
+                }
+            },
+            Status::Practice => &mut read.practice,
+            Status::Superseded => &mut read.superseded,
+            Status::Repeated(file) => {
+                errors.push(RowError { row, cell: None, what: What::Repeated(file as usize) });
+                &mut read.erroneous
+            }
+            Status::Wrong => &mut read.erroneous,
         };
         *left_out += 1;
-        Err(None)
     }
-
-    fn finish(mut self, error: Option<std::io::Error>) -> (FileRead, Vec<FileError>) {
-        let (name, rows) = (&self.input.name, self.read.rows);
-        self.read.sha256 = sha256(self.input);
-        let mut errors = Vec::new();
-        if let Some(error) = error {
-            let message = format!("cannot be read completely: {error}; expected a readable file");
-            errors.push(FileError::whole(name, message));
-        }
-        if rows > 0 && self.elsewhere.0 == rows {
-            let other = &self.selection.inputs[self.elsewhere.1].name;
-            let message = format!(
-                "all its rows ({rows}) already appear in {other}; expected each session only once (this file is left out)"
-            );
-            errors.push(FileError::whole(name, message));
-        } else {
-            errors.extend(self.errors.finish(name, &self.input.header.names));
-        }
-        (self.read, errors)
-    }
+    rows.errors.extend(errors);
+    read
 }
 
-/// Replaces the error of a row that an interrupted write left behind. This is the last row, and it either has no line
-/// end and an error in its last cell or its number of cells, or contains zero bytes because the file was enlarged but
-/// not filled.
-fn partial_row(row: &Row<'_>, error: &RowError) -> Option<RowError> {
-    if !row.last {
-        return None;
+/// Returns the errors in a file. If all its rows also occur in other files, that is the only one.
+fn file_errors(input: &Input, mut rows: Rows, inputs: &[Input]) -> Vec<FileError> {
+    let mut others = rows.status.iter().filter_map(|status| match status {
+        Status::Repeated(file) => Some(&inputs[*file as usize].name).filter(|name| **name != input.name),
+        _ => None,
+    });
+    let (number, all, other) = (others.clone().count(), rows.status.len(), others.next_back());
+    let everything = other.filter(|_| number == all).map(|other| {
+        let message = format!(
+            "all its rows ({all}) already appear in {other}; expected each session only once (this file is left out)"
+        );
+        FileError::whole(&input.name, message)
+    });
+    if everything.is_some() {
+        rows.errors.clear();
     }
-    let raw = row.raw();
-    let is_ended = raw.ends_with(b"\n") || raw.ends_with(b"\r");
-    let ends_badly = error.cell.is_none_or(|cell| cell + 1 == row.record.len());
-    let what = if raw.contains(&0) {
-        "contains zero bytes"
-    } else if !is_ended && ends_badly {
-        "is cut off"
-    } else {
-        return None;
-    };
-    let message =
-        format!("the last row {what}, as after an interrupted write; expected a complete row (this one is left out)");
-    Some(RowError { cell: None, message })
+    rows.errors(input, inputs).into_iter().chain(everything).collect()
 }
 
 fn sha256(input: &Input) -> Option<String> {

@@ -1,7 +1,7 @@
 //! Determines what each file is, which files belong together, and which of their columns are read.
 
 use std::{
-    collections::{HashMap, HashSet},
+    collections::{BTreeSet, HashMap, HashSet},
     path::{Path, PathBuf},
     sync::{Arc, Mutex, PoisonError},
 };
@@ -10,13 +10,14 @@ use serde_json::{Map, Value};
 
 use super::{
     files::Header,
+    rows::Rows,
     source::{Layout, ReadOptions, Shape},
-    survey::Survey,
+    values,
 };
 use crate::{
     experiment::{MAX_RATING, Protocol, columns_by_header},
     stimulus::is_direction,
-    store::{FileError, FileErrors, StoreError, definition, session::seal, sidecar::Sidecar},
+    store::{FileError, FileErrors, StoreError, columns::Texts, definition, session::seal, sidecar::Sidecar},
     text::names::expected_one_of,
 };
 
@@ -60,7 +61,6 @@ pub(super) struct Columns {
 /// Indices of a result file's own columns.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct RecordColumns {
-    pub row_id: Option<usize>,
     pub experiment: Option<usize>,
     pub session: usize,
     pub phase: usize,
@@ -84,8 +84,6 @@ pub(super) struct Selection {
     pub levels: Vec<Vec<String>>,
     /// For each factor, whether it is read only because no factors were named and there is no definition.
     pub guessed: Vec<bool>,
-    /// What the columns contain; nothing until the rows have been read once.
-    pub survey: Survey,
 }
 
 /// Description of a session's file that has neither rows nor a sidecar, and may thus belong to any experiment.
@@ -128,7 +126,10 @@ impl Selection {
             }
         });
         for name in options.direction.iter().filter(|name| !shape.factors.contains(name)) {
-            let message = format!("--direction {name} is not a factor; {}", expected_one_of(name, &shape.factors));
+            let message = format!(
+                "the option direction names {name}, which is not a factor; {}",
+                expected_one_of(name, &shape.factors)
+            );
             errors.extend(inputs.first().map(|file| FileError::whole(&file.path, message)));
         }
         let levels =
@@ -138,31 +139,50 @@ impl Selection {
         let is_empty = inputs.is_empty();
         let is_guess = options.factors.is_none() && protocol.is_none();
         let guessed = shape.factors.iter().map(|name| is_guess && !options.also.contains(name)).collect();
-        let survey = Survey::new(shape.factors.len());
-        let selection =
-            Self { inputs, shape, protocol, definition_sha256, experiment, own_scale, levels, guessed, survey };
+        let selection = Self { inputs, shape, protocol, definition_sha256, experiment, own_scale, levels, guessed };
         ((!is_empty).then_some(selection), errors)
     }
 
-    /// Sets what the columns contain. Columns that were only guessed to be factors are left out if they are
-    /// measurements, with a warning for each.
-    pub fn set_survey(&mut self, survey: Survey) -> Vec<FileError> {
-        self.survey = survey;
+    /// Leaves out the columns that were only guessed to be factors and are measurements, with a warning for each.
+    pub fn leave_out_measurements(&mut self, files: &[Rows]) -> Vec<FileError> {
         let mut warnings = Vec::new();
         for index in (0..self.guessed.len()).rev().filter(|&index| self.guessed[index]) {
-            let Some((different, rows)) = self.survey.factors[index].measurement() else { continue };
-            self.survey.factors.remove(index);
+            let texts = self.texts(files, |columns| columns.factors[index]);
+            let Some((different, rows)) = values::measurement(&texts) else { continue };
             let name = self.shape.factors.remove(index);
             self.levels.remove(index);
             let columns = self.inputs.iter_mut().map(|input| input.columns.factors.remove(index)).collect::<Vec<_>>();
             let message = format!(
                 "the column {name} has {different} different numbers in {rows} rows, so it is a measurement and not a \
-                 factor (it is left out); expected --factors or --terms with the columns to analyze, such as num:{name}"
+                 factor (it is left out); expected the option factors or terms with the columns to analyze, such as num:{name}"
             );
             warnings.push(self.inputs[0].error(self.inputs[0].header.column(columns[0]), message));
         }
         warnings.reverse();
         warnings
+    }
+
+    /// Returns one column of all files.
+    pub fn texts<'a>(&self, files: &'a [Rows], column: impl Fn(&Columns) -> usize) -> Vec<&'a Texts> {
+        self.inputs.iter().zip(files).map(|(input, rows)| &rows.columns[column(&input.columns)]).collect()
+    }
+}
+
+impl Columns {
+    /// Returns the columns that are read as texts.
+    pub fn texts(&self) -> BTreeSet<usize> {
+        let mut all = BTreeSet::from([self.subject, self.response]);
+        all.extend(self.factors.iter().copied().chain(self.count).chain(self.session).chain(self.repetition));
+        if let Some(own) = self.record {
+            all.extend([own.session, own.phase, own.trial, own.attempt]);
+            all.extend(own.experiment.into_iter().chain(own.dropped));
+        }
+        all
+    }
+
+    /// True if a column has IDs, which are not numbers.
+    pub fn is_id(&self, column: usize) -> bool {
+        [Some(self.subject), self.session, self.record.map(|own| own.session)].contains(&Some(column))
     }
 }
 
@@ -358,7 +378,10 @@ fn without_factors(file: &Input, options: &ReadOptions) -> FileError {
     let message = if others.is_empty() {
         "no factors were given, and the file has no other columns; expected a column for each factor".to_owned()
     } else {
-        format!("no factors were given; expected --factors or --terms with some of the columns {}", others.join(", "))
+        format!(
+            "no factors were given; expected the option factors or terms with some of the columns {}",
+            others.join(", ")
+        )
     };
     file.error(1, message)
 }
@@ -493,7 +516,6 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
             Layout::Long => options.count.as_deref().map(&mut needed),
         },
         record: is_results.then(|| RecordColumns {
-            row_id: header.position("row_id"),
             experiment: header.position("experiment"),
             session: needed("session_id"),
             phase: needed("phase"),

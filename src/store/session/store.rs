@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     experiment::{Answers, Identity, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns},
-    store::{FileError, FileErrors, StoreError, definition, file::exists},
+    store::{FileErrors, StoreError, definition, file::exists},
 };
 
 /// The files of a running session.
@@ -425,12 +425,8 @@ impl Found {
         };
         let differences = seal::differences(&paths.csv, &sidecar);
         if changes == Changes::Refuse && !differences.is_empty() {
-            let hint = "use --accept-changes to resume anyway; the sidecar then lists the change";
-            let error = |difference: &Difference| {
-                let error = difference.error();
-                FileError { message: format!("{}; {hint}", error.message), ..error }
-            };
-            return Err(FileErrors(differences.iter().map(error).collect()).into());
+            let errors = differences.iter().map(Difference::error).collect();
+            return Err(StoreError::Altered(FileErrors(errors)));
         }
         let mismatch = |what: String| StoreError::Mismatch { path: paths.csv.clone(), what };
         let schedule = Schedule::new(protocol, identity, sidecar.seed).map_err(|error| mismatch(error.to_string()))?;

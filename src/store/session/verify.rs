@@ -223,9 +223,9 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
             found.errors.push(FileError::at(&recorded.csv, (line, 1), message));
         }
         Some(_) => found.notes.push(format!(
-            "line {line} is incomplete because the program was interrupted; --resume shows its trial again"
+            "line {line} is incomplete because the program was interrupted; its trial is shown again when the session is resumed"
         )),
-        None if !is_complete && rated < planned => found.notes.push("not complete; --resume continues it".to_owned()),
+        None if !is_complete && rated < planned => found.notes.push("not complete; it can be resumed".to_owned()),
         None => {}
     }
     let turned_back = turned_back(&recorded.sidecar);

@@ -5,10 +5,7 @@ use std::ops::RangeInclusive;
 use eframe::egui::{self, RichText, Slider};
 use glam::DVec3;
 
-use super::{
-    comparison::{Comparison, MeshChoice, depth_title, presets, shader_title},
-    pictures::{Drawer, DrawnBy},
-};
+use super::comparison::{Comparison, MeshChoice, depth_title, presets, shader_title};
 use crate::{
     app::ui::{Field, text, theme::ink},
     light::{Depth, Transfer},
@@ -172,12 +169,4 @@ pub fn transfer(ui: &mut egui::Ui, compared: &mut Comparison) {
         other => other.to_string().replace("gamma:", "gamma "),
     };
     field("display", "Display transfer function").choice(ui, &mut compared.transfer, &transfers, title);
-}
-
-/// Draws the choice between CPU and graphics card, if the graphics card is available.
-pub fn drawn_by(ui: &mut egui::Ui, drawer: &mut Drawer) {
-    if let Ok(card) = drawer.gpu_name() {
-        let title = |by: &DrawnBy| if *by == DrawnBy::Cpu { "CPU".to_owned() } else { card.clone() };
-        field("drawn by", "Drawn by").choice(ui, &mut drawer.wanted, &[DrawnBy::Cpu, DrawnBy::Gpu], title);
-    }
 }

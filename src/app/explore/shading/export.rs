@@ -56,16 +56,9 @@ impl Export {
 
 /// Returns the parameters of the view, for the exported file. `full_scale` is the strength that is drawn lightest or
 /// darkest in a map of predicted bands.
-pub fn parameters(
-    compared: &Comparison,
-    settings: &ViewSettings,
-    size: [u32; 2],
-    drawn_by: &str,
-    full_scale: Option<f64>,
-) -> Value {
+pub fn parameters(compared: &Comparison, settings: &ViewSettings, size: [u32; 2], full_scale: Option<f64>) -> Value {
     let mut all = compared.describe();
     all["size"] = json!(size);
-    all["drawn_by"] = json!(drawn_by);
     let column = settings.column(size[0]);
     all["view"] = match settings.layer {
         Layer::Split => json!({"show": "split", "right_from_column": column}),

@@ -3,7 +3,7 @@
 //! | file | contents |
 //! |---|---|
 //! | `comparison` | the comparison; presets |
-//! | `pictures` | drawing on the graphics card or the CPU, only if something has changed |
+//! | `pictures` | drawing, only if something has changed |
 //! | `measures` | creases and predicted bands of both sides; light along a line |
 //! | `canvas` | the image and dragging on it |
 //! | `key` | keys to the colors of the layers |

@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use eframe::{
-    egui::{self, CentralPanel, Frame, Key, Label, Panel, Rect, RichText, ScrollArea, TextureHandle, UiBuilder},
-    egui_wgpu::RenderState,
+use eframe::egui::{
+    self, CentralPanel, Frame, Key, Label, Panel, Rect, RichText, ScrollArea, TextureHandle, UiBuilder,
 };
 use toml::{Table, Value};
 
@@ -15,11 +14,13 @@ use super::{
     export::{self, Export},
     key,
     measures::{self, Measurement, SHORTER_SIDE_DEG, Scan},
-    pictures::{Difference, Drawer, DrawnBy, Picture, Pictures, divided},
+    pictures::{Difference, Picture, Pictures, divided},
 };
 use crate::{
     app::ui::{
-        Dialog, Field, FileKind, History, Step, escaped, heading, hint, secondary, show_error,
+        Dialog, Field, FileKind, History, Step, escaped, heading, hint,
+        pixels::Canvas,
+        secondary, show_error,
         theme::{self, ink},
     },
     light::CodeImage,
@@ -44,7 +45,8 @@ pub struct ShadingPage {
     settings: ViewSettings,
     /// The last valid mesh and its surface.
     surface: Option<(MeshChoice, Arc<Surface>)>,
-    drawer: Option<Drawer>,
+    /// Textures for the left and the right picture.
+    canvases: [Canvas; 2],
     pictures: Option<Pictures>,
     creases: Measurement,
     bands: Measurement,
@@ -80,8 +82,7 @@ impl ShadingPage {
         found.map(|(name, _)| ("preset".to_owned(), name.into())).into_iter().collect()
     }
 
-    pub fn show(&mut self, ui: &mut egui::Ui, state: Option<&RenderState>) -> Step {
-        self.drawer.get_or_insert_with(|| Drawer::new(state));
+    pub fn show(&mut self, ui: &mut egui::Ui) -> Step {
         let escaped = escaped(ui);
         let width = (ui.available_width() * 0.36).clamp(272.0, 340.0);
         let is_narrow = ui.available_width() < NARROW;
@@ -154,9 +155,6 @@ impl ShadingPage {
         controls::light(ui, &mut self.compared);
         controls::material(ui, &mut self.compared.scene);
         controls::transfer(ui, &mut self.compared);
-        if let Some(drawer) = &mut self.drawer {
-            controls::drawn_by(ui, drawer);
-        }
     }
 
     fn file_field(&mut self, ui: &mut egui::Ui) {
@@ -309,8 +307,8 @@ impl ShadingPage {
         if self.surface.as_ref().is_none_or(|(choice, _)| *choice != self.compared.mesh) {
             self.load(self.compared.mesh.clone());
         }
-        let (Some((_, surface)), Some(drawer)) = (&self.surface, &mut self.drawer) else { return };
-        let pictures = Pictures::updated(ctx, self.pictures.take(), drawer, surface, &self.compared, size);
+        let Some((_, surface)) = &self.surface else { return };
+        let pictures = Pictures::updated(ctx, self.pictures.take(), &mut self.canvases, surface, &self.compared, size);
         if !self.dragging {
             self.creases.want(ctx, &pictures, measures::creases);
             self.bands.want(ctx, &pictures, measures::bands);
@@ -319,7 +317,7 @@ impl ShadingPage {
             self.scan = Some(Scan::updated(self.scan.take(), &pictures, self.settings.line));
         }
         if self.settings.layer == Layer::Difference {
-            self.difference = Difference::updated(ctx, self.difference.take(), &pictures, self.settings.factor);
+            self.difference = Some(Difference::updated(ctx, self.difference.take(), &pictures, self.settings.factor));
         }
         self.pictures = Some(pictures);
     }
@@ -355,7 +353,7 @@ impl ShadingPage {
 
     /// Draws the table of creases and predicted bands, and the drawing times.
     fn numbers(&self, ui: &mut egui::Ui) {
-        let (Some(pictures), Some(drawer)) = (&self.pictures, &self.drawer) else { return };
+        let Some(pictures) = &self.pictures else { return };
         ui.spacing_mut().interact_size.y = 14.0;
         egui::Grid::new("numbers").spacing([16.0, 2.0]).show(ui, |ui| {
             ui.label("");
@@ -384,17 +382,12 @@ impl ShadingPage {
                     {SHORTER_SIDE_DEG}° of visual angle."
             ),
         );
-        let by = match (drawer.by(), drawer.gpu_name()) {
-            (DrawnBy::Gpu, _) => format!("Drawn by {}.", drawer.name()),
-            (DrawnBy::Cpu, Ok(_)) => "Drawn by the CPU.".to_owned(),
-            (DrawnBy::Cpu, Err(reason)) => format!("Drawn by the CPU: {reason}."),
-        };
         let [left, right] = pictures.sides.each_ref().map(|picture| picture.ms);
         let (triangles, vertices) = (pictures.frame.triangles.len(), pictures.frame_ms);
         hint(
             ui,
             format!(
-                "{by} Triangles facing the viewer: {triangles}. Vertices {vertices:.1} ms, left {left:.1} ms, right {right:.1} ms."
+                "Triangles facing the viewer: {triangles}. Vertices {vertices:.1} ms, left {left:.1} ms, right {right:.1} ms."
             ),
         );
     }
@@ -407,20 +400,20 @@ impl ShadingPage {
         }
         let [left, right] = match self.mapped() {
             Some(measurement) => measurement.get(pictures.edition)?.maps.clone(),
-            None => [pictures.sides[0].codes()?, pictures.sides[1].codes()?],
+            None => pictures.sides.each_ref().map(Picture::codes),
         };
         Some(divided([&left, &right], self.settings.column(left.width)))
     }
 
     fn export(&mut self, ui: &mut egui::Ui) {
         let mut export = std::mem::take(&mut self.export);
-        if let (Some(pictures), Some(drawer)) = (&self.pictures, &self.drawer) {
+        if let Some(pictures) = &self.pictures {
             let compared = &pictures.compared;
             export.show(ui, compared, || {
                 let image = self.pixels()?;
                 let full_scale = self.bands.get(pictures.edition).map(|bands| bands.full_scale);
                 let size = [image.width, image.height];
-                let parameters = export::parameters(compared, &self.settings, size, &drawer.name(), full_scale);
+                let parameters = export::parameters(compared, &self.settings, size, full_scale);
                 Some((image, parameters))
             });
         }

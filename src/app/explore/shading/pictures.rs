@@ -1,82 +1,27 @@
-//! Draws the two images of a comparison, on the CPU or on the graphics card of the window. Redraws them only if
-//! something has changed.
+//! Draws the two images of a comparison. Redraws them only if something has changed.
 
 use std::{sync::Arc, time::Instant};
 
-use eframe::{
-    egui::{self, Color32, ColorImage, TextureHandle, TextureId},
-    egui_wgpu::RenderState,
-    wgpu,
-};
+use eframe::egui::{self, Color32, ColorImage, TextureHandle, TextureId};
 
 use super::comparison::Comparison;
 use crate::{
     app::ui::pixels::{self, Canvas},
     light::{CodeImage, Samples},
-    shading::{
-        Encoder, Frame, Prepared, Surface,
-        gpu::{self, Gpu, GpuError},
-    },
+    shading::{Encoder, Frame, Prepared, Surface},
     stimulus::Shot,
 };
 
-/// The processor that draws the images.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DrawnBy {
-    Cpu,
-    Gpu,
+/// The picture of one side.
+pub struct Picture {
+    pixels: Arc<ColorImage>,
+    texture: TextureHandle,
+    /// Drawing time, ms.
+    pub ms: f64,
 }
 
-/// The CPU, and the graphics card if it can draw.
-pub struct Drawer {
-    /// Textures for the images that the CPU draws, left and right.
-    canvases: [Canvas; 2],
-    gpu: Result<WindowGpu, String>,
-    /// The processor to use if both can draw.
-    pub wanted: DrawnBy,
-}
-
-impl Drawer {
-    /// Uses the window's graphics card if it has one. A software adapter is no faster than the CPU, so the CPU is then
-    /// preferred.
-    pub fn new(state: Option<&RenderState>) -> Drawer {
-        let gpu = match state {
-            Some(state) => WindowGpu::new(state).map_err(|error| error.to_string()),
-            None => Err("no graphics adapter".to_owned()),
-        };
-        let is_fast = gpu.as_ref().is_ok_and(|gpu| gpu.info.device_type != wgpu::DeviceType::Cpu);
-        Drawer { canvases: Default::default(), gpu, wanted: if is_fast { DrawnBy::Gpu } else { DrawnBy::Cpu } }
-    }
-
-    /// Returns the processor that draws.
-    pub fn by(&self) -> DrawnBy {
-        if self.gpu.is_ok() { self.wanted } else { DrawnBy::Cpu }
-    }
-
-    /// Returns the name of the processor that draws.
-    pub fn name(&self) -> String {
-        match self.by() {
-            DrawnBy::Cpu => "CPU".to_owned(),
-            DrawnBy::Gpu => self.gpu_name().unwrap_or_default(),
-        }
-    }
-
-    /// Returns the name of the graphics card, or the reason why it cannot draw.
-    pub fn gpu_name(&self) -> Result<String, &str> {
-        self.gpu.as_ref().map(WindowGpu::name).map_err(String::as_str)
-    }
-
-    /// Draws one side; `which` is 0 for left and 1 for right.
-    fn draw(&mut self, ctx: &egui::Context, which: usize, shot: &Shot<'_>) -> Picture {
-        if self.by() == DrawnBy::Gpu
-            && let Ok(gpu) = &mut self.gpu
-        {
-            match gpu.draw(shot) {
-                Ok((picture, ms)) => return Picture { image: Image::Gpu(picture), ms },
-                // From now on, the CPU draws, and the page says why.
-                Err(error) => self.gpu = Err(error.to_string()),
-            }
-        }
+impl Picture {
+    fn draw(ctx: &egui::Context, canvas: &mut Canvas, shot: &Shot<'_>) -> Picture {
         let started = Instant::now();
         let mut pixels =
             ColorImage::filled([shot.frame.width, shot.frame.height].map(|side| side as usize), Color32::BLACK);
@@ -85,43 +30,20 @@ impl Drawer {
         prepared.codes(&encoder, bytemuck::cast_slice_mut(&mut pixels.pixels));
         let ms = ms_since(started);
         let pixels = Arc::new(pixels);
-        let texture = self.canvases[which].put(ctx, "shading", pixels.clone());
-        Picture { image: Image::Cpu(pixels, texture), ms }
+        let texture = canvas.put(ctx, "shading", pixels.clone());
+        Picture { pixels, texture, ms }
     }
-}
 
-/// The picture of one side.
-pub struct Picture {
-    image: Image,
-    /// Drawing time, ms.
-    pub ms: f64,
-}
-
-/// An image in the memory of the CPU or of the graphics card.
-enum Image {
-    Cpu(Arc<ColorImage>, TextureHandle),
-    Gpu(GpuPicture),
-}
-
-impl Picture {
     /// Returns the picture's texture in egui.
     pub fn id(&self) -> TextureId {
-        match &self.image {
-            Image::Cpu(_, texture) => texture.id(),
-            Image::Gpu(picture) => picture.id,
-        }
+        self.texture.id()
     }
 
-    /// Returns the picture's codes; `None` if they cannot be read back from the graphics card.
-    pub fn codes(&self) -> Option<CodeImage> {
-        match &self.image {
-            Image::Cpu(pixels, _) => {
-                let [width, height] = pixels.size.map(|side| side as u32);
-                let codes = pixels.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]).collect();
-                Some(CodeImage { width, height, samples: Samples::Eight(codes) })
-            }
-            Image::Gpu(GpuPicture { texture, state, .. }) => gpu::codes(&state.device, &state.queue, texture).ok(),
-        }
+    /// Returns the picture's codes.
+    pub fn codes(&self) -> CodeImage {
+        let [width, height] = self.pixels.size.map(|side| side as u32);
+        let codes = self.pixels.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]).collect();
+        CodeImage { width, height, samples: Samples::Eight(codes) }
     }
 }
 
@@ -131,7 +53,6 @@ pub struct Pictures {
     pub compared: Comparison,
     /// The surface that they show.
     pub surface: Arc<Surface>,
-    by: DrawnBy,
     /// A number that increases whenever either image changes.
     pub edition: u64,
     /// The surface on the screen, in linear light.
@@ -147,26 +68,25 @@ impl Pictures {
     pub fn updated(
         ctx: &egui::Context,
         before: Option<Pictures>,
-        drawer: &mut Drawer,
+        canvases: &mut [Canvas; 2],
         surface: &Arc<Surface>,
         compared: &Comparison,
         size: [u32; 2],
     ) -> Pictures {
         let edition = before.as_ref().map_or(0, |before| before.edition + 1);
         let is_right = |p: &Pictures| {
-            [p.frame.width, p.frame.height] == size
-                && (Arc::ptr_eq(&p.surface, surface), p.by, &p.compared) == (true, drawer.by(), compared)
+            [p.frame.width, p.frame.height] == size && Arc::ptr_eq(&p.surface, surface) && p.compared == *compared
         };
-        // Old images are dropped before new ones are drawn, because they occupy memory on the card.
         if let Some(before) = before.filter(is_right) {
             return before;
         }
         let started = Instant::now();
         let frame = compared.scene.frame(surface, size[0], size[1]);
         let frame_ms = ms_since(started);
-        let sides = [0, 1].map(|which| drawer.draw(ctx, which, &compared.shot(&compared.sides[which], &frame)));
-        let (compared, surface, by) = (compared.clone(), surface.clone(), drawer.by());
-        Pictures { compared, surface, by, edition, frame, frame_ms, sides }
+        let draw =
+            |which: usize| Picture::draw(ctx, &mut canvases[which], &compared.shot(&compared.sides[which], &frame));
+        let sides = [0, 1].map(draw);
+        Pictures { compared: compared.clone(), surface: surface.clone(), edition, frame, frame_ms, sides }
     }
 }
 
@@ -180,17 +100,16 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// Returns the difference of `pictures` times `factor`, or `before` if it is up to date; `None` if an image cannot
-    /// be read back from the graphics card.
-    pub fn updated(ctx: &egui::Context, before: Option<Self>, pictures: &Pictures, factor: u8) -> Option<Difference> {
+    /// Returns the difference of `pictures` times `factor`, or `before` if it is up to date.
+    pub fn updated(ctx: &egui::Context, before: Option<Self>, pictures: &Pictures, factor: u8) -> Difference {
         if let Some(before) = before.filter(|d| d.edition == pictures.edition && d.factor == factor) {
-            return Some(before);
+            return before;
         }
         let [left, right] = &pictures.sides;
         let codes =
-            combined(&left.codes()?, &right.codes()?, |_, left, right| left.abs_diff(right).saturating_mul(factor));
+            combined(&left.codes(), &right.codes(), |_, left, right| left.abs_diff(right).saturating_mul(factor));
         let texture = pixels::texture_of(ctx, "difference", &codes);
-        Some(Difference { edition: pictures.edition, factor, codes, texture })
+        Difference { edition: pictures.edition, factor, codes, texture }
     }
 }
 
@@ -208,53 +127,4 @@ fn combined(left: &CodeImage, right: &CodeImage, code: impl Fn(u32, u8, u8) -> u
 
 fn ms_since(started: Instant) -> f64 {
     started.elapsed().as_secs_f64() * 1e3
-}
-
-struct WindowGpu {
-    state: RenderState,
-    gpu: Gpu,
-    info: wgpu::AdapterInfo,
-}
-
-/// A picture in the memory of the card. It is registered with egui until it is dropped.
-struct GpuPicture {
-    texture: wgpu::Texture,
-    id: TextureId,
-    state: RenderState,
-}
-
-impl WindowGpu {
-    /// Returns the card that draws the window.
-    ///
-    /// # Errors
-    /// If its device cannot run the shaders.
-    fn new(state: &RenderState) -> Result<WindowGpu, GpuError> {
-        let gpu = Gpu::new(&state.device, &state.queue)?;
-        Ok(WindowGpu { state: state.clone(), gpu, info: state.adapter.get_info() })
-    }
-
-    /// Returns the name of the card and of its graphics interface.
-    fn name(&self) -> String {
-        format!("{}, {:?}", self.info.name, self.info.backend)
-    }
-
-    /// Draws a shot; returns the picture and the time in milliseconds.
-    ///
-    /// # Errors
-    /// If the frame is too large for the card, or if the driver fails.
-    fn draw(&mut self, shot: &Shot<'_>) -> Result<(GpuPicture, f64), GpuError> {
-        let started = Instant::now();
-        let texture = self.gpu.draw(&shot.frame, &shot.shade, &shot.transfers.channels()[0])?;
-        let ms = ms_since(started);
-        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let mut renderer = self.state.renderer.write();
-        let id = renderer.register_native_texture(&self.state.device, &view, wgpu::FilterMode::Nearest);
-        Ok((GpuPicture { texture, id, state: self.state.clone() }, ms))
-    }
-}
-
-impl Drop for GpuPicture {
-    fn drop(&mut self) {
-        self.state.renderer.write().free_texture(&self.id);
-    }
 }

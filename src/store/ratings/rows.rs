@@ -1,0 +1,233 @@
+//! The rows of a file as columns, and the errors in them. Each file is read once.
+
+use std::{borrow::Cow, ops::Range};
+
+use csv::Position;
+
+use super::{
+    selection::Input,
+    trials::Status,
+    values::{seconds, with_point},
+};
+use crate::store::{
+    FileError,
+    columns::{Interner, Texts},
+    error::RowErrors,
+    table::{self, Row, shortened},
+};
+
+/// Maximum number of rows of a study; 100 million take about 4 GB.
+pub(super) const MAX_ROWS: usize = 100_000_000;
+
+/// Number of rows between positions that are kept, so that a row with an error can be read again.
+const MARK: usize = 64;
+
+/// The rows of a file below its header.
+#[derive(Debug, Default)]
+pub(super) struct Rows {
+    /// The columns, as in the file; those that are not needed are empty. An unreadable row has empty texts.
+    pub columns: Vec<Texts>,
+    /// The response times in seconds: NaN if missing, and negative if unreadable. Empty if they are not needed.
+    pub times: Vec<f64>,
+    /// How each row is used.
+    pub status: Vec<Status>,
+    pub errors: Vec<RowError>,
+    /// Why the file could not be read to its end.
+    failed: Option<std::io::Error>,
+    /// The position of every 64th row.
+    marks: Vec<Position>,
+}
+
+/// An error in a row.
+#[derive(Debug)]
+pub(super) struct RowError {
+    /// Index of the row.
+    pub row: usize,
+    /// Index of the cell; `None` if the error is about the row as a whole.
+    pub cell: Option<usize>,
+    pub what: What,
+}
+
+/// What is wrong with a row.
+#[derive(Debug)]
+pub(super) enum What {
+    /// The value of the cell is not what is expected.
+    Unexpected(Cow<'static, str>),
+    /// The row also occurs in the file with this index, and that one counts.
+    Repeated(usize),
+    /// What is wrong; what is expected.
+    Said(String),
+}
+
+impl RowError {
+    /// Creates the error for a cell with an unexpected value.
+    pub fn new(row: usize, cell: usize, expected: impl Into<Cow<'static, str>>) -> Self {
+        Self { row, cell: Some(cell), what: What::Unexpected(expected.into()) }
+    }
+}
+
+impl Rows {
+    /// Reads the rows of a file, or takes those of a table in memory.
+    pub fn read(input: &Input) -> Self {
+        let header = &input.header;
+        let needed = input.columns.texts();
+        if let Some(columns) = &header.columns {
+            let texts = |column: usize| if needed.contains(&column) { columns.texts(column) } else { Texts::default() };
+            return Self {
+                columns: (0..header.names.len()).map(texts).collect(),
+                times: input.columns.time.map_or_else(Vec::new, |column| columns.numbers(column, seconds)),
+                status: vec![Status::default(); columns.rows()],
+                ..Self::default()
+            };
+        }
+        let mut rows = Self::default();
+        let mut columns: Vec<Interner> = header.names.iter().map(|_| Interner::default()).collect();
+        let mut is_header = true;
+        let read = table::rows_from(header.content(&input.path), header.separator, None, |row| {
+            if !std::mem::take(&mut is_header) {
+                let index = rows.status.len();
+                if index.is_multiple_of(MARK) {
+                    rows.marks.push(row.position());
+                }
+                let text = match checked(row, header.names.len()) {
+                    Ok(text) => Some(text),
+                    Err((cell, message)) => {
+                        let (cell, message) = partial(row, cell).map_or((cell, message), |message| (None, message));
+                        rows.errors.push(RowError { row: index, cell, what: What::Said(message) });
+                        None
+                    }
+                };
+                let cell =
+                    |column| text.and_then(|text| text.get(row.record.range(column)?)).unwrap_or_default().trim();
+                let value = |column| with_point(cell(column), header.separator);
+                for &column in &needed {
+                    match input.columns.is_id(column) {
+                        true => columns[column].push(cell(column)),
+                        false => columns[column].push(&value(column)),
+                    }
+                }
+                rows.times.extend(input.columns.time.map(|column| seconds(&value(column))));
+                rows.status.push(if text.is_some() { Status::default() } else { Status::Wrong });
+            }
+            rows.status.len() <= MAX_ROWS
+        });
+        rows.failed = read.err();
+        rows.columns = columns.into_iter().map(Interner::finish).collect();
+        rows
+    }
+
+    /// Returns the indices of all rows.
+    pub fn all(&self) -> Range<usize> {
+        0..self.status.len()
+    }
+
+    /// Returns the errors with their places, in the order of the file.
+    pub fn errors(mut self, input: &Input, inputs: &[Input]) -> Vec<FileError> {
+        self.errors.sort_by_key(|error| error.row);
+        let mut errors = RowErrors::default();
+        for mut error in std::mem::take(&mut self.errors) {
+            if error.row + 1 == self.status.len()
+                && let Some(Some(message)) = self.again(input, error.row, |row| partial(row, error.cell))
+            {
+                error = RowError { cell: None, what: What::Said(message), ..error };
+            }
+            errors.add_with(error.cell, || self.placed(&error, input, inputs));
+        }
+        let failed = self.failed.map(|error| {
+            FileError::whole(&input.name, format!("cannot be read completely: {error}; expected a readable file"))
+        });
+        failed.into_iter().chain(errors.finish(&input.name, &input.header.names)).collect()
+    }
+
+    /// Returns an error with its place.
+    fn placed(&self, error: &RowError, input: &Input, inputs: &[Input]) -> FileError {
+        if let Some(columns) = &input.header.columns {
+            let message = error.message(input, inputs, |column| columns.cell(error.row, column));
+            return FileError::whole(format!("{}, row {} (counted from 0)", input.name, error.row), message);
+        }
+        let found = self.again(input, error.row, |row| {
+            let written = |column| row.record.get(column).map(String::from_utf8_lossy).unwrap_or_default().into_owned();
+            let place = row.place(error.cell.or(row.text().err()).unwrap_or(0));
+            FileError::at(&input.name, place, error.message(input, inputs, written))
+        });
+        found.unwrap_or_else(|| FileError::whole(&input.name, error.message(input, inputs, |_| String::new())))
+    }
+
+    /// Reads a row of a file again, which is acceptable because errors are rare.
+    fn again<T>(&self, input: &Input, index: usize, mut take: impl FnMut(&Row<'_>) -> T) -> Option<T> {
+        let (header, mut skipped, mut found) = (&input.header, index % MARK, None);
+        let from = self.marks.get(index / MARK)?;
+        let _ = table::rows_from(header.content(&input.path), header.separator, Some(from), |row| {
+            let is_found = skipped == 0;
+            if is_found {
+                found = Some(take(row));
+            }
+            skipped = skipped.saturating_sub(1);
+            !is_found
+        });
+        found
+    }
+}
+
+impl RowError {
+    /// Says what is wrong; `written` returns the cell in a column of the row.
+    fn message(&self, input: &Input, inputs: &[Input], written: impl Fn(usize) -> String) -> String {
+        match (&self.what, self.cell) {
+            (What::Said(message), _) => message.clone(),
+            (What::Unexpected(expected), cell) => {
+                let cell = cell.unwrap_or_default();
+                let name = &input.header.names[cell];
+                match written(cell).trim() {
+                    "" => format!("{name} is empty; expected {expected}"),
+                    text => format!("{name} is {:?}; expected {expected}", shortened(text)),
+                }
+            }
+            (What::Repeated(file), _) => {
+                let row_id = input.header.position("row_id").map(written).unwrap_or_default();
+                let name = match row_id.trim() {
+                    "" => "the trial and attempt of this row".to_owned(),
+                    row_id => format!("row_id {row_id:?}"),
+                };
+                let other = &inputs[*file].name;
+                let place = if *other == input.name { "above".to_owned() } else { format!("in {other}") };
+                format!("{name} already appears {place}; expected each row only once (this one is left out)")
+            }
+        }
+    }
+}
+
+/// Returns the text of a row in a table with this number of columns.
+///
+/// # Errors
+/// The row is not UTF-8, a quote is not closed, or the number of cells differs from the header's.
+fn checked<'a>(row: &Row<'a>, width: usize) -> Result<&'a str, (Option<usize>, String)> {
+    let text = row.text().map_err(|_| (None, "the row is not UTF-8 text; expected UTF-8".to_owned()))?;
+    let found = row.record.len();
+    if row.is_open() {
+        return Err((Some(found - 1), "a quote is never closed; expected a closing quote".to_owned()));
+    }
+    if found != width {
+        let cells = if found == 1 { "cell" } else { "cells" };
+        return Err((None, format!("the row has {found} {cells}; expected {width}, as in the header")));
+    }
+    Ok(text)
+}
+
+/// Says that a row with an error in this cell was left behind by an interrupted write: the last row, if it either has no
+/// line end and an error in its last cell or its number of cells, or contains zero bytes because the file was enlarged
+/// but not filled.
+fn partial(row: &Row<'_>, cell: Option<usize>) -> Option<String> {
+    if !row.last {
+        return None;
+    }
+    let raw = row.raw();
+    let is_ended = raw.ends_with(b"\n") || raw.ends_with(b"\r");
+    let what = if raw.contains(&0) {
+        "contains zero bytes"
+    } else if !is_ended && cell.is_none_or(|cell| cell + 1 == row.record.len()) {
+        "is cut off"
+    } else {
+        return None;
+    };
+    Some(format!("the last row {what}, as after an interrupted write; expected a complete row (this one is left out)"))
+}

@@ -1,0 +1,114 @@
+//! What the text of a cell means.
+
+use std::{borrow::Cow, collections::HashSet};
+
+use crate::{experiment::MAX_RATING, store::columns::Texts};
+
+/// Maximum count in a row. The sum of many such counts still fits in 64 bits.
+const MAX_COUNT: f64 = 1e12;
+/// Maximum number of different numbers in a column that is a factor no matter how often each of them occurs.
+const MAX_UNIQUE: usize = 20;
+
+/// True if a cell has no value. Words that are only sometimes written for a missing value may name a level, so they are
+/// missing only if all other values of the column are numbers (`among_numbers`).
+pub(super) fn is_missing(text: &str, among_numbers: bool) -> bool {
+    matches!(text, "" | "NA" | "NaN" | "nan" | "NULL" | "#N/A" | "n/a")
+        || (among_numbers && matches!(text, "." | "None" | "null"))
+}
+
+/// Returns a cell with a point in place of a decimal comma. If cells are not separated by commas, a comma in a number is
+/// a decimal comma, as in spreadsheets from many countries.
+pub(super) fn with_point(text: &str, separator: u8) -> Cow<'_, str> {
+    // One comma, so that `1,234,567` stays text.
+    if separator != b',' && text.matches(',').count() == 1 {
+        let number = text.replace(',', ".");
+        if number.parse::<f64>().is_ok() {
+            return number.into();
+        }
+    }
+    text.into()
+}
+
+/// Returns the number in a cell; `None` for other texts and missing values.
+fn number(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|number: &f64| !number.is_nan())
+}
+
+/// True if all values of a column, in all files together, are numbers.
+pub(super) fn are_numbers(column: &[&Texts]) -> bool {
+    let mut values = column.iter().flat_map(|file| &file.texts).filter(|text| !is_missing(text, true)).peekable();
+    values.peek().is_some() && values.all(|text| number(text).is_some())
+}
+
+/// Returns how many different numbers a column has, and in how many rows, if it is a measurement, such as an age or a
+/// time, and not a factor: more than 20, which occur less than twice on average.
+pub(super) fn measurement(column: &[&Texts]) -> Option<(usize, u64)> {
+    let numbers = column.iter().flat_map(|file| &file.texts).filter_map(|text| number(text));
+    let different = numbers.map(f64::to_bits).collect::<HashSet<_>>().len();
+    let values = |file: &&Texts| file.map(|text| number(text).is_some()).iter().filter(|is| **is).count() as u64;
+    let rows = column.iter().map(values).sum();
+    (are_numbers(column) && different > MAX_UNIQUE && rows < 2 * different as u64).then_some((different, rows))
+}
+
+/// Returns a whole number from 1 to a million, written with digits only; a session has at most 100,000 trials.
+pub(super) fn ordinal(text: &str) -> Option<u32> {
+    let digits = text.len() < 10 && text.bytes().all(|byte| byte.is_ascii_digit());
+    text.parse().ok().filter(|number| digits && (1..=1_000_000).contains(number))
+}
+
+/// True if a text is a rating: a number on our own scale, or on other scales anything but a missing value.
+pub(super) fn is_rating(text: &str, own_scale: bool, among_numbers: bool) -> bool {
+    if own_scale {
+        // A spreadsheet or pandas may have written 2 as 2.0.
+        text.parse().is_ok_and(|number: f64| (0..=MAX_RATING).any(|rating| number == f64::from(rating)))
+    } else {
+        !is_missing(text, among_numbers)
+    }
+}
+
+/// Returns a level as the definition writes it, so that a level that a spreadsheet or pandas wrote as `0.40` or `1.0` is
+/// the level `0.4` or `1`; otherwise as it is written. A missing value is empty.
+pub(super) fn level<'a>(text: &'a str, defined: &'a [String], among_numbers: bool) -> &'a str {
+    if is_missing(text, among_numbers) {
+        return "";
+    }
+    let is_exact = defined.iter().any(|level| level == text);
+    let number = if is_exact { None } else { text.parse::<f64>().ok() };
+    let same = number.and_then(|number| defined.iter().find(|level| level.parse() == Ok(number)));
+    same.map_or(text, String::as_str)
+}
+
+/// Returns how many trials a row represents. A count of 3 may be written as `3.0`, because pandas does so.
+///
+/// # Errors
+/// Says what was expected.
+pub(super) fn count(text: &str) -> Result<u64, &'static str> {
+    match text.parse::<f64>() {
+        Ok(count) if (0.0..=MAX_COUNT).contains(&count) && count.fract() == 0.0 => Ok(count as u64),
+        Ok(number) if number < 0.0 => Err("a count, 0 or more"),
+        Ok(number) if number > MAX_COUNT => Err("a count of at most 10^12"),
+        Ok(_) => Err("a count without a fraction"),
+        Err(_) => Err("a count, a whole number"),
+    }
+}
+
+/// Returns the number of a repetition; `None` if it is missing.
+///
+/// # Errors
+/// Says what was expected.
+pub(super) fn repetition(text: &str) -> Result<Option<u32>, &'static str> {
+    match text.parse() {
+        _ if is_missing(text, true) => Ok(None),
+        Ok(repetition) => Ok(Some(repetition)),
+        Err(_) => Err("the number of a repetition, 1 or more"),
+    }
+}
+
+/// Returns a response time in seconds: NaN if it is missing, and negative if it is not a time.
+pub(super) fn seconds(text: &str) -> f64 {
+    match text.parse() {
+        _ if is_missing(text, true) => f64::NAN,
+        Ok(seconds) if f64::is_finite(seconds) && seconds >= 0.0 => seconds,
+        _ => -1.0,
+    }
+}

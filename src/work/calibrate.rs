@@ -1,0 +1,124 @@
+//! A display profile from photometer readings.
+
+use std::path::PathBuf;
+
+use jiff::civil::Date;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::{named, request::paths, today};
+use crate::{
+    display::{
+        DisplayProfile, Measurement,
+        photometer::{Calibration, Family, FittedChannel, Sum, largest},
+    },
+    store::readings,
+};
+
+/// The readings, and what else the profile says.
+#[derive(Clone, Debug, PartialEq, Eq, clap::Args, Serialize)]
+pub struct Calibrate {
+    /// Photometer readings.
+    #[arg(value_name = "READINGS.csv")]
+    #[serde(serialize_with = "paths")]
+    pub readings: PathBuf,
+    /// Name of the display [default: the profile's file name].
+    #[arg(long)]
+    pub name: Option<String>,
+    /// Name of the person who took the readings.
+    #[arg(long, value_name = "WHO")]
+    pub by: Option<String>,
+    /// Name of the photometer.
+    #[arg(long, value_name = "PHOTOMETER", default_value = "photometer")]
+    pub with: String,
+    /// Date of the measurement, such as 2026-01-31 [default: today].
+    #[arg(long, value_name = "DATE")]
+    pub on: Option<Date>,
+    /// Model of the profile [default: the simplest of those that predict omitted levels best].
+    #[arg(long, value_parser = named::<Family>(Family::NAMES))]
+    pub model: Option<Family>,
+}
+
+/// The fitted models, and the profile.
+#[derive(Clone, Debug)]
+pub struct Calibrated {
+    pub calibration: Calibration,
+    /// The model of the profile.
+    pub family: Family,
+    pub profile: DisplayProfile,
+}
+
+impl Calibrate {
+    /// Fits the models; `name` is the display's unless the request has one.
+    ///
+    /// # Errors
+    /// The readings are not valid.
+    pub fn calibrate(&self, name: &str) -> anyhow::Result<Calibrated> {
+        let readings = readings::open(&self.readings)?;
+        let calibration = Calibration::new(&readings);
+        let family = self.model.unwrap_or(calibration.chosen);
+        let measured =
+            Measurement { on: Some(self.on.unwrap_or_else(today)), by: self.by.clone(), with: Some(self.with.clone()) };
+        let profile = calibration.profile(family, self.name.as_deref().unwrap_or(name), measured);
+        Ok(Calibrated { calibration, family, profile })
+    }
+}
+
+impl Calibrated {
+    /// Returns all results as JSON.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        let Self { calibration, family, .. } = self;
+        let models = calibration.models.iter().map(|model| {
+            json!({
+                "model": model.family.name(),
+                "common_shape": model.common_shape,
+                "channels": model.channels.iter().map(channel_json).collect::<Value>(),
+                "cross_validation": model.validation,
+            })
+        });
+        let sums = &calibration.additivity;
+        let additivity = (!sums.is_empty()).then(|| {
+            let levels = sums.iter().map(|sum| {
+                json!({
+                    "level": sum.level,
+                    "gray_cd_m2": sum.gray_cd_m2,
+                    "sum_cd_m2": sum.sum_cd_m2,
+                    "deviation_percent": sum.deviation_percent(),
+                })
+            });
+            json!({
+                "largest_percent": largest(sums, Sum::deviation_percent),
+                "largest_cd_m2": largest(sums, Sum::deviation_cd_m2),
+                "levels": levels.collect::<Value>(),
+            })
+        });
+        json!({
+            "readings": calibration.readings.all().len(),
+            "noise": { "relative": calibration.noise },
+            "luminance": calibration.luminance_of(*family),
+            "models": models.collect::<Value>(),
+            "chosen": family.name(),
+            "better_by_cross_validation": calibration.chosen.name(),
+            "additivity": additivity,
+            "drift_percent": calibration.drift_percent,
+            "notes": calibration.notes,
+        })
+    }
+}
+
+fn channel_json(channel: &FittedChannel) -> Value {
+    let gain_and_offset = channel.curve.gain_and_offset();
+    json!({
+        "channel": channel.channel.key(),
+        "gamma": channel.curve.gamma(),
+        "gamma_se": channel.gamma_se,
+        "gain": gain_and_offset.map(|(gain, _)| gain),
+        "offset": gain_and_offset.map(|(_, offset)| offset),
+        "black_cd_m2": channel.curve.black_cd_m2,
+        "range_cd_m2": channel.curve.range_cd_m2,
+        "r_squared": channel.r_squared,
+        "largest_error_codes": channel.largest_codes,
+        "largest_error_cd_m2": channel.largest_cd_m2,
+    })
+}

@@ -1,0 +1,48 @@
+//! Whether files are as machband expects them.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::{Found, Watcher, image::outdated, request::paths};
+use crate::store::{check::check_large, image::MAX_PIXELS};
+
+/// Check definitions, result files, display profiles, readings, observers and images, and report every error.
+///
+/// For a display profile that is old or dated in the future, and for texts that this computer has no font for, prints a
+/// warning to stderr; this is not an error.
+#[derive(Clone, Debug, PartialEq, Eq, clap::Args, Serialize)]
+#[command(after_help = "Example: machband check my-study.toml results/quick/data/*.csv")]
+pub struct Check {
+    /// Files, or names of built-in definitions.
+    #[arg(required = true, value_name = "FILE")]
+    #[serde(serialize_with = "paths")]
+    pub files: Vec<PathBuf>,
+    /// Also check images of more than 4096 × 4096 pixels, which needs more time and memory.
+    #[arg(long)]
+    pub large: bool,
+}
+
+impl Check {
+    /// Describes each file in a sentence, or finds every error in it. The watcher is warned of a display profile that is
+    /// old or dated in the future, and of texts for which this computer has no font.
+    ///
+    /// # Errors
+    /// The watcher ended it.
+    pub fn check(&self, watcher: &dyn Watcher) -> anyhow::Result<Found> {
+        let pixels = if self.large { u64::MAX } else { MAX_PIXELS };
+        let mut all = Found::default();
+        for file in &self.files {
+            match check_large(file, pixels) {
+                Ok(found) => {
+                    let missing = found.warning.map(|warning| format!("{}: {warning}", file.display()));
+                    let outdated = found.profile.and_then(|profile| outdated(file, &profile));
+                    outdated.iter().chain(&missing).for_each(|warning| watcher.warn(warning));
+                    all.add(file, found.sentence, watcher)?;
+                }
+                Err(errors) => all.errors.push(errors.into()),
+            }
+        }
+        Ok(all)
+    }
+}

@@ -1,0 +1,312 @@
+//! How many participants a study needs.
+
+use std::{
+    fmt,
+    path::PathBuf,
+    str::FromStr,
+    sync::atomic::{AtomicU64, Ordering},
+};
+
+use serde::Serialize;
+
+use super::{Model, RequestError, Watcher, analyze, request::paths};
+use crate::{
+    analysis::power::{self, Hypothesis, ModelChoice, PlanError, Power, Sampling, Shift, Slope, Test},
+    experiment::{OrderedLogit, Protocol},
+    store::{definition, observer},
+    text::{
+        Cell, Column, Table,
+        names::{expected_one_of, serde_as_text},
+    },
+};
+
+/// The study to plan, the effects to find, and the model that finds them.
+#[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
+pub struct Plan {
+    /// Built-in definition or path to a .toml file.
+    #[serde(serialize_with = "paths")]
+    pub experiment: PathBuf,
+    /// Number of participants per study; give several numbers to compare them.
+    #[arg(long, value_name = "N,…", required = true, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub participants: Vec<u32>,
+    /// An effect to find: NAME=VALUE or FACTOR:LEVEL=LOGITS; can be repeated.
+    #[arg(long = "effect", value_name = "NAME=VALUE", value_parser = effect)]
+    pub effects: Vec<Assignment>,
+    /// How much people differ in the effect of a factor, as the standard deviation in logits; can be repeated.
+    #[arg(long = "slope", value_name = "FACTOR=SD", value_parser = deviation)]
+    pub deviations: Vec<Assignment>,
+    /// Number of studies to simulate for each number of participants.
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub studies: u32,
+    /// Significance level: an effect is found if p is below it.
+    #[arg(long, value_name = "P", default_value_t = 0.05, value_parser = proportion)]
+    pub alpha: f64,
+    /// Target power.
+    #[arg(long, value_name = "P", default_value_t = 0.8, value_parser = proportion)]
+    pub target: f64,
+    /// Seed of the simulated ratings.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Parameters of the observer; experiments/observers/paper.toml has the documented defaults.
+    #[arg(long, value_name = "FILE.toml")]
+    #[serde(serialize_with = "paths")]
+    pub observer_file: Option<PathBuf>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub model: Model,
+}
+
+/// A value for something that has a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Assignment {
+    pub name: String,
+    /// Finite.
+    pub value: f64,
+}
+
+impl fmt::Display for Assignment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}", self.name, self.value)
+    }
+}
+
+impl FromStr for Assignment {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, value) = text.rsplit_once('=').ok_or("contains no =")?;
+        let value = value.trim().parse::<f64>().ok().filter(|value| value.is_finite());
+        let value = value.ok_or("the value is not a finite number")?;
+        Ok(Self { name: name.trim().to_owned(), value })
+    }
+}
+
+serde_as_text!(Assignment);
+
+/// Largest number of logits that a level can add, or by which people can differ; far beyond the whole scale.
+const MAX_LOGITS: f64 = 1000.0;
+
+/// Parses an effect.
+fn effect(text: &str) -> Result<Assignment, String> {
+    const FORM: &str = "expected NAME=VALUE or FACTOR:LEVEL=LOGITS, such as oblique=0.5";
+    let effect: Assignment = text.parse().map_err(|error| format!("{error}; {FORM}"))?;
+    if effect.name.contains(':') && effect.value.abs() > MAX_LOGITS {
+        return Err(format!("the value is out of range; expected {}…{MAX_LOGITS} logits", -MAX_LOGITS));
+    }
+    Ok(effect)
+}
+
+/// Parses how much people differ in the effect of a factor.
+fn deviation(text: &str) -> Result<Assignment, String> {
+    let deviation: Assignment =
+        text.parse().map_err(|error| format!("{error}; expected FACTOR=SD, such as width=0.5"))?;
+    if (0.0..=MAX_LOGITS).contains(&deviation.value) {
+        return Ok(deviation);
+    }
+    Err(format!("the value is out of range; expected 0…{MAX_LOGITS} logits"))
+}
+
+/// Parses a proportion between 0 and 1, exclusive.
+fn proportion(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok().filter(|number| *number > 0.0 && *number < 1.0);
+    number.ok_or_else(|| "expected a number between 0 and 1, such as 0.05".to_owned())
+}
+
+/// The simulated powers of a plan, and the settings they depend on.
+#[derive(Clone, Debug)]
+pub struct Planned {
+    pub protocol: Protocol,
+    /// The observer and the effects given for it, such as `paper oblique=0.3`.
+    pub observer: String,
+    pub plan: power::Plan,
+    pub sampling: Sampling,
+    /// Target power.
+    pub target: f64,
+    /// Powers, in the order of the plan.
+    pub powers: Vec<Power>,
+}
+
+impl Plan {
+    /// Simulates the studies. Progress is counted in participants, because the time per study is proportional to their
+    /// number.
+    ///
+    /// # Errors
+    /// A file cannot be read, an effect or a term does not exist, there is nothing to test, or the study is too large.
+    pub fn plan(&self, watcher: &dyn Watcher) -> anyhow::Result<Planned> {
+        let protocol = definition::open(&self.experiment)?;
+        let (observer, name) = match &self.observer_file {
+            Some(path) => (observer::open(path)?, path.display().to_string()),
+            None => (observer::parse("paper.toml", observer::PAPER)?, "paper".to_owned()),
+        };
+        let (observer, shifts) = self.observer(observer, &protocol)?;
+        once("deviations", &self.deviations)?;
+        let slope = |given: &Assignment| Slope { factor: given.name.clone(), sd: given.value };
+        let slopes: Vec<Slope> = self.deviations.iter().map(slope).collect();
+        let Model { terms, link, slopes: random, large } = self.model.clone();
+        let model = ModelChoice { terms, link, slopes: random, large };
+        let plan = power::Plan::new(&protocol, &observer, &shifts, &slopes, &model).map_err(refused)?;
+        let sampling = Sampling { studies: self.studies, alpha: self.alpha, seed: self.seed };
+        let mut participants = self.participants.clone();
+        participants.sort_unstable();
+        participants.dedup();
+        let (done, all) = (AtomicU64::new(0), plan.simulated(&participants, &sampling));
+        let powers = plan.run(&participants, &sampling, &|people| {
+            watcher.progress(done.fetch_add(people, Ordering::Relaxed) + people, all);
+        });
+        let given = self.effects.iter().map(ToString::to_string);
+        let observer = std::iter::once(name).chain(given).collect::<Vec<_>>().join(" ");
+        Ok(Planned { protocol, observer, plan, sampling, target: self.target, powers })
+    }
+
+    /// Returns the observer with the requested effects, and the effects that none of its parameters can express.
+    fn observer(
+        &self,
+        mut observer: OrderedLogit,
+        protocol: &Protocol,
+    ) -> Result<(OrderedLogit, Vec<Shift>), RequestError> {
+        once("effects", &self.effects)?;
+        let mut shifts = Vec::new();
+        for effect in &self.effects {
+            match effect.name.split_once(':') {
+                Some((factor, level)) => shifts.push(Shift {
+                    factor: factor.trim().to_owned(),
+                    level: level.trim().to_owned(),
+                    logits: effect.value,
+                }),
+                None => {
+                    let error = |message| RequestError::value("effects", format!("{effect}: {message}"));
+                    observer = with(&observer, effect, protocol).map_err(error)?;
+                }
+            }
+        }
+        Ok((observer, shifts))
+    }
+}
+
+/// Checks that each name has one value.
+fn once(field: &str, given: &[Assignment]) -> Result<(), RequestError> {
+    let twice = given.iter().enumerate().find(|(i, one)| given[..*i].iter().any(|other| other.name == one.name));
+    twice.map_or(Ok(()), |(_, one)| {
+        Err(RequestError::value(field, format!("{one}: {} is given twice; expected it once", one.name)))
+    })
+}
+
+/// Returns what is wrong with the request.
+fn refused(error: PlanError) -> RequestError {
+    match &error {
+        PlanError::Model(of_model) => analyze::refused(of_model).unwrap_or_else(|| RequestError::whole(&error)),
+        PlanError::UnknownFactor { is_slope: true, .. } => RequestError::value("deviations", &error),
+        PlanError::UnknownFactor { .. } | PlanError::UnknownLevel { .. } => RequestError::value("effects", &error),
+        PlanError::Untestable { .. } => RequestError::value("terms", &error),
+        PlanError::TooLarge(_) => RequestError::whole(&error).unless("large"),
+        PlanError::Condition(_) | PlanError::NothingVaries => RequestError::whole(&error),
+    }
+}
+
+/// Returns the observer with a new value for one parameter, validated like an observer file.
+fn with(observer: &OrderedLogit, effect: &Assignment, protocol: &Protocol) -> Result<OrderedLogit, String> {
+    let mut table = toml::Table::try_from(observer).map_err(|error| error.to_string())?;
+    match table.get_mut(&effect.name) {
+        Some(parameter) if parameter.is_float() => *parameter = effect.value.into(),
+        _ => return Err(unknown(&effect.name, &table, protocol)),
+    }
+    table.insert("schema".to_owned(), 1.into());
+    observer::parse("effect", &table.to_string())
+        .map_err(|errors| errors.0.into_iter().map(|error| error.message).collect::<Vec<_>>().join("; "))
+}
+
+fn unknown(name: &str, table: &toml::Table, protocol: &Protocol) -> String {
+    if let Some(factor) = protocol.factors.iter().find(|factor| factor.name == name) {
+        let levels: Vec<String> = factor.levels.iter().map(ToString::to_string).collect();
+        return format!(
+            "{name} is a factor; expected {name}:LEVEL=LOGITS with one of the levels {}",
+            levels.join(", ")
+        );
+    }
+    let known: Vec<&str> = table.iter().filter(|(_, value)| value.is_float()).map(|(name, _)| name.as_str()).collect();
+    let factors: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
+    format!(
+        "the observer has no such parameter; {}; or FACTOR:LEVEL with one of the factors {}",
+        expected_one_of(name, &known),
+        factors.join(", ")
+    )
+}
+
+impl Planned {
+    /// Returns what a power is the power of.
+    #[must_use]
+    pub fn hypothesis(&self, power: &Power) -> &Hypothesis {
+        &self.plan.hypotheses()[power.hypothesis]
+    }
+
+    /// Returns one row for each number of participants and each test.
+    #[must_use]
+    pub fn table(&self) -> Table {
+        let columns = COLUMNS.iter().map(|(name, unit, description)| Column::new(*name, unit, *description)).collect();
+        Table::new(columns, self.powers.iter().map(|power| self.row(power)))
+    }
+
+    fn row(&self, power: &Power) -> Vec<Cell> {
+        let (hypothesis, spec) = (self.hypothesis(power), self.plan.spec());
+        let effect = hypothesis.effect.as_ref();
+        let interval = power.interval();
+        let slope_sd: Vec<String> =
+            self.plan.slopes().iter().map(|slope| format!("{}={}", slope.factor, slope.sd)).collect();
+        let test = match hypothesis.test {
+            Test::LikelihoodRatio => "likelihood-ratio",
+            Test::Friedman => "friedman",
+        };
+        vec![
+            self.protocol.name.as_str().into(),
+            power.participants.into(),
+            hypothesis.term.as_str().into(),
+            test.into(),
+            if effect.is_some() { "effect" } else { "none" }.into(),
+            effect.map_or(Some(0.0), |effect| effect.logits).into(),
+            effect.map(|effect| effect.above.as_str()).into(),
+            effect.map(|effect| effect.below.as_str()).into(),
+            power.studies.into(),
+            power.found.into(),
+            power.untested.into(),
+            effect.map(|_| power.share()).into(),
+            effect.is_none().then(|| power.share()).into(),
+            interval.low.into(),
+            interval.high.into(),
+            power.estimate.into(),
+            self.sampling.alpha.into(),
+            spec.link.to_string().into(),
+            spec.terms.to_string().into(),
+            spec.slopes.to_string().into(),
+            slope_sd.join(" ").into(),
+            self.sampling.seed.into(),
+            self.observer.as_str().into(),
+        ]
+    }
+}
+
+/// Name, unit and description of the columns of the CSV file.
+const COLUMNS: [(&str, &str, &str); 23] = [
+    ("experiment", "", "Name of the definition."),
+    ("participants", "", "Number of participants."),
+    ("term", "", "Term or factor that is tested."),
+    ("test", "", "Name of the test."),
+    ("truth", "", "Whether the simulated observer has the effect."),
+    ("effect_logits", "logit", "Size of the effect on the latent scale."),
+    ("above", "", "Level that is rated higher."),
+    ("below", "", "Level that is rated lower."),
+    ("studies", "", "Number of simulated studies."),
+    ("found", "", "Number of studies in which the test is significant."),
+    ("untested", "", "Number of studies in which the test is not possible."),
+    ("power", "", "Proportion of studies that find the effect."),
+    ("false_alarms", "", "Proportion of studies that find an effect that is not there."),
+    ("ci_low", "", "Lower end of the 95 % interval of this proportion."),
+    ("ci_high", "", "Upper end of the 95 % interval of this proportion."),
+    ("median_estimate", "logit", "Median of the estimated effects."),
+    ("alpha", "", "Level of significance."),
+    ("link", "", "Link function of the model."),
+    ("terms", "", "Terms of the model."),
+    ("slopes", "", "Random slopes of the model."),
+    ("slope_sd", "logit", "Standard deviations of the simulated random slopes."),
+    ("seed", "", "Seed of the simulation."),
+    ("observer", "", "Simulated observer."),
+];

@@ -1,0 +1,61 @@
+//! Sessions that can be resumed although lines of their data were damaged.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::{Found, Watcher, request::paths};
+use crate::{
+    report::document::numbers::count,
+    store::{
+        ratings,
+        session::{self, Repaired},
+    },
+};
+
+/// Move damaged lines of a session's data file to a file next to it, so that the session can be resumed.
+///
+/// A line is damaged if it cannot be read, if the definition and the seed do not plan it, or if it repeats a row or is
+/// not in the order of recording. A damaged header is replaced. No byte is deleted: the lines go to a new file
+/// …_data.csv.damaged-N. The sidecar records the repair, and machband verify lists it. When the session is resumed, it
+/// shows the trials of these lines again. If the lines were damaged after their sitting ended, machband
+/// verify reports that the file was changed, and resuming needs --accept-changes.
+#[derive(Clone, Debug, PartialEq, Eq, clap::Args, Serialize)]
+#[command(after_help = "Example: machband repair results/quick/data/subject-S001_session-1_task-quick_data.csv")]
+pub struct Repair {
+    /// Data file of a session, or a folder with data files.
+    #[arg(value_name = "FILE|DIR")]
+    #[serde(serialize_with = "paths")]
+    pub path: PathBuf,
+}
+
+impl Repair {
+    /// Moves the damaged lines of each data file to a file next to it.
+    ///
+    /// # Errors
+    /// The folder cannot be read, or the watcher ended it. A file that cannot be repaired is among the errors found.
+    pub fn repair(&self, watcher: &dyn Watcher) -> anyhow::Result<Found> {
+        let path = &self.path;
+        let files = if path.is_dir() { ratings::data_files(path)? } else { vec![path.clone()] };
+        let mut all = Found::default();
+        for csv in &files {
+            match session::repair(csv) {
+                Ok(repaired) => all.add(csv, sentence(repaired), watcher)?,
+                Err(error) => all.errors.push(error),
+            }
+        }
+        Ok(all)
+    }
+}
+
+/// Says what was done.
+fn sentence(Repaired { lines, moved_to, header_restored }: Repaired) -> String {
+    let numbers: Vec<String> = lines.iter().map(usize::to_string).collect();
+    let moved = moved_to.map(|path| {
+        let moved = count(lines.len() as u64, "damaged line");
+        format!("{moved} moved to {}: {}", path.display(), numbers.join(", "))
+    });
+    let header = header_restored.then(|| "the header was restored".to_owned());
+    let done: Vec<String> = moved.into_iter().chain(header).collect();
+    if done.is_empty() { "no line is damaged".to_owned() } else { done.join("; ") }
+}

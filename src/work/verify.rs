@@ -1,0 +1,75 @@
+//! Whether recorded sessions are correct and unchanged.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::{Found, Watcher, request::paths};
+use crate::{
+    report::document::numbers::count,
+    store::{FileErrors, verify},
+};
+
+/// Verify that the rows and pictures of recorded sessions are correct and that no file was changed.
+///
+/// Checks every row against the definition and the seed in the sidecar, re-renders every picture that was shown and
+/// compares its hash, and compares every file with the hash recorded at the end of the session. Prints one line per
+/// session to stdout and every error to stderr; if there are errors, the exit status is 1.
+#[derive(Clone, Debug, PartialEq, Eq, clap::Args, Serialize)]
+#[command(after_help = "Example: machband verify results/bangay2003")]
+pub struct Verify {
+    /// Results folder, or the folder of one experiment.
+    #[arg(value_name = "DIR")]
+    #[serde(serialize_with = "paths")]
+    pub folder: PathBuf,
+}
+
+/// What was found.
+#[derive(Debug, Default)]
+pub struct Verified {
+    /// A sentence about each session, and all errors.
+    pub found: Found,
+    /// Number of sessions.
+    pub sessions: usize,
+    /// Incomplete files that a killed program left, which can be deleted.
+    pub left: Vec<PathBuf>,
+}
+
+impl Verify {
+    /// Verifies every session. The watcher learns the number of sessions.
+    ///
+    /// # Errors
+    /// The folder cannot be read, it contains no sessions, or the watcher ended it.
+    pub fn verify(&self, watcher: &dyn Watcher) -> anyhow::Result<Verified> {
+        let (mut found, mut told) = (Found::default(), Ok(()));
+        let verified = verify::data_sets(&self.folder, |csv, verified, all| {
+            told = found.add(csv, sentence(verified), watcher);
+            watcher.progress(found.files.len() as u64, all as u64);
+            told.is_ok()
+        })?;
+        told?;
+        found.errors = verified.errors.into_iter().map(|error| FileErrors(vec![error]).into()).collect();
+        Ok(Verified { found, sessions: verified.sessions, left: verified.left })
+    }
+}
+
+/// Summarizes the findings about one session.
+fn sentence(found: &verify::Verified) -> String {
+    let verify::Verified { rows, rated: (rated, planned), pictures, sealed, errors, notes } = found;
+    let mut parts = vec![
+        format!(
+            "{}, {rated} of {planned} trials rated, {} rendered again",
+            count(*rows as u64, "row"),
+            count(*pictures as u64, "picture")
+        ),
+        if !errors.is_empty() {
+            count(errors.len() as u64, "error")
+        } else if *sealed {
+            "unchanged since it was recorded".to_owned()
+        } else {
+            "no errors".to_owned()
+        },
+    ];
+    parts.extend(notes.iter().cloned());
+    parts.join("; ")
+}
