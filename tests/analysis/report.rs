@@ -194,19 +194,6 @@ fn what_is_said_of_one_participant_is_not_said_of_people() {
     assert!(!two.contains(alone));
 }
 
-/// Three levels make three pairs, and five people are too few to tell any of them apart.
-#[test]
-fn holms_limit_is_mentioned_only_where_it_applies() {
-    for (people, depths, expected) in [(8, 5, 1), (8, 4, 0), (9, 5, 0), (5, 3, 3)] {
-        let mut cautions = summary(&results(people, &DEPTHS[..depths], false)).cautions;
-        cautions.retain(|caution| caution.contains("possible after Holm’s correction"));
-        assert_eq!(cautions.len(), expected, "{people} {depths}: {cautions:?}");
-        if expected == 1 {
-            assert_parts(&cautions[0], &["depth", "10 pairs", ".078"]);
-        }
-    }
-}
-
 fn session(protocol: &Protocol, subject: &str, sitting: Sitting) -> SessionRead {
     SessionRead {
         subject: subject.to_owned(),

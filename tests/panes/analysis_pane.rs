@@ -45,13 +45,6 @@ fn read(data_set: &Path) -> (Study, Results) {
     (study, results)
 }
 
-/// Clicks the button whose label ends with `end`.
-fn click_ending(window: &mut Window, end: &str) {
-    let label = texts(window).into_iter().find(|text| text.ends_with(end));
-    let label = label.unwrap_or_else(|| panic!("no {end:?}; there is {:?}", texts(window)));
-    click(window, &label);
-}
-
 /// The analysis page, opened from Home.
 fn pane(size: [f32; 2]) -> Window {
     let mut window = home(size, 1.0 / 60.0);
@@ -447,31 +440,4 @@ fn a_small_window_has_everything() {
     }
     choose(&mut window, "Section", "Data");
     assert_has(&window, "Participants: 3 of 3");
-}
-
-/// The end of a session leads to its analysis, which leads back to it.
-#[test]
-fn a_completed_session_can_be_analyzed_immediately() {
-    let folder = tempfile::tempdir().unwrap();
-    let text = DEFINITION.replace("repetitions = 3", "repetitions = 1").replace("practice = 2", "practice = 0");
-    let request = request(folder.path(), definition::parse("tiny", &text).unwrap());
-    let mut window = builder([1280.0, 1000.0], 1.0 / 60.0)
-        .build_eframe(|cc| App::new(cc, Launch { request: Some(request), ..Launch::default() }));
-    for page in ["These findings are saved", "Welcome", "The four answers", "Now the main part"] {
-        wait_for(&mut window, page);
-        press(&mut window, Key::Space);
-    }
-    for key in [Key::Num0, Key::Num1, Key::Num2, Key::Num3, Key::Num0, Key::Num1] {
-        window.run_steps(12);
-        press(&mut window, key);
-    }
-    wait_for(&mut window, "Thank you!");
-    click(&mut window, "For the experimenter");
-    wait_for(&mut window, "e these results…");
-    click_ending(&mut window, "e these results…");
-    wait_for(&mut window, "Participants: 1 of 1");
-    wait_until_idle(&mut window);
-    window.get_by_label("6 ratings by 1 participant.");
-    leave(&mut window);
-    wait_for(&mut window, "Thank you!");
 }

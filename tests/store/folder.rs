@@ -366,28 +366,6 @@ mod interrupted {
         rate(&mut store, Some(&found), usize::MAX).unwrap();
         assert_whole(folder.path());
     }
-
-    #[test]
-    fn absurd_numbers_are_reported() {
-        let folder = session_of(3);
-        let csv = paths(folder.path()).csv;
-        let text = fs::read_to_string(&csv).unwrap();
-        for absurd in ["1e300", "1e19", "-1", "inf", "NaN"] {
-            let (head, last) = text.trim_end().rsplit_once('\n').unwrap();
-            let mut cells: Vec<&str> = last.rsplitn(13, ',').collect();
-            // Counted from the end: three columns added in later versions, tanh_k, seed, sitting, started_at,
-            // dropped_frames, frames, recovery_s, onset_s.
-            cells[10] = absurd;
-            cells.reverse();
-            fs::write(&csv, format!("{head}\n{}\n", cells.join(","))).unwrap();
-            let error = resume(folder.path()).expect_err(absurd).to_string();
-            assert!(error.contains("onset_s is") && error.contains("expected seconds"), "{error}");
-        }
-        let largest = text.replace(",1,7,", ",4294967295,7,");
-        assert_ne!(largest, text);
-        fs::write(&csv, largest).unwrap();
-        assert!(resume(folder.path()).is_ok(), "no overflow");
-    }
 }
 
 mod trouble {
