@@ -10,20 +10,19 @@ use eframe::egui::{self, Key};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
     analysis::{Options, Results, analyze, counts::Exclusions},
-    app::{App, Launch},
     report::{
         Study,
         document::Block,
         figures,
         study::{Parts, document},
     },
-    store::{definition, ratings::ReadOptions},
+    store::ratings::ReadOptions,
     system,
 };
 
 use crate::{
     common::succeeds,
-    window::{Role, Window, builder, choose, click, home, leave, press, request, texts, type_into, value, wait_for},
+    window::{Role, Window, choose, click, home, leave, press, texts, type_into, value, wait_for},
 };
 
 const DEFINITION: &str = "schema = 1\nname = \"tiny\"\ntitle = \"A tiny study\"\n[stimulus]\nkind = \"mach-band\"\n\

@@ -127,28 +127,3 @@ fn patch_leaves_at_most_a_thousandth_and_one_slope_per_vertex() {
         }
     }
 }
-
-#[test]
-fn the_picture_shows_edges_by_their_jump_unless_hidden() {
-    let frame = pair(PLACES, LIGHTS);
-    let creases = Creases::of_gouraud(&frame);
-    let at = |frame: &Frame, creases: &Creases, full: f64, p: DVec2| {
-        let image = crease::picture(frame, creases, full);
-        assert_eq!((image.width, image.height), (frame.width, frame.height));
-        image.pixel(p.x as u32, p.y as u32).iter().sum::<f32>()
-    };
-    let edge = (PLACES[0] + PLACES[1]) / 2.0;
-    let inside = (PLACES[0] + PLACES[1] + PLACES[2]) / 3.0;
-    let (strong, weak) = (at(&frame, &creases, creases.max, edge), at(&frame, &creases, creases.max * 10.0, edge));
-    let (surface, ground) = (at(&frame, &creases, 1.0, inside), at(&frame, &creases, 1.0, DVec2::new(2.0, 2.0)));
-    assert!(strong > 2.0 * weak && weak > 2.0 * surface && surface > ground, "{strong} {weak} {surface} {ground}");
-
-    // A triangle that is nearer to the eye and covers the edge.
-    let mut covered = frame.clone();
-    let cover = [DVec2::new(-200.0, -200.0), DVec2::new(400.0, -200.0), DVec2::new(50.0, 600.0)];
-    let own = crate::frame(&cover, &[[0, 1, 2]], |_| DVec3::ONE);
-    covered.vertices.extend(own.vertices.iter().map(|v| machband::shading::FrameVertex { depth: 0.1, ..*v }));
-    let triangle = own.triangles[0];
-    covered.triangles.push(machband::shading::FrameTriangle { vertices: triangle.vertices.map(|v| v + 4), ..triangle });
-    assert_eq!(at(&covered, &Creases::of_gouraud(&covered), creases.max, edge), surface);
-}

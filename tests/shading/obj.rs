@@ -7,7 +7,6 @@ use machband::{
     shading::{EdgeKind, Edges, Mesh, mesh::newell, shapes},
     store::mesh as obj,
 };
-use proptest::prelude::*;
 
 fn mesh(text: &str) -> Mesh {
     obj::parse("it.obj", text.as_bytes(), 180.0).unwrap_or_else(|errors| panic!("{errors}\n{text}")).mesh

@@ -2,7 +2,6 @@
 
 use glam::{DVec2, DVec3};
 use machband::light::Depth;
-use machband::shading::coverage;
 use machband::shading::{
     Across, Correction, Frame, FrameVertex, Gradients, Lamp, Lighting, Reference, Shade, Shader, Surface, View, shapes,
 };

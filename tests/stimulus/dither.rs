@@ -7,8 +7,7 @@ use std::{collections::BTreeSet, sync::LazyLock};
 use machband::light::dither::MASK_SIZE;
 use machband::light::halftone::{Halftone, Screen};
 use machband::light::{
-    Bits, CodeImage, Dither, DitherMatrix, LinearImage, Quantizer, Samples, Thresholds, Transfer,
-    Transfers,
+    Bits, CodeImage, Dither, DitherMatrix, LinearImage, Quantizer, Samples, Thresholds, Transfer, Transfers,
 };
 
 /// Returns every kind of dither, the random kind with several seeds.

@@ -194,7 +194,6 @@ fn only_a_steady_refresh_is_reported_with_the_drops() {
         (scattered(), None, "unknown", Some(false), unsteady),
         (scattered(), Some(60.0), "reported", Some(false), not_the_reported),
         (steady, None, "measured", Some(true), every),
-        (dropping.clone(), None, "measured", Some(false), with_drops),
         (dropping, Some(60.0), "reported", Some(false), with_drops),
         (vec![16_667; 29], Some(60.0), "reported", None, too_few),
     ] {

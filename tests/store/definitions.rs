@@ -1,10 +1,6 @@
 //! Definitions, display profiles and observers: what can be loaded, and the message for every kind of mistake.
 
-use std::{
-    collections::HashSet,
-    fs,
-    path::Path,
-};
+use std::{collections::HashSet, fs, path::Path};
 
 use machband::{
     display::DisplayProfile,
