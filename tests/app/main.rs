@@ -6,13 +6,13 @@
 mod common;
 mod window;
 
-mod analysis_pane;
+mod analysis;
 mod calibration;
 mod display;
 mod editor;
 mod home;
 mod names;
-mod predicted_pane;
+mod predicted;
 mod settings;
 mod shading;
 mod system;
