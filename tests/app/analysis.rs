@@ -334,35 +334,6 @@ fn the_empty_page_and_errors_in_files() {
     wait_for(&mut window, "Participants: 2 of 2");
 }
 
-/// The user says what the columns of a file from another program mean.
-#[test]
-fn the_user_identifies_the_columns_of_a_foreign_file() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("theirs.csv");
-    let mut text = "participant,contrast,answer,noise,freq\n".to_owned();
-    for i in 0..48 {
-        let contrast = ["low", "high"][i % 2];
-        text += &format!("P{},{contrast},{},{i},{}\n", i % 4, 1 + (i / 4 * 7 + i % 2 * 3) % 5, 1 + i % 2);
-    }
-    std::fs::write(&path, text).unwrap();
-    let mut window = pane([1280.0, 900.0]);
-    drop_on(&mut window, &[&path]);
-    wait_for(&mut window, "What do the columns mean?");
-    // Columns are suggested by their names.
-    let suggested = ["Participant", "Rating", "Number of trials"].map(|label| value(&window, label));
-    assert_eq!(suggested, ["participant", "answer", "freq"]);
-    click(&mut window, "Factor contrast");
-    click(&mut window, "Read these columns");
-    wait_for(&mut window, "Participants: 4 of 4");
-    wait_until_idle(&mut window);
-    window.get_by_label("72 ratings by 4 participants.");
-    window.get_by_label("contrast: 2 of 2 levels");
-    click(&mut window, "Columns…");
-    wait_for(&mut window, "What do the columns mean?");
-    click(&mut window, "Keep the current columns");
-    window.get_by_label("72 ratings by 4 participants.");
-}
-
 /// Nothing is analyzed before the user has put ratings in words in order, because their letters have no meaning. The
 /// file has decimal commas, a factor `n` and two columns with the same name.
 #[test]
@@ -379,7 +350,9 @@ fn ratings_in_words_are_put_in_order_first() {
     let mut window = pane([1280.0, 1000.0]);
     drop_on(&mut window, &[&path]);
     wait_for(&mut window, "What do the columns mean?");
-    assert_eq!(value(&window, "Number of trials"), "one per row");
+    // Columns are suggested by their names.
+    let suggested = ["Participant", "Rating", "Number of trials"].map(|label| value(&window, label));
+    assert_eq!(suggested, ["participant", "answer", "one per row"]);
     assert_has(&window, "words.csv:1: Several columns are named note. Give each a different name.");
     assert!(!has(&window, "Factor note"));
     click(&mut window, "Factor n");

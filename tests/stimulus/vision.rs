@@ -5,10 +5,7 @@ use machband::{
     light::{Depth, Interpolation},
     report::prediction::rank_correlation,
     stimulus::{MachBand, Stimulus, place},
-    vision::{
-        Border, Eye, Line, LinePrediction, LuminanceImage, PicturePrediction, Polarity, VisionError, detection,
-        luminance, luminances,
-    },
+    vision::{Border, Eye, Line, LinePrediction, LuminanceImage, PicturePrediction, Polarity, detection, luminances},
 };
 use rand_chacha::{
     ChaCha8Rng,
@@ -402,24 +399,4 @@ fn detection_is_a_contrast_in_units_of_the_threshold() {
     for side in [96, 256, 512, 1024] {
         assert!((gabor(side, 0.01) / one - 1.0).abs() < 0.02, "{side} pixels: {} and {one}", gabor(side, 0.01));
     }
-}
-
-#[test]
-fn images_that_cannot_be_predicted_are_rejected() {
-    let eye = Eye::default();
-    let of = |light: &[f64], side: usize, px_per_deg: f64| {
-        LuminanceImage { light, width: side, height: side, px_per_deg, mask: None }.predict(&eye).map(|_| ())
-    };
-    let Err(VisionError::TooSmall { least, .. }) = of(&[0.5; 400], 20, 200.0) else {
-        panic!("smaller than the smallest filter")
-    };
-    let gray = |side: usize| of(&vec![0.5; side * side], side, 200.0);
-    assert_eq!((gray(least), gray(least - 1).is_err()), (Ok(()), true), "{least} pixels are enough");
-    let mut nan = vec![0.5; 10_000];
-    nan[205] = f64::NAN;
-    assert!(of(&nan, 100, 50.0).unwrap_err().to_string().contains("column 5, row 2"));
-    assert_eq!(of(&nan[..50], 100, 50.0), Err(VisionError::Count { found: 50, expected: 10_000 }));
-    assert_eq!(of(&[0.5; 10_000], 100, 0.0), Err(VisionError::Sampling(0.0)));
-    assert!(Line { light: &[0.5], px_per_deg: 50.0, border: Border::Cut }.predict(&eye).is_err());
-    assert!((luminance([1.0; 3]) - 1.0).abs() < 1e-12);
 }

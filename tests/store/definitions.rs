@@ -464,3 +464,28 @@ fn display_profiles_and_observers_are_validated_too() {
         assert_error(&observer::parse("o.toml", &text).expect_err(to), &format!("o.toml:{line}:"), part);
     }
 }
+
+/// `results/README.md` ends with the column dictionary, which is generated from the program's column definitions.
+/// `UPDATE_DOCS=1 cargo test --test store dictionary` updates it.
+#[test]
+fn the_column_dictionary_is_up_to_date() {
+    const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/results/README.md");
+    const RULE: &str = "|---|---|---|\n";
+    let found = fs::read_to_string(PATH).unwrap();
+    let (head, _) = found.split_once(RULE).unwrap();
+    let mut expected = format!("{head}{RULE}");
+    for column in columns(&definition::open("bangay2003").unwrap()) {
+        let levels: Vec<String> = column
+            .levels
+            .iter()
+            .map(|(value, meaning)| format!("{value}: {}", meaning.as_str().unwrap_or_default()))
+            .collect();
+        let levels = if levels.is_empty() { String::new() } else { format!(" ({})", levels.join("; ")) };
+        expected += &format!("| `{}` | {} | {}{levels} |\n", column.name, column.unit, column.description);
+    }
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        fs::write(PATH, expected).unwrap();
+    } else {
+        assert_eq!(found, expected, "run UPDATE_DOCS=1 cargo test --test store dictionary");
+    }
+}
