@@ -143,13 +143,6 @@ fn circles(figure: &Figure, color: &str) -> Vec<(f64, f64)> {
     elements(figure, "circle", color, ["cx", "cy"])
 }
 
-/// Returns all texts, in drawing order.
-fn texts(figure: &Figure) -> Vec<String> {
-    let document = roxmltree::Document::parse(&figure.svg).unwrap();
-    let texts = document.descendants().filter(|node| node.has_tag_name("text"));
-    texts.map(|node| node.text().unwrap_or_default().trim().to_owned()).collect()
-}
-
 /// Returns the points of all lines of a width.
 fn lines(figure: &Figure, width: &str) -> Vec<Vec<(f64, f64)>> {
     let document = roxmltree::Document::parse(&figure.svg).unwrap();
