@@ -15,6 +15,7 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 
 from ._machband import Error
+from ._options import OPTIONS
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -100,24 +101,62 @@ def text(name: str, given: object) -> str:
     return number
 
 
-def options(**given: object) -> dict[str, str | bool]:
-    """Return the fields of a request; those that are `None` have their defaults."""
-    fields: dict[str, str | bool] = {}
-    for name, option in given.items():
-        if isinstance(option, (bool, np.bool_)):
-            fields[name] = bool(option)
-        elif isinstance(option, os.PathLike):
-            fields[name] = os.fspath(option)
-        elif option is not None:
-            fields[name] = text(name, option)
+def texts(name: str, given: object) -> str:
+    """Return a list of names as one line of CSV; text is such a line already."""
+    if isinstance(given, str):
+        return given
+    try:
+        return ",".join(_quoted(_cell(name, one)) for one in given)  # type: ignore[attr-defined]
+    except TypeError:
+        raise TypeError(f"{name} is {given!r}; expected a list of texts") from None
+
+
+def _quoted(text: str) -> str:
+    """Return a cell of CSV."""
+    is_plain = text and text == text.strip() and not set(text) & {",", '"', "\n"}
+    return text if is_plain else '"' + text.replace('"', '""') + '"'
+
+
+def _cell(name: str, given: object) -> str:
+    """Return the text of a level; what is missing is ``NA``."""
+    return "NA" if given is None or given != given else text(name, given)
+
+
+def levels(name: str, given: object) -> list[str]:
+    """Return factors with the levels to keep."""
+    if isinstance(given, Mapping):
+        return [f"{factor}={texts(name, kept)}" for factor, kept in given.items()]
+    raise TypeError(f"{name} is {given!r}; expected a dict of factors with lists of levels")
+
+
+def path(name: str, given: object) -> str:
+    """Return a path."""
+    if isinstance(given, (str, os.PathLike)):
+        return os.fspath(given)
+    raise TypeError(f"{name} is {given!r}; expected a path")
+
+
+Fields = dict[str, "str | bool | list[str]"]
+
+_CONVERSIONS: dict[str, Callable[[str, Any], str | bool | int | list[str] | None]] = {
+    "flag": flag,
+    "whole": whole,
+    "text": text,
+    "words": words,
+    "path": path,
+    "texts": texts,
+    "levels": levels,
+}
+
+
+def options(function: str, given: Mapping[str, Any]) -> Fields:
+    """Return the fields of the request that a function makes from its arguments; those that are `None` have defaults."""
+    fields: Fields = {}
+    for name, kind in OPTIONS[function].items():
+        if given.get(name) is not None:
+            field = _CONVERSIONS[kind](name, given[name])
+            fields[name] = str(field) if isinstance(field, int) and not isinstance(field, bool) else field  # type: ignore[assignment]
     return fields
-
-
-def quoted(names: object) -> str | None:
-    """Return a list of names as one line of CSV."""
-    if names is None or isinstance(names, str):
-        return names
-    return ",".join('"' + str(name).replace('"', '""') + '"' for name in names)  # type: ignore[attr-defined]
 
 
 def table(

@@ -7,12 +7,12 @@ import os
 import tempfile
 from collections.abc import Iterable, Mapping
 from os import PathLike
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from . import _machband
-from ._common import Table, flag, name_of, options, progress, suggests, table, whole
+from ._common import Table, name_of, options, progress, suggests, table, whole
 from ._study import read_results
 
 
@@ -144,13 +144,13 @@ class Definition:
 @suggests
 def simulate(
     definition: Definition | Mapping[str, Any] | str | PathLike[str],
+    *,
     participants: int = 1,
     seed: int = 1,
-    observer: str = "paper",
-    *,
+    observer: Literal["paper", "random", "vision"] = "paper",
     observer_file: str | PathLike[str] | None = None,
-    results: str | PathLike[str] | None = None,
     resume: bool = False,
+    results: str | PathLike[str] | None = None,
 ) -> Table:
     """Run simulated sessions, with the same program and files as real ones, and return their rows.
 
@@ -159,18 +159,17 @@ def simulate(
     definition
         A definition, its keys as a dict, the name of a built-in one, or the path of a file.
     participants
-        Number of participants; their IDs are S001, S002, …
+        Number of participants; their IDs start at S001.
     seed
-        Seed of the order of trials and of the observers.
+        Seed of the trial order and of the observers.
     observer
-        ``paper`` follows Bangay's findings, ``random`` presses keys at random, ``vision`` rates the visibility that the
-        model of vision predicts.
+        Simulated observer.
     observer_file
-        Parameters of the observer ``paper`` or ``vision``.
+        Parameters of the paper or vision observer; experiments/observers has the documented defaults.
+    resume
+        Resume an interrupted run; complete sessions are not changed.
     results
         Folder in which the sessions are kept. Without it, they are deleted after they have been read.
-    resume
-        Resume an interrupted run in `results`.
 
     Returns
     -------
@@ -187,14 +186,7 @@ def simulate(
         definition = Definition(definition)
     with tempfile.TemporaryDirectory(prefix="machband-") as temporary:
         folder = temporary if results is None else os.fspath(results)
-        given = options(
-            participants=whole("participants", participants, 1, 1_000_000),
-            seed=whole("seed", seed),
-            observer=observer,
-            observer_file=observer_file,
-            results=folder,
-            resume=flag("resume", resume),
-        )
+        given = {**options("simulate", locals()), "results": folder}
         with progress("trials") as show:
             _machband.simulate(definition._native, given, show)
         return read_results(os.path.join(folder, definition.name))

@@ -6,13 +6,13 @@ import json
 import os
 from collections.abc import Sequence
 from os import PathLike
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import flag, options, suggests, whole
+from ._common import Fields, flag, options, suggests, whole, words
 from ._stimulus import Codes
 
 Triple = Sequence[float]
@@ -66,10 +66,12 @@ def mesh(
     >>> mesh("blob", n_vertices=313).triangles.shape
     (622, 3)
     """
-    given = options(
-        mesh=os.fspath(name_or_path), vertices=whole("n_vertices", n_vertices), crease=crease, shader="phong"
-    )
+    given = {**options("shade", locals()), **_named(name_or_path, n_vertices), "shader": "phong"}
     return Mesh(*_machband.mesh(given))
+
+
+def _named(name_or_path: str | PathLike[str], n_vertices: int) -> Fields:
+    return {"mesh": os.fspath(name_or_path), "vertices": str(whole("n_vertices", n_vertices))}
 
 
 def _rows(name: str, given: npt.ArrayLike, dtype: type) -> npt.NDArray[Any]:
@@ -90,32 +92,32 @@ def shade(
     triangles: npt.ArrayLike | None = None,
     normals: npt.ArrayLike | str | None = None,
     *,
-    shader: str | None = "c1-phong",
-    depth: int | str = 1,
-    boundary: float | None = None,
-    vertex: str = "off",
-    reweight: str = "off",
-    gradients: str = "curvature",
-    truth: bool | str | PathLike[str] = False,
-    n_vertices: int = 313,
-    crease: float = 180.0,
+    crease: float = 180,
+    depth: float | str = 1,
+    boundary: float = 0.2,
+    vertex: Literal["off", "printed", "repaired"] = "off",
+    reweight: Literal["off", "printed", "repaired"] = "off",
+    gradients: Literal["curvature", "ring", "quadric"] = "curvature",
     rotate: Triple = (25, -35, 0),
     light: Triple = (0.36, 0.48, 0.8),
     color: str | Triple = "gray",
-    ambient: float | None = None,
-    diffuse: float | None = None,
-    specular: float | None = None,
-    highlight: str = "phong",
-    shininess: float | None = None,
-    background: float | None = None,
+    ambient: float = 0.1,
+    diffuse: float = 0.6,
+    specular: float = 0.2,
+    highlight: Literal["phong", "blinn", "torrance-sparrow", "cook-torrance"] = "phong",
+    shininess: float = 20,
+    background: float = 0.05,
     distance: float = float("inf"),
     naive: bool = False,
+    window_deg: float = 10,
+    white: float | None = None,
     size: int = 1024,
-    bits: int = 8,
     transfer: str | None = None,
     display: str | PathLike[str] | None = None,
-    window_deg: float = 10.0,
-    white: float | None = None,
+    bits: int = 8,
+    shader: str | None = "c1-phong",
+    truth: bool | str | PathLike[str] = False,
+    n_vertices: int = 313,
     metrics: bool = True,
 ) -> Shaded:
     """Shade a mesh, and measure how smooth its edges are and how visible its bands, as ``machband shade`` does.
@@ -130,36 +132,60 @@ def shade(
     normals
         Normals at the vertices, shape (n, 3), of any length above 0; without them, they are averaged over the faces. Or
         how to estimate them from the triangles: ``averaged``, ``max`` (Max 1999) or ``cubic``.
-    shader
-        ``flat``, ``gouraud``, ``phong``, ``c1-phong``, ``fixed``, ``gradient``, ``gradient-repaired``, ``patch``
-        or ``quadratic``; `None`, with `truth`, for the smooth surface alone.
-    depth, boundary
-        Continuity depth n of the strips at the edges, 1 to 32 or ``inf``, and their width as a barycentric weight.
-    vertex, reweight
-        Corrections of Bangay's eq. 7 and eq. 9: ``off``, ``printed`` or ``repaired``.
+    crease
+        Angle in degrees above which the edge between two faces of a file is a crease.
+    depth
+        Continuity depth n of the strips at the edges, 1 to 32 or inf; used by fixed, gradient and the corrections.
+    boundary
+        Width b of the strips, as a barycentric weight, 0 to 1; values above 1/3 act as 1/3.
+    vertex
+        Vertex shading correction (Bangay, eq. 7).
+    reweight
+        Intensity reweighting correction (Bangay, eq. 9).
     gradients
-        How ``patch`` and ``c1-phong`` compute their slopes: ``curvature``, ``ring`` or ``quadric``.
-    truth
-        Compare with the smooth surface: `True` for the one behind a built-in shape, or the path of a finer mesh.
-    n_vertices, crease
-        As in `mesh`.
+        How patch and c1-phong compute their slopes.
     rotate
         Rotation of the mesh about x, then y, then z, in degrees.
     light
-        Direction toward the lamp, of any length: x right, y up, z toward the viewer.
+        Direction toward the lamp: x right, y up, z toward the viewer.
     color
-        Color of the surface: a name, or linear weights of red, green and blue.
-    ambient, diffuse, specular, highlight, shininess, background
-        The lighting: linear light from 0 to 1 (by default 0.1, 0.6, 0.2, and 0.05 behind the mesh); the model of the
-        highlight, ``phong``, ``blinn``, ``torrance-sparrow`` or ``cook-torrance``; and its exponent, by default 20.
+        Color of the surface: gray, yellow, red, green, blue, R,G,B (linear weights), hsv:H,S,V or xyY:x,y,Y.
+    ambient
+        Ambient light, 0 to 1.
+    diffuse
+        Diffuse light at normal incidence, 0 to 1.
+    specular
+        Specular light at the center of a highlight, 0 to 1.
+    highlight
+        Highlight model.
+    shininess
+        Exponent of the highlight.
+    background
+        Background light, 0 to 1.
     distance
-        Distance of the eye in radii of the mesh, from 1.05; infinite for a parallel projection.
+        Distance of the eye in mesh radii, 1.05 to 1e6; inf for a parallel projection.
     naive
         Interpolate encoded values, like a renderer that ignores gamma.
-    size, bits, transfer, display
-        As in `stimulus`.
-    window_deg, white
-        Width of the picture in degrees of visual angle, and luminance of white in cd/m², for the visibility of bands.
+    window_deg
+        Width of the image in degrees of visual angle, for the visibility of bands, 0.5 to 170.
+    white
+        Luminance of white in cd/m², for the visibility of bands [default: the display profile's, or 100].
+    size
+        Side of the image in pixels.
+    transfer
+        Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; for separate functions for
+        red, green and blue, join three with /.
+    display
+        Display profile written by `machband calibrate`.
+    bits
+        Bits per channel.
+    shader
+        ``flat``, ``gouraud``, ``phong``, ``c1-phong``, ``fixed``, ``gradient``, ``gradient-repaired``, ``patch``
+        or ``quadratic``; `None`, with `truth`, for the smooth surface alone.
+    truth
+        Compare with the smooth surface: `True` for the one behind a built-in shape, or the path of a finer mesh.
+    n_vertices
+        As in `mesh`.
     metrics
         Whether to measure, which takes longer than to draw.
 
@@ -178,31 +204,13 @@ def shade(
     if shader is None and not truth:
         raise TypeError("shade() got neither shader nor truth; expected at least one of them")
     estimated = normals if isinstance(normals, str) else None
-    given = options(
-        crease=crease,
-        normals=estimated,
-        shader=shader,
-        truth=truth if isinstance(truth, bool) else os.fspath(truth),
-        depth=depth,
-        boundary=boundary,
-        vertex=vertex,
-        reweight=reweight,
-        gradients=gradients,
-        rotate=rotate,
-        light=light,
-        color=color,
-        ambient=ambient,
-        diffuse=diffuse,
-        specular=specular,
-        highlight=highlight,
-        shininess=shininess,
-        background=background,
-        distance=distance,
-        naive=flag("naive", naive),
-        window_deg=window_deg,
-        white=white,
-    )
-    image = options(size=whole("size", size), bits=whole("bits", bits), transfer=transfer, display=display)
+    given = options("shade", locals())
+    if estimated is not None:
+        given["normals"] = estimated
+    if shader is not None:
+        given["shader"] = words("shader", shader) or ""
+    if truth:
+        given["truth"] = truth if isinstance(truth, bool) else os.fspath(truth)
     if isinstance(vertices, (str, os.PathLike)):
         path = os.fspath(vertices)
         if triangles is not None:
@@ -210,8 +218,9 @@ def shade(
         if normals is not None and estimated is None:
             raise TypeError(f"shade() got normals for the mesh {path!r}; expected only arrays or only a name")
         if path.endswith(".toml"):
+            image = {name: given[name] for name in ("size", "bits", "transfer", "display") if name in given}
             return Shaded(*_machband.shade({"scene": path, **image}, None, False))
-        fields = {**options(mesh=path, vertices=whole("n_vertices", n_vertices)), **given, **image}
+        fields = {**given, **_named(path, n_vertices)}
         codes, measured = _machband.shade(fields, None, flag("metrics", metrics) and shader is not None)
     else:
         if triangles is None:
@@ -221,7 +230,7 @@ def shade(
         if own is not None and len(own) != len(positions):
             raise _machband.Error(f"normals has {len(own)} rows; expected {len(positions)}, one for each vertex")
         arrays = (positions, _rows("triangles", triangles, np.uint32), own, crease)
-        codes, measured = _machband.shade({"mesh": "arrays", **given, **image}, arrays, metrics and shader is not None)
+        codes, measured = _machband.shade({**given, "mesh": "arrays"}, arrays, metrics and shader is not None)
     found = None if measured is None else json.loads(measured)
     if found and found["mesh"] == "arrays":
         found.update(vertices=len(np.asarray(vertices)), normals=estimated or ("averaged" if normals is None else "given"))

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Table, flag, name_of, options, suggests, table, value, whole, words
+from ._common import Table, flag, name_of, options, suggests, table, value, whole
 
 Codes = npt.NDArray[np.uint8] | npt.NDArray[np.uint16]
 Floats = npt.NDArray[np.float64]
@@ -46,24 +46,6 @@ def _parameters(given: dict[str, Any]) -> list[tuple[str, float | str]]:
     return [(name, value(name, parameter)) for name, parameter in given.items()]
 
 
-def _coding(
-    size: int,
-    bits: int,
-    transfer: str | None,
-    display: str | PathLike[str] | None,
-    dither: str | None,
-    seed: int,
-) -> dict[str, str | bool]:
-    return options(
-        size=whole("size", size),
-        bits=whole("bits", bits),
-        transfer=words("transfer", transfer),
-        display=display,
-        dither=words("dither", dither),
-        seed=whole("seed", seed),
-    )
-
-
 def kinds() -> dict[str, str]:
     """Return the kinds of stimulus, with what each shows and who first described it.
 
@@ -87,10 +69,10 @@ def stimulus(
     kind: str = "mach-band",
     *,
     size: int = 1024,
-    bits: int = 8,
     transfer: str | None = None,
     display: str | PathLike[str] | None = None,
-    dither: str | None = None,
+    bits: int = 8,
+    dither: str = "none",
     seed: int = 1,
     as_dict: Literal[False] = False,
     window_deg: float = 10.0,
@@ -103,10 +85,10 @@ def stimulus(
     kind: str = "mach-band",
     *,
     size: int = 1024,
-    bits: int = 8,
     transfer: str | None = None,
     display: str | PathLike[str] | None = None,
-    dither: str | None = None,
+    bits: int = 8,
+    dither: str = "none",
     seed: int = 1,
     as_dict: Literal[True],
     window_deg: float = 10.0,
@@ -118,10 +100,10 @@ def stimulus(
     kind: str = "mach-band",
     *,
     size: int = 1024,
-    bits: int = 8,
     transfer: str | None = None,
     display: str | PathLike[str] | None = None,
-    dither: str | None = None,
+    bits: int = 8,
+    dither: str = "none",
     seed: int = 1,
     as_dict: bool = False,
     window_deg: float = 10.0,
@@ -137,15 +119,16 @@ def stimulus(
         One of `kinds`.
     size
         Side of the image in pixels.
-    bits
-        Bits per channel, 8 or 16.
     transfer
-        Transfer function of the display: ``srgb`` (the default), ``linear``, ``gamma:G`` or ``gog:GAMMA,GAIN,OFFSET``;
-        for separate functions for red, green and blue, three of them joined by ``/``.
+        Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; for separate functions for
+        red, green and blue, join three with /.
     display
-        Path of a display profile that ``machband calibrate`` wrote, in place of `transfer`.
+        Display profile written by `machband calibrate`.
+    bits
+        Bits per channel.
     dither
-        ``none`` (the default), ``ordered``, ``blue-noise`` or ``random``.
+        Dither: none, ordered, blue-noise or random; for a specific matrix, ordered:bayer2, 4, 8 or 16, or
+        ordered:clustered2 or 3.
     seed
         Seed of the random dither.
     as_dict
@@ -177,7 +160,7 @@ def stimulus(
     given = _parameters(parameters)
     if not (0 < window_deg < np.inf):
         raise _machband.Error(f"window_deg is {window_deg!r}; expected degrees above 0")
-    coding = _coding(size, bits, transfer, display, dither, seed)
+    coding = options("stimulus", locals())
     codes: Codes = _machband.stimulus(name_of("kind", kind), given, coding)
     if not flag("as_dict", as_dict):
         return codes
@@ -230,17 +213,17 @@ def light(kind: str = "mach-band", *, size: int = 1024, **parameters: Any) -> np
     >>> round(float(light(size=64, low=0.2)[0, 0, 0]), 3)
     0.2
     """
-    return _machband.light(name_of("kind", kind), _parameters(parameters), options(size=whole("size", size)))
+    return _machband.light(name_of("kind", kind), _parameters(parameters), {"size": str(whole("size", size))})
 
 
 def profile(
     kind: str = "mach-band",
     *,
     size: int = 1024,
-    bits: int = 8,
     transfer: str | None = None,
     display: str | PathLike[str] | None = None,
-    dither: str | None = None,
+    bits: int = 8,
+    dither: str = "none",
     seed: int = 1,
     **parameters: Any,
 ) -> Table:
@@ -250,6 +233,20 @@ def profile(
     ----------
     kind, size, bits, transfer, display, dither, seed, **parameters
         As in `stimulus`.
+    size
+        Side of the image in pixels.
+    transfer
+        Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; for separate functions for
+        red, green and blue, join three with /.
+    display
+        Display profile written by `machband calibrate`.
+    bits
+        Bits per channel.
+    dither
+        Dither: none, ordered, blue-noise or random; for a specific matrix, ordered:bayer2, 4, 8 or 16, or
+        ordered:clustered2 or 3.
+    seed
+        Seed of the random dither.
 
     Returns
     -------
@@ -257,7 +254,7 @@ def profile(
     the center in window widths; ``linear``, the light of the strongest channel; ``code_r``, ``code_g``, ``code_b``; and
     ``emitted``, the light that the strongest channel's code emits.
     """
-    coding = _coding(size, bits, transfer, display, dither, seed)
+    coding = options("profile", locals())
     return table(_machband.profile(name_of("kind", kind), _parameters(parameters), coding))
 
 

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from . import _machband
-from ._common import Table, flag, options, progress, quoted, suggests, table, whole, words
+from ._common import Table, options, progress, suggests, table, words
 
 
 def read_results(folder: str | PathLike[str]) -> Table:
@@ -205,17 +205,20 @@ def analyze(
     *,
     subject: str | None = None,
     response: str | None = None,
-    categories: Sequence[str] | None = None,
+    categories: str | Sequence[str] | None = None,
     count: str | None = None,
-    factors: Sequence[str] | None = None,
-    terms: str | Sequence[str] | None = None,
-    link: str = "logit",
-    slopes: str | None = "independent",
-    random: str | None = None,
-    seed: int = 1,
-    draws: int = 999,
+    factors: str | Sequence[str] | None = None,
+    direction: str | Sequence[str] | None = None,
+    exclude: str | Sequence[str] | None = None,
+    only: Mapping[str, Sequence[Any]] | None = None,
     complete_only: bool = False,
+    terms: str | Sequence[str] | None = None,
+    link: Literal["logit", "probit"] = "logit",
+    slopes: Literal["none", "independent", "correlated"] = "independent",
     large: bool = False,
+    random: Literal["none", "subject"] | None = None,
+    draws: int = 999,
+    seed: int = 1,
 ) -> Analysis:
     """Analyze ratings, as ``machband analyze`` does: descriptive statistics, ordinal mixed model, tests, figures.
 
@@ -223,36 +226,46 @@ def analyze(
     ----------
     data
         A DataFrame, whose named index levels count as columns, or a dict of columns; or result files, folders, tables of
-        counts, or any CSV files.
+        counts, or any CSV files. An ordered `Categorical` says which categories the response has, and their order. In
+        rows of `read_results` or `simulate`, the factors are the parameters of the stimulus that vary, and every column
+        that you added.
     subject
-        Column with the participant; ``subject_id`` by default.
+        Column with the participant ID [default: subject_id].
     response
-        Column with the ordered response; by default ``rating``, on the scale from 0 to 3. Name it for any other scale,
-        also if its name is ``rating``.
+        Column with the ordered response [default: rating, 0–3].
     categories
-        Categories of the response, lowest first, if they are neither numbers nor an ordered `Categorical`. Rows with
-        other responses are left out, with a warning.
+        Categories of the response, lowest first, if they are not numbers. Quote a category that contains a comma, as in
+        CSV: 'low,"medium, mostly",high'.
     count
-        Column with the number of trials in each row; ``count`` by default, if there is one.
+        Column with the number of trials per row [default: count, if present].
     factors
-        Columns with the factors. By default, they are those of the definition or of the terms; in rows of `read_results`
-        or `simulate`, the parameters of the stimulus that vary, and every column that you added. Their levels are in
-        natural order: numbers ascending, then texts. The first is the baseline.
-    terms
-        Terms of the model, such as ``["width", "num:depth"]`` or ``"width*depth"``; by default every factor that varies.
-    link
-        ``logit`` or ``probit``.
-    slopes
-        Random slopes: ``none`` (or `None`), ``independent`` or ``correlated``.
-    random
-        ``none`` or ``subject``; by default ``subject`` if there are at least two participants.
-    seed, draws
-        Seed and number (19 to 1,000,000) of the simulated studies that calibrate tests and intervals. No p can be below
-        1 / (draws + 1), so 19 can never show an effect at p < .05.
+        Columns with the factors [default: the factors of the definition or of the terms].
+    direction
+        Factors that are directions, which are circular [default: stimulus parameters that are directions].
+    exclude
+        Participants to exclude.
+    only
+        Analyze only these levels of a factor; NA means a missing value. Repeat the option for other factors.
     complete_only
         Exclude sessions with unrated trials.
+    terms
+        Terms of the model: names of factors. Prefix a numeric term with num:, and join the factors of an interaction
+        with : or * [default: every factor that varies].
+    link
+        Link function of the cumulative model.
+    slopes
+        Random slopes: for each term that varies within participants, as far as the design supports it (independent), or
+        with all their correlations (correlated).
     large
-        Also analyze a study that is larger than usual.
+        Also analyze a study that is larger than usual: more than 10 factors, 120 levels of a factor, 5,000 conditions,
+        20,000 participants or 120 coefficients, or names of more than 200 bytes. The time grows with their square or
+        cube.
+    random
+        Random intercept for each participant [default: subject if there are at least two participants].
+    draws
+        Number of simulated studies that calibrate tests and intervals; an analysis of many ratings uses at most 199.
+    seed
+        Seed of the simulated studies.
 
     Returns
     -------
@@ -273,21 +286,7 @@ def analyze(
         categories = ordered if response is not None or (ordered and not set(ordered) <= {0, 1, 2, 3}) else None
     if categories is not None and response is None:
         response = "rating"
-    given = options(
-        subject=subject,
-        response=response,
-        categories=quoted(categories),
-        count=count,
-        factors=quoted(factors),
-        terms=terms if terms is None or isinstance(terms, str) else ",".join(terms),
-        link=link,
-        slopes="none" if slopes is None else slopes,
-        random=random,
-        seed=whole("seed", seed),
-        draws=whole("draws", draws, 19, 1_000_000),
-        complete_only=flag("complete_only", complete_only),
-        large=flag("large", large),
-    )
+    given = options("analyze", locals())
     ratings = _cells(columns) if columns is not None else list(_paths(data))
     if not ratings:
         raise _machband.Error("there are no paths; expected at least one")
@@ -373,7 +372,6 @@ def export(
     -------
     What was written: the names of the experiments, and the numbers of sessions, rows and pictures.
     """
-    given = options(folder=os.fspath(folder), out=os.fspath(out), format=words("format", format))
-    chosen = options(complete_only=flag("complete_only", complete_only), accept_changes=flag("accept_changes", accept_changes))
-    experiments, counts = _machband.export({**given, **chosen})
+    fields = {"folder": os.fspath(folder), "out": os.fspath(out), "format": words("format", format) or ""}
+    experiments, counts = _machband.export({**options("export", locals()), **fields})
     return Exported(experiments, *counts)

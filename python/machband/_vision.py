@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import os
 import re
 from dataclasses import dataclass, field
 from os import PathLike
@@ -12,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import flag, options, whole, words
+from ._common import options
 from ._stimulus import _parameters
 
 Floats = npt.NDArray[np.float64]
@@ -71,13 +72,13 @@ def _prediction(found: dict[str, Any]) -> Prediction:
 def predict(
     image_or_kind: npt.ArrayLike | str | PathLike[str] = "mach-band",
     *,
+    large: bool = False,
+    transfer: str | None = None,
+    display: str | PathLike[str] | None = None,
+    size: int | None = None,
     window_deg: float | None = None,
     ppd: float | None = None,
     white: float | None = None,
-    display: str | PathLike[str] | None = None,
-    size: int | None = None,
-    transfer: str | None = None,
-    large: bool = False,
     **parameters: Any,
 ) -> Prediction:
     """Predict how visible the Mach bands in a stimulus or an image are, as ``machband predict`` does.
@@ -88,20 +89,23 @@ def predict(
         One of `kinds`; or an image: the path of an opaque PNG file, or an array of shape (height, width) or (height,
         width, 3) with codes as uint8 or uint16, or with linear light relative to the screen's maximum, 0 to 1, as
         floats.
-    window_deg
-        Width of the picture in degrees of visual angle; 10 if neither this nor `ppd` is given.
-    ppd
-        Pixels per degree, in place of `window_deg`: the picture is then its width in pixels divided by `ppd` degrees wide.
-    white
-        Luminance of white in cd/m²; by default that of `display`, or 100.
-    display
-        Path of a display profile, which says what the codes of an image mean and how bright white is.
-    size
-        Side of the stimulus in pixels, from 16; by default 1024 if it varies in one direction only, otherwise 512.
-    transfer
-        What the codes of an image mean, as in `stimulus`.
     large
-        Also accept an image of more than 3840 × 2160 pixels. Each pixel takes about 110 bytes of memory.
+        Also accept more than 500 conditions (100 if each has a rendered picture), an image of more than 3840 × 2160
+        pixels, and ratings beyond the limits of `analyze`. This needs more time and memory.
+    transfer
+        Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; for separate functions for
+        red, green and blue, join three with /.
+    display
+        Display profile written by `machband calibrate`.
+    size
+        Side of the stimulus in pixels [default: 512, or 1024 if it varies in one direction only].
+    window_deg
+        Width of the stimulus or image in degrees of visual angle [default: the width in the rated sessions, otherwise
+        in the definition, otherwise 10].
+    ppd
+        Pixels per degree of visual angle, in place of the width.
+    white
+        Luminance of white in cd/m² [default: the display profile's, or 100].
     **parameters
         The parameters of the stimulus, as in `stimulus`.
 
@@ -127,23 +131,23 @@ def predict(
     for name, number in [("window_deg", window_deg), ("ppd", ppd), ("white", white)]:
         if not (number is None or isinstance(number, (int, float, np.number))):
             raise TypeError(f"{name} is {number!r}; expected a number")
-    view = options(window_deg=window_deg, ppd=ppd, white=white, display=display, large=flag("large", large))
+    view = options("predict", locals())
+    pixels, codes_mean = ({name: view.pop(name)} if name in view else {} for name in ("size", "transfer"))
     is_file = isinstance(image_or_kind, PathLike) or (
         isinstance(image_or_kind, str) and bool(re.search(r"[/\\]|\.\w+$", image_or_kind))
     )
     if isinstance(image_or_kind, str) and not is_file:
         if transfer is not None:
             raise TypeError("predict() got transfer, which means something only for the codes of an image")
-        pixels = options(size=None if size is None else whole("size", size))
         return _prediction(_machband.predict({**view, **pixels}, (image_or_kind, _parameters(parameters))))
     if parameters or size is not None:
         name = next(iter(parameters), "size")
         near = difflib.get_close_matches(name, ["window_deg", "ppd", "white", "display", "transfer", "large"], 1)
         question = f"; did you mean {near[0]!r}?" if near else ""
         raise TypeError(f"predict() got {name!r}, which an image does not have{question}")
-    coded = {**view, **options(transfer=words("transfer", transfer))}
+    coded = {**view, **codes_mean}
     if is_file:
-        return _prediction(_machband.predict({**coded, **options(image=image_or_kind)}, None))
+        return _prediction(_machband.predict({**coded, "image": os.fspath(image_or_kind)}, None))
     if isinstance(image_or_kind, np.ma.MaskedArray):
         raise TypeError("the image is a masked array, and every pixel counts; expected an array without a mask")
     image = np.asarray(image_or_kind)

@@ -128,10 +128,17 @@ def test_factors_of_several_experiments_become_columns(tmp_path):
     assert set(rows.session_id) == {"1"} and list(rows)[-4:-2] == ["sitting", "seed"]
 
 
-@pytest.mark.parametrize("given", [{}, {"terms": ["width", "num:inv_n"], "link": "probit", "random": "none"}])
-def test_tables_are_the_commands(command, sessions, tmp_path, given):
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({}, ""),
+        ({"terms": ["width", "num:inv_n"], "link": "probit", "random": "none"}, "--terms width,num:inv_n --link probit --random none"),
+        ({"exclude": ["S002"], "only": {"width": [0.1, 0.4, 0.8]}}, "--exclude S002 --only width=0.1,0.4,0.8"),
+    ],
+)
+def test_tables_are_the_commands(command, sessions, tmp_path, given, words):
     folder, rows = sessions
-    words = ["--terms", "width,num:inv_n", "--link", "probit", "--random", "none"] if given else []
+    words = words.split()
     command("analyze", folder / "quick", "--out", "analysis", "--draws", 19, *words)
     found = machband.analyze(folder / "quick", draws=19, **given)
     names = {path.name for path in (tmp_path / "analysis").iterdir()}
@@ -143,6 +150,7 @@ def test_tables_are_the_commands(command, sessions, tmp_path, given):
     for name in ["figure4a.svg", "figure4b.png"]:
         assert found._report_files[name] == (tmp_path / "analysis" / name).read_bytes()
     assert found.tables["cells"]["n"].sum() == found.model["nobs"]
+    assert (machband.analyze(rows, draws=19, **given).files["cells.csv"]) == found.files["cells.csv"]
 
 
 def test_a_data_frame_has_the_results_of_its_files(sessions):
@@ -229,7 +237,7 @@ def test_ratings_without_a_level_are_a_warning(sessions):
     frame = sessions[1][["subject_id", "width", "rating"]].copy()
     frame.loc[:3, "width"] = np.nan
     with pytest.warns(UserWarning, match="the model: 4 ratings without a value of width are excluded"):
-        found = machband.analyze(frame, factors=["width"], draws=19, slopes=None)
+        found = machband.analyze(frame, factors=["width"], draws=19, slopes="none")
     assert len(found.warnings) == 1 and not found.model["random"]["slopes"]
 
 

@@ -5,7 +5,7 @@
 //!
 //! Checks that the ordinal models recover known effects.
 
-use std::f64::consts::TAU;
+use std::{f64::consts::TAU, fs, path::Path};
 
 use machband::{
     analysis::Random,
@@ -20,6 +20,7 @@ use tools::{
     baselines::{Baseline, Beyond, LateralInhibition, Mark, Odog, SecondDerivativeRatio, all},
     blue_noise::{MASK_SEED, void_and_cluster},
     coverage::{coverage, recover},
+    python,
     thresholds::{CSF, NAMES, People, unit},
 };
 
@@ -386,4 +387,17 @@ fn the_detection_model_is_fitted_to_the_thresholds_of_people() {
     }
     let unit = unit(&people, &held).unwrap();
     assert!((unit - 1.0).abs() <= 0.02, "a line at its threshold has a visibility of {unit}");
+}
+
+/// The parameters of the Python functions are those of the requests. `UPDATE_DOCS=1` writes them.
+#[test]
+fn python_functions_have_the_parameters_of_the_requests() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../python/machband");
+    let now = |file: &str| fs::read_to_string(folder.join(file)).unwrap_or_default();
+    for (file, expected) in python::files(now) {
+        if std::env::var_os("UPDATE_DOCS").is_some() {
+            fs::write(folder.join(file), &expected).unwrap();
+        }
+        assert!(now(file) == expected, "{file} is out of date: UPDATE_DOCS=1 cargo test -p tools python");
+    }
 }
