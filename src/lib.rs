@@ -17,7 +17,7 @@
 //! | 0 | [`statistics`] | intervals, quantiles, tail probabilities, correction for multiple testing |
 //! | 0 | [`light`] | interpolation I_n, transfer functions, conversion of light to codes, images |
 //! | 1 | [`display`] | visual angle, cm and pixels; the properties of a screen |
-//! | 1 | [`shading`] | meshes, illumination, shaders on the CPU and the GPU, and jumps in the slope of their light |
+//! | 1 | [`shading`] | meshes, illumination, shaders, and jumps in the slope of their light |
 //! | 1 | [`vision`] | predicts how visible the bands in an image or a profile are |
 //! | 2 | [`stimulus`] | validated descriptions of stimuli, their images, and predictions for them |
 //! | 3 | [`experiment`] | experiment definitions, trial order, sessions, records, observers |

@@ -365,7 +365,7 @@ fn cases(full: bool) -> Vec<Case> {
 }
 
 /// No input below 1 MB takes long or much memory. `MACHBAND_LIMITS=PROGRAM` also runs the inputs at the limits,
-/// measures this release build, and prints a table; `docs/scale.md` has some of its rows.
+/// measures this release build, and prints a table; `docs/scale.md` names the slowest.
 #[test]
 fn small_inputs_cost_little() {
     let folder = tempfile::tempdir().unwrap();

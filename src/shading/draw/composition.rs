@@ -140,8 +140,7 @@ struct Drawn<'f> {
 
 impl<'f> Drawn<'f> {
     fn new(frame: &'f Frame, shade: &Shade) -> Self {
-        let outline = |t| Outline::new(frame.corners(t).map(|v| v.screen), frame.width, frame.height);
-        Drawn { frame, reference: Reference::new(frame, shade), outlines: frame.each_triangle(outline) }
+        Drawn { frame, reference: Reference::new(frame, shade), outlines: coverage::outlines(frame) }
     }
 }
 
@@ -168,20 +167,10 @@ impl Picture<'_> {
         let rows = pixels.len() / (3 * width);
         let mut layers: Vec<Vec<Layer>> = vec![Vec::new(); rows * width];
         for (body, drawn) in self.drawn.iter().enumerate() {
-            for (triangle, outline) in drawn.outlines.iter().enumerate() {
-                let Some(outline) = outline else { continue };
-                let within = outline.first.max(first as u32)..outline.end.min((first + rows) as u32);
-                if within.is_empty() {
-                    continue;
-                }
-                let depths = coverage::depths(drawn.frame, triangle);
-                outline.each_span(within, self.view.width, |y, (left, right)| {
-                    for x in left..right {
-                        let [depth] = depths.at(x, y).0;
-                        layers[(y as usize - first) * width + x as usize].push(Layer { depth, body, triangle });
-                    }
-                });
-            }
+            let within = first as u32..(first + rows) as u32;
+            coverage::each_layer(drawn.frame, &drawn.outlines, within, |triangle, at, depth| {
+                layers[at].push(Layer { depth, body, triangle });
+            });
         }
         for (i, (pixel, layers)) in pixels.as_chunks_mut::<3>().0.iter_mut().zip(&mut layers).enumerate() {
             let place = DVec2::new((i % width) as f64, (first + i / width) as f64) + 0.5;

@@ -10,7 +10,7 @@ use super::{
 use crate::{
     light::LinearImage,
     shading::{
-        frame::{Frame, Outline},
+        frame::{Frame, Outline, coverage},
         lighting::Specular,
         number::Channels,
         shaders::{Shade, Shading, with_shader},
@@ -50,8 +50,7 @@ impl<'f> Prepared<'f> {
             Channels::Gray(_) => Painter::Gray(Box::new(Shading::new(frame, shade, channels))),
             Channels::Color => Painter::Color(Box::new(Shading::new(frame, shade, channels))),
         };
-        let outline = |t| Outline::new(frame.corners(t).map(|v| v.screen), frame.width, frame.height);
-        let outlines = frame.each_triangle(outline);
+        let outlines = coverage::outlines(frame);
         let mut bands = vec![Vec::new(); frame.height.div_ceil(BAND_ROWS) as usize];
         for (t, outline) in (0..).zip(&outlines) {
             if let Some(Outline { first, end, .. }) = outline {

@@ -19,21 +19,42 @@ pub fn visible(frame: &Frame) -> Vec<u32> {
     let (width, height) = (frame.width as usize, frame.height as usize);
     let mut seen = vec![NONE; width * height];
     let mut nearest = vec![f64::INFINITY; width * height];
-    for triangle in 0..frame.triangles.len() {
+    each_layer(frame, &outlines(frame), 0..frame.height, |triangle, at, depth| {
+        if depth < nearest[at] {
+            (nearest[at], seen[at]) = (depth, triangle as u32);
+        }
+    });
+    seen
+}
+
+/// Returns the outlines of all triangles.
+pub(crate) fn outlines(frame: &Frame) -> Vec<Option<Outline>> {
+    frame.each_triangle(|t| Outline::new(frame.corners(t).map(|v| v.screen), frame.width, frame.height))
+}
+
+/// Calls `of` with every triangle, in order, and every pixel that it covers in `rows`: the pixel's index from the first
+/// of these rows, and its depth.
+pub(crate) fn each_layer(
+    frame: &Frame,
+    outlines: &[Option<Outline>],
+    rows: Range<u32>,
+    mut of: impl FnMut(usize, usize, f64),
+) {
+    for (triangle, outline) in outlines.iter().enumerate() {
         checkpoint();
-        let corners = frame.corners(triangle).map(|v| v.screen);
-        let Some(outline) = Outline::new(corners, frame.width, frame.height) else { continue };
+        let Some(outline) = outline else { continue };
+        let within = outline.first.max(rows.start)..outline.end.min(rows.end);
+        if within.is_empty() {
+            continue;
+        }
         let depths = depths(frame, triangle);
-        outline.each_span(outline.first..outline.end, frame.width, |y, (left, right)| {
+        outline.each_span(within, frame.width, |y, (left, right)| {
+            let row = (y - rows.start) as usize * frame.width as usize;
             for x in left..right {
-                let (at, [depth]) = (y as usize * width + x as usize, depths.at(x, y).0);
-                if depth < nearest[at] {
-                    (nearest[at], seen[at]) = (depth, triangle as u32);
-                }
+                of(triangle, row + x as usize, depths.at(x, y).0[0]);
             }
         });
     }
-    seen
 }
 
 /// Returns the depths of a triangle as a plane.

@@ -18,7 +18,7 @@ use super::{
 };
 use crate::{
     experiment::{MAX_RATING, Phase, RatingRow},
-    store::{Columns, FileError, FileErrors, columns::Mapped, dataset, file},
+    store::{Columns, FileError, FileErrors, columns::Mapped, dataset, error::RowErrors, file},
     text::names::natural,
 };
 
@@ -184,15 +184,18 @@ fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
                 sessions.len() as u32 - 1
             })
         };
-        let mut wrong = Vec::new();
+        let (mut wrong, mut errors) = (Vec::new(), std::mem::take(&mut rows.errors));
         read_attempts(selection, input, own, rows, |row, attempt| match attempt {
             Ok((subject, session, attempt)) => {
                 attempts.push(Attempt { session: enter(subject, session), file, row: row as u32, ..attempt });
             }
-            Err(error) => wrong.push(error),
+            Err(error) => {
+                wrong.push(row);
+                rows.report(&mut errors, error, input, &selection.inputs);
+            }
         });
-        wrong.iter().for_each(|error| rows.status[error.row] = Status::Wrong);
-        rows.errors.extend(wrong);
+        wrong.iter().for_each(|row| rows.status[*row] = Status::Wrong);
+        rows.errors = errors;
     }
     trials::decide(attempts, &mut sessions, tables);
     for input in selection.inputs.iter().filter(|input| input.columns.record.is_some() && input.header.first.is_none())
@@ -284,6 +287,8 @@ fn add_rows(
     rows: &mut Rows,
     mut add: impl FnMut(&RatingRow<'_>) -> Result<(), String>,
 ) -> FileRead {
+    let mut errors = std::mem::take(&mut rows.errors);
+    let report = |errors: &mut RowErrors, error| rows.report(errors, error, input, &selection.inputs);
     let columns = &input.columns;
     let texts = |column: usize| &rows.columns[column];
     let subjects = texts(columns.subject);
@@ -299,8 +304,8 @@ fn add_rows(
         .collect();
     let places = columns.session.zip(columns.repetition);
     let places = places.map(|(session, column)| (texts(session), column, texts(column).map(values::repetition)));
-    let (mut errors, mut levels) = (Vec::new(), Vec::new());
-    let mut rating = |row: usize, errors: &mut Vec<RowError>| -> Result<u64, RowError> {
+    let mut levels = Vec::new();
+    let mut rating = |row: usize, errors: &mut RowErrors| -> Result<u64, RowError> {
         let subject = subjects.get(row);
         if subject.is_empty() {
             return Err(RowError::new(row, columns.subject, "a participant"));
@@ -328,13 +333,13 @@ fn add_rows(
         let place = places.as_ref().and_then(|(sessions, column, repetitions)| match repetitions.get(row) {
             Ok(repetition) => repetition.map(|repetition| (sessions.get(row), repetition)),
             Err(expected) => {
-                errors.push(RowError::new(row, *column, *expected));
+                report(errors, RowError::new(row, *column, *expected));
                 None
             }
         });
         let response_time_s = columns.time.zip(rows.times.get(row)).and_then(|(column, &seconds)| {
             if seconds < 0.0 || seconds.is_infinite() {
-                errors.push(RowError::new(row, column, "seconds, 0 or more"));
+                report(errors, RowError::new(row, column, "seconds, 0 or more"));
             }
             Some(seconds).filter(|seconds| seconds.is_finite() && *seconds >= 0.0)
         });
@@ -355,41 +360,42 @@ fn add_rows(
                     &mut read.counted
                 }
                 Err(error) => {
-                    errors.push(error);
+                    report(&mut errors, error);
                     &mut read.erroneous
                 }
             },
             Status::Practice => &mut read.practice,
             Status::Superseded => &mut read.superseded,
             Status::Repeated(file) => {
-                errors.push(RowError { row, cell: None, what: What::Repeated(file as usize) });
+                report(&mut errors, RowError { row, cell: None, what: What::Repeated(file as usize) });
                 &mut read.erroneous
             }
             Status::Wrong => &mut read.erroneous,
         };
         *left_out += 1;
     }
-    rows.errors.extend(errors);
+    rows.errors = errors;
     read
 }
 
 /// Returns the errors in a file. If all its rows also occur in other files, that is the only one.
 fn file_errors(input: &Input, mut rows: Rows, inputs: &[Input]) -> Vec<FileError> {
-    let mut others = rows.status.iter().filter_map(|status| match status {
+    let other = |status: &Status| match status {
         Status::Repeated(file) => Some(&inputs[*file as usize].name).filter(|name| **name != input.name),
         _ => None,
-    });
-    let (number, all, other) = (others.clone().count(), rows.status.len(), others.next_back());
-    let everything = other.filter(|_| number == all).map(|other| {
+    };
+    let others: Option<Vec<&String>> = rows.status.iter().map(other).collect();
+    let everything = others.as_deref().and_then(<[_]>::last).map(|other| {
+        let all = rows.status.len();
         let message = format!(
             "all its rows ({all}) already appear in {other}; expected each session only once (this file is left out)"
         );
         FileError::whole(&input.name, message)
     });
     if everything.is_some() {
-        rows.errors.clear();
+        rows.errors = RowErrors::default();
     }
-    rows.errors(input, inputs).into_iter().chain(everything).collect()
+    rows.into_errors(input).into_iter().chain(everything).collect()
 }
 
 fn sha256(input: &Input) -> Option<String> {

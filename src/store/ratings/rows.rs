@@ -31,7 +31,7 @@ pub(super) struct Rows {
     pub times: Vec<f64>,
     /// How each row is used.
     pub status: Vec<Status>,
-    pub errors: Vec<RowError>,
+    pub errors: RowErrors,
     /// Why the file could not be read to its end.
     failed: Option<std::io::Error>,
     /// The position of every 64th row.
@@ -41,7 +41,7 @@ pub(super) struct Rows {
 /// An error in a row.
 #[derive(Debug)]
 pub(super) struct RowError {
-    /// Index of the row.
+    /// Index of the row, which is readable.
     pub row: usize,
     /// Index of the cell; `None` if the error is about the row as a whole.
     pub cell: Option<usize>,
@@ -93,7 +93,8 @@ impl Rows {
                     Ok(text) => Some(text),
                     Err((cell, message)) => {
                         let (cell, message) = partial(row, cell).map_or((cell, message), |message| (None, message));
-                        rows.errors.push(RowError { row: index, cell, what: What::Said(message) });
+                        let place = || row.place(cell.or(row.text().err()).unwrap_or(0));
+                        rows.errors.add(&input.name, cell, message, place);
                         None
                     }
                 };
@@ -121,22 +122,22 @@ impl Rows {
         0..self.status.len()
     }
 
-    /// Returns the errors with their places, in the order of the file.
-    pub fn errors(mut self, input: &Input, inputs: &[Input]) -> Vec<FileError> {
-        self.errors.sort_by_key(|error| error.row);
-        let mut errors = RowErrors::default();
-        for mut error in std::mem::take(&mut self.errors) {
-            if error.row + 1 == self.status.len()
-                && let Some(Some(message)) = self.again(input, error.row, |row| partial(row, error.cell))
-            {
-                error = RowError { cell: None, what: What::Said(message), ..error };
-            }
-            errors.add_with(error.cell, || self.placed(&error, input, inputs));
+    /// Adds an error to those of the file.
+    pub fn report(&self, errors: &mut RowErrors, mut error: RowError, input: &Input, inputs: &[Input]) {
+        if error.row + 1 == self.status.len()
+            && let Some(Some(message)) = self.again(input, error.row, |row| partial(row, error.cell))
+        {
+            error = RowError { cell: None, what: What::Said(message), ..error };
         }
+        errors.add_with(error.cell, || self.placed(&error, input, inputs));
+    }
+
+    /// Returns all errors in the file.
+    pub fn into_errors(self, input: &Input) -> Vec<FileError> {
         let failed = self.failed.map(|error| {
             FileError::whole(&input.name, format!("cannot be read completely: {error}; expected a readable file"))
         });
-        failed.into_iter().chain(errors.finish(&input.name, &input.header.names)).collect()
+        failed.into_iter().chain(self.errors.finish(&input.name, &input.header.names)).collect()
     }
 
     /// Returns an error with its place.
@@ -147,8 +148,7 @@ impl Rows {
         }
         let found = self.again(input, error.row, |row| {
             let written = |column| row.record.get(column).map(String::from_utf8_lossy).unwrap_or_default().into_owned();
-            let place = row.place(error.cell.or(row.text().err()).unwrap_or(0));
-            FileError::at(&input.name, place, error.message(input, inputs, written))
+            FileError::at(&input.name, row.place(error.cell.unwrap_or(0)), error.message(input, inputs, written))
         });
         found.unwrap_or_else(|| FileError::whole(&input.name, error.message(input, inputs, |_| String::new())))
     }
