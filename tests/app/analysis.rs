@@ -255,7 +255,8 @@ fn filters_narrow_the_analysis_and_its_export() {
     // The command that repeats it gives the same files; only the report says when it was made, and into which folder.
     click(&mut window, "Copy as command");
     let shown = texts(&window);
-    let command = shown.iter().find_map(|text| text.strip_prefix("Copied: machband ")).unwrap();
+    let copied = shown.iter().find_map(|text| text.strip_prefix("Copied: machband "));
+    let command = copied.unwrap_or_else(|| panic!("{shown:#?}"));
     assert!(command.contains("--exclude S002 --only width=0.1,0.8"), "{command}");
     let (again, mut words) = (folder.path().join("again"), shlex::split(command).unwrap());
     *words.last_mut().unwrap() = again.display().to_string();
