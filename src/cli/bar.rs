@@ -9,6 +9,7 @@ use std::{
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::print::print_line;
 use crate::{
     report::terminal::message,
     system::{run_on_thread, signals},
@@ -82,7 +83,7 @@ impl Watcher for Bar {
     }
 
     fn found(&self, file: &Path, sentence: &str) -> anyhow::Result<()> {
-        self.above(|| super::print_line(&format!("{}: {sentence}", file.display())))
+        self.above(|| print_line(&format!("{}: {sentence}", file.display())))
     }
 
     fn check(&self, place: &Path) -> anyhow::Result<()> {

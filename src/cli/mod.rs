@@ -11,6 +11,7 @@ mod export;
 mod outputs;
 mod plan;
 mod predict;
+mod print;
 mod ratings;
 #[cfg(feature = "window")]
 mod run;
@@ -20,17 +21,14 @@ mod stimulus;
 #[cfg(feature = "window")]
 mod timing;
 
-use std::{
-    borrow::Cow,
-    ffi::OsString,
-    io::{self, Write as _},
-    path::Path,
-    process::ExitCode,
-};
+use std::{borrow::Cow, ffi::OsString, io::Write as _, path::Path, process::ExitCode};
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
-use self::bar::Bar;
+use self::{
+    bar::Bar,
+    print::{print_data, print_line},
+};
 use crate::{
     report::{
         document::{Shown, numbers::count},
@@ -164,21 +162,6 @@ fn refuse(error: &clap::Error, arguments: &[OsString]) -> ! {
         let _ = writeln!(std::io::stderr(), "{}", printable(line));
     }
     std::process::exit(error.exit_code())
-}
-
-/// Prints one line of text to stdout.
-fn print_line(line: &str) -> anyhow::Result<()> {
-    print_data(format!("{}\n", printable(line)).as_bytes())
-}
-
-/// Writes data to stdout unchanged. It is not an error if the reader has already closed the pipe, as `head -1` does.
-fn print_data(data: &[u8]) -> anyhow::Result<()> {
-    match std::io::stdout().write_all(data) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(anyhow::anyhow!("standard output: cannot write: {error}; expected enough space for the data"))
-        }
-        _ => Ok(()),
-    }
 }
 
 fn report_written(path: &Path) -> anyhow::Result<()> {

@@ -143,7 +143,7 @@ fn a_signal_closes_the_sitting() {
             stderr.contains(&format!("ended by SIG{signal}; to continue")) && !stderr.contains("panicked"),
             "{stderr}"
         );
-        assert!(harness.sidecar("swift")["seal"].is_object(), "the session is not sealed");
+        assert!(harness.sidecar("swift")["sittings"][0]["seal"].is_object(), "the session is not sealed");
         resume_to_the_end(&mut harness, &planned, 3);
     }
     withstood("signals in the window", 2, &ALL);

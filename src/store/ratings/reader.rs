@@ -10,15 +10,21 @@ use rayon::prelude::*;
 
 use super::{
     files,
-    rows::{MAX_ROWS, RowError, Rows, What},
+    rows::{MAX_ROWS, RowError, Rows, Status, What},
     selection::{Definitions, Input, RecordColumns, Selection},
     source::{FileRead, Layout, ReadOptions, SessionRead, Shape, Source},
-    trials::{self, Attempt, Status},
+    trials::{self, Attempt},
     values,
 };
 use crate::{
     experiment::{MAX_RATING, Phase, RatingRow},
-    store::{Columns, FileError, FileErrors, columns::Mapped, dataset, error::RowErrors, file},
+    store::{
+        Columns, FileError, FileErrors,
+        columns::{Mapped, Texts},
+        dataset,
+        error::RowErrors,
+        file,
+    },
     text::names::natural,
 };
 
@@ -90,7 +96,7 @@ fn read_inputs<T>(
         let message = format!("there are more than {MAX_ROWS} rows; expected fewer, or a table of counts");
         return Err(FileErrors::whole(&selection.inputs[0].name, message));
     }
-    let measurements = selection.leave_out_measurements(&tables);
+    let measurements = selection.leave_out_measurements(&texts(&tables));
     let mut sessions = sessions(&selection, &mut tables);
     let unfinished: Vec<bool> =
         sessions.iter().map(|session| options.complete_only && session.is_unfinished()).collect();
@@ -260,6 +266,11 @@ fn read_attempts<'a>(
     rows.all().filter(|row| rows.status[*row] != Status::Wrong).for_each(|row| take(row, one(row)));
 }
 
+/// Returns the columns of each file.
+fn texts(tables: &[Rows]) -> Vec<&[Texts]> {
+    tables.iter().map(|rows| &rows.columns[..]).collect()
+}
+
 /// Which columns have only numbers, in all files together.
 struct AreNumbers {
     factors: Vec<bool>,
@@ -268,12 +279,14 @@ struct AreNumbers {
 
 impl AreNumbers {
     fn new(selection: &Selection, tables: &[Rows]) -> Self {
+        let tables = texts(tables);
         let factors = 0..selection.shape.factors.len();
         Self {
             factors: factors
-                .map(|factor| values::are_numbers(&selection.texts(tables, |columns| columns.factors[factor])))
+                .map(|factor| values::are_numbers(&selection.texts(&tables, |columns| columns.factors[factor])))
                 .collect(),
-            response: !selection.own_scale && values::are_numbers(&selection.texts(tables, |columns| columns.response)),
+            response: !selection.own_scale
+                && values::are_numbers(&selection.texts(&tables, |columns| columns.response)),
         }
     }
 }

@@ -6,7 +6,6 @@ use csv::Position;
 
 use super::{
     selection::Input,
-    trials::Status,
     values::{seconds, with_point},
 };
 use crate::store::{
@@ -36,6 +35,26 @@ pub(super) struct Rows {
     failed: Option<std::io::Error>,
     /// The position of every 64th row.
     marks: Vec<Position>,
+}
+
+/// How a row is used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Status {
+    /// It counts, as part of the session with this index if it is in a result file.
+    Counts(u32),
+    Practice,
+    /// A later attempt counts.
+    Superseded,
+    /// The row also occurs in the file with this index, and that one counts.
+    Repeated(u32),
+    /// It has an error.
+    Wrong,
+}
+
+impl Default for Status {
+    fn default() -> Self {
+        Self::Counts(0)
+    }
 }
 
 /// An error in a row.

@@ -10,7 +10,6 @@ use serde_json::{Map, Value};
 
 use super::{
     files::Header,
-    rows::Rows,
     source::{Layout, ReadOptions, Shape},
     values,
 };
@@ -143,8 +142,9 @@ impl Selection {
         ((!is_empty).then_some(selection), errors)
     }
 
-    /// Leaves out the columns that were only guessed to be factors and are measurements, with a warning for each.
-    pub fn leave_out_measurements(&mut self, files: &[Rows]) -> Vec<FileError> {
+    /// Leaves out the columns that were only guessed to be factors and are measurements, with a warning for each. `files`
+    /// has the columns of each input.
+    pub fn leave_out_measurements(&mut self, files: &[&[Texts]]) -> Vec<FileError> {
         let mut warnings = Vec::new();
         for index in (0..self.guessed.len()).rev().filter(|&index| self.guessed[index]) {
             let texts = self.texts(files, |columns| columns.factors[index]);
@@ -163,8 +163,8 @@ impl Selection {
     }
 
     /// Returns one column of all files.
-    pub fn texts<'a>(&self, files: &'a [Rows], column: impl Fn(&Columns) -> usize) -> Vec<&'a Texts> {
-        self.inputs.iter().zip(files).map(|(input, rows)| &rows.columns[column(&input.columns)]).collect()
+    pub fn texts<'a>(&self, files: &[&'a [Texts]], column: impl Fn(&Columns) -> usize) -> Vec<&'a Texts> {
+        self.inputs.iter().zip(files).map(|(input, columns)| &columns[column(&input.columns)]).collect()
     }
 }
 

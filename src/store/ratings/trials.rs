@@ -1,6 +1,9 @@
 //! Determines which rows of result files count: the last attempt at each trial, and the first of duplicate rows.
 
-use super::{rows::Rows, source::SessionRead};
+use super::{
+    rows::{Rows, Status},
+    source::SessionRead,
+};
 
 /// A row of a result file: an attempt at a trial. The order is that of the session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -17,26 +20,6 @@ pub(super) struct Attempt {
     pub rated: bool,
     /// Whether frames were dropped; `None` if this was not measured.
     pub dropped: Option<bool>,
-}
-
-/// How a row is used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Status {
-    /// It counts, as part of the session with this index if it is in a result file.
-    Counts(u32),
-    Practice,
-    /// A later attempt counts.
-    Superseded,
-    /// The row also occurs in the file with this index, and that one counts.
-    Repeated(u32),
-    /// It has an error.
-    Wrong,
-}
-
-impl Default for Status {
-    fn default() -> Self {
-        Self::Counts(0)
-    }
 }
 
 /// Sets how these rows are used, and counts the trials of the sessions.
