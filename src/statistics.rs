@@ -1,6 +1,7 @@
-//! Statistics that several rooms need: intervals, quantiles and tail probabilities of distributions, and the correction
-//! for multiple testing.
+//! Statistics that several rooms need: intervals, quantiles and tail probabilities of distributions, the correction for
+//! multiple testing, and random orders.
 
+use rand_chacha::{ChaCha8Rng, rand_core::Rng as _};
 use serde::Serialize;
 use statrs::{
     distribution::{ChiSquared, ContinuousCDF as _, StudentsT},
@@ -149,4 +150,23 @@ pub fn holm(probabilities: &[Option<f64>]) -> Vec<Option<f64>> {
         corrected[*index] = Some(most);
     }
     corrected
+}
+
+/// Puts `items` into a random order with the Fisher–Yates shuffle. It is implemented here so that no new version of a
+/// library can change the orders that a seed gives.
+pub fn shuffle<T>(items: &mut [T], rng: &mut ChaCha8Rng) {
+    for i in (1..items.len()).rev() {
+        items.swap(i, below(rng, i as u64 + 1) as usize);
+    }
+}
+
+/// Returns a uniform random number in `0..bound`. Rejection makes every value equally likely. `bound` must be above 0.
+fn below(rng: &mut ChaCha8Rng, bound: u64) -> u64 {
+    let limit = u64::MAX - u64::MAX % bound;
+    loop {
+        let draw = rng.next_u64();
+        if draw < limit {
+            return draw % bound;
+        }
+    }
 }

@@ -218,8 +218,8 @@ def shade(
         if normals is not None and estimated is None:
             raise TypeError(f"shade() got normals for the mesh {path!r}; expected only arrays or only a name")
         if path.endswith(".toml"):
-            image = {name: given[name] for name in ("size", "bits", "transfer", "display") if name in given}
-            return Shaded(*_machband.shade({"scene": path, **image}, None, False))
+            image: Fields = {name: given[name] for name in ("size", "bits", "transfer", "display") if name in given}
+            return Shaded(_machband.shade({"scene": path, **image}, None, False)[0], None)
         fields = {**given, **_named(path, n_vertices)}
         codes, measured = _machband.shade(fields, None, flag("metrics", metrics) and shader is not None)
     else:

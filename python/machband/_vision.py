@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import os
 import re
 from dataclasses import dataclass, field
 from os import PathLike
@@ -13,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import options
+from ._common import Fields, options, path
 from ._stimulus import _parameters
 
 Floats = npt.NDArray[np.float64]
@@ -132,7 +131,8 @@ def predict(
         if not (number is None or isinstance(number, (int, float, np.number))):
             raise TypeError(f"{name} is {number!r}; expected a number")
     view = options("predict", locals())
-    pixels, codes_mean = ({name: view.pop(name)} if name in view else {} for name in ("size", "transfer"))
+    pixels: Fields = {"size": view.pop("size")} if "size" in view else {}
+    codes_mean: Fields = {"transfer": view.pop("transfer")} if "transfer" in view else {}
     is_file = isinstance(image_or_kind, PathLike) or (
         isinstance(image_or_kind, str) and bool(re.search(r"[/\\]|\.\w+$", image_or_kind))
     )
@@ -147,7 +147,7 @@ def predict(
         raise TypeError(f"predict() got {name!r}, which an image does not have{question}")
     coded = {**view, **codes_mean}
     if is_file:
-        return _prediction(_machband.predict({**coded, "image": os.fspath(image_or_kind)}, None))
+        return _prediction(_machband.predict({**coded, "image": path("image", image_or_kind)}, None))
     if isinstance(image_or_kind, np.ma.MaskedArray):
         raise TypeError("the image is a masked array, and every pixel counts; expected an array without a mask")
     image = np.asarray(image_or_kind)

@@ -17,7 +17,7 @@ def stim(
     size: int = 512,
     transfer: str | None = None,
     display: str | PathLike[str] | None = None,
-    dither: str | None = None,
+    dither: str = "none",
     seed: int = 1,
     pos: tuple[float, float] = (0, 0),
     name: str | None = None,

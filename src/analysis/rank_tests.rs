@@ -11,8 +11,7 @@ use super::{
     summary::category_values,
 };
 use crate::{
-    light::random::shuffle,
-    statistics::{Interval, chi_squared_tail, holm, normal_two_sided},
+    statistics::{Interval, chi_squared_tail, holm, normal_two_sided, shuffle},
     system::checkpoint,
 };
 

@@ -12,12 +12,11 @@
 //! | `start` | the experiments, the sessions, and the form that starts one |
 
 mod analysis;
+mod dialogs;
 mod display;
 mod editor;
 pub mod explore;
-mod help;
 mod memory;
-mod quit;
 mod session;
 mod start;
 mod ui;
@@ -27,8 +26,8 @@ use std::{path::PathBuf, time::Instant};
 
 use eframe::egui::{self, ViewportCommand};
 
+use dialogs::Quit;
 use memory::Memory;
-use quit::Quit;
 use session::Runner;
 use start::{Destination, Start};
 use ui::{Place, SideChoice, Step, number};
@@ -68,8 +67,10 @@ pub fn time(request: timing::TimingRequest) -> Result<(), WindowError> {
 }
 
 /// What the window shows.
+#[derive(Default)]
 enum View {
     /// One of the places, next to the side bar.
+    #[default]
     Places,
     Session(Box<Runner>),
     Timing(Box<timing::TimingPage>),
@@ -83,6 +84,7 @@ enum Dialog {
 }
 
 /// The program's window.
+#[derive(Default)]
 pub struct App {
     view: View,
     place: Place,
@@ -123,23 +125,7 @@ impl App {
     fn at(cc: &eframe::CreationContext<'_>, view: View) -> Self {
         ui::theme::apply(&cc.egui_ctx);
         ui::blit::install(cc);
-        Self {
-            view,
-            place: Place::default(),
-            start: Start::default(),
-            editor: None,
-            gallery: None,
-            shading: None,
-            display: None,
-            analysis: None,
-            behind: None,
-            direct: false,
-            dialog: None,
-            quit: Quit::default(),
-            monitors: Vec::new(),
-            memory: Memory::default(),
-            input: Input::default(),
-        }
+        Self { view, ..Self::default() }
     }
 
     fn draw(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
@@ -271,8 +257,8 @@ impl App {
 
     fn draw_dialogs(&mut self, ctx: &egui::Context) {
         let open = match self.dialog {
-            Some(Dialog::Help) => help::help(ctx, self.place),
-            Some(Dialog::Settings) => help::settings(ctx, &mut self.memory.settings, self.memory.problem.as_deref()),
+            Some(Dialog::Help) => dialogs::help(ctx, self.place),
+            Some(Dialog::Settings) => dialogs::settings(ctx, &mut self.memory.settings, self.memory.problem.as_deref()),
             None => true,
         };
         if !open {

@@ -30,6 +30,9 @@ const MAX_REFRESH_S: f64 = 10.0;
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Refresh(f64);
 
+/// A refresh, if it is known, and its source: `reported`, `measured` or `unknown`.
+pub type KnownRefresh = (Option<Refresh>, &'static str);
+
 impl Refresh {
     /// Makes a refresh from its interval in seconds; `None` unless the interval is above 0 and at most 10.
     #[must_use]
@@ -41,6 +44,16 @@ impl Refresh {
     #[must_use]
     pub fn from_hz(hz: f64) -> Option<Self> {
         Self::new(1.0 / hz)
+    }
+
+    /// Returns the refresh to judge frames against, and where it is from: the one that the system reports, otherwise the
+    /// one that frames with these durations follow; otherwise it is unknown.
+    #[must_use]
+    pub fn known(reported_hz: Option<f64>, intervals_us: &[u32]) -> KnownRefresh {
+        let named = |source| move |refresh| (Some(refresh), source);
+        let reported = reported_hz.and_then(Self::from_hz).map(named("reported"));
+        let measured = || Self::measured(intervals_us).map(named("measured"));
+        reported.or_else(measured).unwrap_or((None, "unknown"))
     }
 
     /// Returns the refresh that frames with these durations follow, as estimated by [`Refresh::estimate`]; `None` if

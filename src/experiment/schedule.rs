@@ -14,7 +14,7 @@ use super::{
     identity::{Identity, fnv1a},
     protocol::Protocol,
 };
-use crate::light::random::shuffle;
+use crate::statistics::shuffle;
 use crate::text::names::named;
 
 /// Describes, for the sidecar, how an order is generated from a seed. Any change to this procedure would change the

@@ -15,7 +15,6 @@ pub mod image;
 pub mod interpolation;
 pub mod palette;
 pub mod quantize;
-pub mod random;
 pub mod transfer;
 
 pub use dither::{Dither, DitherError, DitherMatrix, DitherMatrixError, Thresholds};

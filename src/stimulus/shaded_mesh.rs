@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use super::{
     color::{self, StimulusColor},
     drawing::Area,
-    parameter::{ParameterError, Range, kind, text_field},
+    parameter::{ParameterError, Range, kind, parameter_error, text_field},
     shot::{Renderer, Shot},
 };
 use crate::{
@@ -77,27 +77,24 @@ kind! {
 
 impl ShadedMesh {
     fn contradictions(&self) -> Option<ParameterError> {
-        let parameter = |name| Self::PARAMETERS.iter().find(|parameter| parameter.name == name);
+        let fault =
+            |name, value: &dyn fmt::Display, problem: &str| parameter_error(Self::PARAMETERS, name, value, problem);
         if !(1e-6..=1e6).contains(&DVec3::from_array(self.light.0).length()) {
-            return Some(parameter("light")?.error(self.light, "is not a direction"));
+            return fault("light", &self.light, "is not a direction");
         }
-        if self.mesh.has_vertices() && (self.vertices as usize) < self.mesh.min_vertices() {
-            let least = self.mesh.min_vertices();
-            return Some(
-                parameter("vertices")?.error(self.vertices, format!("is below the {least} that a {} needs", self.mesh)),
-            );
+        let least = self.mesh.min_vertices();
+        if self.mesh.has_vertices() && (self.vertices as usize) < least {
+            return fault("vertices", &self.vertices, &format!("is below the {least} that a {} needs", self.mesh));
         }
         let corrected = [("vertex", self.vertex), ("reweight", self.reweight)];
         if let Some((name, correction)) = corrected.into_iter().find(|(_, correction)| *correction != Correction::Off)
             && !self.shader.interpolates_light()
         {
             let problem = format!("corrects interpolated light, which {} does not use", self.shader);
-            return Some(parameter(name)?.error(correction, problem));
+            return fault(name, &correction, &problem);
         }
         if self.high + self.highlight > 1.0 {
-            return Some(
-                parameter("highlight")?.error(self.highlight, "and high have a sum above 1: clipping would add edges"),
-            );
+            return fault("highlight", &self.highlight, "and high have a sum above 1: clipping would add edges");
         }
         None
     }

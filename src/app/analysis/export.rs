@@ -10,7 +10,7 @@ use eframe::egui;
 use crate::{
     analysis::Results,
     app::ui::{
-        Dialog, FileKind, Saving, full, hint, secondary, show_error,
+        Dialog, FileKind, Saving, full, hint, open, secondary, show_error,
         work::{BackgroundTask, Progress},
     },
     report::{Provenance, Study, study::shell_command, write_all},
@@ -20,6 +20,7 @@ use crate::{
 };
 
 /// The folder field and the outcome of the last export.
+#[derive(Default)]
 pub struct Export {
     /// The paths and the files in those that are folders. The export never replaces them.
     inputs: Vec<PathBuf>,
@@ -48,16 +49,8 @@ impl Export {
     pub fn new(paths: Vec<PathBuf>) -> Self {
         let name = paths.first().and_then(|path| path.file_stem()).filter(|name| !name.is_empty());
         let name = name.map_or("machband".into(), |name| name.to_string_lossy());
-        Self {
-            folder: format!("{name}-analysis"),
-            inputs: with_files(paths),
-            dialog: Dialog::default(),
-            work: None,
-            saving: Saving::default(),
-            copied: None,
-            written: None,
-            not_opened: None,
-        }
+        let folder = format!("{name}-analysis");
+        Self { folder, inputs: with_files(paths), ..Self::default() }
     }
 
     /// Draws the controls. Nothing can be exported while no results are shown.
@@ -126,9 +119,7 @@ impl Export {
         ui.horizontal_wrapped(|ui| {
             for (text, path) in [("Open report", folder.join("report.html")), ("Open folder", folder.clone())] {
                 if ui.button(text).clicked() {
-                    let opened = open::that_detached(&path);
-                    self.not_opened =
-                        opened.err().map(|error| format!("{} cannot be opened: {error}", full(&path).display()));
+                    self.not_opened = open(&path);
                 }
             }
         });

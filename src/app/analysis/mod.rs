@@ -1,16 +1,14 @@
 //! The analysis: reads files and shows the results document.
 //!
-//! [`page`] reads files, with [`columns`] and the [`order`] of ratings in words as the user chooses them; [`open_study`]
-//! filters and models the data.
+//! [`page`] reads files and asks the [`questions`] that they leave open; [`open_study`] filters and models the data.
 //! [`document`] shows the document of `machband analyze` in the window, with sortable [`tables`](table).
 
-mod columns;
 mod document;
 mod export;
 mod open_study;
-mod order;
 mod page;
 mod query;
+mod questions;
 mod table;
 
 pub use page::Analysis;

@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 use eframe::egui::{self, Key};
 
 use super::{
-    columns::Columns,
     open_study::{OpenStudy, Request},
-    order::CategoryOrder,
+    questions::{CategoryOrder, Columns},
 };
 use crate::{
     app::ui::{
@@ -19,6 +18,7 @@ use crate::{
     work::{Analyze, Ratings},
 };
 
+#[derive(Default)]
 pub struct Analysis {
     /// The path as typed.
     typed: String,
@@ -48,17 +48,7 @@ struct Pending {
 impl Analysis {
     /// Creates the page without data. It offers the experiments in a results folder and lets the user open other files.
     pub fn new(results: &Path) -> Self {
-        let mut page = Self {
-            typed: String::new(),
-            found: Vec::new(),
-            dialog: Dialog::default(),
-            reading: None,
-            error: None,
-            columns: None,
-            order: None,
-            asked: Analyze::default(),
-            open: None,
-        };
+        let mut page = Self::default();
         page.offer(results);
         page
     }

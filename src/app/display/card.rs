@@ -4,7 +4,7 @@ use eframe::egui::{self, Id, Key, ScrollArea, Sense, Slider, SliderClamping, Str
 
 use crate::{
     app::ui::{
-        Step, primary, secondary, show_error,
+        Step, modal, primary, secondary, show_error,
         theme::{COLUMN, ink},
     },
     display::geometry::{CARD_WIDTH_CM, width_cm_from_card},
@@ -13,10 +13,6 @@ use crate::{
 /// Height divided by width of an ISO/IEC 7810 ID-1 card, 53.98 mm by 85.60 mm.
 const CARD_ASPECT: f32 = 53.98 / 85.60;
 
-/// Distance from the dialog's edge to its content, points; the same as on the pages.
-const PADDING: f32 = 24.0;
-/// Minimum distance between the dialog and the window's edge, points.
-const AROUND: f32 = 8.0;
 /// Width reserved for the slider's number, points.
 const NUMBER: f32 = 80.0;
 /// Minimum width of the outline, physical pixels.
@@ -42,19 +38,12 @@ impl CardHelper {
         // typing; on a button, it activates the button.
         let free = ctx.memory(|memory| memory.focused()).is_none_or(|focused| self.slider == Some(focused));
         let accepted = free && self.slider.is_some() && ctx.input(|input| input.key_pressed(Key::Enter));
-        let room = ctx.content_rect().size() - Vec2::splat(2.0 * (PADDING + AROUND));
-        let frame = egui::Frame::popup(&ctx.global_style()).inner_margin(PADDING);
-        let shown = egui::Modal::new(Id::unique("card")).frame(frame).show(ctx, |ui| {
-            ui.set_width(room.x.min(COLUMN.max(self.outline(ctx).x)));
-            // As high as the window allows. Otherwise, the dialog's previous height would limit it when the outline
-            // grows.
-            let scrolling = ScrollArea::vertical().max_height(room.y).min_scrolled_height(room.y);
+        let width = COLUMN.max(self.outline(ctx).x);
+        let (step, closed) = modal(ctx, "card", width, |ui, height| {
+            let scrolling = ScrollArea::vertical().max_height(height).min_scrolled_height(height);
             scrolling.show(ui, |ui| self.content(ui, screen_width_px, accepted)).inner
         });
-        match shown.inner {
-            Step::Stay if shown.should_close() => Step::Back,
-            outcome => outcome,
-        }
+        if closed && step == Step::Stay { Step::Back } else { step }
     }
 
     /// Returns the size of the outline in points.

@@ -8,7 +8,7 @@ use crate::{
         Field, Monitor, ScreenFields, Step, describe, note, number, platform::Platform, secondary, show_error,
         theme::ink, tool_page,
     },
-    display::{GeometryError, Screen, Viewing, geometry::distance_cm},
+    display::{Viewing, geometry::distance_cm},
 };
 
 /// Length of the drawn ruler in centimeters.
@@ -34,7 +34,7 @@ impl GeometryPage {
             ui.add_space(8.0);
             self.fields(ui, monitor, fields);
             ui.add_space(12.0);
-            match viewing(monitor, fields) {
+            match fields.viewing(monitor) {
                 Ok(viewing) => {
                     self.sentences(ui, &viewing);
                     rulers(ui, &viewing);
@@ -116,13 +116,6 @@ impl GeometryPage {
             );
         }
     }
-}
-
-fn viewing(monitor: &Monitor, fields: &ScreenFields) -> Result<Viewing, GeometryError> {
-    // Text that is not a number becomes NaN, which is outside every valid range.
-    let number = |text: &str| number(text).unwrap_or(f64::NAN);
-    let screen = Screen::new(monitor.width_px, monitor.height_px, number(&fields.screen_width_cm))?;
-    Viewing::new(screen, number(&fields.distance_cm))
 }
 
 /// Draws a ruler in centimeters and a line that marks degrees, for comparison with a real ruler.

@@ -13,9 +13,9 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Dialog, Field, FileKind, Monitor, ScreenFields, Step, hint, note, number, show_error, success, today, tool_page,
+        Dialog, Field, FileKind, Monitor, ScreenFields, Step, hint, note, show_error, success, today, tool_page,
     },
-    display::{DisplayProfile, Screen, Viewing},
+    display::DisplayProfile,
 };
 
 /// The tool that is open.
@@ -64,7 +64,7 @@ impl Display {
     /// screen's width and the distance, which can also be set here; `window_deg` is the side of the planned stimulus.
     pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, fields: &mut ScreenFields, window_deg: f64) -> Step {
         self.window_deg = window_deg;
-        let viewing = viewing(fields, monitor);
+        let viewing = fields.viewing(monitor).ok();
         let step = match &mut self.tool {
             None => return self.list(ui, fields),
             Some(Tool::Geometry(page)) => page.show(ui, monitor, fields).widen(),
@@ -148,12 +148,6 @@ impl Display {
             success(ui, format!("{done} {}; now in use.", path.display()));
         }
     }
-}
-
-/// Returns the viewing geometry, if the screen's width and the distance are known.
-fn viewing(fields: &ScreenFields, monitor: &Monitor) -> Option<Viewing> {
-    let screen = Screen::new(monitor.width_px, monitor.height_px, number(&fields.screen_width_cm)?).ok()?;
-    Viewing::new(screen, number(&fields.distance_cm)?).ok()
 }
 
 /// A tool's name, a description of it, and a function that opens it.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf, absolute};
 
-use eframe::egui::{CentralPanel, Context, Frame, Id, Key, KeyboardShortcut, Modal, Modifiers, Panel, ScrollArea, Ui};
+use eframe::egui::{CentralPanel, Context, Frame, Key, KeyboardShortcut, Modifiers, Panel, ScrollArea, Ui};
 
 use super::{form::DefinitionForm, sections, thumbnails::Thumbnails};
 use crate::{
@@ -178,16 +178,10 @@ impl Editor {
 
     /// Asks whether to discard the changes; returns whether the user agreed.
     fn discards(&mut self, ctx: &Context) -> bool {
-        let frame = Frame::popup(&ctx.global_style()).inner_margin(theme::LARGE_GAP);
-        let shown = Modal::new(Id::unique("discard changes")).frame(frame).show(ctx, |ui| {
-            ui.heading("Discard changes?");
-            ui.label("The changes to this copy have not been saved.");
-            let keep = ui::primary(ui, "Keep editing", true, "Esc");
-            (keep, ui.button("Discard changes").clicked())
-        });
-        let (keep, discard) = shown.inner;
-        self.leaving = !(keep || shown.should_close());
-        discard
+        let text = "The changes to this copy have not been saved.";
+        let discard = ui::ask(ctx, "Discard changes?", text, ["Keep editing", "Discard changes"]);
+        self.leaving = discard != Some(false);
+        discard == Some(true)
     }
 }
 

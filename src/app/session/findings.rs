@@ -86,11 +86,8 @@ pub fn all(
         None => "The system does not report a refresh rate. The measured frame interval is used instead.".to_owned(),
     };
     let frame_interval = frame_interval(frames);
-    let measured = Refresh::measured(frames.intervals_us()).filter(|_| frame_interval.ok);
-    let refresh_found = match reported.and_then(Refresh::from_hz) {
-        Some(reported) => (Some(reported), "reported"),
-        None => (measured, if measured.is_some() { "measured" } else { "unknown" }),
-    };
+    let steady = if frame_interval.ok { frames.intervals_us() } else { &[] };
+    let refresh_found = Refresh::known(reported, steady);
     let mut notes = vec![
         note("monitor", true, format!("Monitor {name}, {width} × {height} pixels.")),
         full_screen(request.windowed, window, window == (width, height)),

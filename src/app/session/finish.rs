@@ -102,9 +102,7 @@ impl Finish {
         let analyze = ui.horizontal_wrapped(|ui| {
             if ui.button(&texts.open_folder).clicked() {
                 let folder = self.path.parent().unwrap_or(&self.path);
-                self.opened = open::that_detached(folder)
-                    .err()
-                    .map(|error| format!("{}: cannot be opened: {error}", folder.display()));
+                self.opened = ui::open(folder);
             }
             // Participants who return must not see trends in their answers.
             self.complete && ui.button("Analyze these results…").clicked()

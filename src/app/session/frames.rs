@@ -2,13 +2,10 @@
 
 use crate::{
     app::ui::Monitor,
-    display::frames::{FrameTimes, Refresh},
+    display::frames::{FrameTimes, KnownRefresh, Refresh},
     experiment::FrameCount,
     store::sitting::FrameSummary,
 };
-
-/// The refresh, if known, and its source: `reported` by the system, `measured`, or `unknown`.
-pub type KnownRefresh = (Option<Refresh>, &'static str);
 
 /// The refresh of the screen, updated if the window moves to another screen.
 pub struct ScreenRefresh {
@@ -27,11 +24,8 @@ impl ScreenRefresh {
     pub fn update(&mut self, monitor: &Monitor) -> Option<String> {
         let before = self.now.0;
         let (name, hz, found) = &self.first;
-        self.now = match monitor.refresh_hz.and_then(Refresh::from_hz) {
-            _ if (name, *hz) == (&monitor.name, monitor.refresh_hz) => *found,
-            Some(reported) => (Some(reported), "reported"),
-            None => (None, "unknown"),
-        };
+        let same = (name, *hz) == (&monitor.name, monitor.refresh_hz);
+        self.now = if same { *found } else { Refresh::known(monitor.refresh_hz, &[]) };
         let (refresh, source) = self.now;
         (refresh != before).then(|| {
             let hz = refresh.map(|refresh| format!("{:.3} Hz, ", refresh.hz())).unwrap_or_default();

@@ -202,12 +202,7 @@ fn next_or_back(ui: &mut egui::Ui, texts: &Texts, back: bool) -> Step<()> {
     let keys = [Key::Backspace, Key::ArrowLeft];
     let is_back = back && {
         ui.add_space(theme::SMALL_GAP);
-        let clicked = ui.horizontal(|ui| {
-            let clicked = ui.button(&texts.previous).clicked();
-            ui.label(ui::secondary(&texts.previous_key));
-            clicked
-        });
-        clicked.inner || keys.into_iter().any(|key| ui::shortcut(ui, key))
+        ui::keyed(ui, &texts.previous, &texts.previous_key) || keys.into_iter().any(|key| ui::shortcut(ui, key))
     };
     match (next, is_back) {
         (true, _) => Step::Next(()),

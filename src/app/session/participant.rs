@@ -55,12 +55,8 @@ impl ParticipantPage {
             }
             let proceed = ui::primary(ui, &self.texts.next, true, "Enter");
             ui.add_space(theme::SMALL_GAP);
-            let left = ui.horizontal(|ui| {
-                let left = ui.button(&self.texts.previous).clicked();
-                ui.label(ui::secondary("Esc"));
-                left
-            });
-            (proceed || entered, left.inner || back)
+            let left = ui::keyed(ui, &self.texts.previous, "Esc");
+            (proceed || entered, left || back)
         });
         if left {
             return Step::Back;

@@ -160,12 +160,7 @@ impl Preflight {
                 ui::show_error(ui, refused);
             }
             let begin = ui::primary(ui, "Continue", ready, "Space. These findings are saved with the data.");
-            let back = ui.horizontal(|ui| {
-                let back = ui.button("Back").clicked();
-                ui.label(ui::secondary("Esc"));
-                back
-            });
-            (begin, back.inner)
+            (begin, ui::keyed(ui, "Back", "Esc"))
         });
         ui::page_from(ui, 0.02, |ui| {
             ui.heading("Before the session");

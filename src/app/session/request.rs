@@ -2,9 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::frames::KnownRefresh;
 use crate::{
-    display::{DisplayProfile, Viewing},
+    display::{DisplayProfile, Viewing, frames::KnownRefresh},
     experiment::{Identity, Protocol},
     store::session::Changes,
 };

@@ -35,16 +35,17 @@ pub mod text;
 pub mod theme;
 pub mod work;
 
-pub use crate::display::Monitor;
+pub use crate::{display::Monitor, work::today};
 pub use dialog::{Dialog, FileKind};
 pub use fields::{Field, number};
 pub use history::History;
 pub use page::{
-    Step, end_frame, escaped, footer, heading, page, page_from, primary, release_focus, shortcut, tool_page,
+    Step, ask, end_frame, escaped, footer, heading, keyed, modal, page, page_from, primary, release_focus, shortcut,
+    tool_page,
 };
 pub use parameter::parameter;
 pub use plot::{legend, still_plot, table};
-pub use saving::{Saving, ending, full, saved};
-pub use screen::{ScreenFields, today, window_px};
+pub use saving::{Saving, ending, full, open, saved};
+pub use screen::{ScreenFields, window_px};
 pub use side_bar::{Place, SideChoice, side_bar};
 pub use text::{describe, extent, hint, note, paragraph, secondary, section, show_error, signed, success, tick};

@@ -2,7 +2,9 @@
 
 use std::convert::Infallible;
 
-use eframe::egui::{self, CentralPanel, Color32, Frame, Id, Key, Panel, Popup, RichText, ScrollArea, Ui, Vec2};
+use eframe::egui::{
+    self, CentralPanel, Color32, Context, Frame, Id, Key, Modal, Panel, Popup, RichText, ScrollArea, Ui, Vec2,
+};
 
 use super::{
     text::secondary,
@@ -119,6 +121,40 @@ pub fn primary(ui: &mut Ui, text: &str, enabled: bool, hint: &str) -> bool {
         clicked
     })
     .inner
+}
+
+/// Draws a button with its key next to it; returns whether it was clicked.
+pub fn keyed(ui: &mut Ui, text: &str, key: &str) -> bool {
+    ui.horizontal(|ui| {
+        let clicked = ui.button(text).clicked();
+        ui.label(secondary(key));
+        clicked
+    })
+    .inner
+}
+
+/// Draws a dialog of at most this width, points, above the page. `add` gets the height that it may fill. Returns its
+/// result, and whether the user closed the dialog with Escape or by a click beside it.
+pub fn modal<R>(ctx: &Context, id: &str, width: f32, add: impl FnOnce(&mut Ui, f32) -> R) -> (R, bool) {
+    let room = ctx.content_rect().size() - Vec2::splat(2.0 * (MARGIN + GAP));
+    let frame = Frame::popup(&ctx.global_style()).inner_margin(MARGIN);
+    let shown = Modal::new(Id::unique(("dialog", id))).frame(frame).show(ctx, |ui| {
+        ui.set_width(width.min(room.x));
+        add(ui, room.y)
+    });
+    let closed = shown.should_close();
+    (shown.inner, closed)
+}
+
+/// Asks before something is lost. `keep` and `leave` are the answers; returns whether to leave, once answered.
+pub fn ask(ctx: &Context, question: &str, text: &str, [keep, leave]: [&str; 2]) -> Option<bool> {
+    let ((kept, left), closed) = modal(ctx, question, 480.0, |ui, _| {
+        ui.heading(question);
+        ui.label(text);
+        ui.add_space(GAP);
+        (primary(ui, keep, true, "Esc"), ui.button(leave).clicked())
+    });
+    if kept || closed { Some(false) } else { left.then_some(true) }
 }
 
 /// Returns whether a key was pressed that is meant for the page. A control with keyboard focus handles keys itself.

@@ -29,6 +29,12 @@ pub fn full(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
+/// Opens a file or folder with the desktop's own program; returns the error, if any.
+pub fn open(path: &Path) -> Option<String> {
+    let error = open::that_detached(path).err()?;
+    Some(format!("{} cannot be opened: {error}", full(path).display()))
+}
+
 /// The outcome of the last click on a button that writes a file, and whether another click replaces the file.
 #[derive(Default)]
 pub struct Saving {

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use eframe::egui;
 
+use super::fields::number;
 use crate::{
-    display::{DisplayProfile, Monitor},
+    display::{DisplayProfile, GeometryError, Monitor, Screen, Viewing},
     store::profile,
 };
 
@@ -70,13 +71,18 @@ impl ScreenFields {
         }
     }
 
+    /// Returns the geometry of this screen.
+    ///
+    /// # Errors
+    /// A length is impossible, or is not a number.
+    pub fn viewing(&self, monitor: &Monitor) -> Result<Viewing, GeometryError> {
+        let cm = |text: &str| number(text).unwrap_or(f64::NAN);
+        let screen = Screen::new(monitor.width_px, monitor.height_px, cm(&self.screen_width_cm))?;
+        Viewing::new(screen, cm(&self.distance_cm))
+    }
+
     /// Returns whether the screen's width is assumed rather than measured or typed.
     pub fn width_is_assumed(&self, monitor: &Monitor) -> bool {
         self.screen_width_cm.trim() == format!("{:.1}", monitor.assumed_width_cm())
     }
-}
-
-/// Returns today's date, according to the system clock.
-pub fn today() -> jiff::civil::Date {
-    jiff::tz::TimeZone::UTC.to_datetime(crate::system::now()).date()
 }

@@ -3,9 +3,8 @@
 
 mod event_loop;
 mod input;
-mod open;
 mod program;
 
+pub use event_loop::{MIN_SIZE, open};
 pub use input::{Input, InputReport, PressTime, Pressed, Stamps};
-pub use open::{MIN_SIZE, open};
 pub use program::{Program, WindowError};

@@ -5,7 +5,7 @@ use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 use super::checks::MIN_LEVELS;
 use crate::{
     display::channel::{Channel, SettingsError},
-    light::random::shuffle,
+    statistics::shuffle,
 };
 
 /// The number of patches between two readings of white, which reveal drift.

@@ -23,13 +23,7 @@ impl TimingReport {
     /// frames follow. If the intervals scatter, the refresh is unknown, and no frame is judged.
     #[must_use]
     pub fn new(intervals_us: &[u32], monitor: &Monitor) -> Self {
-        let reported = monitor.refresh_hz.and_then(Refresh::from_hz);
-        let measured = Refresh::measured(intervals_us);
-        let (refresh, source) = match (reported, measured) {
-            (Some(_), _) => (reported, "reported"),
-            (None, Some(_)) => (measured, "measured"),
-            (None, None) => (None, "unknown"),
-        };
+        let (refresh, source) = Refresh::known(monitor.refresh_hz, intervals_us);
         let mut times = FrameTimes::default();
         let mut now = Duration::ZERO;
         times.frame(now, refresh);

@@ -1,12 +1,10 @@
-//! Help: the keys of the page, and about the program. Settings that concern the whole window.
+//! Dialogs above the pages: help, settings, and the question before the window is closed during a session.
 
-use eframe::egui::{self, Context, Grid, Id, Modal, RichText, Ui};
+use eframe::egui::{self, Context, Grid, RichText, Ui, ViewportCommand};
 
-use super::ui::{
-    Field, Place, hint,
-    logo::logo,
-    paragraph, secondary, section,
-    theme::{GAP, MARGIN},
+use super::{
+    session::Runner,
+    ui::{Field, Place, ask, hint, logo::logo, modal, paragraph, secondary, section, theme::GAP},
 };
 use crate::store::settings::{Settings, ThemeChoice};
 
@@ -103,15 +101,12 @@ pub fn settings(ctx: &Context, settings: &mut Settings, notice: Option<&str>) ->
 
 /// Draws a dialog with a Close button; returns whether it stays open.
 fn dialog(ctx: &Context, id: &str, add: impl FnOnce(&mut Ui)) -> bool {
-    let room = ctx.content_rect().size() - egui::Vec2::splat(96.0);
-    let frame = egui::Frame::popup(&ctx.global_style()).inner_margin(MARGIN);
-    let modal = Modal::new(Id::unique(("dialog", id))).frame(frame).show(ctx, |ui| {
-        ui.set_width(WIDTH.min(room.x));
-        egui::ScrollArea::vertical().max_height(room.y).show(ui, add);
+    let (clicked, closed) = modal(ctx, id, WIDTH, |ui, height| {
+        egui::ScrollArea::vertical().max_height(height).show(ui, add);
         ui.add_space(GAP);
         ui.button("Close").clicked()
     });
-    !(modal.inner || modal.should_close())
+    !(clicked || closed)
 }
 
 fn keys(ui: &mut Ui, id: &str, keys: &[(&str, &str)]) {
@@ -122,4 +117,41 @@ fn keys(ui: &mut Ui, id: &str, keys: &[(&str, &str)]) {
             ui.end_row();
         }
     });
+}
+
+/// The question before the window is closed during a session.
+#[derive(Default)]
+pub struct Quit {
+    asked: bool,
+    agreed: bool,
+}
+
+impl Quit {
+    /// Handles a request to close the window, and draws the question if there is one. Closing the window a second time
+    /// answers it. While an answer is only in memory, the window cannot be closed, because it would be lost.
+    pub fn show(&mut self, ctx: &Context, session: Option<&mut Runner>) {
+        let requested = ctx.input(|input| input.viewport().close_requested());
+        let Some(session) = session.filter(|session| session.is_running()) else {
+            self.asked = false;
+            return;
+        };
+        let again = requested && self.asked;
+        if requested && (session.is_unsaved() || !(again || self.agreed)) {
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+            self.asked = !session.is_unsaved();
+            session.pause(ctx);
+        }
+        if !self.asked {
+            return;
+        }
+        let answers = ["Continue the session", "Quit"];
+        match ask(ctx, "Quit during the session?", &session.how_to_resume(), answers) {
+            Some(false) => self.asked = false,
+            Some(true) => {
+                self.agreed = true;
+                ctx.send_viewport_cmd(ViewportCommand::Close);
+            }
+            None => {}
+        }
+    }
 }
