@@ -257,7 +257,7 @@ fn filters_narrow_the_analysis_and_its_export() {
     let shown = texts(&window);
     let copied = shown.iter().find_map(|text| text.strip_prefix("Copied: machband "));
     let command = copied.unwrap_or_else(|| panic!("{shown:#?}"));
-    assert!(command.contains("--exclude S002 --only width=0.1,0.8"), "{command}");
+    assert!(command.contains("--exclude S002 --only 'width=0.1,0.8' --out"), "{command}");
     let (again, mut words) = (folder.path().join("again"), shlex::split(command).unwrap());
     *words.last_mut().unwrap() = again.display().to_string();
     succeeds(folder.path(), &words.iter().map(String::as_str).collect::<Vec<_>>());
