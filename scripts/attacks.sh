@@ -17,7 +17,7 @@ else
     test=(env --default-signal=HUP,INT cargo test)
     "${test[@]}" --test faults --test store --test window 2>&1 | tee "$log"
     # Each command is measured alone.
-    RAYON_NUM_THREADS=1 "${test[@]}" --test commands -- --test-threads=1 2>&1 | tee -a "$log"
+    RAYON_NUM_THREADS=1 "${test[@]}" --test cli -- --test-threads=1 2>&1 | tee -a "$log"
 fi
 
 printf '\n| class of attack | attacks | rows lost | files destroyed | silent lies | panics | hangs |\n|---|--:|--:|--:|--:|--:|--:|\n'

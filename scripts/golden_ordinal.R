@@ -12,8 +12,15 @@ natural <- function(values) {
   numbers <- suppressWarnings(as.numeric(values))
   if (anyNA(numbers)) sort(values, method = "radix") else values[order(numbers)]
 }
+# The rows of a data set, which follow a line "## NAME: ...".
+rows_of <- function(name, file) {
+  lines <- readLines(file.path(folder, file))
+  starts <- c(grep("^## ", lines), length(lines) + 1)
+  begin <- grep(paste0("^## ", name, ": "), lines)
+  lines[(begin + 1):(min(starts[starts > begin]) - 1)]
+}
 read <- function(name) {
-  d <- read.csv(file.path(folder, paste0("data_", name, ".csv")), comment.char = "#", colClasses = "character")
+  d <- read.csv(text = rows_of(name, "data.csv"), colClasses = "character")
   d$count <- as.numeric(d$count)
   d <- d[d$count > 0, ]
   d$rating <- factor(d$rating, levels = natural(d$rating), ordered = TRUE)

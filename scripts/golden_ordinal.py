@@ -1,6 +1,6 @@
 """Data and reference values of the ordinal models: tests/golden/ordinal/.
 
-    python3 scripts/golden_ordinal.py data        # simulates tests/golden/ordinal/data_*.csv
+    python3 scripts/golden_ordinal.py data        # simulates tests/golden/ordinal/data.csv
     Rscript scripts/golden_ordinal.R              # models.csv, tests.csv, by R's ordinal
     python3 scripts/golden_ordinal.py statsmodels # statsmodels.csv
     python3 scripts/golden_ordinal.py ranks       # ranks.csv: rank tests and agreement
@@ -10,6 +10,7 @@ that were used.
 """
 
 import csv
+import io
 import itertools
 import platform
 import sys
@@ -19,6 +20,7 @@ from pathlib import Path
 import numpy as np
 
 FOLDER = Path(__file__).resolve().parent.parent / "tests" / "golden" / "ordinal"
+DATA = FOLDER / "data.csv"
 INF = "inf"
 
 
@@ -31,13 +33,13 @@ def rate(rng, eta, thresholds, link, scale=1.0):
 def write(name, factors, rows, about):
     """Counts of identical rows, in a fixed order."""
     counts = Counter(rows)
-    path = FOLDER / f"data_{name}.csv"
-    with path.open("w", newline="") as file:
-        file.write(f"# {about}\n# Simulated by scripts/golden_ordinal.py, numpy {np.__version__}, Python {platform.python_version()}.\n")
-        out = csv.writer(file, lineterminator="\n")
-        out.writerow(["subject", *factors, "rating", "count"])
-        for row in sorted(counts, key=str):
-            out.writerow([*row, counts[row]])
+    write_counts(name, factors, [(*row, counts[row]) for row in sorted(counts, key=str)], about)
+
+
+def write_counts(name, factors, rows, about):
+    with DATA.open("a", newline="") as file:
+        file.write(f"## {name}: {about}\n")
+        csv.writer(file, lineterminator="\n").writerows([["subject", *factors, "rating", "count"], *rows])
 
 
 def bangay(name, seed, sd, about):
@@ -126,18 +128,14 @@ def spread():
 def large():
     rng = np.random.default_rng(8)
     rows = []
-    with (FOLDER / "data_large.csv").open("w", newline="") as file:
-        file.write("# Half a million ratings as counts, a covariate far from 0.\n")
-        file.write(f"# Simulated by scripts/golden_ordinal.py, numpy {np.__version__}, Python {platform.python_version()}.\n")
-        out = csv.writer(file, lineterminator="\n")
-        out.writerow(["subject", "year", "rating", "count"])
-        for subject in range(9):
-            intercept = 0.8 * rng.normal()
-            for year in [1998, 2001, 2003, 2010, 2024]:
-                eta = intercept + 0.05 * (year - 2003)
-                below = 1 / (1 + np.exp(-(np.array([-1.5, 0.0, 2.0, np.inf]) - eta)))
-                for rating, count in enumerate(rng.multinomial(11111, np.diff(below, prepend=0))):
-                    out.writerow([f"S{subject}", year, rating, count])
+    for subject in range(9):
+        intercept = 0.8 * rng.normal()
+        for year in [1998, 2001, 2003, 2010, 2024]:
+            eta = intercept + 0.05 * (year - 2003)
+            below = 1 / (1 + np.exp(-(np.array([-1.5, 0.0, 2.0, np.inf]) - eta)))
+            for rating, count in enumerate(rng.multinomial(11111, np.diff(below, prepend=0))):
+                rows.append([f"S{subject}", year, rating, count])
+    write_counts("large", ["year"], rows, "Half a million ratings as counts, a covariate far from 0.")
 
 
 def coders():
@@ -153,6 +151,7 @@ def coders():
 
 def data():
     FOLDER.mkdir(parents=True, exist_ok=True)
+    DATA.write_text(f"# Simulated by scripts/golden_ordinal.py, numpy {np.__version__}, Python {platform.python_version()}.\n")
     bangay("bangay", 1, 0.6, "The design of bangay2003, 8 subjects, sd 0.6")
     bangay("alike", 2, 0.0, "The design of bangay2003, 8 subjects who do not differ")
     unbalanced()
@@ -167,7 +166,8 @@ def data():
 def read(name):
     import pandas
 
-    frame = pandas.read_csv(FOLDER / f"data_{name}.csv", comment="#", dtype=str, keep_default_na=False)
+    section = DATA.read_text().split(f"## {name}: ")[1].split("\n", 1)[1].split("## ")[0]
+    frame = pandas.read_csv(io.StringIO(section), dtype=str, keep_default_na=False)
     frame["count"] = frame["count"].astype(int)
     return frame.loc[frame.index.repeat(frame["count"])].reset_index(drop=True)
 

@@ -1,13 +1,13 @@
 # Reference values for cumulative-link mixed models with random slopes from R's ordinal package: tests/golden/ordinal/slopes.csv
-# and the data sets data_slopes*.csv.
+# and the data sets in data_slopes.csv.
 #
 #   apt-get install --no-install-recommends r-base-core r-cran-ordinal r-cran-lme4
 #   Rscript scripts/golden_slopes.R [FOLDER]
 #
 # FOLDER (tests/golden/ordinal unless given) must contain the data of scripts/golden_ordinal.py. The likelihood is the
 # package's Laplace approximation for arbitrary random effects. clmm stops early, so this script adds Newton steps on it,
-# with extrapolated numerical derivatives. Models with a standard deviation of 0 are in slopes_boundary.csv: clmm found
-# 0, the likelihood is lower on both sides, and the other parameters are at their optimum.
+# with extrapolated numerical derivatives. Where a standard deviation is 0, clmm found 0, the likelihood is lower on both
+# sides, and the other parameters are at their optimum.
 suppressPackageStartupMessages(library(ordinal))
 suppressPackageStartupMessages(library(lme4))
 given <- commandArgs(trailingOnly = TRUE)
@@ -18,14 +18,14 @@ folder <- if (length(given)) given[1] else "tests/golden/ordinal"
 RNGkind("Mersenne-Twister", "Inversion", "Rejection")
 categories <- function(latent, thresholds, link)
   findInterval(latent + if (link == "logit") rlogis(length(latent)) else rnorm(length(latent)), thresholds)
+data_file <- file(file.path(folder, "data_slopes.csv"), "w")
+writeLines(paste0("# Simulated by scripts/golden_slopes.R, ", R.version.string, "."), data_file)
 write_data <- function(name, rows, text) {
   factors <- setdiff(names(rows), c("subject", "rating"))
   counts <- aggregate(list(count = rep(1, nrow(rows))), rows[c("subject", factors, "rating")], sum)
   counts <- counts[do.call(order, c(unname(as.list(counts[c("subject", factors, "rating")])), list(method = "radix"))), ]
-  out <- file(file.path(folder, paste0("data_", name, ".csv")), "w")
-  writeLines(c(paste0("# ", text), paste0("# Simulated by scripts/golden_slopes.R, ", R.version.string, ".")), out)
-  write.csv(counts, out, row.names = FALSE, quote = FALSE)
-  close(out)
+  writeLines(paste0("## ", name, ": ", text), data_file)
+  write.csv(counts, data_file, row.names = FALSE, quote = FALSE)
 }
 people <- function(count) sprintf("S%02d", seq_len(count))
 # An independent deviation of every person at every level.
@@ -97,6 +97,8 @@ d$rating <- categories(latent, c(-1.4, 0, 1.3), "logit")
 write_data("slopes8", d[c("subject", "width", "rating")],
            "20 subjects who differ in two contrasts with the first width (SD 0.8 and 1.1), four categories, logit")
 
+close(data_file)
+
 # ---- Models -------------------------------------------------------------------------------------------------------
 
 # As in scripts/golden_ordinal.R.
@@ -105,8 +107,16 @@ natural <- function(values) {
   numbers <- suppressWarnings(as.numeric(values))
   if (anyNA(numbers)) sort(values, method = "radix") else values[order(numbers)]
 }
+# The rows of a data set, which follow a line "## NAME: ...".
+rows_of <- function(name, file) {
+  lines <- readLines(file.path(folder, file))
+  starts <- c(grep("^## ", lines), length(lines) + 1)
+  begin <- grep(paste0("^## ", name, ": "), lines)
+  lines[(begin + 1):(min(starts[starts > begin]) - 1)]
+}
 read <- function(name) {
-  d <- read.csv(file.path(folder, paste0("data_", name, ".csv")), comment.char = "#", colClasses = "character")
+  file <- if (startsWith(name, "slopes")) "data_slopes.csv" else "data.csv"
+  d <- read.csv(text = rows_of(name, file), colClasses = "character")
   d$count <- as.numeric(d$count)
   d <- d[d$count > 0, ]
   d$rating <- factor(d$rating, levels = natural(d$rating), ordered = TRUE)
@@ -178,8 +188,8 @@ fit_model <- function(d, link, terms, slopes) {
        rho = rho, start = start, agreement = max(abs(errors / sqrt(diag(solve(closer$Hessian))) - 1)), early = whole - stopped)
 }
 
-files <- list(inside = file(file.path(folder, "slopes.csv"), "w"), boundary = file(file.path(folder, "slopes_boundary.csv"), "w"))
-for (out in files) writeLines(c(
+out <- file(file.path(folder, "slopes.csv"), "w")
+writeLines(c(
   paste0("# R's ordinal ", packageVersion("ordinal"), ", ", R.version.string, ", by scripts/golden_slopes.R. Data *.binary: lme4 ",
          packageVersion("lme4"), "."),
   "# independent: (1 | subject), for each factor (1 | subject:factor), for each num:x (0 + x - mean(x) | subject). correlated: (1 + term | subject).",
@@ -245,7 +255,6 @@ record <- function(name, link, terms, slopes) {
   key <- paste0(name, ",", link, ",\"", terms, "\",", slopes)
   # The intercept first, then the slopes in the order of the terms.
   place <- sapply(parts, function(part) match(part$names[1], c("(Intercept)", sub("num:", "", strsplit(terms, ",")[[1]]))))
-  out <- if (all(m$free)) files$inside else files$boundary
   write_fit(out, key, m$loglik, max(abs(m$gradient)), thresholds, beta, m$errors, parts[order(place)], sd_errors)
   invisible(m)
 }
@@ -281,7 +290,7 @@ record_binary <- function(name, terms) {
                   paste(signif(par[1:k], 3), collapse = " ")))
   threshold <- setNames(-beta[1], paste(levels(d$rating), collapse = "|"))
   key <- paste0(name, ".binary,", link, ",\"", terms, "\",independent")
-  write_fit(files$inside, key, -deviance(par) / 2, max(abs(at$gradient)), threshold, beta[-1], errors[-(1:k)], parts[order(place)],
+  write_fit(out, key, -deviance(par) / 2, max(abs(at$gradient)), threshold, beta[-1], errors[-(1:k)], parts[order(place)],
             setNames(as.list(errors[1:k]), labels))
 }
 
@@ -334,5 +343,5 @@ record("binary", "logit", "num:contrast,side", "independent")
 record("binary", "logit", "side", "independent")
 record_binary("slopes6", "width")
 record_binary("binary", "side")
-for (out in files) close(out)
+close(out)
 warnings()

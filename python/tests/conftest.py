@@ -55,8 +55,7 @@ def needs(module):
     except ImportError as error:
         if os.environ.get("MACHBAND_REQUIRE_" + module.upper()):
             raise
-        print(f"skipped: {module} is not installed ({error})", file=sys.stderr)
-        return pytest.skip(f"{module} is not installed")
+        return pytest.skip(f"{module} is not installed ({error})")
 
 
 ROOT = Path(__file__).parent.parent

@@ -3,7 +3,7 @@
 use machband::{
     analysis::{
         agreement::{ordinal_alpha, retests},
-        counts::{CountError, Counts, Excluded, Exclusions, MeasuredBuilder, Role},
+        counts::{CountError, Counts, Excluded, Exclusions, MeasuredBuilder},
         summary::{by_cell, by_factor, by_subject},
     },
     experiment::RatingRow,
@@ -100,19 +100,6 @@ fn exclusions_are_recorded_and_unknown_names_are_errors() {
         let error = measured.narrowed(&Exclusions { exclude: words(exclude), only }).unwrap_err();
         assert_eq!(error.to_string(), said);
     }
-}
-
-/// Only a declaration makes a factor a direction, and an ID is text.
-#[test]
-fn directions_are_declared_and_ids_are_text() {
-    let mut builder = MeasuredBuilder::new(&["triangles", "turn"]).with_directions(&["turn"]);
-    for (index, id) in ["9007199254740993", "9007199254740992", "1", "01", "1.0", "+1"].into_iter().enumerate() {
-        builder.add_counts(id, &[&index.to_string(), "90"], "1", 1).unwrap();
-    }
-    let counts = builder.finish().counts;
-    assert_eq!(counts.subjects, ["1", "+1", "01", "1.0", "9007199254740992", "9007199254740993"]);
-    let roles = counts.factors.iter().map(|factor| (factor.role, factor.is_ordered()));
-    assert_eq!(roles.collect::<Vec<_>>(), [(Role::Number, true), (Role::Direction, false)]);
 }
 
 /// Repeated ratings whose order is unknown are counted apart from pairs, and a long column of numbers is a term.

@@ -7,7 +7,6 @@ use std::{
 
 use machband::{
     analysis::{Options, Resampling, Results, analyze, counts::MeasuredBuilder, terms::Terms},
-    display::frames::Refresh,
     experiment::RatingRow,
     report::figures::{self, Figure},
 };
@@ -144,13 +143,6 @@ fn circles(figure: &Figure, color: &str) -> Vec<(f64, f64)> {
     elements(figure, "circle", color, ["cx", "cy"])
 }
 
-/// Returns all texts, in drawing order.
-fn texts(figure: &Figure) -> Vec<String> {
-    let document = roxmltree::Document::parse(&figure.svg).unwrap();
-    let texts = document.descendants().filter(|node| node.has_tag_name("text"));
-    texts.map(|node| node.text().unwrap_or_default().trim().to_owned()).collect()
-}
-
 /// Returns the points of all lines of a width.
 fn lines(figure: &Figure, width: &str) -> Vec<Vec<(f64, f64)>> {
     let document = roxmltree::Document::parse(&figure.svg).unwrap();
@@ -246,27 +238,6 @@ fn levels_are_placed_at_their_numbers() {
     }
 }
 
-/// Every interval is a point at the right height, and the axis has a few round numbers, regardless of how long the
-/// intervals are.
-#[test]
-fn frame_intervals_are_points_over_round_numbers() {
-    for scale in [1, 7, 40, 900, 13_000, 2_000_000] {
-        let figure = figures::intervals(&[scale * 20, scale * 10, scale * 40, scale * 30], Refresh::from_hz(1e6));
-        check(std::slice::from_ref(&figure));
-        let [b, a, d, c] = circles(&figure, BLUE)[..] else { panic!("{}", figure.svg) };
-        for (upper, lower) in [(b, a), (c, b), (d, c)] {
-            assert!(((lower.1 - upper.1) / (a.1 - d.1) - 1.0 / 3.0).abs() < 1e-3, "{scale}: {a:?} {b:?} {c:?} {d:?}");
-        }
-        let ticks: Vec<f64> = texts(&figure).iter().map_while(|text| text.parse().ok()).collect();
-        assert!((3..=7).contains(&ticks.len()) && ticks[0] == 0.0, "{scale}: {ticks:?}");
-        let first = ticks[1] / 10_f64.powf(ticks[1].log10().floor());
-        assert!([1.0, 2.0, 5.0, 10.0].iter().any(|round| (first / round - 1.0).abs() < 1e-6), "{scale}: {ticks:?}");
-        for (index, tick) in ticks.iter().enumerate() {
-            assert!((tick - index as f64 * ticks[1]).abs() <= 1e-6 * tick.abs(), "{scale}: {ticks:?}");
-        }
-    }
-}
-
 /// Each of the two factors is on the horizontal axis once. The first line in each chart has black circles; means are
 /// weighted by the number of ratings. If each condition is predicted exactly as it is rated, the predicted chart is the
 /// measured chart without bars.
@@ -359,61 +330,6 @@ fn odd_studies_are_drawn() {
         assert_eq!(names.len(), *expected, "{what}: {names:?}");
         check(&figures);
     }
-    // If there are more lines than can be told apart, some are left out evenly between both ends, and the caption says
-    // so. If there are too many numbers, some are not labeled; if there are too many texts, they are rotated.
-    let numbers = figures::all(&studies[5].1);
-    let figure = named(&numbers, "figure4a");
-    assert!(figure.caption.contains("(12 of 30 are shown)"), "{}", figure.caption);
-    let shown = texts(figure);
-    for (name, expected) in [("0", true), ("145", true), ("5", false)] {
-        let lines = shown.iter().skip_while(|text| *text != "b").skip(1);
-        assert_eq!(lines.clone().any(|text| text == name), expected, "{shown:?}");
-    }
-    assert!(!figure.svg.contains("text-anchor=\"end\" transform=\"rotate"));
-    let texts = figures::all(&studies[6].1);
-    assert!(named(&texts, "figure4a").svg.contains("text-anchor=\"end\" transform=\"rotate"));
-}
-
-/// Everyone rates the last level 3, so its effect has no finite estimate.
-#[test]
-fn infinite_effects_are_arrows() {
-    let levels: &[&str] = &["a", "b", "c", "d"];
-    let results = results(&[("kind", levels)], 6, 4, &quick(), |subject, levels, repetition| {
-        let free = noise(subject * 17 + levels[0] * 5 + repetition as usize) % 3;
-        Some(if levels[0] == 3 { 3 } else { free }.to_string())
-    });
-    let figures = figures::all(&results);
-    check(&figures);
-    let effects = named(&figures, "effects");
-    assert!(effects.caption.contains("no finite estimate"), "{}", effects.caption);
-    // Two estimates are circles; one is an arrow.
-    assert_eq!(circles(effects, BLUE).len(), 2);
-    assert_eq!(effects.svg.matches("<polygon").count(), 1);
-}
-
-/// Coefficients of factors, numbers and interactions are labeled with their levels, whatever the names of the levels
-/// are.
-#[test]
-fn effects_are_named_by_their_levels() {
-    let terms = Terms::parse("kind,num:num,kind:num:num,site").unwrap();
-    let options = Options { terms: Some(terms), ..quick() };
-    let kinds: &[&str] = &["a", "a:b", "b"];
-    let results = results(
-        &[("kind", kinds), ("num", &["1", "2", "3"]), ("site", &["-1", "inf"])],
-        5,
-        3,
-        &options,
-        |subject, levels, repetition| {
-            let seed = subject * 97 + levels[0] * 31 + levels[1] * 7 + levels[2] + 5 * repetition as usize;
-            Some((noise(seed) % 4).to_string())
-        },
-    );
-    let figures = figures::all(&results);
-    let texts = texts(named(&figures, "effects"));
-    let start = texts.iter().position(|text| text == "Shift of the ratings (logit units)").unwrap();
-    let expected =
-        ["kind (against a)", "a:b", "b", "num", "site (against −1)", "∞", "kind × num", "a:b × num", "b × num"];
-    assert_eq!(texts[start + 1..], expected);
 }
 
 #[test]

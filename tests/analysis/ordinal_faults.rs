@@ -193,15 +193,6 @@ fn ratings_that_never_vary_are_an_error() {
     assert_eq!(error(&[], "width"), ModelError::NoRatings);
 }
 
-#[test]
-fn a_factor_with_one_level_is_dropped() {
-    let mut rows = rows(4, 6, 0.5, 9);
-    rows.retain(|row| row.1 == "0.2");
-    let model = fit(&counts(&rows), &spec("width,depth", Random::Subject)).unwrap();
-    assert_eq!(model.notes, [Note::AliasedTerm { term: "width".into() }]);
-    assert_eq!(model.coefficients.len(), 2);
-}
-
 /// Any small table of ratings gives a model or an error, and every number in a model is finite or explained by a note.
 #[test]
 fn no_small_table_breaks_a_model() {

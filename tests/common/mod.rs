@@ -3,8 +3,6 @@
 // Each test program uses only some of these functions.
 #![allow(dead_code)]
 
-pub mod attacks;
-
 use std::{
     ffi::OsStr,
     fmt::Debug,
@@ -39,14 +37,20 @@ pub fn machband<S: AsRef<OsStr>>(folder: &Path, arguments: &[S]) -> Output {
     command(folder, arguments).output().unwrap()
 }
 
-/// Whether there is a graphics adapter. Panics if there is none and `MACHBAND_REQUIRE_GPU` is set.
+/// Says why a test is skipped, or fails if `MACHBAND_REQUIRE_…` with this name is 1.
+pub fn skip(name: &str, why: &str) {
+    let variable = format!("MACHBAND_REQUIRE_{name}");
+    assert!(std::env::var_os(&variable).is_none_or(|value| value != "1"), "{variable}=1, but {why}");
+    // Not with `eprintln!`, because the test harness captures it.
+    let _ = writeln!(std::io::stderr(), "SKIPPED: {why}");
+}
+
+/// Whether there is a graphics adapter; otherwise, the test is skipped.
 pub fn has_graphics() -> bool {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
     let found = !pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all())).is_empty();
-    assert!(found || std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "no graphics adapter, but one is required");
     if !found {
-        // Not with `eprintln!`, because the test harness captures it.
-        let _ = writeln!(std::io::stderr(), "SKIPPED: a test that renders the window: no graphics adapter");
+        skip("GPU", "a test that renders the window: no graphics adapter");
     }
     found
 }
@@ -154,6 +158,7 @@ pub fn verified(csv: &Path) -> verify::Verified {
 }
 
 /// Builds the library `tests/faults/NAME.c` with `cc`, which also links Rust programs; returns whether it succeeded.
+/// Otherwise, the test is skipped.
 pub fn c_library(name: &str, to: &Path) -> bool {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/faults").join(name).with_extension("c");
     let mut compiler = Command::new("cc");
@@ -163,13 +168,49 @@ pub fn c_library(name: &str, to: &Path) -> bool {
         Ok(output) => String::from_utf8_lossy(&output.stderr).into_owned(),
         Err(error) => format!("cc: {error}"),
     };
-    skip_faults(&why);
+    skip("FAULTS", &format!("no faults are injected: {why}"));
     false
 }
 
-/// Prints that no faults are injected; panics if `MACHBAND_REQUIRE_FAULTS=1`.
-pub fn skip_faults(why: &str) {
-    assert!(std::env::var_os("MACHBAND_REQUIRE_FAULTS").is_none_or(|value| value != "1"), "no faults injected: {why}");
-    // Not with `eprintln!`, because the test harness captures it.
-    let _ = writeln!(std::io::stderr(), "SKIPPED: no faults are injected: {why}");
+/// The table of attacks, of which `docs/faults.md` has a summary. `scripts/attacks.sh` runs all attacks and adds up what
+/// they print.
+pub mod attacks {
+    use std::io::Write as _;
+
+    /// What an attack must not cause; a column of the table.
+    pub const ROWS: &str = "rows lost";
+    pub const FILES: &str = "files destroyed";
+    pub const LIES: &str = "silent lies";
+    pub const PANICS: &str = "panics";
+    pub const HANGS: &str = "hangs";
+    pub const ALL: [&str; 5] = [ROWS, FILES, LIES, PANICS, HANGS];
+
+    /// Prints how many attacks of a class were made. A test calls this after its assertions, so that the attacks caused
+    /// none of what was `checked`.
+    pub fn withstood(class: &str, attacks: usize, checked: &[&str]) {
+        let cells = ALL.map(|what| if checked.contains(&what) { "0" } else { "–" });
+        // Not with `println!`, because the test harness captures it.
+        let _ = writeln!(std::io::stderr(), "ATTACKS | {class} | {attacks} | {} |", cells.join(" | "));
+    }
+}
+
+/// A simulated observer who looks at a display with a known profile.
+pub mod eye {
+    use machband::{display::matching::Match, light::Transfers};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution as _, StandardNormal};
+
+    /// Standard deviation of a normal distribution, divided by its upper quartile.
+    const SD_PER_QUARTILE: f64 = 1.482_602_218_505_602;
+
+    /// The code at which the square vanishes for an observer who judges a relative difference of `threshold` correctly in
+    /// 75 % of all cases. It is the code whose light is nearest to the light of the field as perceived in this match.
+    pub fn matched_code(display: &Transfers, shown: &Match, threshold: f64, rng: &mut ChaCha8Rng) -> u8 {
+        let deviate: f64 = StandardNormal.sample(rng);
+        let noise = deviate * threshold * SD_PER_QUARTILE;
+        let index = shown.channel.index().unwrap_or(1);
+        let ratio = |code: u8| display.linear_from_encoded([f64::from(code) / 255.0; 3])[index] / shown.rows.share();
+        let away = |code: &u8| (ratio(*code).ln() - noise).abs();
+        (0..=255u8).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap()
+    }
 }

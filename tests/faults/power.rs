@@ -266,13 +266,21 @@ impl Recorded {
         disk
     }
 
-    /// Cuts the power at a random moment or, in one of eight cases, after the end, and then keeps only what is certain;
-    /// returns the folder after the cut, and whether the program had ended.
-    fn cut(&self, rng: &mut ChaCha8Rng) -> (tempfile::TempDir, usize) {
+    /// Cuts the power after the end and keeps only what is certain; returns the folder after the cut, and the number of
+    /// changes before it.
+    fn cut_at_end(&self) -> (tempfile::TempDir, usize) {
         let folder = sweep::folder();
-        let ended = rng.next_u64().is_multiple_of(8);
-        let count = if ended { self.changes.len() } else { rng.next_u64() as usize % self.changes.len() };
-        self.after(count).cut((!ended).then_some(rng), folder.path());
+        self.after(self.changes.len()).cut(None, folder.path());
+        (folder, self.changes.len())
+    }
+
+    /// Cuts the power at a random moment or, in one of eight cases, after the end.
+    fn cut(&self, rng: &mut ChaCha8Rng) -> (tempfile::TempDir, usize) {
+        if rng.next_u64().is_multiple_of(8) {
+            return self.cut_at_end();
+        }
+        let (folder, count) = (sweep::folder(), rng.next_u64() as usize % self.changes.len());
+        self.after(count).cut(Some(rng), folder.path());
         (folder, count)
     }
 }
@@ -291,13 +299,17 @@ pub fn play(sweep: &Sweep, cuts: usize, seed: u64, table: &mut Table) -> Vec<Str
             let which = number % (sessions.len() + outputs.len());
             let (name, saved, wrong) = match sessions.get(which) {
                 Some(session) => session_after(sweep, session, which / 2, &mut rng),
-                None => output_after(&outputs[which - sessions.len()], &mut rng),
+                None => {
+                    let output = &outputs[which - sessions.len()];
+                    output_after(output, output.cut(&mut rng))
+                }
             };
             let wrong: Vec<_> = wrong.into_iter().map(|what| format!("cut {number}, {name}: {what}")).collect();
             (name, saved, wrong)
         })
         .collect();
-    let mut all = Vec::new();
+    // Everything that a command wrote was synced before it ended, and so were the folders.
+    let mut all: Vec<_> = outputs.iter().flat_map(|output| output_after(output, output.cut_at_end()).2).collect();
     for (name, saved, wrong) in found {
         let whole = usize::from(wrong.is_empty());
         let one = ["injected", "took effect", "sessions"].map(|column| (column, 1));
@@ -359,9 +371,10 @@ const OUTPUTS: &[&str] = &[
     "export IN/results --format psych-ds --out OUT/psych-ds",
     "stimulus --size 64 --out OUT/stimulus.png --profile OUT/profile.csv",
     "stimuli IN/definition.toml --size 32 --out OUT/stimuli",
-    "shade --size 64 --vertices 40 --shader phong --out OUT/shaded.png --metrics OUT/metrics.json",
+    "shade --size 64 --vertices 40 --shader phong --out OUT/shaded.png --metrics OUT/metrics.json --creases OUT/c.png",
     "predict IN/definition.toml --out OUT/predicted.csv",
-    "calibrate IN/readings.csv --out OUT/profile.toml",
+    "plan quick --participants 2 --studies 1 --effect oblique=1 --out OUT/plan.csv",
+    "calibrate IN/readings.csv --out OUT/profile.toml --plot OUT/profile.svg --report OUT/profile.json",
     "simulate IN/definition.toml --results OUT/results --participants 3",
 ];
 
@@ -394,8 +407,7 @@ impl Study {
 
 /// Cuts the power during a command: every file under its final name is complete, and once the command has ended, all
 /// files exist.
-fn output_after(recorded: &Recorded, rng: &mut ChaCha8Rng) -> (String, usize, Vec<String>) {
-    let (folder, count) = recorded.cut(rng);
+fn output_after(recorded: &Recorded, (folder, count): (tempfile::TempDir, usize)) -> (String, usize, Vec<String>) {
     let files = |root: &Path| -> Vec<(PathBuf, Vec<u8>)> {
         let relative = |(path, content): (PathBuf, Vec<u8>)| (path.strip_prefix(root).unwrap().to_owned(), content);
         let mut found: Vec<_> = everything(root).into_iter().map(relative).collect();

@@ -239,24 +239,6 @@ fn an_ignored_signal_stays_ignored() {
     assert!(ended.status.success(), "{ended:?}");
 }
 
-/// Sizes that do not fit into memory are refused before any work begins, and the message states the limit.
-#[test]
-fn sizes_are_checked_before_work_begins() {
-    let folder = sweep::folder();
-    for (line, expected) in [
-        ("predict --window 1e300", "expected at most 360"),
-        ("predict --window 1e-300", "expected a number above 0 and at most 2000000"),
-        ("predict --kind vasarely --size 8192", "expected at most 4096"),
-        ("stimulus --size 2048 --halftone bayer16:1 --out picture.png", "expected at most 16384"),
-    ] {
-        let mut command = Command::new(MACHBAND);
-        let ended = run::ended(command.args(split(line)).current_dir(folder.path()));
-        assert_no_panic(line, &ended);
-        assert!(!ended.status.success() && ended.stderr.contains(expected), "{line}: {ended:?}");
-    }
-    assert!(fs::read_dir(folder.path()).unwrap().next().is_none());
-}
-
 /// The folder that the window proposes if an answer cannot be saved is the user's own, not the shared temporary folder.
 #[test]
 fn the_proposed_folder_belongs_to_the_user() {

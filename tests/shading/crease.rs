@@ -97,20 +97,6 @@ fn a_smooth_field_has_no_crease() {
     assert_eq!((uniform.max, creases.over(&uniform)), (0.0, None));
 }
 
-#[test]
-fn percentiles_are_weighted_by_length() {
-    let creases = Creases::of_gouraud(&scenes()[0].1);
-    let total: f64 = creases.edges.iter().map(|e| e.length).sum();
-    for (level, share) in [(creases.median, 0.5), (creases.p95, 0.95)] {
-        let of = |keep: &dyn Fn(f64) -> bool| -> f64 {
-            creases.edges.iter().filter(|e| keep(e.jump)).map(|e| e.length).sum::<f64>() / total
-        };
-        assert!(of(&|jump| jump < level) < share && of(&|jump| jump <= level) >= share - 1e-12);
-    }
-    let mean = creases.edges.iter().map(|e| e.length * e.jump * e.jump).sum::<f64>() / total;
-    assert!((creases.rms - mean.sqrt()).abs() < 1e-12 * creases.rms);
-}
-
 /// Each shared edge of a frame is measured once, and silhouettes are not measured.
 #[test]
 fn every_shared_edge_is_measured_once() {
@@ -140,29 +126,4 @@ fn patch_leaves_at_most_a_thousandth_and_one_slope_per_vertex() {
             assert!(spread <= 1e-3, "{name}, {gradients}: spread {spread} at the vertices");
         }
     }
-}
-
-#[test]
-fn the_picture_shows_edges_by_their_jump_unless_hidden() {
-    let frame = pair(PLACES, LIGHTS);
-    let creases = Creases::of_gouraud(&frame);
-    let at = |frame: &Frame, creases: &Creases, full: f64, p: DVec2| {
-        let image = crease::picture(frame, creases, full);
-        assert_eq!((image.width, image.height), (frame.width, frame.height));
-        image.pixel(p.x as u32, p.y as u32).iter().sum::<f32>()
-    };
-    let edge = (PLACES[0] + PLACES[1]) / 2.0;
-    let inside = (PLACES[0] + PLACES[1] + PLACES[2]) / 3.0;
-    let (strong, weak) = (at(&frame, &creases, creases.max, edge), at(&frame, &creases, creases.max * 10.0, edge));
-    let (surface, ground) = (at(&frame, &creases, 1.0, inside), at(&frame, &creases, 1.0, DVec2::new(2.0, 2.0)));
-    assert!(strong > 2.0 * weak && weak > 2.0 * surface && surface > ground, "{strong} {weak} {surface} {ground}");
-
-    // A triangle that is nearer to the eye and covers the edge.
-    let mut covered = frame.clone();
-    let cover = [DVec2::new(-200.0, -200.0), DVec2::new(400.0, -200.0), DVec2::new(50.0, 600.0)];
-    let own = crate::frame(&cover, &[[0, 1, 2]], |_| DVec3::ONE);
-    covered.vertices.extend(own.vertices.iter().map(|v| machband::shading::FrameVertex { depth: 0.1, ..*v }));
-    let triangle = own.triangles[0];
-    covered.triangles.push(machband::shading::FrameTriangle { vertices: triangle.vertices.map(|v| v + 4), ..triangle });
-    assert_eq!(at(&covered, &Creases::of_gouraud(&covered), creases.max, edge), surface);
 }

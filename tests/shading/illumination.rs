@@ -57,12 +57,6 @@ fn directions() -> impl Strategy<Value = DVec3> {
     (0.0..1.0f64, 0.0..1.0f64).prop_map(direction)
 }
 
-/// Returns the unit vector in the plane of x and z that is `degrees` from z.
-fn leaning(degrees: f64) -> DVec3 {
-    let (sin, cos) = degrees.to_radians().sin_cos();
-    DVec3::new(sin, 0.0, cos)
-}
-
 #[test]
 fn highlights_of_microfacets_agree_with_python() {
     let rows = golden("illumination.csv");
@@ -163,28 +157,6 @@ fn geometry_matches_a_ray_traced_groove() {
         let g = geometry(facing.cos(), low.cos(), high.cos(), off.cos());
         assert!((g - expected).abs() < 1e-4, "{tilt} {off}: {g}, not {expected}");
         assert!((0.0..=1.0).contains(&g));
-    }
-}
-
-#[test]
-fn total_reflection_begins_at_the_critical_angle() {
-    for ratio in [1.001f64, 1.33, 1.5, 2.42] {
-        let critical = (1.0 / ratio).asin();
-        let of = |radians: f64| Refraction::of(leaning(radians.to_degrees()), DVec3::Z, ratio);
-        assert!(matches!(of(critical - 1e-12), Refraction::Transmitted(_)), "{ratio}");
-        assert!(matches!(of(critical + 1e-12), Refraction::TotalReflection(_)), "{ratio}");
-    }
-}
-
-#[test]
-fn refraction_of_invalid_vectors_is_undefined() {
-    let (l, n) = (leaning(30.0), DVec3::Z);
-    for ratio in [0.0, -1.5, f64::NAN, f64::INFINITY] {
-        assert_eq!(Refraction::of(l, n, ratio), Refraction::Undefined);
-    }
-    for bad in [DVec3::ZERO, DVec3::NAN, DVec3::INFINITY, 2.0 * n] {
-        assert_eq!(Refraction::of(bad, n, 1.5), Refraction::Undefined);
-        assert_eq!(Refraction::of(l, bad, 1.5), Refraction::Undefined);
     }
 }
 

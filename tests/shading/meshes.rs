@@ -245,20 +245,6 @@ fn invalid_meshes_are_reported() {
     }
 }
 
-/// The round shapes have the normals of the true surface; with many vertices, averaged normals come close to them.
-#[test]
-fn round_shapes_have_the_normals_of_their_surface() {
-    for shape in [Shape::Sphere, Shape::Torus, Shape::Blob] {
-        let mesh = shapes::mesh(shape, 20_000).unwrap();
-        let places: Vec<DVec3> = mesh.vertices.iter().map(|v| v.position).collect();
-        let averaged = Mesh::new(&places, &mesh.triangles, 180.0).unwrap();
-        let apart = mesh.vertices.iter().zip(&averaged.vertices).map(|(a, b)| a.normal.angle_between(b.normal));
-        let worst = apart.fold(0.0, f64::max).to_degrees();
-        assert!(worst < 1.0, "{shape}: {worst}°");
-        assert!(mesh.vertices.iter().all(|v| v.normal.is_normalized()));
-    }
-}
-
 /// Returns the largest difference between the curvature of the vertices and the true curvature, relative to the largest
 /// true curvature.
 fn curvature_error(mesh: &Mesh, truth: impl Fn(DVec3) -> DMat3) -> f64 {

@@ -249,18 +249,6 @@ fn lights_stay_bounded_near_the_silhouette() {
     }
 }
 
-/// If a frame's lights do not come from its lighting, the chain rule does not apply, and the gradients are fitted to
-/// the lights themselves.
-#[test]
-fn replaced_lights_use_ring_gradients() {
-    let frame = Scene::default().frame(&sphere(200), 300, 300);
-    let mut replaced = frame.clone();
-    replaced.vertices.iter_mut().for_each(|vertex| vertex.light *= 0.5);
-    let gradients = |frame: &Frame, g| Patches::new(frame, Field::Light, g).gradients;
-    assert_eq!(gradients(&replaced, Gradients::Curvature), gradients(&replaced, Gradients::Ring));
-    assert_ne!(gradients(&frame, Gradients::Curvature), gradients(&frame, Gradients::Ring));
-}
-
 /// For encoded lights, the chain rule also goes through the transfer function.
 #[test]
 fn encoded_lights_have_encoded_gradients() {

@@ -2,7 +2,6 @@
 
 use glam::{DVec2, DVec3};
 use machband::light::Depth;
-use machband::shading::coverage;
 use machband::shading::{
     Across, Correction, Frame, FrameVertex, Gradients, Lamp, Lighting, Reference, Shade, Shader, Surface, View, shapes,
 };
@@ -328,31 +327,6 @@ fn quadratic_passes_through_vertices_and_midpoints() {
             |k: usize| w[k] * (2.0 * w[k] - 1.0) * corners[k] + 4.0 * w[(k + 1) % 3] * w[(k + 2) % 3] * middles[k];
         assert!((light(Shader::Quadratic, w) - (part(0) + part(1) + part(2))).abs().max_element() < 1e-14, "{w:?}");
     }
-}
-
-#[test]
-fn pixels_on_edges_follow_the_top_left_rule() {
-    // A square of 2 × 2 pixels whose corners are pixel centers. Centers on its top and left edges belong to it; the
-    // other centers on its edges do not.
-    let square = [(10.5, 10.5), (12.5, 10.5), (10.5, 12.5), (12.5, 12.5)];
-    let vertices = square.map(|(x, y)| vertex(DVec2::new(x, y), DVec3::ONE)).to_vec();
-    let square = frame(vertices, &[[0, 2, 1], [1, 2, 3]], only_ambient());
-    let seen = coverage::visible(&square);
-    let held: Vec<(usize, u32)> = seen.iter().copied().enumerate().filter(|(_, t)| *t != coverage::NONE).collect();
-    // The diagonal from top right to bottom left is the left edge of the second triangle.
-    assert_eq!(held, [(10 * 200 + 10, 0), (10 * 200 + 11, 0), (11 * 200 + 10, 0), (11 * 200 + 11, 1)]);
-}
-
-#[test]
-fn the_nearest_triangle_is_visible_and_ties_go_to_the_first() {
-    let at = |x: f64, y: f64, depth: f64| FrameVertex { depth, ..vertex(DVec2::new(x, y), DVec3::ONE) };
-    let large = |depth| [at(10.0, 10.0, depth), at(10.0, 190.0, depth), at(190.0, 10.0, depth)];
-    let vertices: Vec<FrameVertex> = [large(0.5), large(0.5), large(0.3)].concat();
-    let seen =
-        |triangles: &[[u32; 3]]| coverage::visible(&frame(vertices.clone(), triangles, only_ambient()))[50 * 200 + 50];
-    assert_eq!(seen(&[[0, 1, 2], [3, 4, 5]]), 0);
-    assert_eq!(seen(&[[0, 1, 2], [3, 4, 5], [6, 7, 8]]), 2);
-    assert_eq!(seen(&[[6, 7, 8], [0, 1, 2]]), 0);
 }
 
 /// Makes a frame with slivers, triangles without area, a fin, borders, vertices at the same position, and a triangle

@@ -2,8 +2,6 @@
 
 #[path = "../common/mod.rs"]
 mod common;
-#[path = "../common/eye.rs"]
-mod eye;
 
 mod calibrate;
 mod catalog;

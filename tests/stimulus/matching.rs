@@ -12,7 +12,7 @@ use rand_chacha::{
     rand_core::{Rng as _, SeedableRng as _},
 };
 
-use super::eye::matched_code;
+use super::common::eye::matched_code;
 
 const RGB: [Channel; 3] = [Channel::Red, Channel::Green, Channel::Blue];
 

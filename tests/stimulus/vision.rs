@@ -5,10 +5,7 @@ use machband::{
     light::{Depth, Interpolation},
     report::prediction::rank_correlation,
     stimulus::{MachBand, Stimulus, place},
-    vision::{
-        Border, Eye, Line, LinePrediction, LuminanceImage, PicturePrediction, Polarity, VisionError, detection,
-        luminance, luminances,
-    },
+    vision::{Border, Eye, Line, LinePrediction, LuminanceImage, PicturePrediction, Polarity, detection, luminances},
 };
 use rand_chacha::{
     ChaCha8Rng,
@@ -298,24 +295,6 @@ fn predicted(light: &[f64], side: usize, px_per_deg: f64) -> PicturePrediction {
     LuminanceImage { light, width: side, height: side, px_per_deg, mask: None }.predict(&Eye::default()).unwrap()
 }
 
-/// An endless line and an image have nearly the same prediction at every orientation; Bangay §3.2. Ramps fill up to half
-/// of the image.
-#[test]
-fn images_and_lines_agree_at_every_orientation() {
-    let most = visibility(0.6, Depth::Finite(1), 10.0, 128.0);
-    for depth in [Depth::Finite(1), Depth::Finite(2)] {
-        for width in [0.35, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0] {
-            let line = predict(width, depth, 10.0, 128.0).visibility.max();
-            for orientation in [0.0, 90.0, 45.0, 135.0, 30.0, 200.0] {
-                let (light, px) = picture(width, depth, orientation);
-                let image = predicted(&light, 512, px).visibility.max();
-                let away = (image - line).abs() / most;
-                assert!(away <= 0.05, "{width}°, {depth:?} at {orientation}°: {image}, line {line} of {most}");
-            }
-        }
-    }
-}
-
 /// Lines and texture that are in the light are no bands: a real line, white noise, dead leaves and 1/f noise.
 #[test]
 fn lines_and_textures_are_not_bands() {
@@ -420,24 +399,4 @@ fn detection_is_a_contrast_in_units_of_the_threshold() {
     for side in [96, 256, 512, 1024] {
         assert!((gabor(side, 0.01) / one - 1.0).abs() < 0.02, "{side} pixels: {} and {one}", gabor(side, 0.01));
     }
-}
-
-#[test]
-fn images_that_cannot_be_predicted_are_rejected() {
-    let eye = Eye::default();
-    let of = |light: &[f64], side: usize, px_per_deg: f64| {
-        LuminanceImage { light, width: side, height: side, px_per_deg, mask: None }.predict(&eye).map(|_| ())
-    };
-    let Err(VisionError::TooSmall { least, .. }) = of(&[0.5; 400], 20, 200.0) else {
-        panic!("smaller than the smallest filter")
-    };
-    let gray = |side: usize| of(&vec![0.5; side * side], side, 200.0);
-    assert_eq!((gray(least), gray(least - 1).is_err()), (Ok(()), true), "{least} pixels are enough");
-    let mut nan = vec![0.5; 10_000];
-    nan[205] = f64::NAN;
-    assert!(of(&nan, 100, 50.0).unwrap_err().to_string().contains("column 5, row 2"));
-    assert_eq!(of(&nan[..50], 100, 50.0), Err(VisionError::Count { found: 50, expected: 10_000 }));
-    assert_eq!(of(&[0.5; 10_000], 100, 0.0), Err(VisionError::Sampling(0.0)));
-    assert!(Line { light: &[0.5], px_per_deg: 50.0, border: Border::Cut }.predict(&eye).is_err());
-    assert!((luminance([1.0; 3]) - 1.0).abs() < 1e-12);
 }

@@ -1,11 +1,6 @@
 //! Definitions, display profiles and observers: what can be loaded, and the message for every kind of mistake.
 
-use std::{
-    collections::HashSet,
-    fs,
-    path::Path,
-    time::{Duration, Instant},
-};
+use std::{collections::HashSet, fs, path::Path};
 
 use machband::{
     display::DisplayProfile,
@@ -111,52 +106,28 @@ fn every_file_in_experiments_is_the_built_in_definition_of_that_name() {
 const MISTAKES: &str = r##"
 # Unknown keys, with the most similar known key.
 title = "My study" => titel = "My study" => 3:1 => unknown key "titel" | did you mean title?
-low = 0.25 => lwo = 0.25 => 7:1 => "lwo" | [stimulus] | did you mean low?
-[recovery] => [presentation]\nduration_s = 1\nwait = 1\n[recovery] => 24:1 => unknown key "wait"
 width = [0.1, 0.4] => widht = [0.1, 0.4] => 12:1 => "widht" | [factors] | did you mean width?
-break_every = 10 => breaks_every = 10 => 18:1 => [design] | did you mean break_every?
-level = 0.5 => levle = 0.5 => 24:1 => [recovery] | did you mean level?
-question = "How?" => qestion = "How?" => 27:1 => [response] | did you mean question?
-window_deg = 10.0 => window_dge = 10.0 => 33:1 => [viewing] | did you mean window_deg?
-welcome = "Hello" => wellcome = "Hello" => 36:1 => [instructions] | did you mean welcome?
 [recovery] => [recover] => 22:2 => unknown key "recover" | did you mean recovery?
 depth = [1, 2, "inf"] => loudness = [1, 2] => 13:1 => "loudness" | expected one of | orientation_deg
 # Values out of range.
 width = [0.1, 0.4] => width = [0.1, 1.5] => 12:15 => width 1.5 | 0…1
 depth = [1, 2, "inf"] => depth = [0] => 13:10 => depth 0 | 1 to 32
-depth = [1, 2, "inf"] => depth = [1, 33] => 13:13 => depth 33 | 1 to 32
 depth = [1, 2, "inf"] => depth = [1.5] => 13:10 => 1.5 | is not a whole number
 depth = [1, 2, "inf"] => depth = ["infinite"] => 13:10 => depth "infinite" | or inf
-depth = [1, 2, "inf"] => depth = [-inf] => 13:10 => -inf
 depth = [1, 2, "inf"] => depth = [] => 13:1 => factor depth is empty | at least one level
 depth = [1, 2, "inf"] => orientation_deg = [0, nan] => 13:23 => orientation_deg "NaN" is not a number
-depth = [1, 2, "inf"] => orientation_deg = [inf] => 13:20 => orientation_deg | inf | an angle
-depth = [1, 2, "inf"] => orientation_deg = [-inf] => 13:20 => orientation_deg "-inf" is not a number
 width = [0.1, 0.4] => width = [1, 1.0] => 12:13 => level 1 of width appears twice
 depth = [1, 2, "inf"] => color = ["gray", "white"] => 13:18 => level gray of color appears twice
 duration_s = 2.0 => duration_s = -2.0 => 23:1 => duration_s -2 | 0…600 | seconds
-duration_s = 2.0 => duration_s = nan => 23:1 => recovery.duration_s is the text "NaN" | a number
-[recovery] => [presentation]\nduration_s = 0\n[recovery] => 23:1 => duration_s 0 is outside 0.001…600
-level = 0.5 => level = 1.01 => 24:1 => level 1.01 | luminance
 repetitions = 2 => repetitions = 0 => 16:1 => repetitions is 0 | at least 1
-repetitions = 2 => repetitions = -1 => 16:1 => repetitions is -1 | whole number
-repetitions = 2 => repetitions = 1e12 => 16:1 => repetitions is 1000000000000.0 | whole number
-max_run = 3 => max_run = 0 => 20:1 => max_run is 0
 low = 0.25 => low = 0.9 => 5:2 => high 0.75 | below low | 0.9
 distance_cm = 50.0 => distance_cm = 0 => 32:1 => distance_cm 0 | cm
-window_deg = 10.0 => window_deg = 180 => 33:1 => window_deg 180 | degrees
 color = "yellow" => color = "purpel" => 9:1 => color "purpel" | yellow, gray
-color = "yellow" => color = "0,0,0" => 9:1 => color "0,0,0" | not all 0
 # Types.
 name = "mine" => name = 7 => 2:1 => name is 7 | text in quotes
 width = [0.1, 0.4] => width = 0.1 => 12:1 => factors.width is 0.1 | a list of
-width = [0.1, 0.4] => width = [0.1, true] => 12:15 => factors.width is true
-practice = 4 => practice = "4" => 17:1 => design.practice is the text "4"
-duration_s = 2.0 => duration_s = [2.0] => 23:1 => recovery.duration_s is a list | a number
-[recovery] => [presentation]\nduration_s = "long"\n[recovery] => 23:1 => presentation.duration_s is the text "long" | a number
 [recovery] => [presentation]\n[recovery] => 22:2 => presentation.duration_s is missing
 labels = ["a", "b", "c", "d"] => labels = ["a", "b", "c", 4] => 28:26 => response.labels.3 is 4
-low = 0.25 => low = 2026-01-31 => 7:1 => low "2026-01-31" is not a number
 # Top-level keys.
 schema = 1\n => schema = 2\n => 1:1 => schema is 2 | expected 1
 schema = 1\n => \n => 1:1 => schema is missing | expected schema = 1
@@ -164,18 +135,14 @@ name = "mine" =>  => 1:1 => name is missing
 kind = "mach-band" =>  => 5:2 => stimulus.kind is missing
 kind = "mach-band" => kind = "mach-bend" => 6:1 => kind "mach-bend" | did you mean mach-band?
 name = "mine" => name = "my/study" => 2:1 => name "my/study" | lowercase
-name = "mine" => name = "Mine" => 2:1 => name "Mine"
 name = "mine" => name = "con" => 2:1 => "con" is reserved by Windows
-name = "mine" => name = "" => 2:1 => name "" is not allowed
 # Order and scale.
 order = "random" => order = "shuffled" => 19:1 => order "shuffled" | blocked:FACTOR
 order = "random" => order = "latin:color" => 19:1 => latin:color does not name a factor | width, depth
 labels = ["a", "b", "c", "d"]\nkeys = ["0", "1", "2", "3"] => labels = ["a", "b", "c"] => 28:1 => categories is 3 | expected 4
 keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2"] => 29:1 => length 3; expected 4
 keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2", "1"] => 29:24 => key '1' appears twice
-keys = ["0", "1", "2", "3"] => keys = ["a", "A", "2", "3"] => 29:14 => key 'A' appears twice
 keys = ["0", "1", "2", "3"] => keys = ["a", "s", "d", "f"] => 29:14 => key 's' cannot be an answer
-keys = ["0", "1", "2", "3"] => keys = ["a", "ß", "d", "f"] => 29:14 => key 'ß' cannot be an answer
 keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2", "33"] => 29:24 => response.keys.3 is the text "33" | a character
 labels = ["a", "b", "c", "d"] => labels = ["a", " ", "c", "d"] => 28:16 => label is empty
 # The participant.
@@ -183,26 +150,20 @@ labels = ["a", "b", "c", "d"] => labels = ["a", " ", "c", "d"] => 28:16 => label
 [instructions] => [participant]\nage = { requird = true }\n[instructions] => 36:9 => unknown key "requird" in [participant.age] | did you mean required?
 [instructions] => [participant]\nage = { choices = ["old"] }\n[instructions] => 36:9 => age has choices
 [instructions] => [participant]\nconsent = {}\n[instructions] => 36:1 => consent has no text
-[instructions] => [participant]\nconsent = { text = " " }\n[instructions] => 36:13 => text is empty
 [instructions] => [participant]\nx = { choices = ["a"], number = true }\n[instructions] => 36:1 => x has more than one of
 [instructions] => [participant]\nx = { choices = ["a", "a"] }\n[instructions] => 36:23 => choice "a" appears twice
 [instructions] => [participant]\nx = { choices = ["n/a"] }\n[instructions] => 36:18 => choice "n/a" cannot be recorded
-[instructions] => [participant]\nx = { choices = ["=1"] }\n[instructions] => 36:18 => choice "=1" as a formula
 [instructions] => [participant]\nsex = { choices = ["femal"] }\n[instructions] => 36:20 => "femal" | did you mean female? | choice_labels
 [instructions] => [participant]\nsex = { choice_labels = ["w"] }\n[instructions] => 36:9 => choice_labels has length 1; expected 3
 [instructions] => [participant]\nX = {}\n[instructions] => 36:1 => "X" is not allowed | lowercase
 [instructions] => [participant]\nsessions = {}\n[instructions] => 36:1 => sessions already has another meaning
 # Scripts.
 welcome = "Hello" => welcome = "שלום" => 36:1 => Hebrew, which is written from right to left
-question = "How?" => question = "كيف؟" => 27:1 => Arabic
 labels = ["a", "b", "c", "d"] => labels = ["a", "b", "c", "ᠠ"] => 28:26 => Mongolian, which is written from top to bottom
-[instructions] => [participant]\nage = { label = "ܐ" }\n[instructions] => 36:9 => Syriac
 # Too many trials.
 practice = 4 => practice = 4000000000 => 11:2 => 4000000012 trials | at most
-repetitions = 2 => repetitions = 4000000000 => 11:2 => 24000000004 trials | at most
 # Invalid TOML.
 practice = 4 => repetitions = 3 => 17:1 => not valid TOML | duplicate key
-low = 0.25 => low =  => 7:7 => not valid TOML
 [viewing] => [viewing => 31:9 => not valid TOML
 "##;
 
@@ -253,49 +214,6 @@ fn all_errors_are_reported_in_file_order() {
     assert_eq!(places, [(2, 1), (12, 10), (12, 13), (12, 19), (16, 1), (24, 1), (25, 1)], "{found:#?}");
 }
 
-fn soon<T>(what: &str, work: impl FnOnce() -> T) -> T {
-    let started = Instant::now();
-    let result = work();
-    assert!(started.elapsed() < Duration::from_secs(5), "{what} took {:?}", started.elapsed());
-    result
-}
-
-/// Large files are accepted or rejected quickly, and rejected files use no memory.
-#[test]
-fn large_files_do_not_stall_the_program() {
-    let list =
-        |count: u32, scale: f64| (0..count).map(|i| (f64::from(i) * scale).to_string()).collect::<Vec<_>>().join(",");
-    let head = "schema = 1\nname = \"huge\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\n";
-    let (numbers, angles) = (list(1000, 1e-3), list(1000, 0.3));
-    let four =
-        format!("{head}width = [{numbers}]\norientation_deg = [{angles}]\nlow = [{numbers}]\nhigh = [{numbers}]\n");
-    for (design, part) in [("", "trials; expected at most"), ("repetitions = 0", "repetitions is 0")] {
-        let text = format!("{four}[design]\n{design}\n");
-        let error = soon("four factors", || definition::parse("huge.toml", &text)).unwrap_err();
-        assert!(error.to_string().contains(part), "{error}");
-    }
-    let one = format!("{head}orientation_deg = [{}]\n", list(90_000, 1e-3));
-    assert_eq!(soon("one long factor", || definition::parse("huge.toml", &one)).unwrap().main_trials(), 90_000);
-    let wrong = format!("{head}depth = [{}]\n", vec!["99"; 300_000].join(","));
-    let error = soon("many faults", || definition::parse("huge.toml", &wrong)).unwrap_err();
-    assert_eq!(error.0.len(), 300_000);
-    assert_eq!(error.0[299_999].position, Some((6, 10 + 3 * 299_999)));
-}
-
-#[test]
-fn deep_nesting_is_rejected() {
-    let texts = [
-        "a = ".to_owned() + &"[".repeat(100_000),
-        "a = ".to_owned() + &"{a=".repeat(100_000),
-        "a.".repeat(100_000) + "a = 1",
-        format!("[[{}a]]", "a.".repeat(100_000)),
-    ];
-    for text in texts {
-        let error = soon("nesting", || definition::parse("deep.toml", &text)).unwrap_err();
-        assert!(error.to_string().starts_with("deep.toml:1:"), "{:.100}", error.to_string());
-    }
-}
-
 #[test]
 fn files_that_are_not_definitions_are_reported() {
     let folder = tempfile::tempdir().unwrap();
@@ -304,27 +222,20 @@ fn files_that_are_not_definitions_are_reported() {
         fs::write(at(name), content).unwrap();
         at(name)
     };
-    fs::create_dir(at("folder.toml")).unwrap();
     fs::File::create(at("large.toml")).unwrap().set_len(100 << 20).unwrap();
     let mut cut = BASE.as_bytes().to_vec();
     let at_study = BASE.find("study").unwrap();
     cut[at_study] = 0xff;
     let cases = [
-        (at("folder.toml"), "", "is a folder; expected a readable file"),
         (at("missing.toml"), "", "cannot be opened"),
         (at("large.toml"), "", "has 104857600 bytes; expected at most"),
         (write("latin1.toml", &cut), ":3:13", "is not UTF-8 text"),
         (write("empty.toml", b""), ":1:1", "name is missing"),
         (write("words.toml", b"Not TOML, but words.\n"), ":1:5", "is not valid TOML"),
-        (write("binary.toml", b"\x00\x01\x02\x00"), ":1:5", "is not valid TOML"),
-        ("/dev/zero".to_owned(), "", "is not a regular file"),
         ("quik".to_owned(), "", "did you mean quick?"),
     ];
     for (file, position, part) in cases {
-        if file.starts_with("/dev") && !Path::new(&file).exists() {
-            continue;
-        }
-        let error = soon(&file, || definition::open(&file)).unwrap_err();
+        let error = definition::open(&file).unwrap_err();
         let found = messages(&error);
         let start = format!("{file}{position}: ");
         assert!(
@@ -332,7 +243,7 @@ fn files_that_are_not_definitions_are_reported() {
             "{file}: {found:#?}"
         );
         assert!(profile::open(Path::new(&file)).is_err() && observer::open(Path::new(&file)).is_err(), "{file}");
-        assert!(soon(&file, || check(&file)).is_err(), "{file}");
+        assert!(check(&file).is_err(), "{file}");
     }
     // Line endings and a byte order mark from other systems.
     let plain = definition::parse("mine.toml", BASE).unwrap();
@@ -395,13 +306,9 @@ fn what_means_the_same_has_the_same_hash() {
     let same = [
         BASE.replace("width = [0.1, 0.4]", "# comment\nwidth   = [ 1e-1,\n  4e-1, ] # and another"),
         BASE.replace("depth = [1, 2, \"inf\"]", "depth = [1.0, 2.0, inf]"),
-        BASE.replace("repetitions = 2", "repetitions = 0b10"),
-        BASE.replace("\n", "\r\n"),
         BASE.replace("[instructions]", "[participant]\n[instructions]"),
         // The order of keys and of tables.
         BASE.replace("low = 0.25\nhigh = 0.75", "high = 0.75\nlow = 0.25"),
-        BASE.replace("repetitions = 2\npractice = 4", "practice = 4\nrepetitions = 2"),
-        BASE.replace("schema = 1\nname = \"mine\"", "name = \"mine\"\nschema = 1"),
         BASE.replace("[viewing]\ndistance_cm = 50.0\nwindow_deg = 10.0\n", "")
             .replace("[stimulus]", "[viewing]\nwindow_deg = 10\ndistance_cm = 5_0\n[stimulus]"),
     ];
@@ -443,26 +350,6 @@ fn what_means_the_same_has_the_same_hash() {
     }
     let asking = format!("{least}[participant]\nage = {{}}\n");
     assert_eq!(hash(&asking.replace("{}", "{ required = true, number = false, choices = [] }")), hash(&asking));
-}
-
-#[test]
-fn what_differs_has_another_hash() {
-    let others = [
-        BASE.replace("width = [0.1, 0.4]", "width = [0.4, 0.1]"),
-        // The order of factors is the order of the columns and of the conditions.
-        BASE.replace("width = [0.1, 0.4]\ndepth = [1, 2, \"inf\"]", "depth = [1, 2, \"inf\"]\nwidth = [0.1, 0.4]"),
-        BASE.replace("max_run = 3\n", ""),
-        BASE.replace("level = 0.5", "level = 0.51"),
-        BASE.replace("\"Hello\"", "\"Hallo\""),
-        BASE.replace("[instructions]", "[instructions]\npage_count = \"{page}/{pages}\""),
-        BASE.replace("[recovery]", "[presentation]\nduration_s = 0.5\n[recovery]"),
-        BASE.replace("[instructions]", "[participant]\nage = {}\n[instructions]"),
-        BASE.replace("[instructions]", "[participant]\nage = { required = false }\n[instructions]"),
-        BASE.replace("[instructions]", "[participant]\nage = {}\nsex = {}\n[instructions]"),
-        BASE.replace("[instructions]", "[participant]\nsex = {}\nage = {}\n[instructions]"),
-    ];
-    let hashes: HashSet<String> = others.iter().map(|text| hash(text)).chain([hash(BASE)]).collect();
-    assert_eq!(hashes.len(), others.len() + 1);
 }
 
 #[test]
@@ -535,7 +422,6 @@ fn display_profiles_and_observers_are_validated_too() {
         (full, "bits = 8", "bits = 80", "6:1", "bits 80"),
         (full, "[1920, 1080]", "[1920]", "7:1", "native_px"),
         (full, "2026-01-31", "31.1.2026", "8:14", "measured.on"),
-        (full, "by = ", "bye = ", "8:33", "did you mean by?"),
         (full, "[0.3, 0.6]", "[0.3, 0.8]", "9:35", "primaries.green"),
         (full, "blue = [0.15, 0.06], ", "", "9:1", "primaries.blue is missing"),
         (full, "gamma:2/gog:2.2,1,-0.02/srgb", "srgb/srgb", "3:1", "expected one, or three"),
@@ -549,17 +435,12 @@ fn display_profiles_and_observers_are_validated_too() {
             "cannot be combined with [channels]",
         ),
         (good, "schema = 1\n", "", "1:1", "schema is missing"),
-        (good, "schema = 1", "schema = 3", "1:1", "schema is 3"),
         (good, "name = ", "nmae = ", "2:1", "did you mean name?"),
         (good, "\"gamma:2.2\"", "\"gama:2.2\"", "3:1", "gama:2.2"),
-        (good, "\"gamma:2.2\"", "\"gamma:0\"", "3:1", "expected"),
-        (good, "\"gamma:2.2\"", "2.2", "3:1", "transfer is 2.2"),
         (good, "\"gamma:2.2\"", "\"table\"", "3:1", "expected"),
         (good, "53.1", "-1", "5:1", "screen_width_cm -1"),
-        (good, "53.1", "\"wide\"", "5:1", "screen_width_cm is "),
         (table, "0.2, 1]", "0.2, 0.1]", "3:1", "expected"),
         (table, "[0, 0.2, 1]", "[0, 1]", "3:1", "expected"),
-        (table, "[0, 0.2, 1]", "[0, nan, 1]", "5:14", "expected"),
         (table, "\"table\"", "\"srgb\"", "3:1", "require transfer = \"table\""),
     ];
     for (text, from, to, position, part) in cases {
@@ -572,19 +453,39 @@ fn display_profiles_and_observers_are_validated_too() {
         ("schema = 1", "schema = 9", "schema is 9"),
         ("[0.0, 1.5, 3.5]", "[0.0, 3.5, 1.5]", "three increasing numbers"),
         ("[0.0, 1.5, 3.5]", "[0.0, 1.5]", "length 2"),
-        ("[0.0, 1.5, 3.5]", "[0.0, nan, 1.5]", "thresholds.1 is the text \"NaN\""),
-        ("[0.0, 1.5, 3.5]", "[0.0, 1.5, inf]", "thresholds.2 is the text \"inf\""),
-        ("[0.0, 1.5, 3.5]", "\"low\"", "a list of length 3"),
         ("lapse = 0.01", "lapse = 1.01", "lapse 1.01 is outside 0…1"),
         ("lapse = 0.01", "lapes = 0.01", "did you mean lapse?"),
-        ("fall = 0.7", "fall = nan", "fall is the text \"NaN\""),
         ("subject_sd = 0.6", "subject_sd = -1", "subject_sd -1"),
-        ("strongest_width = 0.05", "strongest_width = 0", "strongest_width 0"),
     ];
     for (from, to, part) in cases {
         assert_eq!(observer::PAPER.matches(from).count(), 1, "{from}");
         let text = observer::PAPER.replace(from, to);
         let line = text.lines().position(|line| line.contains(to)).unwrap() + 1;
         assert_error(&observer::parse("o.toml", &text).expect_err(to), &format!("o.toml:{line}:"), part);
+    }
+}
+
+/// `results/README.md` ends with the column dictionary, which is generated from the program's column definitions.
+/// `UPDATE_DOCS=1 cargo test --test store dictionary` updates it.
+#[test]
+fn the_column_dictionary_is_up_to_date() {
+    const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/results/README.md");
+    const RULE: &str = "|---|---|---|\n";
+    let found = fs::read_to_string(PATH).unwrap();
+    let (head, _) = found.split_once(RULE).unwrap();
+    let mut expected = format!("{head}{RULE}");
+    for column in columns(&definition::open("bangay2003").unwrap()) {
+        let levels: Vec<String> = column
+            .levels
+            .iter()
+            .map(|(value, meaning)| format!("{value}: {}", meaning.as_str().unwrap_or_default()))
+            .collect();
+        let levels = if levels.is_empty() { String::new() } else { format!(" ({})", levels.join("; ")) };
+        expected += &format!("| `{}` | {} | {}{levels} |\n", column.name, column.unit, column.description);
+    }
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        fs::write(PATH, expected).unwrap();
+    } else {
+        assert_eq!(found, expected, "run UPDATE_DOCS=1 cargo test --test store dictionary");
     }
 }

@@ -119,27 +119,3 @@ fn edits_keep_comments_and_give_the_expected_definition() {
     assert_eq!(draft.check().unwrap().main_trials(), 2 * 2);
     assert!(draft.text().contains("# What varies.\n[factors]\norientation_deg"), "{}", draft.text());
 }
-
-#[test]
-fn errors_have_the_keys_of_their_fields() {
-    let mut draft = draft(COMMENTED);
-    draft.set("name", "By Hand", Typed::Text);
-    draft.set("design.repetitions", "many", Typed::Value);
-    draft.set("factors.width", "0.1, 7, wide, 0.1", Typed::Values);
-    draft.set("factors.light", "\"1,0,0\", \"0,1,0\"", Typed::Values);
-    draft.set("stimulus.low", "0.25, 0.5", Typed::Value);
-    let errors = draft.check().unwrap_err();
-    let keys: Vec<&str> = errors.0.iter().map(|error| error.key.as_str()).collect();
-    let expected = [
-        "name",
-        "stimulus.low",
-        "factors.width.1",
-        "factors.width.2",
-        "factors.width.3",
-        "factors.light",
-        "design.repetitions",
-    ];
-    assert_eq!(keys, expected, "{errors}");
-    assert_eq!(draft.get("factors.light").unwrap(), "\"1,0,0\", \"0,1,0\"");
-    assert_eq!(Draft::parse("draft", "name = ").unwrap_err().0[0].position, Some((1, 8)));
-}

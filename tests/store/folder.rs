@@ -179,24 +179,6 @@ mod rows_on_disk {
         assert!(matches!(&error, StoreError::Exists(path) if *path == paths(folder.path()).sidecar), "{error}");
         assert_eq!(everything(folder.path()), before);
     }
-
-    /// A killed program with the same process ID may have left its temporary file; in a container, every program has
-    /// process ID 1.
-    #[test]
-    fn leftovers_of_a_killed_program_do_no_harm() {
-        let folder = session_of(2);
-        let sidecar = paths(folder.path()).sidecar;
-        for count in 0..100 {
-            let own = sidecar.file_name().unwrap().to_str().unwrap();
-            let name = format!("{own}.machband-{:08}{count:08}.tmp", std::process::id());
-            fs::write(sidecar.with_file_name(name), "{").unwrap();
-        }
-        let (mut store, found) = resume(folder.path()).unwrap();
-        rate(&mut store, Some(&found), usize::MAX).unwrap();
-        assert_whole(folder.path());
-        drop(store);
-        assert_eq!(everything(folder.path()).len(), 7, "rows, a sidecar, and five files that describe the data set");
-    }
 }
 
 mod interrupted {
@@ -253,7 +235,6 @@ mod interrupted {
             lines[at] = line;
             lines.join("\n") + "\n"
         };
-        let stamp = lines[2].rfind("1970").unwrap();
         let mut zeros = whole.clone().into_bytes();
         let second = whole.find(lines[2]).unwrap();
         zeros[second + 3..second + 40].fill(0);
@@ -266,19 +247,11 @@ mod interrupted {
                 format!("3:{}", column(lines[2], ",mach-band,") + 11),
                 "width is \"wide",
             ),
-            (with(2, &lines[2].replace("1970-", "Monday 1970-")).into(), format!("3:{}", stamp + 1), "started_at is"),
-            (
-                format!("{}\n\n\n{}\n", lines[0], with(2, "garbage").split_once('\n').unwrap().1).into(),
-                "5:1".into(),
-                "cells in the row is 1;",
-            ),
             (
                 with(0, &lines[0].replace("rating", "ratings")).into(),
                 format!("1:{}", column(lines[0], "rating")),
                 "column 17 is \"ratings\"; expected \"rating\"",
             ),
-            (with(0, "x").into(), "1:1".into(), "column 1 is \"x\""),
-            (with(2, &lines[2].replacen("S001", "\"S001", 1)).into(), "3:1".into(), "cells"),
             (zeros, "3:".into(), ""),
             (latin, "3:4".into(), "not UTF-8"),
             // A foreign text, which is not an incomplete header and must not be truncated.
@@ -383,28 +356,6 @@ mod interrupted {
         assert!(!store.is_complete() && found.resumed.done.len() == TRIALS - 1);
         rate(&mut store, Some(&found), usize::MAX).unwrap();
         assert_whole(folder.path());
-    }
-
-    #[test]
-    fn absurd_numbers_are_reported() {
-        let folder = session_of(3);
-        let csv = paths(folder.path()).csv;
-        let text = fs::read_to_string(&csv).unwrap();
-        for absurd in ["1e300", "1e19", "-1", "inf", "NaN"] {
-            let (head, last) = text.trim_end().rsplit_once('\n').unwrap();
-            let mut cells: Vec<&str> = last.rsplitn(13, ',').collect();
-            // Counted from the end: three columns added in later versions, tanh_k, seed, sitting, started_at,
-            // dropped_frames, frames, recovery_s, onset_s.
-            cells[10] = absurd;
-            cells.reverse();
-            fs::write(&csv, format!("{head}\n{}\n", cells.join(","))).unwrap();
-            let error = resume(folder.path()).expect_err(absurd).to_string();
-            assert!(error.contains("onset_s is") && error.contains("expected seconds"), "{error}");
-        }
-        let largest = text.replace(",1,7,", ",4294967295,7,");
-        assert_ne!(largest, text);
-        fs::write(&csv, largest).unwrap();
-        assert!(resume(folder.path()).is_ok(), "no overflow");
     }
 }
 

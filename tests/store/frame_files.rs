@@ -130,7 +130,6 @@ fn every_error_in_a_frames_file_has_its_place() {
             "f.csv:3:12: state is \"blank\"; expected one of recovery, stimulus, response, closing",
         ),
         ("1,main,2,1,stimulus,-1,1", "f.csv:3:21: refresh_us is \"-1\"; expected a positive number"),
-        ("1,main,2,1,stimulus,16683.350,1  2", "f.csv:3:31: intervals_us is"),
         ("1,main,2,1,stimulus,16683.350,", "f.csv:3:31: intervals_us is"),
     ] {
         let error = frames::parse("f.csv", &text(line)).unwrap_err().to_string();

@@ -4,7 +4,6 @@
 mod common;
 
 mod definitions;
-mod dictionary;
 mod drafts;
 mod edits;
 mod export;

@@ -7,9 +7,9 @@ use std::{
 };
 
 use machband::{
-    analysis::counts::{Excluded, Exclusions, Role},
+    analysis::counts::Role,
     experiment::{Identity, Phase, Protocol, RatingRow, TrialRecord},
-    report::{Study, tables},
+    report::Study,
     store::{
         Columns, FileErrors,
         dataset::SessionPaths,
@@ -397,16 +397,6 @@ mod layouts {
         }
     }
 
-    #[test]
-    fn the_term_inv_n_reads_the_column_depth() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = file(&folder, "long.csv", LONG);
-        let how = ReadOptions { factors: None, also: vec!["width".to_owned(), "inv_n".to_owned()], ..long() };
-        let (source, rows) = read(&[&path], &how);
-        assert_eq!(source.shape.factors, ["width", "depth"]);
-        assert_eq!(rows, LONG_ROWS);
-    }
-
     /// Without a definition, the columns of the stimulus serve as factors, and the order of trials is kept.
     #[test]
     fn result_files_without_a_sidecar_are_read_too() {
@@ -430,21 +420,6 @@ mod layouts {
         assert_eq!((source.files.len(), source.protocol, source.errors), (3, Some(small()), vec![]));
         let planned: Vec<_> = source.sessions.iter().map(|session| session.planned).collect();
         assert_eq!(planned, [None, None, Some(MAIN)]);
-    }
-
-    #[test]
-    fn counts_read_back_unchanged() {
-        let (folder, _) = study(&["S1", "S2", "S10"]);
-        let study = Study::read(&[folder.path().to_owned()], &ReadOptions::default()).unwrap();
-        let counts = study.measured.counts;
-        let path = folder.path().join("counts.csv");
-        fs::write(&path, tables::counts_csv(&counts, &study.source.shape)).unwrap();
-        assert!(fs::read_to_string(&path).unwrap().starts_with("subject_id,width,tanh_k,rating,count\nS1,0.1,5,"));
-        let again = Study::read(&[path], &ReadOptions::default()).unwrap();
-        assert_eq!((again.measured.counts, again.source.files[0].layout), (counts, Layout::Counts));
-        // What the table cannot contain is said once.
-        let [warning] = &again.source.warnings[..] else { panic!("{:?}", again.source.warnings) };
-        assert!(warning.message.starts_with("is a table of counts, so it is not known whether ratings are simulated"));
     }
 
     /// IDs and levels are the texts of the file; only in result files is a level written as the definition writes it.
@@ -497,24 +472,6 @@ mod layouts {
         assert_eq!(error.to_string(), "ratings, row 1 (counted from 0): who is empty; expected a participant");
         let error = Study::from_columns("ratings", unequal, &how).unwrap_err().to_string();
         assert_eq!(error, "ratings: the column answer has 1 rows; expected 2, as in who");
-    }
-
-    /// The options exclude the same as a narrowed study, and unknown names are errors.
-    #[test]
-    fn exclusions_are_applied_after_reading() {
-        let (folder, _) = study(&["S1", "S2", "S10"]);
-        let paths = [folder.path().to_owned()];
-        let (exclude, only) = (vec!["S2".to_owned()], vec![("width".to_owned(), vec!["0.4".to_owned()])]);
-        let how = ReadOptions { exclude: exclude.clone(), only: only.clone(), ..ReadOptions::default() };
-        let read = Study::read(&paths, &how).unwrap().measured;
-        let whole = Study::read(&paths, &ReadOptions::default()).unwrap();
-        assert_eq!(whole.narrowed(&Exclusions { exclude, only }).unwrap().measured, read);
-        assert_eq!((read.counts.subjects.join(" "), read.counts.total()), ("S1 S10".to_owned(), 2 * MAIN / 3));
-        let excluded: Vec<u64> = read.excluded.iter().map(Excluded::ratings).collect();
-        assert_eq!(excluded, [MAIN, 2 * MAIN - 2 * MAIN / 3]);
-        let how = ReadOptions { exclude: vec!["S11".to_owned()], ..ReadOptions::default() };
-        let error = Study::read(&paths, &how).unwrap_err().to_string();
-        assert_eq!(error, "S11 is not a participant; expected one of S1, S2, S10; did you mean S1?");
     }
 
     #[test]

@@ -304,16 +304,6 @@ mod machine {
     }
 
     #[test]
-    fn the_recovery_field_is_timed_to_the_nanosecond() {
-        let mut driver = Driver::new(&ten(), FrameCount::Off, &[]);
-        driver.until(is_recovery);
-        driver.wait(0.499_999_999);
-        assert!(is_recovery(driver.session.state()));
-        driver.wait(0.000_000_001);
-        assert!(is_stimulus(driver.session.state()));
-    }
-
-    #[test]
     fn the_last_rating_can_be_undone_once_from_any_screen_after_it() {
         type There = fn(&State) -> bool;
         let is_break: There = |state| *state == State::Break;
@@ -392,42 +382,6 @@ mod machine {
         }
         assert_eq!(driver.rated(), plain.rated());
         assert!(driver.records.iter().all(|record| record.recovery.as_millis() == 500));
-    }
-
-    #[test]
-    fn frames_and_stalls_are_counted_exactly() {
-        let protocol = protocol("width = [0.1, 0.2]", "repetitions = 20");
-        let mut driver = Driver::new(&protocol, FrameCount::Against(1.0 / 60.0), &[]);
-        driver.until(is_recovery);
-        let mut expected = Vec::new();
-        for trial in 0..40_u32 {
-            // Stalls of two to five intervals, during the field and during the stimulus. Jitter of less than half an
-            // interval is not a stall.
-            let (mut stalls, mut shown) = (0, 0);
-            for frame in 0..91_u32 {
-                let stalled = (frame * 7 + trial * 3) % 11 == 0;
-                let intervals = if stalled { f64::from(2 + frame % 4) } else { 1.0 + 0.4 * f64::from(frame).sin() };
-                // The first frame after a rating starts the count.
-                stalls += u32::from(stalled && frame > 0);
-                if frame == 90 {
-                    // The frame that ends with the rating counts like any other.
-                    driver.rate_after(intervals / 60.0, 1);
-                    break;
-                }
-                driver.wait(intervals / 60.0);
-                shown += u32::from(is_stimulus(driver.session.state()));
-            }
-            assert!(shown > 0);
-            expected.push((Some(shown), Some(stalls)));
-        }
-        let counted: Vec<_> = driver.records.iter().map(|r| (r.frames, r.dropped_frames)).collect();
-        assert_eq!(counted, expected);
-        // Without a known refresh interval, only frames are counted.
-        let mut driver = Driver::new(&protocol, FrameCount::Frames, &[]);
-        driver.until(is_stimulus);
-        driver.wait(1.0);
-        driver.rate(1);
-        assert_eq!((driver.records[0].frames, driver.records[0].dropped_frames), (Some(2), None));
     }
 
     fn any_event() -> impl Strategy<Value = Event> {

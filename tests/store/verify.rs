@@ -7,7 +7,7 @@ use std::{
 
 use machband::store::{sidecar::Sidecar, verify};
 
-use crate::common::{change_rating, machband, session_csv, succeeds, text, verified};
+use crate::common::{machband, session_csv, succeeds, text, verified};
 
 /// Records one session of `quick` with the simulated observer.
 fn recorded() -> (tempfile::TempDir, PathBuf) {
@@ -42,14 +42,6 @@ fn an_unchanged_session_is_confirmed() {
         said.contains("unchanged since it was recorded") && said.contains("1 session verified; no errors"),
         "{said}"
     );
-}
-
-fn edit_lines(csv: &Path, change: fn(&mut Vec<String>)) {
-    edit(csv, |text| {
-        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-        change(&mut lines);
-        lines.join("\n") + "\n"
-    });
 }
 
 /// Asserts that every part of `expected` occurs in an error, and that the command prints an error line for each error.
@@ -87,37 +79,6 @@ fn every_changed_text_is_reported() {
         assert_named(folder.path(), &csv, to, &expected);
         fs::write(path, whole).unwrap();
     }
-}
-
-#[test]
-fn every_changed_row_is_reported() {
-    type Touch = fn(&Path);
-    let ways: [(&str, Touch); 5] = [
-        ("27 of 28 trials are rated", |csv| edit_lines(csv, |lines| drop(lines.remove(12)))),
-        ("is attempt 1; expected attempt 2", |csv| {
-            edit_lines(csv, |lines| lines.extend_from_within(lines.len() - 1..))
-        }),
-        ("was recorded before the row above it", |csv| edit_lines(csv, |lines| lines.swap(7, 8))),
-        ("ends in the middle of a row", |csv| edit(csv, |text| text[..text.len() - 10].to_owned())),
-        ("_data.csv: was changed since the session ended", change_rating),
-    ];
-    let (folder, csv) = recorded();
-    let whole = fs::read(&csv).unwrap();
-    for (expected, touch) in ways {
-        touch(&csv);
-        assert_named(folder.path(), &csv, expected, &[expected, "was changed since"]);
-        fs::write(&csv, &whole).unwrap();
-    }
-    let sidecar = csv.with_extension("json");
-    let mut read = Sidecar::read(&sidecar).unwrap().unwrap();
-    read.sittings[0].pictures.as_mut().unwrap().sha256.insert(3, "0".repeat(64));
-    // Even with a new seal, re-rendering reveals the change.
-    let own = read.sha256_at_end_of(0);
-    read.sittings[0].seal.as_mut().unwrap().sidecar_sha256 = own;
-    read.write(&sidecar).unwrap();
-    assert_named(folder.path(), &csv, "a hash", &["condition 3 of sitting 1 renders to sha256"]);
-    fs::remove_file(&sidecar).unwrap();
-    assert_named(folder.path(), &csv, "no sidecar", &["does not exist; expected the sidecar"]);
 }
 
 #[test]

@@ -13,7 +13,7 @@
 mod common;
 mod faults;
 mod harness;
-#[path = "../panes/window.rs"]
+#[path = "../app/window.rs"]
 mod pane;
 mod start;
 

@@ -253,15 +253,6 @@ fn the_committed_mask_matches_the_generator() {
     assert!(void_and_cluster(MASK_SIZE, MASK_SEED + 1) != made);
 }
 
-#[test]
-fn masks_contain_every_rank_once() {
-    for size in [1, 2, 3, 5, 8, 16, 31, MASK_SIZE] {
-        let mut ranks = void_and_cluster(size, 3);
-        ranks.sort_unstable();
-        assert!(ranks.iter().map(|&rank| u32::from(rank)).eq(0..size * size), "size {size}");
-    }
-}
-
 /// Ulichney's three phases as published, with a plain f64 filter based on `exp`. At every rank, the next pixel of the
 /// mask is the tightest cluster, the largest void, or, in phase III, the tightest cluster of dark pixels.
 #[test]

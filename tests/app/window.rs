@@ -113,7 +113,9 @@ pub fn wait_for(window: &mut Window, text: &str) {
 
 /// Every text on the page.
 pub fn texts(window: &Window) -> Vec<String> {
-    window.query_all_by_label_contains("").filter_map(|node| node.accesskit_node().label()).collect()
+    // A label's text is its value.
+    let nodes = window.query_all_by_label_contains("").map(|node| node.accesskit_node());
+    nodes.filter_map(|node| if node.label_comes_from_value() { node.value() } else { node.label() }).collect()
 }
 
 /// A session of P001 with the seed 5.

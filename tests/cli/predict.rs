@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{fails, machband, split, succeeds};
+use crate::common::{fails, split, succeeds};
 
 fn column(table: &str, name: &str) -> Vec<String> {
     let mut reader = csv::Reader::from_reader(table.as_bytes());
@@ -36,18 +36,13 @@ fn a_stimulus_a_definition_and_an_image_agree() {
     assert!(fs::metadata(folder.path().join("bands.png")).unwrap().len() > 1000);
 }
 
-/// JSON has the values of the table. The codes of an image mean what the file says: the same light in linear codes and
-/// in sRGB codes has the same prediction.
+/// The codes of an image mean what the file says: the same light in linear codes and in sRGB codes has the same
+/// prediction.
 #[test]
-fn json_has_the_values_of_the_table_and_images_mean_what_they_say() {
+fn images_mean_what_they_say() {
     let folder = tempfile::tempdir().unwrap();
     let run = |line: &str| succeeds(folder.path(), &split(line));
     let json = |line: &str| -> serde_json::Value { serde_json::from_str(&run(line)).unwrap() };
-    let (table, one) = (run("predict --width 0.1"), json("predict --width 0.1 --json"));
-    for name in ["width", "visibility", "detection", "predicted_rating", "visibility_bright", "visibility_dark"] {
-        assert_eq!(one[name].as_f64().unwrap(), numbers(&table, name)[0], "{name}");
-    }
-    assert_eq!(json("predict quick --json").as_array().unwrap().len(), run("predict quick").lines().count() - 1);
     run("stimulus --width 0.1 --size 256 --bits 16 --color gray --out srgb.png");
     run("stimulus --width 0.1 --size 256 --bits 16 --color gray --transfer linear --out linear.png");
     let [srgb, linear] = ["srgb", "linear"].map(|name| json(&format!("predict --image {name}.png --json")));
@@ -85,45 +80,6 @@ fn a_criterion_is_recovered_from_ratings() {
     assert!(rho.rsplit(' ').next().unwrap().parse::<f64>().unwrap() > 0.95, "{output}");
     assert!(output.contains("noise ceiling"), "{output}");
     assert_eq!(fs::read_to_string(folder.path().join("predicted.csv")).unwrap().lines().count(), 121);
-}
-
-/// The report on the ratings agrees with `predict --fit` in every condition; without the definition, it says why there
-/// is no prediction.
-#[test]
-fn the_report_agrees_with_predict() {
-    let folder = tempfile::tempdir().unwrap();
-    let run = |line: &str| succeeds(folder.path(), &split(line));
-    run("simulate bangay2003 --participants 4 --observer vision");
-    let said = run("analyze results/bangay2003 --out analysis --draws 19");
-    let fitted = run("predict bangay2003 --fit results/bangay2003 --out predicted.csv");
-    let rho = fitted.lines().find(|line| line.starts_with("rank correlation")).unwrap().rsplit(' ').next().unwrap();
-    assert!(rho.parse::<f64>().unwrap() > 0.8, "{fitted}");
-    assert!(said.contains(&format!("vision model: rank correlation {rho} with the mean ratings of 120")), "{said}");
-    assert!(folder.path().join("analysis/figure4b_predicted.svg").exists());
-    let page = fs::read_to_string(folder.path().join("analysis/report.html")).unwrap();
-    let text = page.split("<section id=\"vision\">").nth(1).unwrap().split("</section>").next().unwrap();
-    let two = format!("{:.2}", rho.parse::<f64>().unwrap()).replacen("0.", ".", 1);
-    assert!(text.contains(&format!("(Spearman) is {two}.")), "{text}");
-    // Each condition named in the report has the rating from the table of `predict`.
-    let table = fs::read_to_string(folder.path().join("predicted.csv")).unwrap();
-    let levels: Vec<Vec<String>> = ["width", "depth", "orientation_deg"].map(|name| column(&table, name)).to_vec();
-    let named: Vec<String> = (0..120)
-        .map(|i| format!("width {}, depth {}, orientation {}° (rated ", levels[0][i], levels[1][i], levels[2][i]))
-        .map(|name| name.replace("inf", "∞"))
-        .collect();
-    let ratings = numbers(&table, "predicted_rating");
-    let found: Vec<bool> = (named.iter().zip(&ratings))
-        .filter_map(|(name, rating)| {
-            let (_, after) = text.split_once(name.as_str())?;
-            Some(after[4..].starts_with(&format!(", predicted {rating:.2})")))
-        })
-        .collect();
-    assert_eq!(found, [true; 3], "{text}");
-
-    run("counts results/bangay2003 --out counts.csv");
-    let output = machband(folder.path(), &split("analyze counts.csv --out bare --draws 19"));
-    let said = String::from_utf8_lossy(&output.stdout);
-    assert!(said.contains("no prediction by the vision model: the files contain no definition"), "{said}");
 }
 
 #[test]

@@ -1,17 +1,14 @@
 //! Tests the shading demo without a display, and compares what it draws with the images that the shaders compute.
 
-use std::path::Path;
-
 use eframe::egui::{self, Key, PointerButton, Pos2, Rect, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use machband::{
     app::{
         App, Launch,
-        explore::shading::{Comparison, MeshChoice, title},
+        explore::shading::{Comparison, MeshChoice},
     },
-    light::{CodeImage, Depth, Samples},
-    shading::{Correction, Encoder, Prepared, Scene, Shade, Shader, Surface, shapes::Shape},
-    stimulus::Renderer,
+    light::{CodeImage, Samples},
+    shading::{Encoder, Prepared, Scene, Shader, Surface, shapes::Shape},
 };
 
 use crate::window::{Window, builder, choose, click, type_into, value};
@@ -196,11 +193,6 @@ fn presets_set_the_values() {
         [value(&window, "Rotate about y"), value(&window, "Preset")],
         [view, "Gouraud and C1 normals".to_owned()]
     );
-    // The keys to the colors are shown where they apply.
-    for (layer, key) in [("Creases", "Key: from no jump"), ("Predicted bands", "Key: from dark band")] {
-        click(&mut window, layer);
-        window.get_by_label_contains(key);
-    }
 }
 
 #[test]
@@ -224,17 +216,6 @@ fn a_file_without_a_mesh_is_explained_and_the_mesh_stays() {
     assert_eq!(value(&window, "Mesh"), "good.obj");
 }
 
-/// The codes and the parameters in an exported file.
-fn read(path: &Path) -> (u32, Vec<[u8; 3]>, serde_json::Value) {
-    let (info, samples) = crate::common::pixels(path);
-    let pixels = match info.color_type {
-        png::ColorType::Grayscale => samples.iter().map(|code| [*code; 3]).collect(),
-        _ => samples.as_chunks::<3>().0.to_vec(),
-    };
-    let chunk = info.uncompressed_latin1_text.iter().find(|chunk| chunk.keyword == "machband-shading").unwrap();
-    (info.width, pixels, serde_json::from_str(&chunk.text).unwrap())
-}
-
 /// Steps until all numbers are available.
 pub fn await_numbers(window: &mut Window) {
     let begun = std::time::Instant::now();
@@ -244,37 +225,6 @@ pub fn await_numbers(window: &mut Window) {
         window.step();
     }
     window.run_steps(2);
-}
-
-#[test]
-fn the_exported_file_is_the_view() {
-    let folder = tempfile::tempdir().unwrap();
-    let Some(mut window) = open_with_pixels(1.0) else { return };
-    for (i, show) in ["Split", "Difference", "Creases", "Predicted bands"].into_iter().enumerate() {
-        click(&mut window, show);
-        await_numbers(&mut window);
-        let shown = pixels(&mut window);
-        let path = folder.path().join(format!("view-{i}.png"));
-        type_into(&mut window, "Export to", &path.display().to_string());
-        click(&mut window, "Export");
-        window.get_by_label_contains("Saved to");
-        let (width, pixels, parameters) = read(&path);
-        let wrong = shown.iter().zip(&pixels).enumerate().filter(|(i, (shown, file))| {
-            let marked = show != "Difference" && (*i as u32 % width).abs_diff(width / 2) < 12;
-            shown != file && !marked
-        });
-        assert_eq!((shown.len(), wrong.count()), (pixels.len(), 0), "{show}");
-        assert_eq!(parameters["left"]["shader"], "gouraud");
-        assert_eq!(parameters["right"]["shader"], "c1-phong");
-        assert_eq!(parameters["transfer"], "srgb");
-        // A second export asks before it overwrites the file.
-        let before = std::fs::metadata(&path).unwrap().modified().unwrap();
-        click(&mut window, "Export");
-        window.get_by_label_contains("already exists");
-        assert_eq!(std::fs::metadata(&path).unwrap().modified().unwrap(), before);
-        click(&mut window, "Replace");
-        window.get_by_label_contains("Saved to");
-    }
 }
 
 #[test]
@@ -318,14 +268,4 @@ fn rotations_add_up() {
         // The side that faced the eye now faces right.
         assert!((a.eye.x - b.eye.z).abs() < 1e-9 && (a.eye.y - b.eye.y).abs() < 1e-9);
     }
-}
-
-#[test]
-fn titles_distinguish_shaders() {
-    let shade = Shade { vertex: Correction::Printed, depth: Depth::Infinite, ..Shade::new(Shader::Fixed) };
-    assert_eq!(title(&Renderer::new(shade)), "Fixed, as printed (∞, 0.2) + vertex");
-    assert_eq!(
-        title(&Renderer { shade: Shade::new(Shader::Fixed), naive: true }),
-        "Fixed, as printed (3, 0.2), gamma ignored"
-    );
 }

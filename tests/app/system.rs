@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use eframe::egui::Key;
-use machband::app::{Input, InputReport, Pressed, Stamps, is_resampled};
+use machband::app::{Input, Pressed, Stamps, is_resampled};
 use x11rb::protocol::randr::{GetCrtcInfoReply, ModeInfo, Rotation};
 
 #[test]
@@ -45,18 +45,4 @@ fn each_press_is_given_once_in_its_order_and_at_its_own_time() {
     input.frame(2.12, start + ms(2120));
     input.frame(2.13, start + ms(2130));
     assert_eq!(input.click(), None);
-}
-
-#[test]
-fn the_sidecar_says_which_ratings_have_a_timestamp() {
-    for (waits_ms, sentence) in [
-        (&[None][..], "A rating is timestamped at the start of the frame"),
-        (&[Some(2)], "A rating is timestamped when the window system"),
-        (&[None, Some(2)], "Ratings with a response_uncertainty_s are timestamped when the window system"),
-    ] {
-        let mut report = InputReport::default();
-        waits_ms.iter().for_each(|wait| report.rated(wait.map(Duration::from_millis)));
-        let stamp = report.summary().stamp;
-        assert!(stamp.starts_with(sentence), "{stamp}");
-    }
 }

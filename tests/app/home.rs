@@ -183,45 +183,6 @@ fn the_field_acknowledges_answers_and_the_stimulus_stays_alone() {
     assert_eq!(drawn(&harness), (1, Vec::new()), "the same mark for every answer");
 }
 
-/// A session is left in the main part and resumed. The participant sees no plot, and the scale stays hidden.
-#[test]
-fn a_session_that_was_left_can_be_resumed() {
-    let folder = tempfile::tempdir().unwrap();
-    let protocol = protocol(0.2, 10.0);
-    let start = |resume| harness(Request { resume, ..request(folder.path(), protocol.clone()) });
-    let mut first = start(false);
-    walk_to_first_trial(&mut first);
-    first.run_steps(20);
-    press(&mut first, Key::Num1);
-    wait_for(&mut first, "Now the main part");
-    press(&mut first, Key::Space);
-    first.run_steps(20);
-    assert!(first.query_by_label_contains("Broad band").is_none(), "the scale is hidden in the main part");
-    press(&mut first, Key::Num2);
-    press(&mut first, Key::Escape);
-    wait_for(&mut first, "Leave the session");
-    first.get_by_label("Leave the session").click();
-    wait_for(&mut first, "The session is interrupted");
-    assert!(first.query_by_label_contains("mean rating").is_none());
-    drop(first);
-
-    let mut second = start(true);
-    wait_for(&mut second, "the same as in the previous sitting");
-    press(&mut second, Key::Space);
-    wait_for(&mut second, "2 of 5 images are done");
-    press(&mut second, Key::Space);
-    wait_for(&mut second, "The four answers");
-    press(&mut second, Key::Space);
-    wait_for(&mut second, "Now the main part");
-    press(&mut second, Key::Space);
-    second.run_steps(20);
-    assert!(second.query_by_label_contains("Broad band").is_none(), "the scale is hidden after resuming too");
-    press(&mut second, Key::Num0);
-    let rows = rows(folder.path(), &protocol);
-    let seen: Vec<_> = rows.iter().map(|row| (row.trial, row.sitting, row.rating.0)).collect();
-    assert_eq!(seen, [(1, 1, 1), (1, 1, 2), (2, 2, 0)]);
-}
-
 /// Questions about the participant: what is wrong is said in plain words, and the answers are kept.
 #[test]
 fn the_participant_is_asked_once() {
@@ -279,10 +240,7 @@ fn characters_without_a_font_are_reported_before_the_session() {
 fn japanese_texts_fit_into_a_narrow_window() {
     let (_, missing) = machband::system::fonts::covering(&"あ帯".chars().collect());
     if !missing.is_empty() {
-        assert!(std::env::var_os("MACHBAND_REQUIRE_FONT").is_none_or(|v| v != "1"), "no Japanese font is installed");
-        // Not with `eprintln!`, because the test harness captures it.
-        let _ = std::io::Write::write_all(&mut std::io::stderr(), b"SKIPPED: Japanese texts: no font is installed\n");
-        return;
+        return common::skip("FONT", "Japanese texts: no font is installed");
     }
     let folder = tempfile::tempdir().unwrap();
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/quick-ja.toml");
@@ -361,17 +319,6 @@ fn no_answer_is_lost_when_the_folder_is_removed() {
 #[test]
 fn home_shows_errors_next_to_their_fields() {
     let mut harness = window::home(SIZE, STEP_S);
-    for label in [
-        "Experiment",
-        "Participant",
-        "Session",
-        "Viewing distance, cm",
-        "Screen width, cm",
-        "Display profile",
-        "Results folder",
-    ] {
-        assert!(harness.query_all_by_label(label).count() > 0, "{label}");
-    }
     harness.get_by_label_contains("about 4 min");
     type_into(&mut harness, "Participant", "../../x");
     harness.get_by_label_contains("expected letters A–Z");

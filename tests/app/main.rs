@@ -4,17 +4,15 @@
 
 #[path = "../common/mod.rs"]
 mod common;
-#[path = "../common/eye.rs"]
-mod eye;
 mod window;
 
-mod analysis_pane;
+mod analysis;
 mod calibration;
 mod display;
 mod editor;
 mod home;
 mod names;
-mod predicted_pane;
+mod predicted;
 mod settings;
 mod shading;
 mod system;

@@ -125,20 +125,6 @@ fn slopes_keep_the_false_alarm_rate() {
     assert!(without > 0.05 + 3.0 * error, "{without}");
 }
 
-/// Slopes have their own random numbers, and neither they nor other participants change anything else.
-#[test]
-fn slopes_leave_the_other_random_numbers_alone() {
-    let sampling = Sampling { studies: 20, ..Sampling::default() };
-    let with = |sd: f64| plan_with_slopes(&oblique(0.6), sd, Slopes::None).run(&[12], &sampling, &|_| ());
-    let plain = plan(&design(), &oblique(0.6), &[], None);
-    assert_ne!(with(0.0), with(0.5));
-    let friedman = |powers: &[Power]| -> Vec<usize> {
-        let tested = powers.iter().filter(|power| plain.hypotheses()[power.hypothesis].test == Test::Friedman);
-        tested.map(|power| power.found).collect()
-    };
-    assert_eq!(friedman(&with(0.0)), friedman(&plain.run(&[12], &sampling, &|_| ())));
-}
-
 /// Whitehead (1993), Statistics in Medicine 12, 2257: the power to distinguish two groups of n/2 ordered ratings with a
 /// log odds ratio of θ is Φ(|θ| √(n(1 − Σp̄³)/12) − 1.96), where p̄ are the mean proportions of the categories.
 #[test]
@@ -202,23 +188,6 @@ fn without_an_effect_the_false_alarm_rate_is_alpha() {
         let sd = (1000.0 * alpha * (1.0 - alpha)).sqrt();
         assert!((found - 1000.0 * alpha).abs() < 4.0 * sd, "alpha {alpha}: {found} of 1000");
     }
-}
-
-#[test]
-fn power_grows_with_people_and_with_the_effect() {
-    let found = |effect: f64| {
-        let sampling = Sampling { studies: 200, ..Sampling::default() };
-        let powers = powers(&plan_with_slopes(&oblique(effect), 0.0, Slopes::None), &[2, 5, 10, 20], &sampling);
-        powers.map(|powers| powers.iter().map(|power| power.found).collect::<Vec<_>>())
-    };
-    let ([small, few], [large, many]) = (found(0.3), found(0.8));
-    assert!(small.is_sorted() && large.is_sorted(), "{small:?} {large:?}");
-    assert!(large[1] > large[0] + 20 && large[3] > 190, "{large:?}");
-    assert!(small.iter().zip(&large).all(|(small, large)| small + 10 < *large), "{small:?} {large:?}");
-    // With five people, the smallest p of Friedman's test of two levels is 1/16. With more, its p has few values: its
-    // power rises and falls.
-    assert!(many[..2] == [0, 0] && many[3] > many[2] && many[3] > 170, "{many:?}");
-    assert!(few[2..].iter().zip(&many[2..]).all(|(few, many)| few + 10 < *many), "{few:?} {many:?}");
 }
 
 /// Shifting one level has exactly the same effect, on every single rating, as the equivalent observer parameter.
@@ -302,60 +271,27 @@ fn the_number_of_threads_does_not_change_a_plan() {
 }
 
 #[test]
-fn the_table_the_sentences_and_the_csv_agree() {
+fn effects_null_effects_and_missing_models_are_told_apart() {
     let folder = tempfile::tempdir().unwrap();
     let line = "shaders --participants 3 --studies 40 --effect shader:gouraud=3 --out p.csv";
     let said = succeeds(folder.path(), line, "2");
     let (header, rows) = table(&folder.path().join("p.csv"));
     let cell = |row: usize, name: &str| rows[row][header.iter().position(|column| column == name).unwrap()].clone();
-    assert_eq!(rows.len(), 6);
     // The mixed model and Friedman's test for shader, then for mesh.
     let first = ["term", "test", "truth", "effect_logits", "above"].map(|name| cell(0, name));
-    assert_eq!(first, ["shader", "likelihood-ratio", "effect", "3", "gouraud"]);
+    assert_eq!((rows.len(), first), (6, ["shader", "likelihood-ratio", "effect", "3", "gouraud"].map(str::to_owned)));
     assert_eq!(["term", "truth", "power"].map(|name| cell(2, name)), ["mesh", "none", ""]);
     let share = |row, name| 100.0 * cell(row, name).parse::<f64>().unwrap();
     let (power, alarms) = (share(0, "power"), share(2, "false_alarms"));
     assert!(power > 80.0 && alarms < 30.0, "{power} {alarms}");
-    assert!(said.contains("true effect, logits") && said.contains("false alarms"), "{said}");
-    let sentence = format!(
-        "shader (3 logits between gouraud and fixed): 3 participants are enough for a power of 80 % with the mixed model, {power} % ("
-    );
-    assert!(said.contains(&sentence), "{sentence}\n{said}");
-    assert!(said.contains("mesh has no effect on this observer. The false-alarm rate, expected to be 5 %"), "{said}");
     assert!(said.contains("With 3 participants, Friedman's test of mesh cannot be significant"), "{said}");
-    assert!(
-        said.contains("With fewer than 12 participants, p of the model comes from 199 simulated studies"),
-        "{said}"
-    );
-    assert!(said.contains("Simulate that with --slope FACTOR=SD, such as --slope vertices=0.5."), "{said}");
-    assert_eq!(["slopes", "slope_sd"].map(|name| cell(0, name)), ["independent", ""]);
-    // People who differ in the effect, which only one of the models allows for.
-    let line = "quick --participants 2 --studies 3 --slope width=0.25 --slope depth=0.5 --slopes none --out slopes.csv";
-    let said = succeeds(folder.path(), line, "2");
-    assert!(
-        said.contains("and independently at each level of width (sd 0.25 logits) and at each level of depth"),
-        "{said}"
-    );
-    assert!(said.contains("The model has no random slope of width"), "{said}");
-    let (header, rows) = table(&folder.path().join("slopes.csv"));
-    let at = |name| header.iter().position(|column| column == name).unwrap();
-    assert_eq!((&*rows[0][at("slopes")], &*rows[0][at("slope_sd")]), ("none", "width=0.25 depth=0.5"));
-    let said = succeeds(folder.path(), &line.replace("--slopes none --out slopes.csv", ""), "2");
-    assert!(!said.contains("has no random slope"), "{said}");
     // An effect that nobody can see: every rating is 0, and there is no model.
     let blind = "quick --participants 1,2 --studies 9 --effect depth=-900 --effect lapse=0";
     let said = succeeds(folder.path(), blind, "2");
-    assert!(
-        said.contains(
-            "no number tried is enough for a power of 80 % with the mixed model; the highest power is 0 % (0–33.6 %)"
-        ),
-        "{said}"
-    );
-    assert!(said.contains("With 2 participants, 9 of 9 studies could not test width with the mixed model"), "{said}");
-    // No effect was requested, and the observer has no effect of any factor: there is no power to report.
+    assert!(said.contains("9 of 9 studies could not test width with the mixed model"), "{said}");
+    // The observer has no effect of any factor, so there is no power to report.
     let said = succeeds(folder.path(), "shaders --participants 2 --studies 5", "2");
-    assert!(said.contains("No factor has an effect on this observer. Add an effect with --effect, such as"), "{said}");
-    assert!(!said.contains("power  "), "{said}");
+    assert!(said.contains("No factor has an effect on this observer") && !said.contains("power  "), "{said}");
 }
 
 #[test]
@@ -367,14 +303,11 @@ fn wrong_usage_is_reported() {
             "--participants 2 --effect oblique",
             "'oblique' for '--effect <NAME=VALUE>': contains no =; expected NAME=VALUE",
         ),
-        ("--participants 2 --effect oblique=much", "the value is not a finite number"),
         ("--participants 2 --effect lapse=2", "lapse 2 is outside 0…1"),
         ("--participants 2 --effect width=2", "width is a factor; expected width:LEVEL=LOGITS"),
         ("--participants 2 --effect widht:0.1=2", "no such factor; expected one of width, depth"),
         ("--participants 2 --effect width:0.3=2", "--effect width:0.3: no such level; expected one of 0.02"),
         ("--participants 2 --effect fall=1 --effect fall=2", "--effect fall=2: fall is given twice"),
-        ("--participants 2 --slope widht=1", "--slope widht: no such factor; expected one of width, depth"),
-        ("--participants 2 --slope width", "'--slope <FACTOR=SD>': contains no =; expected FACTOR=SD"),
         (
             "--participants 2 --slope width=inf",
             "'width=inf' for '--slope <FACTOR=SD>': the value is not a finite number",
@@ -383,8 +316,6 @@ fn wrong_usage_is_reported() {
             "--participants 2 --slope width=-1",
             "'--slope <FACTOR=SD>': the value is out of range; expected 0…1000 logits",
         ),
-        ("--participants 2 --slope width=1 --slope width=2", "--slope width=2: width is given twice"),
-        ("--participants 2 --slopes some", "independent, correlated"),
         ("--participants 2 --terms widht", "did you mean width?"),
         ("--participants 2 --terms width,,depth", "width,,depth: an empty name"),
         ("--participants 2 --terms depth,num:inv_n", "--terms num:inv_n: the term adds nothing to the other terms"),
