@@ -177,7 +177,8 @@ fn a_study_has_every_chart_that_its_data_allow() {
             assert!(figure.caption.ends_with(sample), "{}", figure.caption);
             assert_eq!(figure.caption.contains("over the trials of the only participant"), people == 1);
         }
-        assert_eq!(circles(named(&all, "orientation"), BLUE).len(), 4);
+        // One point for each of the four orientations and of the two distances from the axes.
+        assert_eq!(circles(named(&all, "orientation"), BLUE).len(), 4 + 2);
     }
 }
 

@@ -203,6 +203,12 @@ fn fit_mixed(fitted: &Fitted, how: How<'_>) -> Option<MixedFit> {
 }
 
 impl Fitted<'_> {
+    /// Returns the number of estimated parameters.
+    pub fn parameters(&self) -> usize {
+        let random = if self.mixed.is_some() { self.random.parameters() } else { 0 };
+        self.frame.categories.len() - 1 + self.rank() + random
+    }
+
     /// Returns the parameters that have no finite estimate, each with the direction in which it diverges.
     pub fn infinite(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         let direction = if let FitEnd::Separated(direction) = &self.clm.end { direction.as_slice() } else { &[] };

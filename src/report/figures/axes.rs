@@ -255,6 +255,6 @@ fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
 }
 
 /// Formats a number without binary rounding noise.
-fn plain(value: f64) -> String {
+pub(super) fn plain(value: f64) -> String {
     labels::level(&((value * 1e6).round() / 1e6 + 0.0).to_string())
 }

@@ -5,17 +5,17 @@
 use std::collections::HashMap;
 
 use super::{
-    axes::{EDGE, Levels, MARKER, PANEL, Panel, TEXT, Values},
+    axes::{EDGE, Levels, MARKER, PANEL, Panel, TEXT, Values, plain},
     figure::Figure,
     labels,
     palette::{GRAY, MAX_SERIES, Series, Stroke},
-    regroup::{by_interest, evenly, project},
+    regroup::{by_interest, evenly, project, regroup},
     svg::{Anchor, Font, Point, Svg, WIDTH},
 };
 use crate::analysis::{
     Results,
     counts::{Counts, Factor, Role},
-    summary::{Group, by_levels, category_values},
+    summary::{Group, by_cell, by_levels, category_values},
 };
 use crate::statistics::Interval;
 
@@ -171,17 +171,54 @@ fn legend(svg: &mut Svg, panel: &Panel, heading: &str, lines: &[Line], lined: bo
     }
 }
 
-/// Draws `orientation`, if a factor with several levels is a direction: the means by direction.
+/// Draws `orientation`, if a factor with several levels is a direction: the means by direction, and by the angle to the
+/// nearest horizontal or vertical.
 pub(super) fn orientation(results: &Results) -> Option<Figure> {
-    let counts = &results.measured.counts;
-    let is_shown = |factor: &Factor| {
-        factor.role == Role::Direction
-            && factor.levels.len() > 1
-            && factor.numbers.as_ref().is_some_and(|angles| angles.iter().all(|angle| angle.is_finite()))
-    };
-    let index = counts.factors.iter().position(is_shown)?;
-    let means = of_groups(by_levels(counts, &[index]));
-    Some(chart(&project(counts, &[index]), &means, 0, "orientation", labels::rating(results), &labels::bars(results)))
+    let factors = &results.measured.counts.factors;
+    let index = factors.iter().position(|factor| factor.role == Role::Direction && factor.levels.len() > 1)?;
+    let (factor, name) = (&factors[index], labels::in_sentence(&factors[index].name));
+    let angles = factor.numbers.as_ref().filter(|angles| angles.len() > 1 && angles.iter().all(|a| a.is_finite()))?;
+    let by_angle = project(&results.measured.counts, &[index]);
+    let mut distances: Vec<f64> = angles.iter().map(|&angle| distance_to_axis(angle)).collect();
+    distances.sort_by(f64::total_cmp);
+    distances.dedup();
+    let folded = Factor { levels: distances.iter().map(|&d| plain(d)).collect(), ..factor.clone() };
+    let folded = Factor { numbers: Some(distances.clone()), ..folded };
+    let by_distance = regroup(&by_angle, vec![folded], |levels| {
+        let distance = distance_to_axis(angles[levels[0]? as usize]);
+        Some(vec![distances.iter().position(|d| *d == distance)? as u32])
+    });
+    // The second panel is drawn only if several orientations have the same distance, and there is more than one
+    // distance.
+    let is_folded = (2..angles.len()).contains(&distances.len());
+    let (what, bars) = (labels::rating(results), labels::bars(results));
+    let more = if is_folded { ", on the right by the angle to the nearest horizontal or vertical" } else { "" };
+    let caption = format!("{what} by {name}{more}; {bars}.");
+    let values = Values::ratings(&by_angle);
+    let (left, right) = (values.margin(), WIDTH - EDGE);
+    let middle = if is_folded { left + 0.62 * (right - left) } else { right };
+    let all = [
+        (by_angle, values.panel(left, middle, EDGE, PANEL), Some(what), labels::axis(&factor.name)),
+        (by_distance, values.panel(middle + 46.0, right, EDGE, PANEL), None, "Off axis (°)"),
+    ];
+    let parts: Vec<_> = all.into_iter().take(1 + usize::from(is_folded)).collect();
+    let height = EDGE + PANEL + super::axes::below(TEXT);
+    Some(Figure::draw("orientation", format!("{what} by {name}"), caption, height, |svg| {
+        for (counts, panel, up, across) in parts {
+            let (levels, means) = (Levels::of(&counts.factors[0]), of_groups(by_cell(&counts)));
+            values.draw(svg, &panel, up);
+            levels.draw(svg, &panel, across);
+            let means = counts.factors[0].levels.iter().map(|level| means.get(std::slice::from_ref(level)).copied());
+            let line = Line { name: String::new(), series: Series::only(), means: means.collect() };
+            draw(svg, &panel, &levels, &[line]);
+        }
+    }))
+}
+
+/// Returns the distance to the nearest multiple of 90° in degrees, without binary rounding noise.
+fn distance_to_axis(angle: f64) -> f64 {
+    let rest = angle.rem_euclid(90.0);
+    (rest.min(90.0 - rest) * 1e6).round() / 1e6
 }
 
 /// Draws `subjects`: every participant's mean rating by the most interesting factor, and the mean of all ratings.

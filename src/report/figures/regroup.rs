@@ -1,11 +1,15 @@
-//! Counts over fewer factors, for charts of part of a larger design.
+//! Counts over fewer or different factors, for charts of part of a larger design.
 
 use crate::analysis::counts::{CountRow, Counts, Factor};
 
-/// Counts the ratings by only some of the factors. Ratings that lack a level of one of these factors are excluded.
-pub(super) fn project(counts: &Counts, factors: &[usize]) -> Counts {
-    let levels = |condition: &Vec<Option<u32>>| factors.iter().map(|&factor| condition[factor]).collect();
-    let new: Vec<Option<Vec<u32>>> = counts.conditions.iter().map(levels).collect();
+/// Counts the same ratings by new factors. `levels` returns a condition's levels of the new factors, or `None` to
+/// exclude its ratings.
+pub(super) fn regroup(
+    counts: &Counts,
+    factors: Vec<Factor>,
+    levels: impl Fn(&[Option<u32>]) -> Option<Vec<u32>>,
+) -> Counts {
+    let new: Vec<Option<Vec<u32>>> = counts.conditions.iter().map(|condition| levels(condition)).collect();
     let mut conditions: Vec<Vec<u32>> = new.iter().flatten().cloned().collect();
     conditions.sort_unstable();
     conditions.dedup();
@@ -24,11 +28,17 @@ pub(super) fn project(counts: &Counts, factors: &[usize]) -> Counts {
     });
     Counts {
         subjects: counts.subjects.clone(),
-        factors: factors.iter().map(|&factor| counts.factors[factor].clone()).collect(),
+        factors,
         conditions: conditions.into_iter().map(|levels| levels.into_iter().map(Some).collect()).collect(),
         categories: counts.categories.clone(),
         rows,
     }
+}
+
+/// Counts the ratings by only some of the factors. Ratings that lack a level of one of these factors are excluded.
+pub(super) fn project(counts: &Counts, factors: &[usize]) -> Counts {
+    let kept = factors.iter().map(|&factor| counts.factors[factor].clone()).collect();
+    regroup(counts, kept, |condition| factors.iter().map(|&factor| condition[factor]).collect())
 }
 
 /// Returns the indices of the factors that have levels: those with several levels first, and among these width and

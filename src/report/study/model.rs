@@ -3,8 +3,8 @@
 use super::{cautions::is_serious, findings::ALPHA, names};
 use crate::{
     analysis::{
-        Checks, Coefficient, Comparison, Contrast, Influence, Link, Margin, Model, ModelReport, Proportion, Random,
-        RandomEffect, Results, TermTest, Threshold, terms::Variable,
+        Alternative, Checks, Coefficient, Comparison, Contrast, Influence, Link, Margin, Model, ModelReport,
+        Proportion, Random, RandomEffect, Results, Slopes, TermTest, Threshold, terms::Variable,
     },
     report::{
         document::{
@@ -80,7 +80,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         ));
     }
     if let Some(checks) = &report.checks {
-        fit_of_model(&mut section, model, checks, figures);
+        fit_of_model(&mut section, results, model, checks, figures);
     }
     section
 }
@@ -232,7 +232,7 @@ fn margins(section: &mut Section, report: &ModelReport) {
 }
 
 /// Says how well the model describes the data.
-fn fit_of_model(section: &mut Section, model: &Model, checks: &Checks, figures: &[Figure]) {
+fn fit_of_model(section: &mut Section, results: &Results, model: &Model, checks: &Checks, figures: &[Figure]) {
     section.heading("Does the model describe the ratings?");
     section.text(
         "Studies were simulated from the model. An observed proportion outside the middle 95\u{a0}% of them suggests that the \
@@ -278,20 +278,109 @@ fn fit_of_model(section: &mut Section, model: &Model, checks: &Checks, figures: 
             if fits { "consistent" } else { "not consistent" }
         ));
     }
-    influence(section, model, checks);
+    alternatives(section, model, checks);
+    influence(section, results, model, checks);
 }
 
-/// Says which effects change their direction without one of the participants.
-fn influence(section: &mut Section, model: &Model, checks: &Checks) {
+fn alternatives(section: &mut Section, model: &Model, checks: &Checks) {
+    let row = |a: &Alternative| {
+        let slopes = match a.slopes {
+            Slopes::None => "no",
+            Slopes::Independent => "independent",
+            Slopes::Correlated => "correlated",
+        };
+        let numbers = [a.loglik, a.aic, a.bic].map(|value| fixed(value, 2));
+        let cells = [a.link.to_string().into(), slopes.into(), whole(a.parameters as u64)];
+        cells.into_iter().chain(numbers).collect()
+    };
+    let numbers = ["Parameters", "Log-likelihood", "AIC", "BIC"];
+    let rows = checks.alternatives.iter().map(row).collect();
+    section.table("Models of the same ratings; the first is the one above", &["Link", "Random slopes"], &numbers, rows);
+    let aic = |a: &Alternative| a.aic.unwrap_or(f64::INFINITY);
+    let Some(best) = checks.alternatives.iter().min_by(|l, r| aic(l).total_cmp(&aic(r))) else { return };
+    let own = checks.alternatives.first().map_or(f64::NAN, aic);
+    /// A smaller difference in AIC is not evidence for either model (Burnham & Anderson 2002, p. 70).
+    const CLEAR: f64 = 4.0;
+    section.text(if own - aic(best) > CLEAR {
+        format!(
+            "The {} model {} has a lower AIC, by {}.",
+            best.link,
+            if best.slopes == Slopes::None { "without random slopes" } else { "with random slopes" },
+            fixed(own - aic(best), 1)
+        )
+    } else {
+        format!("By AIC, none of these models is clearly better than the {} model above.", model.link)
+    });
+}
+
+fn influence(section: &mut Section, results: &Results, model: &Model, checks: &Checks) {
+    if checks.influence.is_empty() || model.contrasts.is_empty() {
+        return;
+    }
+    let heads: Vec<String> = (model.contrasts.iter())
+        .map(|c| {
+            format!(
+                "{} {} – {}",
+                names::factor(&c.factor),
+                names::level(&c.factor, &c.level),
+                names::level(&c.factor, &c.other)
+            )
+        })
+        .collect();
+    let mut rows = vec![
+        std::iter::once("nobody".into())
+            .chain(model.contrasts.iter().map(|c| fixed(c.estimate, 2)))
+            .collect::<Vec<_>>(),
+    ];
+    rows.extend(checks.influence.iter().map(|one| {
+        std::iter::once((&one.subject).into()).chain(one.estimates.iter().map(|estimate| fixed(*estimate, 2))).collect()
+    }));
+    section.table(
+        "Contrasts on the latent scale without each participant",
+        &["Without"],
+        &heads.iter().map(String::as_str).collect::<Vec<_>>(),
+        rows,
+    );
+    let changes = |contrast: &Contrast, place: usize| -> Vec<String> {
+        let flips = |one: &&Influence| one.estimates[place].is_some_and(|estimate| estimate * contrast.estimate < 0.0);
+        checks.influence.iter().filter(flips).map(|one| one.subject.clone()).collect()
+    };
     for (place, contrast) in model.contrasts.iter().enumerate() {
         let clear = contrast.interval.is_some_and(|interval| interval.low > 0.0 || interval.high < 0.0);
-        let flips = |one: &&Influence| one.estimates[place].is_some_and(|estimate| estimate * contrast.estimate < 0.0);
-        let who: Vec<&str> = checks.influence.iter().filter(flips).map(|one| one.subject.as_str()).collect();
+        let who = changes(contrast, place);
         if clear && !who.is_empty() {
             let name = names::factor(&contrast.factor);
             section.text(format!("Without {}, the effect of {name} changes its direction.", short_list(&who, 6)));
         }
     }
+    if results.people() > checks.influence.len() {
+        section.note("Participants are left out only in studies with up to 60 of them.");
+    }
+}
+
+/// Describes the fitted model in one line: `Fitted: cumulative-link mixed model (Laplace), logit link, terms width,
+/// depth. …`.
+fn sentence(results: &Results, model: &Model) -> String {
+    let method = match model.random {
+        None => "cumulative-link model",
+        Some(_) => "cumulative-link mixed model (Laplace)",
+    };
+    let terms: Vec<String> = results.spec.terms.iter().map(ToString::to_string).collect();
+    let terms = if terms.is_empty() { "no terms".to_owned() } else { format!("terms {}", terms.join(", ")) };
+    let converged = if model.converged() {
+        format!("converged in {}", count(model.iterations as u64, "iteration"))
+    } else {
+        "not converged".to_owned()
+    };
+    format!(
+        "Fitted: {method}, {} link, {terms}. {}, {}; log-likelihood {}, AIC {}; {converged} (largest gradient {:.1e}).",
+        model.link,
+        count(model.nobs, "rating"),
+        count(model.parameters as u64, "parameter"),
+        fixed(model.loglik, 2),
+        fixed(model.aic(), 2),
+        model.gradient,
+    )
 }
 
 fn formula(section: &mut Section, results: &Results, model: &Model) {
@@ -323,6 +412,7 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
         "F is the {cdf} distribution function, θ are the thresholds and β the coefficients. In R’s notation:"
     ));
     section.code(script::call(results, model));
+    section.text(sentence(results, model));
     let slopes = model.random.as_ref().map_or(0, |random| random.slopes.len());
     if slopes > 0 {
         section.text(
