@@ -104,7 +104,7 @@ pub(super) fn refused(error: &ModelError) -> Option<RequestError> {
         ModelError::UnknownFactor { .. } | ModelError::NotANumber { .. } | ModelError::InfiniteDepth { .. } => {
             Some(RequestError::value("terms", error))
         }
-        ModelError::TooManyCoefficients { .. } => Some(RequestError::new("terms", error)),
+        ModelError::TooManyCoefficients { .. } => Some(RequestError::new("terms", error).unless("large")),
         ModelError::TooManySlopes { .. } => Some(RequestError::value("slopes", error)),
         _ => None,
     }

@@ -353,7 +353,7 @@ pub enum ModelError {
     },
     /// The terms need too many coefficients.
     #[error(
-        "the model has {coefficients} coefficients; expected at most {most}: use num:FACTOR for a factor with many levels, or the option large"
+        "the model has {coefficients} coefficients; expected at most {most}: use num:FACTOR for a factor with many levels"
     )]
     TooManyCoefficients {
         coefficients: usize,
