@@ -165,6 +165,7 @@ pub(super) fn paths<T: Paths, S: Serializer>(paths: &T, serializer: S) -> Result
 
 /// Returns the arguments of a request that differ from their defaults, with their values.
 fn given<T: Request + Serialize>(request: &T) -> Vec<(Arg, Value)> {
+    // A request has texts, numbers, flags and lists, so serialization cannot fail.
     let values = serde_json::to_value(request).unwrap_or_default();
     let is_default = |argument: &Arg, value: &Value| {
         let default: Vec<_> = argument.get_default_values().iter().map(|value| value.to_string_lossy()).collect();

@@ -44,7 +44,8 @@ pub(super) fn gaps(csv: &Path, sidecar: &Sidecar) -> Vec<String> {
     let gap = |Previous { data_file, data_sha256 }: &Previous| {
         let other = csv.with_file_name(Path::new(data_file).file_name()?);
         let what = match Sidecar::read(&other.with_extension("json")) {
-            _ if !other.exists() => "is no longer here",
+            // A folder that cannot be searched says nothing about its files.
+            _ if matches!(other.try_exists(), Ok(false)) => "is no longer here",
             Ok(Some(found))
                 if !found.sittings.iter().flat_map(|one| &one.seal).any(|s| s.data_sha256 == *data_sha256) =>
             {
