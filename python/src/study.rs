@@ -10,7 +10,12 @@ use machband::{
     experiment,
     report::{self, Provenance, Study, document::Section, study::shell_command},
     stimulus::Stimulus,
-    store::{FileErrors, Writer, ratings, results, sidecar::Sidecar},
+    store::{
+        Writer,
+        ratings::{self, Listed},
+        results,
+        sidecar::Sidecar,
+    },
     system::now,
     text::{Cell, Table},
     work::{
@@ -49,15 +54,16 @@ pub fn read_results(
 }
 
 fn read(folder: &Path, job: &Job) -> anyhow::Result<Described> {
-    let files = if folder.is_file() { vec![folder.to_owned()] } else { ratings::data_files(folder)? };
+    let files =
+        if folder.is_file() { vec![folder.to_owned()] } else { Listed::sessions(folder).complete(folder)?.files };
     let (mut described, mut sessions, mut simulated) = (Vec::new(), Vec::new(), false);
     for (i, csv) in files.iter().enumerate() {
         job.set(i, files.len());
-        let header = ratings::column_names(csv).map_err(|error| FileErrors(vec![error]))?;
+        let header = ratings::column_names(csv)?;
         let columns = experiment::columns_by_header(header.iter().map(String::as_str));
         let rows = results::read(csv, &columns)?.rows;
-        simulated |= Sidecar::of(csv)
-            .is_ok_and(|(_, sidecar)| sidecar.sittings.iter().any(|sitting| sitting.observer.is_some()));
+        let sidecar = Sidecar::read(&csv.with_extension("json"))?;
+        simulated |= sidecar.is_some_and(|sidecar| sidecar.sittings.iter().any(|sitting| sitting.observer.is_some()));
         let kind = rows.first().and_then(|row| Stimulus::default_of(&row.stimulus));
         for mut column in columns.iter().cloned() {
             let known = kind.iter().flat_map(|kind| kind.parameters()).find(|known| known.name == column.name);

@@ -53,7 +53,7 @@ pub(super) fn writer(command: &Command, matches: &ArgMatches) -> Result<Writer, 
     }
     let force = matches!(matches.try_get_one::<bool>(FORCE), Ok(Some(true)));
     // Without `--force`, no existing file is replaced anyway.
-    let writer = Writer::new(if force { with_files(inputs) } else { inputs }, force);
+    let writer = Writer::new(if force { with_files(inputs)? } else { inputs }, force);
     folders.iter().try_for_each(|folder| writer.check_folder(folder))?;
     writer.check(files.iter().map(PathBuf::as_path))?;
     Ok(writer)

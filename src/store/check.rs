@@ -7,8 +7,8 @@ use std::{
 };
 
 use super::{
-    FileError, FileErrors, dataset, definition,
-    file::{read_bytes, read_text},
+    FileError, FileErrors, StoreError, dataset, definition,
+    file::{exists, read_bytes, read_text},
     frames, image, matches, observer,
     open::open_regular,
     profile, readings,
@@ -21,7 +21,7 @@ use super::{
 use crate::{
     display::DisplayProfile,
     experiment::{Identity, Protocol, Schedule, columns_by_header},
-    system::fonts,
+    system::{fonts, found},
 };
 
 /// A file without errors.
@@ -62,20 +62,21 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
     }
     let sentence = match path.extension().and_then(|extension| extension.to_str()) {
         Some("csv") if name.ends_with(frames::SUFFIX) => check_frames(path),
-        Some("csv") => match first_column(path).as_deref() {
-            Some("channel") => check_readings(path),
-            Some("event") => check_matches(path),
+        Some("csv") => match first_column(path)?.as_str() {
+            "channel" => check_readings(path),
+            "event" => check_matches(path),
             _ => check_results(path),
         },
         Some("png") => image::verify_large(path, pixels),
         Some("toml") => return check_toml(&name, &read_text(path)?),
-        _ if path.is_dir() || !path.exists() => Err(definition::open(path)
-            .err()
-            .unwrap_or_else(|| FileErrors::whole(path, "cannot be checked; expected a .toml, .csv or .png file"))),
-        _ => Err(FileErrors::whole(
-            path,
-            "is not a known type of file; expected a definition, display profile or observer (.toml), a result file or readings (.csv), or an image (.png)",
-        )),
+        _ => Err(match found(path) {
+            Ok(Some(metadata)) if metadata.is_file() => FileErrors::whole(
+                path,
+                "is not a known type of file; expected a definition, display profile or observer (.toml), a result file or readings (.csv), or an image (.png)",
+            ),
+            _ => (definition::open(path).err())
+                .unwrap_or_else(|| FileErrors::whole(path, "cannot be checked; expected a .toml, .csv or .png file")),
+        }),
     };
     sentence.map(Checked::from)
 }
@@ -129,7 +130,8 @@ pub fn missing_fonts(missing: &BTreeSet<char>) -> Option<String> {
 /// Checks a result file against the definition and the seed in its sidecar. The sidecar may be missing only outside a
 /// data set.
 fn check_results(path: &Path) -> Result<String, FileErrors> {
-    let has_sidecar = path.with_extension("json").exists() || dataset::described(path).is_some();
+    let has_sidecar = || Ok(exists(&path.with_extension("json"))? || dataset::described(path)?.is_some());
+    let has_sidecar = has_sidecar().map_err(|error: StoreError| FileErrors(error.errors(path)))?;
     if dataset::identity(path).is_ok() && has_sidecar {
         return check_session(path);
     }
@@ -167,12 +169,16 @@ fn check_session(path: &Path) -> Result<String, FileErrors> {
 /// Maximum length in bytes of the name of a table's first column. No known table has a longer one.
 const MAX_NAME: u64 = 1 << 10;
 
-/// Returns the name of a table's first column; `None` if it cannot be read.
-fn first_column(path: &Path) -> Option<String> {
+/// Returns the name of a table's first column; empty if there is none.
+///
+/// # Errors
+/// The file cannot be read.
+fn first_column(path: &Path) -> Result<String, FileErrors> {
     let mut head = Vec::new();
-    open_regular(path).ok()?.take(MAX_NAME).read_to_end(&mut head).ok()?;
-    let name = head.split(|byte| b",;\r\n".contains(byte)).next()?;
-    Some(String::from_utf8_lossy(name).trim_start_matches('\u{feff}').trim().to_owned())
+    let read = open_regular(path).and_then(|file| file.take(MAX_NAME).read_to_end(&mut head));
+    read.map_err(|error| FileErrors(StoreError::io(path, "read", error).errors(path)))?;
+    let name = head.split(|byte| b",;\r\n".contains(byte)).next().unwrap_or_default();
+    Ok(String::from_utf8_lossy(name).trim_start_matches('\u{feff}').trim().to_owned())
 }
 
 fn check_readings(path: &Path) -> Result<String, FileErrors> {
@@ -194,9 +200,12 @@ fn check_frames(path: &Path) -> Result<String, FileErrors> {
     })?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let csv = path.with_file_name(format!("{}{}", name.trim_end_matches(frames::SUFFIX), dataset::DATA_FILE));
-    if let Ok(Some(sidecar)) = Sidecar::read(&csv.with_extension("json")) {
-        let is_own = |error: &FileError| error.file == path.display().to_string();
-        FileErrors::none(seal::errors(&csv, &sidecar).into_iter().filter(is_own).collect())?;
-    }
+    let sealed = || match Sidecar::read(&csv.with_extension("json"))? {
+        Some(sidecar) => seal::errors(&csv, &sidecar),
+        None => Ok(Vec::new()),
+    };
+    let mut errors = sealed().map_err(|error| FileErrors(error.errors(path)))?;
+    errors.retain(|error| error.file == path.display().to_string());
+    FileErrors::none(errors)?;
     Ok(format!("frames of a session: {intervals} intervals in {rows} rows"))
 }

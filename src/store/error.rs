@@ -224,6 +224,9 @@ impl StoreError {
     pub(super) fn errors(self, path: &Path) -> Vec<FileError> {
         match self {
             Self::FileErrors(FileErrors(errors)) => errors,
+            Self::Io { path, action, source } => {
+                vec![FileError::whole(path, format!("cannot {action}: {source}; expected {}", expected(&source)))]
+            }
             error => vec![FileError::whole(path, error.to_string())],
         }
     }

@@ -14,10 +14,10 @@ use sha2::{Digest as _, Sha256};
 use super::{
     FileError, FileErrors, StoreError,
     error::{NotData, io, position},
-    open::{is_data, read_at_most, read_regular},
+    open::{is_data, open_regular, read_at_most, read_regular},
     table::shortened,
 };
-use crate::system::entries;
+use crate::system::{entries, found};
 
 /// Maximum size in bytes of a definition, profile, observer, or table of readings or matches. The largest realistic
 /// ones have a few thousand bytes; 1,000 readings have 30,000.
@@ -235,11 +235,7 @@ pub(super) fn sync_folder(file: &Path) -> Result<(), StoreError> {
 /// # Errors
 /// I/O errors other than a missing file or folder.
 pub(super) fn exists(path: &Path) -> Result<bool, StoreError> {
-    match fs::metadata(path) {
-        Ok(_) => Ok(true),
-        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(false),
-        Err(error) => Err(io(path, "access")(error)),
-    }
+    Ok(found(path).map_err(io(path, "access"))?.is_some())
 }
 
 /// An append-only file. While it is open, it is locked against other programs.
@@ -369,7 +365,8 @@ impl AppendFile {
         match fs::metadata(&self.path) {
             Ok(metadata) if metadata.len() == expected => Ok(()),
             Ok(metadata) => Err(changed(format!("has {} bytes instead of {expected}", metadata.len()))),
-            Err(error) => Err(changed(format!("no longer exists ({error})"))),
+            Err(error) if error.kind() == ErrorKind::NotFound => Err(changed("no longer exists".to_owned())),
+            Err(error) => Err(io(&self.path, "access")(error)),
         }
     }
 
@@ -410,9 +407,34 @@ impl Drop for AppendFile {
 /// Locks a file against other programs; returns false if the file system does not support locks. That is no reason to
 /// refuse a session.
 fn lock(file: &File, path: &Path) -> Result<bool, StoreError> {
-    match file.try_lock() {
-        Ok(()) => Ok(true),
-        Err(TryLockError::WouldBlock) => Err(StoreError::InUse(path.to_owned())),
+    let started = Instant::now();
+    loop {
+        match file.try_lock() {
+            Ok(()) => return Ok(true),
+            // Another program may only be asking whether the file is locked.
+            Err(TryLockError::WouldBlock) if started.elapsed() < MAX_ASKING => sleep(Duration::from_millis(1)),
+            Err(TryLockError::WouldBlock) => return Err(StoreError::InUse(path.to_owned())),
+            Err(TryLockError::Error(error)) if has_no_locks(&error) => return Ok(false),
+            Err(TryLockError::Error(error)) => return Err(io(path, "lock")(error)),
+        }
+    }
+}
+
+/// How long [`is_locked`] may keep a file locked. It needs a few microseconds.
+const MAX_ASKING: Duration = Duration::from_millis(50);
+
+/// True if another program has locked a file; false if the file system does not support locks, or if there is no file.
+///
+/// # Errors
+/// I/O errors.
+pub(super) fn is_locked(path: &Path) -> Result<bool, StoreError> {
+    let file = match open_regular(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),
+        opened => opened.map_err(io(path, "open"))?,
+    };
+    match file.try_lock_shared() {
+        Ok(()) => file.unlock().map(|()| false).map_err(io(path, "unlock")),
+        Err(TryLockError::WouldBlock) => Ok(true),
         Err(TryLockError::Error(error)) if has_no_locks(&error) => Ok(false),
         Err(TryLockError::Error(error)) => Err(io(path, "lock")(error)),
     }

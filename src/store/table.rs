@@ -176,7 +176,12 @@ struct Limited<'a, 'c> {
 impl Read for Limited<'_, '_> {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
         let most = usize::try_from(self.left.get()).unwrap_or(usize::MAX).min(into.len());
-        let read = self.source.read(&mut into[..most])?;
+        let read = loop {
+            match self.source.read(&mut into[..most]) {
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                read => break read?,
+            }
+        };
         self.left.set(self.left.get() - read as u64);
         Ok(read)
     }

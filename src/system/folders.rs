@@ -1,13 +1,50 @@
-//! Folders: what is in them, and the one that belongs to the user.
+//! Folders and files: whether they exist, what is in them, and the folders that belong to the user.
 
 use std::{
     ffi::OsString,
-    fs::{self, DirBuilder, OpenOptions},
-    io,
+    fs::{self, DirBuilder, Metadata, OpenOptions},
+    io::{self, ErrorKind},
     path::{Path, PathBuf},
 };
 
 use etcetera::{BaseStrategy as _, base_strategy::choose_native_strategy};
+
+/// Returns the metadata of a file or folder, with links followed; `None` only if there is nothing with this name. A disk
+/// that does not respond is an error, and so is a folder that may not be searched.
+///
+/// # Errors
+/// I/O errors other than a missing file or folder.
+pub fn found(path: &Path) -> io::Result<Option<Metadata>> {
+    unless_missing(fs::metadata(path))
+}
+
+/// Returns where a link leads; `None` if there is no link with this name.
+///
+/// # Errors
+/// I/O errors other than a missing file or folder.
+pub fn link_target(path: &Path) -> io::Result<Option<PathBuf>> {
+    match unless_missing(fs::symlink_metadata(path))? {
+        Some(metadata) if metadata.is_symlink() => fs::read_link(path).map(Some),
+        _ => Ok(None),
+    }
+}
+
+fn unless_missing<T>(result: io::Result<T>) -> io::Result<Option<T>> {
+    match result {
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
+        result => result.map(Some),
+    }
+}
+
+/// True if a file or folder is known to belong to another user.
+#[must_use]
+pub fn is_of_another_user(path: &Path) -> bool {
+    #[cfg(unix)]
+    return fs::symlink_metadata(path)
+        .is_ok_and(|found| std::os::unix::fs::MetadataExt::uid(&found) != rustix::process::geteuid().as_raw());
+    #[cfg(not(unix))]
+    return false;
+}
 
 /// Returns the paths of everything in a folder, sorted.
 ///

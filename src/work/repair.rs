@@ -2,15 +2,19 @@
 
 use std::path::PathBuf;
 
+use anyhow::Context as _;
 use serde::Serialize;
 
 use super::{Found, Watcher, request::paths};
 use crate::{
     report::document::numbers::count,
     store::{
-        ratings,
+        FileErrors,
+        export::refuse_links,
+        ratings::Listed,
         session::{self, Repaired},
     },
+    system::found,
 };
 
 /// Move damaged lines of a session's data file to a file next to it, so that the session can be resumed.
@@ -36,10 +40,22 @@ impl Repair {
     /// The folder cannot be read, or the watcher ended it. A file that cannot be repaired is among the errors found.
     pub fn repair(&self, watcher: &dyn Watcher) -> anyhow::Result<Found> {
         let path = &self.path;
-        let files = if path.is_dir() { ratings::data_files(path)? } else { vec![path.clone()] };
         let mut all = Found::default();
+        let is_folder = found(path).with_context(|| path.display().to_string())?.is_some_and(|found| found.is_dir());
+        let files = if is_folder {
+            let listed = Listed::sessions(path);
+            if listed.files.is_empty() && listed.errors.is_empty() {
+                return Err(listed.nothing(path).into());
+            }
+            listed.warnings.iter().for_each(|warning| watcher.warn(&warning.to_string()));
+            all.errors.extend(listed.errors.into_iter().map(|error| FileErrors(vec![error]).into()));
+            listed.files
+        } else {
+            vec![path.clone()]
+        };
         for csv in &files {
-            match session::repair(csv) {
+            match refuse_links(path, std::slice::from_ref(csv)).map_err(Into::into).and_then(|()| session::repair(csv))
+            {
                 Ok(repaired) => all.add(csv, sentence(repaired), watcher)?,
                 Err(error) => all.errors.push(error),
             }

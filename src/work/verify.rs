@@ -48,6 +48,7 @@ impl Verify {
             told.is_ok()
         })?;
         told?;
+        verified.warnings.iter().for_each(|warning| watcher.warn(&warning.to_string()));
         found.errors = verified.errors.into_iter().map(|error| FileErrors(vec![error]).into()).collect();
         Ok(Verified { found, sessions: verified.sessions, left: verified.left })
     }

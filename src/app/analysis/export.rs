@@ -14,7 +14,7 @@ use crate::{
         work::{BackgroundTask, Progress},
     },
     report::{Provenance, Study, study::shell_command, write_all},
-    store::{StoreError, Writer, ratings::with_files},
+    store::{StoreError, Writer},
     system::now,
     work::{Analyze, words},
 };
@@ -45,12 +45,12 @@ pub struct Exported<'a> {
 }
 
 impl Export {
-    /// Creates the controls for results from these files.
-    pub fn new(paths: Vec<PathBuf>) -> Self {
+    /// Creates the controls for results from these files, which are what was found at the paths that were asked for.
+    pub fn new(paths: &[PathBuf], files: impl Iterator<Item = PathBuf>) -> Self {
         let name = paths.first().and_then(|path| path.file_stem()).filter(|name| !name.is_empty());
         let name = name.map_or("machband".into(), |name| name.to_string_lossy());
         let folder = format!("{name}-analysis");
-        Self { folder, inputs: with_files(paths), ..Self::default() }
+        Self { folder, inputs: paths.iter().cloned().chain(files).collect(), ..Self::default() }
     }
 
     /// Draws the controls. Nothing can be exported while no results are shown.

@@ -108,7 +108,7 @@ impl OpenStudy {
             error: None,
             not_reread: None,
             section: "summary",
-            export: Export::new(asked.ratings.paths.clone()),
+            export: Export::new(&asked.ratings.paths, study.source.files.iter().map(|file| file.path.clone())),
             study: Arc::new(study),
             asked,
             request: None,

@@ -1,7 +1,10 @@
 //! Export of behavioral data in BIDS 1.11: a table and a sidecar for each session, the metadata of each task at the top
 //! level, the pictures in `stimuli`, and the data as recorded in `sourcedata`.
 
-use std::{collections::BTreeMap, path::Path};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 use serde_json::{Map, Value, json};
 
@@ -13,10 +16,9 @@ use super::{
 use crate::{
     experiment::{Column, Protocol, columns},
     store::{
-        StoreError,
-        dataset::{self, DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED},
+        FileError, FileErrors, StoreError,
+        dataset::{DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED},
         file::{make_folder, write_file, write_json},
-        open::read_regular,
         participants::{Collected, MISSING, collect},
         recorded::Recorded,
         sitting::Sitting,
@@ -42,7 +44,7 @@ const STIM_FILE: &str = "stim_file";
 /// Writes the data set into `to`, and returns its number of pictures.
 pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<String>) -> Result<usize, StoreError> {
     let (stimuli, pictures) = stimuli::write(experiments, &to.join("stimuli"), notes)?;
-    write_json(&to.join(DESCRIPTION), &description(experiments, notes))?;
+    write_json(&to.join(DESCRIPTION), &description(experiments, notes)?)?;
     write_file(&to.join("README.md"), readme(experiments).as_bytes())?;
     write_file(&to.join("CHANGES"), changes(experiments).as_bytes())?;
     write_participants(experiments, to, notes)?;
@@ -222,8 +224,8 @@ fn rounded(value: f64, steps: f64) -> Value {
 
 /// Returns the description of the whole data set, including the entries that people added to the descriptions of the
 /// experiments.
-fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Value {
-    let written = written(experiments);
+fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Result<Value, StoreError> {
+    let written = written(experiments)?;
     let titles: Vec<&str> = experiments.iter().map(|one| one.sessions[0].protocol.title.as_str()).collect();
     let mut entries = keys([
         ("Name", Some(titles.join("; ").into())),
@@ -267,7 +269,7 @@ fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Value {
     }
     let program = json!({ "Name": env!("CARGO_PKG_NAME"), "Version": env!("CARGO_PKG_VERSION"), "Description": "machband export --format bids" });
     entries.insert("GeneratedBy".to_owned(), json!([program]));
-    entries.into()
+    Ok(entries.into())
 }
 
 /// Converts a DOI to its BIDS form; values of other keys are unchanged.
@@ -279,18 +281,20 @@ fn doi(key: &str, value: &str) -> Option<String> {
     bare.or(value.starts_with("10.").then_some(value)).map(|bare| format!("doi:{bare}"))
 }
 
-/// Reads the descriptions next to the data, if they exist and are valid JSON.
-fn written(experiments: &[Experiment]) -> Vec<Value> {
-    let mut files: Vec<_> = experiments
-        .iter()
-        .flat_map(|one| &one.sessions)
-        .filter_map(|session| Some(dataset::of(&session.csv)?.join(DESCRIPTION)))
-        .collect();
-    files.dedup();
-    files
-        .iter()
-        .filter_map(|path| serde_json::from_slice(&read_regular(path, dataset::MAX_DESCRIPTION).ok()?).ok())
-        .collect()
+/// Reads the descriptions next to the data, if they exist.
+///
+/// # Errors
+/// A description cannot be read, or it is not JSON.
+fn written(experiments: &[Experiment]) -> Result<Vec<Value>, StoreError> {
+    let descriptions = experiments.iter().map(|one| psych_ds::described(DESCRIPTION, one));
+    let texts = descriptions.collect::<Result<Vec<_>, _>>()?;
+    let parse = |(path, text): (PathBuf, Vec<u8>)| {
+        serde_json::from_slice(&text).map_err(|error| {
+            let message = format!("is not the description of a data set: {error}; expected JSON");
+            FileErrors(vec![FileError::at(path, (error.line(), error.column()), message)]).into()
+        })
+    };
+    texts.into_iter().flatten().map(parse).collect()
 }
 
 /// Returns the strings in a schema.org value, which is a string, an object with a name, or a list of these.

@@ -7,4 +7,5 @@ mod sessions;
 mod stimuli;
 mod write;
 
+pub(crate) use sessions::refuse_links;
 pub use write::{Choice, Exported, Format, export};

@@ -1,22 +1,27 @@
 //! Export as Psych-DS. A results folder is already such a data set; the copy contains only complete rows and describes
 //! every column.
 
-use std::{fs, path::Path};
+use std::{
+    fs::{self, File},
+    io::{ErrorKind, Read as _, Write as _},
+    path::{Path, PathBuf},
+};
+
+use serde_json::{Map, Value};
+use sha2::{Digest as _, Sha256};
 
 use super::sessions::{DESCRIBING, Experiment};
-use crate::{
-    experiment::columns,
-    store::{
-        StoreError,
-        dataset::{self, DATA_FILE, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX, describe},
-        error::io,
-        file::{make_folder, write_file, write_json},
-        frames,
-        open::read_regular,
-        participants::{Collected, collect},
-        recorded::Recorded,
-        results,
+use crate::store::{
+    FileErrors, StoreError,
+    dataset::{
+        DATA_FILE, DESCRIPTION, MAX_DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX, describe,
     },
+    error::io,
+    file::{hexadecimal, make_folder, write_file, write_json},
+    frames,
+    open::{open_regular, read_regular},
+    participants::{Collected, collect},
+    recorded::Recorded,
 };
 
 /// Writes a data set for each experiment into a subfolder of `to`.
@@ -25,7 +30,7 @@ pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<Strin
         let folder = to.join(&experiment.name);
         copy(experiment, &folder)?;
         for session in &experiment.sessions {
-            tidy(session, &folder.join("data"))?;
+            write_file(&folder.join("data").join(format!("{}{DATA_FILE}", session.stem())), &session.data)?;
             if let Some(note) = describe(&folder, &session.protocol)? {
                 notes.push(format!("{}: {note}", experiment.name));
             }
@@ -68,14 +73,15 @@ fn append(path: &Path, text: &str) -> Result<(), StoreError> {
 
 /// Copies an experiment's sessions unchanged, together with the files that describe their data set and the rows of their
 /// participants.
+///
+/// # Errors
+/// The data sets are described by different files; a file changed since it was read; I/O errors.
 pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreError> {
     let data = folder.join("data");
     make_folder(&data)?;
-    let sources = experiment.sessions.iter().filter_map(|session| dataset::of(&session.csv));
-    for (source, name) in sources.flat_map(|source| DESCRIBING.map(|name| (source, name))) {
-        let (from, to) = (source.join(name), folder.join(name));
-        if from.is_file() && !to.exists() {
-            copy_file(&from, &to)?;
+    for name in DESCRIBING {
+        if let Some((_, content)) = described(name, experiment)? {
+            write_file(&folder.join(name), &content)?;
         }
     }
     let Collected { participants, descriptions, .. } = collect(experiment.datasets(), &experiment.subjects())?;
@@ -85,27 +91,75 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreEr
     }
     for session in &experiment.sessions {
         let stem = session.stem();
-        copy_file(&session.csv, &data.join(format!("{stem}{DATA_FILE}")))?;
-        copy_file(&session.sidecar_path, &data.join(format!("{stem}{SIDECAR_SUFFIX}")))?;
+        let rows = [&session.data, session.partial_line.as_deref().unwrap_or_default().as_bytes()].concat();
+        write_file(&data.join(format!("{stem}{DATA_FILE}")), &rows)?;
+        write_file(&data.join(format!("{stem}{SIDECAR_SUFFIX}")), &session.sidecar_text)?;
         if let Some(path) = &session.frames {
-            copy_file(path, &data.join(format!("{stem}{}", frames::SUFFIX)))?;
+            copy_frames(path, &data.join(format!("{stem}{}", frames::SUFFIX)), session)?;
         }
     }
     Ok(())
 }
 
-/// Removes an incomplete last row. The seals are kept, because they cover only complete rows.
-fn tidy(session: &Recorded, data: &Path) -> Result<(), StoreError> {
-    if session.partial_line.is_none() {
-        return Ok(());
+/// Returns a file that describes the data sets of an experiment, with its content; `None` if they have no such file.
+///
+/// # Errors
+/// Two data sets have different files, because each may belong to another author with another license; I/O errors.
+pub(super) fn described(name: &str, experiment: &Experiment) -> Result<Option<(PathBuf, Vec<u8>)>, StoreError> {
+    let mut known: Option<(PathBuf, Vec<u8>)> = None;
+    for dataset in experiment.datasets() {
+        let path = dataset.join(name);
+        let content = match read_regular(&path, MAX_DESCRIPTION) {
+            Err(error) if error.kind() == ErrorKind::NotFound => None,
+            content => Some(content.map_err(io(&path, "read"))?),
+        };
+        match (&known, content) {
+            (Some((first, other)), Some(content)) if !is_same(name, other, &content) => {
+                let message = format!(
+                    "differs from {}, and an export has only one such file; expected the same content, or one export for each folder",
+                    first.display()
+                );
+                return Err(FileErrors::whole(path, message).into());
+            }
+            (None, Some(content)) => known = Some((path, content)),
+            _ => {}
+        }
     }
-    let stem = session.stem();
-    let (whole, _) = results::whole(&session.csv, &columns(&session.protocol))?;
-    write_file(&data.join(format!("{stem}{DATA_FILE}")), &whole)
+    Ok(known)
 }
 
-/// Copies only the content, so that the new file is writable even if the data set is write-protected.
-fn copy_file(from: &Path, to: &Path) -> Result<(), StoreError> {
-    let content = read_regular(from, u64::MAX).map_err(io(from, "read"))?;
-    write_file(to, &content)
+/// True if two files say the same about their data sets. Columns that are added later do not matter.
+fn is_same(name: &str, one: &[u8], other: &[u8]) -> bool {
+    let said = |content: &[u8]| {
+        let mut said: Map<String, Value> = serde_json::from_slice(content).ok()?;
+        said.remove("variableMeasured");
+        Some(said)
+    };
+    one == other || name == DESCRIPTION && said(one).is_some_and(|one| Some(one) == said(other))
+}
+
+/// Copies only the content of a frames file, so that the new file is writable even if the data set is write-protected.
+///
+/// # Errors
+/// The file changed since the session was read; I/O errors.
+fn copy_frames(from: &Path, to: &Path, session: &Recorded) -> Result<(), StoreError> {
+    let mut source = open_regular(from).map_err(io(from, "read"))?;
+    let (mut file, mut hasher) = (File::create_new(to).map_err(io(to, "write"))?, Sha256::new());
+    let mut buffer = vec![0; 1 << 16];
+    loop {
+        let count = match source.read(&mut buffer) {
+            Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+            count => count.map_err(io(from, "read"))?,
+        };
+        if count == 0 {
+            break;
+        }
+        hasher.update(&buffer[..count]);
+        file.write_all(&buffer[..count]).map_err(io(to, "write"))?;
+    }
+    if session.frames_sha256.as_ref().is_some_and(|was| *was != hexadecimal(&hasher.finalize())) {
+        let message = "was changed during the export; expected a session that is not being recorded";
+        return Err(FileErrors::whole(from, message).into());
+    }
+    Ok(())
 }

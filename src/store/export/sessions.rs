@@ -2,7 +2,6 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet},
-    fs,
     path::{Path, PathBuf},
 };
 
@@ -13,9 +12,11 @@ use crate::{
     store::{
         FileError, FileErrors, StoreError,
         dataset::{self, DATA_FILE, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX},
+        error::io,
         frames,
         recorded::Recorded,
     },
+    system::link_target,
     text::is_formula,
 };
 
@@ -73,8 +74,8 @@ pub(super) fn changed(session: &Recorded) -> impl Iterator<Item = String> {
 /// add any file of this computer to it. `from`, which the user named, may be a link.
 ///
 /// # Errors
-/// Reports every link.
-pub(super) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErrors> {
+/// Reports every link, and every path that cannot be accessed.
+pub(crate) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErrors> {
     let mut paths = BTreeSet::new();
     for csv in files {
         paths.extend(csv.ancestors().take_while(|path| *path != from).map(Path::to_owned));
@@ -84,12 +85,18 @@ pub(super) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErr
         let names = DESCRIBING.into_iter().chain([PARTICIPANTS, PARTICIPANTS_DESCRIBED]);
         paths.extend(dataset::of(csv).into_iter().flat_map(|dataset| names.clone().map(|name| dataset.join(name))));
     }
-    let links = paths.into_iter().filter_map(|path| {
-        let target = fs::read_link(&path).ok()?;
-        let expected = "expected a regular file or folder, because links are not exported";
-        Some(FileError::whole(&path, format!("is a link to {}; {expected}", target.display())))
-    });
-    FileErrors::none(links.collect())
+    let mut errors = Vec::new();
+    for path in paths {
+        match link_target(&path).map_err(io(&path, "access")) {
+            Ok(None) => {}
+            Ok(Some(target)) => {
+                let expected = "expected a regular file or folder, because links are not exported";
+                errors.push(FileError::whole(&path, format!("is a link to {}; {expected}", target.display())));
+            }
+            Err(error) => errors.extend(error.errors(&path)),
+        }
+    }
+    FileErrors::none(errors)
 }
 
 /// Reads all sessions, or reports all their errors. Unless `accept_changes` is true, it is an error if a file was
@@ -125,9 +132,15 @@ fn errors(session: &Recorded) -> Vec<FileError> {
     errors
 }
 
-/// Notes every incomplete session, and excludes it if requested. Notes every change that was accepted.
+/// Excludes every session that is being recorded, and incomplete sessions if requested; notes which. Notes every change
+/// that was accepted.
 pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &mut Vec<String>) -> Vec<Recorded> {
     sessions.retain(|session| {
+        if session.is_running {
+            let csv = session.csv.display();
+            notes.push(format!("{csv}: another program is recording this session; the session is left out"));
+            return false;
+        }
         let (rated, planned) = session.rated();
         let is_complete = rated == planned && session.partial_line.is_none();
         if is_complete || !complete_only {

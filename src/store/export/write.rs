@@ -9,12 +9,12 @@ use std::{
 use super::{bids, psych_ds, sessions};
 use crate::{
     store::{
-        FileErrors, StoreError, dataset,
+        FileError, FileErrors, StoreError, dataset,
         error::io,
-        file::{full_path, make_folder, sync_folder, sync_tree},
-        ratings,
+        file::{exists, full_path, make_folder, sync_folder, sync_tree},
+        ratings::Listed,
     },
-    system::{entries, remove_tree},
+    system::{entries, found, remove_tree},
 };
 
 /// Format of an export.
@@ -57,18 +57,17 @@ pub struct Exported {
 /// was changed, or exists twice (every error in every such session is reported); a picture differs from the one that
 /// was shown; I/O errors. If there is an error, nothing is written.
 pub fn export(from: &Path, to: &Path, format: Format, choice: Choice) -> Result<Exported, StoreError> {
-    let files = ratings::data_files(from)?;
+    let Listed { files, warnings, .. } = Listed::sessions(from).complete(from)?;
     let to = target(from, to, &files)?;
     sessions::refuse_links(from, &files)?;
-    let mut exported = Exported::default();
+    let notes = warnings.iter().map(ToString::to_string).collect();
+    let mut exported = Exported { notes, ..Exported::default() };
     let sessions = sessions::read(&files, choice.accept_changes)?;
     let sessions = sessions::chosen(sessions, choice.complete_only, &mut exported.notes);
     if sessions.is_empty() {
-        return Err(FileErrors::whole(
-            from,
-            "has no complete session; expected one, unless the option complete_only is left out",
-        )
-        .into());
+        let error = FileError::whole(from, "has no session to export; expected one that was recorded completely");
+        let reasons = exported.notes.into_iter().map(|note| FileError::whole(from, note));
+        return Err(FileErrors(std::iter::once(error).chain(reasons).collect()).into());
     }
     (exported.sessions, exported.rows) = (sessions.len(), sessions.iter().map(|session| session.rows.len()).sum());
     let experiments = sessions::by_experiment(sessions)?;
@@ -89,11 +88,13 @@ pub fn export(from: &Path, to: &Path, format: Format, choice: Choice) -> Result<
 fn target(from: &Path, to: &Path, files: &[PathBuf]) -> Result<PathBuf, StoreError> {
     let error = |message: &str| FileErrors::whole(to, message);
     let refused = |error| io(to, "read")(error);
-    if to.exists() && !to.is_dir() {
-        return Err(error("is a file; expected a new or empty folder").into());
-    }
-    if to.exists() && !entries(to).map_err(refused)?.is_empty() {
-        return Err(error("is not empty; expected a new or empty folder").into());
+    if let Some(metadata) = found(to).map_err(refused)? {
+        if !metadata.is_dir() {
+            return Err(error("is a file; expected a new or empty folder").into());
+        }
+        if !entries(to).map_err(refused)?.is_empty() {
+            return Err(error("is not empty; expected a new or empty folder").into());
+        }
     }
     let full = full_path(to).map_err(refused)?;
     for folder in files.iter().filter_map(|csv| dataset::of(csv)).chain([from]) {
@@ -120,7 +121,7 @@ fn into_folder(to: &Path, fill: impl FnOnce(&Path) -> Result<(), StoreError>) ->
         make_folder(&folder)?;
         fill(&folder)?;
         sync_tree(&folder)?;
-        if to.exists() {
+        if exists(to)? {
             // This fails if something was put into the folder in the meantime.
             fs::remove_dir(to).map_err(io(to, "replace"))?;
         }

@@ -9,105 +9,183 @@ use std::{
 
 use crate::{
     store::{
-        Columns, FileError, FileErrors,
-        dataset::DATA_FILE,
-        error::NotData,
+        Columns, FileError, FileErrors, StoreError,
+        dataset::{DATA_FILE, DESCRIPTION},
+        error::io,
         frames,
         open::open_regular,
         table::{Content, MAX_ROW, each_row},
     },
-    system::entries,
+    system::{entries, found, is_of_another_user},
     text::names::natural,
 };
 
-/// Returns the files to read, without duplicates and in the given order. The files of a folder are in natural order of
-/// their paths.
-pub(super) fn files(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileError>) {
-    let (mut found, mut errors) = (Vec::new(), Vec::new());
-    let mut seen = HashSet::new();
-    for path in paths {
-        match std::fs::metadata(path) {
-            Ok(metadata) if metadata.is_dir() => match folder(path) {
-                Ok(files) if files.is_empty() => {
-                    errors.push(FileError::whole(path, "contains no CSV files; expected a folder of result files"));
-                }
-                Ok(files) => found.extend(files),
-                Err(message) => errors.push(FileError::whole(path, message)),
-            },
-            // A pattern such as `data/*.csv` matches the frames files along with the data files.
-            Ok(_) if has_suffix(path, frames::SUFFIX) => {}
-            Ok(_) => found.push(path.clone()),
-            Err(error) => {
-                errors.push(FileError::whole(
-                    path,
-                    format!("cannot be opened: {error}; expected a CSV file or a folder of CSV files"),
-                ));
-            }
-        }
-    }
-    found.retain(|path| seen.insert(path.canonicalize().unwrap_or_else(|_| path.clone())));
-    (found, errors)
-}
-
-/// Returns the data files of all sessions in a folder and its subfolders, in natural order of their paths.
+/// Returns the files to read, without duplicates and in the given order, and warnings about folders that were not read.
+/// The files of a folder are in natural order of their paths.
 ///
 /// # Errors
-/// The folder cannot be read, or it contains no data files.
-pub fn data_files(root: &Path) -> Result<Vec<PathBuf>, FileErrors> {
-    let mut files = folder(root).map_err(|message| FileErrors::whole(root, message))?;
-    files.retain(|path| has_suffix(path, DATA_FILE));
-    if files.is_empty() {
-        return Err(FileErrors::whole(root, "contains no session data files; expected a results folder"));
+/// A file or folder does not exist or cannot be read; a folder contains no CSV files.
+pub(super) fn files(paths: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<FileError>), FileErrors> {
+    let (mut all, mut errors, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
+    for path in paths {
+        match found(path).map_err(io(path, "access")) {
+            Ok(Some(metadata)) if metadata.is_dir() => {
+                let listed = Listed::of(path);
+                if listed.files.is_empty() && listed.errors.is_empty() {
+                    errors.push(FileError::whole(path, "contains no CSV files; expected a folder of result files"));
+                }
+                errors.extend(listed.errors);
+                warnings.extend(listed.warnings);
+                all.extend(listed.files);
+            }
+            // A pattern such as `data/*.csv` matches the frames files along with the data files.
+            Ok(Some(_)) if has_suffix(path, frames::SUFFIX) => {}
+            Ok(Some(_)) => all.push(path.clone()),
+            Ok(None) => {
+                let message = "does not exist; expected a CSV file or a folder of CSV files";
+                errors.push(FileError::whole(path, message));
+            }
+            Err(error) => errors.extend(error.errors(path)),
+        }
     }
-    Ok(files)
+    let mut seen = HashSet::new();
+    all.retain(|path| match path.canonicalize().map_err(io(path, "access")) {
+        Ok(full) => seen.insert(full),
+        Err(error) => {
+            errors.extend(error.errors(path));
+            false
+        }
+    });
+    if errors.is_empty() { Ok((all, warnings)) } else { Err(FileErrors([errors, warnings].concat())) }
 }
 
 /// Returns the names of the columns of a table, in the order of the file. A name may be empty or appear twice.
 ///
 /// # Errors
-/// The file is not a table of text.
-pub fn column_names(path: &Path) -> Result<Vec<String>, FileError> {
+/// The file cannot be read, or it is not a table of text.
+pub fn column_names(path: &Path) -> Result<Vec<String>, StoreError> {
     Header::read(path).map(|header| header.names)
 }
 
 /// Returns these paths and, for each one that is a folder, the files that would be read from it.
-pub fn with_files(mut paths: Vec<PathBuf>) -> Vec<PathBuf> {
-    let files: Vec<_> = paths.iter().filter(|path| path.is_dir()).filter_map(|path| folder(path).ok()).collect();
-    paths.extend(files.into_iter().flatten());
-    paths
+///
+/// # Errors
+/// A folder cannot be read.
+pub fn with_files(mut paths: Vec<PathBuf>) -> Result<Vec<PathBuf>, StoreError> {
+    for path in paths.clone() {
+        if found(&path).map_err(io(&path, "access"))?.is_some_and(|metadata| metadata.is_dir()) {
+            let Listed { files, errors, .. } = Listed::of(&path);
+            FileErrors::none(errors)?;
+            paths.extend(files);
+        }
+    }
+    Ok(paths)
 }
 
-/// Returns the data files in a folder and its subfolders; if there are none, all its CSV files.
-fn folder(root: &Path) -> Result<Vec<PathBuf>, String> {
-    let mut files = Vec::new();
-    let mut entered = HashSet::new();
-    let mut open = vec![root.to_owned()];
-    while let Some(folder) = open.pop() {
-        // Without this check, a link to a parent folder would be followed forever.
-        if !entered.insert(folder.canonicalize().unwrap_or_else(|_| folder.clone())) {
-            continue;
+/// What was found in a folder and its subfolders.
+#[derive(Debug, Default)]
+pub struct Listed {
+    /// The data files of all sessions, in natural order of their paths; if there are none, all CSV files.
+    pub files: Vec<PathBuf>,
+    /// The folders that have the description of a data set.
+    pub datasets: Vec<PathBuf>,
+    /// The folders and files that could not be examined, so that `files` may not be complete.
+    pub errors: Vec<FileError>,
+    /// The folders that were not examined because they belong to another user or are hidden.
+    pub warnings: Vec<FileError>,
+}
+
+impl Listed {
+    /// Lists the sessions in a folder: only their data files.
+    #[must_use]
+    pub fn sessions(root: &Path) -> Self {
+        let mut listed = Self::of(root);
+        listed.files.retain(|path| has_suffix(path, DATA_FILE));
+        listed
+    }
+
+    /// Succeeds if there are files and everything could be examined.
+    ///
+    /// # Errors
+    /// There is nothing, or not everything could be examined.
+    pub fn complete(self, root: &Path) -> Result<Self, FileErrors> {
+        FileErrors::none(self.errors.clone())?;
+        if self.files.is_empty() { Err(self.nothing(root)) } else { Ok(self) }
+    }
+
+    /// Returns the error that there is no session, with the warnings that may explain why.
+    #[must_use]
+    pub fn nothing(&self, root: &Path) -> FileErrors {
+        let message = "contains no session data files; expected a results folder";
+        FileErrors([&[FileError::whole(root, message)], &self.warnings[..]].concat())
+    }
+
+    /// Lists the tables in a folder.
+    fn of(root: &Path) -> Self {
+        let mut listed = Self::default();
+        let mut entered = HashSet::new();
+        let mut open = vec![root.to_owned()];
+        while let Some(folder) = open.pop() {
+            let inside = folder.canonicalize().and_then(|full| {
+                // Without this check, a link to a parent folder would be followed forever.
+                if entered.insert(full) { listed.enter(&folder) } else { Ok(Vec::new()) }
+            });
+            match inside {
+                Ok(folders) => open.extend(folders),
+                Err(error) => listed.refused(root, &folder, &error),
+            }
         }
-        let shown = folder.display();
-        let paths = entries(&folder)
-            .map_err(|error| format!("the folder {shown} cannot be read: {error}; expected a readable folder"))?;
-        for path in paths {
+        if listed.files.iter().any(|path| has_suffix(path, DATA_FILE)) {
+            listed.files.retain(|path| has_suffix(path, DATA_FILE));
+        }
+        listed.files.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
+        listed.datasets.sort();
+        listed
+    }
+
+    /// Lists what is in one folder, and returns the folders in it.
+    fn enter(&mut self, folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+        let mut folders = Vec::new();
+        for path in entries(folder)? {
+            let name = path.file_name().unwrap_or_default();
+            if name == DESCRIPTION {
+                self.datasets.push(folder.to_owned());
+            }
             // Hidden files belong to other programs; for example, a Mac adds a file `._name.csv` for each file that it
             // writes to a disk with a foreign file system.
-            if path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.')) {
-                continue;
-            }
-            if path.is_dir() {
-                open.push(path);
+            if name.to_string_lossy().starts_with('.') {
+                let described = match found(&path.join(DESCRIPTION)) {
+                    Err(error) if error.kind() == std::io::ErrorKind::PermissionDenied => None,
+                    described => described?,
+                };
+                if described.is_some() {
+                    let message =
+                        "is a hidden data set and was not read; expected a name without a dot at its beginning";
+                    self.warnings.push(FileError::whole(&path, message));
+                }
+            } else if found(&path)?.is_some_and(|metadata| metadata.is_dir()) {
+                folders.push(path);
             } else if has_suffix(&path, ".csv") {
-                files.push(path);
+                self.files.push(path);
             }
         }
+        Ok(folders)
     }
-    if files.iter().any(|path| has_suffix(path, DATA_FILE)) {
-        files.retain(|path| has_suffix(path, DATA_FILE));
+
+    /// Reports a folder that cannot be read. It is an error unless the folder belongs to somebody else, such as
+    /// `lost+found`, and is not part of a data set.
+    fn refused(&mut self, root: &Path, folder: &Path, error: &std::io::Error) {
+        let is_of_dataset = || self.datasets.iter().any(|dataset| folder.starts_with(dataset));
+        let is_denied = error.kind() == std::io::ErrorKind::PermissionDenied;
+        if is_denied && folder != root && is_of_another_user(folder) && !is_of_dataset() {
+            let message =
+                "belongs to another user and cannot be read, so it was not examined; expected a readable folder";
+            self.warnings.push(FileError::whole(folder, message));
+        } else {
+            let message = format!("the folder cannot be read: {error}; expected a readable folder");
+            self.errors.push(FileError::whole(folder, message));
+        }
     }
-    files.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
-    Ok(files)
 }
 
 fn has_suffix(path: &Path, suffix: &str) -> bool {
@@ -141,30 +219,25 @@ impl Header {
     ///
     /// # Errors
     /// The file is not readable, is empty, or is not UTF-8 text.
-    pub fn read(path: &Path) -> Result<Self, FileError> {
-        let unreadable = |error: std::io::Error| {
-            let message = NotData::of(&error).map(ToString::to_string);
-            let message = message.unwrap_or_else(|| format!("cannot be read: {error}; expected a readable CSV file"));
-            FileError::whole(path, message)
-        };
-        let mut file = open_regular(path).map_err(unreadable)?;
-        let size = file.metadata().map_err(unreadable)?.len();
+    pub fn read(path: &Path) -> Result<Self, StoreError> {
+        let mut file = open_regular(path).map_err(io(path, "read"))?;
+        let size = file.metadata().map_err(io(path, "read"))?.len();
         let mut head = Vec::new();
-        file.by_ref().take(MAX_HEAD + MAX_ROW).read_to_end(&mut head).map_err(unreadable)?;
+        file.by_ref().take(MAX_HEAD + MAX_ROW).read_to_end(&mut head).map_err(io(path, "read"))?;
         let mut header = Self { size, ..Self::default() };
         // Old spreadsheets end lines with only a carriage return, but lines are counted by their line feeds.
         if head.contains(&b'\r') && !head.contains(&b'\n') {
             if size > MAX_OLD {
                 let message = format!("has {size} bytes and no line feeds; expected lines that end with a line feed");
-                return Err(FileError::whole(path, message));
+                return Err(FileErrors::whole(path, message).into());
             }
             let mut all = head.clone();
-            file.read_to_end(&mut all).map_err(unreadable)?;
+            file.read_to_end(&mut all).map_err(io(path, "read"))?;
             all.iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
             head = all[..head.len()].to_vec();
             header.memory = Some(all);
         }
-        header.parse(&head).map_err(|(column, message)| FileError::at(path, (1, column), message))?;
+        header.parse(&head).map_err(|(column, message)| FileErrors(vec![FileError::at(path, (1, column), message)]))?;
         Ok(header)
     }
 

@@ -13,6 +13,6 @@ mod source;
 mod trials;
 mod values;
 
-pub use files::{column_names, data_files, with_files};
+pub use files::{Listed, column_names, with_files};
 pub use reader::{read, read_columns};
 pub use source::{FileRead, Layout, ReadOptions, SessionRead, Shape, Source};

@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use rayon::prelude::*;
+use rayon::{iter::Either, prelude::*};
 
 use super::{
     files,
@@ -19,12 +19,13 @@ use super::{
 use crate::{
     experiment::{MAX_RATING, Phase, RatingRow},
     store::{
-        Columns, FileError, FileErrors,
+        Columns, FileError, FileErrors, StoreError,
         columns::{Mapped, Texts},
         dataset,
-        error::RowErrors,
+        error::{RowErrors, io},
         file,
     },
+    system::found,
     text::names::natural,
 };
 
@@ -35,28 +36,32 @@ const MAX_HASHED: u64 = 64 << 20;
 /// `add` fails, an error is reported at the line and column of the rating, and the row is excluded.
 ///
 /// # Errors
-/// The reason why there is nothing to analyze. If only part of the input has errors, they are in [`Source::errors`], and
-/// the rest is read.
+/// The reason why there is nothing to analyze; or a file or folder that cannot be read, because what is in it could change
+/// what the other files mean. If the content of a file has errors, they are in [`Source::errors`], and the rest is read.
 pub fn read<T>(
     paths: &[PathBuf],
     options: &ReadOptions,
     new: impl FnOnce(&Shape) -> T,
     add: impl FnMut(&mut T, &RatingRow<'_>) -> Result<(), String>,
 ) -> Result<(Source, T), FileErrors> {
-    let (files, mut errors) = files::files(paths);
+    let (files, warnings) = files::files(paths)?;
     let definitions = Definitions::default();
     let opened: Vec<_> = files.par_iter().map(|path| Input::new(path, options, &definitions)).collect();
-    let mut inputs = Vec::new();
-    for found in opened {
+    let (mut inputs, mut errors, mut failed) = (Vec::new(), Vec::new(), Vec::new());
+    for (found, path) in opened.into_iter().zip(&files) {
         match found {
             Ok((file, found)) => {
                 inputs.push(file);
                 errors.extend(found);
             }
-            Err(error) => errors.push(error),
+            Err(StoreError::FileErrors(FileErrors(found))) => errors.extend(found),
+            Err(error) => failed.extend(error.errors(path)),
         }
     }
-    read_inputs((inputs, &files), errors, options, new, add)
+    FileErrors::none(failed)?;
+    let (mut source, all) = read_inputs((inputs, &files), errors, options, new, add)?;
+    source.warnings.splice(..0, warnings);
+    Ok((source, all))
 }
 
 /// Reads a table in memory, as [`read`] does a file. An error in a row names the table and the row, counted from 0.
@@ -91,7 +96,12 @@ fn read_inputs<T>(
         }
         return Err(in_order(errors, files));
     };
-    let mut tables: Vec<Rows> = selection.inputs.par_iter().map(Rows::read).collect();
+    let (mut tables, failed): (Vec<Rows>, Vec<FileError>) =
+        selection.inputs.par_iter().partition_map(|input| match Rows::read(input) {
+            Ok(rows) => Either::Left(rows),
+            Err(error) => Either::Right(error),
+        });
+    FileErrors::none(failed)?;
     if tables.iter().map(|rows| rows.status.len()).sum::<usize>() > MAX_ROWS {
         let message = format!("there are more than {MAX_ROWS} rows; expected fewer, or a table of counts");
         return Err(FileErrors::whole(&selection.inputs[0].name, message));
@@ -105,7 +115,7 @@ fn read_inputs<T>(
     let mut reports = Vec::new();
     for (input, mut rows) in selection.inputs.iter().zip(tables) {
         let mut read = add_rows(&selection, &are_numbers, &unfinished, input, &mut rows, |row| add(&mut all, row));
-        read.sha256 = sha256(input);
+        read.sha256 = sha256(input).map_err(|error| FileErrors(error.errors(&input.path)))?;
         errors.extend(file_errors(input, rows, &selection.inputs));
         reports.push(read);
     }
@@ -114,7 +124,7 @@ fn read_inputs<T>(
         return Err(in_order(errors, files));
     }
     let errors = in_order(errors, files).0;
-    let mut warnings = warnings(&selection.inputs);
+    let mut warnings = warnings(&selection.inputs)?;
     warnings.extend(measurements);
     sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;
@@ -123,27 +133,31 @@ fn read_inputs<T>(
 
 /// Returns the warnings about files that are read anyway: changed files, sessions without a sidecar, links that lead out
 /// of a data set, and tables of counts.
-fn warnings(inputs: &[Input]) -> Vec<FileError> {
-    let beside = |input: &Input| input.path.with_extension("json");
-    let changed = |input: &Input| match &input.sidecar {
-        _ if input.header.columns.is_some() => Vec::new(),
-        Some(_) => input.changed.clone(),
-        None if input.columns.record.is_some()
-            && dataset::described(&input.path).is_some()
-            && !beside(input).exists() =>
-        {
+///
+/// # Errors
+/// A folder cannot be accessed.
+fn warnings(inputs: &[Input]) -> Result<Vec<FileError>, FileErrors> {
+    let mut described = Vec::new();
+    for Input { path, header, .. } in inputs {
+        let of = if header.columns.is_some() { Ok(None) } else { dataset::described(path) };
+        described.push(of.map_err(|error| FileErrors(error.errors(path)))?);
+    }
+    let mut warnings = Vec::new();
+    for (input, described) in inputs.iter().zip(&described) {
+        warnings.extend(input.changed.iter().cloned());
+        if described.is_some() && input.columns.record.is_some() && !input.has_sidecar {
             let message =
                 "has no sidecar, so nothing shows whether it was changed; expected the sidecar that belongs to it";
-            vec![FileError::whole(&input.path, message)]
+            warnings.push(FileError::whole(&input.path, message));
         }
-        None => Vec::new(),
-    };
-    let mut warnings: Vec<FileError> = inputs.par_iter().flat_map_iter(changed).collect();
+    }
     // One warning for each data set, because a version control system may replace every file with a link.
     let mut links: BTreeMap<&Path, Vec<PathBuf>> = BTreeMap::new();
-    for input in inputs.iter().filter(|input| input.header.columns.is_none()) {
-        if let Some(folder) = dataset::described(&input.path) {
-            links.entry(folder).or_default().extend(links_out(folder, &input.path));
+    for (input, folder) in inputs.iter().zip(described) {
+        if let Some(folder) = folder {
+            let found = links_out(folder, &input.path)
+                .map_err(|error| FileErrors(io(folder, "access")(error).errors(folder)))?;
+            links.entry(folder).or_default().extend(found);
         }
     }
     warnings.extend(links.into_iter().filter(|(_, paths)| !paths.is_empty()).map(|(folder, paths)| {
@@ -155,7 +169,7 @@ fn warnings(inputs: &[Input]) -> Vec<FileError> {
         FileError::whole(folder, message)
     }));
     warnings.extend(counts_warning(inputs));
-    warnings
+    Ok(warnings)
 }
 
 /// Returns the warning about what tables of counts do not contain; `None` if there are no such tables.
@@ -173,10 +187,18 @@ fn counts_warning(inputs: &[Input]) -> Option<FileError> {
 }
 
 /// Returns those of a data file and its sidecar that are outside the data set once links are resolved.
-fn links_out(dataset: &Path, csv: &Path) -> Vec<PathBuf> {
-    let Ok(inside) = dataset.canonicalize() else { return Vec::new() };
-    let leads_out = |path: &PathBuf| path.canonicalize().is_ok_and(|target| !target.starts_with(&inside));
-    [csv.to_owned(), csv.with_extension("json")].into_iter().filter(leads_out).collect()
+///
+/// # Errors
+/// I/O errors.
+fn links_out(dataset: &Path, csv: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let inside = dataset.canonicalize()?;
+    let mut outside = Vec::new();
+    for path in [csv.to_owned(), csv.with_extension("json")] {
+        if found(&path)?.is_some() && !path.canonicalize()?.starts_with(&inside) {
+            outside.push(path);
+        }
+    }
+    Ok(outside)
 }
 
 /// Returns the sessions of all result files, and determines how the rows of these files are used.
@@ -411,11 +433,12 @@ fn file_errors(input: &Input, mut rows: Rows, inputs: &[Input]) -> Vec<FileError
     rows.into_errors(input).into_iter().chain(everything).collect()
 }
 
-fn sha256(input: &Input) -> Option<String> {
+fn sha256(input: &Input) -> Result<Option<String>, StoreError> {
     if input.header.size > MAX_HASHED || input.header.columns.is_some() {
-        return None;
+        return Ok(None);
     }
-    input.header.content(&input.path).bytes().ok().map(|bytes| file::sha256(&bytes))
+    let bytes = input.header.content(&input.path).bytes().map_err(io(&input.path, "read"))?;
+    Ok(Some(file::sha256(&bytes)))
 }
 
 /// Returns the error that no row counts, with the reasons.

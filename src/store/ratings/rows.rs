@@ -31,8 +31,6 @@ pub(super) struct Rows {
     /// How each row is used.
     pub status: Vec<Status>,
     pub errors: RowErrors,
-    /// Why the file could not be read to its end.
-    failed: Option<std::io::Error>,
     /// The position of every 64th row.
     marks: Vec<Position>,
 }
@@ -87,17 +85,20 @@ impl RowError {
 
 impl Rows {
     /// Reads the rows of a file, or takes those of a table in memory.
-    pub fn read(input: &Input) -> Self {
+    ///
+    /// # Errors
+    /// The file cannot be read to its end.
+    pub fn read(input: &Input) -> Result<Self, FileError> {
         let header = &input.header;
         let needed = input.columns.texts();
         if let Some(columns) = &header.columns {
             let texts = |column: usize| if needed.contains(&column) { columns.texts(column) } else { Texts::default() };
-            return Self {
+            return Ok(Self {
                 columns: (0..header.names.len()).map(texts).collect(),
                 times: input.columns.time.map_or_else(Vec::new, |column| columns.numbers(column, seconds)),
                 status: vec![Status::default(); columns.rows()],
                 ..Self::default()
-            };
+            });
         }
         let mut rows = Self::default();
         let mut columns: Vec<Interner> = header.names.iter().map(|_| Interner::default()).collect();
@@ -131,9 +132,11 @@ impl Rows {
             }
             rows.status.len() <= MAX_ROWS
         });
-        rows.failed = read.err();
+        read.map_err(|error| {
+            FileError::whole(&input.name, format!("cannot be read completely: {error}; expected a readable file"))
+        })?;
         rows.columns = columns.into_iter().map(Interner::finish).collect();
-        rows
+        Ok(rows)
     }
 
     /// Returns the indices of all rows.
@@ -153,10 +156,7 @@ impl Rows {
 
     /// Returns all errors in the file.
     pub fn into_errors(self, input: &Input) -> Vec<FileError> {
-        let failed = self.failed.map(|error| {
-            FileError::whole(&input.name, format!("cannot be read completely: {error}; expected a readable file"))
-        });
-        failed.into_iter().chain(self.errors.finish(&input.name, &input.header.names)).collect()
+        self.errors.finish(&input.name, &input.header.names)
     }
 
     /// Returns an error with its place.

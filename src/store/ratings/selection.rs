@@ -16,7 +16,9 @@ use super::{
 use crate::{
     experiment::{MAX_RATING, Protocol, columns_by_header},
     stimulus::is_direction,
-    store::{FileError, FileErrors, StoreError, columns::Texts, definition, session::seal, sidecar::Sidecar},
+    store::{
+        FileError, FileErrors, StoreError, columns::Texts, definition, file::exists, session::seal, sidecar::Sidecar,
+    },
     text::names::expected_one_of,
 };
 
@@ -34,6 +36,8 @@ pub(super) struct Input {
     pub header: Header,
     pub layout: Layout,
     pub columns: Columns,
+    /// True if there is a sidecar, even if it has errors.
+    pub has_sidecar: bool,
     /// The sidecar, without the parts that only a verification needs.
     pub sidecar: Option<Arc<Sidecar>>,
     pub protocol: Option<Arc<Protocol>>,
@@ -217,25 +221,26 @@ impl Input {
     /// Inspects a file. An error in its sidecar does not prevent its rows from being read.
     ///
     /// # Errors
-    /// The head of the file has an error.
+    /// The head of the file has an error; the file or its sidecar cannot be read.
     pub fn new(
         path: &Path,
         options: &ReadOptions,
         definitions: &Definitions,
-    ) -> Result<(Self, Vec<FileError>), FileError> {
+    ) -> Result<(Self, Vec<FileError>), StoreError> {
         let header = Header::read(path)?;
         let beside = path.with_extension("json");
-        let layout = layout(&header, options, beside.is_file());
+        let has_sidecar = exists(&beside)?;
+        let layout = layout(&header, options, has_sidecar);
         let (mut sidecar, mut protocol, mut errors, mut changed) = (None, None, Vec::new(), Vec::new());
         if layout == Layout::Results {
             let name = beside.display().to_string();
             match Sidecar::read(&beside) {
                 Ok(found) => sidecar = found,
                 Err(StoreError::FileErrors(found)) => errors.extend(found.0),
-                Err(error) => errors.push(FileError::whole(&name, format!("cannot be read: {error}"))),
+                Err(error) => return Err(error),
             }
             if let Some(sidecar) = &mut sidecar {
-                changed = seal::errors(path, sidecar);
+                changed = seal::errors(path, sidecar)?;
                 match definitions.protocol(&name, &sidecar.definition) {
                     Ok(found) => protocol = Some(found),
                     Err(found) => errors.extend(found.0),
@@ -245,7 +250,8 @@ impl Input {
         }
         let sidecar = sidecar.map(Arc::new);
         let (name, columns, kind) = (path.display().to_string(), Columns::default(), String::new());
-        Ok((Self { path: path.to_owned(), name, header, layout, columns, sidecar, protocol, changed, kind }, errors))
+        let path = path.to_owned();
+        Ok((Self { path, name, header, layout, columns, has_sidecar, sidecar, protocol, changed, kind }, errors))
     }
 
     /// Inspects a table in memory.
@@ -257,6 +263,7 @@ impl Input {
             layout: layout(&header, options, false),
             header,
             columns: Columns::default(),
+            has_sidecar: false,
             sidecar: None,
             protocol: None,
             changed: Vec::new(),

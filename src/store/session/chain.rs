@@ -5,56 +5,66 @@
 //! repaired, although its files change. Two sessions that end at the same time may name the same one; there is still no
 //! gap.
 
-use std::{
-    fs, io,
-    path::{Path, PathBuf},
-    time::SystemTime,
-};
+use std::path::Path;
 
 use super::{
     dataset::{DATA_FILE, SIDECAR_SUFFIX},
     sidecar::Sidecar,
     sitting::Previous,
 };
-use crate::system::entries;
+use crate::{
+    store::{StoreError, error::io, file::exists},
+    system::{entries, found},
+};
 
 /// Returns the session that ended last in the folder of the data file `csv`, other than its own; `None` if there is none.
 ///
 /// # Errors
-/// The folder cannot be read.
-pub(super) fn previous(csv: &Path) -> io::Result<Option<Previous>> {
+/// The folder or a sidecar in it cannot be read.
+pub(super) fn previous(csv: &Path) -> Result<Option<Previous>, StoreError> {
     let own = csv.with_extension("json");
-    let written = |path: PathBuf| {
-        let is_other = path != own && path.to_string_lossy().ends_with(SIDECAR_SUFFIX);
-        let at = is_other.then(|| fs::metadata(&path).ok()?.modified().ok()).flatten()?;
-        Some((at, path))
-    };
-    let folder = entries(csv.parent().unwrap_or(csv))?;
-    let mut others: Vec<(SystemTime, PathBuf)> = folder.into_iter().filter_map(written).collect();
+    let folder = csv.parent().unwrap_or(csv);
+    let mut others = Vec::new();
+    for path in entries(folder).map_err(io(folder, "read"))? {
+        if path != own && path.to_string_lossy().ends_with(SIDECAR_SUFFIX) {
+            let written = found(&path).and_then(|metadata| metadata.map(|found| found.modified()).transpose());
+            others.extend(written.map_err(io(&path, "access"))?.map(|at| (at, path)));
+        }
+    }
     others.sort();
-    Ok(others.into_iter().rev().find_map(|(_, path)| {
-        let data_sha256 = Sidecar::read(&path).ok()??.last_seal()?.data_sha256.clone();
-        let stem = path.file_name()?.to_str()?.strip_suffix(SIDECAR_SUFFIX)?;
-        Some(Previous { data_file: format!("{stem}{DATA_FILE}"), data_sha256 })
-    }))
+    for (_, path) in others.into_iter().rev() {
+        let sidecar = Sidecar::read(&path)?;
+        let stem = path.file_name().and_then(|name| name.to_str()?.strip_suffix(SIDECAR_SUFFIX));
+        if let (Some(seal), Some(stem)) = (sidecar.as_ref().and_then(Sidecar::last_seal), stem) {
+            let data_sha256 = seal.data_sha256.clone();
+            return Ok(Some(Previous { data_file: format!("{stem}{DATA_FILE}"), data_sha256 }));
+        }
+    }
+    Ok(None)
 }
 
 /// Returns a note for each session that is named as the previous one of a sitting and is not as it was then.
-pub(super) fn gaps(csv: &Path, sidecar: &Sidecar) -> Vec<String> {
-    let gap = |Previous { data_file, data_sha256 }: &Previous| {
-        let other = csv.with_file_name(Path::new(data_file).file_name()?);
-        let what = match Sidecar::read(&other.with_extension("json")) {
-            // A folder that cannot be searched says nothing about its files.
-            _ if matches!(other.try_exists(), Ok(false)) => "is no longer here",
-            Ok(Some(found))
-                if !found.sittings.iter().flat_map(|one| &one.seal).any(|s| s.data_sha256 == *data_sha256) =>
-            {
-                "was replaced, or a change of it was accepted"
+///
+/// # Errors
+/// Its files cannot be read.
+pub(super) fn gaps(csv: &Path, sidecar: &Sidecar) -> Result<Vec<String>, StoreError> {
+    let mut notes = Vec::new();
+    for Previous { data_file, data_sha256 } in sidecar.sittings.iter().filter_map(|sitting| sitting.previous.as_ref()) {
+        let Some(name) = Path::new(data_file).file_name() else { continue };
+        let other = csv.with_file_name(name);
+        let what = if exists(&other)? {
+            match Sidecar::read(&other.with_extension("json")) {
+                Ok(Some(found)) if !found.seals().any(|seal| seal.data_sha256 == *data_sha256) => {
+                    "was replaced, or a change of it was accepted"
+                }
+                // `verify` reports other faults with that session.
+                Ok(_) | Err(StoreError::FileErrors(_)) => continue,
+                Err(error) => return Err(error),
             }
-            // `verify` reports other faults with that session.
-            _ => return None,
+        } else {
+            "is no longer here"
         };
-        Some(format!("{data_file}, which ended before this session, {what}"))
-    };
-    sidecar.sittings.iter().filter_map(|sitting| gap(sitting.previous.as_ref()?)).collect()
+        notes.push(format!("{data_file}, which ended before this session, {what}"));
+    }
+    Ok(notes)
 }

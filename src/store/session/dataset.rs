@@ -3,7 +3,6 @@
 
 use std::{
     collections::HashSet,
-    fs,
     path::{Path, PathBuf},
     time::Duration,
 };
@@ -19,7 +18,7 @@ use crate::{
         file::{exists, make_folder, remove_temporary, write_json, write_whole},
         open::read_regular,
     },
-    system::entries,
+    system::{entries, link_target},
 };
 
 /// Suffix of a data file in a Psych-DS data set; our result files have it too.
@@ -97,12 +96,19 @@ impl SessionPaths {
         let data = self.dataset.join("data");
         let shared = [CHANGES, PARTICIPANTS, PARTICIPANTS_DESCRIBED].map(|name| self.dataset.join(name));
         for path in [&self.dataset, &data, &self.csv, &self.sidecar, &self.frames].into_iter().chain(&shared) {
-            if let Ok(target) = fs::read_link(path) {
-                return Err(StoreError::Link { path: path.clone(), target });
-            }
+            refuse_link(path)?;
         }
         Ok(())
     }
+}
+
+/// Refuses a link.
+///
+/// # Errors
+/// This is a link, or the disk does not say whether it is one.
+pub(super) fn refuse_link(path: &Path) -> Result<(), StoreError> {
+    let target = link_target(path).map_err(io(path, "access"))?;
+    target.map_or(Ok(()), |target| Err(StoreError::Link { path: path.to_owned(), target }))
 }
 
 /// Returns the data set of a data file: the folder that contains its `data` folder.
@@ -112,8 +118,12 @@ pub(crate) fn of(csv: &Path) -> Option<&Path> {
 }
 
 /// Returns the data set of a data file; `None` if its folder has no description of a data set.
-pub(crate) fn described(csv: &Path) -> Option<&Path> {
-    of(csv).filter(|folder| folder.join(DESCRIPTION).is_file())
+///
+/// # Errors
+/// I/O errors.
+pub(crate) fn described(csv: &Path) -> Result<Option<&Path>, StoreError> {
+    let Some(folder) = of(csv) else { return Ok(None) };
+    Ok(exists(&folder.join(DESCRIPTION))?.then_some(folder))
 }
 
 /// Returns the part of a data file's name before `_data.csv`, and the participant and session that it names.

@@ -11,7 +11,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::store::StoreError;
+use crate::store::{
+    StoreError,
+    file::{self, exists},
+};
 
 /// Suffix that is added to the name of the data file.
 pub(super) const SUFFIX: &str = ".lock";
@@ -30,9 +33,7 @@ impl LockFile {
         if is_locked {
             return Ok((None, None));
         }
-        let mut name = csv.file_name().unwrap_or_default().to_owned();
-        name.push(SUFFIX);
-        let path = csv.with_file_name(name);
+        let path = path(csv);
         let unlocked = "the file system of the results does not support locks";
         match OpenOptions::new().write(true).create_new(true).open(&path) {
             Ok(_) => Ok((Some(Self(path)), Some(format!("{unlocked}; a lock file protected the session")))),
@@ -51,6 +52,21 @@ impl LockFile {
             }
         }
     }
+}
+
+/// Returns the path of the lock file for a data file.
+fn path(csv: &Path) -> PathBuf {
+    let mut name = csv.file_name().unwrap_or_default().to_owned();
+    name.push(SUFFIX);
+    csv.with_file_name(name)
+}
+
+/// True if another program is writing the session of a data file.
+///
+/// # Errors
+/// I/O errors.
+pub(super) fn is_held(csv: &Path) -> Result<bool, StoreError> {
+    Ok(file::is_locked(csv)? || exists(&path(csv))?)
 }
 
 impl Drop for LockFile {

@@ -7,15 +7,16 @@ use std::{
 
 use super::{
     dataset::{DATA_FILE, identity},
-    frames, results, seal,
-    sidecar::Sidecar,
+    frames, lock, results,
+    seal::{Difference, Hashes},
+    sidecar::{Sidecar, missing},
 };
 use crate::{
     experiment::{Identity, Phase, Protocol, RowContext, Schedule, TrialRecord, columns},
-    store::{FileError, FileErrors, StoreError, definition},
+    store::{FileError, FileErrors, StoreError, definition, file::exists},
 };
 
-/// A session with all its data and metadata.
+/// A session with all its data and metadata, as it was at one moment.
 #[derive(Clone, Debug)]
 pub struct Recorded {
     /// Path of the data file.
@@ -24,6 +25,14 @@ pub struct Recorded {
     pub sidecar_path: PathBuf,
     /// Path of the frames file, if there is one.
     pub frames: Option<PathBuf>,
+    /// The SHA-256 of the frames file, if its seals cover it.
+    pub(in crate::store) frames_sha256: Option<String>,
+    /// The bytes of the header and the complete rows in the data file.
+    pub(in crate::store) data: Vec<u8>,
+    /// The bytes of the sidecar.
+    pub(in crate::store) sidecar_text: Vec<u8>,
+    /// True if another program is recording the session.
+    pub is_running: bool,
     /// Participant and session, from the file names.
     pub identity: Identity,
     /// The definition, from the sidecar.
@@ -39,31 +48,58 @@ pub struct Recorded {
     pub changed: Vec<FileError>,
 }
 
+/// How often a session is read if its sidecar changes in the meantime, which happens at the beginning and end of a sitting.
+const ATTEMPTS: usize = 5;
+
 impl Recorded {
-    /// Reads a session, given the path of its data file.
+    /// Reads a session, given the path of its data file. Each file is read once.
     ///
     /// # Errors
-    /// The file is not named like a data file; there is no sidecar; or a file cannot be parsed, with the location of
-    /// every error.
+    /// The file is not named like a data file; there is no sidecar; a file cannot be read; or a file cannot be parsed,
+    /// with the location of every error.
     pub fn open(csv: &Path) -> Result<Self, StoreError> {
+        let sidecar_path = csv.with_extension("json");
+        let mut before = Sidecar::text(&sidecar_path)?;
+        for _ in 0..ATTEMPTS {
+            let is_running = lock::is_held(csv)?;
+            let read = Self::read(csv, before.clone().ok_or_else(|| missing(&sidecar_path)), is_running);
+            // A sitting that begins or ends in the meantime writes the sidecar again.
+            let after = Sidecar::text(&sidecar_path)?;
+            if before == after {
+                return read;
+            }
+            before = after;
+        }
+        let what = "was changed again and again while it was read; expected a session that is not being recorded";
+        Err(FileErrors::whole(&sidecar_path, what).into())
+    }
+
+    fn read(csv: &Path, text: Result<Vec<u8>, FileErrors>, is_running: bool) -> Result<Self, StoreError> {
         let (stem, identity) = identity(csv).map_err(|message| FileErrors::whole(csv, message))?;
-        let (sidecar_path, sidecar) = Sidecar::of(csv)?;
+        let (sidecar_path, sidecar_text) = (csv.with_extension("json"), text?);
+        let sidecar = Sidecar::parse(&sidecar_path, &sidecar_text)?;
         let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
         let schedule = Schedule::new(&protocol, &identity, sidecar.seed)
             .map_err(|error| StoreError::Mismatch { path: sidecar_path.clone(), what: error.to_string() })?;
-        let read = results::read(csv, &columns(&protocol))?;
+        let (content, columns) = (results::content(csv)?, columns(&protocol));
+        let hashes = Hashes::read(csv, &sidecar, Some(&content))?;
+        let (data, partial_line) = results::whole(csv, content, &columns)?;
         let frames = csv.with_file_name(format!("{stem}{}", frames::SUFFIX));
         Ok(Self {
-            changed: seal::errors(csv, &sidecar),
+            changed: hashes.differences(csv, &sidecar).iter().map(Difference::error).collect(),
+            frames_sha256: hashes.of_frames().map(str::to_owned),
+            rows: results::parse(&csv.display().to_string(), &data, &columns)?,
+            data,
+            sidecar_text,
+            is_running,
             csv: csv.to_owned(),
             sidecar_path,
-            frames: frames.exists().then_some(frames),
+            frames: exists(&frames)?.then_some(frames),
             identity,
             protocol,
             schedule,
             sidecar,
-            rows: read.rows,
-            partial_line: read.partial_line,
+            partial_line,
         })
     }
 

@@ -1,17 +1,17 @@
 //! Repairs a data file whose lines are damaged, so that its session can be resumed.
 
 use std::{
-    fs::{self, OpenOptions},
+    fs::OpenOptions,
     io::{ErrorKind, Write as _},
     path::{Path, PathBuf},
 };
 
 use super::{
-    dataset::{DAMAGED, SIDECAR_SUFFIX, identity},
+    dataset::{self, DAMAGED, SIDECAR_SUFFIX, identity, refuse_link},
     lock::LockFile,
     recorded::Order,
     results::{self, ResultFile},
-    sidecar::{REPAIRED, Sidecar},
+    sidecar::{REPAIRED, Sidecar, missing},
 };
 use crate::{
     experiment::{Column, Identity, Protocol, RowContext, Schedule, TrialRecord, columns},
@@ -19,7 +19,6 @@ use crate::{
         FileErrors, StoreError, definition,
         error::io,
         file::{sha256, sync_folder, write_whole},
-        open::read_regular,
     },
 };
 
@@ -41,24 +40,18 @@ pub struct Repaired {
 ///
 /// # Errors
 /// Another program is writing the session; the sidecar is missing or cannot be read; no row is planned, so the sidecar
-/// belongs to another session; I/O errors. The data file is not changed before the other file is on disk.
+/// belongs to another session; more than half of the lines would be moved; a link; I/O errors. The data file is not changed before the other file is on disk.
 pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
     let (stem, identity) = identity(csv).map_err(|message| FileErrors::whole(csv, message))?;
     let sidecar_path = csv.with_file_name(format!("{stem}{SIDECAR_SUFFIX}"));
-    for path in [csv, &sidecar_path] {
-        if let Ok(target) = fs::read_link(path) {
-            return Err(StoreError::Link { path: path.to_owned(), target });
-        }
-    }
-    let mut sidecar = Sidecar::read(&sidecar_path)?.ok_or_else(|| {
-        FileErrors::whole(&sidecar_path, "does not exist; expected the sidecar, which says what a row contains")
-    })?;
+    [csv, &sidecar_path].into_iter().chain(dataset::of(csv)).chain(csv.parent()).try_for_each(refuse_link)?;
+    let mut sidecar = Sidecar::read(&sidecar_path)?.ok_or_else(|| missing(&sidecar_path))?;
     let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
     let columns = columns(&protocol);
     // This locks the file.
     let open = ResultFile::open(csv, &columns)?;
     let (_lock, _) = LockFile::create(csv, open.file.is_locked())?;
-    let before = read_regular(csv, results::MAX_FILE).map_err(io(csv, "read"))?;
+    let before = results::content(csv)?;
     let Sorted { header_restored, lines, damaged, kept } =
         sort(&before, (&protocol, &identity, sidecar.seed), &columns, csv)?;
     if kept == before {
@@ -135,7 +128,27 @@ fn sort(
         );
         return Err(mismatch(what));
     }
+    // The beginning of a row that an interrupted write left does not count.
+    let open = lines.last().filter(|last| !last.ends_with(b"\n")).map_or(0, |_| 1);
+    let (moved, all) = (sorted.lines.len().saturating_sub(open), lines.len() - open);
+    if 2 * moved > all {
+        let cause = cause(content, columns);
+        return Err(mismatch(format!("{moved} of {all} lines are damaged{cause}; expected at most half of them")));
+    }
     Ok(sorted)
+}
+
+/// Returns the likely cause if most lines cannot be read: a program that saved the file in its own format.
+fn cause(content: &[u8], columns: &[Column]) -> &'static str {
+    let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
+    let count = |separator: u8| header.iter().filter(|byte| **byte == separator).count();
+    let expected = columns.len() - 1;
+    match (count(b','), count(b';').max(count(b'\t'))) {
+        _ if content.contains(&0) => " because they contain zero bytes, as in UTF-16 text from a spreadsheet",
+        (_, other) if other >= expected => " because a spreadsheet saved the file with another separator",
+        (commas, _) if commas != expected => " because another program added or removed columns",
+        _ => "",
+    }
 }
 
 /// Parses one line of a data file with this header; `None` if it is not a row.

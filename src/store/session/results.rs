@@ -74,16 +74,28 @@ impl ResultFile {
 /// # Errors
 /// I/O errors; every row that cannot be parsed, with its line and column.
 pub fn read(path: &Path, columns: &[Column]) -> Result<Recovered, StoreError> {
-    let (content, partial_line) = whole(path, columns)?;
+    let (content, partial_line) = whole(path, content(path)?, columns)?;
     Ok(Recovered { rows: parse(&path.display().to_string(), &content, columns)?, partial_line })
 }
 
-/// Returns the header and the complete rows of a result file, and an incomplete last line.
+/// Reads the content of a result file.
 ///
 /// # Errors
-/// I/O errors; or the file has no complete line and does not begin with the header.
-pub(crate) fn whole(path: &Path, columns: &[Column]) -> Result<(Vec<u8>, Option<String>), StoreError> {
-    let (whole, partial_line) = split_partial_line(read_regular(path, MAX_FILE).map_err(io(path, "read"))?);
+/// I/O errors; or the file is too large.
+pub(super) fn content(path: &Path) -> Result<Vec<u8>, StoreError> {
+    read_regular(path, MAX_FILE).map_err(io(path, "read"))
+}
+
+/// Splits the content of the result file at `path` into the header with the complete rows, and an incomplete last line.
+///
+/// # Errors
+/// The content has no complete line and does not begin with the header.
+pub(super) fn whole(
+    path: &Path,
+    content: Vec<u8>,
+    columns: &[Column],
+) -> Result<(Vec<u8>, Option<String>), FileErrors> {
+    let (whole, partial_line) = split_partial_line(content);
     Ok((complete_lines_or_header(path, whole, partial_line.as_deref(), header(columns))?, partial_line))
 }
 

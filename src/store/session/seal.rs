@@ -3,7 +3,8 @@
 
 use std::{
     collections::BTreeMap,
-    io::{self, Read as _},
+    fs::File,
+    io::{self, Read},
     path::{Path, PathBuf},
 };
 
@@ -14,7 +15,7 @@ use super::{
     frames,
     sidecar::Sidecar,
 };
-use crate::store::{FileError, error::NotData, file::hexadecimal, open::open_regular};
+use crate::store::{FileError, StoreError, error::NotData, file::hexadecimal, open::open_regular};
 
 /// Maximum size of a file that is compared with a seal, in bytes. Frames of 8 hours at 480 Hz have a quarter of it.
 const MAX_HASHED: u64 = 4 << 30;
@@ -60,78 +61,117 @@ impl Difference {
 }
 
 /// Returns an error for each file of a session that differs from what the session wrote.
-pub fn errors(csv: &Path, sidecar: &Sidecar) -> Vec<FileError> {
-    differences(csv, sidecar).iter().map(Difference::error).collect()
+///
+/// # Errors
+/// A file exists but cannot be read.
+pub fn errors(csv: &Path, sidecar: &Sidecar) -> Result<Vec<FileError>, StoreError> {
+    Ok(Hashes::read(csv, sidecar, None)?.differences(csv, sidecar).iter().map(Difference::error).collect())
 }
 
-/// Returns every difference between the files of a session and a seal, in the order of the sittings: the data file `csv`,
-/// its frames file and its sidecar. The seal of the last sitting covers the whole files, and the seals of earlier
-/// sittings cover their beginnings. Every sitting that ended must have a seal. Reads files in constant memory.
-pub(super) fn differences(csv: &Path, sidecar: &Sidecar) -> Vec<Difference> {
-    let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let stem = name.strip_suffix(DATA_FILE).unwrap_or(&name);
-    let [sidecar_path, frames] =
-        [SIDECAR_SUFFIX, frames::SUFFIX].map(|suffix| csv.with_file_name(format!("{stem}{suffix}")));
-    let last = sidecar.sittings.len().saturating_sub(1);
-    let seals = || sidecar.sittings.iter().filter_map(|sitting| sitting.seal.as_ref());
-    let of_rows = seals().next().map(|_| Prefixes::read(csv, seals().map(|seal| seal.data_bytes).collect()));
-    let of_frames = seals()
-        .any(|seal| seal.frames_sha256.is_some())
-        .then(|| Prefixes::read(&frames, seals().filter_map(|seal| seal.frames_bytes).collect()));
-    let mut found = Vec::new();
-    for (sitting, entry) in sidecar.sittings.iter().enumerate() {
-        let is_prefix = sitting < last;
-        let Some(seal) = &entry.seal else {
-            if entry.ended_at.is_some() || entry.complete {
-                let (path, is) = (sidecar_path.clone(), Err("has no seal".to_owned()));
-                found.push(Difference { path, sitting, is_prefix, was: None, is });
-            }
-            continue;
+/// The hashes of a session's files that its seals cover. `None` stands for files that they do not cover.
+pub(super) struct Hashes {
+    rows: Option<Prefixes>,
+    frames: Option<Prefixes>,
+}
+
+impl Hashes {
+    /// Reads the files that are sealed, each once and in constant memory. `data` is the data file, if it was read already.
+    ///
+    /// # Errors
+    /// A file exists but cannot be read.
+    pub fn read(csv: &Path, sidecar: &Sidecar, data: Option<&[u8]>) -> Result<Self, StoreError> {
+        let seals = || sidecar.seals();
+        let lengths = seals().map(|seal| seal.data_bytes).collect::<Vec<_>>();
+        let rows = match data {
+            _ if lengths.is_empty() => None,
+            Some(data) => Some(Prefixes::of(csv, Ok(data), lengths)?),
+            None => Some(Prefixes::of(csv, open(csv), lengths)?),
         };
-        let mut compare = |path: &Path, is: Result<String, String>, was: &str| {
-            if is.as_deref() != Ok(was) {
-                let (path, was) = (path.to_owned(), Some(was.to_owned()));
-                found.push(Difference { path, sitting, is_prefix, was, is });
-            }
-        };
-        let hash = |of: &Option<Prefixes>, bytes: Option<u64>| {
-            of.as_ref().map_or(Err("was not read".to_owned()), |of| of.hash(bytes.filter(|_| is_prefix)))
-        };
-        compare(csv, hash(&of_rows, Some(seal.data_bytes)), &seal.data_sha256);
-        compare(&sidecar_path, Ok(sidecar.sha256_at_end_of(sitting)), &seal.sidecar_sha256);
-        if let Some(was) = &seal.frames_sha256 {
-            compare(&frames, hash(&of_frames, seal.frames_bytes), was);
-        }
+        let frames = beside(csv, frames::SUFFIX);
+        let lengths = seals().filter_map(|seal| seal.frames_bytes).collect();
+        let has_frames = seals().any(|seal| seal.frames_sha256.is_some());
+        let frames = has_frames.then(|| Prefixes::of(&frames, open(&frames), lengths)).transpose()?;
+        Ok(Self { rows, frames })
     }
-    found
+
+    /// Returns the hash of the whole frames file, if the seals cover it and it exists.
+    pub fn of_frames(&self) -> Option<&str> {
+        self.frames.as_ref()?.whole.as_deref()
+    }
+
+    /// Returns every difference from the seals, in the order of the sittings: the data file `csv`, the sidecar and the
+    /// frames file. The seal of the last sitting covers the whole files, and the seals of earlier sittings cover their
+    /// beginnings. Every sitting that ended must have a seal.
+    pub fn differences(&self, csv: &Path, sidecar: &Sidecar) -> Vec<Difference> {
+        let [sidecar_path, frames] = [SIDECAR_SUFFIX, frames::SUFFIX].map(|suffix| beside(csv, suffix));
+        let last = sidecar.sittings.len().saturating_sub(1);
+        let mut found = Vec::new();
+        for (sitting, entry) in sidecar.sittings.iter().enumerate() {
+            let is_prefix = sitting < last;
+            let Some(seal) = &entry.seal else {
+                if entry.ended_at.is_some() || entry.complete {
+                    let (path, is) = (sidecar_path.clone(), Err("has no seal".to_owned()));
+                    found.push(Difference { path, sitting, is_prefix, was: None, is });
+                }
+                continue;
+            };
+            let mut compare = |path: &Path, is: Result<String, String>, was: &str| {
+                if is.as_deref() != Ok(was) {
+                    let (path, was) = (path.to_owned(), Some(was.to_owned()));
+                    found.push(Difference { path, sitting, is_prefix, was, is });
+                }
+            };
+            let hash = |of: &Option<Prefixes>, bytes: Option<u64>| {
+                of.as_ref().map_or(Err("was not read".to_owned()), |of| of.hash(bytes.filter(|_| is_prefix)))
+            };
+            compare(csv, hash(&self.rows, Some(seal.data_bytes)), &seal.data_sha256);
+            compare(&sidecar_path, Ok(sidecar.sha256_at_end_of(sitting)), &seal.sidecar_sha256);
+            if let Some(was) = &seal.frames_sha256 {
+                compare(&frames, hash(&self.frames, seal.frames_bytes), was);
+            }
+        }
+        found
+    }
+}
+
+/// Returns the path of another file of the same session.
+fn beside(csv: &Path, suffix: &str) -> PathBuf {
+    let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    csv.with_file_name(format!("{}{suffix}", name.strip_suffix(DATA_FILE).unwrap_or(&name)))
+}
+
+/// Opens a file that is compared with a seal.
+fn open(path: &Path) -> io::Result<File> {
+    let file = open_regular(path)?;
+    let size = file.metadata()?.len();
+    if size > MAX_HASHED { Err(io::Error::other(NotData::TooLarge { size, most: MAX_HASHED })) } else { Ok(file) }
 }
 
 /// The hashes of the beginnings of a file.
 struct Prefixes {
     /// The hash of each beginning of the file, by its length in bytes.
     of: BTreeMap<u64, String>,
-    /// The hash of the whole file, or why it could not be read.
-    whole: Result<String, String>,
+    /// The hash of the whole file; `None` if it does not exist.
+    whole: Option<String>,
 }
 
 impl Prefixes {
-    /// Reads a file once, and computes the hashes of its beginnings with these lengths in bytes.
-    fn read(path: &Path, mut lengths: Vec<u64>) -> Self {
+    /// Reads what was opened at `path`, and computes the hashes of its beginnings with these lengths in bytes.
+    ///
+    /// # Errors
+    /// The file exists but cannot be read.
+    fn of(path: &Path, opened: io::Result<impl Read>, mut lengths: Vec<u64>) -> Result<Self, StoreError> {
         lengths.sort_unstable();
         let mut of = BTreeMap::new();
-        let whole = Self::hashes(path, lengths, &mut of).map_err(|error| match error.kind() {
-            io::ErrorKind::NotFound => "no longer exists".to_owned(),
-            _ => format!("cannot be read: {error}"),
-        });
-        Self { of, whole }
+        match opened.and_then(|source| Self::hashes(source, lengths, &mut of)) {
+            Ok(whole) => Ok(Self { of, whole: Some(whole) }),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Self { of, whole: None }),
+            Err(error) => Err(StoreError::io(path, "read", error)),
+        }
     }
 
-    fn hashes(path: &Path, lengths: Vec<u64>, of: &mut BTreeMap<u64, String>) -> io::Result<String> {
-        let (mut file, mut hasher, mut read) = (open_regular(path)?, Sha256::new(), 0);
-        let size = file.metadata()?.len();
-        if size > MAX_HASHED {
-            return Err(io::Error::other(NotData::TooLarge { size, most: MAX_HASHED }));
-        }
+    fn hashes(mut source: impl Read, lengths: Vec<u64>, of: &mut BTreeMap<u64, String>) -> io::Result<String> {
+        let (mut hasher, mut read) = (Sha256::new(), 0);
         let mut buffer = vec![0; 1 << 16];
         let mut lengths = lengths.into_iter().peekable();
         loop {
@@ -139,7 +179,7 @@ impl Prefixes {
                 of.insert(length, hexadecimal(&hasher.clone().finalize()));
             }
             let most = lengths.peek().map_or(u64::MAX, |next| next - read).min(buffer.len() as u64);
-            let count = match file.read(&mut buffer[..most as usize]) {
+            let count = match source.read(&mut buffer[..most as usize]) {
                 Ok(0) => return Ok(hexadecimal(&hasher.finalize())),
                 Ok(count) => count,
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
@@ -152,7 +192,7 @@ impl Prefixes {
 
     /// Returns the hash of the first `bytes` bytes, or of the whole file if `bytes` is `None`.
     fn hash(&self, bytes: Option<u64>) -> Result<String, String> {
-        let whole = self.whole.clone()?;
+        let whole = self.whole.clone().ok_or("no longer exists")?;
         match bytes {
             None => Ok(whole),
             Some(bytes) => self.of.get(&bytes).cloned().ok_or(format!("has fewer than {bytes} bytes")),

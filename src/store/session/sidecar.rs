@@ -60,6 +60,11 @@ fn context() -> Value {
     context.into()
 }
 
+/// Returns the error that a data file has no sidecar.
+pub(super) fn missing(path: &Path) -> FileErrors {
+    FileErrors::whole(path, "does not exist; expected the sidecar that belongs to the data file")
+}
+
 impl Sidecar {
     /// Creates the sidecar of a new session.
     pub fn new(protocol: &Protocol, seed: u64, sitting: Sitting) -> Self {
@@ -86,10 +91,15 @@ impl Sidecar {
         self.sittings.last().is_some_and(|sitting| sitting.complete)
     }
 
+    /// Returns the seals of the sittings, in their order.
+    pub(super) fn seals(&self) -> impl DoubleEndedIterator<Item = &Seal> {
+        self.sittings.iter().filter_map(|sitting| sitting.seal.as_ref())
+    }
+
     /// Returns the latest seal; `None` if no sitting ended.
     #[must_use]
     pub fn last_seal(&self) -> Option<&Seal> {
-        self.sittings.iter().rev().find_map(|sitting| sitting.seal.as_ref())
+        self.seals().next_back()
     }
 
     /// Computes the SHA-256 of the sidecar as it was when a sitting ended, without the seal of that sitting. `sitting` is
@@ -133,19 +143,33 @@ impl Sidecar {
     /// # Errors
     /// The file is not readable, or it is not a sidecar, with the line and column.
     pub fn read(path: &Path) -> Result<Option<Self>, StoreError> {
-        let text = match read_regular(path, MAX_FILE) {
-            Ok(text) => text,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            Err(error) => return Err(io(path, "read")(error)),
-        };
-        let read: Self = serde_json::from_slice(&text).map_err(|error| {
+        Self::text(path)?.map(|text| Self::parse(path, &text)).transpose()
+    }
+
+    /// Reads the text of a sidecar; `None` if the file does not exist.
+    ///
+    /// # Errors
+    /// The file is not readable.
+    pub(super) fn text(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
+        match read_regular(path, MAX_FILE) {
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+            text => text.map(Some).map_err(io(path, "read")),
+        }
+    }
+
+    /// Parses the text of the sidecar at `path`.
+    ///
+    /// # Errors
+    /// It is not a sidecar, with the line and column.
+    pub(super) fn parse(path: &Path, text: &[u8]) -> Result<Self, StoreError> {
+        let read: Self = serde_json::from_slice(text).map_err(|error| {
             let message = format!("is not a sidecar of a session: {error}");
             FileErrors(vec![FileError::at(path, (error.line(), error.column()), message)])
         })?;
         if read.sittings.is_empty() {
             return Err(FileErrors::whole(path, "lists no sitting; expected at least one").into());
         }
-        Ok(Some(read))
+        Ok(read)
     }
 
     /// Reads the sidecar of a data file; also returns its path.
@@ -154,13 +178,8 @@ impl Sidecar {
     /// There is no sidecar, or it cannot be read.
     pub fn of(csv: &Path) -> Result<(PathBuf, Self), StoreError> {
         let path = csv.with_extension("json");
-        match Self::read(&path)? {
-            Some(sidecar) => Ok((path, sidecar)),
-            None => {
-                let what = "does not exist; expected the sidecar that belongs to the data file";
-                Err(FileErrors::whole(&path, what).into())
-            }
-        }
+        let sidecar = Self::read(&path)?.ok_or_else(|| missing(&path))?;
+        Ok((path, sidecar))
     }
 
     /// Writes the sidecar atomically.

@@ -10,7 +10,7 @@ use super::{
     participants,
     recorded::order_errors,
     results::{Recovered, ResultFile},
-    seal::{self, Difference},
+    seal::{Difference, Hashes},
     sidecar::Sidecar,
     sitting::{FrameSummary, InputSummary, Seal, Sitting},
 };
@@ -423,7 +423,7 @@ impl Found {
                 return Err(StoreError::Mismatch { path: paths.sidecar, what });
             }
         };
-        let differences = seal::differences(&paths.csv, &sidecar);
+        let differences = Hashes::read(&paths.csv, &sidecar, None)?.differences(&paths.csv, &sidecar);
         if changes == Changes::Refuse && !differences.is_empty() {
             let errors = differences.iter().map(Difference::error).collect();
             return Err(StoreError::Altered(FileErrors(errors)));

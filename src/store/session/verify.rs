@@ -3,6 +3,7 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
+    io::ErrorKind,
     path::{Path, PathBuf},
 };
 
@@ -11,7 +12,7 @@ use rayon::prelude::*;
 
 use super::{
     chain,
-    dataset::{DATA_FILE, DESCRIPTION, SIDECAR_SUFFIX, identity},
+    dataset::{DATA_FILE, SIDECAR_SUFFIX, identity},
     frames::{self, FrameRow},
     recorded::Recorded,
     sidecar::Sidecar,
@@ -19,7 +20,7 @@ use super::{
 use crate::{
     experiment::{GENERATOR, Phase},
     stimulus::recipe::Recipe,
-    store::{FileError, FileErrors, definition, file::temporary_for, image, ratings},
+    store::{FileError, FileErrors, StoreError, definition, error::io, file::temporary_for, image, ratings},
     system::entries,
 };
 
@@ -47,6 +48,8 @@ pub struct VerifiedFolder {
     pub sessions: usize,
     /// Everything that is wrong, also with the data sets as a whole.
     pub errors: Vec<FileError>,
+    /// The folders that were not examined because they belong to another user or are hidden.
+    pub warnings: Vec<FileError>,
     /// Incomplete files that a killed program left; see [`temporary_files`].
     pub left: Vec<PathBuf>,
 }
@@ -110,26 +113,28 @@ pub fn data_sets(
     folder: &Path,
     mut each: impl FnMut(&Path, &Verified, usize) -> bool,
 ) -> Result<VerifiedFolder, FileErrors> {
-    let folders = std::iter::once(folder.to_owned()).chain(entries(folder).unwrap_or_default());
-    let mut datasets: BTreeSet<PathBuf> = folders.filter(|folder| folder.join(DESCRIPTION).is_file()).collect();
+    let listed = ratings::Listed::sessions(folder);
+    let mut found = VerifiedFolder { sessions: listed.files.len(), ..VerifiedFolder::default() };
+    found.errors.extend(listed.errors.iter().cloned());
     // If the rows of every session were deleted, their sidecars still exist.
-    let (files, unreadable) = match ratings::data_files(folder) {
-        Ok(files) => (files, None),
-        Err(error) => (Vec::new(), Some(error)),
-    };
-    datasets.extend(files.iter().filter_map(|csv| csv.parent()?.parent().map(Path::to_owned)));
-    let mut found = VerifiedFolder { sessions: files.len(), ..VerifiedFolder::default() };
-    for dataset in datasets {
-        found.errors.extend(unexpected_files(&dataset));
-        found.left.extend(temporary_files(&dataset));
+    let of_rows = listed.files.iter().filter_map(|csv| Some(csv.parent()?.parent()?.to_owned()));
+    for dataset in of_rows.chain(listed.datasets.iter().cloned()).collect::<BTreeSet<_>>() {
+        match unexpected_files(&dataset).and_then(|errors| Ok((errors, temporary_files(&dataset)?))) {
+            Ok((errors, left)) => {
+                found.errors.extend(errors);
+                found.left.extend(left);
+            }
+            Err(error) => found.errors.extend(error.errors(&dataset)),
+        }
     }
-    if let Some(error) = unreadable.filter(|_| found.errors.is_empty()) {
-        return Err(error);
+    if listed.files.is_empty() && found.errors.is_empty() {
+        return Err(listed.nothing(folder));
     }
+    found.warnings = listed.warnings;
     let (mut renderer, mut further) = (Renderer::default(), 0);
-    for csv in &files {
+    for csv in &listed.files {
         let verified = session(csv, &mut renderer);
-        if !each(csv, &verified, files.len()) {
+        if !each(csv, &verified, listed.files.len()) {
             break;
         }
         for error in verified.errors {
@@ -153,7 +158,10 @@ pub fn session(csv: &Path, renderer: &mut Renderer) -> Verified {
             found.errors.extend(recorded.row_errors());
             check_end(&recorded, &mut found);
             check_seal(&recorded, &mut found);
-            found.notes.extend(chain::gaps(csv, &recorded.sidecar));
+            match chain::gaps(csv, &recorded.sidecar) {
+                Ok(gaps) => found.notes.extend(gaps),
+                Err(error) => found.errors.extend(error.errors(csv)),
+            }
             if let Some(Err(FileErrors(errors))) = recorded.frames.as_ref().map(|path| check_frames(path, &recorded)) {
                 found.errors.extend(errors);
             }
@@ -249,7 +257,9 @@ fn turned_back(sidecar: &Sidecar) -> usize {
 /// Checks that the files have not changed since the session ended.
 fn check_seal(recorded: &Recorded, found: &mut Verified) {
     found.sealed = recorded.sidecar.sittings.last().is_some_and(|sitting| sitting.seal.is_some());
-    if !found.sealed && recorded.changed.is_empty() {
+    if recorded.is_running {
+        found.notes.push("another program is recording it".to_owned());
+    } else if !found.sealed && recorded.changed.is_empty() {
         found.notes.push("not sealed: the session did not end".to_owned());
     }
     found.errors.extend(recorded.changed.iter().cloned());
@@ -310,9 +320,12 @@ pub(crate) fn picture_errors(recorded: &Recorded, renderer: &mut Renderer) -> Ve
 
 /// Reports the tables and sidecars in the `data` folder of a data set that do not belong to a session: sidecars and
 /// frames without rows, and files with other names, such as the conflicted copies of a cloud service.
-#[must_use]
-pub fn unexpected_files(dataset: &Path) -> Vec<FileError> {
-    let error = |path: PathBuf| {
+///
+/// # Errors
+/// The folder exists but cannot be read.
+pub fn unexpected_files(dataset: &Path) -> Result<Vec<FileError>, StoreError> {
+    let files: BTreeSet<PathBuf> = files_in(&dataset.join("data"))?.into_iter().collect();
+    let error = |path: &PathBuf| {
         let name = path.file_name()?.to_string_lossy().into_owned();
         let is_text = [".csv", ".json"].iter().any(|extension| name.to_ascii_lowercase().ends_with(extension));
         if name.starts_with('.') || !is_text {
@@ -321,22 +334,31 @@ pub fn unexpected_files(dataset: &Path) -> Vec<FileError> {
         let stem = [DATA_FILE, SIDECAR_SUFFIX, frames::SUFFIX].iter().find_map(|suffix| name.strip_suffix(suffix));
         let csv = stem.map(|stem| path.with_file_name(format!("{stem}{DATA_FILE}")));
         match csv.filter(|csv| identity(csv).is_ok()) {
-            None => Some(FileError::whole(&path, "is not named like a file of a session; expected only such files")),
-            Some(csv) if !csv.exists() => {
-                Some(FileError::whole(&path, "has no data file next to it; expected the rows of its session"))
+            None => Some(FileError::whole(path, "is not named like a file of a session; expected only such files")),
+            Some(csv) if !files.contains(&csv) => {
+                Some(FileError::whole(path, "has no data file next to it; expected the rows of its session"))
             }
             Some(_) => None,
         }
     };
-    entries(&dataset.join("data")).unwrap_or_default().into_iter().filter_map(error).collect()
+    Ok(files.iter().filter_map(error).collect())
 }
 
 /// Returns the incomplete files in a data set that a killed program left. They do no harm; the program removes them when
 /// it writes there again.
-#[must_use]
-pub fn temporary_files(dataset: &Path) -> Vec<PathBuf> {
-    let folders = [dataset.to_owned(), dataset.join("data")];
-    let mut files: Vec<PathBuf> = folders.iter().flat_map(|folder| entries(folder).unwrap_or_default()).collect();
+///
+/// # Errors
+/// A folder exists but cannot be read.
+pub fn temporary_files(dataset: &Path) -> Result<Vec<PathBuf>, StoreError> {
+    let mut files = [files_in(dataset)?, files_in(&dataset.join("data"))?].concat();
     files.retain(|path| path.file_name().and_then(|name| temporary_for(name.to_str()?)).is_some());
-    files
+    Ok(files)
+}
+
+/// Returns what is in a folder; nothing if it does not exist.
+fn files_in(folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
+    match entries(folder) {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(Vec::new()),
+        files => files.map_err(io(folder, "read")),
+    }
 }
