@@ -7,6 +7,7 @@ use crate::{
     display::photometer::{Calibration, Family, FittedChannel, Sum, largest},
     report::{document::Shown, figures},
     store::{Writer, profile},
+    system::found,
     work::{
         RequestError,
         calibrate::{Calibrate, Calibrated},
@@ -45,7 +46,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let stem = out.file_stem().map_or_else(|| "display".into(), |stem| stem.to_string_lossy().into_owned());
     let made = request.calibrate(&stem)?;
     print(request, &made)?;
-    let done = if out.exists() { "replaced" } else { "wrote" };
+    let done = if found(out)?.is_some() { "replaced" } else { "wrote" };
     profile::write(writer, out, &made.profile)?;
     if let Some(path) = plot {
         draw(writer, path, &made.calibration)?;

@@ -7,6 +7,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command, ValueHint};
 
 use crate::{
     store::{StoreError, Writer, ratings::with_files},
+    system::found,
     work::{FittedPath, NewFolder, OutPath},
 };
 
@@ -44,7 +45,9 @@ pub(super) fn writer(command: &Command, matches: &ArgMatches) -> Result<Writer, 
         // Text arguments can also be paths.
         let paths = paths.chain(values(argument, matches, |text: &String| PathBuf::from(text)));
         // A built-in definition may have the same name as a folder.
-        inputs.extend(paths.filter(|path| reads_folders || path.is_file()));
+        inputs.extend(paths.filter(|path| {
+            reads_folders || found(path).map_or(true, |found| found.is_some_and(|found| found.is_file()))
+        }));
         let fitted = values(argument, matches, |path: &FittedPath| path.to_path_buf());
         if is_fit { &mut files } else { &mut inputs }.extend(fitted);
         let written = values(argument, matches, |path: &OutPath| path.to_path_buf());

@@ -12,7 +12,7 @@ use crate::{
         definition, profile,
         session::{Changes, SessionStore},
     },
-    system::check_clock,
+    system::{check_clock, found},
     work::RequestError,
 };
 
@@ -75,7 +75,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         if SessionStore::is_finished(&arguments.results, &protocol, &identity, arguments.seed, changes)? {
             return super::print_line(&format!("{}: the session is already complete", csv.display()));
         }
-    } else if csv.exists() {
+    } else if found(&csv).map_err(|error| StoreError::io(&csv, "access", error))?.is_some() {
         return Err(StoreError::Exists(csv).into());
     }
     let display = arguments.display.as_deref().map(profile::open).transpose()?.unwrap_or_default();

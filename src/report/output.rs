@@ -14,6 +14,7 @@ use super::{
 use crate::{
     analysis::Results,
     store::{StoreError, Writer},
+    system::found,
 };
 
 /// A file that every analysis has.
@@ -87,7 +88,8 @@ pub fn report_files(
 /// The same errors as [`Writer::check`], in particular if the folder has an earlier analysis.
 pub fn check_folder(writer: &Writer, folder: &Path) -> Result<(), StoreError> {
     writer.check_folder(folder)?;
-    if folder.exists() { writer.check([folder.join(CELLS).as_path()]) } else { Ok(()) }
+    let found = found(folder).map_err(|error| StoreError::io(folder, "access", error))?;
+    found.map_or(Ok(()), |_| writer.check([folder.join(CELLS).as_path()]))
 }
 
 fn pictures(figure: &Figure, folder: &Path) -> Result<[(String, Vec<u8>); 2], StoreError> {

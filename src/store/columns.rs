@@ -32,7 +32,7 @@ impl Columns {
         self
     }
 
-    /// Checks that there are columns and that all of them have the same number of rows.
+    /// Checks that there are columns, that all of them have the same number of rows, and that no text has a zero byte.
     pub(super) fn check(&self, name: &str) -> Result<(), FileErrors> {
         let rows = self.rows();
         let other = self.0.iter().find(|(_, column)| column.len() != rows);
@@ -42,7 +42,21 @@ impl Columns {
                 let message = format!("the column {other} has {} rows; expected {rows}, as in {first}", column.len());
                 Err(FileErrors::whole(name, message))
             }
-            (None, Some(_)) => Ok(()),
+            (None, Some(_)) => self.without_zero_bytes(name),
+        }
+    }
+
+    fn without_zero_bytes(&self, name: &str) -> Result<(), FileErrors> {
+        let has_zero = |column: &Column| match column {
+            Column::Texts(Texts { texts, .. }) => texts.iter().any(|text| text.contains('\0')),
+            Column::Numbers(_) => false,
+        };
+        match self.0.iter().find(|(_, column)| has_zero(column)) {
+            Some((column, _)) => Err(FileErrors::whole(
+                name,
+                format!("a cell of the column {column} contains a zero byte; expected text"),
+            )),
+            None => Ok(()),
         }
     }
 

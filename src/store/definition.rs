@@ -16,6 +16,7 @@ use crate::{
         Protocol, Recovery, ResponseScale, Texts, ViewingPlan,
     },
     stimulus::{KINDS, MachBand, ParameterValue, Stimulus},
+    system::found,
     text::names::expected_one_of,
 };
 
@@ -56,7 +57,7 @@ pub fn text(name_or_path: &Path) -> Result<Cow<'static, str>, FileErrors> {
         return Ok(built_in.text.into());
     }
     let looks_like_a_name = name_or_path.extension().is_none() && name_or_path.components().count() == 1;
-    if looks_like_a_name && !name_or_path.exists() {
+    if looks_like_a_name && matches!(found(name_or_path), Ok(None)) {
         let names: Vec<_> = BUILT_IN.iter().map(|built_in| built_in.name).collect();
         return Err(FileErrors::whole(
             name_or_path,

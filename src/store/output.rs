@@ -3,7 +3,7 @@
 #[cfg(unix)]
 use std::os::unix::fs::MetadataExt as _;
 use std::{
-    collections::{BTreeSet, HashSet},
+    collections::BTreeSet,
     fs, io,
     path::{Path, PathBuf},
 };
@@ -14,9 +14,10 @@ use super::{
     StoreError,
     dataset::{DATA_FILE, DESCRIPTION, SIDECAR_SUFFIX, identity},
     error::io,
-    file::{folder_of, full_path, make_folder, sync_folder, temporary},
+    file::{exists, folder_of, full_path, make_folder, sync_folder, temporary},
     frames,
 };
+use crate::system::found;
 
 /// Writes the outputs of one command or page.
 ///
@@ -24,14 +25,14 @@ use super::{
 /// regular file. It replaces other files only if it is allowed to.
 #[derive(Clone, Debug, Default)]
 pub struct Writer {
-    inputs: HashSet<Identity>,
+    inputs: Vec<PathBuf>,
     force: bool,
 }
 
 impl Writer {
     /// Creates a writer for a call that reads the files and folders `inputs`; with `force`, it replaces existing files.
     pub fn new(inputs: impl IntoIterator<Item = PathBuf>, force: bool) -> Self {
-        Self { inputs: inputs.into_iter().filter_map(|path| inode(&path)).collect(), force }
+        Self { inputs: inputs.into_iter().collect(), force }
     }
 
     /// Returns a writer that replaces existing files.
@@ -61,13 +62,13 @@ impl Writer {
     /// [`StoreError::Protected`] if it is an input, belongs to the data of a data set, or is not a folder; I/O errors.
     pub fn check_folder(&self, folder: &Path) -> Result<(), StoreError> {
         let target = full_path(folder).map_err(io(folder, "access"))?;
-        if target.exists() && !target.is_dir() {
+        if found(&target).map_err(io(folder, "access"))?.is_some_and(|found| !found.is_dir()) {
             return Err(protected(folder, "is not a folder; expected a folder for the files to write"));
         }
-        if self.reads(&target) {
+        if self.reads(&target)? {
             return Err(protected(folder, "is an input of this command; expected a different folder"));
         }
-        data_set(&target).filter(|(_, is_data)| *is_data).map_or(Ok(()), |(root, _)| Err(in_data(folder, &root)))
+        data_set(&target)?.filter(|(_, is_data)| *is_data).map_or(Ok(()), |(root, _)| Err(in_data(folder, &root)))
     }
 
     /// Creates a folder and its parents.
@@ -127,7 +128,7 @@ impl Writer {
             Err(error) if error.kind() == io::ErrorKind::NotFound => None,
             found => Some(found.map_err(io(path, "write"))?),
         };
-        if let Some((root, is_data)) = data_set(&target) {
+        if let Some((root, is_data)) = data_set(&target)? {
             match &found {
                 _ if is_data => return Err(in_data(path, &root)),
                 Some(_) => {
@@ -137,7 +138,7 @@ impl Writer {
                 None => {}
             }
         }
-        if let Some(session) = session_of(&target) {
+        if let Some(session) = session_of(&target)? {
             let session = session.display();
             return Err(protected(path, format!("belongs to the session of {session}; expected a different file")));
         }
@@ -146,7 +147,7 @@ impl Writer {
             Some(found) if !found.is_file() => {
                 Err(protected(path, "is not a regular file; expected a new file or an existing regular file"))
             }
-            Some(_) if self.reads(&target) => {
+            Some(_) if self.reads(&target)? => {
                 Err(protected(path, "is an input of this command; expected a different file"))
             }
             Some(_) if !self.force => Err(StoreError::Occupied(path.to_owned())),
@@ -154,8 +155,15 @@ impl Writer {
         }
     }
 
-    fn reads(&self, target: &Path) -> bool {
-        inode(target).is_some_and(|found| self.inputs.contains(&found))
+    /// True if this file or folder is an input.
+    fn reads(&self, target: &Path) -> Result<bool, StoreError> {
+        let Some(own) = identified(target)? else { return Ok(false) };
+        for input in &self.inputs {
+            if identified(input)?.as_ref() == Some(&own) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 }
 
@@ -169,26 +177,35 @@ fn in_data(path: &Path, root: &Path) -> StoreError {
 }
 
 /// Returns the folder of the data set that contains `target`, and whether `target` is in its `data` folder.
-fn data_set(target: &Path) -> Option<(PathBuf, bool)> {
-    let is_root = |folder: &&Path| folder.join(DESCRIPTION).exists();
-    let mut roots = target.ancestors().skip(1).filter(is_root).map(|root| {
-        let is_data = target.strip_prefix(root).is_ok_and(|path| path.starts_with("data"));
-        (root.to_owned(), is_data)
-    });
-    let nearest = roots.next()?;
-    // One data set may contain another, as an export does in `sourcedata`.
-    Some(roots.find(|(_, is_data)| *is_data && !nearest.1).unwrap_or(nearest))
+fn data_set(target: &Path) -> Result<Option<(PathBuf, bool)>, StoreError> {
+    let mut nearest = None;
+    for root in target.ancestors().skip(1) {
+        if exists(&root.join(DESCRIPTION))? {
+            let is_data = target.strip_prefix(root).is_ok_and(|path| path.starts_with("data"));
+            // One data set may contain another, as an export does in `sourcedata`.
+            if is_data {
+                return Ok(Some((root.to_owned(), true)));
+            }
+            nearest.get_or_insert_with(|| (root.to_owned(), false));
+        }
+    }
+    Ok(nearest)
 }
 
 /// Returns the file of a session next to which `target` belongs: its sidecar or, if `target` is named like a file of a
 /// session, any of its files.
-fn session_of(target: &Path) -> Option<PathBuf> {
-    let name = target.file_name()?.to_str()?;
+fn session_of(target: &Path) -> Result<Option<PathBuf>, StoreError> {
+    let name = target.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     let suffixes = [SIDECAR_SUFFIX, DATA_FILE, frames::SUFFIX];
-    let stem = suffixes.iter().find_map(|suffix| name.strip_suffix(suffix))?;
+    let Some(stem) = suffixes.iter().find_map(|suffix| name.strip_suffix(suffix)) else { return Ok(None) };
     let [sidecar, csv, frames] = suffixes.map(|suffix| target.with_file_name(format!("{stem}{suffix}")));
     let is_named = identity(&csv).is_ok();
-    [sidecar].into_iter().chain([csv, frames].into_iter().filter(|_| is_named)).find(|path| path.exists())
+    for path in [sidecar].into_iter().chain([csv, frames].into_iter().filter(|_| is_named)) {
+        if exists(&path)? {
+            return Ok(Some(path));
+        }
+    }
+    Ok(None)
 }
 
 /// Identifies a file or folder by its device and inode number, which are the same for all paths that lead to it,
@@ -199,10 +216,11 @@ type Identity = (u64, u64);
 #[cfg(not(unix))]
 type Identity = PathBuf;
 
-/// Returns the identity of an existing file or folder.
-fn inode(path: &Path) -> Option<Identity> {
+/// Returns the identity of a file or folder; `None` if it does not exist.
+fn identified(path: &Path) -> Result<Option<Identity>, StoreError> {
+    let metadata = found(path).map_err(io(path, "access"))?;
     #[cfg(unix)]
-    return fs::metadata(path).ok().map(|found| (found.dev(), found.ino()));
+    return Ok(metadata.map(|found| (found.dev(), found.ino())));
     #[cfg(not(unix))]
-    return path.canonicalize().ok();
+    return metadata.map(|_| path.canonicalize()).transpose().map_err(io(path, "access"));
 }

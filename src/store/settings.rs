@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     FileErrors, StoreError,
-    file::{make_folder, read_text, write_file},
+    file::{exists, make_folder, read_text, write_file},
     toml,
 };
 use crate::system::config_folder;
@@ -114,8 +114,9 @@ impl SettingsFile {
     /// The file cannot be read, or is not a file of settings; it must then not be written, because that would destroy
     /// what its owner wrote.
     pub fn open(path: &Path) -> Result<(Self, Settings), FileErrors> {
+        let exists = exists(path).map_err(|error| FileErrors(error.errors(path)))?;
         let settings =
-            if path.exists() { parse(&path.display().to_string(), &read_text(path)?)? } else { Settings::default() };
+            if exists { parse(&path.display().to_string(), &read_text(path)?)? } else { Settings::default() };
         Ok((Self { path: path.to_owned(), written: settings.clone() }, settings))
     }
 

@@ -22,6 +22,7 @@ use crate::{
         Judged, Renderer, Residual, Shot, StimulusColor, Triple, Undershoot, ViewingConditions, describe_scene,
     },
     store::{self, scene::SceneFile},
+    system::found,
     vision::{PicturePrediction, Visibility, VisionError},
 };
 
@@ -536,7 +537,7 @@ impl OneMesh {
             let mesh = mesh.map_err(|error| RequestError::new("vertices", error))?;
             return Ok(FoundMesh { mesh, note: None });
         }
-        if path.extension().is_none() && !path.exists() {
+        if path.extension().is_none() && matches!(found(path), Ok(None)) {
             let name = path.display().to_string();
             let message =
                 format!("{name:?} is not known; expected {}, or an OBJ, PLY, glTF or GLB file", Shape::EXPECTED);

@@ -49,7 +49,7 @@ pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<Strin
     write_file(&to.join("CHANGES"), changes(experiments).as_bytes())?;
     write_participants(experiments, to, notes)?;
     for experiment in experiments {
-        psych_ds::copy(experiment, &to.join("sourcedata").join(&experiment.name))?;
+        psych_ds::copy(experiment, &to.join("sourcedata").join(&experiment.name), notes)?;
         let common = experiment.has_one_definition();
         let protocol = &experiment.sessions[0].protocol;
         if common {
@@ -355,8 +355,7 @@ fn write_participants(experiments: &[Experiment], to: &Path, notes: &mut Vec<Str
         participants.entry(session.identity.subject()).or_default().push(session);
     }
     let datasets = experiments.iter().flat_map(Experiment::datasets);
-    let Collected { participants: answered, descriptions, notes: differences } =
-        collect(datasets, &participants.keys().copied().collect())?;
+    let Collected { participants: answered, descriptions, notes: differences } = collect(datasets)?;
     notes.extend(differences);
     let mut described = json!({
         "participant_id": { "Description": "Participant." },

@@ -28,7 +28,7 @@ use crate::store::{
 pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<String>) -> Result<(), StoreError> {
     for experiment in experiments {
         let folder = to.join(&experiment.name);
-        copy(experiment, &folder)?;
+        copy(experiment, &folder, notes)?;
         for session in &experiment.sessions {
             write_file(&folder.join("data").join(format!("{}{DATA_FILE}", session.stem())), &session.data)?;
             if let Some(note) = describe(&folder, &session.protocol)? {
@@ -76,7 +76,7 @@ fn append(path: &Path, text: &str) -> Result<(), StoreError> {
 ///
 /// # Errors
 /// The data sets are described by different files; a file changed since it was read; I/O errors.
-pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreError> {
+pub(super) fn copy(experiment: &Experiment, folder: &Path, notes: &mut Vec<String>) -> Result<(), StoreError> {
     let data = folder.join("data");
     make_folder(&data)?;
     for name in DESCRIBING {
@@ -84,7 +84,8 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreEr
             write_file(&folder.join(name), &content)?;
         }
     }
-    let Collected { participants, descriptions, .. } = collect(experiment.datasets(), &experiment.subjects())?;
+    let Collected { participants, descriptions, notes: found } = collect(experiment.datasets())?;
+    notes.extend(found);
     if !participants.is_empty() {
         write_file(&folder.join(PARTICIPANTS), participants.text().as_bytes())?;
         write_json(&folder.join(PARTICIPANTS_DESCRIBED), &descriptions.into())?;
@@ -107,7 +108,7 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreEr
 /// Two data sets have different files, because each may belong to another author with another license; I/O errors.
 pub(super) fn described(name: &str, experiment: &Experiment) -> Result<Option<(PathBuf, Vec<u8>)>, StoreError> {
     let mut known: Option<(PathBuf, Vec<u8>)> = None;
-    for dataset in experiment.datasets() {
+    for dataset in experiment.datasets().keys() {
         let path = dataset.join(name);
         let content = match read_regular(&path, MAX_DESCRIPTION) {
             Err(error) if error.kind() == ErrorKind::NotFound => None,

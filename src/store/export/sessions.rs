@@ -46,14 +46,15 @@ impl Experiment {
         self.sessions.iter().all(|session| session.protocol == self.sessions[0].protocol)
     }
 
-    /// Returns the data sets of the sessions, each once.
-    pub fn datasets(&self) -> BTreeSet<&Path> {
-        self.sessions.iter().filter_map(|session| dataset::of(&session.csv)).collect()
-    }
-
-    /// Returns the IDs of the participants.
-    pub fn subjects(&self) -> BTreeSet<&str> {
-        self.sessions.iter().map(|session| session.identity.subject()).collect()
+    /// Returns the data sets of the sessions, each with the IDs of its participants.
+    pub fn datasets(&self) -> BTreeMap<&Path, BTreeSet<&str>> {
+        let mut datasets = BTreeMap::<_, BTreeSet<_>>::new();
+        for session in &self.sessions {
+            if let Some(dataset) = dataset::of(&session.csv) {
+                datasets.entry(dataset).or_default().insert(session.identity.subject());
+            }
+        }
+        datasets
     }
 
     /// Returns a line for each exported file that was changed after its session ended, with only the name of the file.

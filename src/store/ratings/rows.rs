@@ -218,10 +218,13 @@ impl RowError {
 /// Returns the text of a row in a table with this number of columns.
 ///
 /// # Errors
-/// The row is not UTF-8, a quote is not closed, or the number of cells differs from the header's.
+/// The row is not UTF-8 or contains a zero byte, a quote is not closed, or the number of cells differs from the header's.
 fn checked<'a>(row: &Row<'a>, width: usize) -> Result<&'a str, (Option<usize>, String)> {
     let text = row.text().map_err(|_| (None, "the row is not UTF-8 text; expected UTF-8".to_owned()))?;
     let found = row.record.len();
+    if let Some(cell) = text.contains('\0').then(|| row.record.iter().position(|cell| cell.contains(&0))).flatten() {
+        return Err((Some(cell), "the cell contains a zero byte; expected text".to_owned()));
+    }
     if row.is_open() {
         return Err((Some(found - 1), "a quote is never closed; expected a closing quote".to_owned()));
     }

@@ -7,14 +7,14 @@ use std::{
 };
 
 use super::{
-    dataset::{DATA_FILE, identity},
+    dataset::{self, identity},
     results,
     sidecar::Sidecar,
 };
 use crate::{
     experiment::{Identity, Protocol, columns},
-    store::{FileErrors, StoreError, definition},
-    system::entries,
+    store::{FileErrors, StoreError, definition, ratings::Listed},
+    system::found,
 };
 
 /// A session as a list shows it.
@@ -75,7 +75,7 @@ impl SessionState {
 pub struct Overview {
     /// Unfinished sessions first, then the latest first.
     pub sessions: Vec<SessionState>,
-    /// The errors of sessions that cannot be read.
+    /// The errors of sessions and folders that cannot be read, and folders that were not examined.
     pub errors: Vec<String>,
 }
 
@@ -84,10 +84,14 @@ impl Overview {
     #[must_use]
     pub fn of(results: &Path) -> Self {
         let mut overview = Self::default();
-        let datasets = entries(results).unwrap_or_default().into_iter();
-        let files = datasets.flat_map(|dataset| entries(&dataset.join("data")).unwrap_or_default());
-        let is_data = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().ends_with(DATA_FILE));
-        for csv in files.filter(is_data) {
+        if let Ok(None) = found(results) {
+            return overview;
+        }
+        let listed = Listed::sessions(results);
+        overview.errors.extend(listed.errors.iter().chain(&listed.warnings).map(ToString::to_string));
+        // A session is resumed in the results folder, so not in a folder further down.
+        let is_own = |csv: &PathBuf| dataset::of(csv).and_then(Path::parent) == Some(results);
+        for csv in listed.files.into_iter().filter(is_own) {
             match SessionState::read(csv) {
                 Ok(session) => overview.sessions.push(session),
                 Err(error) => overview.errors.push(error.to_string()),

@@ -45,8 +45,9 @@ impl Participants {
             Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
             Err(error) => return Err(io(&path, "read")(error)),
         };
-        let lines = (1..).zip(text.trim_start_matches('\u{feff}').lines());
-        let mut lines = lines.filter(|(_, line)| !line.is_empty());
+        // Old spreadsheets end lines with only a carriage return.
+        let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n");
+        let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.is_empty());
         let cells = |line: &str| line.split('\t').map(str::to_owned).collect::<Vec<_>>();
         let columns = lines.next().map_or_else(|| vec![ID.to_owned()], |(_, line)| cells(line));
         if columns[0] != ID {
@@ -120,6 +121,10 @@ impl Participants {
         notes
     }
 
+    fn has(&self, subject: &str) -> bool {
+        self.rows.iter().any(|row| is_of(row, subject))
+    }
+
     /// True if there is no row.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
@@ -132,8 +137,12 @@ impl Participants {
     }
 }
 
+/// True if a row is that of a participant. People who edit the table leave out `sub-` or change the case; IDs that differ
+/// only in case are not allowed.
 fn is_of(row: &[String], subject: &str) -> bool {
-    row[0].strip_prefix("sub-") == Some(subject)
+    let id = row[0].trim();
+    let bare = id.get(..4).filter(|prefix| prefix.eq_ignore_ascii_case("sub-")).map_or(id, |_| &id[4..]);
+    bare.eq_ignore_ascii_case(subject)
 }
 
 /// Enters the answers of a participant into the table of a data set, and describes its columns. Other programs that do
@@ -186,17 +195,16 @@ pub(in crate::store) struct Collected {
     pub notes: Vec<String>,
 }
 
-/// Collects what several data sets say about these participants.
+/// Collects what several data sets say about these participants of theirs.
 ///
 /// # Errors
 /// The files cannot be read; or a spreadsheet would interpret a cell as a formula.
 pub(in crate::store) fn collect<'a>(
-    datasets: impl IntoIterator<Item = &'a Path>,
-    subjects: &BTreeSet<&str>,
+    datasets: impl IntoIterator<Item = (&'a Path, BTreeSet<&'a str>)>,
 ) -> Result<Collected, StoreError> {
     let mut participants = Participants { columns: vec![ID.to_owned()], rows: Vec::new() };
     let (mut descriptions, mut notes) = (Map::new(), Vec::new());
-    for dataset in datasets {
+    for (dataset, subjects) in datasets {
         let table = Participants::read(dataset)?;
         let cells = || table.rows.iter().zip(2..).flat_map(|(row, line)| row.iter().map(move |cell| (line, cell)));
         let errors = cells().filter(|(_, cell)| is_formula(cell)).map(|(line, cell)| {
@@ -205,7 +213,12 @@ pub(in crate::store) fn collect<'a>(
             FileError::at(dataset.join(PARTICIPANTS), (line, 1), message)
         });
         FileErrors::none(errors.collect())?;
-        notes.extend(participants.add(&table, subjects));
+        notes.extend(participants.add(&table, &subjects));
+        let missing: Vec<&str> = subjects.iter().filter(|subject| !table.has(subject)).copied().collect();
+        if !table.is_empty() && !missing.is_empty() {
+            let path = dataset.join(PARTICIPANTS);
+            notes.push(format!("{}: has no row for {}", path.display(), missing.join(", ")));
+        }
         for (column, description) in described(dataset)? {
             descriptions.entry(column).or_insert(description);
         }

@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     experiment::{Answers, Identity, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns},
-    store::{FileErrors, StoreError, definition, file::exists},
+    store::{FileError, FileErrors, StoreError, definition, file::exists},
 };
 
 /// The files of a running session.
@@ -410,7 +410,7 @@ impl Found {
         if let Some(sidecar) = &found {
             check_same(sidecar, protocol, seed, &paths.sidecar)?;
         }
-        let recovered = rows.recover(&columns)?;
+        let recovered = rows.recover(&columns).map_err(repairable)?;
         let sidecar = match found {
             Some(sidecar) => sidecar,
             // A session without rows has recorded nothing that could belong to another definition.
@@ -432,15 +432,18 @@ impl Found {
         let schedule = Schedule::new(protocol, identity, sidecar.seed).map_err(|error| mismatch(error.to_string()))?;
         let context = RowContext { protocol, schedule: &schedule, identity, sitting: 1 };
         let mut resumed = Resumed::default();
-        for row in &recovered.rows {
-            let trial = row.planned_trial(&context).map_err(mismatch)?;
-            resumed.done.insert(trial);
+        let (mut planned, mut errors) = (Vec::new(), Vec::new());
+        for (row, line) in recovered.rows.iter().zip(2..) {
+            match row.planned_trial(&context) {
+                Ok(trial) => {
+                    resumed.done.insert(trial);
+                    planned.push((row, line));
+                }
+                Err(what) => errors.push(FileError::at(&paths.csv, (line, 1), what)),
+            }
         }
-        let mut errors = order_errors(&paths.csv, recovered.rows.iter().zip(2..), sidecar.is_repaired());
-        if !errors.is_empty() {
-            errors.iter_mut().for_each(|error| error.message += "; machband repair moves such rows to another file");
-            return Err(FileErrors(errors).into());
-        }
+        errors.extend(order_errors(&paths.csv, planned, sidecar.is_repaired()));
+        FileErrors::none(errors).map_err(repairable)?;
         Ok(Self { paths, rows, sidecar, differences, schedule, resumed, recovered })
     }
 
@@ -449,6 +452,12 @@ impl Found {
         let is_rated = self.resumed.done.len() == self.schedule.trials.len() && self.recovered.partial_line.is_none();
         is_rated && self.sidecar.is_complete() && self.differences.is_empty()
     }
+}
+
+/// Names the command that moves lines with errors to another file.
+fn repairable(FileErrors(mut errors): FileErrors) -> FileErrors {
+    errors.iter_mut().for_each(|error| error.message += "; machband repair moves such lines to another file");
+    FileErrors(errors)
 }
 
 /// Checks that a session was recorded with this definition and this seed.
