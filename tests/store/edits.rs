@@ -15,7 +15,7 @@ use machband::{
         check::check,
         export::{Choice, Format, export},
         frames::FrameRow,
-        ratings::{ReadOptions, data_files},
+        ratings::{Listed, ReadOptions},
         session::{Changes, SessionStore},
         sitting::{Pictures, Sitting},
         verify,
@@ -318,13 +318,13 @@ fn copy(from: &Path, to: &Path) {
 
 /// Returns which of [`WHO`] report something about these results. Resuming comes last because it may change them.
 fn seen(results: &Path, renderer: &mut verify::Renderer) -> [bool; 5] {
-    let files = data_files(results).unwrap_or_default();
+    let files = Listed::sessions(results).files;
     let data_set = results.join("small-one");
     let mut is_noticed = |csv: &PathBuf| {
         let found = verify::session(csv, renderer);
         !found.errors.is_empty() || found.notes.iter().any(|note| note.contains("which ended before this session"))
     };
-    let verified = files.iter().any(&mut is_noticed) || !verify::unexpected_files(&data_set).is_empty();
+    let verified = files.iter().any(&mut is_noticed) || !verify::unexpected_files(&data_set).unwrap().is_empty();
     let tables = fs::read_dir(data_set.join("data")).unwrap().flatten().map(|entry| entry.path());
     let mut tables = tables.filter(|path| path.extension().is_some_and(|extension| extension == "csv"));
     let checked = tables.any(|path| check(path).is_err());

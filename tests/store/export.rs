@@ -13,7 +13,7 @@ use machband::{
     store::{
         export::{Choice, Exported, Format, export},
         image,
-        ratings::data_files,
+        ratings::Listed,
         recorded::Recorded,
         sidecar::Sidecar,
         sitting::{FrameSummary, Geometry},
@@ -84,7 +84,7 @@ fn study() -> (TempDir, PathBuf) {
 }
 
 fn sessions(results: &Path) -> Vec<Recorded> {
-    data_files(results).unwrap().iter().map(|csv| Recorded::open(csv).unwrap()).collect()
+    Listed::sessions(results).files.iter().map(|csv| Recorded::open(csv).unwrap()).collect()
 }
 
 /// Returns every row by its experiment and its row_id, as cells by column.
@@ -153,7 +153,7 @@ fn every_cell_and_every_picture_is_exported() {
     let psych_ds = scratch.path().join("psych-ds");
     written(&results, &psych_ds, Format::PsychDs);
     assert_eq!(rows(&psych_ds), expected);
-    for csv in data_files(&psych_ds).unwrap() {
+    for csv in Listed::sessions(&psych_ds).files {
         let found = verified(&csv);
         assert_eq!(found.errors, [], "{}", csv.display());
         assert!(Recorded::open(&csv).unwrap().partial_line.is_none());
@@ -256,7 +256,7 @@ fn errors_are_reported_and_nothing_is_written() {
     assert!(!everything(&out).iter().any(|(path, _)| path.to_string_lossy().contains("S002")));
     interrupt(&results, "S001", 7);
     let error = export(&results, &scratch.path().join("none"), Format::Bids, COMPLETE).unwrap_err().to_string();
-    assert!(error.contains("no complete session"), "{error}");
+    assert!(error.contains("no session to export") && error.contains("7 of 28 trials are rated"), "{error}");
 }
 
 #[test]
@@ -354,7 +354,7 @@ fn a_changed_file_is_exported_only_on_request_and_the_export_names_it() {
             assert!(text.contains(&format!("{name}: {what}")), "{format:?} {place}: {text}");
         }
         // The seal still reveals the change in the copy.
-        let copy = data_files(&to).unwrap().remove(0);
+        let copy = Listed::sessions(&to).files.remove(0);
         let found = verified(&copy);
         assert!(found.errors.iter().any(|error| error.message.contains(what)), "{:?}", found.errors);
     }

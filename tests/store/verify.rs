@@ -89,9 +89,9 @@ fn interrupted_sessions_cause_notes_and_stray_files_cause_errors() {
     fs::write(data.join("subject-S001_session-1_task-quick_data.json.machband-a1b2C3d4E5f6G7h8.tmp"), "{").unwrap();
     fs::write(data.join("subject-S001_session-1_task-quick_data (conflicted copy).csv"), "").unwrap();
     fs::write(data.join(".DS_Store"), "").unwrap();
-    let left = verify::unexpected_files(data.parent().unwrap());
+    let left = verify::unexpected_files(data.parent().unwrap()).unwrap();
     assert_eq!(left.len(), 2, "{left:?}");
-    assert_eq!(verify::temporary_files(data.parent().unwrap()).len(), 1);
+    assert_eq!(verify::temporary_files(data.parent().unwrap()).unwrap().len(), 1);
     let mut sidecar = Sidecar::read(&csv.with_extension("json")).unwrap().unwrap();
     let sitting = &mut sidecar.sittings[0];
     (sitting.complete, sitting.ended_at, sitting.seal) = (false, None, None);

@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use rayon::{iter::Either, prelude::*};
+use rayon::prelude::*;
 
 use crate::{
     experiment::{columns, name_error},
@@ -102,15 +102,28 @@ pub(crate) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErr
 
 /// Reads all sessions, or reports all their errors. Unless `accept_changes` is true, it is an error if a file was
 /// changed after its session ended.
-pub(super) fn read(files: &[PathBuf], accept_changes: bool) -> Result<Vec<Recorded>, StoreError> {
-    let (sessions, errors): (Vec<_>, Vec<_>) = files.par_iter().partition_map(|csv| match Recorded::open(csv) {
-        Ok(session) => match errors(&session) {
-            errors if errors.is_empty() => Either::Left(session),
-            errors => Either::Right(errors),
-        },
-        Err(error) => Either::Right(error.errors(csv)),
-    });
-    FileErrors::none(errors.concat())?;
+/// Leaves out the sessions that are being recorded, with a note for each.
+pub(super) fn read(
+    files: &[PathBuf],
+    accept_changes: bool,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Recorded>, StoreError> {
+    let open = |csv: &PathBuf| Recorded::open(csv).map(|session| (errors(&session), session));
+    let (mut sessions, mut wrong) = (Vec::new(), Vec::new());
+    for (csv, opened) in files.iter().zip(files.par_iter().map(open).collect::<Vec<_>>()) {
+        match opened {
+            Ok((_, Recorded { is_running: true, .. })) | Err(StoreError::InUse(_)) => {
+                let csv = csv.display();
+                notes.push(format!("{csv}: another program is recording this session; the session is left out"));
+            }
+            Ok((errors, session)) => {
+                wrong.extend(errors);
+                sessions.push(session);
+            }
+            Err(error) => wrong.extend(error.errors(csv)),
+        }
+    }
+    FileErrors::none(wrong)?;
     let changed: Vec<FileError> = sessions.iter().flat_map(|session| session.changed.iter().cloned()).collect();
     if changed.is_empty() || accept_changes { Ok(sessions) } else { Err(StoreError::Altered(FileErrors(changed))) }
 }
@@ -133,15 +146,9 @@ fn errors(session: &Recorded) -> Vec<FileError> {
     errors
 }
 
-/// Excludes every session that is being recorded, and incomplete sessions if requested; notes which. Notes every change
-/// that was accepted.
+/// Notes every incomplete session, and excludes it if requested. Notes every change that was accepted.
 pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &mut Vec<String>) -> Vec<Recorded> {
     sessions.retain(|session| {
-        if session.is_running {
-            let csv = session.csv.display();
-            notes.push(format!("{csv}: another program is recording this session; the session is left out"));
-            return false;
-        }
         let (rated, planned) = session.rated();
         let is_complete = rated == planned && session.partial_line.is_none();
         if is_complete || !complete_only {

@@ -62,7 +62,7 @@ pub fn export(from: &Path, to: &Path, format: Format, choice: Choice) -> Result<
     sessions::refuse_links(from, &files)?;
     let notes = warnings.iter().map(ToString::to_string).collect();
     let mut exported = Exported { notes, ..Exported::default() };
-    let sessions = sessions::read(&files, choice.accept_changes)?;
+    let sessions = sessions::read(&files, choice.accept_changes, &mut exported.notes)?;
     let sessions = sessions::chosen(sessions, choice.complete_only, &mut exported.notes);
     if sessions.is_empty() {
         let error = FileError::whole(from, "has no session to export; expected one that was recorded completely");

@@ -56,7 +56,7 @@ impl Recorded {
     ///
     /// # Errors
     /// The file is not named like a data file; there is no sidecar; a file cannot be read; or a file cannot be parsed,
-    /// with the location of every error.
+    /// with the location of every error. [`StoreError::InUse`] if another program is just creating the session.
     pub fn open(csv: &Path) -> Result<Self, StoreError> {
         let sidecar_path = csv.with_extension("json");
         let mut before = Sidecar::text(&sidecar_path)?;
@@ -66,7 +66,11 @@ impl Recorded {
             // A sitting that begins or ends in the meantime writes the sidecar again.
             let after = Sidecar::text(&sidecar_path)?;
             if before == after {
-                return read;
+                // A session that is just being created has no sidecar yet.
+                return match read {
+                    Err(_) if is_running || lock::is_held(csv)? => Err(StoreError::InUse(csv.to_owned())),
+                    read => read,
+                };
             }
             before = after;
         }

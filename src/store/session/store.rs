@@ -439,6 +439,8 @@ impl Found {
                     resumed.done.insert(trial);
                     planned.push((row, line));
                 }
+                // The rows of another session cannot be repaired.
+                Err(what) if planned.is_empty() => return Err(mismatch(what)),
                 Err(what) => errors.push(FileError::at(&paths.csv, (line, 1), what)),
             }
         }

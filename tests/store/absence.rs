@@ -1,0 +1,276 @@
+//! What cannot be read is not absent: readers say so and conclude nothing, and exports are snapshots.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    sync::atomic::{AtomicBool, Ordering},
+};
+
+use machband::{
+    experiment::Identity,
+    store::{
+        export::{Choice, Exported, Format, export},
+        ratings::Listed,
+        session::{SessionStore, repair},
+    },
+};
+
+use crate::{
+    common::{command, everything, fails, machband, rows, session_csv, skip, text},
+    recording::{self, SEED, sitting, small},
+};
+
+const FORMATS: [Format; 2] = [Format::Bids, Format::PsychDs];
+
+/// Records up to `limit` trials of a participant.
+fn record(results: &Path, subject: &str, limit: usize) -> SessionStore {
+    let (protocol, identity) = (small(), Identity::new(subject, "1").unwrap());
+    let mut store = SessionStore::create(results, &protocol, &identity, SEED, sitting()).unwrap();
+    recording::rate(&mut store, (&protocol, &identity), None, limit, false).unwrap();
+    store
+}
+
+fn csv(results: &Path, subject: &str) -> PathBuf {
+    session_csv(results, "small-one", subject)
+        .with_file_name(format!("subject-{subject}_session-1_task-smallone_data.csv"))
+}
+
+#[test]
+fn nothing_is_verified_only_if_nothing_is_there() {
+    let scratch = tempfile::tempdir().unwrap();
+    let results = scratch.path().join("results");
+    record(&results, "S001", usize::MAX);
+    fs::rename(results.join("small-one"), results.join(".small-one")).unwrap();
+    for command in
+        [&["verify", "results"][..], &["repair", "results"], &["export", "results", "--format", "bids", "--out", "out"]]
+    {
+        let said = fails(scratch.path(), command, 1);
+        assert!(said.contains("contains no session data files"), "{said}");
+        assert!(said.contains(".small-one: is a hidden data set and was not read"), "{said}");
+    }
+    // A hidden folder is a warning as soon as there is something to read.
+    record(&results, "S002", usize::MAX);
+    let output = command(scratch.path(), &["verify", "results"]).output().unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("1 session verified; no errors"), "{}", text(&output.stdout));
+    assert!(text(&output.stderr).contains("is a hidden data set and was not read"), "{}", text(&output.stderr));
+}
+
+/// A folder of another user, such as `lost+found`, is a warning; one of the same user is an error. The rest is examined.
+#[cfg(target_os = "linux")]
+#[test]
+fn folders_that_cannot_be_read_are_named_and_the_rest_is_examined() {
+    use std::os::unix::fs::{PermissionsExt as _, chown};
+
+    const OTHER: u32 = 65534;
+    let scratch = tempfile::tempdir().unwrap();
+    let results = scratch.path().join("results");
+    record(&results, "S001", usize::MAX);
+    let own = |path: &Path| chown(path, Some(OTHER), Some(OTHER));
+    if own(scratch.path()).is_err() {
+        return skip("ROOT", "folders of other users: only root can give a folder to somebody else");
+    }
+    let program = scratch.path().join("machband");
+    fs::copy(env!("CARGO_BIN_EXE_machband"), &program).unwrap();
+    everything(&results).iter().for_each(|(path, _)| own(&results.join(path)).unwrap());
+    [&results, &results.join("small-one"), &results.join("small-one/data")].iter().for_each(|path| own(path).unwrap());
+    let run = |arguments: &[&str]| {
+        let ids = ["--reuid=65534", "--regid=65534", "--clear-groups", "./machband"];
+        let mut command = std::process::Command::new("setpriv");
+        let output = command.current_dir(scratch.path()).args(ids).args(arguments).output().unwrap();
+        (output.status.code(), text(&output.stdout), text(&output.stderr))
+    };
+    let commands = [
+        &["verify", "results"][..],
+        &["repair", "results"],
+        &["counts", "results", "--out", "counts.csv"],
+        &["analyze", "results", "--tables-only", "--out", "analysis"],
+        &["export", "results", "--format", "psych-ds", "--out", "out"],
+    ];
+    let locked = results.join("lost+found");
+    fs::create_dir(&locked).unwrap();
+    fs::set_permissions(&locked, fs::Permissions::from_mode(0o700)).unwrap();
+    for command in commands {
+        let (status, out, said) = run(command);
+        assert_eq!(status, Some(0), "{command:?}: {out}{said}");
+        let all = format!("{out}{said}");
+        assert!(all.contains("lost+found: belongs to another user and cannot be read"), "{command:?}: {all}");
+    }
+    fs::remove_dir_all(scratch.path().join("analysis")).unwrap();
+    fs::remove_dir_all(scratch.path().join("out")).unwrap();
+    fs::remove_file(scratch.path().join("counts.csv")).unwrap();
+    fs::create_dir(results.join("own")).unwrap();
+    own(&results.join("own")).unwrap();
+    fs::set_permissions(results.join("own"), fs::Permissions::from_mode(0o000)).unwrap();
+    for command in commands {
+        let (status, out, said) = run(command);
+        assert_eq!(status, Some(1), "{command:?}: {out}{said}");
+        assert!(said.contains("own: the folder cannot be read: Permission denied"), "{command:?}: {said}");
+    }
+    // The data are there, but they cannot be searched.
+    fs::set_permissions(results.join("small-one/data"), fs::Permissions::from_mode(0o000)).unwrap();
+    for command in commands {
+        let (status, _, said) = run(command);
+        assert!(status == Some(1) && said.contains("Permission denied") && !said.contains("no longer"), "{said}");
+    }
+}
+
+/// Whatever a session does meanwhile, the table of an export has the rows of its source data, and nothing counts as
+/// changed.
+#[test]
+fn an_export_is_a_snapshot() {
+    let scratch = tempfile::tempdir().unwrap();
+    let results = scratch.path().join("results");
+    record(&results, "S000", usize::MAX);
+    let running = record(&results, "S001", 3);
+    let out = |name: String| scratch.path().join(name);
+    for format in FORMATS {
+        let to = out(format!("{format:?}"));
+        let exported = export(&results, &to, format, Choice::default()).unwrap();
+        assert_eq!(exported.sessions, 1);
+        let notes = exported.notes.join("\n");
+        assert!(notes.contains("S001_session-1") && notes.contains("is recording this session"), "{notes}");
+    }
+    drop(running);
+    let ended = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            (2..60).for_each(|number| drop(record(&results, &format!("S{number:03}"), usize::MAX)));
+            ended.store(true, Ordering::Relaxed);
+        });
+        let mut copies = 0;
+        while !ended.load(Ordering::Relaxed) {
+            let to = out(format!("copy-{copies}"));
+            let Exported { sessions, rows: of_tables, notes, .. } =
+                export(&results, &to, Format::Bids, Choice::default()).unwrap();
+            let listed = Listed::sessions(&to.join("sourcedata")).files;
+            let of_source: usize = listed.iter().map(|csv| rows(csv, &small()).len()).sum();
+            let tables = everything(&to).into_iter().filter(|(path, _)| path.to_string_lossy().ends_with("_beh.tsv"));
+            let of_files: usize = tables.map(|(_, table)| text(&table).lines().count() - 1).sum();
+            assert_eq!((listed.len(), of_source, of_files), (sessions, of_tables, of_tables));
+            assert!(!notes.iter().any(|note| note.contains("changed")), "{notes:?}");
+            copies += 1;
+        }
+        assert!(copies > 1);
+    });
+}
+
+#[test]
+fn the_descriptions_of_two_labs_are_not_mixed_up() {
+    let scratch = tempfile::tempdir().unwrap();
+    let both = scratch.path().join("both");
+    let [a, b] = ["a", "b"].map(|lab| both.join(lab));
+    record(&a, "S001", usize::MAX);
+    record(&b, "S002", usize::MAX);
+    let exported = |format: Format| {
+        let to = tempfile::tempdir().unwrap();
+        export(&both, &to.path().join("out"), format, Choice::default()).map_err(|error| error.to_string())
+    };
+    for format in FORMATS {
+        assert_eq!(exported(format).unwrap().sessions, 2);
+        for (name, of_a, of_b) in [
+            ("LICENSE", "CC0", "CC-BY-4.0"),
+            ("CHANGES.md", "2026-01-01: a", "2026-02-02: b"),
+            ("dataset_description.json", r#"{"author": ["A"]}"#, r#"{"author": ["B"]}"#),
+        ] {
+            let [a, b] = [&a, &b].map(|lab| lab.join("small-one").join(name));
+            let before = fs::read(&a).ok();
+            fs::write(&a, of_a).unwrap();
+            fs::write(&b, of_b).unwrap();
+            let error = exported(format).unwrap_err();
+            let expected = format!("{}: differs from {}", b.display(), a.display());
+            assert!(error.starts_with(&expected), "{format:?} {name}: {error}");
+            [&a, &b].iter().for_each(|path| {
+                before.as_ref().map_or_else(|| fs::remove_file(path), |text| fs::write(path, text)).unwrap()
+            });
+        }
+    }
+}
+
+#[test]
+fn repair_leaves_a_file_that_another_program_saved_as_it_is() {
+    let scratch = tempfile::tempdir().unwrap();
+    record(scratch.path(), "S001", usize::MAX);
+    let csv = csv(scratch.path(), "S001");
+    let whole = fs::read_to_string(&csv).unwrap();
+    let utf_16: Vec<u8> = whole.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    for (saved, cause) in [
+        (whole.replace(',', ";").into_bytes(), "another separator"),
+        (whole.replace(',', "\t").into_bytes(), "another separator"),
+        ([&[0xff, 0xfe], &utf_16[..]].concat(), "UTF-16"),
+        (whole.replace('\n', ",\n").into_bytes(), "added or removed columns"),
+    ] {
+        fs::write(&csv, saved).unwrap();
+        let before = everything(scratch.path());
+        let error = repair(&csv).unwrap_err().to_string();
+        assert!(error.contains("lines are damaged") && error.contains(cause), "{error}");
+        assert_eq!(everything(scratch.path()), before);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn repair_does_not_leave_the_folder_through_a_link() {
+    let scratch = tempfile::tempdir().unwrap();
+    let [inside, outside] = ["inside", "outside"].map(|name| scratch.path().join(name));
+    record(&outside, "S001", usize::MAX);
+    let damaged = csv(&outside, "S001");
+    fs::write(&damaged, fs::read_to_string(&damaged).unwrap() + "damaged\n").unwrap();
+    let before = everything(&outside);
+    for (place, target) in [("small-one", outside.join("small-one")), ("elsewhere", outside.clone())] {
+        fs::create_dir(&inside).unwrap();
+        std::os::unix::fs::symlink(target, inside.join(place)).unwrap();
+        let said = fails(scratch.path(), &["repair", "inside"], 1);
+        assert!(said.contains(&format!("inside/{place}: is a link to ")), "{said}");
+        fs::remove_dir_all(&inside).unwrap();
+    }
+    assert_eq!(everything(&outside), before);
+}
+
+/// A row lost a part in its middle: the error of resuming names the command that helps.
+#[test]
+fn resuming_a_damaged_session_names_repair() {
+    let scratch = tempfile::tempdir().unwrap();
+    drop(record(scratch.path(), "S001", 4));
+    let csv = csv(scratch.path(), "S001");
+    fs::write(&csv, fs::read_to_string(&csv).unwrap().replacen("mach-band,", "", 1)).unwrap();
+    let error = recording::resume(scratch.path()).map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("machband repair moves such lines"), "{error}");
+    repair(&csv).unwrap();
+    assert_eq!(recording::resume(scratch.path()).unwrap().1.resumed.done.len(), 3);
+}
+
+#[test]
+fn levels_with_a_zero_byte_are_errors() {
+    let scratch = tempfile::tempdir().unwrap();
+    let rows: String = (0..40).map(|row| format!("S{},{},{}\n", row % 4, ["a", "b\0"][row % 2], row % 3)).collect();
+    fs::write(scratch.path().join("nul.csv"), format!("subject_id,width,rating\n{rows}S1,a,1\n")).unwrap();
+    let arguments = ["analyze", "nul.csv", "--factors", "width", "--out", "out"];
+    let said = text(&machband(scratch.path(), &arguments).stderr);
+    assert!(said.contains("nul.csv:3:4: the cell contains a zero byte; expected text"), "{said}");
+    let script = fs::read(scratch.path().join("out/analysis.R")).unwrap();
+    assert!(!script.contains(&0));
+}
+
+/// What people do to the table by hand: no `sub-`, lower case, the line ends of an old spreadsheet. An export has the
+/// answers, or says whose are missing.
+#[test]
+fn answers_survive_edits_by_hand() {
+    let scratch = tempfile::tempdir().unwrap();
+    let results = scratch.path().join("results");
+    for subject in ["S001", "S002", "S003"] {
+        record(&results, subject, usize::MAX);
+    }
+    let table = "participant_id\tage\rS001\t31\rSUB-s002\t32\r";
+    fs::write(results.join("small-one/participants.tsv"), table).unwrap();
+    for (format, copy) in [(Format::Bids, "participants.tsv"), (Format::PsychDs, "small-one/participants.tsv")] {
+        let to = scratch.path().join(format!("{format:?}"));
+        let notes = export(&results, &to, format, Choice::default()).unwrap().notes.join("\n");
+        assert!(notes.contains("participants.tsv: has no row for S003"), "{notes}");
+        let table = fs::read_to_string(to.join(copy)).unwrap();
+        for (subject, age) in [("sub-S001", "31"), ("sub-S002", "32")] {
+            let row = table.lines().find(|line| line.starts_with(subject)).unwrap();
+            assert!(row.split('\t').any(|cell| cell == age), "{table}");
+        }
+    }
+}
