@@ -34,6 +34,8 @@
 // Both panic if the stream is closed or the disk behind it is full; `report::terminal::message` and `cli::print_line`
 // do not.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
+// They take an error for an absence; see `clippy.toml`.
+#![deny(clippy::disallowed_methods)]
 
 pub mod analysis;
 #[cfg(feature = "window")]

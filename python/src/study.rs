@@ -11,12 +11,12 @@ use machband::{
     report::{self, Provenance, Study, document::Section, study::shell_command},
     stimulus::Stimulus,
     store::{
-        Writer,
+        StoreError, Writer,
         ratings::{self, Listed},
         results,
         sidecar::Sidecar,
     },
-    system::now,
+    system::{found, now},
     text::{Cell, Table},
     work::{
         Analyze, Export, changed,
@@ -54,8 +54,9 @@ pub fn read_results(
 }
 
 fn read(folder: &Path, job: &Job) -> anyhow::Result<Described> {
-    let files =
-        if folder.is_file() { vec![folder.to_owned()] } else { Listed::sessions(folder).complete(folder)?.files };
+    let is_file =
+        found(folder).map_err(|error| StoreError::io(folder, "access", error))?.is_some_and(|it| it.is_file());
+    let files = if is_file { vec![folder.to_owned()] } else { Listed::sessions(folder).complete(folder)?.files };
     let (mut described, mut sessions, mut simulated) = (Vec::new(), Vec::new(), false);
     for (i, csv) in files.iter().enumerate() {
         job.set(i, files.len());

@@ -180,7 +180,7 @@ pub(super) fn full_path(path: &Path) -> std::io::Result<PathBuf> {
 pub(super) fn sync_tree(folder: &Path) -> Result<(), StoreError> {
     // A disk serves several waiting threads at once.
     entries(folder).map_err(io(folder, "read"))?.into_par_iter().try_for_each(|path| {
-        if path.is_dir() {
+        if found(&path).map_err(io(&path, "access"))?.is_some_and(|found| found.is_dir()) {
             return sync_tree(&path);
         }
         // Some systems sync only files that are open for writing.
@@ -194,7 +194,8 @@ pub(super) fn sync_tree(folder: &Path) -> Result<(), StoreError> {
 /// Only regular files with the marker of this program that are older than `age` are removed, because another program
 /// may still be using newer ones. A file that cannot be removed does no harm.
 pub(super) fn remove_temporary(folder: &Path, are_ours: impl Fn(&str) -> bool, age: Duration) {
-    for path in entries(folder).unwrap_or_default() {
+    let Ok(paths) = entries(folder) else { return };
+    for path in paths {
         if !path.file_name().and_then(|name| temporary_for(name.to_str()?)).is_some_and(&are_ours) {
             continue;
         }

@@ -24,6 +24,8 @@ pub fn found(path: &Path) -> io::Result<Option<Metadata>> {
 /// I/O errors other than a missing file or folder.
 pub fn link_target(path: &Path) -> io::Result<Option<PathBuf>> {
     match unless_missing(fs::symlink_metadata(path))? {
+        // The file is known to be a link.
+        #[allow(clippy::disallowed_methods)]
         Some(metadata) if metadata.is_symlink() => fs::read_link(path).map(Some),
         _ => Ok(None),
     }
