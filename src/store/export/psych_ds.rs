@@ -12,7 +12,7 @@ use crate::{
         error::io,
         file::{make_folder, write_file, write_json},
         frames,
-        open::read_regular,
+        open::{open_regular, read_regular},
         participants::{Collected, collect},
         recorded::Recorded,
         results,
@@ -75,7 +75,8 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreEr
     for (source, name) in sources.flat_map(|source| DESCRIBING.map(|name| (source, name))) {
         let (from, to) = (source.join(name), folder.join(name));
         if from.is_file() && !to.exists() {
-            copy_file(&from, &to)?;
+            let content = read_regular(&from, dataset::MAX_DESCRIPTION).map_err(io(&from, "read"))?;
+            write_file(&to, &content)?;
         }
     }
     let Collected { participants, descriptions, .. } = collect(experiment.datasets(), &experiment.subjects())?;
@@ -104,8 +105,10 @@ fn tidy(session: &Recorded, data: &Path) -> Result<(), StoreError> {
     write_file(&data.join(format!("{stem}{DATA_FILE}")), &whole)
 }
 
-/// Copies only the content, so that the new file is writable even if the data set is write-protected.
+/// Copies only the content, so that the new file is writable even if the data set is write-protected. A file of any size
+/// needs no more memory.
 fn copy_file(from: &Path, to: &Path) -> Result<(), StoreError> {
-    let content = read_regular(from, u64::MAX).map_err(io(from, "read"))?;
-    write_file(to, &content)
+    let mut source = open_regular(from).map_err(io(from, "read"))?;
+    let mut target = fs::File::create_new(to).map_err(io(to, "write"))?;
+    std::io::copy(&mut source, &mut target).map(drop).map_err(io(to, "write"))
 }
