@@ -369,7 +369,7 @@ fn cases(full: bool) -> Vec<Case> {
                 vec![(named("--terms f0"), "")],
             ),
             ("at_factors.csv", ratings(5_000, 20, 10, 3, 4).into(), vec![(analyze, "")]),
-            ("at_coefficients.csv", ratings(5_000, 20, 6, 20, 4).into(), vec![(analyze, "")]),
+            ("at_coefficients.csv", ratings(5_000, 20, 6, 20, 4).into(), vec![(analyze, "minutes of one processor")]),
             ("at_categories.csv", ratings(50_000, 20, 1, 8, 250).into(), vec![(named(""), "")]),
             ("at_corners.obj", obj(1024, 150, 1024).into(), vec![(shade, "*")]),
             ("at_pixels.png", png(4096, Sixteen, Rgb, None), vec![("check {}", "no text chunk")]),
@@ -458,7 +458,7 @@ fn huge_files_beside_the_data_are_refused() {
         fs::remove_file(folder.path().join("results/quick").join(name)).unwrap();
     }
     let (status, messages, _) = bounded(folder.path(), "shade --shader gouraud --mesh mesh.gltf --metrics m.csv");
-    let expected = "expected at most 6291";
+    let expected = "(the mesh and all its files may have 268435456 bytes)";
     assert!(status == Some(1) && messages.contains(expected), "{messages}");
 }
 

@@ -39,7 +39,7 @@ const LEAST_PER_PARAMETER: u64 = 5;
 const MANY_RATINGS: usize = 2000;
 const FEW_DRAWS: u32 = 199;
 /// Maximum time of the simulated studies, minutes of one processor, unless the user allows more. Five factors with ten
-/// levels each, 8 participants and 600 ratings of each take 7.
+/// levels each, 8 participants and 600 ratings of each take 4.
 pub const MAX_MINUTES: u64 = 10;
 
 /// A model with its tests.
@@ -192,9 +192,9 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut [f64], 
 fn minutes(frame: &Frame, spec: &ModelSpec, draws: u32) -> u64 {
     /// Time for one mixed model, for each of its parameters and each count of ratings, seconds. Like the next one, it
     /// is for 20 to 100 parameters, and right to a factor of about 2.
-    const MIXED_S: f64 = 0.8e-6;
+    const MIXED_S: f64 = 0.7e-6;
     /// Time for one test of proportional odds, for each condition and the square of the parameters, seconds.
-    const ODDS_S: f64 = 5e-9;
+    const ODDS_S: f64 = 2e-9;
     let (people, rows) = (frame.subjects.len(), frame.rows.len());
     let thresholds = (frame.categories.len() - 1) as f64;
     let of_terms: Vec<f64> = coefficients(frame, &spec.terms).into_iter().map(|own| own as f64).collect();
