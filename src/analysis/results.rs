@@ -4,7 +4,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    Calibration, Link, MAX_COEFFICIENTS, ModelError, ModelReport, ModelSpec, Prediction, Random, Resampling, Slopes,
+    Calibration, Link, MAX_COEFFICIENTS, MAX_MINUTES, ModelError, ModelReport, ModelSpec, Prediction, Random,
+    Resampling, Slopes,
     agreement::{Alpha, kappa, mean_over_subjects, ordinal_alpha, retests},
     counts::{Measured, Quartiles},
     fit_calibrated,
@@ -26,6 +27,8 @@ pub struct Options {
     pub slopes: Slopes,
     /// Maximum number of coefficients of the model.
     pub max_coefficients: usize,
+    /// Maximum time of the simulated studies, minutes of one processor.
+    pub max_minutes: u64,
     /// The simulated studies that calibrate tests and intervals.
     pub resampling: Resampling,
     /// Whether to compute how well the model describes the data.
@@ -40,6 +43,7 @@ impl Default for Options {
             random: None,
             slopes: Slopes::default(),
             max_coefficients: MAX_COEFFICIENTS,
+            max_minutes: MAX_MINUTES,
             resampling: Resampling::default(),
             checks: true,
         }
@@ -177,8 +181,8 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
             Some((factor.name.clone(), [level(first)?, level(second)?]))
         })
         .collect();
-    let Options { resampling, checks, .. } = *options;
-    let calibration = Calibration { resampling, checks, contrasts: &contrasts, progress };
+    let Options { resampling, max_minutes, checks, .. } = *options;
+    let calibration = Calibration { resampling, max_minutes, checks, contrasts: &contrasts, progress };
     let (model, (cells, alpha)) =
         rayon::join(|| fit_calibrated(counts, &spec, &calibration), || (by_cell(counts), ordinal_alpha(counts)));
     let subjects: Vec<SubjectResults> = (by_subject(counts).into_iter())

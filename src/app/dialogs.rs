@@ -119,17 +119,33 @@ fn keys(ui: &mut Ui, id: &str, keys: &[(&str, &str)]) {
     });
 }
 
-/// The question before the window is closed during a session.
+/// The question before the window is closed during a session or a measurement.
 #[derive(Default)]
 pub struct Quit {
     asked: bool,
     agreed: bool,
+    /// Whether the question is about a measurement, which was paused for it.
+    measured: bool,
 }
 
 impl Quit {
+    /// Keeps the window open, and asks whether to quit during the measurement that was just paused.
+    pub fn ask(&mut self, ctx: &Context) {
+        ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+        self.measured = true;
+    }
+
     /// Handles a request to close the window, and draws the question if there is one. Closing the window a second time
     /// answers it. While an answer is only in memory, the window cannot be closed, because it would be lost.
     pub fn show(&mut self, ctx: &Context, session: Option<&mut Runner>) {
+        if self.measured {
+            let text = "Readings and matches are saved; the intervals of a stopped timing are not.";
+            let answer = ask(ctx, "Quit during the measurement?", text, ["Stay", "Quit"]);
+            self.measured = answer.is_none();
+            if answer == Some(true) {
+                ctx.send_viewport_cmd(ViewportCommand::Close);
+            }
+        }
         let requested = ctx.input(|input| input.viewport().close_requested());
         let Some(session) = session.filter(|session| session.is_running()) else {
             self.asked = false;

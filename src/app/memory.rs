@@ -100,6 +100,8 @@ impl Memory {
         };
         if now - changed_s >= SETTLED_S {
             self.save_now();
+            // Settings that cannot be saved are tried again with the next change, and when the window closes.
+            self.last = Some((self.settings.clone(), f64::INFINITY));
         }
     }
 

@@ -155,7 +155,7 @@ impl App {
     }
 
     fn draw_places(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame, monitor: &Monitor) {
-        if !self.direct {
+        if !self.direct && self.measured().is_none() {
             match ui::side_bar(ui, self.place) {
                 Some(SideChoice::Go(place)) => self.go(place, false),
                 Some(SideChoice::Help) => self.dialog = Some(Dialog::Help),
@@ -255,6 +255,12 @@ impl App {
         }
     }
 
+    /// Returns the page that measures the screen, while it does so. As in a trial, the window shows nothing else.
+    fn measured(&mut self) -> Option<&mut display::Display> {
+        let shown = matches!(self.view, View::Places) && self.place == Place::Display;
+        self.display.as_deref_mut().filter(|display| shown && display.ground().is_some())
+    }
+
     fn draw_dialogs(&mut self, ctx: &egui::Context) {
         let open = match self.dialog {
             Some(Dialog::Help) => dialogs::help(ctx, self.place),
@@ -268,9 +274,13 @@ impl App {
 
     /// Asks before the window is closed while something would be left unfinished.
     fn ask_before_closing(&mut self, ctx: &egui::Context) {
+        let closes = ctx.input(|input| input.viewport().close_requested());
+        if closes && let Some(display) = self.measured() {
+            display.pause(ctx);
+            self.quit.ask(ctx);
+        }
         let session = if let View::Session(session) = &mut self.view { Some(&mut **session) } else { None };
         self.quit.show(ctx, session);
-        let closes = ctx.input(|input| input.viewport().close_requested());
         if closes && self.editor.as_mut().is_some_and(|editor| editor.asks_before_closing()) {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             self.place = Place::Run;
@@ -281,7 +291,8 @@ impl App {
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         self.input.frame(ui.input(|input| input.time), Instant::now());
-        self.memory.apply(ui.ctx(), !matches!(self.view, View::Places));
+        let is_dark = !matches!(self.view, View::Places) || self.measured().is_some();
+        self.memory.apply(ui.ctx(), is_dark);
         self.draw(ui, frame);
         self.draw_dialogs(ui.ctx());
         self.ask_before_closing(ui.ctx());

@@ -65,7 +65,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     };
     let participant = match &arguments.participant {
         Some(participant) => participant.clone(),
-        None => free_participant(&arguments.results, &protocol),
+        None => free_participant(&arguments.results, &protocol)?,
     };
     let identity = Identity::new(&participant, &arguments.session)?;
     // Problems that would otherwise surface only after the preflight are reported before a window opens.

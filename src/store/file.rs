@@ -407,7 +407,7 @@ impl Drop for AppendFile {
 
 /// Locks a file against other programs; returns false if the file system does not support locks. That is no reason to
 /// refuse a session.
-fn lock(file: &File, path: &Path) -> Result<bool, StoreError> {
+pub(super) fn lock(file: &File, path: &Path) -> Result<bool, StoreError> {
     let started = Instant::now();
     loop {
         match file.try_lock() {

@@ -4,18 +4,18 @@
 use std::{
     collections::{HashMap, HashSet},
     fs::{self, File, OpenOptions},
-    io::Write as _,
+    io::{Seek as _, Write as _},
     path::{Path, PathBuf},
-    sync::Mutex,
+    sync::{Mutex, PoisonError},
     time::Duration,
 };
 
 use super::{
     StoreError, Writer,
     error::io,
-    file::{remove_temporary, sha256, sync_folder},
+    file::{lock, remove_temporary, sha256, sync_folder},
     image,
-    open::read_regular,
+    open::{found, read_at_most, read_regular},
     table,
 };
 use crate::{
@@ -60,7 +60,8 @@ impl<'a> Manifest<'a> {
     ///
     /// # Errors
     /// The same errors as [`Writer::write`]: a file that is neither one of these images nor a list of them is replaced
-    /// only by a writer that may do so.
+    /// only by a writer that may do so. Another run is making the images of this shard. A list or an image cannot be
+    /// read.
     pub fn open(
         writer: &'a Writer,
         folder: &Path,
@@ -82,31 +83,38 @@ impl<'a> Manifest<'a> {
         let header = ["file", "sha256"].into_iter().chain(names.iter().copied()).chain(["bits", "transfer", "dither"]);
         let header: Vec<String> = header.map(str::to_owned).collect();
         let (list, whole) = (folder.join(list_name(index, shards)), folder.join(MANIFEST));
+        let own = (index - 1..rows.len()).step_by(shards);
+        let mut foreign = foreign_lists(&whole, &list, &header, &rows)?;
+        // A killed run may have made an image without listing it, so an image of the same recipe may stay.
+        let mut ours = HashSet::new();
+        for i in own.clone() {
+            let path = folder.join(&rows[i].0);
+            match image::recipe_text(&path).map_err(io(&path, "read"))? {
+                Some(text) if text == image::describe(&recipes[i]) => _ = ours.insert(i),
+                _ => foreign.push(path),
+            }
+        }
+        writer.check(foreign.iter().map(PathBuf::as_path))?;
+        let mut file = locked(writer, &list)?;
         // Hashes recorded by earlier runs.
         let mut known = HashMap::new();
-        for path in [&whole, &list] {
-            for line in text_of(path).unwrap_or_default().lines() {
+        for text in [text_of(&whole)?, text_of(&list)?].iter().flatten() {
+            for line in text.lines() {
                 let mut cells = line.split(',').map(str::to_owned);
                 known.extend(cells.next().zip(cells.next()));
             }
         }
-        let is_of_recipe = |i: &usize| {
-            let text = image::recipe_text(&folder.join(&rows[*i].0));
-            text.is_some_and(|text| text == image::describe(&recipes[*i]))
-        };
-        let is_intact = |i: &usize| {
-            let is_known = |bytes: Vec<u8>| known.get(&rows[*i].0) == Some(&sha256(&bytes));
-            is_of_recipe(i) && read_regular(&folder.join(&rows[*i].0), u64::MAX).is_ok_and(is_known)
-        };
-        let (intact, missing): (Vec<usize>, Vec<usize>) = (index - 1..rows.len()).step_by(shards).partition(is_intact);
-        let kept = intact.len();
-        // A killed run may have made an image without listing it, so an image of the same recipe may stay.
-        let foreign = missing.iter().filter(|i| !is_of_recipe(i)).map(|i| folder.join(&rows[*i].0));
-        let foreign: Vec<_> = foreign.chain(foreign_lists(&whole, &list, &header, &rows)).collect();
-        writer.check(foreign.iter().map(PathBuf::as_path))?;
-        let line = |i: usize| line(&rows[i], &known[&rows[i].0], &recipes[i]);
-        writer.replacing().write(&list, &intact.into_iter().flat_map(line).collect::<Vec<u8>>())?;
-        let file = OpenOptions::new().append(true).open(&list).map_err(io(&list, "open"))?;
+        let (mut lines, mut missing) = (Vec::new(), Vec::new());
+        for i in own.clone() {
+            let hash = known.get(&rows[i].0).filter(|_| ours.contains(&i));
+            let found = if hash.is_some() { content(&folder.join(&rows[i].0))? } else { None };
+            match hash.filter(|hash| found.is_some_and(|bytes| sha256(&bytes) == **hash)) {
+                Some(hash) => lines.extend(line(&rows[i], hash, &recipes[i])),
+                None => missing.push(i),
+            }
+        }
+        let kept = own.len() - missing.len();
+        file.set_len(0).and_then(|()| file.write_all(&lines)).map_err(io(&list, "write"))?;
         let (folder, file) = (folder.to_owned(), Mutex::new(file));
         Ok(Self { writer, folder, recipes, header, rows, shards, list, file, kept, missing })
     }
@@ -118,36 +126,56 @@ impl<'a> Manifest<'a> {
     pub fn make(&self, i: usize, quantizer: &Quantizer) -> Result<(), StoreError> {
         let path = self.folder.join(&self.rows[i].0);
         let bytes = image::recipe_png(&path, &self.recipes[i], quantizer)?;
-        if !read_regular(&path, bytes.len() as u64).is_ok_and(|found| found == bytes) {
-            self.writer.put(&path, &bytes)?;
+        let found = content(&path)?;
+        if found.as_ref() != Some(&bytes) {
+            match self.writer.put(&path, &bytes) {
+                // A run that divides the work differently made it a moment ago.
+                Err(StoreError::Occupied(_)) if found.is_none() && content(&path)?.as_ref() == Some(&bytes) => {}
+                Err(StoreError::Occupied(_)) if found.is_none() => return Err(in_use(&path)),
+                put => put?,
+            }
         }
         let line = line(&self.rows[i], &sha256(&bytes), &self.recipes[i]);
         // A panic on another thread leaves the file valid. Because each line is a single write, only the last line of a
         // killed run can be incomplete.
-        let mut file = self.file.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         file.write_all(&line).map_err(io(&self.list, "write"))
     }
 
-    /// If every image exists, joins the lists of all shards into `manifest.csv`. Returns whether it did.
+    /// If every image exists, joins the lists of all shards into `manifest.csv`. Returns whether it lists every image.
     ///
     /// # Errors
-    /// The same errors as [`Writer::write`].
+    /// A list cannot be read; the same errors as [`Writer::write`].
     pub fn finish(self) -> Result<bool, StoreError> {
         // Syncing the folder once for all images is much faster than once per image.
         sync_folder(&self.list)?;
+        let mut file = self.file.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let own = file.rewind().and_then(|()| read_at_most(&mut file, MAX_LIST)).map_err(io(&self.list, "read"))?;
         let lists: Vec<PathBuf> =
             (1..=self.shards).map(|index| self.folder.join(list_name(index, self.shards))).collect();
-        let texts: Vec<String> = lists.iter().filter_map(|path| text_of(path)).collect();
+        let mut texts = vec![String::from_utf8_lossy(&own).into_owned()];
+        for list in lists.iter().filter(|list| **list != self.list) {
+            texts.extend(text_of(list)?);
+        }
         // Each line begins with its image's number, so sorting restores the order. A line that another shard is still
         // writing has no line end yet and is skipped.
         let mut lines: Vec<&str> = texts.iter().flat_map(|text| text.split_inclusive('\n')).collect();
         lines.retain(|line| line.ends_with('\n'));
         lines.sort_unstable();
-        if lines.len() < self.rows.len() {
-            return Ok(false);
+        let (path, header) = (self.folder.join(MANIFEST), table::line(&self.header));
+        if is_whole(&lines, &self.rows, self.recipes) {
+            self.writer.replacing().write(&path, &[header, lines.concat().into_bytes()].concat())?;
+        } else {
+            // Another shard may have joined the lists, this one's too, and removed them.
+            let joined = text_of(&path)?.unwrap_or_default();
+            let joined: Vec<&str> = joined.split_inclusive('\n').skip(1).collect();
+            let known: HashSet<&str> = joined.iter().copied().collect();
+            if !is_whole(&joined, &self.rows, self.recipes)
+                || !texts[0].split_inclusive('\n').all(|l| known.contains(l))
+            {
+                return Ok(false);
+            }
         }
-        let manifest = [table::line(&self.header), lines.concat().into_bytes()].concat();
-        self.writer.replacing().write(&self.folder.join(MANIFEST), &manifest)?;
         for list in lists {
             // A leftover file does no harm.
             let _ = fs::remove_file(list);
@@ -156,22 +184,57 @@ impl<'a> Manifest<'a> {
     }
 }
 
+/// Returns whether the lines of a list are those of all images, one each.
+fn is_whole(lines: &[&str], rows: &[(String, Vec<String>)], recipes: &[Recipe]) -> bool {
+    let is_of = |((text, row), recipe): ((&&str, _), _)| {
+        text.split(',').nth(1).is_some_and(|hash| text.as_bytes() == line(row, hash, recipe))
+    };
+    lines.len() == rows.len() && lines.iter().zip(rows).zip(recipes).all(is_of)
+}
+
+/// Opens a shard's list and locks it for as long as it is open.
+fn locked(writer: &Writer, list: &Path) -> Result<File, StoreError> {
+    writer.replacing().check([list])?;
+    let file = OpenOptions::new().read(true).append(true).create(true).open(list).map_err(io(list, "open"))?;
+    match lock(&file, list) {
+        Err(StoreError::InUse(path)) => Err(in_use(&path)),
+        locked => locked.map(|_| file),
+    }
+}
+
+fn in_use(path: &Path) -> StoreError {
+    let what = "another run is making these images; expected it to end first: wait, and run the command again";
+    StoreError::Mismatch { path: path.to_owned(), what: what.to_owned() }
+}
+
 /// Returns those of the two lists (of all images, and of one shard) that exist but do not list these images.
-fn foreign_lists(whole: &Path, list: &Path, header: &[String], rows: &[(String, Vec<String>)]) -> Vec<PathBuf> {
+fn foreign_lists(
+    whole: &Path,
+    list: &Path,
+    header: &[String],
+    rows: &[(String, Vec<String>)],
+) -> Result<Vec<PathBuf>, StoreError> {
     let header = String::from_utf8_lossy(&table::line(header)).into_owned();
     let files: HashSet<&str> = rows.iter().map(|(file, _)| file.as_str()).collect();
     let is_ours = |line: &str| line.split(',').next().is_some_and(|name| files.contains(name));
     // The last line of a killed run can be incomplete.
     let lists_ours = |text: &str| text.split_inclusive('\n').all(|line| !line.ends_with('\n') || is_ours(line));
-    let whole = (whole, text_of(whole).is_some_and(|text| text.starts_with(&header)));
-    let list = (list, text_of(list).is_some_and(|text| lists_ours(&text)));
-    let foreign = [whole, list].into_iter().filter(|(path, is_ours)| !is_ours && path.exists());
-    foreign.map(|(path, _)| path.to_owned()).collect()
+    let whole = (whole, text_of(whole)?.is_none_or(|text| text.starts_with(&header)));
+    let list = (list, text_of(list)?.is_none_or(|text| lists_ours(&text)));
+    let foreign = [whole, list].into_iter().filter(|(_, is_ours)| !is_ours);
+    Ok(foreign.map(|(path, _)| path.to_owned()).collect())
 }
 
-/// Returns the text of a list of images, if it can be read.
-fn text_of(path: &Path) -> Option<String> {
-    read_regular(path, MAX_LIST).ok().and_then(|bytes| String::from_utf8(bytes).ok())
+/// Returns the text of a list of images; `None` if there is none.
+fn text_of(path: &Path) -> Result<Option<String>, StoreError> {
+    let bytes = found(read_regular(path, MAX_LIST)).map_err(io(path, "read"))?;
+    // What is not text lists nothing of ours.
+    Ok(bytes.map(|bytes| String::from_utf8(bytes).unwrap_or_else(|_| "\u{fffd}\n".to_owned())))
+}
+
+/// Returns the content of an image; `None` if there is none.
+fn content(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
+    found(read_regular(path, u64::MAX)).map_err(io(path, "read"))
 }
 
 fn line((file, levels): &(String, Vec<String>), hash: &str, recipe: &Recipe) -> Vec<u8> {

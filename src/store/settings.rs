@@ -1,12 +1,16 @@
 //! What the window remembers from one start to the next: one TOML file in the platform's folder for configuration.
 //! It never holds data about participants.
 
-use std::path::{Path, PathBuf};
+use std::{
+    io::Error,
+    path::{Path, PathBuf},
+};
 
 use serde::{Deserialize, Serialize};
 
 use super::{
     FileErrors, StoreError,
+    error::io,
     file::{exists, make_folder, read_text, write_file},
     toml,
 };
@@ -114,27 +118,27 @@ impl SettingsFile {
     /// The file cannot be read, or is not a file of settings; it must then not be written, because that would destroy
     /// what its owner wrote.
     pub fn open(path: &Path) -> Result<(Self, Settings), FileErrors> {
-        let exists = exists(path).map_err(|error| FileErrors(error.errors(path)))?;
+        let is_there = exists(path).map_err(|error| FileErrors(error.errors(path)))?;
         let settings =
-            if exists { parse(&path.display().to_string(), &read_text(path)?)? } else { Settings::default() };
+            if is_there { parse(&path.display().to_string(), &read_text(path)?)? } else { Settings::default() };
         Ok((Self { path: path.to_owned(), written: settings.clone() }, settings))
     }
 
     /// Writes the settings if they differ from the file's.
     ///
     /// # Errors
-    /// I/O errors. The same settings are not written again.
+    /// I/O errors.
     pub fn save(&mut self, settings: &Settings) -> Result<(), StoreError> {
         if self.written == *settings {
             return Ok(());
         }
-        self.written = settings.clone();
         if let Some(folder) = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
             make_folder(folder)?;
         }
-        // Plain data, so serialization cannot fail.
-        let text = ::toml::to_string(settings).unwrap_or_default();
-        write_file(&self.path, format!("{HEADER}{text}").as_bytes())
+        let text = ::toml::to_string(settings).map_err(|error| io(&self.path, "encode")(Error::other(error)))?;
+        write_file(&self.path, format!("{HEADER}{text}").as_bytes())?;
+        self.written = settings.clone();
+        Ok(())
     }
 }
 

@@ -78,6 +78,7 @@ impl Analyze {
             link: self.model.link,
             random: self.random,
             max_coefficients: self.model.max_coefficients(),
+            max_minutes: self.model.max_minutes(),
             slopes: self.model.slopes,
             resampling: self.resampling,
             ..Options::default()
@@ -104,7 +105,9 @@ pub(super) fn refused(error: &ModelError) -> Option<RequestError> {
         ModelError::UnknownFactor { .. } | ModelError::NotANumber { .. } | ModelError::InfiniteDepth { .. } => {
             Some(RequestError::value("terms", error))
         }
-        ModelError::TooManyCoefficients { .. } => Some(RequestError::new("terms", error).unless("large")),
+        ModelError::TooManyCoefficients { .. } | ModelError::TooMuchWork { .. } => {
+            Some(RequestError::new("terms", error).unless("large"))
+        }
         ModelError::TooManySlopes { .. } => Some(RequestError::value("slopes", error)),
         _ => None,
     }

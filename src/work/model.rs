@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::analysis::{Link, MAX_COEFFICIENTS, Slopes, terms::Terms};
+use crate::analysis::{Link, MAX_COEFFICIENTS, MAX_MINUTES, Slopes, terms::Terms};
 
 /// The ordinal model.
 #[derive(Clone, Debug, Default, PartialEq, clap::Args, Serialize)]
@@ -19,8 +19,8 @@ pub struct Model {
     #[arg(long, default_value_t, value_parser = super::named::<Slopes>(Slopes::NAMES))]
     pub slopes: Slopes,
     /// Also analyze a study that is larger than usual: more than 10 factors, 120 levels of a factor, 5,000 conditions,
-    /// 20,000 participants or 120 coefficients, or names of more than 200 bytes. The time grows with their square or
-    /// cube.
+    /// 20,000 participants, 120 coefficients or 10 minutes of simulated studies, or names of more than 200 bytes. The
+    /// time grows with their square or cube.
     #[arg(long)]
     pub large: bool,
 }
@@ -29,5 +29,10 @@ impl Model {
     /// Returns the maximum number of coefficients.
     pub fn max_coefficients(&self) -> usize {
         if self.large { usize::MAX } else { MAX_COEFFICIENTS }
+    }
+
+    /// Returns how many minutes of one processor the simulated studies may take.
+    pub fn max_minutes(&self) -> u64 {
+        if self.large { u64::MAX } else { MAX_MINUTES }
     }
 }

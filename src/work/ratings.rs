@@ -142,6 +142,9 @@ impl Ratings {
 pub fn explained(error: StudyError) -> anyhow::Error {
     let field = match &error {
         StudyError::Files(_) => return error.into(),
+        StudyError::TooManyCategories { .. } => {
+            return RequestError::value("response", error).such_as("categories", "0,1,2").into();
+        }
         StudyError::TooLarge(_) => return RequestError::whole(error).unless("large").into(),
         StudyError::Exclusion(ExclusionError::Participant { .. } | ExclusionError::Nothing) => "exclude",
         StudyError::Exclusion(ExclusionError::Factor { .. } | ExclusionError::Level { .. }) => "only",

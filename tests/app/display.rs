@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path, sync::mpsc};
 
-use eframe::egui::Key;
+use eframe::egui::{Key, Modifiers, ViewportEvent, ViewportId};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
     app::{
@@ -264,6 +264,48 @@ fn timing() -> Window {
 
 fn says(window: &Window, text: &str) -> bool {
     window.query_all_by_label_contains(text).next().is_some()
+}
+
+/// A page that measures shows what a trial shows and nothing else, and closing the window asks first.
+#[test]
+fn measuring_pages_show_nothing_else_and_leaving_asks() {
+    let folder = tempfile::tempdir().unwrap();
+    for (tool, begin, shown) in
+        [("Photometer", "Show patches", "Patch gray"), ("Gamma by eye", "Begin", "rows lit"), ("Timing", "Measure", "")]
+    {
+        let mut window = home([1000.0, 900.0], STEP_S);
+        click(&mut window, "Measure…");
+        click(&mut window, tool);
+        if tool != "Timing" {
+            let csv = folder.path().join(format!("{tool}.csv"));
+            type_into(&mut window, "Save the measurements in", csv.to_str().unwrap());
+        }
+        let places = ["Run", "Stimuli", "Analyze", "Help", "Settings"];
+        assert!(places.iter().all(|place| says(&window, place)), "{tool}");
+        click(&mut window, begin);
+        window.run_steps(60);
+        for _ in 0..2 {
+            assert!(places.iter().all(|place| window.query_by_label(place).is_none()), "{tool}");
+            if !shown.is_empty() {
+                let middle = window.get_by_label_contains(shown).rect().center();
+                assert!((middle.x - 500.0).abs() < 1.0 && (middle.y - 450.0).abs() < 1.0, "{tool}: {middle:?}");
+            }
+            window.key_press_modifiers(Modifiers::COMMAND, Key::Num1);
+            window.run_steps(3);
+        }
+        for (answer, paused) in [("Stay", true), ("Quit", false)] {
+            let root = window.input_mut().viewports.entry(ViewportId::ROOT).or_default();
+            root.events.push(ViewportEvent::Close);
+            window.run_steps(2);
+            assert!(says(&window, "Quit during the measurement?"), "{tool}");
+            click(&mut window, answer);
+            assert!(!says(&window, "Quit during the measurement?") && says(&window, "Run"), "{tool}");
+            if paused {
+                click(&mut window, if tool == "Timing" { begin } else { "Resume" });
+                window.run_steps(60);
+            }
+        }
+    }
 }
 
 #[test]

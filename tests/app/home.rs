@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use eframe::egui::{Key, Shape};
+use eframe::egui::{self, Key, Shape};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
     app::{App, Launch, Request},
@@ -12,7 +12,7 @@ use machband::{
 
 use crate::{
     common,
-    window::{self, Window, click, leave, press, request, type_into, wait_for, walk_to_first_trial},
+    window::{self, Window, click, leave, press, request, type_into, value, wait_for, walk_to_first_trial},
 };
 
 const STEP_S: f32 = 1.0 / 60.0;
@@ -314,6 +314,36 @@ fn no_answer_is_lost_when_the_folder_is_removed() {
     harness.run_steps(3);
     let ratings: Vec<_> = rows(&second, &protocol).iter().map(|row| row.rating.0).collect();
     assert_eq!(ratings, [1, 3, 3]);
+}
+
+/// Two windows on one results folder do not begin the same session.
+#[test]
+fn another_window_takes_a_participant() {
+    let folder = tempfile::tempdir().unwrap();
+    let results = folder.path().join("results").display().to_string();
+    let opened = || {
+        let mut window = window::home(SIZE, STEP_S);
+        type_into(&mut window, "Results folder", &results);
+        assert_eq!(value(&window, "Participant"), "P001");
+        window
+    };
+    let [mut first, mut second, mut third] = [opened(), opened(), opened()];
+    click(&mut first, "Start");
+    walk_to_first_trial(&mut first);
+    second.event(egui::Event::WindowFocused(true));
+    second.run_steps(3);
+    assert_eq!(value(&second, "Participant"), "P002");
+    click(&mut third, "Start");
+    third.get_by_label_contains("Another window has just begun session 1 of P001.");
+    assert_eq!(value(&third, "Participant"), "P002");
+    // A folder that cannot be listed may have any participant.
+    let data = folder.path().join("results/quick/data");
+    std::fs::remove_dir_all(&data).unwrap();
+    std::os::unix::fs::symlink(&data, &data).unwrap();
+    third.event(egui::Event::WindowFocused(true));
+    third.run_steps(3);
+    third.get_by_label_contains("cannot list");
+    third.get_by_label_contains("Something above needs attention");
 }
 
 #[test]

@@ -47,6 +47,28 @@ fn what_was_typed_is_remembered_and_participants_are_not() {
     assert!(!window.ctx.global_style().visuals.dark_mode);
 }
 
+/// Settings that could not be saved are not given up: the next chance writes them.
+#[test]
+fn settings_that_cannot_be_saved_are_told_and_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let blocked = folder.path().join("blocked");
+    fs::write(&blocked, "").unwrap();
+    let path = blocked.join("settings.toml");
+    let mut window = opened(&path);
+    click(&mut window, "Settings");
+    click(&mut window, "Light");
+    window.run_steps(90);
+    window.get_by_label_contains("The settings cannot be saved.");
+    fs::remove_file(&blocked).unwrap();
+    eframe::App::on_exit(window.state_mut());
+    let text = fs::read_to_string(&path).unwrap();
+    assert!(text.contains("theme = \"light\""), "{text}");
+    // The results folder is found again from any other folder.
+    let results = std::path::absolute("results").unwrap().display().to_string();
+    assert_eq!(value(&window, "Results folder"), results);
+    assert!(text.contains(&format!("results = \"{results}\"")), "{text}");
+}
+
 /// A file that cannot be read is explained and left as it is, because its owner may want to repair it.
 #[test]
 fn a_broken_file_is_explained_and_left_as_it_is() {

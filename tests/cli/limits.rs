@@ -260,6 +260,22 @@ fn cases(full: bool) -> Vec<Case> {
             vec![(analyze, "the row has 1 cell")],
         ),
         (
+            "terms.csv",
+            ratings(4_800, 8, 5, 20, 4).into(),
+            vec![(analyze, "minutes of one processor; expected at most 10: use num:FACTOR")],
+        ),
+        (
+            "times.csv",
+            ratings(4_800, 8, 2, 3, 400).into(),
+            vec![
+                (
+                    "analyze {} --response rating --out {}.out",
+                    "the number of different values is 255 or more; expected",
+                ),
+                ("counts {} --response rating --out {}.csv", "the number of different values is 255 or more; expected"),
+            ],
+        ),
+        (
             "quotes.csv",
             format!("subject_id,rating,count,width\n{}\"", "\"a\"\"\n".repeat(100_000)).into(),
             vec![(analyze, "*"), ("check {}", "*")],
@@ -338,6 +354,10 @@ fn cases(full: bool) -> Vec<Case> {
         ),
         ("edges.obj", obj(50, 4 * many, 3).into(), vec![(shade, "*")]),
     ];
+    let all: String = (0..250).map(|category| format!("{category},")).collect();
+    let named = |terms: &str| -> &'static str {
+        format!("analyze {{}} --response rating --categories {all}250 {terms} --out {{}}.out").leak()
+    };
     if full {
         cases.extend([
             ("at_readings.csv", readings(4000), vec![(calibrate, "")]),
@@ -346,15 +366,11 @@ fn cases(full: bool) -> Vec<Case> {
             (
                 "at_people_and_categories.csv",
                 ratings(48_000, 12_000, 2, 10, 250).into(),
-                vec![("analyze {} --response rating --terms f0 --out {}.out", "")],
+                vec![(named("--terms f0"), "")],
             ),
             ("at_factors.csv", ratings(5_000, 20, 10, 3, 4).into(), vec![(analyze, "")]),
-            ("at_coefficients.csv", ratings(5_000, 20, 6, 20, 4).into(), vec![(analyze, "")]),
-            (
-                "at_categories.csv",
-                ratings(50_000, 20, 1, 8, 250).into(),
-                vec![("analyze {} --response rating --out {}.out", "")],
-            ),
+            ("at_coefficients.csv", ratings(5_000, 20, 6, 20, 4).into(), vec![(analyze, "minutes of one processor")]),
+            ("at_categories.csv", ratings(50_000, 20, 1, 8, 250).into(), vec![(named(""), "")]),
             ("at_corners.obj", obj(1024, 150, 1024).into(), vec![(shade, "*")]),
             ("at_pixels.png", png(4096, Sixteen, Rgb, None), vec![("check {}", "no text chunk")]),
             ("at_conditions.toml", definition(&widths(500), "").into(), vec![("predict {}", "")]),
@@ -420,6 +436,30 @@ fn huge_files_are_refused_before_they_are_read() {
         let (status, messages, _) = bounded(folder.path(), &line.replace("{}", csv));
         assert!(status == Some(1) && messages.contains("error: "), "{line}: {messages}");
     }
+}
+
+/// Files that are only copied or only referred to are bounded too, each and in sum.
+#[test]
+fn huge_files_beside_the_data_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    succeeds(folder.path(), &split("simulate quick --results results"));
+    let sparse = |name: &str, size| fs::File::create(folder.path().join(name)).unwrap().set_len(size).unwrap();
+    let buffer = r#"{"byteLength": 4, "uri": "big.bin"}"#;
+    let gltf = format!(r#"{{"asset": {{"version": "2.0"}}, "buffers": [{}]}}"#, [buffer; 12].join(","));
+    fs::write(folder.path().join("mesh.gltf"), gltf).unwrap();
+    sparse("big.bin", 250 << 20);
+    for name in ["LICENSE", "README.md", "CHANGES.md"] {
+        sparse(&format!("results/quick/{name}"), 3 << 30);
+        for format in ["bids", "psych-ds"] {
+            let (status, messages, _) = bounded(folder.path(), &format!("export results --format {format} --out out"));
+            let expected = format!("{name}: has 3221225472 bytes; expected at most 16777216");
+            assert!(status == Some(1) && messages.contains(&expected), "{format}: {messages}");
+        }
+        fs::remove_file(folder.path().join("results/quick").join(name)).unwrap();
+    }
+    let (status, messages, _) = bounded(folder.path(), "shade --shader gouraud --mesh mesh.gltf --metrics m.csv");
+    let expected = "(the mesh and all its files may have 268435456 bytes)";
+    assert!(status == Some(1) && messages.contains(expected), "{messages}");
 }
 
 /// A sidecar may claim pictures of any size and any number of sittings.

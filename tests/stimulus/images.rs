@@ -1,6 +1,6 @@
 //! Image files: their contents, their verification against the recipe in them, and making many of them in parts.
 
-use std::{path::Path, time::Duration};
+use std::{path::Path, process::Stdio, time::Duration};
 
 use machband::{
     light::{Bits, Dither, Transfer, Transfers},
@@ -9,7 +9,7 @@ use machband::{
 };
 
 use crate::{
-    common::{command, everything, fails, pixels, succeeds},
+    common::{command, everything, fails, pixels, succeeds, text},
     transfers,
 };
 
@@ -225,4 +225,43 @@ fn shards_make_up_the_whole_and_a_killed_run_can_be_resumed() {
     // With different options, everything is made again.
     assert!(stimuli("whole", &["--bits", "16", "--force"]).starts_with("120 images made"));
     fails(folder.path(), &["stimuli", "quick", "--out", "x", "--shard", "4/3"], 2);
+}
+
+/// Runs at the same time make one manifest with a row for each image. A run that another one shuts out says what to do.
+#[test]
+fn runs_at_once_make_one_manifest() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = ["stimuli", "bangay2003", "--size", "64", "--out", "s"];
+    let manifest = |out: &str| std::fs::read_to_string(folder.path().join(out).join("manifest.csv"));
+    succeeds(folder.path(), &["stimuli", "bangay2003", "--size", "64", "--out", "expected"]);
+    for shards in [["1/1"; 3], ["1/3", "2/3", "3/3"], ["1/2", "1/2", "2/2"], ["1/1", "1/2", "2/2"]] {
+        let started = shards.map(|shard| {
+            let mut command = command(folder.path(), &[&options[..], &["--shard", shard]].concat());
+            command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+        });
+        let ended = started.map(|child| child.wait_with_output().unwrap());
+        let said: Vec<String> = ended.iter().map(|output| text(&output.stderr)).collect();
+        for (output, said) in ended.iter().zip(&said) {
+            let lost = said.contains("expected it to end first: wait, and run the command again");
+            assert!(output.status.success() || lost && !said.contains("--force"), "{said}");
+        }
+        for shard in shards {
+            // What the losers are told.
+            succeeds(folder.path(), &[&options[..], &["--shard", shard]].concat());
+        }
+        assert_eq!(manifest("s").unwrap(), manifest("expected").unwrap(), "{shards:?}: {said:?}");
+        std::fs::remove_dir_all(folder.path().join("s")).unwrap();
+    }
+}
+
+/// A list that cannot be read is not one of a shard that still works.
+#[test]
+fn an_unreadable_list_of_images_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    for shard in ["1/2", "2/2"] {
+        std::fs::create_dir_all(folder.path().join("s/manifest-2-of-2.csv")).unwrap();
+        let options = ["stimuli", "quick", "--size", "8", "--out", "s", "--shard", shard];
+        let said = fails(folder.path(), &options, 1);
+        assert!(said.contains("manifest-2-of-2.csv: is a folder; expected a file"), "{said}");
+    }
 }

@@ -96,7 +96,7 @@ mod layout {
     #[test]
     fn the_next_free_participant_has_no_files() {
         let folder = tempfile::tempdir().unwrap();
-        let free = || free_participant(folder.path(), &small());
+        let free = || free_participant(folder.path(), &small()).unwrap();
         assert_eq!(free(), "P001");
         let data = folder.path().join("small-one/data");
         fs::create_dir_all(&data).unwrap();
@@ -112,6 +112,11 @@ mod layout {
             fs::write(data.join(file), "").unwrap();
             assert_eq!(free(), next, "{file}");
         }
+        // A folder that cannot be listed may have any participant.
+        fs::remove_dir_all(&data).unwrap();
+        std::os::unix::fs::symlink(&data, &data).unwrap();
+        let error = free_participant(folder.path(), &small()).unwrap_err().to_string();
+        assert!(error.contains("cannot list"), "{error}");
     }
 }
 

@@ -6,17 +6,21 @@ use serde::Serialize;
 
 use super::{
     checks::{self, Checks},
+    design::coefficients,
     estimates::{self, Prediction, predictions},
     fitting::{Fitted, fit_counts},
-    likelihood_ratios::{TermTest, Withheld, nominal_tests, quantile, without_terms},
+    likelihood_ratios::{MAX_NOMINAL, TermTest, Withheld, nominal_tests, quantile, without_terms},
     margins::{self, Comparison, Margin},
-    model::{Contrast, Model, ModelError, ModelSpec, RandomEffect},
+    model::{Contrast, Model, ModelError, ModelSpec, Random, RandomEffect},
     profile::{self, Quantity, chi_squared_limit},
     resampling::{Resampling, Statistics, simulate},
     terms::Term,
 };
 use crate::{
-    analysis::counts::Counts,
+    analysis::{
+        counts::Counts,
+        frame::{Frame, find_factor},
+    },
     statistics::{Interval, holm},
 };
 
@@ -34,6 +38,9 @@ const LEAST_PER_PARAMETER: u64 = 5;
 /// keeps an analysis at about ten seconds with two threads.
 const MANY_RATINGS: usize = 2000;
 const FEW_DRAWS: u32 = 199;
+/// Maximum time of the simulated studies, minutes of one processor, unless the user allows more. Five factors with ten
+/// levels each, 8 participants and 600 ratings of each take 4.
+pub const MAX_MINUTES: u64 = 10;
 
 /// A model with its tests.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -79,6 +86,8 @@ fn report_with_tests(full: &Fitted) -> Result<ModelReport, ModelError> {
 #[derive(Clone, Copy)]
 pub struct Calibration<'a> {
     pub resampling: Resampling,
+    /// Maximum time of the simulated studies, minutes of one processor.
+    pub max_minutes: u64,
     /// Whether to compute [`ModelReport::checks`].
     pub checks: bool,
     /// Pairs of levels of a factor whose contrast is of interest: name of the factor, and indices of two levels.
@@ -90,12 +99,17 @@ pub struct Calibration<'a> {
 /// Fits a model and computes its tests, intervals and predictions.
 ///
 /// # Errors
-/// Returns the same errors as [`fit`](super::fit).
+/// Returns the same errors as [`fit`](super::fit); [`ModelError::TooMuchWork`].
 pub fn fit_calibrated(
     counts: &Counts,
     spec: &ModelSpec,
     calibration: &Calibration<'_>,
 ) -> Result<ModelReport, ModelError> {
+    let (frame, _) = Frame::new(counts, &spec.terms)?;
+    let (minutes, most) = (minutes(&frame, spec, calibration.resampling.draws), calibration.max_minutes);
+    if minutes > most {
+        return Err(ModelError::TooMuchWork { minutes, most });
+    }
     let full = fit_counts(counts, spec, true)?;
     let mut report = report_with_tests(&full)?;
     let mut limits = vec![chi_squared_limit(1); full.spec.terms.iter().count()];
@@ -148,9 +162,8 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut [f64], 
         return;
     }
     let mut settings = calibration.resampling;
-    if !what.terms.is_empty() && full.mixed.is_some() && full.frame.rows.len() * (1 + what.terms.len()) > MANY_RATINGS {
-        settings.draws = settings.draws.min(FEW_DRAWS);
-    }
+    let mixed = if full.mixed.is_some() { what.terms.len() } else { 0 };
+    settings.draws = draws_of(settings.draws, mixed, full.frame.rows.len());
     let done = std::sync::atomic::AtomicUsize::new(0);
     let progress = || {
         let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
@@ -175,10 +188,43 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut [f64], 
     }
 }
 
+/// Returns about how many minutes of one processor the simulated studies take.
+fn minutes(frame: &Frame, spec: &ModelSpec, draws: u32) -> u64 {
+    /// Time for one mixed model, for each of its parameters and each count of ratings, seconds. Like the next one, it
+    /// is for 20 to 100 parameters, and right to a factor of about 2.
+    const MIXED_S: f64 = 0.7e-6;
+    /// Time for one test of proportional odds, for each condition and the square of the parameters, seconds.
+    const ODDS_S: f64 = 2e-9;
+    let (people, rows) = (frame.subjects.len(), frame.rows.len());
+    let thresholds = (frame.categories.len() - 1) as f64;
+    let of_terms: Vec<f64> = coefficients(frame, &spec.terms).into_iter().map(|own| own as f64).collect();
+    let parameters = thresholds + of_terms.iter().sum::<f64>();
+    let is_between = |term: &Term| {
+        let mut found = term.variables.iter().filter_map(|variable| find_factor(frame.counts, variable).ok());
+        found.any(|(factor, _)| !frame.counts.is_within(factor))
+    };
+    let simulated = |term: &&Term| !spec.terms.is_marginal(term) && is_simulated(people, || is_between(term));
+    let mixed = if people < 2 || spec.random == Random::None { 0 } else { spec.terms.iter().filter(simulated).count() };
+    let models = if mixed == 0 { 0 } else { 1 + mixed };
+    let mixed_s = MIXED_S * parameters * (models * rows) as f64;
+    let of_odds =
+        of_terms.iter().map(|own| parameters + (thresholds - 1.0) * own).filter(|all| *all <= MAX_NOMINAL as f64);
+    let odds_s = ODDS_S * of_odds.map(|all| all * all).sum::<f64>() * frame.conditions().len() as f64;
+    (f64::from(draws_of(draws, mixed, rows)) * (mixed_s + odds_s) / 60.0) as u64
+}
+
+/// Returns how many studies are simulated for this many terms of a mixed model.
+fn draws_of(draws: u32, terms: usize, rows: usize) -> u32 {
+    if terms > 0 && rows * (1 + terms) > MANY_RATINGS { draws.min(FEW_DRAWS) } else { draws }
+}
+
 /// Returns whether the ratio of a term does not have a χ² distribution with this number of participants.
 fn needs_simulation(full: &Fitted, term: &Term) -> bool {
-    let people = full.frame.subjects.len();
-    people < FEW_FOR_LIKELIHOOD_RATIOS || (people < FEW_BETWEEN && full.is_between(term))
+    is_simulated(full.frame.subjects.len(), || full.is_between(term))
+}
+
+fn is_simulated(people: usize, is_between: impl Fn() -> bool) -> bool {
+    people < FEW_FOR_LIKELIHOOD_RATIOS || (people < FEW_BETWEEN && is_between())
 }
 
 /// Corrects the probabilities of several tests of the same kind by Holm's method.

@@ -134,6 +134,12 @@ impl Design {
 /// # Errors
 /// [`ModelError::TooManyCoefficients`].
 pub(crate) fn check_size(frame: &Frame, terms: &Terms, most: usize) -> Result<(), ModelError> {
+    let coefficients = coefficients(frame, terms).into_iter().fold(0, usize::saturating_add);
+    if coefficients > most { Err(ModelError::TooManyCoefficients { coefficients, most }) } else { Ok(()) }
+}
+
+/// Returns the largest number of coefficients that each term may have.
+pub(super) fn coefficients(frame: &Frame, terms: &Terms) -> Vec<usize> {
     let columns = |variable: &Variable| match variable {
         Variable::Number(_) => 1,
         Variable::Factor(name) => {
@@ -142,8 +148,7 @@ pub(crate) fn check_size(frame: &Frame, terms: &Terms, most: usize) -> Result<()
         }
     };
     let of_term = |term: &Term| term.variables.iter().map(columns).fold(1, usize::saturating_mul);
-    let coefficients = terms.iter().map(of_term).fold(0, usize::saturating_add);
-    if coefficients > most { Err(ModelError::TooManyCoefficients { coefficients, most }) } else { Ok(()) }
+    terms.iter().map(of_term).collect()
 }
 
 /// A column in progress: what it stands for and its value for each condition.

@@ -83,7 +83,7 @@ pub(super) fn comparable(one: &Fitted, other: &Fitted) -> bool {
 /// Maximum number of parameters for a test of proportional odds. A separate effect of each level at each threshold
 /// needs levels × thresholds parameters, and the time for a fit grows with the cube of their number. On a scale of 101
 /// steps, the test would be useless.
-const MAX_NOMINAL: usize = 300;
+pub(super) const MAX_NOMINAL: usize = 300;
 
 /// Tests the proportional odds of each term. The random effects are omitted, because this checks the scale and not the
 /// effects.

@@ -29,7 +29,9 @@ mod resampling;
 mod search;
 pub mod terms;
 
-pub use calibration::{Calibration, FEW_FOR_LIKELIHOOD_RATIOS, ModelReport, fit_calibrated, fit_with_tests};
+pub use calibration::{
+    Calibration, FEW_FOR_LIKELIHOOD_RATIOS, MAX_MINUTES, ModelReport, fit_calibrated, fit_with_tests,
+};
 pub use checks::{Alternative, Checks, Influence, Proportion};
 pub use estimates::{Prediction, fit};
 pub use likelihood_ratios::{TermTest, Withheld};

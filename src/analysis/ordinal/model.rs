@@ -360,6 +360,11 @@ pub enum ModelError {
         /// Maximum number of coefficients.
         most: usize,
     },
+    /// The simulated studies would take too long.
+    #[error(
+        "the simulated studies take about {minutes} minutes of one processor; expected at most {most}: use num:FACTOR for a factor with many levels, fewer terms, or fewer draws"
+    )]
+    TooMuchWork { minutes: u64, most: u64 },
     /// The correlated random effects have too many covariances.
     #[error(
         "correlated: each participant has {effects} random effects; expected at most {most}: use num:FACTOR, fewer terms, or independent slopes"

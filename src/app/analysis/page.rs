@@ -1,6 +1,9 @@
 //! The page that reads and shows the data.
 
-use std::path::{Path, PathBuf};
+use std::{
+    io::ErrorKind,
+    path::{Path, PathBuf},
+};
 
 use eframe::egui::{self, Key};
 
@@ -24,6 +27,8 @@ pub struct Analysis {
     typed: String,
     /// The experiments in the results folder that have data.
     found: Vec<PathBuf>,
+    /// Why the results folder cannot be read.
+    unlisted: Option<String>,
     dialog: Dialog,
     /// The files being read, if any.
     reading: Option<Pending>,
@@ -55,7 +60,13 @@ impl Analysis {
 
     /// Offers the experiments that are in a results folder now.
     pub fn offer(&mut self, results: &Path) {
-        self.found = entries(results).unwrap_or_default();
+        let listed = entries(results);
+        self.unlisted = listed
+            .as_ref()
+            .err()
+            .filter(|error| !is_absent(error))
+            .map(|error| format!("{} cannot be read: {error}.", results.display()));
+        self.found = listed.unwrap_or_default();
         self.found.retain(|path| has_data(path));
     }
 
@@ -228,9 +239,10 @@ impl Analysis {
                 }
             }
         });
-        if !self.found.is_empty() {
+        if !self.found.is_empty() || self.unlisted.is_some() {
             section(ui, "In the results folder");
         }
+        self.unlisted.iter().for_each(|error| show_error(ui, error));
         for path in &self.found {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             if ui.button(format!("Analyze {name}")).on_hover_text(path.display().to_string()).clicked() {
@@ -260,10 +272,18 @@ impl Analysis {
     }
 }
 
-/// Returns whether a folder is an experiment's data set with at least one session in it.
+/// Returns whether a folder is an experiment's data set with at least one session in it. One that cannot be read may be;
+/// opening it says what is wrong.
 fn has_data(path: &Path) -> bool {
     let is_session = |path: &PathBuf| path.to_string_lossy().ends_with("_data.csv");
-    entries(&path.join("data")).unwrap_or_default().iter().any(is_session)
+    match entries(&path.join("data")) {
+        Ok(files) => files.iter().any(is_session),
+        Err(error) => !is_absent(&error),
+    }
+}
+
+fn is_absent(error: &std::io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory)
 }
 
 /// Requests an analysis of these ratings.

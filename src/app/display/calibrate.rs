@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{self, Color32, TextEdit, Ui, ViewportCommand};
+use eframe::egui::{self, Color32, Context, TextEdit, Ui, ViewportCommand};
 use egui_plot::MarkerShape;
 
 use super::check::CheckPage;
@@ -154,6 +154,20 @@ impl<M: Method> Calibrate<M> {
         }
     }
 
+    /// Returns whether a run fills the screen.
+    pub fn is_running(&self) -> bool {
+        self.run.is_some() && self.found.is_none() && self.check.is_none()
+    }
+
+    /// Pauses the run, if there is one.
+    pub fn pause(&mut self, ctx: &Context) {
+        if let Some(run) = self.run.take_if(|_| self.found.is_none()) {
+            let (done, all) = run.progress();
+            self.paused = Some((self.path.trim().into(), done, all));
+            full_screen(ctx, false);
+        }
+    }
+
     fn set_up(&mut self, ui: &mut Ui, viewing: Option<&Viewing>) -> Step {
         let (mut begin, mut use_file) = (false, false);
         let (back, ()) = tool_page(ui, M::TITLE, |ui| {
@@ -230,29 +244,22 @@ impl<M: Method> Calibrate<M> {
     }
 
     fn start(&mut self, ui: &Ui, run: M::Run) {
-        full_screen(ui, true);
+        full_screen(ui.ctx(), true);
         (self.run, self.found, self.error) = (Some(run), None, None);
     }
 
     fn show_run(&mut self, ui: &mut Ui) {
-        let Some(mut run) = self.run.take() else { return };
-        match run.show(ui) {
-            Step::Stay => {
-                self.run = Some(run);
-                return;
-            }
-            Step::Back => {
-                let (done, all) = run.progress();
-                self.paused = Some((self.path.trim().into(), done, all));
-            }
-            Step::Next(()) => {
+        match self.run.as_mut().map(|run| run.show(ui)) {
+            None | Some(Step::Stay) => {}
+            Some(Step::Back) => self.pause(ui.ctx()),
+            Some(Step::Next(())) => {
                 self.paused = None;
                 // Dropping a finished run closes its file before the file is read.
-                self.run = (!run.items_to_repeat().is_empty()).then_some(run);
+                self.run.take_if(|run| run.items_to_repeat().is_empty());
                 self.load_findings(self.path.trim().into());
+                full_screen(ui.ctx(), false);
             }
         }
-        full_screen(ui, false);
     }
 
     fn load_findings(&mut self, source: PathBuf) {
@@ -388,7 +395,7 @@ fn file_name(name: &str) -> String {
     if name.is_empty() { "screen".to_owned() } else { name }
 }
 
-fn full_screen(ui: &Ui, on: bool) {
-    ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(on));
-    ui.ctx().request_repaint();
+fn full_screen(ctx: &Context, on: bool) {
+    ctx.send_viewport_cmd(ViewportCommand::Fullscreen(on));
+    ctx.request_repaint();
 }

@@ -13,7 +13,8 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Dialog, Field, FileKind, Monitor, ScreenFields, Step, hint, note, show_error, success, today, tool_page,
+        Dialog, Field, FileKind, Monitor, ScreenFields, Step, hint, note, show_error, success, theme::DARK_PAGE, today,
+        tool_page,
     },
     display::DisplayProfile,
 };
@@ -52,11 +53,23 @@ impl Display {
         Self { window_deg: 10.0, read, tool, dialog, saved, photometer, by_eye }
     }
 
-    /// Returns the background color while a screen is measured; `None` for the color of a page.
+    /// Returns the background color while the screen is measured, which then shows nothing else; `None` for a page.
     pub fn ground(&self) -> Option<Color32> {
         match &self.tool {
             Some(Tool::Timing(tool)) => tool.ground(),
+            Some(Tool::Photometer) => self.photometer.is_running().then_some(Color32::BLACK),
+            Some(Tool::ByEye) => self.by_eye.is_running().then_some(DARK_PAGE),
             _ => None,
+        }
+    }
+
+    /// Pauses the measurement; that of frames ends.
+    pub fn pause(&mut self, ctx: &egui::Context) {
+        match &mut self.tool {
+            Some(Tool::Timing(tool)) => tool.stop(ctx),
+            Some(Tool::Photometer) => self.photometer.pause(ctx),
+            Some(Tool::ByEye) => self.by_eye.pause(ctx),
+            _ => {}
         }
     }
 

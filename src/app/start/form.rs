@@ -2,6 +2,8 @@
 
 use std::{
     collections::BTreeMap,
+    fs::Metadata,
+    io::ErrorKind,
     path::{Path, PathBuf},
 };
 
@@ -10,7 +12,7 @@ use eframe::egui::{TextStyle, Ui};
 use crate::{
     app::{
         session::{Request, stimulus_side_px},
-        ui::{Field, Monitor, ScreenFields, number},
+        ui::{Field, Monitor, ScreenFields, full, number},
     },
     display::{DisplayProfile, Screen, Viewing},
     experiment::{Identity, Protocol, Schedule},
@@ -125,8 +127,14 @@ impl SessionForm {
             self.screen.distance_cm = protocol.viewing.distance_cm.to_string();
         }
         if self.participant.is_empty() {
-            self.participant = free_participant(Path::new(&self.results), &protocol);
+            // If the folder cannot be read, the check says so.
+            self.participant = free_participant(&self.results(), &protocol).unwrap_or_default();
         }
+    }
+
+    /// Returns the full path of the results folder; empty if none is given.
+    pub fn results(&self) -> PathBuf {
+        full(Path::new(self.results.trim()))
     }
 
     pub fn check(&self, monitor: &Monitor) -> Checked {
@@ -140,11 +148,14 @@ impl SessionForm {
             errors.insert(SessionField::Session, error.to_string());
         }
         let identity = Identity::new(&self.participant, &self.session).ok();
-        let results = PathBuf::from(self.results.trim());
+        let results = self.results();
         if let Some(error) = results_error(&results) {
             errors.insert(SessionField::Results, error);
         }
         let mut resume = false;
+        if let Some(Err(error)) = protocol.as_ref().map(|protocol| free_participant(&results, protocol)) {
+            errors.entry(SessionField::Results).or_insert_with(|| error.to_string());
+        }
         if let (Some(protocol), Some(identity)) = (&protocol, &identity) {
             match SessionStore::is_finished(&results, protocol, identity, None, Changes::Refuse) {
                 Ok(true) => {
@@ -199,7 +210,7 @@ impl SessionForm {
             protocol: protocol.clone(),
             identity,
             seed: None,
-            results: self.results.trim().into(),
+            results: self.results(),
             display: display.clone(),
             distance_cm: number(&self.screen.distance_cm).unwrap_or(protocol.viewing.distance_cm),
             screen_width_cm: number(&self.screen.screen_width_cm).filter(|_| !self.screen.width_is_assumed(monitor)),
@@ -238,8 +249,14 @@ fn results_error(results: &Path) -> Option<String> {
     if results.as_os_str().is_empty() {
         return Some("Enter the path of a folder.".to_owned());
     }
-    let existing = results.ancestors().find(|folder| folder.exists())?;
-    let metadata = existing.metadata().ok()?;
+    let is_there = |found: &std::io::Result<Metadata>| {
+        !found.as_ref().is_err_and(|error| matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory))
+    };
+    let mut found = results.ancestors().map(|folder| (folder, folder.metadata()));
+    let (existing, metadata) = match found.find(|(_, metadata)| is_there(metadata))? {
+        (existing, Ok(metadata)) => (existing, metadata),
+        (folder, Err(error)) => return Some(format!("{} cannot be read: {error}.", folder.display())),
+    };
     if !metadata.is_dir() {
         return Some(format!("{} is a file. Enter the path of a folder.", existing.display()));
     }

@@ -94,7 +94,7 @@ impl Start {
 
     /// Returns the results folder.
     pub fn results(&self) -> PathBuf {
-        self.form.results.trim().into()
+        self.form.results()
     }
 
     /// Updates the page when the user returns to it. After a completed session, the next participant is entered. After
@@ -127,6 +127,10 @@ impl Start {
         if let Some(path) = dropped {
             self.choose_experiment(path.display().to_string());
         }
+        // Another window may have used this one's results.
+        if ui.input(|input| input.events.contains(&egui::Event::WindowFocused(true))) {
+            self.refresh(false, settings);
+        }
         let checked = self.check(monitor);
         self.remember(settings, monitor, &checked);
         self.cards.update(&settings.recent.experiments);
@@ -158,7 +162,8 @@ impl Start {
     /// Fills the form with the remembered values.
     fn recall(&mut self, settings: &Settings, monitor: &Monitor) {
         let screen = &settings.screen;
-        self.form.results.clone_from(&settings.results);
+        // A relative path would lead to other sessions when the program starts in another folder.
+        self.form.results = ui::full(Path::new(settings.results.trim())).display().to_string();
         self.form.screen.profile.clone_from(&screen.profile);
         self.form.screen.distance_cm.clone_from(&screen.distance_cm);
         if screen.monitor == monitor.title() && !screen.width_cm.is_empty() {
@@ -175,8 +180,7 @@ impl Start {
             std::path::absolute(text.trim()).map_or_else(|_| text.to_owned(), |path| path.display().to_string())
         };
         if !checked.is_wrong(SessionField::Results) {
-            settings.results =
-                if *results == SessionForm::default().results { results.clone() } else { absolute(results) };
+            settings.results = absolute(results);
         }
         if !checked.is_wrong(SessionField::Profile) {
             settings.screen.profile =
@@ -538,6 +542,15 @@ impl Start {
         let clicked = ui::primary(ui, text, checked.request.is_some(), hint);
         let entered = self.card.is_none() && ui::shortcut(ui, Key::Enter);
         let request = checked.request.clone().filter(|_| clicked || entered)?;
+        let now = self.checked.as_ref().map(|(form, monitor, _)| form.check(monitor));
+        if now.is_some_and(|now| now.request.is_none_or(|now| now.resume != request.resume)) {
+            let (subject, session) = (request.identity.subject(), request.identity.session());
+            self.error =
+                Some(format!("Another window has just begun session {session} of {subject}. Check both fields."));
+            self.refresh(false, settings);
+            return None;
+        }
+        self.error = None;
         Some(self.begin(ui, request, settings))
     }
 

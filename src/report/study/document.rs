@@ -24,6 +24,9 @@ use crate::{
     },
 };
 
+/// Maximum number of categories that are not named. A column with more, such as a response time, is a measurement.
+const MAX_CATEGORIES: usize = 20;
+
 /// The reason why there is no study.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum StudyError {
@@ -33,6 +36,14 @@ pub enum StudyError {
     /// The study is larger than usual.
     #[error(transparent)]
     TooLarge(FileErrors),
+    /// The column of the response is probably another one: it has too many different values.
+    #[error("{response}: the number of different values is {found}{}; expected at most {MAX_CATEGORIES}, the column of the ratings, or the names of all categories, lowest first", if *found == 255 { " or more" } else { "" })]
+    TooManyCategories {
+        /// Name of the column.
+        response: String,
+        /// Number of different values; no more than 255 are read.
+        found: usize,
+    },
     /// What is to be excluded does not exist.
     #[error(transparent)]
     Exclusion(#[from] ExclusionError),
@@ -67,6 +78,10 @@ impl Study {
     fn new((source, all): (Source, MeasuredBuilder), options: &ReadOptions) -> Result<Self, StudyError> {
         let exclusions = Exclusions { exclude: options.exclude.clone(), only: options.only.clone() };
         let measured = all.finish().narrowed(&exclusions)?;
+        let (found, Shape { response, categories, .. }) = (measured.counts.categories.len(), &source.shape);
+        if categories.is_none() && found > MAX_CATEGORIES {
+            return Err(StudyError::TooManyCategories { response: response.clone(), found });
+        }
         if !options.large {
             let file = source.files.first().map_or(Path::new("."), |file| &file.path);
             measured.counts.check_size().map_err(|message| StudyError::TooLarge(FileErrors::whole(file, message)))?;

@@ -30,7 +30,11 @@ pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<Strin
         let folder = to.join(&experiment.name);
         copy(experiment, &folder, notes)?;
         for session in &experiment.sessions {
-            write_file(&folder.join("data").join(format!("{}{DATA_FILE}", session.stem())), &session.data)?;
+            // The seals are kept, because they cover only complete rows.
+            if session.partial_line.is_some() {
+                let to = folder.join("data").join(format!("{}{DATA_FILE}", session.stem()));
+                write_file(&to, &session.complete_rows()?)?;
+            }
             if let Some(note) = describe(&folder, &session.protocol)? {
                 notes.push(format!("{}: {note}", experiment.name));
             }
@@ -92,8 +96,7 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path, notes: &mut Vec<Strin
     }
     for session in &experiment.sessions {
         let stem = session.stem();
-        let rows = [&session.data, session.partial_line.as_deref().unwrap_or_default().as_bytes()].concat();
-        write_file(&data.join(format!("{stem}{DATA_FILE}")), &rows)?;
+        write_file(&data.join(format!("{stem}{DATA_FILE}")), &session.data)?;
         write_file(&data.join(format!("{stem}{SIDECAR_SUFFIX}")), &session.sidecar_text)?;
         if let Some(path) = &session.frames {
             copy_frames(path, &data.join(format!("{stem}{}", frames::SUFFIX)), session)?;

@@ -1,7 +1,7 @@
 //! Reads PNG files: any image as light, and this program's own images to compare them with their recipes.
 
 use std::{
-    io::{BufReader, Cursor},
+    io::{BufReader, Cursor, ErrorKind},
     path::Path,
     str::FromStr,
 };
@@ -16,7 +16,11 @@ use crate::{
         palette::{Reduction, reduce},
     },
     stimulus::recipe::{MAX_SIZE, Recipe},
-    store::{FileErrors, file::read_bytes, open::open_regular},
+    store::{
+        FileErrors,
+        file::read_bytes,
+        open::{found, open_regular},
+    },
 };
 
 /// Maximum number of pixels of an image, unless the user allows more. A 4K screen has 8.3 million.
@@ -141,10 +145,18 @@ fn text(info: &Info<'_>, keyword: &str) -> Option<String> {
     chunks.iter().find(|chunk| chunk.keyword == keyword).map(|chunk| chunk.text.clone())
 }
 
-/// Returns the recipe's text in an image file without reading the pixels; `None` if there is no recipe.
-pub(crate) fn recipe_text(path: &Path) -> Option<String> {
-    let reader = Decoder::new(BufReader::new(open_regular(path).ok()?)).read_info().ok()?;
-    text(reader.info(), KEYWORD)
+/// Returns the recipe's text in an image file without reading the pixels; `None` if there is no file or no recipe.
+///
+/// # Errors
+/// I/O errors.
+pub(crate) fn recipe_text(path: &Path) -> std::io::Result<Option<String>> {
+    let Some(file) = found(open_regular(path))? else { return Ok(None) };
+    match Decoder::new(BufReader::new(file)).read_info() {
+        Ok(reader) => Ok(text(reader.info(), KEYWORD)),
+        // A file that ends too early is no image of ours.
+        Err(DecodingError::IoError(error)) if error.kind() != ErrorKind::UnexpectedEof => Err(error),
+        Err(_) => Ok(None),
+    }
 }
 
 /// Reads an image with its recipe.

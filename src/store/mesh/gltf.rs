@@ -50,7 +50,7 @@ fn read(folder: Option<&Path>, content: &[u8]) -> Result<Faces, String> {
     let Gltf { document, mut blob } = Gltf::from_slice_without_validation(content).map_err(not_gltf)?;
     check(document.as_json())?;
     let document = Document::from_json(document.into_json()).map_err(not_gltf)?;
-    let mut source = Source { folder, buffers: Vec::new() };
+    let mut source = Source { folder, buffers: Vec::new(), left: MAX_FILE.saturating_sub(content.len() as u64) };
     for buffer in document.buffers() {
         let bytes = match buffer.source() {
             buffer::Source::Bin => blob.take().ok_or("its binary chunk is missing; expected one, for one buffer")?,
@@ -97,11 +97,13 @@ fn check(json: &json::Root) -> Result<(), String> {
 struct Source<'a> {
     folder: Option<&'a Path>,
     buffers: Vec<Vec<u8>>,
+    /// The number of bytes that other files may still have.
+    left: u64,
 }
 
 impl Source<'_> {
     /// Returns the content of a URI: data, or a file in the folder.
-    fn at(&self, uri: &str) -> Result<Vec<u8>, String> {
+    fn at(&mut self, uri: &str) -> Result<Vec<u8>, String> {
         if let Some(data) = uri.strip_prefix("data:") {
             let text = data.split_once(";base64,").ok_or("its data are not in base64; expected base64")?.1;
             return BASE64_STANDARD
@@ -112,8 +114,13 @@ impl Source<'_> {
         let is_plain = !name.contains(':')
             && Path::new(&name).components().all(|part| matches!(part, std::path::Component::Normal(_)));
         match self.folder.filter(|_| is_plain) {
-            Some(folder) => read_bytes(&folder.join(&name), MAX_FILE, "a file that the mesh refers to")
-                .map_err(|error| error.to_string()),
+            Some(folder) => {
+                let read = read_bytes(&folder.join(&name), self.left, "a file that the mesh refers to");
+                let bytes =
+                    read.map_err(|error| format!("{error} (the mesh and all its files may have {MAX_FILE} bytes)"))?;
+                self.left -= bytes.len() as u64;
+                Ok(bytes)
+            }
             None => Err(format!("refers to {:?}; expected a file in the same folder or below", shortened(uri))),
         }
     }

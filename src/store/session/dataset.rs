@@ -16,7 +16,7 @@ use crate::{
         StoreError,
         error::io,
         file::{exists, make_folder, remove_temporary, write_json, write_whole},
-        open::read_regular,
+        open::{found, read_regular},
     },
     system::{entries, link_target},
 };
@@ -140,14 +140,18 @@ pub(crate) fn identity(csv: &Path) -> Result<(String, Identity), String> {
 }
 
 /// Returns the first of `P001`, `P002`, … that has no file in this experiment's results.
-pub fn free_participant(results: &Path, protocol: &Protocol) -> String {
-    let files = entries(&results.join(&protocol.name).join("data")).unwrap_or_default();
+///
+/// # Errors
+/// The folder cannot be read, so participants in it are not known.
+pub fn free_participant(results: &Path, protocol: &Protocol) -> Result<String, StoreError> {
+    let data = results.join(&protocol.name).join("data");
+    let files = found(entries(&data)).map_err(io(&data, "list"))?.unwrap_or_default();
     let participant = |path: PathBuf| {
         let name = path.file_name()?.to_str()?;
         Some(name.strip_prefix("subject-")?.split('_').next()?.to_ascii_uppercase())
     };
     let taken: HashSet<String> = files.into_iter().filter_map(participant).collect();
-    (1..).map(|number| format!("P{number:03}")).find(|id| !taken.contains(id)).unwrap_or_default()
+    Ok((1..).map(|number| format!("P{number:03}")).find(|id| !taken.contains(id)).unwrap_or_default())
 }
 
 /// Maximum size of the description of a data set in bytes; a typical one has 10,000 bytes.

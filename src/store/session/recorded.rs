@@ -27,7 +27,7 @@ pub struct Recorded {
     pub frames: Option<PathBuf>,
     /// The SHA-256 of the frames file, if its seals cover it.
     pub(in crate::store) frames_sha256: Option<String>,
-    /// The bytes of the header and the complete rows in the data file.
+    /// The bytes of the data file.
     pub(in crate::store) data: Vec<u8>,
     /// The bytes of the sidecar.
     pub(in crate::store) sidecar_text: Vec<u8>,
@@ -85,14 +85,14 @@ impl Recorded {
         let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
         let schedule = Schedule::new(&protocol, &identity, sidecar.seed)
             .map_err(|error| StoreError::Mismatch { path: sidecar_path.clone(), what: error.to_string() })?;
-        let (content, columns) = (results::content(csv)?, columns(&protocol));
-        let hashes = Hashes::read(csv, &sidecar, Some(&content))?;
-        let (data, partial_line) = results::whole(csv, content, &columns)?;
+        let (data, columns) = (results::content(csv)?, columns(&protocol));
+        let hashes = Hashes::read(csv, &sidecar, Some(&data))?;
+        let (whole, partial_line) = results::whole(csv, data.clone(), &columns)?;
         let frames = csv.with_file_name(format!("{stem}{}", frames::SUFFIX));
         Ok(Self {
             changed: hashes.differences(csv, &sidecar).iter().map(Difference::error).collect(),
             frames_sha256: hashes.of_frames().map(str::to_owned),
-            rows: results::parse(&csv.display().to_string(), &data, &columns)?,
+            rows: results::parse(&csv.display().to_string(), &whole, &columns)?,
             data,
             sidecar_text,
             is_running,
@@ -105,6 +105,14 @@ impl Recorded {
             sidecar,
             partial_line,
         })
+    }
+
+    /// Returns the bytes of the header and the complete rows in the data file.
+    ///
+    /// # Errors
+    /// There is no complete line, and the header is another one.
+    pub(in crate::store) fn complete_rows(&self) -> Result<Vec<u8>, FileErrors> {
+        results::whole(&self.csv, self.data.clone(), &columns(&self.protocol)).map(|(whole, _)| whole)
     }
 
     /// Returns the part that all file names of the session share.

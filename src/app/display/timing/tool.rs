@@ -42,8 +42,7 @@ impl TimingTool {
             let report = run.show(ui, monitor);
             if report.is_some() || ui.input(|input| input.key_pressed(Key::Escape)) {
                 self.report = report.or(self.report.take());
-                self.run = None;
-                ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(false));
+                self.stop(ui.ctx());
             }
             return Step::Stay;
         }
@@ -61,6 +60,12 @@ impl TimingTool {
             self.found(ui);
         });
         Step::back_if(back)
+    }
+
+    /// Stops the measurement without a report.
+    pub fn stop(&mut self, ctx: &egui::Context) {
+        self.run = None;
+        ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
     }
 
     /// Returns the background color while frames are measured; `None` for the color of a page.
