@@ -1,0 +1,345 @@
+//! Faults while data are read. Each command that reads runs over prepared data once for every call that concerns a file
+//! and every fault of that call. It must do what it does without the fault, or say an error and fail.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use machband::store::{dataset::free_participant, session::overview::Overview};
+use rand_chacha::{
+    ChaCha8Rng,
+    rand_core::{Rng as _, SeedableRng as _},
+};
+use rayon::prelude::*;
+
+use crate::{
+    common::{self, MACHBAND, everything},
+    disk,
+    run::{self, DEFINITIONS},
+    shim::{self, Fault},
+    sweep::{self, Sweep},
+};
+
+/// What must hold when a command runs again, without faults, after it was killed or failed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Again {
+    /// Its result is the reference.
+    Same,
+    /// Its files are those of the reference; it may say that they were there.
+    Files,
+    /// The first session of the folder `open` is complete and correct.
+    Session,
+}
+
+/// A command that reads: its name; its arguments, in which `./` stands for the folder of the data; and its exit status.
+struct Reader(&'static str, &'static str, i32, Again);
+
+/// Stands for this test program, which prints what the window's list of sessions shows.
+const LIST: &str = "sessions";
+
+const READERS: &[Reader] = &[
+    Reader("verify", "verify ./results", 0, Again::Same),
+    Reader("verify, damaged", "verify ./harmed", 1, Again::Same),
+    Reader(
+        "check",
+        "check ./study.toml ./observer.toml ./results/small-one/data/subject-S001_session-1_task-smallone_data.csv",
+        0,
+        Again::Same,
+    ),
+    Reader("check an image", "check ./done/1_width-0.1_tanh_k-5.png", 0, Again::Same),
+    Reader("counts", "counts ./results/small-one --out ./counts.csv --force", 0, Again::Same),
+    Reader(
+        "counts onto its input",
+        "counts ./results/small-one --out ./results/small-one/data/subject-S001_session-1_task-smallone_data.csv --force",
+        2,
+        Again::Same,
+    ),
+    Reader("analyze", "analyze ./results/small-one --out ./analysis --tables-only --force", 0, Again::Same),
+    Reader(
+        "predict",
+        "predict ./study.toml --fit ./results/small-one --criterion ./criterion.toml --size 64 --out ./predicted.csv --force",
+        0,
+        Again::Same,
+    ),
+    Reader("predict an image", "predict --image ./done/1_width-0.1_tanh_k-5.png --window 5", 0, Again::Same),
+    Reader(
+        "plan",
+        "plan ./study.toml --participants 3 --studies 2 --effect width:0.4=1 --observer-file ./observer.toml",
+        0,
+        Again::Same,
+    ),
+    Reader("export as Psych-DS", "export ./results --format psych-ds --out ./exported", 0, Again::Files),
+    Reader("export as BIDS", "export ./results --format bids --out ./exported", 0, Again::Files),
+    Reader("stimuli, the last shard", "stimuli ./study.toml --size 16 --shard 2/2 --out ./images", 0, Again::Files),
+    Reader("stimuli, again", "stimuli ./study.toml --size 16 --out ./done", 0, Again::Same),
+    Reader("repair", "repair ./broken", 0, Again::Files),
+    Reader("resume", "simulate ./study.toml --seed 7 --resume --results ./open", 0, Again::Session),
+    Reader("list of sessions", LIST, 0, Again::Same),
+];
+
+/// What a command did. The folder's name is replaced, because it is a different one in every run.
+#[derive(Clone, PartialEq, Eq)]
+struct Outcome {
+    status: Option<i32>,
+    stdout: String,
+    stderr: String,
+    files: BTreeMap<PathBuf, String>,
+}
+
+/// How the outcome of a fault compares with the reference.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum Kind {
+    Same,
+    /// It failed with an error of its own.
+    Told,
+    /// Status 0 with another result, but with a warning of its own.
+    Said,
+    /// Another result, and not a word.
+    Silent,
+    Panicked,
+    /// The next run without faults does not do what it must.
+    After,
+}
+
+pub struct Finding {
+    pub kind: Kind,
+    pub reader: &'static str,
+    /// The fault, and the path that it concerned.
+    pub fault: String,
+    /// What differs.
+    pub what: String,
+}
+
+/// The data, as relative paths and contents, and what each reader does with them.
+struct Readings {
+    data: Vec<(PathBuf, Vec<u8>)>,
+    planned: Vec<Vec<String>>,
+    references: Vec<(Outcome, Vec<(String, u64)>)>,
+}
+
+/// Fails in the manner of an error of a command.
+pub fn list(results: &Path) -> i32 {
+    let overview = Overview::of(results);
+    println!("{:#?}", overview.sessions);
+    println!("{}", free_participant(results, &run::protocol(0)));
+    overview.errors.iter().for_each(|error| eprintln!("error: {error}"));
+    i32::from(!overview.errors.is_empty())
+}
+
+/// Writes the data that the readers read.
+fn prepare(folder: &Path) {
+    let machband = |line: &str| common::succeeds(folder, &common::split(line));
+    fs::write(folder.join("study.toml"), DEFINITIONS[0]).unwrap();
+    fs::write(folder.join("twice.toml"), DEFINITIONS[1]).unwrap();
+    fs::write(folder.join("observer.toml"), machband::store::observer::PAPER).unwrap();
+    let study = |results: &str| folder.join(results).join("small-one");
+    let csv = |results: &str| disk::paths(&folder.join(results), 0).csv;
+    for results in ["results", "harmed", "broken"] {
+        run::undone(0, &folder.join(results));
+    }
+    machband("simulate study.toml --participants 2 --seed 7 --resume --results results");
+    machband("simulate twice.toml --results results");
+    let rows = fs::read_to_string(csv("harmed")).unwrap();
+    fs::write(csv("harmed"), rows.trim_end().rsplit_once('\n').unwrap().0.to_owned() + "\n").unwrap();
+    let rows = fs::read_to_string(csv("broken")).unwrap();
+    fs::write(csv("broken"), rows.replacen("\nS001_1_main_0002_1", "\n\u{1}!S001_1_main_0002_1", 1)).unwrap();
+    run::interrupted(0, &folder.join("open"), 3);
+    fs::write(study("results").join("participants.tsv"), "participant_id\tage\nsub-S001\t27\nsub-S002\t31\n").unwrap();
+    fs::write(study("results").join("LICENSE"), "CC0\n").unwrap();
+    for results in ["results", "harmed"] {
+        for foreign in ["lost+found", ".Trash-1000"] {
+            fs::create_dir(folder.join(results).join(foreign)).unwrap();
+            fs::write(folder.join(results).join(foreign).join("#12"), "").unwrap();
+        }
+    }
+    machband("stimuli study.toml --size 16 --shard 1/2 --out images");
+    machband("stimuli study.toml --size 16 --out done");
+}
+
+impl Readings {
+    fn new() -> Self {
+        let folder = sweep::folder();
+        prepare(folder.path());
+        let relative = |path: PathBuf| path.strip_prefix(folder.path()).unwrap().to_owned();
+        let data = everything(folder.path()).into_iter().map(|(path, content)| (relative(path), content)).collect();
+        let planned = Sweep::new(1).planned(0).to_vec();
+        let mut readings = Self { data, planned, references: Vec::new() };
+        for reader in READERS {
+            let [first, second] = [0; 2].map(|_| readings.run(reader, &readings.scene(), &[]));
+            assert_eq!(first.0.status, Some(reader.2), "{}: {}", reader.0, first.0.stderr);
+            assert!(first.0 == second.0, "{}: {}", reader.0, difference(&first.0, &second.0));
+            readings.references.push((first.0, first.1.counts));
+        }
+        readings
+    }
+
+    /// A folder with a copy of the data.
+    fn scene(&self) -> tempfile::TempDir {
+        let folder = sweep::folder();
+        for (path, content) in &self.data {
+            let path = folder.path().join(path);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, content).unwrap();
+        }
+        folder
+    }
+
+    fn run(&self, reader: &Reader, scene: &tempfile::TempDir, faults: &[Fault]) -> (Outcome, shim::Log) {
+        let (folder, log) = (scene.path(), sweep::folder());
+        let named = format!("{}/", folder.display());
+        let mut command = match reader.1 {
+            LIST => {
+                let mut command = Command::new(std::env::current_exe().unwrap());
+                command.args([
+                    "--ignored",
+                    "--exact",
+                    "sessions_for_the_other_tests",
+                    "--nocapture",
+                    "--test-threads=1",
+                ]);
+                command.env("MACHBAND_CHILD_RESULTS", folder.join("results"));
+                command
+            }
+            line => {
+                let mut command = Command::new(MACHBAND);
+                command.args(common::split(line).iter().map(|word| word.replace("./", &named))).current_dir(folder);
+                command
+            }
+        };
+        // The order of the calls is the same in every run, and so are all times.
+        command.env("RAYON_NUM_THREADS", "1");
+        let still = Fault { op: "clock", n: 1, what: "still", repeated: false };
+        let (ended, mut log) =
+            shim::run_with(&mut command, &[&[still], faults].concat(), folder, &log.path().join("log"));
+        log.hits.retain(|hit| hit.op != "clock");
+        let plain = |text: &str| text.replace(&named, "./").replace(named.trim_end_matches('/'), ".");
+        // The last number in what `simulate` says is its duration.
+        let untimed =
+            |line: &str| line.strip_suffix(" s").map_or(line, |line| line.rsplit_once(',').unwrap().0).to_owned();
+        let outcome = Outcome {
+            status: ended.status.code(),
+            stdout: plain(&ended.stdout).lines().map(|line| untimed(line) + "\n").collect(),
+            stderr: plain(&ended.stderr),
+            files: everything(folder)
+                .into_iter()
+                .map(|(path, content)| (path.strip_prefix(folder).unwrap().to_owned(), content))
+                // The leftovers of a killed program are not its result.
+                .filter(|(path, _)| !path.to_string_lossy().contains(".tmp"))
+                .map(|(path, content)| (path, plain(&String::from_utf8_lossy(&content))))
+                .collect(),
+        };
+        (outcome, log)
+    }
+
+    /// Every reader with every fault of every call.
+    fn faults(&self) -> Vec<(usize, Fault)> {
+        const OPS: [&str; 14] = [
+            "open", "list", "names", "stat", "fstat", "link", "read", "seek", "write", "sync", "rename", "truncate",
+            "unlink", "mkdir",
+        ];
+        for op in OPS {
+            let mut counts = self.references.iter().flat_map(|(_, counts)| counts);
+            assert!(counts.any(|(name, count)| name == op && *count > 0), "{op} is not seen");
+        }
+        let mut all = Vec::new();
+        for (reader, (_, counts)) in self.references.iter().enumerate() {
+            for (op, count) in
+                OPS.iter().filter_map(|op| counts.iter().find(|(name, _)| name == op).map(|(_, n)| (*op, *n)))
+            {
+                for n in 1..=count {
+                    let mut whats = vec![["EIO", "EACCES", "EMFILE"][n as usize % 3], "EINTR", "kill-before"];
+                    whats.extend(["read", "names", "write"].contains(&op).then_some("short"));
+                    all.extend(whats.into_iter().map(|what| (reader, Fault { op, n, what, repeated: false })));
+                }
+            }
+        }
+        all
+    }
+
+    fn judge(&self, index: usize, fault: &Fault) -> Finding {
+        let (reader, reference) = (&READERS[index], &self.references[index].0);
+        let scene = self.scene();
+        let (found, log) = self.run(reader, &scene, std::slice::from_ref(fault));
+        let path =
+            log.hits.first().map_or("(no effect)", |hit| &hit.path).replace(&*scene.path().to_string_lossy(), ".");
+        let finding = |kind, what| Finding { kind, reader: reader.0, fault: format!("{fault} {path}"), what };
+        let news = found.stderr.lines().any(|line| !reference.stderr.contains(line));
+        let different = difference(reference, &found);
+        let kind = match found.status {
+            _ if found.stderr.contains("panicked") => Kind::Panicked,
+            _ if found == *reference => Kind::Same,
+            Some(0) if news => Kind::Said,
+            Some(0) => Kind::Silent,
+            _ if news || found.status.is_none() => Kind::Told,
+            _ => Kind::Silent,
+        };
+        if kind == Kind::Told {
+            let (again, _) = self.run(reader, &scene, &[]);
+            let wrong = match reader.3 {
+                Again::Same => difference(reference, &again),
+                Again::Files => difference_of_files(reference, &again),
+                Again::Session => disk::faults_of_ended(&scene.path().join("open"), 0, &self.planned).join("; "),
+            };
+            if !wrong.is_empty() {
+                return finding(Kind::After, wrong + "; " + &again.stderr);
+            }
+        }
+        finding(kind, if kind == Kind::Told { String::new() } else { different })
+    }
+}
+
+fn difference_of_files(expected: &Outcome, found: &Outcome) -> String {
+    let names: BTreeSet<&PathBuf> = expected.files.keys().chain(found.files.keys()).collect();
+    let differ = names.into_iter().filter_map(|name| {
+        let name_is = |what: &str| Some(format!("{} {what}", name.display()));
+        match (expected.files.get(name), found.files.get(name)) {
+            (None, _) => name_is("is new"),
+            (_, None) => name_is("is missing"),
+            (Some(expected), Some(found)) => {
+                (expected != found).then(|| format!("{}: {}", name.display(), lines(expected, found)))
+            }
+        }
+    });
+    differ.collect::<Vec<_>>().join("; ")
+}
+
+/// The first line that differs.
+fn lines(expected: &str, found: &str) -> String {
+    let mut pairs = expected.lines().map(Some).chain([None]).zip(found.lines().map(Some).chain([None]));
+    let (expected, found) = pairs.find(|(expected, found)| expected != found).unwrap_or_default();
+    let short = |line: Option<&str>| {
+        line.map_or("the end".to_owned(), |line| format!("{:?}", line.chars().take(160).collect::<String>()))
+    };
+    format!("{} instead of {}", short(found), short(expected))
+}
+
+/// What differs; empty if nothing does.
+fn difference(expected: &Outcome, found: &Outcome) -> String {
+    let mut parts = Vec::new();
+    if expected.status != found.status {
+        parts.push(format!("status {:?} instead of {:?}", found.status, expected.status));
+    }
+    for (name, expected, found) in
+        [("stdout", &expected.stdout, &found.stdout), ("stderr", &expected.stderr, &found.stderr)]
+    {
+        if expected != found {
+            parts.push(format!("{name}: {}", lines(expected, found)));
+        }
+    }
+    parts.extend(Some(difference_of_files(expected, found)).filter(|files| !files.is_empty()));
+    parts.join("; ")
+}
+
+/// Injects this many faults, drawn from a seed, or all of them if there are fewer; returns what became of each.
+pub fn play(most: usize, seed: u64) -> Vec<Finding> {
+    let readings = Readings::new();
+    let mut faults = readings.faults();
+    if faults.len() > most {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        faults = (0..most).map(|_| faults[rng.next_u64() as usize % faults.len()].clone()).collect();
+    }
+    faults.par_iter().map(|(reader, fault)| readings.judge(*reader, fault)).collect()
+}
