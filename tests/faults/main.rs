@@ -112,9 +112,6 @@ fn no_error_while_reading_passes_for_an_absence() {
     let mut table = std::collections::BTreeMap::new();
     for found in &findings {
         *table.entry((found.reader, found.kind)).or_insert(0) += 1;
-        if found.kind > reads::Kind::Told {
-            print(&format!("{:?} | {} | {} | {}", found.kind, found.reader, found.fault, found.what));
-        }
     }
     table.iter().for_each(|((reader, kind), count)| print(&format!("| {reader} | {kind:?} | {count} |")));
     let wrong = findings.iter().filter(|found| found.kind > reads::Kind::Said).count();

@@ -341,5 +341,12 @@ pub fn play(most: usize, seed: u64) -> Vec<Finding> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         faults = (0..most).map(|_| faults[rng.next_u64() as usize % faults.len()].clone()).collect();
     }
-    faults.par_iter().map(|(reader, fault)| readings.judge(*reader, fault)).collect()
+    let judged = faults.par_iter().map(|(reader, fault)| {
+        let found = readings.judge(*reader, fault);
+        if found.kind > Kind::Told {
+            crate::print(&format!("{:?} | {} | {} | {}", found.kind, found.reader, found.fault, found.what));
+        }
+        found
+    });
+    judged.collect()
 }
