@@ -1,9 +1,10 @@
 //! Injects faults into sessions wherever they can occur (the disk fails, the clock goes back, the program is killed)
-//! and checks what is on disk afterward and what resuming does.
+//! and checks what is on disk afterward and what resuming does. The same faults meet the commands that read data.
 //!
 //! The tests need Linux and `cc`. If `cc` is missing, they print `SKIPPED` and pass, unless
 //! `MACHBAND_REQUIRE_FAULTS=1`. `MACHBAND_FAULTS` is the number of sessions (1,000), `MACHBAND_CUTS` the number of
-//! power cuts (50), and `MACHBAND_FAULT_SEED` the seed from which the faults are drawn (1).
+//! power cuts (50), `MACHBAND_READS` the number of faults while data are read (100), and `MACHBAND_FAULT_SEED` the seed
+//! from which the faults are drawn (1).
 
 #![cfg(all(target_os = "linux", target_env = "gnu"))]
 
@@ -108,7 +109,7 @@ fn no_error_while_reading_passes_for_an_absence() {
     if shim::library().is_none() {
         return;
     }
-    let findings = reads::play(setting("MACHBAND_READS", 300) as usize, setting("MACHBAND_FAULT_SEED", 1));
+    let findings = reads::play(setting("MACHBAND_READS", 100) as usize, setting("MACHBAND_FAULT_SEED", 1));
     let mut table = std::collections::BTreeMap::new();
     for found in &findings {
         *table.entry((found.reader, found.kind)).or_insert(0) += 1;

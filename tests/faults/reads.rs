@@ -80,26 +80,26 @@ const READERS: &[Reader] = &[
     Reader("list of sessions", LIST, 0, Again::Same),
 ];
 
-/// What a command did. The folder's name is replaced, because it is a different one in every run.
-#[derive(Clone, PartialEq, Eq)]
-struct Outcome {
-    status: Option<i32>,
-    stdout: String,
-    stderr: String,
-    files: BTreeMap<PathBuf, String>,
-}
+/// What a command did: its exit status, what it printed, and every file. The name of the folder is replaced, because it is
+/// a different one in every run.
+type Outcome = BTreeMap<String, String>;
+
+const STATUS: &str = "status";
+const STDOUT: &str = "stdout";
+const STDERR: &str = "stderr";
 
 /// How the outcome of a fault compares with the reference.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Kind {
+    /// The fault did not take effect.
+    Missed,
     Same,
     /// It failed with an error of its own.
     Told,
     /// Status 0 with another result, but with a warning of its own.
     Said,
-    /// Another result, and not a word.
+    /// Another result, and not a word; or a panic.
     Silent,
-    Panicked,
     /// The next run without faults does not do what it must.
     After,
 }
@@ -167,13 +167,16 @@ impl Readings {
         let data = everything(folder.path()).into_iter().map(|(path, content)| (relative(path), content)).collect();
         let planned = Sweep::new(1).planned(0).to_vec();
         let mut readings = Self { data, planned, references: Vec::new() };
-        for reader in READERS {
-            let [first, second] = [0; 2].map(|_| readings.run(reader, &readings.scene(), &[]));
-            assert_eq!(first.0.status, Some(reader.2), "{}: {}", reader.0, first.0.stderr);
-            assert!(first.0 == second.0, "{}: {}", reader.0, difference(&first.0, &second.0));
-            readings.references.push((first.0, first.1.counts));
-        }
+        readings.references = READERS.par_iter().map(|reader| readings.reference(reader)).collect();
         readings
+    }
+
+    /// What a reader does without faults, always, and how often it makes each call.
+    fn reference(&self, reader: &Reader) -> (Outcome, Vec<(String, u64)>) {
+        let [(first, log), (second, _)] = [0; 2].map(|_| self.run(reader, &self.scene(), &[]));
+        assert_eq!(first[STATUS], format!("exit status: {}", reader.2), "{}: {}", reader.0, first[STDERR]);
+        assert_eq!(difference(&first, &second, |_| true), "", "{}", reader.0);
+        (first, log.counts)
     }
 
     /// A folder with a copy of the data.
@@ -219,18 +222,18 @@ impl Readings {
         // The last number in what `simulate` says is its duration.
         let untimed =
             |line: &str| line.strip_suffix(" s").map_or(line, |line| line.rsplit_once(',').unwrap().0).to_owned();
-        let outcome = Outcome {
-            status: ended.status.code(),
-            stdout: plain(&ended.stdout).lines().map(|line| untimed(line) + "\n").collect(),
-            stderr: plain(&ended.stderr),
-            files: everything(folder)
+        let mut outcome = Outcome::from([
+            (STATUS.to_owned(), ended.status.to_string()),
+            (STDOUT.to_owned(), plain(&ended.stdout).lines().map(|line| untimed(line) + "\n").collect()),
+            (STDERR.to_owned(), plain(&ended.stderr)),
+        ]);
+        // The leftovers of a killed program are not its result.
+        outcome.extend(
+            everything(folder)
                 .into_iter()
-                .map(|(path, content)| (path.strip_prefix(folder).unwrap().to_owned(), content))
-                // The leftovers of a killed program are not its result.
-                .filter(|(path, _)| !path.to_string_lossy().contains(".tmp"))
-                .map(|(path, content)| (path, plain(&String::from_utf8_lossy(&content))))
-                .collect(),
-        };
+                .filter(|(path, _)| !path.to_string_lossy().contains(".machband-"))
+                .map(|(path, content)| (plain(&path.to_string_lossy()), plain(&String::from_utf8_lossy(&content)))),
+        );
         (outcome, log)
     }
 
@@ -266,43 +269,43 @@ impl Readings {
         let path =
             log.hits.first().map_or("(no effect)", |hit| &hit.path).replace(&*scene.path().to_string_lossy(), ".");
         let finding = |kind, what| Finding { kind, reader: reader.0, fault: format!("{fault} {path}"), what };
-        let news = found.stderr.lines().any(|line| !reference.stderr.contains(line));
-        let different = difference(reference, &found);
-        let kind = match found.status {
-            _ if found.stderr.contains("panicked") => Kind::Panicked,
-            _ if found == *reference => Kind::Same,
-            Some(0) if news => Kind::Said,
-            Some(0) => Kind::Silent,
-            _ if news || found.status.is_none() => Kind::Told,
+        let is_in = |of: &Outcome, line: &str| of[STDERR].lines().any(|other| other == line);
+        let is_new = found[STDERR].lines().any(|line| !is_in(reference, line));
+        let is_whole = reference[STDERR].lines().all(|line| is_in(&found, line));
+        let what = difference(reference, &found, |part| part != STDERR || !is_whole);
+        let was_killed = fault.what.starts_with("kill") && found[STATUS].starts_with("signal: 9");
+        let kind = match &*found[STATUS] {
+            _ if log.hits.is_empty() => Kind::Missed,
+            _ if what.is_empty() => Kind::Same,
+            _ if was_killed => Kind::Told,
+            "exit status: 0" if is_new => Kind::Said,
+            "exit status: 1" | "exit status: 2" if is_new => Kind::Told,
             _ => Kind::Silent,
         };
         if kind == Kind::Told {
             let (again, _) = self.run(reader, &scene, &[]);
             let wrong = match reader.3 {
-                Again::Same => difference(reference, &again),
-                Again::Files => difference_of_files(reference, &again),
+                Again::Same => difference(reference, &again, |_| true),
+                Again::Files => difference(reference, &again, |part| part.starts_with("./")),
                 Again::Session => disk::faults_of_ended(&scene.path().join("open"), 0, &self.planned).join("; "),
             };
             if !wrong.is_empty() {
-                return finding(Kind::After, wrong + "; " + &again.stderr);
+                return finding(Kind::After, format!("{wrong}; {}", again[STDERR]));
             }
         }
-        finding(kind, if kind == Kind::Told { String::new() } else { different })
+        finding(kind, what)
     }
 }
 
-fn difference_of_files(expected: &Outcome, found: &Outcome) -> String {
-    let names: BTreeSet<&PathBuf> = expected.files.keys().chain(found.files.keys()).collect();
-    let differ = names.into_iter().filter_map(|name| {
-        let name_is = |what: &str| Some(format!("{} {what}", name.display()));
-        match (expected.files.get(name), found.files.get(name)) {
-            (None, _) => name_is("is new"),
-            (_, None) => name_is("is missing"),
-            (Some(expected), Some(found)) => {
-                (expected != found).then(|| format!("{}: {}", name.display(), lines(expected, found)))
-            }
-        }
-    });
+/// How these parts of two outcomes differ; empty if they do not.
+fn difference(expected: &Outcome, found: &Outcome, is_of: impl Fn(&str) -> bool) -> String {
+    let names: BTreeSet<&String> = expected.keys().chain(found.keys()).collect();
+    let differ =
+        names.into_iter().filter(|name| is_of(name)).filter_map(|name| match (expected.get(name), found.get(name)) {
+            (None, _) => Some(format!("{name} is new")),
+            (_, None) => Some(format!("{name} is missing")),
+            (Some(expected), Some(found)) => (expected != found).then(|| format!("{name}: {}", lines(expected, found))),
+        });
     differ.collect::<Vec<_>>().join("; ")
 }
 
@@ -314,23 +317,6 @@ fn lines(expected: &str, found: &str) -> String {
         line.map_or("the end".to_owned(), |line| format!("{:?}", line.chars().take(160).collect::<String>()))
     };
     format!("{} instead of {}", short(found), short(expected))
-}
-
-/// What differs; empty if nothing does.
-fn difference(expected: &Outcome, found: &Outcome) -> String {
-    let mut parts = Vec::new();
-    if expected.status != found.status {
-        parts.push(format!("status {:?} instead of {:?}", found.status, expected.status));
-    }
-    for (name, expected, found) in
-        [("stdout", &expected.stdout, &found.stdout), ("stderr", &expected.stderr, &found.stderr)]
-    {
-        if expected != found {
-            parts.push(format!("{name}: {}", lines(expected, found)));
-        }
-    }
-    parts.extend(Some(difference_of_files(expected, found)).filter(|files| !files.is_empty()));
-    parts.join("; ")
 }
 
 /// Injects this many faults, drawn from a seed, or all of them if there are fewer; returns what became of each.
