@@ -227,13 +227,10 @@ impl Readings {
             (STDOUT.to_owned(), plain(&ended.stdout).lines().map(|line| untimed(line) + "\n").collect()),
             (STDERR.to_owned(), plain(&ended.stderr)),
         ]);
+        let files = everything(folder).into_iter().map(|(path, content)| (plain(&path.to_string_lossy()), content));
         // The leftovers of a killed program are not its result.
-        outcome.extend(
-            everything(folder)
-                .into_iter()
-                .filter(|(path, _)| !path.to_string_lossy().contains(".machband-"))
-                .map(|(path, content)| (plain(&path.to_string_lossy()), plain(&String::from_utf8_lossy(&content)))),
-        );
+        let files = files.filter(|(path, _)| !path.contains(".tmp"));
+        outcome.extend(files.map(|(path, content)| (path, plain(&String::from_utf8_lossy(&content)))));
         (outcome, log)
     }
 
