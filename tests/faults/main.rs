@@ -110,11 +110,7 @@ fn no_error_while_reading_passes_for_an_absence() {
         return;
     }
     let findings = reads::play(setting("MACHBAND_READS", 100) as usize, setting("MACHBAND_FAULT_SEED", 1));
-    let mut table = std::collections::BTreeMap::new();
-    for found in &findings {
-        *table.entry((found.reader, found.kind)).or_insert(0) += 1;
-    }
-    table.iter().for_each(|((reader, kind), count)| print(&format!("| {reader} | {kind:?} | {count} |")));
+    print(&reads::table(&findings));
     let wrong = findings.iter().filter(|found| found.kind > reads::Kind::Said).count();
     assert_eq!(wrong, 0, "of {} faults", findings.len());
     withstood("faults while data are read", findings.len(), &[LIES, FILES, PANICS]);

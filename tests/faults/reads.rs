@@ -26,16 +26,22 @@ use crate::{
 /// What must hold when a command runs again, without faults, after it was killed or failed.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Again {
-    /// Its result is the reference.
+    /// Its outcome is the reference.
     Same,
     /// Its files are those of the reference; it may say that they were there.
     Files,
+    /// The data files are those of the reference, and the sidecar says that they were repaired.
+    Repaired,
     /// The first session of the folder `open` is complete and correct.
     Session,
 }
 
-/// A command that reads: its name; its arguments, in which `./` stands for the folder of the data; and its exit status.
+/// A command that reads: its name; its arguments, in which `./` stands for the folder of the data and `CSV` for the
+/// first data file in it; and its exit status.
 struct Reader(&'static str, &'static str, i32, Again);
+
+const CSV: &str = "./results/small-one/data/subject-S001_session-1_task-smallone_data.csv";
+const IMAGE: &str = "./done/1_width-0.1_tanh_k-5.png";
 
 /// Stands for this test program, which prints what the window's list of sessions shows.
 const LIST: &str = "sessions";
@@ -46,28 +52,17 @@ const LINK: &str = "../../study.toml";
 const READERS: &[Reader] = &[
     Reader("verify", "verify ./results", 0, Again::Same),
     Reader("verify, damaged", "verify ./harmed", 1, Again::Same),
-    Reader(
-        "check",
-        "check ./study.toml ./observer.toml ./results/small-one/data/subject-S001_session-1_task-smallone_data.csv",
-        0,
-        Again::Same,
-    ),
-    Reader("check an image", "check ./done/1_width-0.1_tanh_k-5.png", 0, Again::Same),
+    Reader("check", "check ./study.toml ./observer.toml CSV IMAGE", 0, Again::Same),
     Reader("counts", "counts ./results/small-one --out ./counts.csv --force", 0, Again::Same),
-    Reader(
-        "counts onto its input",
-        "counts ./results/small-one --out ./results/small-one/data/subject-S001_session-1_task-smallone_data.csv --force",
-        2,
-        Again::Same,
-    ),
+    Reader("counts onto its input", "counts ./results/small-one --out CSV --force", 2, Again::Same),
     Reader("analyze", "analyze ./results/small-one --out ./analysis --tables-only --force", 0, Again::Same),
     Reader(
         "predict",
-        "predict ./study.toml --fit ./results/small-one --criterion ./criterion.toml --size 64 --out ./predicted.csv --force",
+        "predict ./study.toml --fit ./results/small-one --criterion ./fit.toml --size 64 --out ./predicted.csv --force",
         0,
         Again::Same,
     ),
-    Reader("predict an image", "predict --image ./done/1_width-0.1_tanh_k-5.png --window 5", 0, Again::Same),
+    Reader("predict an image", "predict --image IMAGE --window 5", 0, Again::Same),
     Reader(
         "plan",
         "plan ./study.toml --participants 3 --studies 2 --effect width:0.4=1 --observer-file ./observer.toml",
@@ -79,7 +74,7 @@ const READERS: &[Reader] = &[
     Reader("export as BIDS", "export ./results --format bids --out ./exported", 0, Again::Files),
     Reader("stimuli, the last shard", "stimuli ./study.toml --size 16 --shard 2/2 --out ./images", 0, Again::Files),
     Reader("stimuli, again", "stimuli ./study.toml --size 16 --out ./done", 0, Again::Same),
-    Reader("repair", "repair ./broken", 0, Again::Files),
+    Reader("repair", "repair ./broken", 0, Again::Repaired),
     Reader("resume", "simulate ./study.toml --seed 7 --resume --results ./open", 0, Again::Session),
     Reader("list of sessions", LIST, 0, Again::Same),
 ];
@@ -97,9 +92,12 @@ const STDERR: &str = "stderr";
 pub enum Kind {
     /// The fault did not take effect.
     Missed,
+    /// The outcome of the reference, perhaps with a warning.
     Same,
     /// It failed with an error of its own.
     Told,
+    /// It was killed.
+    Killed,
     /// Status 0 with another result, but with a warning of its own.
     Said,
     /// Another result, and not a word; or a panic.
@@ -108,6 +106,7 @@ pub enum Kind {
     After,
 }
 
+/// What became of a fault.
 pub struct Finding {
     pub kind: Kind,
     pub reader: &'static str,
@@ -124,7 +123,7 @@ struct Readings {
     references: Vec<(Outcome, Vec<(String, u64)>)>,
 }
 
-/// Fails in the manner of an error of a command.
+/// Prints what the window's list of sessions shows, and returns the exit status.
 pub fn list(results: &Path) -> i32 {
     let overview = Overview::of(results);
     println!("{:#?}", overview.sessions);
@@ -216,19 +215,14 @@ impl Readings {
         let mut command = match reader.1 {
             LIST => {
                 let mut command = Command::new(std::env::current_exe().unwrap());
-                command.args([
-                    "--ignored",
-                    "--exact",
-                    "sessions_for_the_other_tests",
-                    "--nocapture",
-                    "--test-threads=1",
-                ]);
+                command.args(["--ignored", "--exact", "sessions_for_the_other_tests", "--nocapture"]);
                 command.env("MACHBAND_CHILD_RESULTS", folder.join("results"));
                 command
             }
             line => {
                 let mut command = Command::new(MACHBAND);
-                command.args(common::split(line).iter().map(|word| word.replace("./", &named))).current_dir(folder);
+                let line = line.replace("CSV", CSV).replace("IMAGE", IMAGE).replace("./", &named);
+                command.args(common::split(&line)).current_dir(folder);
                 command
             }
         };
@@ -238,11 +232,7 @@ impl Readings {
         let (ended, mut log) =
             shim::run_with(&mut command, &[&[still], faults].concat(), folder, &log.path().join("log"));
         log.hits.retain(|hit| hit.op != "clock");
-        let plain = |text: &str| {
-            let text = text.replace(&named, "./").replace(named.trim_end_matches('/'), ".");
-            // What a failed repair moved stays, and the next one moves it again.
-            text.replace(".damaged-2", ".damaged-1")
-        };
+        let plain = |text: &str| text.replace(&named, "./").replace(named.trim_end_matches('/'), ".");
         // The last number in what `simulate` says is its duration.
         let untimed =
             |line: &str| line.strip_suffix(" s").map_or(line, |line| line.rsplit_once(',').unwrap().0).to_owned();
@@ -254,7 +244,7 @@ impl Readings {
         let files = files(folder).into_iter().map(|(path, content)| (format!("./{}", path.display()), content));
         // The leftovers of a killed program are not its result.
         let files = files.filter(|(path, _)| !path.contains(".tmp"));
-        outcome.extend(files.map(|(path, content)| (plain(&path), plain(&String::from_utf8_lossy(&content)))));
+        outcome.extend(files.map(|(path, content)| (path, plain(&String::from_utf8_lossy(&content)))));
         (outcome, log)
     }
 
@@ -305,17 +295,22 @@ impl Readings {
         let kind = match &*found[STATUS] {
             _ if log.hits.is_empty() => Kind::Missed,
             _ if what.is_empty() => Kind::Same,
-            _ if was_killed => Kind::Told,
+            _ if was_killed => Kind::Killed,
             "exit status: 0" if is_new => Kind::Said,
             "exit status: 1" | "exit status: 2" if is_new => Kind::Told,
             _ => Kind::Silent,
         };
         // If the files are as before, so is the next run.
-        if kind == Kind::Told && files(scene.path()) != self.data {
+        if [Kind::Told, Kind::Killed].contains(&kind) && files(scene.path()) != self.data {
             let (again, _) = self.run(reader, &scene, &[]);
             let wrong = match reader.3 {
                 Again::Same => difference(reference, &again, |_| true),
                 Again::Files => difference(reference, &again, |part| part.starts_with("./")),
+                Again::Repaired => {
+                    let is_recorded = again.values().any(|text| text.contains("\"repaired: "));
+                    let rows = difference(reference, &again, |part| part.ends_with("_data.csv"));
+                    rows + if is_recorded { "" } else { "the sidecar does not say that the rows were repaired" }
+                }
                 Again::Session => disk::faults_of_ended(&scene.path().join("open"), 0, &self.planned).join("; "),
             };
             if !wrong.is_empty() {
@@ -348,6 +343,22 @@ fn lines(expected: &str, found: &str) -> String {
     format!("{} instead of {}", short(found), short(expected))
 }
 
+/// How many faults of each reader had which outcome.
+pub fn table(findings: &[Finding]) -> String {
+    let kinds = [Kind::Missed, Kind::Same, Kind::Told, Kind::Killed, Kind::Said, Kind::Silent, Kind::After];
+    let line = |name: &str, is_of: &dyn Fn(&Finding) -> bool| {
+        let count = |kind| findings.iter().filter(|found| is_of(found) && found.kind == kind).count().to_string();
+        format!("| {name} | {} |\n", kinds.map(count).join(" | "))
+    };
+    let readers = READERS.iter().map(|reader| line(reader.0, &|found| found.reader == reader.0));
+    let titles = "| command | no effect | as without | error | killed | warning | silent | wrong afterward |\n";
+    [titles.to_owned(), format!("|---|{}\n", "--:|".repeat(kinds.len()))]
+        .into_iter()
+        .chain(readers)
+        .chain([line("all", &|_| true)])
+        .collect()
+}
+
 /// Injects this many faults, drawn from a seed, or all of them if there are fewer; returns what became of each.
 pub fn play(most: usize, seed: u64) -> Vec<Finding> {
     let readings = Readings::new();
@@ -358,7 +369,7 @@ pub fn play(most: usize, seed: u64) -> Vec<Finding> {
     }
     let judged = faults.par_iter().map(|(reader, fault)| {
         let found = readings.judge(*reader, fault);
-        if found.kind > Kind::Told {
+        if found.kind > Kind::Killed {
             crate::print(&format!("{:?} | {} | {} | {}", found.kind, found.reader, found.fault, found.what));
         }
         found
