@@ -1,9 +1,10 @@
 //! Injects faults into sessions wherever they can occur (the disk fails, the clock goes back, the program is killed)
-//! and checks what is on disk afterward and what resuming does.
+//! and checks what is on disk afterward and what resuming does. The same faults meet the commands that read data.
 //!
 //! The tests need Linux and `cc`. If `cc` is missing, they print `SKIPPED` and pass, unless
 //! `MACHBAND_REQUIRE_FAULTS=1`. `MACHBAND_FAULTS` is the number of sessions (1,000), `MACHBAND_CUTS` the number of
-//! power cuts (50), and `MACHBAND_FAULT_SEED` the seed from which the faults are drawn (1).
+//! power cuts (50), `MACHBAND_READS` the number of faults while data are read (100), and `MACHBAND_FAULT_SEED` the seed
+//! from which the faults are drawn (1).
 
 #![cfg(all(target_os = "linux", target_env = "gnu"))]
 
@@ -12,6 +13,7 @@ mod common;
 mod disk;
 mod ext4;
 mod power;
+mod reads;
 mod run;
 mod scenes;
 mod shim;
@@ -21,7 +23,7 @@ mod table;
 
 use std::io::Write as _;
 
-use common::attacks::{ALL, withstood};
+use common::attacks::{ALL, FILES, LIES, PANICS, withstood};
 
 fn setting(name: &str, default: u64) -> u64 {
     std::env::var(name)
@@ -97,6 +99,29 @@ fn no_row_is_lost_in_a_power_cut_of_ext4() {
             assert!(wrong.is_empty(), "{}", wrong.join("\n"));
             withstood("power cuts of ext4", cuts as usize, &ALL);
         }
+    }
+}
+
+/// A call fails, ends early, is interrupted or kills the program while a command reads data. The command must do what it
+/// does without the fault, or say an error and fail; it must not take an error for an absence.
+#[test]
+fn no_error_while_reading_passes_for_an_absence() {
+    if shim::library().is_none() {
+        return;
+    }
+    let findings = reads::play(setting("MACHBAND_READS", 100) as usize, setting("MACHBAND_FAULT_SEED", 1));
+    print(&reads::table(&findings));
+    let wrong = findings.iter().filter(|found| found.kind > reads::Kind::Said).count();
+    assert_eq!(wrong, 0, "of {} faults", findings.len());
+    withstood("faults while data are read", findings.len(), &[LIES, FILES, PANICS]);
+}
+
+/// Not a test: prints what the window's list of sessions shows.
+#[test]
+#[ignore = "part of the other tests"]
+fn sessions_for_the_other_tests() {
+    if let Some(results) = std::env::var_os("MACHBAND_CHILD_RESULTS") {
+        std::process::exit(reads::list(results.as_ref()));
     }
 }
 

@@ -9,12 +9,14 @@ use std::{
 
 use jiff::Timestamp;
 use machband::{
+    display::frames::Refresh,
     experiment::{
-        FrameCount, Identity, OrderedLogit, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions,
-        TrialRecord, simulate,
+        FrameCount, Identity, OrderedLogit, Phase, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions,
+        Shown, TrialRecord, simulate,
     },
     store::{
         StoreError, definition,
+        frames::FrameRow,
         session::{Changes, SessionStore},
         sitting::Sitting,
     },
@@ -180,6 +182,32 @@ pub fn interrupted(definition: usize, results: &Path, rows: usize) -> Vec<String
         Ok(())
     });
     lines
+}
+
+/// Writes a complete session with frames in which every rating was undone once and given again.
+pub fn undone(definition: usize, results: &Path) {
+    let protocol = protocol(definition);
+    let (mut store, _) = rate(&protocol, begin(&protocol, results, false).unwrap(), |store, row| {
+        let (mut undone, mut again) = (row.clone(), row.clone());
+        // Narrow bands are seen more clearly, but not in the last trial.
+        again.rating.0 = [3, 0, 1, 2][usize::from(row.width > Some(0.2)) * 2 + usize::from(row.trial == 4)];
+        undone.rating.0 = 3 - again.rating.0;
+        again.attempt += 1;
+        again.row_id = format!("{}_{}", again.row_id.rsplit_once('_').unwrap().0, again.attempt);
+        again.onset_s.0 += 0.01;
+        again.started_at += Duration::from_millis(10);
+        store.append(&undone).and_then(|()| store.append(&again)).map_err(drop)
+    });
+    store.append_frames(&[FrameRow {
+        sitting: 1,
+        phase: Phase::Main,
+        trial: 1,
+        attempt: 1,
+        shown: Shown::Stimulus,
+        refresh: Refresh::from_hz(60.0),
+        intervals_us: vec![16_667; 8],
+    }]);
+    store.finish(true, Timestamp::UNIX_EPOCH.to_string(), None).unwrap();
 }
 
 /// A session that uses the store as the window does: it reports each row once it is on disk. After an error, it reports

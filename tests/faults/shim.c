@@ -8,39 +8,46 @@
  *
  * MACHBAND_JOURNAL      a file that receives every change below the folder, in order, for simulated power cuts
  *
- * OP: open read write sync rename truncate seek stat unlink mkdir lock list close clock thread alloc (the last three
- * have no path; thread is pthread_create; allocations count from the first call below the folder).
+ * OP: open read write sync rename truncate seek stat unlink mkdir lock list close names fstat link clock thread alloc
+ * (list opens a folder, names reads the names in it, fstat is the state of an open file, and link is where a path leads;
+ * the last three have no path; thread is pthread_create; allocations count from the first call below the folder).
  * WHAT: the name of an errno; short (transfers half and reports half); lie (writes half and reports all); torn (writes
  * half, then fails with EIO); kill-before, kill-after, kill-torn (kills its own process with SIGKILL before, after or
- * halfway through the call); TERM, INT, HUP (sends its own process this signal before the call); back, far, ancient (from
- * this call on, the clock is an hour back, in the year 12000, or in the year -2000). */
+ * halfway through the call); TERM, INT, HUP (sends its own process this signal before the call); back, far, ancient, still
+ * (from this call on, the clock is an hour back, in the year 12000, in the year -2000, or stands still). */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
 #include <dirent.h>
 #include <fcntl.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <stdint.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
+#include <sys/prctl.h>
 #include <sys/sendfile.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/types.h>
 #include <time.h>
+#include <ucontext.h>
 #include <unistd.h>
 
 enum op {
-    OPEN, READ, WRITE, SYNC, RENAME, TRUNCATE, SEEK, STAT, UNLINK, MKDIR, LOCK, LIST, CLOSE, CLOCK, THREAD, ALLOC, OPS
+    OPEN, READ, WRITE, SYNC, RENAME, TRUNCATE, SEEK, STAT, UNLINK, MKDIR, LOCK, LIST, CLOSE, NAMES, FSTAT, LINK, CLOCK,
+    THREAD, ALLOC, OPS
 };
 static const char *const op_names[OPS] = {"open", "read", "write", "sync", "rename", "truncate",
-                                          "seek", "stat", "unlink", "mkdir", "lock", "list", "close", "clock", "thread",
-                                          "alloc"};
+                                          "seek", "stat", "unlink", "mkdir", "lock", "list", "close", "names", "fstat",
+                                          "link", "clock", "thread", "alloc"};
 
 static const struct { const char *name; int number; } errors[] = {
     {"EIO", EIO}, {"ENOSPC", ENOSPC}, {"EROFS", EROFS}, {"EACCES", EACCES}, {"EMFILE", EMFILE}, {"EINTR", EINTR},
@@ -59,6 +66,8 @@ static int begun;
 static char *paths[DESCRIPTORS];
 
 #define REAL(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
+
+static void watch_names(void);
 
 __attribute__((constructor)) static void begin(void) {
     const char *shutdown = getenv("MACHBAND_SHUTDOWN");
@@ -91,6 +100,7 @@ __attribute__((constructor)) static void begin(void) {
         spec = strchr(spec, ',');
         if (spec) spec++;
     }
+    if (under) watch_names();
 }
 
 __attribute__((destructor)) static void end(void) {
@@ -350,9 +360,54 @@ int mkdir(const char *path, mode_t mode) {
     ON_PATH(int, MKDIR, path, NOTED(REAL(mkdir)(path, mode), "mkdir\t%llu\t%s\n", inode_at(path), path));
 }
 
-/* Only calls by name fail: Rust's read functions query the size of an open file as a hint. */
+/* Calls by name count separately: Rust's read functions query the size of an open file as a hint. */
 int statx(int at, const char *path, int flags, unsigned int mask, struct statx *found) {
+    if (flags & AT_EMPTY_PATH) ON_DESCRIPTOR(int, FSTAT, at, REAL(statx)(at, path, flags, mask, found));
     ON_PATH(int, STAT, path, REAL(statx)(at, path, flags, mask, found));
+}
+
+ssize_t readlink(const char *path, char *to, size_t size) {
+    ON_PATH(ssize_t, LINK, path, REAL(readlink)(path, to, size));
+}
+char *realpath(const char *path, char *to) {
+    const char *what = is_below(path) ? strike(LINK, path) : NULL;
+    return refused(what) ? NULL : REAL(realpath)(path, to);
+}
+
+/* Folders are listed without the C library. Therefore, a filter turns this system call into a signal, whose handler
+ * makes the call. The last argument, which the call does not have, is the pass. */
+#define PASS 0x6d616368
+#if defined __x86_64__
+#define REGISTER(context, x86, arm) ((context)->uc_mcontext.gregs[x86])
+#else
+#define REGISTER(context, x86, arm) ((context)->uc_mcontext.regs[arm])
+#endif
+
+static void list_names(int number, siginfo_t *info, void *of) {
+    ucontext_t *context = of;
+    int fd = REGISTER(context, REG_RDI, 0), kept = errno;
+    const char *path = path_of(fd), *what = path ? strike(NAMES, path) : NULL;
+    size_t size = REGISTER(context, REG_RDX, 2);
+    (void)number, (void)info;
+    long done = refused(what) ? -1
+        : syscall(SYS_getdents64, fd, REGISTER(context, REG_RSI, 1), what && !strcmp(what, "short") ? size / 2 : size, 0, 0, PASS);
+    REGISTER(context, REG_RAX, 0) = done < 0 ? -errno : done;
+    errno = kept;
+}
+
+static void watch_names(void) {
+    struct sigaction action = {.sa_sigaction = list_names, .sa_flags = SA_SIGINFO | SA_RESTART};
+    struct sock_filter filter[] = {
+        BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(struct seccomp_data, nr)),
+        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_getdents64, 0, 3),
+        BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(struct seccomp_data, args[5])),
+        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, PASS, 1, 0),
+        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_TRAP),
+        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+    };
+    struct sock_fprog program = {sizeof filter / sizeof *filter, filter};
+    sigaction(SIGSYS, &action, NULL);
+    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) || prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program)) abort();
 }
 
 int clock_gettime(clockid_t id, struct timespec *now) {
@@ -364,6 +419,7 @@ int clock_gettime(clockid_t id, struct timespec *now) {
     if (set && !strcmp(set, "back")) now->tv_sec -= 3600;
     if (set && !strcmp(set, "far")) now->tv_sec = 316515000000;
     if (set && !strcmp(set, "ancient")) now->tv_sec = -125281000000;
+    if (set && !strcmp(set, "still")) *now = (struct timespec){1700000000, 0};
     return done;
 }
 
