@@ -160,7 +160,7 @@ def stimulus(
     given = _parameters(parameters)
     if not (0 < window_deg < np.inf):
         raise _machband.Error(f"window_deg is {window_deg!r}; expected degrees above 0")
-    coding = options("stimulus", locals())
+    coding = options(stimulus, locals(), "as_dict", "window_deg")
     codes: Codes = _machband.stimulus(name_of("kind", kind), given, coding)
     if not flag("as_dict", as_dict):
         return codes
@@ -254,7 +254,7 @@ def profile(
     the center in window widths; ``linear``, the light of the strongest channel; ``code_r``, ``code_g``, ``code_b``; and
     ``emitted``, the light that the strongest channel's code emits.
     """
-    coding = options("profile", locals())
+    coding = options(profile, locals())
     return table(_machband.profile(name_of("kind", kind), _parameters(parameters), coding))
 
 

@@ -130,7 +130,7 @@ def predict(
     for name, number in [("window_deg", window_deg), ("ppd", ppd), ("white", white)]:
         if not (number is None or isinstance(number, (int, float, np.number))):
             raise TypeError(f"{name} is {number!r}; expected a number")
-    view = options("predict", locals())
+    view = options(predict, locals())
     pixels: Fields = {"size": view.pop("size")} if "size" in view else {}
     codes_mean: Fields = {"transfer": view.pop("transfer")} if "transfer" in view else {}
     is_file = isinstance(image_or_kind, PathLike) or (

@@ -31,7 +31,7 @@ pub use check::Check;
 pub use drawn::Drawn;
 pub use export::Export;
 pub use found::Found;
-pub use image::{Encoded, Encoding, Image, outdated, today};
+pub use image::{Encoded, Encoding, Image, Pixels, outdated, today};
 pub use model::Model;
 pub use paths::{FittedPath, NewFolder, OutPath};
 pub use ratings::{Only, Ratings, explained};

@@ -21,6 +21,7 @@ use machband::{
         session::{Changes, SessionStore},
         sidecar::Sidecar,
     },
+    work,
 };
 
 use super::{
@@ -91,7 +92,7 @@ fn with_a_profile_the_screen_shows_what_the_command_writes() {
         let stimulus = schedule.conditions[schedule.trials[0].condition].stimulus.clone();
         let (transfers, bits, dither) = (Transfer::Srgb.into(), Bits::Eight, Dither::None);
         let recipe = Recipe { stimulus, size, transfers, bits, dither, seed: 1, display_sha256: None };
-        let command = recipe.command();
+        let command = work::stimulus::command(&recipe);
         let mut arguments: Vec<&str> = command.split(' ').skip(1).collect();
         arguments.extend(["--display", "screen.toml"]);
         // An old profile causes only a warning.

@@ -6,6 +6,7 @@ use machband::{
     light::{Bits, Dither, Transfer, Transfers},
     stimulus::{Stimulus, catalog, recipe::Recipe},
     store::{Writer, curve, image},
+    work::stimulus,
 };
 
 use crate::{
@@ -175,7 +176,7 @@ fn the_copied_command_makes_the_same_image() {
             let recipe = Recipe { stimulus, bits, dither, transfers: transfer.into(), seed, ..recipe(entry.kind) };
             let expected = folder.path().join("expected.png");
             image::write_recipe(&replacing(), &expected, &recipe, &recipe.quantizer()).unwrap();
-            let command = recipe.command();
+            let command = stimulus::command(&recipe);
             let arguments: Vec<&str> = command.split(' ').skip(1).collect();
             succeeds(folder.path(), &arguments);
             let made = folder.path().join("stimulus.png");
