@@ -245,7 +245,7 @@ def analyze(
     exclude
         Participants to exclude.
     only
-        Analyze only these levels of a factor; NA means a missing value. Repeat the option for other factors.
+        Analyze only these levels of a factor; NA means a missing value. Several factors can be given.
     complete_only
         Exclude sessions with unrated trials.
     terms
@@ -269,8 +269,8 @@ def analyze(
 
     Returns
     -------
-    The results. What is wrong with the data is a Python warning, and in `errors` and `warnings` of the results; what is
-    sound is analyzed.
+    The results. Problems in the data are Python warnings, and `errors` and `warnings` of the results list them; the rest
+    is analyzed.
 
     Examples
     --------

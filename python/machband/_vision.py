@@ -40,7 +40,7 @@ class Prediction:
         Visibility of the strongest band: 0 means no band, 1 a band that is just visible, like a thin line at its
         threshold.
     detection
-        How many times the contrast of the whole picture stands above the threshold of an average person.
+        Contrast of the whole picture, in multiples of the threshold of an average person.
     predicted_rating
         Mean rating on the scale from 0 to 3 that an average observer would give.
     bands

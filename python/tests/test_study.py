@@ -219,7 +219,7 @@ def test_a_scale_is_ours_or_named():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         found = machband.analyze(frame, **given)
-    assert "or the option response with this column for another scale" in found.errors[0]
+    assert "unless this column is named as the response" in found.errors[0]
     assert "12 rows are excluded" in found.summary
     expected = machband.analyze(frame, response="rating", **given)
     assert not expected.errors and expected.tables["by_width"]["n"].tolist() == [24, 24]

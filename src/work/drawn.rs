@@ -58,6 +58,7 @@ impl Args for Drawn {
     fn augment_args(command: Command) -> Command {
         let kind = Arg::new("kind")
             .long("kind")
+            .value_name("KIND")
             .default_value(KINDS[0])
             .value_parser(PossibleValuesParser::new(KINDS))
             .help("Kind of stimulus");

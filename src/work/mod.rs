@@ -1,4 +1,4 @@
-//! Floor 6: what machband can do. One file an operation: a request goes in, a typed outcome comes out, and nothing is
+//! Floor 6: what machband can do. One file per operation: a request goes in, a typed outcome comes out, and nothing is
 //! printed.
 //!
 //! The commands, the window and the Python package are skins over this room. A [`Request`] is one struct, made

@@ -59,9 +59,8 @@ pub struct OneMesh {
     /// Shader: how the light inside each triangle is computed.
     #[arg(long, required_unless_present_any = ["truth", "scene"], value_parser = named::<Shader>(Shader::NAMES))]
     pub shader: Option<Shader>,
-    /// Draw the smooth surface that the mesh approximates, not the mesh. For a mesh from a file, the surface is this file
-    /// with many more triangles; if a shader is also given, it is only what the measurements compare the
-    /// picture with.
+    /// Draw the smooth surface that the mesh approximates, not the mesh. For a mesh from a file, give a file of the same
+    /// surface with many more triangles; with a shader, that surface is not drawn, but the picture is compared with it.
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = KNOWN)]
     #[serde(serialize_with = "paths")]
     pub truth: Option<PathBuf>,

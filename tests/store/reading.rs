@@ -440,7 +440,7 @@ mod layouts {
         let declared = study(ReadOptions { direction, ..with_factors(&["triangles"]) });
         assert_eq!(declared.factors[0].role, Role::Direction);
         let unknown = ReadOptions { direction: vec!["triangle".to_owned()], ..with_factors(&["triangles"]) };
-        let said = "t.csv: the option direction names triangle, which is not a factor; expected one of triangles; did you mean triangles?";
+        let said = "t.csv: the direction triangle is not a factor; expected one of triangles; did you mean triangles?";
         assert_eq!(errors(&[&path], &unknown), [said]);
 
         let (_results, files) = super::study(&["S1"]);
@@ -731,7 +731,7 @@ mod errors {
                 LONG,
                 ReadOptions { factors: None, count: None, ..long() },
                 &[
-                    "1:1: no factors were given; expected the option factors or terms with some of the columns width, depth, n",
+                    "1:1: no factors were given; expected factors or terms that name some of the columns width, depth, n",
                 ],
                 &[],
             ),

@@ -64,11 +64,7 @@ pub fn export(from: &Path, to: &Path, format: Format, choice: Choice) -> Result<
     let sessions = sessions::read(&files, choice.accept_changes)?;
     let sessions = sessions::chosen(sessions, choice.complete_only, &mut exported.notes);
     if sessions.is_empty() {
-        return Err(FileErrors::whole(
-            from,
-            "has no complete session; expected one, unless the option complete_only is left out",
-        )
-        .into());
+        return Err(FileErrors::whole(from, "has no complete session; expected at least one").into());
     }
     (exported.sessions, exported.rows) = (sessions.len(), sessions.iter().map(|session| session.rows.len()).sum());
     let experiments = sessions::by_experiment(sessions)?;
