@@ -180,8 +180,8 @@ def shade(
     bits
         Bits per channel.
     shader
-        ``flat``, ``gouraud``, ``phong``, ``c1-phong``, ``fixed``, ``gradient``, ``gradient-repaired``, ``patch``
-        or ``quadratic``; `None`, with `truth`, for the smooth surface alone.
+        A shader that ``machband shade --help`` lists, such as ``gouraud`` or ``patch``; `None`, with `truth`, for the
+        smooth surface alone.
     truth
         Compare with the smooth surface: `True` for the one behind a built-in shape, or the path of a finer mesh.
     n_vertices
