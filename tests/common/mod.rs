@@ -91,6 +91,17 @@ pub fn golden(file: &str) -> Vec<(String, Vec<f64>)> {
     table(&golden_path(file)).1.into_iter().map(row).collect()
 }
 
+/// Checks that a page of the documentation has what the program says. `UPDATE_DOCS=1` writes it.
+pub fn assert_documented(page: &str, expected: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        fs::write(path, expected).unwrap();
+    } else {
+        let found = fs::read_to_string(path).unwrap();
+        assert!(found == expected, "{page} is out of date: run UPDATE_DOCS=1 cargo test --test store");
+    }
+}
+
 pub fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }

@@ -10,7 +10,7 @@ use machband::{
 };
 
 use crate::{
-    common::{command, everything, fails, pixels, succeeds},
+    common::{command, everything, fails, pixels, split, succeeds},
     transfers,
 };
 
@@ -177,8 +177,7 @@ fn the_copied_command_makes_the_same_image() {
             let expected = folder.path().join("expected.png");
             image::write_recipe(&replacing(), &expected, &recipe, &recipe.quantizer()).unwrap();
             let command = stimulus::command(&recipe);
-            let arguments: Vec<&str> = command.split(' ').skip(1).collect();
-            succeeds(folder.path(), &arguments);
+            succeeds(folder.path(), &split(&command)[1..]);
             let made = folder.path().join("stimulus.png");
             assert!(std::fs::read(&made).unwrap() == std::fs::read(&expected).unwrap(), "{command}");
             std::fs::remove_file(made).unwrap();

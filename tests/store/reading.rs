@@ -8,7 +8,7 @@ use std::{
 
 use machband::{
     analysis::counts::Role,
-    experiment::{Identity, Phase, Protocol, RatingRow, TrialRecord},
+    experiment::{Identity, Phase, Protocol, RatingRow, TrialRecord, columns},
     report::Study,
     store::{
         Columns, FileErrors,
@@ -568,6 +568,7 @@ mod errors {
         ] {
             assert_eq!(damaged(|file| set(file, 18, column, cell)), (vec![format!("S1.csv:18:{expected}")], 23));
         }
+        let width = columns(&small()).len();
         type Damage = fn(String) -> Vec<u8>;
         let cases: [(Damage, String, u64); 18] = [
             (
@@ -580,7 +581,7 @@ mod errors {
             ),
             (
                 |text| text.replacen("\nS1_1_main_0011_1,", "\nS1_1_main_0011_1,more,", 1).into(),
-                "18:1: the row has 30 cells; expected 29, as in the header".into(),
+                format!("18:1: the row has {} cells; expected {width}, as in the header", width + 1),
                 23,
             ),
             (

@@ -105,7 +105,11 @@ fn documented(function: &str, options: &[Arg]) -> String {
         let kept = blocks.iter().filter(|(name, _)| !is_option(name) && is_first(name) == first);
         kept.map(block).collect::<String>()
     };
-    let new: String = options.iter().map(description).collect();
+    // "kind, size" with a reference to another function describes these options.
+    let listed: Vec<&str> =
+        blocks.iter().filter(|(name, _)| name.contains(", ")).flat_map(|(name, _)| name.split(", ")).collect();
+    let is_new = |option: &&Arg| !listed.contains(&option.get_id().as_str());
+    let new: String = options.iter().filter(is_new).map(description).collect();
     let all = kept(true) + &new + &kept(false);
     format!("{before}{HEADING}{}\n\n{after}", all.trim_end())
 }
