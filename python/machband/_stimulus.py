@@ -233,20 +233,6 @@ def profile(
     ----------
     kind, size, bits, transfer, display, dither, seed, **parameters
         As in `stimulus`.
-    size
-        Side of the image in pixels.
-    transfer
-        Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; for separate functions for
-        red, green and blue, join three with /.
-    display
-        Display profile written by `machband calibrate`.
-    bits
-        Bits per channel.
-    dither
-        Dither: none, ordered, blue-noise or random; for a specific matrix, ordered:bayer2, 4, 8 or 16, or
-        ordered:clustered2 or 3.
-    seed
-        Seed of the random dither.
 
     Returns
     -------

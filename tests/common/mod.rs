@@ -147,6 +147,14 @@ pub fn session_csv(results: &Path, experiment: &str, participant: &str) -> PathB
     results.join(format!("{experiment}/data/subject-{participant}_session-1_task-{experiment}_data.csv"))
 }
 
+/// Changes the text of a file.
+pub fn edit(path: &Path, change: impl FnOnce(&str) -> String) {
+    let before = fs::read_to_string(path).unwrap();
+    let after = change(&before);
+    assert_ne!(after, before, "{}: the test did not change the file", path.display());
+    fs::write(path, after).unwrap();
+}
+
 /// Changes the rating in line 10 of a session's file.
 pub fn change_rating(csv: &Path) {
     let text = fs::read_to_string(csv).unwrap();

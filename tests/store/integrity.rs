@@ -18,7 +18,7 @@ use machband::{
 };
 
 use crate::{
-    common::{everything, fails, machband, session_csv, succeeds, text, verified},
+    common::{edit, everything, fails, machband, session_csv, succeeds, text, verified},
     recording::{self, SEED, create, identity, paths, resume, sitting, small},
 };
 
@@ -40,13 +40,6 @@ fn ended(rows: usize) -> (tempfile::TempDir, PathBuf) {
 
 fn accept(results: &Path) -> (SessionStore, Interrupted) {
     SessionStore::resume(results, &small(), &identity(), Some(SEED), sitting(), Changes::Accept).unwrap()
-}
-
-fn edit(path: &Path, change: impl FnOnce(&str) -> String) {
-    let text = fs::read_to_string(path).unwrap();
-    let changed = change(&text);
-    assert_ne!(changed, text, "the test did not change the file");
-    fs::write(path, changed).unwrap();
 }
 
 /// Changes the first rating. The color of the stimulus has two commas.

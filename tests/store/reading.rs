@@ -21,7 +21,7 @@ use machband::{
 };
 
 use crate::{
-    common,
+    common::{self, edit},
     recording::{self, SEED, sitting},
 };
 
@@ -104,10 +104,6 @@ fn expected(files: &[PathBuf]) -> Vec<String> {
         format!("{subject} {} {rating} 1 {place:?} {time:?}", values.join("|"))
     };
     sorted(last.values().map(text).collect())
-}
-
-fn edit(file: &Path, change: impl Fn(String) -> String) {
-    fs::write(file, change(fs::read_to_string(file).unwrap())).unwrap();
 }
 
 /// Replaces the cell in a line, counted from 1, under a column name.
