@@ -33,6 +33,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let path = Path::new("stimulus.png");
     image::write_recipe(&Writer::new([], true), path, &recipe, &recipe.quantizer())?;
-    println!("{} written; this command writes the same image:\n{}", path.display(), recipe.command());
+    println!(
+        "{} written; this command writes the same image:\n{}",
+        path.display(),
+        machband::work::stimulus::command(&recipe)
+    );
     Ok(())
 }

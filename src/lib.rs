@@ -24,7 +24,7 @@
 //! | 4 | [`analysis`] | ordinal models and tests, computed from counts of ratings |
 //! | 4 | [`store`] | every file format |
 //! | 5 | [`report`] | tables, figures and study reports |
-//! | 6 | [`work`] | what machband can do: one file an operation, a request in, a typed outcome out |
+//! | 6 | [`work`] | what machband can do: one file per operation; a request in, a typed outcome out |
 //! | 7–12 | [`app`] | the window, whose own modules have these floors |
 //! | 12 | [`cli`] | the commands, of which `run` uses the window |
 //!

@@ -15,7 +15,6 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 
 from ._machband import Error
-from ._options import OPTIONS
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -138,23 +137,27 @@ def path(name: str, given: object) -> str:
 
 Fields = dict[str, "str | bool | list[str]"]
 
+#: What makes a field of an argument with this type in the signature; any other becomes text.
 _CONVERSIONS: dict[str, Callable[[str, Any], str | bool | int | list[str] | None]] = {
-    "flag": flag,
-    "whole": whole,
-    "text": text,
-    "words": words,
-    "path": path,
-    "texts": texts,
-    "levels": levels,
+    "bool": flag,
+    "int": whole,
+    "str": words,
+    "str | PathLike[str]": path,
+    "str | Sequence[str]": texts,
+    "Mapping[str, Sequence[Any]]": levels,
 }
 
 
-def options(function: str, given: Mapping[str, Any]) -> Fields:
-    """Return the fields of the request that a function makes from its arguments; those that are `None` have defaults."""
+def options(function: Callable[..., Any], given: Mapping[str, Any], *but: str) -> Fields:
+    """Return the fields of the request that a function makes from its keyword-only arguments except `but`.
+
+    Arguments that are `None` have defaults.
+    """
     fields: Fields = {}
-    for name, kind in OPTIONS[function].items():
-        if given.get(name) is not None:
-            field = _CONVERSIONS[kind](name, given[name])
+    for name, parameter in inspect.signature(function).parameters.items():
+        if parameter.kind is parameter.KEYWORD_ONLY and name not in but and given[name] is not None:
+            kind = parameter.annotation.removesuffix(" | None")
+            field = words(name, given[name]) if kind.startswith("Literal") else _CONVERSIONS.get(kind, text)(name, given[name])
             fields[name] = str(field) if isinstance(field, int) and not isinstance(field, bool) else field  # type: ignore[assignment]
     return fields
 

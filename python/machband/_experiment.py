@@ -186,7 +186,7 @@ def simulate(
         definition = Definition(definition)
     with tempfile.TemporaryDirectory(prefix="machband-") as temporary:
         folder = temporary if results is None else os.fspath(results)
-        given = {**options("simulate", locals()), "results": folder}
+        given = {**options(simulate, locals(), "results"), "results": folder}
         with progress("trials") as show:
             _machband.simulate(definition._native, given, show)
         return read_results(os.path.join(folder, definition.name))

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Fields, flag, options, suggests, whole, words
+from ._common import Fields, flag, options, suggests, whole
 from ._stimulus import Codes
 
 Triple = Sequence[float]
@@ -66,7 +66,7 @@ def mesh(
     >>> mesh("blob", n_vertices=313).triangles.shape
     (622, 3)
     """
-    given = {**options("shade", locals()), **_named(name_or_path, n_vertices), "shader": "phong"}
+    given = {**options(mesh, locals(), "n_vertices"), **_named(name_or_path, n_vertices), "shader": "phong"}
     return Mesh(*_machband.mesh(given))
 
 
@@ -180,8 +180,8 @@ def shade(
     bits
         Bits per channel.
     shader
-        ``flat``, ``gouraud``, ``phong``, ``c1-phong``, ``fixed``, ``gradient``, ``gradient-repaired``, ``patch``
-        or ``quadratic``; `None`, with `truth`, for the smooth surface alone.
+        A shader that ``machband shade --help`` lists, such as ``gouraud`` or ``patch``; `None`, with `truth`, for the
+        smooth surface alone.
     truth
         Compare with the smooth surface: `True` for the one behind a built-in shape, or the path of a finer mesh.
     n_vertices
@@ -204,11 +204,9 @@ def shade(
     if shader is None and not truth:
         raise TypeError("shade() got neither shader nor truth; expected at least one of them")
     estimated = normals if isinstance(normals, str) else None
-    given = options("shade", locals())
+    given = options(shade, locals(), "truth", "n_vertices", "metrics")
     if estimated is not None:
         given["normals"] = estimated
-    if shader is not None:
-        given["shader"] = words("shader", shader) or ""
     if truth:
         given["truth"] = truth if isinstance(truth, bool) else os.fspath(truth)
     if isinstance(vertices, (str, os.PathLike)):

@@ -160,7 +160,7 @@ def stimulus(
     given = _parameters(parameters)
     if not (0 < window_deg < np.inf):
         raise _machband.Error(f"window_deg is {window_deg!r}; expected degrees above 0")
-    coding = options("stimulus", locals())
+    coding = options(stimulus, locals(), "as_dict", "window_deg")
     codes: Codes = _machband.stimulus(name_of("kind", kind), given, coding)
     if not flag("as_dict", as_dict):
         return codes
@@ -233,20 +233,6 @@ def profile(
     ----------
     kind, size, bits, transfer, display, dither, seed, **parameters
         As in `stimulus`.
-    size
-        Side of the image in pixels.
-    transfer
-        Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; for separate functions for
-        red, green and blue, join three with /.
-    display
-        Display profile written by `machband calibrate`.
-    bits
-        Bits per channel.
-    dither
-        Dither: none, ordered, blue-noise or random; for a specific matrix, ordered:bayer2, 4, 8 or 16, or
-        ordered:clustered2 or 3.
-    seed
-        Seed of the random dither.
 
     Returns
     -------
@@ -254,7 +240,7 @@ def profile(
     the center in window widths; ``linear``, the light of the strongest channel; ``code_r``, ``code_g``, ``code_b``; and
     ``emitted``, the light that the strongest channel's code emits.
     """
-    coding = options("profile", locals())
+    coding = options(profile, locals())
     return table(_machband.profile(name_of("kind", kind), _parameters(parameters), coding))
 
 

@@ -245,7 +245,7 @@ def analyze(
     exclude
         Participants to exclude.
     only
-        Analyze only these levels of a factor; NA means a missing value. Repeat the option for other factors.
+        Analyze only these levels of a factor; NA means a missing value. Several factors can be given.
     complete_only
         Exclude sessions with unrated trials.
     terms
@@ -269,8 +269,8 @@ def analyze(
 
     Returns
     -------
-    The results. What is wrong with the data is a Python warning, and in `errors` and `warnings` of the results; what is
-    sound is analyzed.
+    The results. Problems in the data are Python warnings, and `errors` and `warnings` of the results list them; the rest
+    is analyzed.
 
     Examples
     --------
@@ -286,7 +286,7 @@ def analyze(
         categories = ordered if response is not None or (ordered and not set(ordered) <= {0, 1, 2, 3}) else None
     if categories is not None and response is None:
         response = "rating"
-    given = options("analyze", locals())
+    given = options(analyze, locals())
     ratings = _cells(columns) if columns is not None else list(_paths(data))
     if not ratings:
         raise _machband.Error("there are no paths; expected at least one")
@@ -373,5 +373,5 @@ def export(
     What was written: the names of the experiments, and the numbers of sessions, rows and pictures.
     """
     fields = {"folder": os.fspath(folder), "out": os.fspath(out), "format": words("format", format) or ""}
-    experiments, counts = _machband.export({**options("export", locals()), **fields})
+    experiments, counts = _machband.export({**options(export, locals()), **fields})
     return Exported(experiments, *counts)

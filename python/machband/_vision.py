@@ -40,7 +40,7 @@ class Prediction:
         Visibility of the strongest band: 0 means no band, 1 a band that is just visible, like a thin line at its
         threshold.
     detection
-        How many times the contrast of the whole picture stands above the threshold of an average person.
+        Contrast of the whole picture, in multiples of the threshold of an average person.
     predicted_rating
         Mean rating on the scale from 0 to 3 that an average observer would give.
     bands
@@ -130,7 +130,7 @@ def predict(
     for name, number in [("window_deg", window_deg), ("ppd", ppd), ("white", white)]:
         if not (number is None or isinstance(number, (int, float, np.number))):
             raise TypeError(f"{name} is {number!r}; expected a number")
-    view = options("predict", locals())
+    view = options(predict, locals())
     pixels: Fields = {"size": view.pop("size")} if "size" in view else {}
     codes_mean: Fields = {"transfer": view.pop("transfer")} if "transfer" in view else {}
     is_file = isinstance(image_or_kind, PathLike) or (

@@ -7,7 +7,7 @@ use machband::{
     light::{Bits, CodeImage, Depth, Dither, Interpolation, LinearImage, Quantizer, Samples, Transfer},
     stimulus::{ParameterValue, Stimulus, catalog, recipe::Recipe},
     store::curve,
-    work::Image,
+    work::{Image, Pixels},
 };
 use numpy::{IntoPyArray as _, PyArray1, PyArrayMethods as _, PyReadonlyArray1};
 use pyo3::{prelude::*, types::PyDict};
@@ -95,7 +95,7 @@ pub fn stimulus<'py>(py: Python<'py>, kind: &str, parameters: Given, image: Fiel
 /// Returns the light of a stimulus.
 #[pyfunction]
 pub fn light<'py>(py: Python<'py>, kind: &str, parameters: Given, image: Fields) -> PyResult<Bound<'py, PyAny>> {
-    let (stimulus, Image { size, .. }) = (stimulus_of(kind, parameters)?, request(image)?);
+    let (stimulus, Image { pixels: Pixels { size, .. }, .. }) = (stimulus_of(kind, parameters)?, request(image)?);
     let LinearImage { width, height, data } = job::run(py, None, false, move |_, _| Ok(stimulus.linear(size)))?;
     Ok(data.into_pyarray(py).reshape([height as usize, width as usize, 3])?.into_any())
 }

@@ -219,7 +219,7 @@ def test_a_scale_is_ours_or_named():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         found = machband.analyze(frame, **given)
-    assert "or the option response with this column for another scale" in found.errors[0]
+    assert "unless this column is named as the response" in found.errors[0]
     assert "12 rows are excluded" in found.summary
     expected = machband.analyze(frame, response="rating", **given)
     assert not expected.errors and expected.tables["by_width"]["n"].tolist() == [24, 24]
@@ -276,14 +276,17 @@ def test_wrong_data_are_refused(data, given, error, words):
         machband.analyze(data, **given)
 
 
-def test_changes_are_found(tmp_path):
+def test_changes_are_found(command, tmp_path):
     machband.simulate("quick", participants=2, results=tmp_path)
-    assert machband.verify(tmp_path) and len(machband.verify(tmp_path / "quick").sessions) == 2
+    found = machband.verify(tmp_path)
+    assert found and len(machband.verify(tmp_path / "quick").sessions) == 2
+    assert command("verify", tmp_path).splitlines()[:-1] == [f"{file}: {said}" for file, said in found.sessions.items()]
     file = next((tmp_path / "quick" / "data").glob("*S001*_data.csv"))
     text = file.read_text()
     file.write_text(text.replace(",mach-band,", ",mach-band,", 1).replace("0.25,0.75", "0.25,0.70", 1))
     found = machband.verify(tmp_path)
     assert not found and any("S001" in error for error in found.errors)
+    assert command("verify", tmp_path, status=1).splitlines() == [f"error: {error}" for error in found.errors]
     (tmp_path / "empty").mkdir()
     with pytest.raises(machband.Error, match="contains no session"):
         machband.verify(tmp_path / "empty")

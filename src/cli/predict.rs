@@ -10,9 +10,9 @@ use crate::{
 
 /// Predict the visibility of Mach bands in one stimulus, in every condition of a definition, or in any image.
 ///
-/// Visibility 0 means no band; 1 means a band that is just visible, like a thin line at its threshold. Detection is how
-/// many times the contrast of the whole picture stands above an average person's threshold. No observer is needed;
-/// --fit compares the prediction with ratings and estimates the thresholds between ratings.
+/// Visibility 0 means no band; 1 means a band that is just visible, like a thin line at its threshold. Detection is
+/// the contrast of the whole picture in multiples of an average person's threshold. No observer is needed; --fit compares
+/// the prediction with ratings and estimates the thresholds between ratings.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples: machband predict --width 0.1 --depth 3\n          machband predict bangay2003 --out predicted.csv\n          machband predict --image render.png --window 20 --map bands.png\n          machband predict bangay2003 --fit results --criterion lab.toml"

@@ -88,8 +88,8 @@ impl ViewingConditions {
         LuminanceImage { mask, ..self.luminance_image(image, &light) }.predict(&self.eye(&light))
     }
 
-    /// Returns how many times the contrast of a stimulus that fills the window stands above the threshold of an average
-    /// person looking at its middle; see [`vision::detection`].
+    /// Returns the contrast of a stimulus that fills the window, in multiples of the threshold of an average person who
+    /// looks at its middle; see [`vision::detection`].
     ///
     /// # Errors
     /// Returns a [`VisionError`] if the window is all black.

@@ -53,39 +53,6 @@ impl Recipe {
             dither => quantizer.quantize_with(&self.linear(), &dither.with_seed(self.seed)),
         }
     }
-
-    /// Returns the command that writes this image. A measured table has no short text form, so the command names a file
-    /// `PROFILE.toml` in its place.
-    #[must_use]
-    pub fn command(&self) -> String {
-        let mut command = format!("machband stimulus --kind {}", self.stimulus.kind());
-        let default = Stimulus::default_of(self.stimulus.kind());
-        for parameter in self.stimulus.parameters() {
-            let value = self.stimulus.get(parameter.name);
-            if let Some(value) = value
-                && default.as_ref().and_then(|default| default.get(parameter.name)).as_ref() != Some(&value)
-            {
-                let option = parameter.option();
-                command += &format!(" --{option}={value}");
-            }
-        }
-        command += &format!(" --size {}", self.size);
-        if self.transfers.has_table() {
-            command += " --display PROFILE.toml";
-        } else if self.transfers.uniform() != Some(&Transfer::Srgb) {
-            command += &format!(" --transfer {}", self.transfers);
-        }
-        if self.bits != Bits::Eight {
-            command += &format!(" --bits {}", self.bits);
-        }
-        if self.dither != Dither::None {
-            command += &format!(" --dither {}", self.dither);
-        }
-        if matches!(self.dither, Dither::Random { .. }) {
-            command += &format!(" --seed {}", self.seed);
-        }
-        command + " --out stimulus.png"
-    }
 }
 
 /// Transfer functions as a file stores them: a string, the points of a table, or, if the channels differ, one of these

@@ -143,7 +143,7 @@ impl SettingsFile {
 }
 
 const HEADER: &str =
-    "# What machband's window remembers. machband rewrites this file; remove it to start afresh.\nschema = 1\n";
+    "# What machband's window remembers. machband rewrites this file; remove it to start over.\nschema = 1\n";
 
 fn parse(file: &str, text: &str) -> Result<Settings, FileErrors> {
     let (settings, mut document) = toml::read::<Settings>(file, text)?;

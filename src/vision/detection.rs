@@ -18,8 +18,8 @@ const FIELD_DEG: f64 = 2.0;
 /// sees nothing finer.
 const ENOUGH_PX_PER_DEG: f64 = 120.0;
 
-/// Returns how many times the contrast of `picture` stands above the threshold at which `eye` tells it from a uniform
-/// field of its mean light: 1 is just visible (84 % correct in a choice between two), 0 is a uniform field. The eye
+/// Returns the contrast of `picture`, in multiples of the threshold at which `eye` tells it from a uniform field of its
+/// mean light: 1 is just visible (84 % correct in a choice between two), 0 is a uniform field. The eye
 /// looks at the middle of the picture. A mask is ignored.
 ///
 /// # Errors

@@ -9,8 +9,8 @@ use crate::store::{check::check_large, image::MAX_PIXELS};
 
 /// Check definitions, result files, display profiles, readings, observers and images, and report every error.
 ///
-/// For a display profile that is old or dated in the future, and for texts that this computer has no font for, prints a
-/// warning to stderr; this is not an error.
+/// Prints a warning to stderr, but no error, for a display profile that is old or dated in the future, and for texts for
+/// which this computer has no font.
 #[derive(Clone, Debug, PartialEq, Eq, clap::Args, Serialize)]
 #[command(after_help = "Example: machband check my-study.toml results/quick/data/*.csv")]
 pub struct Check {

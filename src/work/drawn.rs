@@ -17,6 +17,19 @@ pub struct Drawn {
 }
 
 impl Drawn {
+    /// Returns the options of a stimulus, without those that have the defaults of its kind.
+    #[must_use]
+    pub fn of(stimulus: &Stimulus) -> Self {
+        let default = Stimulus::default_of(stimulus.kind());
+        let value = |name: &'static str| {
+            let value = stimulus.get(name)?;
+            let is_default = default.as_ref().and_then(|default| default.get(name)).as_ref() == Some(&value);
+            (!is_default).then(|| (name, value.to_string()))
+        };
+        let given = stimulus.parameters().iter().filter_map(|parameter| value(parameter.name)).collect();
+        Self { kind: stimulus.kind().to_owned(), given }
+    }
+
     /// Builds the stimulus.
     ///
     /// # Errors
@@ -45,6 +58,7 @@ impl Args for Drawn {
     fn augment_args(command: Command) -> Command {
         let kind = Arg::new("kind")
             .long("kind")
+            .value_name("KIND")
             .default_value(KINDS[0])
             .value_parser(PossibleValuesParser::new(KINDS))
             .help("Kind of stimulus");

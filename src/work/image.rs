@@ -98,9 +98,9 @@ pub(super) fn side(least: u32) -> impl Fn(&str) -> Result<u32, String> + Clone +
     }
 }
 
-/// How an image converts light to codes.
+/// How many pixels an image has, and which codes they can have.
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
-pub struct Image {
+pub struct Pixels {
     /// Side of the image in pixels.
     #[arg(long, value_name = "PX", default_value_t = 1024, value_parser = side(1))]
     pub size: u32,
@@ -110,6 +110,14 @@ pub struct Image {
     /// Bits per channel.
     #[arg(long, default_value = "8", value_parser = named::<Bits>(Bits::NAMES))]
     pub bits: Bits,
+}
+
+/// How an image converts light to codes.
+#[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
+pub struct Image {
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub pixels: Pixels,
     /// Dither: none, ordered, blue-noise or random; for a specific matrix, ordered:bayer2, 4, 8 or 16, or
     /// ordered:clustered2 or 3.
     #[arg(long, default_value = "none")]
@@ -125,12 +133,12 @@ impl Image {
     /// # Errors
     /// The display profile cannot be read.
     pub fn recipe(&self, stimulus: Stimulus, watcher: &dyn Watcher) -> anyhow::Result<Recipe> {
-        let Encoded { transfers, profile, .. } = self.encoding.read(watcher)?;
+        let Encoded { transfers, profile, .. } = self.pixels.encoding.read(watcher)?;
         Ok(Recipe {
             stimulus,
-            size: self.size,
+            size: self.pixels.size,
             transfers,
-            bits: self.bits,
+            bits: self.pixels.bits,
             dither: self.dither,
             seed: self.seed,
             display_sha256: profile.map(|(_, hash)| hash),

@@ -1,4 +1,4 @@
-//! Floor 6: what machband can do. One file an operation: a request goes in, a typed outcome comes out, and nothing is
+//! Floor 6: what machband can do. One file per operation: a request goes in, a typed outcome comes out, and nothing is
 //! printed.
 //!
 //! The commands, the window and the Python package are skins over this room. A [`Request`] is one struct, made
@@ -10,7 +10,6 @@ pub mod calibrate;
 mod check;
 mod drawn;
 mod export;
-mod found;
 mod image;
 mod model;
 mod paths;
@@ -30,11 +29,10 @@ pub use analyze::Analyze;
 pub use check::Check;
 pub use drawn::Drawn;
 pub use export::Export;
-pub use found::Found;
-pub use image::{Encoded, Encoding, Image, outdated, today};
+pub use image::{Encoded, Encoding, Image, Pixels, outdated, today};
 pub use model::Model;
 pub use paths::{FittedPath, NewFolder, OutPath};
 pub use ratings::{Only, Ratings, explained};
 pub use repair::Repair;
 pub use request::{Request, RequestError, changed, from_names, named, told, words};
-pub use watcher::Watcher;
+pub use watcher::{Found, Watcher};

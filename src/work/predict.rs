@@ -61,7 +61,7 @@ pub struct Predict {
     #[arg(long, value_name = "PX", value_parser = positive, conflicts_with = "window_deg")]
     pub ppd: Option<f64>,
     /// Luminance of white in cd/m² [default: the display profile's, or 100].
-    #[arg(long, value_name = "CD", value_parser = positive)]
+    #[arg(long, value_name = "CD_M2", value_parser = positive)]
     pub white: Option<f64>,
     /// Compare the prediction with ratings from these result files or folders.
     #[arg(long, value_name = "FILE|DIR", num_args = 1.., requires = "experiment")]
@@ -94,7 +94,7 @@ pub struct Prediction {
     pub view: StimulusPrediction,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// How many times the contrast of the picture stands above an average person's threshold.
+    /// Contrast of the picture, in multiples of an average person's threshold.
     pub detection: f64,
     /// Expected rating of the strongest band.
     pub rating: f64,

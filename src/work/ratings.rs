@@ -44,7 +44,8 @@ pub struct Ratings {
     /// Participants to exclude.
     #[arg(long, value_name = "ID,…")]
     pub exclude: Option<List>,
-    /// Analyze only these levels of a factor; NA means a missing value. Repeat the option for other factors.
+    /// Analyze only these levels of a factor; NA means a missing value. Several factors can be
+    /// given.
     #[arg(long, value_name = "FACTOR=LEVEL,…")]
     pub only: Vec<Only>,
     /// Exclude sessions with unrated trials.

@@ -9,7 +9,7 @@ use glam::DVec3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{Encoding, RequestError, Watcher, image::side, named, request::paths};
+use super::{Pixels, RequestError, Watcher, named, request::paths};
 use crate::{
     light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Transfer, Transfers},
     report::document::numbers::count,
@@ -36,15 +36,9 @@ pub struct Shade {
     #[command(flatten)]
     #[serde(flatten)]
     pub one: OneMesh,
-    /// Side of the image in pixels.
-    #[arg(long, value_name = "PX", default_value_t = 1024, value_parser = side(1))]
-    pub size: u32,
     #[command(flatten)]
     #[serde(flatten)]
-    pub encoding: Encoding,
-    /// Bits per channel.
-    #[arg(long, default_value = "8", value_parser = named::<Bits>(Bits::NAMES))]
-    pub bits: Bits,
+    pub pixels: Pixels,
 }
 
 /// One mesh, and how it is shaded and seen.
@@ -66,9 +60,8 @@ pub struct OneMesh {
     /// Shader: how the light inside each triangle is computed.
     #[arg(long, required_unless_present_any = ["truth", "scene"], value_parser = named::<Shader>(Shader::NAMES))]
     pub shader: Option<Shader>,
-    /// Draw the smooth surface that the mesh approximates, not the mesh. For a mesh from a file, the surface is this file
-    /// with many more triangles; if a shader is also given, it is only what the measurements compare the
-    /// picture with.
+    /// Draw the smooth surface that the mesh approximates, not the mesh. For a mesh from a file, give a file of the same
+    /// surface with many more triangles; with a shader, that surface is not drawn, but the picture is compared with it.
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = KNOWN)]
     #[serde(serialize_with = "paths")]
     pub truth: Option<PathBuf>,
@@ -260,7 +253,7 @@ impl Shade {
     /// A value is impossible, a file cannot be read, no triangle faces the viewer, or the picture is too small for a
     /// prediction.
     pub fn shade(&self, given: Option<FoundMesh>, wanted: Wanted, watcher: &dyn Watcher) -> anyhow::Result<Shaded> {
-        let encoded = self.encoding.read(watcher)?;
+        let encoded = self.pixels.encoding.read(watcher)?;
         if let Some(scene) = &self.scene {
             return self.scene(scene, encoded.transfers);
         }
@@ -271,12 +264,12 @@ impl Shade {
         }
         let FoundMesh { mesh, note } = given.map_or_else(|| one.mesh(), Ok)?;
         let viewing = ViewingConditions { window_deg: one.window_deg, white_cd_m2: encoded.white_cd_m2(one.white) };
-        let drawing = one.drawing(mesh, self.size, encoded.transfers, viewing)?;
+        let drawing = one.drawing(mesh, self.pixels.size, encoded.transfers, viewing)?;
         let mut notes: Vec<String> = [note, drawing.non_manifold()].into_iter().flatten().collect();
         let picture = wanted.picture.then(|| {
             let image = drawing.image();
             notes.extend(clipped(&image));
-            Quantizer::new(drawing.transfers.clone(), self.bits).quantize(&image)
+            Quantizer::new(drawing.transfers.clone(), self.pixels.bits).quantize(&image)
         });
         let metrics = wanted.metrics.then(|| drawing.metrics()).transpose()?;
         let creases = wanted.creases.then(|| drawing.creases());
@@ -287,10 +280,11 @@ impl Shade {
     /// Draws a scene of several meshes.
     fn scene(&self, scene: &Path, transfers: Transfers) -> anyhow::Result<Shaded> {
         let SceneFile { composition, text, mut notes } = store::scene::read(scene)?;
-        let image = composition.image(self.size, self.size);
+        let (size, bits) = (self.pixels.size, self.pixels.bits);
+        let image = composition.image(size, size);
         notes.extend(clipped(&image));
-        let picture = Quantizer::new(&transfers, self.bits).quantize(&image);
-        let description = json!({ "scene": scene.display().to_string(), "size": self.size, "toml": text });
+        let picture = Quantizer::new(&transfers, bits).quantize(&image);
+        let description = json!({ "scene": scene.display().to_string(), "size": size, "toml": text });
         Ok(Shaded { picture: Some(picture), metrics: None, creases: None, transfers, description, notes })
     }
 }

@@ -4,13 +4,15 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::{Drawn, Image, RequestError, Watcher, image::as_text};
+use super::{Drawn, Encoding, Image, Pixels, RequestError, Watcher, image::as_text, words};
 use crate::{
     light::{
-        Bits,
+        Bits, Dither, Transfer,
         halftone::Screen,
         palette::{IndexedImage, Reduction},
     },
+    report::study::shell_command,
+    stimulus::recipe::Recipe,
     store::{self, Writer},
 };
 
@@ -53,7 +55,7 @@ impl Render {
             let message = "changes only the image; expected a file for the image";
             return Err(RequestError::value(field, message).into());
         }
-        if self.palette.is_some() && self.image.bits == Bits::Sixteen {
+        if self.palette.is_some() && self.image.pixels.bits == Bits::Sixteen {
             let message = "a palette has 8 bits per channel; expected 8 bits";
             return Err(RequestError::new("palette", message).into());
         }
@@ -74,4 +76,22 @@ impl Render {
         }
         Ok(reduced)
     }
+}
+
+/// Returns the command that writes the image of a recipe. A measured table has no short text form, so the command names a
+/// file `PROFILE.toml` in its place.
+#[must_use]
+pub fn command(recipe: &Recipe) -> String {
+    let Recipe { stimulus, size, transfers, bits, dither, seed, .. } = recipe;
+    let is_default = transfers.has_table() || transfers.uniform() == Some(&Transfer::Srgb);
+    let encoding = Encoding {
+        transfer: (!is_default).then(|| transfers.clone()),
+        display: transfers.has_table().then(|| "PROFILE.toml".into()),
+    };
+    let seed = if matches!(dither, Dither::Random { .. }) { *seed } else { 1 };
+    let pixels = Pixels { size: *size, encoding, bits: *bits };
+    let image = Image { pixels, dither: *dither, seed };
+    let request = Render { drawn: Drawn::of(stimulus), image, palette: None, halftone: None };
+    let out = ["--out", "stimulus.png"].map(str::to_owned);
+    shell_command(["stimulus".to_owned()].into_iter().chain(words(&request)).chain(out))
 }

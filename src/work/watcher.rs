@@ -1,6 +1,8 @@
-//! Whoever waits for an operation.
+//! Whoever waits for an operation, and what it learns about files.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use crate::store::StoreError;
 
 /// Learns how far an operation is, and may end it. A skin shows what it learns in its own way.
 pub trait Watcher: Sync {
@@ -28,3 +30,22 @@ pub trait Watcher: Sync {
 
 /// Nobody waits.
 impl Watcher for () {}
+
+/// A sentence about each file, and everything that is wrong.
+#[derive(Debug, Default)]
+pub struct Found {
+    pub files: Vec<(PathBuf, String)>,
+    pub errors: Vec<StoreError>,
+}
+
+impl Found {
+    /// Adds a sentence about a file, of which the watcher learns at once.
+    ///
+    /// # Errors
+    /// The watcher ends the operation.
+    pub(super) fn add(&mut self, file: &Path, sentence: String, watcher: &dyn Watcher) -> anyhow::Result<()> {
+        watcher.found(file, &sentence)?;
+        self.files.push((file.to_owned(), sentence));
+        Ok(())
+    }
+}

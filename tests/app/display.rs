@@ -21,10 +21,11 @@ use machband::{
         session::{Changes, SessionStore},
         sidecar::Sidecar,
     },
+    work,
 };
 
 use super::{
-    common::machband,
+    common::{machband, split},
     window::{
         self, Window, builder, click, home, leave, press, type_into, value, wait_for, walk_to_first_trial, wrong_pixels,
     },
@@ -91,11 +92,9 @@ fn with_a_profile_the_screen_shows_what_the_command_writes() {
         let stimulus = schedule.conditions[schedule.trials[0].condition].stimulus.clone();
         let (transfers, bits, dither) = (Transfer::Srgb.into(), Bits::Eight, Dither::None);
         let recipe = Recipe { stimulus, size, transfers, bits, dither, seed: 1, display_sha256: None };
-        let command = recipe.command();
-        let mut arguments: Vec<&str> = command.split(' ').skip(1).collect();
-        arguments.extend(["--display", "screen.toml"]);
+        let arguments = split(&format!("{} --display screen.toml", work::stimulus::command(&recipe)));
         // An old profile causes only a warning.
-        let output = machband(folder.path(), &arguments);
+        let output = machband(folder.path(), &arguments[1..]);
         assert!(output.status.success(), "{arguments:?}: {output:?}");
         let written = image::read(&folder.path().join("stimulus.png")).unwrap();
         assert_eq!(written.recipe.display_sha256, Some(profile::hash(&differing())));

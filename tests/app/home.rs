@@ -428,7 +428,7 @@ fn the_gallery_shows_every_kind_and_explains_errors() {
     click(&mut harness, "Export");
     assert!(std::fs::read_to_string(&csv).unwrap().starts_with("x,linear,code_r"));
     click(&mut harness, "Copy as command");
-    harness.get_by_label_contains("--shading=phong");
+    harness.get_by_label_contains("--shading phong");
     leave(&mut harness);
     wait_for(&mut harness, "Do you see a bright line?");
 }

@@ -14,7 +14,7 @@ use machband::{
     store::definition,
 };
 
-use crate::common::{command, fails, split, table, text};
+use crate::common::{command, fails, golden_path, split, table, text};
 
 const DESIGN: &str = include_str!("../golden/power.toml");
 
@@ -50,61 +50,50 @@ fn powers(plan: &Plan, participants: &[u32], sampling: &Sampling) -> [Vec<Power>
     })
 }
 
-/// Asserts that a power and an estimate agree with R's, up to three standard errors. `alpha_error` is the standard error
-/// of the significance level in each of the two programs, if it comes from simulated studies.
-fn assert_agrees(line: &str, ours: &Power, found: &str, studies: &str, estimate: &str, alpha_error: f64) {
-    let number = |text: &str| text.parse::<f64>().unwrap();
-    let (share, theirs) = (ours.share(), number(found) / number(studies));
-    let both = (share + theirs) / 2.0;
-    let binomial = both * (1.0 - both) * (1.0 / ours.studies as f64 + 1.0 / number(studies));
-    // Where a test with one degree of freedom has a power of one half, it rises by φ(0) / (2 φ(1.96)) = 3.4 times as
-    // much as its level; elsewhere by less.
-    let error = (binomial + 2.0 * (3.4 * alpha_error).powi(2)).sqrt();
-    assert!((share - theirs).abs() <= 3.0 * error, "{line}: {share}");
-    if !estimate.is_empty() {
-        // The medians of at least 500 estimates, which have standard errors of at most 0.3.
-        let difference = ours.estimate.unwrap() - number(estimate);
-        assert!(difference.abs() < 0.06, "{line}: {ours:?}");
-    }
-}
-
-/// Compares with `tests/golden/power.csv`: a different program with different random numbers finds the same power, with p
-/// from studies without the effect for six people and from the χ² distribution for more.
+/// Compares with `tests/golden/power.csv`: a different program with different random numbers finds the same power and the
+/// same estimates, with p from studies without the effect for six people and from the χ² distribution for more, also if
+/// people differ in the effect.
 #[test]
 fn power_matches_r() {
-    let plan = plan_with_slopes(&oblique(0.6), 0.0, Slopes::None);
-    let [likelihood_ratio, friedman] = powers(&plan, &[6, 12, 16], &Sampling { studies: 1000, ..Sampling::default() });
-    let lines: Vec<&str> = include_str!("../golden/power.csv").lines().skip(2).collect();
-    assert_eq!(lines.len(), 6);
-    for line in lines {
-        let cells: Vec<&str> = line.split(',').collect();
-        let ours = if cells[1] == "friedman" { &friedman } else { &likelihood_ratio };
-        let ours = ours.iter().find(|power| power.participants.to_string() == cells[0]).unwrap();
-        let simulated = cells[0] == "6" && cells[1] == "likelihood-ratio";
-        let alpha_error = if simulated { (0.05_f64 * 0.95 / 999.0).sqrt() } else { 0.0 };
-        assert_agrees(line, ours, cells[3], cells[2], cells[4], alpha_error);
-        assert!(ours.studies == 1000 && ours.untested == 0, "{ours:?}");
-    }
-}
-
-/// Compares with `tests/golden/power_slopes.csv`, where people differ in the effect.
-#[test]
-fn power_with_slopes_matches_r() {
-    let lines: Vec<&str> = include_str!("../golden/power_slopes.csv").lines().skip(2).collect();
-    assert_eq!(lines.len(), 2);
-    for line in lines {
-        let cells: Vec<&str> = line.split(',').collect();
-        let slopes = if cells[2] == "random-slopes" { Slopes::Independent } else { Slopes::None };
-        let plan = plan_with_slopes(&oblique(0.6), cells[1].parse().unwrap(), slopes);
-        let participants = cells[0].parse().unwrap();
-        let all = plan.run(&[participants], &Sampling { studies: 500, ..Sampling::default() }, &|_| ());
-        let of = |term: &str| {
-            let index = plan.hypotheses().iter().position(|hypothesis| hypothesis.term == term);
-            all.iter().find(|power| Some(power.hypothesis) == index).unwrap()
+    let number = |text: &str| text.parse::<f64>().unwrap();
+    let (_, rows) = table(&golden_path("power.csv"));
+    for group in rows.chunk_by(|one, other| one[1..3] == other[1..3]) {
+        let slopes = if group[0][2] == "none" { Slopes::None } else { Slopes::Independent };
+        let plan = plan_with_slopes(&oblique(0.6), number(&group[0][1]), slopes);
+        let mut participants: Vec<u32> = group.iter().map(|row| row[0].parse().unwrap()).collect();
+        participants.dedup();
+        let studies = number(&group[0][4]);
+        let sampling = Sampling { studies: studies as u32, ..Sampling::default() };
+        let all = plan.run(&participants, &sampling, &|_| ());
+        let of = |term: &str, row: &[String]| {
+            let test = if row[3] == "friedman" { Test::Friedman } else { Test::LikelihoodRatio };
+            let index = plan.hypotheses().iter().position(|asked| asked.term == term && asked.test == test);
+            let is_asked = |power: &&Power| Some(power.hypothesis) == index && power.participants.to_string() == row[0];
+            all.iter().find(is_asked).unwrap()
         };
-        assert_agrees(line, of("orientation_deg"), cells[4], cells[3], cells[5], 0.0);
-        // Four logits: the model without them exists in every study, although its random slope must take their place.
-        assert_eq!(of("depth").found, 500, "{:?}", of("depth"));
+        for row in group {
+            let ours = of("orientation_deg", row);
+            let (share, theirs) = (ours.share(), number(&row[5]) / number(&row[4]));
+            let both = (share + theirs) / 2.0;
+            let binomial = both * (1.0 - both) * (1.0 / studies + 1.0 / number(&row[4]));
+            // The standard error of the level in each of the two programs, if it comes from simulated studies. Where a
+            // test with one degree of freedom has a power of one half, it rises by φ(0) / (2 φ(1.96)) = 3.4 times as
+            // much as its level; elsewhere by less.
+            let is_simulated = row[0] == "6" && row[3] == "likelihood-ratio";
+            let alpha_error = if is_simulated { (0.05_f64 * 0.95 / 999.0).sqrt() } else { 0.0 };
+            let error = (binomial + 2.0 * (3.4 * alpha_error).powi(2)).sqrt();
+            assert!((share - theirs).abs() <= 3.0 * error, "{row:?}: {share}");
+            assert!(ours.studies as f64 == studies && ours.untested == 0, "{ours:?}");
+            if !row[6].is_empty() {
+                // The medians of at least 500 estimates, which have standard errors of at most 0.3.
+                assert!((ours.estimate.unwrap() - number(&row[6])).abs() < 0.06, "{row:?}: {ours:?}");
+            }
+            if row[0] == "14" {
+                // Four logits: the model without them exists in every study, although its random slope must take their
+                // place.
+                assert_eq!(of("depth", row).found as f64, studies, "{row:?}");
+            }
+        }
     }
 }
 

@@ -91,6 +91,17 @@ pub fn golden(file: &str) -> Vec<(String, Vec<f64>)> {
     table(&golden_path(file)).1.into_iter().map(row).collect()
 }
 
+/// Checks that a page of the documentation has what the program says. `UPDATE_DOCS=1` writes it.
+pub fn assert_documented(page: &str, expected: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        fs::write(path, expected).unwrap();
+    } else {
+        let found = fs::read_to_string(path).unwrap();
+        assert!(found == expected, "{page} is out of date: run UPDATE_DOCS=1 cargo test --test store");
+    }
+}
+
 pub fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
@@ -134,6 +145,14 @@ pub fn everything(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 /// The path of a participant's first session of an experiment.
 pub fn session_csv(results: &Path, experiment: &str, participant: &str) -> PathBuf {
     results.join(format!("{experiment}/data/subject-{participant}_session-1_task-{experiment}_data.csv"))
+}
+
+/// Changes the text of a file.
+pub fn edit(path: &Path, change: impl FnOnce(&str) -> String) {
+    let before = fs::read_to_string(path).unwrap();
+    let after = change(&before);
+    assert_ne!(after, before, "{}: the test did not change the file", path.display());
+    fs::write(path, after).unwrap();
 }
 
 /// Changes the rating in line 10 of a session's file.

@@ -127,9 +127,13 @@ struct Readings {
 pub fn list(results: &Path) -> i32 {
     let overview = Overview::of(results);
     println!("{:#?}", overview.sessions);
-    println!("{}", free_participant(results, &run::protocol(0)));
-    overview.errors.iter().for_each(|error| eprintln!("error: {error}"));
-    i32::from(!overview.errors.is_empty())
+    let mut errors = overview.errors;
+    match free_participant(results, &run::protocol(0)) {
+        Ok(participant) => println!("{participant}"),
+        Err(error) => errors.push(error.to_string()),
+    }
+    errors.iter().for_each(|error| eprintln!("error: {error}"));
+    i32::from(!errors.is_empty())
 }
 
 /// Writes the data that the readers read.

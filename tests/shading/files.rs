@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use machband::{
-    light::{LinearImage, Transfer},
+    light::Transfer,
     shading::{
         Coat, Creases, Frame, Mesh, Paint, PaintedCorner, Reference, Scene, Shade, Shader, Surface, Texture, coverage,
         picture, shapes,
@@ -10,6 +10,8 @@ use machband::{
     store::mesh::{self, MeshFile},
 };
 use serde_json::{Value, json};
+
+use super::apart;
 
 /// Two triangles over the square −1…1, in the plane z = 0.
 const PLACES: [[f32; 3]; 4] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
@@ -306,10 +308,6 @@ pub fn painted_torus() -> Mesh {
     let corners = mesh.triangles.iter().map(|t| [0, 1, 2].map(|k| corner(&t[k]))).collect();
     let of_triangles = vec![0; mesh.triangles.len()];
     mesh.painted(Paint { corners, of_triangles, coats: vec![coat] })
-}
-
-fn apart(a: &LinearImage, b: &LinearImage) -> f32 {
-    a.data.iter().zip(&b.data).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
 /// The fast path draws paint as the reference does, in parallel projection and in perspective.

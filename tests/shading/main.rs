@@ -19,7 +19,7 @@ use std::collections::HashMap;
 
 use glam::{DMat3, DVec2, DVec3};
 use machband::{
-    light::Depth,
+    light::{Depth, LinearImage},
     shading::{Across, Fan, Frame, FrameTriangle, FrameVertex, Gradients, Lighting, Shade, Shader, View},
 };
 
@@ -102,6 +102,11 @@ fn shades(strips: &[(u8, f64)]) -> Vec<Shade> {
         [plain].into_iter().chain(strips).chain(slopes).collect::<Vec<_>>()
     };
     Shader::ALL.iter().flat_map(with_options).collect()
+}
+
+/// Returns the largest difference between the light of two pictures.
+fn apart(a: &LinearImage, b: &LinearImage) -> f32 {
+    a.data.iter().zip(&b.data).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
 /// Returns a number within 0…1 that depends only on `seed`: a hash of multiples of the golden ratio.

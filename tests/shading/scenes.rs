@@ -12,6 +12,8 @@ use machband::{
     store::{mesh, scene},
 };
 
+use super::apart;
+
 const SIDE: u32 = 96;
 
 fn body(mesh: Mesh, color: DVec3) -> Body {
@@ -44,10 +46,6 @@ fn moved(mesh: Mesh, position: DVec3) -> Mesh {
 fn sheet(half: f64, z: f64) -> Mesh {
     let positions = [[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]].map(DVec3::from_array);
     Mesh::new(&positions, &[[0, 1, 2], [0, 2, 3]], 180.0).unwrap()
-}
-
-fn apart(a: &LinearImage, b: &LinearImage) -> f32 {
-    a.data.iter().zip(&b.data).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
 #[test]

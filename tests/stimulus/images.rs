@@ -6,10 +6,11 @@ use machband::{
     light::{Bits, Dither, Transfer, Transfers},
     stimulus::{Stimulus, catalog, recipe::Recipe},
     store::{Writer, curve, image},
+    work::stimulus,
 };
 
 use crate::{
-    common::{command, everything, fails, pixels, succeeds, text},
+    common::{command, everything, fails, pixels, split, succeeds, text},
     transfers,
 };
 
@@ -175,9 +176,8 @@ fn the_copied_command_makes_the_same_image() {
             let recipe = Recipe { stimulus, bits, dither, transfers: transfer.into(), seed, ..recipe(entry.kind) };
             let expected = folder.path().join("expected.png");
             image::write_recipe(&replacing(), &expected, &recipe, &recipe.quantizer()).unwrap();
-            let command = recipe.command();
-            let arguments: Vec<&str> = command.split(' ').skip(1).collect();
-            succeeds(folder.path(), &arguments);
+            let command = stimulus::command(&recipe);
+            succeeds(folder.path(), &split(&command)[1..]);
             let made = folder.path().join("stimulus.png");
             assert!(std::fs::read(&made).unwrap() == std::fs::read(&expected).unwrap(), "{command}");
             std::fs::remove_file(made).unwrap();

@@ -8,7 +8,7 @@ use std::{
 
 use machband::{
     analysis::counts::Role,
-    experiment::{Identity, Phase, Protocol, RatingRow, TrialRecord},
+    experiment::{Identity, Phase, Protocol, RatingRow, TrialRecord, columns},
     report::Study,
     store::{
         Columns, FileErrors,
@@ -21,7 +21,7 @@ use machband::{
 };
 
 use crate::{
-    common,
+    common::{self, edit},
     recording::{self, SEED, sitting},
 };
 
@@ -104,10 +104,6 @@ fn expected(files: &[PathBuf]) -> Vec<String> {
         format!("{subject} {} {rating} 1 {place:?} {time:?}", values.join("|"))
     };
     sorted(last.values().map(text).collect())
-}
-
-fn edit(file: &Path, change: impl Fn(String) -> String) {
-    fs::write(file, change(fs::read_to_string(file).unwrap())).unwrap();
 }
 
 /// Replaces the cell in a line, counted from 1, under a column name.
@@ -440,7 +436,7 @@ mod layouts {
         let declared = study(ReadOptions { direction, ..with_factors(&["triangles"]) });
         assert_eq!(declared.factors[0].role, Role::Direction);
         let unknown = ReadOptions { direction: vec!["triangle".to_owned()], ..with_factors(&["triangles"]) };
-        let said = "t.csv: the option direction names triangle, which is not a factor; expected one of triangles; did you mean triangles?";
+        let said = "t.csv: the direction triangle is not a factor; expected one of triangles; did you mean triangles?";
         assert_eq!(errors(&[&path], &unknown), [said]);
 
         let (_results, files) = super::study(&["S1"]);
@@ -568,6 +564,7 @@ mod errors {
         ] {
             assert_eq!(damaged(|file| set(file, 18, column, cell)), (vec![format!("S1.csv:18:{expected}")], 23));
         }
+        let width = columns(&small()).len();
         type Damage = fn(String) -> Vec<u8>;
         let cases: [(Damage, String, u64); 18] = [
             (
@@ -580,7 +577,7 @@ mod errors {
             ),
             (
                 |text| text.replacen("\nS1_1_main_0011_1,", "\nS1_1_main_0011_1,more,", 1).into(),
-                "18:1: the row has 30 cells; expected 29, as in the header".into(),
+                format!("18:1: the row has {} cells; expected {width}, as in the header", width + 1),
                 23,
             ),
             (
@@ -731,7 +728,7 @@ mod errors {
                 LONG,
                 ReadOptions { factors: None, count: None, ..long() },
                 &[
-                    "1:1: no factors were given; expected the option factors or terms with some of the columns width, depth, n",
+                    "1:1: no factors were given; expected factors or terms that name some of the columns width, depth, n",
                 ],
                 &[],
             ),

@@ -7,7 +7,7 @@ use std::{
 
 use machband::store::{sidecar::Sidecar, verify};
 
-use crate::common::{machband, session_csv, succeeds, text, verified};
+use crate::common::{edit, machband, session_csv, succeeds, text, verified};
 
 /// Records one session of `quick` with the simulated observer.
 fn recorded() -> (tempfile::TempDir, PathBuf) {
@@ -20,13 +20,6 @@ fn recorded() -> (tempfile::TempDir, PathBuf) {
 fn errors(csv: &Path) -> Vec<String> {
     let found = verified(csv);
     found.errors.iter().map(ToString::to_string).collect()
-}
-
-fn edit(path: &Path, change: impl FnOnce(String) -> String) {
-    let text = fs::read_to_string(path).unwrap();
-    let changed = change(text.clone());
-    assert_ne!(changed, text, "the test did not change the file");
-    fs::write(path, changed).unwrap();
 }
 
 #[test]

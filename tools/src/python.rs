@@ -44,21 +44,13 @@ fn functions() -> Vec<Function> {
     ]
 }
 
-/// Returns every file with the functions, given the text that it has now, and the file that says how values become
-/// fields.
+/// Returns every file with the functions, given the text that it has now.
 pub fn files(now: impl Fn(&str) -> String) -> BTreeMap<&'static str, String> {
     let mut files = BTreeMap::new();
-    let mut kinds = "\"\"\"How the arguments of functions become the fields of requests.\n\nWritten from the requests: UPDATE_DOCS=1 cargo test -p tools python\n\"\"\"\n\nOPTIONS = {\n".to_owned();
     for Function { file, name, options } in functions() {
         let text = files.entry(file).or_insert_with(|| now(file));
         *text = updated(text, name, &options);
-        writeln!(kinds, "    \"{name}\": {{").unwrap_or_default();
-        for option in &options {
-            writeln!(kinds, "        \"{}\": \"{}\",", option.get_id(), Type::of(option).kind()).unwrap_or_default();
-        }
-        kinds += "    },\n";
     }
-    files.insert("_options.py", kinds + "}\n");
     files
 }
 
@@ -113,7 +105,11 @@ fn documented(function: &str, options: &[Arg]) -> String {
         let kept = blocks.iter().filter(|(name, _)| !is_option(name) && is_first(name) == first);
         kept.map(block).collect::<String>()
     };
-    let new: String = options.iter().map(description).collect();
+    // "kind, size" with a reference to another function describes these options.
+    let listed: Vec<&str> =
+        blocks.iter().filter(|(name, _)| name.contains(", ")).flat_map(|(name, _)| name.split(", ")).collect();
+    let is_new = |option: &&Arg| !listed.contains(&option.get_id().as_str());
+    let new: String = options.iter().filter(is_new).map(description).collect();
     let all = kept(true) + &new + &kept(false);
     format!("{before}{HEADING}{}\n\n{after}", all.trim_end())
 }
@@ -180,19 +176,6 @@ impl Type {
                     false => Self::Choice(choices),
                 }
             }
-        }
-    }
-
-    /// The name of the function that turns an argument into a field.
-    fn kind(&self) -> &'static str {
-        match self {
-            Self::Flag => "flag",
-            Self::Whole => "whole",
-            Self::Number | Self::Value | Self::Triple | Self::Color => "text",
-            Self::Text | Self::Choice(_) => "words",
-            Self::Path => "path",
-            Self::Texts => "texts",
-            Self::Levels => "levels",
         }
     }
 

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
-use crate::baselines::{LateralInhibition, barten};
+use crate::baselines::LateralInhibition;
 
 /// Names, as in [`Sensitivity`], of the parameters that are fitted without noise.
 pub const NAMES: [&str; 8] =
@@ -644,4 +644,17 @@ pub fn run(fit: bool, verbose: bool) -> Result<(), Box<dyn Error>> {
         trapezoids(&held).iter().for_each(|(width, log)| println!("trapezoid {width:.3}° {log:.3}"));
     }
     Ok(())
+}
+
+/// Returns the contrast sensitivity for a grating of `frequency` cycles per degree, above 0, on a field of `luminance`
+/// cd/m² whose side is `field_deg` degrees (Barten 2003, *Formula for the contrast sensitivity of the human eye*, Proc.
+/// SPIE 5294). It covers the optics, photon and neural noise, and the lateral inhibition that attenuates coarse gratings.
+fn barten(frequency: f64, luminance: f64, field_deg: f64) -> f64 {
+    let square = frequency * frequency;
+    // In dimmer light, the pupil is larger, and so is the blur.
+    let optics = (-0.0016 * square * (1.0 + 100.0 / luminance).powf(0.08)).exp();
+    let field = 1.0 + 144.0 / (field_deg * field_deg) + 0.64 * square;
+    let photons = 63.0 / luminance.powf(0.83);
+    let inhibition = -(-0.02 * square).exp_m1();
+    5200.0 * optics / (field * (photons + 1.0 / inhibition)).sqrt()
 }

@@ -147,7 +147,7 @@ impl Findings for MatchFindings {
 
     fn details(&self, ui: &mut egui::Ui) {
         let ink = theme::ink(ui);
-        let plot = still_plot("matching").height(260.0).x_axis_label("code").y_axis_label("fraction of full light");
+        let plot = still_plot("matching").height(260.0).x_axis_label("code").y_axis_label("proportion of full light");
         let shown = plot.legend(Legend::default().position(Corner::LeftTop)).show(ui, |plot| {
             for found in self.found() {
                 let ((color, marker), name) = (series(ink, found.channel), found.channel.name());
@@ -163,7 +163,7 @@ impl Findings for MatchFindings {
             let [code, sd] = [found.code, found.code_sd].map(|value| format!("{value:.1}"));
             [found.channel.to_string(), format!("{:.2}", found.share), code, sd, found.matches.to_string()]
         });
-        table(ui, "matches", ["channel", "light of the field (fraction)", "matched code", "SD", "matches"], rows);
+        table(ui, "matches", ["channel", "light of the field (proportion)", "matched code", "SD", "matches"], rows);
     }
 
     fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile> {

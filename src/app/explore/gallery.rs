@@ -16,6 +16,7 @@ use crate::{
     stimulus::{Parameter, ParameterError, ParameterValue, Stimulus, catalog, place, recipe::Recipe},
     store,
     vision::Polarity,
+    work,
 };
 
 /// Number of samples of the plotted profile.
@@ -308,8 +309,9 @@ impl Gallery {
             }
             let copy = ui.button("Copy as command");
             if copy.on_hover_text("Copies the command that writes this image.").clicked() {
-                ui.ctx().copy_text(shown.recipe.command());
-                self.saving.finish(path, Ok(format!("Copied: {}", shown.recipe.command())));
+                let command = work::stimulus::command(&shown.recipe);
+                ui.ctx().copy_text(command.clone());
+                self.saving.finish(path, Ok(format!("Copied: {command}")));
             }
         });
         self.saving.show(ui);

@@ -96,7 +96,7 @@ fn decode(
     }
     if u64::from(width) * u64::from(height) > pixels {
         return Err(fail(format!(
-            "has {width} × {height} pixels; expected at most {pixels} pixels, or the option large"
+            "has {width} × {height} pixels; expected at most {pixels}, unless large images are allowed"
         )));
     }
     let (color, depth) = reader.output_color_type();

@@ -354,9 +354,7 @@ fn add_rows(
                     false => "a rating".to_owned(),
                     true if is_missing || columns.record.is_some() => format!("a rating from 0 to {MAX_RATING}"),
                     // Any scale is possible in a table from elsewhere.
-                    true => format!(
-                        "a rating from 0 to {MAX_RATING}, or the option response with this column for another scale"
-                    ),
+                    true => format!("a rating from 0 to {MAX_RATING}, unless this column is named as the response"),
                 },
             ));
         };

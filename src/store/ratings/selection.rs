@@ -129,10 +129,7 @@ impl Selection {
             }
         });
         for name in options.direction.iter().filter(|name| !shape.factors.contains(name)) {
-            let message = format!(
-                "the option direction names {name}, which is not a factor; {}",
-                expected_one_of(name, &shape.factors)
-            );
+            let message = format!("the direction {name} is not a factor; {}", expected_one_of(name, &shape.factors));
             errors.extend(inputs.first().map(|file| FileError::whole(&file.path, message)));
         }
         let levels =
@@ -158,7 +155,7 @@ impl Selection {
             let columns = self.inputs.iter_mut().map(|input| input.columns.factors.remove(index)).collect::<Vec<_>>();
             let message = format!(
                 "the column {name} has {different} different numbers in {rows} rows, so it is a measurement and not a \
-                 factor (it is left out); expected the option factors or terms with the columns to analyze, such as num:{name}"
+                 factor (it is left out); expected factors or terms that name the columns to analyze, such as num:{name}"
             );
             warnings.push(self.inputs[0].error(self.inputs[0].header.column(columns[0]), message));
         }
@@ -385,10 +382,7 @@ fn without_factors(file: &Input, options: &ReadOptions) -> FileError {
     let message = if others.is_empty() {
         "no factors were given, and the file has no other columns; expected a column for each factor".to_owned()
     } else {
-        format!(
-            "no factors were given; expected the option factors or terms with some of the columns {}",
-            others.join(", ")
-        )
+        format!("no factors were given; expected factors or terms that name some of the columns {}", others.join(", "))
     };
     file.error(1, message)
 }

@@ -7,13 +7,11 @@
 //! In all models, a band is an extremum of the response **where the light itself has none**: the crest of a grating is
 //! bright, but it is not a Mach band.
 
-mod barten;
 mod dog;
 mod odog;
 mod profile;
 mod ratio;
 
-pub use barten::barten;
 pub use dog::LateralInhibition;
 pub use odog::{Beyond, Odog, OdogFilters};
 pub use profile::{Baseline, Mark};

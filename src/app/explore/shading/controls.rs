@@ -65,7 +65,7 @@ pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
             .on_hover_text("The continuity depth: n − 1 derivatives vanish at the ends of the strip.");
         field("strip b", &name("strip b"))
             .slider(ui, &mut shade.boundary, 0.0..=1.0 / 3.0, 0.01)
-            .on_hover_text("The width of the strip along each edge, as a share of the triangle.");
+            .on_hover_text("The width of the strip along each edge, as a barycentric weight.");
     }
     if shade.shader.interpolates_light() {
         let title = |correction: &Correction| correction.name().to_owned();
