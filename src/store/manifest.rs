@@ -195,7 +195,8 @@ fn is_whole(lines: &[&str], rows: &[(String, Vec<String>)], recipes: &[Recipe]) 
 /// Opens a shard's list and locks it for as long as it is open.
 fn locked(writer: &Writer, list: &Path) -> Result<File, StoreError> {
     writer.replacing().check([list])?;
-    let file = OpenOptions::new().read(true).append(true).create(true).open(list).map_err(io(list, "open"))?;
+    let file =
+        OpenOptions::new().read(true).write(true).create(true).truncate(false).open(list).map_err(io(list, "open"))?;
     match lock(&file, list) {
         Err(StoreError::InUse(path)) => Err(in_use(&path)),
         locked => locked.map(|_| file),

@@ -390,7 +390,7 @@ impl Start {
             .frame(frame)
             .show(ui, |ui| {
                 let start = Panel::bottom("start").resizable(false).show_separator_line(false).frame(Frame::NONE);
-                let start = start.show(ui, |ui| self.start(ui, checked, settings)).inner;
+                let start = start.show(ui, |ui| self.start(ui, checked, monitor, settings)).inner;
                 let measure = ScrollArea::vertical().id_salt("form").auto_shrink(false).show(ui, |ui| {
                     match &checked.protocol {
                         Some(protocol) => {
@@ -523,7 +523,7 @@ impl Start {
         field.show(ui, |ui, label| ui.horizontal_wrapped(|ui| line(ui, label)));
     }
 
-    fn start(&mut self, ui: &mut Ui, checked: &Checked, settings: &Settings) -> Option<Destination> {
+    fn start(&mut self, ui: &mut Ui, checked: &Checked, monitor: &Monitor, settings: &Settings) -> Option<Destination> {
         let text = if checked.resume { "Resume" } else { "Start" };
         let small = ui.available_width() < 380.0;
         let hint = match (&checked.request, checked.resume) {
@@ -542,11 +542,12 @@ impl Start {
         let clicked = ui::primary(ui, text, checked.request.is_some(), hint);
         let entered = self.card.is_none() && ui::shortcut(ui, Key::Enter);
         let request = checked.request.clone().filter(|_| clicked || entered)?;
-        let now = self.checked.as_ref().map(|(form, monitor, _)| form.check(monitor));
-        if now.is_some_and(|now| now.request.is_none_or(|now| now.resume != request.resume)) {
+        let now = self.form.check(monitor);
+        if now.request.as_ref().is_none_or(|now| now.resume != request.resume) {
             let (subject, session) = (request.identity.subject(), request.identity.session());
-            self.error =
-                Some(format!("Another window has just begun session {session} of {subject}. Check both fields."));
+            let is_taken = now.resume || now.is_wrong(SessionField::Session);
+            self.error = is_taken
+                .then(|| format!("Another window has just begun session {session} of {subject}. Check both fields."));
             self.refresh(false, settings);
             return None;
         }
