@@ -67,7 +67,7 @@ static char *paths[DESCRIPTORS];
 
 #define REAL(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
 
-static void watch_names(void);
+static void watch_calls(void);
 
 __attribute__((constructor)) static void begin(void) {
     const char *shutdown = getenv("MACHBAND_SHUTDOWN");
@@ -100,7 +100,7 @@ __attribute__((constructor)) static void begin(void) {
         spec = strchr(spec, ',');
         if (spec) spec++;
     }
-    if (under) watch_names();
+    if (under) watch_calls();
 }
 
 __attribute__((destructor)) static void end(void) {
@@ -374,8 +374,8 @@ char *realpath(const char *path, char *to) {
     return refused(what) ? NULL : REAL(realpath)(path, to);
 }
 
-/* Folders are listed without the C library. Therefore, a filter turns this system call into a signal, whose handler
- * makes the call. The last argument, which the call does not have, is the pass. */
+/* Some libraries list folders and rename files without the C library. Therefore, a filter turns these system calls into
+ * a signal, whose handler makes the call. The last argument, which none of them has, is the pass. */
 #define PASS 0x6d616368
 #if defined __x86_64__
 #define REGISTER(context, x86, arm) ((context)->uc_mcontext.gregs[x86])
@@ -383,23 +383,29 @@ char *realpath(const char *path, char *to) {
 #define REGISTER(context, x86, arm) ((context)->uc_mcontext.regs[arm])
 #endif
 
-static void list_names(int number, siginfo_t *info, void *of) {
+static void make_call(int number, siginfo_t *info, void *of) {
     ucontext_t *context = of;
-    int fd = REGISTER(context, REG_RDI, 0), kept = errno;
-    const char *path = path_of(fd), *what = path ? strike(NAMES, path) : NULL;
-    size_t size = REGISTER(context, REG_RDX, 2);
-    (void)number, (void)info;
+    long first = REGISTER(context, REG_RDI, 0), second = REGISTER(context, REG_RSI, 1);
+    long third = REGISTER(context, REG_RDX, 2), fourth = REGISTER(context, REG_R10, 3);
+    int kept = errno, lists = info->si_syscall == SYS_getdents64;
+    const char *path = lists ? path_of(first) : (const char *)fourth;
+    const char *what = path && (lists || is_below(path)) ? strike(lists ? NAMES : RENAME, path) : NULL;
+    (void)number;
+    if (lists && what && !strcmp(what, "short")) third /= 2;
     long done = refused(what) ? -1
-        : syscall(SYS_getdents64, fd, REGISTER(context, REG_RSI, 1), what && !strcmp(what, "short") ? size / 2 : size, 0, 0, PASS);
+        : syscall(info->si_syscall, first, second, third, fourth, REGISTER(context, REG_R8, 4), PASS);
     REGISTER(context, REG_RAX, 0) = done < 0 ? -errno : done;
+    if (what && !strcmp(what, "kill-after")) die();
     errno = kept;
 }
 
-static void watch_names(void) {
-    struct sigaction action = {.sa_sigaction = list_names, .sa_flags = SA_SIGINFO | SA_RESTART};
+static void watch_calls(void) {
+    struct sigaction action = {.sa_sigaction = make_call, .sa_flags = SA_SIGINFO | SA_RESTART};
     struct sock_filter filter[] = {
         BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(struct seccomp_data, nr)),
-        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_getdents64, 0, 3),
+        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_getdents64, 2, 0),
+        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_renameat, 1, 0),
+        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_renameat2, 0, 3),
         BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(struct seccomp_data, args[5])),
         BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, PASS, 1, 0),
         BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_TRAP),
