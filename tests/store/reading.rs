@@ -441,7 +441,7 @@ mod layouts {
 
         let (_results, files) = super::study(&["S1"]);
         let before = Study::read(&files, &ReadOptions::default()).unwrap().measured.counts;
-        edit(&files[0], |text| text.replace(",0.1,5\n", ",0.10,5.0\n"));
+        edit(&files[0], |text| text.replace(",mach-band,0.1,", ",mach-band,0.10,").replace(",5\n", ",5.0\n"));
         assert_eq!(Study::read(&files, &ReadOptions::default()).unwrap().measured.counts, before);
     }
 
