@@ -16,7 +16,7 @@ use machband::{
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
 use super::{
-    common::eye::matched_code,
+    common::{eye::matched_code, succeeds},
     window::{Window, click, home, press, type_into},
 };
 
@@ -172,7 +172,10 @@ fn a_file_of_readings_becomes_a_profile_and_a_bad_one_is_explained() {
     window.get_by_label_contains("already exists");
     click(&mut window, "Replace");
     window.get_by_label_contains("Replaced");
-    profile::open(Path::new(&path("left.toml"))).unwrap();
+    // The command makes the same profile of this file.
+    succeeds(folder.path(), &["calibrate", "good.csv", "--out", "command.toml"]);
+    let [made, told] = ["left.toml", "command.toml"].map(|name| profile::open(Path::new(&path(name))).unwrap());
+    assert_eq!((made.transfers, made.luminance), (told.transfers, told.luminance));
 }
 
 /// The displayed match, read from its description; `None` at the end.

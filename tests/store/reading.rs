@@ -109,7 +109,7 @@ fn expected(files: &[PathBuf]) -> Vec<String> {
 /// Replaces the cell in a line, counted from 1, under a column name.
 fn set(file: &Path, line: usize, column: &str, cell: &str) {
     edit(file, |text| {
-        let mut rows: Vec<Vec<String>> = csv_rows(&text);
+        let mut rows: Vec<Vec<String>> = csv_rows(text);
         let index = rows[0].iter().position(|name| name == column).unwrap();
         rows[line - 1][index] = cell.to_owned();
         csv_text(&rows)
@@ -198,7 +198,7 @@ mod what_counts {
         let before = files_of(read(&[folder.path()], &ReadOptions::default()).0);
         for seed in 0..20_usize {
             edit(&files[0], |text| {
-                let mut rows = csv_rows(&text);
+                let mut rows = csv_rows(text);
                 let body = rows.len() - 1;
                 // The rows are permuted with a full-period step, and the columns are rotated.
                 let step = [5, 7, 11, 13, 17][seed % 5];
@@ -233,7 +233,7 @@ mod what_counts {
     fn dropped_frames_are_counted_in_the_last_attempt() {
         let (_folder, files) = study(&["S1"]);
         edit(&files[0], |text| {
-            let mut rows = csv_rows(&text);
+            let mut rows = csv_rows(text);
             let place = |name: &str| rows[0].iter().position(|known| known == name).unwrap();
             let (attempt, phase, dropped) = (place("attempt"), place("phase"), place("dropped_frames"));
             for row in rows.iter_mut().skip(1) {
@@ -441,7 +441,7 @@ mod layouts {
 
         let (_results, files) = super::study(&["S1"]);
         let before = Study::read(&files, &ReadOptions::default()).unwrap().measured.counts;
-        edit(&files[0], |text| text.replace(",0.1,5\n", ",0.10,5.0\n"));
+        edit(&files[0], |text| text.replace(",mach-band,0.1,", ",mach-band,0.10,").replace(",5\n", ",5.0\n"));
         assert_eq!(Study::read(&files, &ReadOptions::default()).unwrap().measured.counts, before);
     }
 
