@@ -31,9 +31,15 @@ pub fn link_target(path: &Path) -> io::Result<Option<PathBuf>> {
     }
 }
 
+/// True if an error says that there is nothing with this name. No other error does.
+#[must_use]
+pub fn is_missing(error: &io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory)
+}
+
 fn unless_missing<T>(result: io::Result<T>) -> io::Result<Option<T>> {
     match result {
-        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
+        Err(error) if is_missing(&error) => Ok(None),
         result => result.map(Some),
     }
 }

@@ -1,9 +1,6 @@
 //! The page that reads and shows the data.
 
-use std::{
-    io::ErrorKind,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Key};
 
@@ -17,7 +14,7 @@ use crate::{
         work::{BackgroundTask, Progress},
     },
     report::{Study, StudyError},
-    system::entries,
+    system::{entries, is_missing},
     work::{Analyze, Ratings},
 };
 
@@ -64,7 +61,7 @@ impl Analysis {
         self.unlisted = listed
             .as_ref()
             .err()
-            .filter(|error| !is_absent(error))
+            .filter(|error| !is_missing(error))
             .map(|error| format!("{} cannot be read: {error}.", results.display()));
         self.found = listed.unwrap_or_default();
         self.found.retain(|path| has_data(path));
@@ -278,12 +275,8 @@ fn has_data(path: &Path) -> bool {
     let is_session = |path: &PathBuf| path.to_string_lossy().ends_with("_data.csv");
     match entries(&path.join("data")) {
         Ok(files) => files.iter().any(is_session),
-        Err(error) => !is_absent(&error),
+        Err(error) => !is_missing(&error),
     }
-}
-
-fn is_absent(error: &std::io::Error) -> bool {
-    matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory)
 }
 
 /// Requests an analysis of these ratings.

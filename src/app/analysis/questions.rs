@@ -8,7 +8,7 @@ use crate::{
     app::ui::{Field, hint, paragraph, primary, section, show_error, text::name as label},
     report::Study,
     store::{ratings::column_names, table::List},
-    system::entries,
+    system::{entries, found},
     work::Ratings,
 };
 
@@ -118,13 +118,15 @@ impl Columns {
     }
 }
 
-/// Returns the file itself, or the first CSV file of a folder.
+/// Returns the file itself, or the first CSV file of a folder; `None` also if it cannot be accessed, because reading it
+/// says why.
 fn first_csv(path: &Path) -> Option<PathBuf> {
-    if path.is_file() {
+    let is_file = |path: &Path| found(path).is_ok_and(|found| found.is_some_and(|found| found.is_file()));
+    if is_file(path) {
         return Some(path.to_owned());
     }
     let is_csv = |path: &PathBuf| path.extension().is_some_and(|ext| ext.eq_ignore_ascii_case("csv"));
-    entries(path).ok()?.into_iter().find(|path| path.is_file() && is_csv(path))
+    entries(path).ok()?.into_iter().find(|path| is_csv(path) && is_file(path))
 }
 
 /// Returns the names in a file's first row that occur once, and those that occur more than once; none if that row does

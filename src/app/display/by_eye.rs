@@ -20,6 +20,7 @@ use crate::{
     },
     experiment::session_seed,
     store::matches::{self, MatchFile},
+    system::found,
 };
 
 /// Periods per degree above which rows of full contrast blend. The limit of visual acuity is about 50 to 60.
@@ -83,7 +84,8 @@ impl Method for ByEye {
     }
 
     fn begin(&self, channels: &[Channel], path: &Path) -> Result<MatchRun, String> {
-        let (file, done) = if path.exists() {
+        let is_known = found(path).map_err(|error| format!("{}: {error}", path.display()))?.is_some();
+        let (file, done) = if is_known {
             MatchFile::resume(path).map_err(|error| error.to_string())?
         } else {
             let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_nanos() as u64);

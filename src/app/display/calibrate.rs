@@ -14,6 +14,7 @@ use crate::{
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
     store::{StoreError, Writer, profile},
+    system::found,
 };
 
 /// A way to measure the light of a screen.
@@ -224,7 +225,7 @@ impl<M: Method> Calibrate<M> {
             Some((left, done, all)) if left == path => {
                 Some(format!("Paused after {done} of {all}. Everything so far is saved. To resume, keep the settings."))
             }
-            _ => path.is_file().then(|| {
+            _ => found(path).is_ok_and(|found| found.is_some_and(|found| found.is_file())).then(|| {
                 format!(
                     "This file already contains {}. To resume, keep the settings. To start over, enter another file.",
                     M::ITEMS
@@ -365,7 +366,7 @@ fn write(writer: &Writer, path: &Path, profile: &DisplayProfile) -> Result<Saved
         let what = "is not a valid profile name; expected a name that ends in .toml".to_owned();
         return Err(StoreError::Protected { path: path.to_owned(), what });
     }
-    let replaced = path.exists();
+    let replaced = found(path).map_err(|error| StoreError::io(path, "access", error))?.is_some();
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         writer.make_folder(folder)?;
     }

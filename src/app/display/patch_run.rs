@@ -14,6 +14,7 @@ use crate::{
     },
     display::photometer::{ErrorLocation, Patch, Reading, Readings, is_same_level},
     store::{StoreError, Writer, readings},
+    system::found,
 };
 
 /// Height of the line at the bottom, where readings are typed, in points.
@@ -61,7 +62,7 @@ impl PatchRun {
     /// If the file belongs to other settings or cannot be written.
     pub fn begin(patches: Vec<Patch>, path: &Path, view: PatchView) -> Result<Self, StoreError> {
         let mut readings = vec![None; patches.len()];
-        let is_known = path.exists();
+        let is_known = found(path).map_err(|error| StoreError::io(path, "access", error))?.is_some();
         if is_known {
             for one in readings::open_incomplete(path)? {
                 let same = |patch: &Patch| patch.channel == one.channel && is_same_level(patch.level, one.level);

@@ -14,6 +14,7 @@ use crate::{
         FileError, FileErrors, definition,
         draft::{Draft, Typed},
     },
+    system::found,
 };
 
 /// Width of the column of labels, points.
@@ -50,7 +51,8 @@ impl DefinitionForm {
         let mut draft = Draft::parse(name_or_path, &definition::text(Path::new(name_or_path))?)?;
         let name = draft.get("name").unwrap_or_else(|| "my-study".to_owned());
         let copy = |number: u32| if number == 1 { format!("{name}-copy") } else { format!("{name}-copy-{number}") };
-        let is_free = |copy: &String| !folder.join(format!("{copy}.toml")).exists();
+        // Saving never replaces a file, whatever is said here.
+        let is_free = |copy: &String| !matches!(found(&folder.join(format!("{copy}.toml"))), Ok(Some(_)));
         draft.set("name", &(1..).map(copy).find(is_free).unwrap_or_default(), Typed::Text);
         if let Some(title) = draft.get("title") {
             draft.set("title", &format!("{title} (copy)"), Typed::Text);

@@ -35,7 +35,8 @@ pub struct PreviousSitting {
 }
 
 impl PreviousSitting {
-    /// Reads the last sitting from the sidecar of the session to resume; `None` if it is not known.
+    /// Reads the last sitting from the sidecar of the session to resume; `None` if it is not known. A sidecar that cannot
+    /// be read is reported when the session begins.
     pub fn read(request: &Request) -> Option<Self> {
         let paths = SessionPaths::new(&request.results, &request.protocol, &request.identity);
         let sidecar = Sidecar::read(&paths.sidecar).ok()??;

@@ -187,7 +187,8 @@ impl Preflight {
     }
 }
 
-/// Returns whether the session asks about the participant. A resumed session asks only what it did not record.
+/// Returns whether the session asks about the participant. A resumed session asks only what it did not record. A sidecar
+/// that cannot be read is reported when the session begins.
 fn asks(request: &Request) -> bool {
     let Request { protocol, results, identity, resume, .. } = request;
     let recorded = || {

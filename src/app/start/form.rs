@@ -2,8 +2,6 @@
 
 use std::{
     collections::BTreeMap,
-    fs::Metadata,
-    io::ErrorKind,
     path::{Path, PathBuf},
 };
 
@@ -22,6 +20,7 @@ use crate::{
         definition,
         session::{Changes, SessionStore},
     },
+    system::found,
 };
 
 /// Returns the width of the column of labels, points.
@@ -249,12 +248,9 @@ fn results_error(results: &Path) -> Option<String> {
     if results.as_os_str().is_empty() {
         return Some("Enter the path of a folder.".to_owned());
     }
-    let is_there = |found: &std::io::Result<Metadata>| {
-        !found.as_ref().is_err_and(|error| matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory))
-    };
-    let mut found = results.ancestors().map(|folder| (folder, folder.metadata()));
-    let (existing, metadata) = match found.find(|(_, metadata)| is_there(metadata))? {
-        (existing, Ok(metadata)) => (existing, metadata),
+    let mut folders = results.ancestors().map(|folder| (folder, found(folder)));
+    let (existing, metadata) = match folders.find(|(_, found)| !matches!(found, Ok(None)))? {
+        (existing, Ok(metadata)) => (existing, metadata?),
         (folder, Err(error)) => return Some(format!("{} cannot be read: {error}.", folder.display())),
     };
     if !metadata.is_dir() {
