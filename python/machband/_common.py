@@ -157,7 +157,8 @@ def options(function: Callable[..., Any], given: Mapping[str, Any], *but: str) -
     for name, parameter in inspect.signature(function).parameters.items():
         if parameter.kind is parameter.KEYWORD_ONLY and name not in but and given[name] is not None:
             kind = parameter.annotation.removesuffix(" | None")
-            field = words(name, given[name]) if kind.startswith("Literal") else _CONVERSIONS.get(kind, text)(name, given[name])
+            convert = words if kind.startswith("Literal") else _CONVERSIONS.get(kind, text)
+            field = convert(name, given[name])
             fields[name] = str(field) if isinstance(field, int) and not isinstance(field, bool) else field  # type: ignore[assignment]
     return fields
 
