@@ -15,13 +15,14 @@ use super::{
     error::io,
     file::{lock, remove_temporary, sha256, sync_folder},
     image,
-    open::{found, read_at_most, read_regular},
+    open::{read_at_most, read_regular},
     table,
 };
 use crate::{
     experiment::{Condition, Protocol},
     light::Quantizer,
     stimulus::recipe::Recipe,
+    system::unless_missing,
 };
 
 /// Minimum age of the temporary files that are removed because a killed run left them. Another shard may be using newer
@@ -228,14 +229,14 @@ fn foreign_lists(
 
 /// Returns the text of a list of images; `None` if there is none.
 fn text_of(path: &Path) -> Result<Option<String>, StoreError> {
-    let bytes = found(read_regular(path, MAX_LIST)).map_err(io(path, "read"))?;
+    let bytes = unless_missing(read_regular(path, MAX_LIST)).map_err(io(path, "read"))?;
     // What is not text lists nothing of ours.
     Ok(bytes.map(|bytes| String::from_utf8(bytes).unwrap_or_else(|_| "\u{fffd}\n".to_owned())))
 }
 
 /// Returns the content of an image; `None` if there is none.
 fn content(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
-    found(read_regular(path, u64::MAX)).map_err(io(path, "read"))
+    unless_missing(read_regular(path, u64::MAX)).map_err(io(path, "read"))
 }
 
 fn line((file, levels): &(String, Vec<String>), hash: &str, recipe: &Recipe) -> Vec<u8> {

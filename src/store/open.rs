@@ -2,7 +2,7 @@
 
 use std::{
     fs::{self, File},
-    io::{Error, ErrorKind, Read as _},
+    io::{Error, Read as _},
     path::Path,
 };
 
@@ -35,17 +35,6 @@ pub(super) fn is_data(metadata: &fs::Metadata) -> std::io::Result<()> {
 /// The same errors as [`open_regular`]; [`NotData::TooLarge`].
 pub(super) fn read_regular(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
     read_at_most(&mut open_regular(path)?, most)
-}
-
-/// Turns the error that there is nothing into `None`; every other error stays one.
-///
-/// # Errors
-/// All errors but a missing file or folder.
-pub(super) fn found<T>(read: std::io::Result<T>) -> std::io::Result<Option<T>> {
-    match read {
-        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
-        read => read.map(Some),
-    }
 }
 
 /// Reads a whole open file of at most `most` bytes.

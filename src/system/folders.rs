@@ -37,7 +37,11 @@ pub fn is_missing(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory)
 }
 
-fn unless_missing<T>(result: io::Result<T>) -> io::Result<Option<T>> {
+/// Returns what was found; `None` if there is nothing with this name.
+///
+/// # Errors
+/// Any other error.
+pub fn unless_missing<T>(result: io::Result<T>) -> io::Result<Option<T>> {
     match result {
         Err(error) if is_missing(&error) => Ok(None),
         result => result.map(Some),

@@ -23,6 +23,7 @@ use crate::store::{
     participants::{Collected, collect},
     recorded::Recorded,
 };
+use crate::system::unless_missing;
 
 /// Writes a data set for each experiment into a subfolder of `to`.
 pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<String>) -> Result<(), StoreError> {
@@ -113,10 +114,7 @@ pub(super) fn described(name: &str, experiment: &Experiment) -> Result<Option<(P
     let mut known: Option<(PathBuf, Vec<u8>)> = None;
     for dataset in experiment.datasets().keys() {
         let path = dataset.join(name);
-        let content = match read_regular(&path, MAX_DESCRIPTION) {
-            Err(error) if error.kind() == ErrorKind::NotFound => None,
-            content => Some(content.map_err(io(&path, "read"))?),
-        };
+        let content = unless_missing(read_regular(&path, MAX_DESCRIPTION)).map_err(io(&path, "read"))?;
         match (&known, content) {
             (Some((first, other)), Some(content)) if !is_same(name, other, &content) => {
                 let message = format!(

@@ -16,11 +16,8 @@ use crate::{
         palette::{Reduction, reduce},
     },
     stimulus::recipe::{MAX_SIZE, Recipe},
-    store::{
-        FileErrors,
-        file::read_bytes,
-        open::{found, open_regular},
-    },
+    store::{FileErrors, file::read_bytes, open::open_regular},
+    system::unless_missing,
 };
 
 /// Maximum number of pixels of an image, unless the user allows more. A 4K screen has 8.3 million.
@@ -150,7 +147,7 @@ fn text(info: &Info<'_>, keyword: &str) -> Option<String> {
 /// # Errors
 /// I/O errors.
 pub(crate) fn recipe_text(path: &Path) -> std::io::Result<Option<String>> {
-    let Some(file) = found(open_regular(path))? else { return Ok(None) };
+    let Some(file) = unless_missing(open_regular(path))? else { return Ok(None) };
     match Decoder::new(BufReader::new(file)).read_info() {
         Ok(reader) => Ok(text(reader.info(), KEYWORD)),
         // A file that ends too early is no image of ours.

@@ -16,9 +16,9 @@ use crate::{
         StoreError,
         error::io,
         file::{exists, make_folder, remove_temporary, write_json, write_whole},
-        open::{found, read_regular},
+        open::read_regular,
     },
-    system::{entries, link_target},
+    system::{entries, link_target, unless_missing},
 };
 
 /// Suffix of a data file in a Psych-DS data set; our result files have it too.
@@ -145,7 +145,7 @@ pub(crate) fn identity(csv: &Path) -> Result<(String, Identity), String> {
 /// The folder cannot be read, so participants in it are not known.
 pub fn free_participant(results: &Path, protocol: &Protocol) -> Result<String, StoreError> {
     let data = results.join(&protocol.name).join("data");
-    let files = found(entries(&data)).map_err(io(&data, "list"))?.unwrap_or_default();
+    let files = unless_missing(entries(&data)).map_err(io(&data, "list"))?.unwrap_or_default();
     let participant = |path: PathBuf| {
         let name = path.file_name()?.to_str()?;
         Some(name.strip_prefix("subject-")?.split('_').next()?.to_ascii_uppercase())

@@ -14,6 +14,7 @@ use crate::{
         file::{sha256, write_json},
         open::read_regular,
     },
+    system::unless_missing,
 };
 
 /// Maximum size in bytes of a sidecar. The largest has a hash for each of 100,000 conditions, 8 MB in all, for each
@@ -151,10 +152,7 @@ impl Sidecar {
     /// # Errors
     /// The file is not readable.
     pub(super) fn text(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
-        match read_regular(path, MAX_FILE) {
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-            text => text.map(Some).map_err(io(path, "read")),
-        }
+        unless_missing(read_regular(path, MAX_FILE)).map_err(io(path, "read"))
     }
 
     /// Parses the text of the sidecar at `path`.

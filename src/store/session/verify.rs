@@ -3,7 +3,6 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
-    io::ErrorKind,
     path::{Path, PathBuf},
 };
 
@@ -21,7 +20,7 @@ use crate::{
     experiment::{GENERATOR, Phase},
     stimulus::recipe::Recipe,
     store::{FileError, FileErrors, StoreError, definition, error::io, file::temporary_for, image, ratings},
-    system::entries,
+    system::{entries, unless_missing},
 };
 
 /// The findings about one session.
@@ -357,8 +356,5 @@ pub fn temporary_files(dataset: &Path) -> Result<Vec<PathBuf>, StoreError> {
 
 /// Returns what is in a folder; nothing if it does not exist.
 fn files_in(folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
-    match entries(folder) {
-        Err(error) if error.kind() == ErrorKind::NotFound => Ok(Vec::new()),
-        files => files.map_err(io(folder, "read")),
-    }
+    Ok(unless_missing(entries(folder)).map_err(io(folder, "read"))?.unwrap_or_default())
 }
