@@ -90,6 +90,50 @@ fn files_use_lower_floors_only_and_never_each_other() {
 }
 
 /// Tests the scan itself: it must report every forbidden use, and must not report an allowed one.
+/// What reads from the disk.
+const READS: [&str; 10] = [
+    "entries(",
+    "found(",
+    "exists(",
+    "read_regular(",
+    "open_regular(",
+    "read_bytes(",
+    "read_text(",
+    "fs::",
+    "canonicalize(",
+    "Sidecar::read",
+];
+/// What forgets an error.
+const FORGETS: [&str; 7] = [".ok()", "unwrap_or_default()", ".unwrap_or(", "is_ok", "let _ =", "let Ok(", "Err(_) =>"];
+/// Where that is right: files that are no longer needed are removed, and nothing follows if that fails.
+const FORGIVEN: [&str; 5] = [
+    "let Ok(paths) = entries(folder) else",
+    "let metadata = fs::symlink_metadata(&path).ok().filter(fs::Metadata::is_file)",
+    "if removed.is_ok() || !exists(&paths.sidecar).unwrap_or(true)",
+    "remove_file(",
+    "?.unwrap_or_default()",
+];
+
+/// An error is not an absence: in the store and the operations, no error of reading is forgotten. `clippy.toml` forbids
+/// the standard library's questions that answer false after an error.
+#[test]
+fn no_error_of_reading_is_forgotten() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let has = |code: &str, any: &[&str]| any.iter().any(|part| code.contains(part));
+    let mut forgotten = Vec::new();
+    for file in ["store", "work"].iter().flat_map(|room| sources(&root.join(room))) {
+        let text = fs::read_to_string(&file).unwrap();
+        let code: String = text.lines().map(|line| line.split("//").next().unwrap_or_default()).collect();
+        for part in code.split([';', '{', '}']) {
+            let part = part.split_whitespace().collect::<Vec<_>>().join(" ");
+            if has(&part, &READS) && has(&part, &FORGETS) && !has(&part, &FORGIVEN) {
+                forgotten.push(format!("{}: {part}", file.display()));
+            }
+        }
+    }
+    assert!(forgotten.is_empty(), "{}", forgotten.join("\n"));
+}
+
 #[test]
 fn forbidden_edges_are_found() {
     let faults = |file: &str, source: &str| {

@@ -84,7 +84,7 @@ impl Overview {
     #[must_use]
     pub fn of(results: &Path) -> Self {
         let mut overview = Self::default();
-        if let Ok(None) = found(results) {
+        if matches!(found(results), Ok(None)) {
             return overview;
         }
         let listed = Listed::sessions(results);
