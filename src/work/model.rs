@@ -19,7 +19,7 @@ pub struct Model {
     #[arg(long, default_value_t, value_parser = super::named::<Slopes>(Slopes::NAMES))]
     pub slopes: Slopes,
     /// Also analyze a study that is larger than usual: more than 10 factors, 120 levels of a factor, 5,000 conditions,
-    /// 20,000 participants, 120 coefficients or 10 minutes of simulated studies, or names of more than 200 bytes. The
+    /// 20,000 participants, 120 coefficients or 5 minutes of simulated studies, or names of more than 200 bytes. The
     /// time grows with their square or cube.
     #[arg(long)]
     pub large: bool,

@@ -262,7 +262,7 @@ fn cases(full: bool) -> Vec<Case> {
         (
             "terms.csv",
             ratings(4_800, 8, 5, 20, 4).into(),
-            vec![(analyze, "minutes of one processor; expected at most 10: use num:FACTOR")],
+            vec![(analyze, "minutes of one processor; expected at most 5: use num:FACTOR")],
         ),
         (
             "times.csv",

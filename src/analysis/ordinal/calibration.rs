@@ -40,7 +40,7 @@ const MANY_RATINGS: usize = 2000;
 const FEW_DRAWS: u32 = 199;
 /// Maximum time of the simulated studies, minutes of one processor, unless the user allows more. Five factors with ten
 /// levels each, 8 participants and 600 ratings of each take 4.
-pub const MAX_MINUTES: u64 = 10;
+pub const MAX_MINUTES: u64 = 5;
 
 /// A model with its tests.
 #[derive(Clone, Debug, PartialEq, Serialize)]
