@@ -102,8 +102,8 @@ fn no_row_is_lost_in_a_power_cut_of_ext4() {
     }
 }
 
-/// A call fails, ends early, is interrupted or kills the program while a command reads data. The command must do what it
-/// does without the fault, or say an error and fail; it must not take an error for an absence.
+/// A call fails, ends early, is interrupted or kills the program while a command reads data. The command must do what
+/// it does without the fault, or say an error and fail; it must not take an error for an absence.
 #[test]
 fn no_error_while_reading_passes_for_an_absence() {
     if shim::library().is_none() {
