@@ -3,7 +3,7 @@
 //!
 //! The tests need Linux and `cc`. If `cc` is missing, they print `SKIPPED` and pass, unless
 //! `MACHBAND_REQUIRE_FAULTS=1`. `MACHBAND_FAULTS` is the number of sessions (1,000), `MACHBAND_CUTS` the number of
-//! power cuts (50), `MACHBAND_READS` the number of faults while data are read (100), and `MACHBAND_FAULT_SEED` the seed
+//! power cuts (50), `MACHBAND_READS` the number of faults while data are read (200), and `MACHBAND_FAULT_SEED` the seed
 //! from which the faults are drawn (1).
 
 #![cfg(all(target_os = "linux", target_env = "gnu"))]
@@ -102,14 +102,14 @@ fn no_row_is_lost_in_a_power_cut_of_ext4() {
     }
 }
 
-/// A call fails, ends early, is interrupted or kills the program while a command reads data. The command must do what it
-/// does without the fault, or say an error and fail; it must not take an error for an absence.
+/// A call fails, ends early, is interrupted or kills the program while a command reads data. The command must do what
+/// it does without the fault, or say an error and fail; it must not take an error for an absence.
 #[test]
 fn no_error_while_reading_passes_for_an_absence() {
     if shim::library().is_none() {
         return;
     }
-    let findings = reads::play(setting("MACHBAND_READS", 100) as usize, setting("MACHBAND_FAULT_SEED", 1));
+    let findings = reads::play(setting("MACHBAND_READS", 200) as usize, setting("MACHBAND_FAULT_SEED", 1));
     print(&reads::table(&findings));
     let wrong = findings.iter().filter(|found| found.kind > reads::Kind::Said).count();
     assert_eq!(wrong, 0, "of {} faults", findings.len());

@@ -36,8 +36,8 @@ enum Again {
     Session,
 }
 
-/// A command that reads: its name; its arguments, in which `./` stands for the folder of the data and `CSV` for the
-/// first data file in it; and its exit status.
+/// A command that reads: its name; its arguments, in which `./` stands for the folder of the data, and `CSV` and `IMAGE`
+/// for files in it; its exit status; and what must hold when it runs again.
 struct Reader(&'static str, &'static str, i32, Again);
 
 const CSV: &str = "./results/small-one/data/subject-S001_session-1_task-smallone_data.csv";
@@ -79,8 +79,8 @@ const READERS: &[Reader] = &[
     Reader("list of sessions", LIST, 0, Again::Same),
 ];
 
-/// What a command did: its exit status, what it printed, and every file. The name of the folder is replaced, because it is
-/// a different one in every run.
+/// What a command did: its exit status, what it printed, and every file. The name of the folder is replaced, because it
+/// is a different one in every run.
 type Outcome = BTreeMap<String, String>;
 
 const STATUS: &str = "status";

@@ -9,12 +9,12 @@
  * MACHBAND_JOURNAL      a file that receives every change below the folder, in order, for simulated power cuts
  *
  * OP: open read write sync rename truncate seek stat unlink mkdir lock list close names fstat link clock thread alloc
- * (list opens a folder, names reads the names in it, fstat is the state of an open file, and link is where a path leads;
+ * (list opens a folder, names reads the names in it, fstat is the state of an open file, link is where a path leads;
  * the last three have no path; thread is pthread_create; allocations count from the first call below the folder).
  * WHAT: the name of an errno; short (transfers half and reports half); lie (writes half and reports all); torn (writes
  * half, then fails with EIO); kill-before, kill-after, kill-torn (kills its own process with SIGKILL before, after or
- * halfway through the call); TERM, INT, HUP (sends its own process this signal before the call); back, far, ancient, still
- * (from this call on, the clock is an hour back, in the year 12000, in the year -2000, or stands still). */
+ * halfway through the call); TERM, INT, HUP (sends its own process this signal before the call); back, far, ancient,
+ * still (from this call on, the clock is an hour back, in the year 12000, in the year -2000, or stands still). */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
