@@ -19,6 +19,7 @@ use crate::{
         FileErrors, StoreError, definition,
         error::io,
         file::{sha256, sync_folder, write_whole},
+        open::read_regular,
     },
 };
 
@@ -58,7 +59,6 @@ pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
         return Ok(Repaired { lines, moved_to: None, header_restored: false });
     }
     let moved_to = (!damaged.is_empty()).then(|| write_new(csv, &damaged)).transpose()?;
-    write_whole(csv, &kept, true)?;
     let name = moved_to.as_ref().and_then(|path| path.file_name()).unwrap_or_default().to_string_lossy();
     let [was, is] = [&before, &kept].map(|content| sha256(content));
     let what = match (lines.len(), header_restored) {
@@ -67,7 +67,9 @@ pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
         (count, true) => format!("damaged lines were moved to {name}: {count}; the header was restored"),
     };
     record(format!("{REPAIRED}{what}; sha256 {was} before, {is} now"), &mut sidecar);
+    // If the repair ends in the middle, it is recorded and can be repeated; rows must not disappear without a record.
     sidecar.write(&sidecar_path)?;
+    write_whole(csv, &kept, true)?;
     Ok(Repaired { lines, moved_to, header_restored })
 }
 
@@ -159,7 +161,7 @@ fn row(header: &[u8], line: &[u8], columns: &[Column]) -> Option<TrialRecord> {
     results::parse("", &[header, line].concat(), columns).ok()?.pop()
 }
 
-/// Writes the damaged lines to the first `…_data.csv.damaged-N` that does not exist.
+/// Writes the damaged lines to the first `…_data.csv.damaged-N` that does not exist or already contains them.
 fn write_new(csv: &Path, content: &[u8]) -> Result<PathBuf, StoreError> {
     let mut number = 1_u32;
     loop {
@@ -168,6 +170,10 @@ fn write_new(csv: &Path, content: &[u8]) -> Result<PathBuf, StoreError> {
         let path = csv.with_file_name(name);
         let mut file = match OpenOptions::new().write(true).create_new(true).open(&path) {
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+                // An earlier repair may have ended after this step.
+                if read_regular(&path, results::MAX_FILE).map_err(io(&path, "read"))? == content {
+                    return Ok(path);
+                }
                 number += 1;
                 continue;
             }
@@ -191,7 +197,9 @@ fn record(incident: String, sidecar: &mut Sidecar) {
     let own = sidecar.sha256_at_end_of(index);
     if let Some(last) = sidecar.sittings.last_mut() {
         last.complete = false;
-        last.incidents.push(incident);
+        if last.incidents.last() != Some(&incident) {
+            last.incidents.push(incident);
+        }
     }
     // The incident itself is not a manual change.
     let now = sidecar.sha256_at_end_of(index);
