@@ -11,12 +11,12 @@ use machband::{
     report::{self, Provenance, Study, document::Section, study::shell_command},
     stimulus::Stimulus,
     store::{
-        StoreError, Writer,
+        Writer,
         ratings::{self, Listed},
         results,
         sidecar::Sidecar,
     },
-    system::{found, now},
+    system::now,
     text::{Cell, Table},
     work::{
         Analyze, Export, changed,
@@ -54,9 +54,7 @@ pub fn read_results(
 }
 
 fn read(folder: &Path, job: &Job) -> anyhow::Result<Described> {
-    let is_file =
-        found(folder).map_err(|error| StoreError::io(folder, "access", error))?.is_some_and(|it| it.is_file());
-    let files = if is_file { vec![folder.to_owned()] } else { Listed::sessions(folder).complete(folder)?.files };
+    let files = Listed::sessions(folder).complete(folder)?.files;
     let (mut described, mut sessions, mut simulated) = (Vec::new(), Vec::new(), false);
     for (i, csv) in files.iter().enumerate() {
         job.set(i, files.len());

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context as _;
 use serde::Serialize;
 
 use super::{Found, Watcher, request::paths};
@@ -14,7 +13,6 @@ use crate::{
         ratings::Listed,
         session::{self, Repaired},
     },
-    system::found,
 };
 
 /// Move damaged lines of a session's data file to a file next to it, so that the session can be resumed.
@@ -41,19 +39,13 @@ impl Repair {
     pub fn repair(&self, watcher: &dyn Watcher) -> anyhow::Result<Found> {
         let path = &self.path;
         let mut all = Found::default();
-        let is_folder = found(path).with_context(|| path.display().to_string())?.is_some_and(|found| found.is_dir());
-        let files = if is_folder {
-            let listed = Listed::sessions(path);
-            if listed.files.is_empty() && listed.errors.is_empty() {
-                return Err(listed.nothing(path).into());
-            }
-            listed.warnings.iter().for_each(|warning| watcher.warn(&warning.to_string()));
-            all.errors.extend(listed.errors.into_iter().map(|error| FileErrors(vec![error]).into()));
-            listed.files
-        } else {
-            vec![path.clone()]
-        };
-        for csv in &files {
+        let listed = Listed::sessions(path);
+        if listed.files.is_empty() && listed.errors.is_empty() {
+            return Err(listed.nothing(path).into());
+        }
+        listed.warnings.iter().for_each(|warning| watcher.warn(&warning.to_string()));
+        all.errors.extend(listed.errors.into_iter().map(|error| FileErrors(vec![error]).into()));
+        for csv in &listed.files {
             match refuse_links(path, std::slice::from_ref(csv)).map_err(Into::into).and_then(|()| session::repair(csv))
             {
                 Ok(repaired) => all.add(csv, sentence(repaired), watcher)?,

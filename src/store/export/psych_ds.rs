@@ -3,25 +3,20 @@
 
 use std::{
     fs::{self, File},
-    io::{ErrorKind, Read as _, Write as _},
     path::{Path, PathBuf},
 };
-
-use serde_json::{Map, Value};
-use sha2::{Digest as _, Sha256};
 
 use super::sessions::{DESCRIBING, Experiment};
 use crate::store::{
     FileErrors, StoreError,
-    dataset::{
-        DATA_FILE, DESCRIPTION, MAX_DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX, describe,
-    },
+    dataset::{DATA_FILE, MAX_DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX, describe},
     error::io,
-    file::{hexadecimal, make_folder, write_file, write_json},
+    file::{make_folder, write_file, write_json},
     frames,
     open::{open_regular, read_regular},
     participants::{Collected, collect},
     recorded::Recorded,
+    session::seal,
 };
 use crate::system::unless_missing;
 
@@ -116,7 +111,7 @@ pub(super) fn described(name: &str, experiment: &Experiment) -> Result<Option<(P
         let path = dataset.join(name);
         let content = unless_missing(read_regular(&path, MAX_DESCRIPTION)).map_err(io(&path, "read"))?;
         match (&known, content) {
-            (Some((first, other)), Some(content)) if !is_same(name, other, &content) => {
+            (Some((first, other)), Some(content)) if *other != content => {
                 let message = format!(
                     "differs from {}, and an export has only one such file; expected the same content, or one export for each folder",
                     first.display()
@@ -130,36 +125,15 @@ pub(super) fn described(name: &str, experiment: &Experiment) -> Result<Option<(P
     Ok(known)
 }
 
-/// True if two files say the same about their data sets. Columns that are added later do not matter.
-fn is_same(name: &str, one: &[u8], other: &[u8]) -> bool {
-    let said = |content: &[u8]| {
-        let mut said: Map<String, Value> = serde_json::from_slice(content).ok()?;
-        said.remove("variableMeasured");
-        Some(said)
-    };
-    one == other || name == DESCRIPTION && said(one).is_some_and(|one| Some(one) == said(other))
-}
-
 /// Copies only the content of a frames file, so that the new file is writable even if the data set is write-protected.
 ///
 /// # Errors
 /// The file changed since the session was read; I/O errors.
 fn copy_frames(from: &Path, to: &Path, session: &Recorded) -> Result<(), StoreError> {
     let mut source = open_regular(from).map_err(io(from, "read"))?;
-    let (mut file, mut hasher) = (File::create_new(to).map_err(io(to, "write"))?, Sha256::new());
-    let mut buffer = vec![0; 1 << 16];
-    loop {
-        let count = match source.read(&mut buffer) {
-            Err(error) if error.kind() == ErrorKind::Interrupted => continue,
-            count => count.map_err(io(from, "read"))?,
-        };
-        if count == 0 {
-            break;
-        }
-        hasher.update(&buffer[..count]);
-        file.write_all(&buffer[..count]).map_err(io(to, "write"))?;
-    }
-    if session.frames_sha256.as_ref().is_some_and(|was| *was != hexadecimal(&hasher.finalize())) {
+    let mut copied = File::create_new(to).map_err(io(to, "write"))?;
+    std::io::copy(&mut source, &mut copied).map_err(io(from, "copy"))?;
+    if session.frames_sha256.is_some() && seal::sha256(to)? != session.frames_sha256 {
         let message = "was changed during the export; expected a session that is not being recorded";
         return Err(FileErrors::whole(from, message).into());
     }

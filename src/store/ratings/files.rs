@@ -96,9 +96,12 @@ pub struct Listed {
 }
 
 impl Listed {
-    /// Lists the sessions in a folder: only their data files.
+    /// Lists the sessions in a folder: only their data files. A file stands for itself.
     #[must_use]
     pub fn sessions(root: &Path) -> Self {
+        if found(root).is_ok_and(|found| found.is_some_and(|found| found.is_file())) {
+            return Self { files: vec![root.to_owned()], ..Self::default() };
+        }
         let mut listed = Self::of(root);
         listed.files.retain(|path| has_suffix(path, DATA_FILE));
         listed

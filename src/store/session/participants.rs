@@ -121,10 +121,6 @@ impl Participants {
         notes
     }
 
-    fn has(&self, subject: &str) -> bool {
-        self.rows.iter().any(|row| is_of(row, subject))
-    }
-
     /// True if there is no row.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
@@ -214,7 +210,8 @@ pub(in crate::store) fn collect<'a>(
         });
         FileErrors::none(errors.collect())?;
         notes.extend(participants.add(&table, &subjects));
-        let missing: Vec<&str> = subjects.iter().filter(|subject| !table.has(subject)).copied().collect();
+        let missing: Vec<&str> =
+            subjects.iter().filter(|subject| !table.rows.iter().any(|row| is_of(row, subject))).copied().collect();
         if !table.is_empty() && !missing.is_empty() {
             let path = dataset.join(PARTICIPANTS);
             notes.push(format!("{}: has no row for {}", path.display(), missing.join(", ")));

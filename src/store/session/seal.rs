@@ -68,6 +68,14 @@ pub fn errors(csv: &Path, sidecar: &Sidecar) -> Result<Vec<FileError>, StoreErro
     Ok(Hashes::read(csv, sidecar, None)?.differences(csv, sidecar).iter().map(Difference::error).collect())
 }
 
+/// Returns the SHA-256 of a file; `None` if it does not exist. Reads it in constant memory.
+///
+/// # Errors
+/// The file exists but cannot be read.
+pub fn sha256(path: &Path) -> Result<Option<String>, StoreError> {
+    Ok(Prefixes::of(path, open(path), Vec::new())?.whole)
+}
+
 /// The hashes of a session's files that its seals cover. `None` stands for files that they do not cover.
 pub(super) struct Hashes {
     rows: Option<Prefixes>,
