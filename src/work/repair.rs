@@ -9,7 +9,7 @@ use crate::{
     report::document::numbers::count,
     store::{
         FileErrors,
-        export::refuse_links,
+        dataset::refuse_link,
         ratings::Listed,
         session::{self, Repaired},
     },
@@ -46,8 +46,8 @@ impl Repair {
         listed.warnings.iter().for_each(|warning| watcher.warn(&warning.to_string()));
         all.errors.extend(listed.errors.into_iter().map(|error| FileErrors(vec![error]).into()));
         for csv in &listed.files {
-            match refuse_links(path, std::slice::from_ref(csv)).map_err(Into::into).and_then(|()| session::repair(csv))
-            {
+            let mut inside = csv.ancestors().take_while(|part| part != path);
+            match inside.try_for_each(refuse_link).and_then(|()| session::repair(csv)) {
                 Ok(repaired) => all.add(csv, sentence(repaired), watcher)?,
                 Err(error) => all.errors.push(error),
             }

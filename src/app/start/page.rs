@@ -432,11 +432,16 @@ impl Start {
         self.width_field(ui, checked, monitor, here);
         let measure = self.profile_field(ui, checked);
         checked.field(ui, SessionField::Results).show(ui, |ui, label| {
-            ui.horizontal_wrapped(|ui| {
-                let field = TextEdit::singleline(&mut self.form.results).desired_width(room(ui, 1));
-                ui.add(field).labelled_by(label);
+            let line = ui.horizontal_wrapped(|ui| {
+                let field = TextEdit::singleline(&mut self.form.results).desired_width(room(ui, 1)).show(ui);
+                let is_clipped = field.galley.size().x > field.response.rect.width();
+                egui::Response::clone(&field.response).labelled_by(label);
                 self.results.browse(ui, FileKind::Folder, "Choose the results folder…", &mut self.form.results);
+                is_clipped
             });
+            if line.inner {
+                ui::hint(ui, self.form.results.trim());
+            }
         });
         self.monitor_field(ui, checked, monitor, monitors, settings);
         measure.then_some(Destination::Place(Place::Display))

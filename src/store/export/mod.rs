@@ -7,5 +7,4 @@ mod sessions;
 mod stimuli;
 mod write;
 
-pub(crate) use sessions::refuse_links;
 pub use write::{Choice, Exported, Format, export};

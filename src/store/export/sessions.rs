@@ -76,7 +76,7 @@ pub(super) fn changed(session: &Recorded) -> impl Iterator<Item = String> {
 ///
 /// # Errors
 /// Reports every link, and every path that cannot be accessed.
-pub(crate) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErrors> {
+pub(super) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErrors> {
     let mut paths = BTreeSet::new();
     for csv in files {
         paths.extend(csv.ancestors().take_while(|path| *path != from).map(Path::to_owned));

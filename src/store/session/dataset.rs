@@ -106,7 +106,7 @@ impl SessionPaths {
 ///
 /// # Errors
 /// This is a link, or the disk does not say whether it is one.
-pub(super) fn refuse_link(path: &Path) -> Result<(), StoreError> {
+pub(crate) fn refuse_link(path: &Path) -> Result<(), StoreError> {
     let target = link_target(path).map_err(io(path, "access"))?;
     target.map_or(Ok(()), |target| Err(StoreError::Link { path: path.to_owned(), target }))
 }

@@ -117,7 +117,8 @@ pub fn data_sets(
     found.errors.extend(listed.errors.iter().cloned());
     // If the rows of every session were deleted, their sidecars still exist.
     let of_rows = listed.files.iter().filter_map(|csv| Some(csv.parent()?.parent()?.to_owned()));
-    for dataset in of_rows.chain(listed.datasets.iter().cloned()).collect::<BTreeSet<_>>() {
+    let is_listed = |dataset: &PathBuf| !listed.errors.iter().any(|error| Path::new(&error.file).starts_with(dataset));
+    for dataset in of_rows.chain(listed.datasets.iter().cloned()).filter(is_listed).collect::<BTreeSet<_>>() {
         match unexpected_files(&dataset).and_then(|errors| Ok((errors, temporary_files(&dataset)?))) {
             Ok((errors, left)) => {
                 found.errors.extend(errors);
