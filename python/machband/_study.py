@@ -302,13 +302,11 @@ def analyze(
 class Verification:
     """What `verify` found. It is true if nothing is wrong.
 
-    `sessions` has the path of each data file with a sentence about it; `errors` has everything that is wrong; `left` has
-    incomplete files that a killed program left, which can be deleted.
+    `sessions` has the path of each data file with a sentence about it; `errors` has everything that is wrong.
     """
 
     sessions: dict[Path, str]
     errors: list[str]
-    left: list[Path]
 
     def __bool__(self) -> bool:
         """Return whether nothing is wrong."""
@@ -331,8 +329,8 @@ def verify(folder: str | PathLike[str]) -> Verification:
     A `Verification`, which is true if nothing is wrong.
     """
     with progress("sessions") as show:
-        sessions, errors, left = _machband.verify(os.fspath(folder), show)
-    return Verification({Path(path): found for path, found in sessions}, errors, [Path(path) for path in left])
+        sessions, errors = _machband.verify(os.fspath(folder), show)
+    return Verification({Path(path): found for path, found in sessions}, errors)
 
 
 class Exported(NamedTuple):

@@ -239,17 +239,16 @@ impl Analysis {
     }
 }
 
-/// Verifies the sessions in a folder. Returns the path of each with a sentence about it, all errors, and the incomplete
-/// files that a killed program left.
+/// Verifies the sessions in a folder. Returns the path of each with a sentence about it, and all errors.
 #[pyfunction]
 #[allow(clippy::type_complexity)]
 pub fn verify(
     py: Python<'_>,
     folder: PathBuf,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(Vec<(PathBuf, String)>, Vec<String>, Vec<PathBuf>)> {
-    let Verified { found, left, .. } = job::run(py, progress, false, move |job, _| Verify { folder }.verify(job))?;
-    Ok((found.files, found.errors.iter().map(ToString::to_string).collect(), left))
+) -> PyResult<(Vec<(PathBuf, String)>, Vec<String>)> {
+    let Verified { found, .. } = job::run(py, progress, false, move |job, _| Verify { folder }.verify(job))?;
+    Ok((found.files, found.errors.iter().map(ToString::to_string).collect()))
 }
 
 /// Exports the sessions in a folder. Returns the names of the experiments, and the numbers of sessions, rows and

@@ -17,10 +17,7 @@ pub(super) fn verify(request: &Verify) -> anyhow::Result<()> {
     let bar = Bar::new("sessions");
     let verified = request.verify(&bar);
     bar.clear();
-    let Verified { found, sessions, left } = verified?;
-    left.iter().try_for_each(|path| {
-        print_line(&format!("note: {}: was left by a killed program; it can be deleted", path.display()))
-    })?;
+    let Verified { found, sessions } = verified?;
     conclude(&found)?;
     print_line(&format!("{} verified; no errors", count(sessions as u64, "session")))
 }

@@ -42,21 +42,13 @@ impl Columns {
                 let message = format!("the column {other} has {} rows; expected {rows}, as in {first}", column.len());
                 Err(FileErrors::whole(name, message))
             }
-            (None, Some(_)) => self.without_zero_bytes(name),
-        }
-    }
-
-    fn without_zero_bytes(&self, name: &str) -> Result<(), FileErrors> {
-        let has_zero = |column: &Column| match column {
-            Column::Texts(Texts { texts, .. }) => texts.iter().any(|text| text.contains('\0')),
-            Column::Numbers(_) => false,
-        };
-        match self.0.iter().find(|(_, column)| has_zero(column)) {
-            Some((column, _)) => Err(FileErrors::whole(
-                name,
-                format!("a cell of the column {column} contains a zero byte; expected text"),
-            )),
-            None => Ok(()),
+            (None, Some(_)) => match self.0.iter().find(|(_, column)| column.has_zero_byte()) {
+                Some((other, _)) => {
+                    let message = format!("a cell of the column {other} contains a zero byte; expected text");
+                    Err(FileErrors::whole(name, message))
+                }
+                None => Ok(()),
+            },
         }
     }
 
@@ -104,6 +96,10 @@ impl Columns {
 }
 
 impl Column {
+    fn has_zero_byte(&self) -> bool {
+        matches!(self, Self::Texts(Texts { texts, .. }) if texts.iter().any(|text| text.contains('\0')))
+    }
+
     fn len(&self) -> usize {
         match self {
             Self::Texts(texts) => texts.cells.len(),

@@ -194,8 +194,7 @@ pub(super) fn sync_tree(folder: &Path) -> Result<(), StoreError> {
 /// Only regular files with the marker of this program that are older than `age` are removed, because another program
 /// may still be using newer ones. A file that cannot be removed does no harm.
 pub(super) fn remove_temporary(folder: &Path, are_ours: impl Fn(&str) -> bool, age: Duration) {
-    let Ok(paths) = entries(folder) else { return };
-    for path in paths {
+    for path in entries(folder).into_iter().flatten() {
         if !path.file_name().and_then(|name| temporary_for(name.to_str()?)).is_some_and(&are_ours) {
             continue;
         }
@@ -408,15 +407,22 @@ impl Drop for AppendFile {
 /// Locks a file against other programs; returns false if the file system does not support locks. That is no reason to
 /// refuse a session.
 pub(super) fn lock(file: &File, path: &Path) -> Result<bool, StoreError> {
+    // Another program may only be asking whether the file is locked.
+    match lock_within(file, MAX_ASKING) {
+        Ok(is_locked) => Ok(is_locked),
+        Err(TryLockError::WouldBlock) => Err(StoreError::InUse(path.to_owned())),
+        Err(TryLockError::Error(error)) => Err(io(path, "lock")(error)),
+    }
+}
+
+/// Locks a file, waiting for other programs if necessary; returns false if the file system does not support locks.
+fn lock_within(file: &File, most: Duration) -> Result<bool, TryLockError> {
     let started = Instant::now();
     loop {
         match file.try_lock() {
-            Ok(()) => return Ok(true),
-            // Another program may only be asking whether the file is locked.
-            Err(TryLockError::WouldBlock) if started.elapsed() < MAX_ASKING => sleep(Duration::from_millis(1)),
-            Err(TryLockError::WouldBlock) => return Err(StoreError::InUse(path.to_owned())),
+            Err(TryLockError::WouldBlock) if started.elapsed() < most => sleep(Duration::from_millis(1)),
             Err(TryLockError::Error(error)) if has_no_locks(&error) => return Ok(false),
-            Err(TryLockError::Error(error)) => return Err(io(path, "lock")(error)),
+            locked => return locked.map(|()| true),
         }
     }
 }
@@ -451,19 +457,6 @@ fn has_no_locks(error: &Error) -> bool {
 /// How long to wait for other programs that use the same file. Each needs a few milliseconds.
 const MAX_WAIT: Duration = Duration::from_secs(10);
 
-/// Locks a file, waiting for other programs if necessary. Does nothing if the file system does not support locks.
-fn lock_in_turn(file: &File) -> std::io::Result<()> {
-    let started = Instant::now();
-    loop {
-        match file.try_lock() {
-            Err(TryLockError::WouldBlock) if started.elapsed() < MAX_WAIT => sleep(Duration::from_millis(1)),
-            Err(TryLockError::WouldBlock) => return Err(Error::other("another program keeps it locked")),
-            Err(TryLockError::Error(error)) if !has_no_locks(&error) => return Err(error),
-            _ => return Ok(()),
-        }
-    }
-}
-
 /// Does something while this program holds the lock of a file that several programs share and that is never replaced.
 /// Creates the file if it does not exist.
 ///
@@ -471,7 +464,8 @@ fn lock_in_turn(file: &File) -> std::io::Result<()> {
 /// The file cannot be locked; the errors of `act`.
 pub(super) fn in_turn<T>(path: &Path, act: impl FnOnce() -> Result<T, StoreError>) -> Result<T, StoreError> {
     let file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(io(path, "open"))?;
-    file.metadata().and_then(|found| is_data(&found)).and_then(|()| lock_in_turn(&file)).map_err(io(path, "lock"))?;
+    file.metadata().and_then(|found| is_data(&found)).map_err(io(path, "lock"))?;
+    lock_within(&file, MAX_WAIT).map_err(|error| io(path, "lock")(error.into()))?;
     let done = act();
     // Closing the file unlocks it too, unless a child process has a copy of it.
     let _ = file.unlock();

@@ -31,19 +31,13 @@ pub fn link_target(path: &Path) -> io::Result<Option<PathBuf>> {
     }
 }
 
-/// True if an error says that there is nothing with this name. No other error does.
-#[must_use]
-pub fn is_missing(error: &io::Error) -> bool {
-    matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory)
-}
-
 /// Returns what was found; `None` if there is nothing with this name.
 ///
 /// # Errors
 /// Any other error.
 pub fn unless_missing<T>(result: io::Result<T>) -> io::Result<Option<T>> {
     match result {
-        Err(error) if is_missing(&error) => Ok(None),
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
         result => result.map(Some),
     }
 }

@@ -31,8 +31,6 @@ pub struct Verified {
     pub found: Found,
     /// Number of sessions.
     pub sessions: usize,
-    /// Incomplete files that a killed program left, which can be deleted.
-    pub left: Vec<PathBuf>,
 }
 
 impl Verify {
@@ -50,7 +48,7 @@ impl Verify {
         told?;
         verified.warnings.iter().for_each(|warning| watcher.warn(&warning.to_string()));
         found.errors = verified.errors.into_iter().map(|error| FileErrors(vec![error]).into()).collect();
-        Ok(Verified { found, sessions: verified.sessions, left: verified.left })
+        Ok(Verified { found, sessions: verified.sessions })
     }
 }
 

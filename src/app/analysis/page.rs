@@ -14,7 +14,7 @@ use crate::{
         work::{BackgroundTask, Progress},
     },
     report::{Study, StudyError},
-    system::{entries, is_missing},
+    system::{entries, unless_missing},
     work::{Analyze, Ratings},
 };
 
@@ -57,13 +57,10 @@ impl Analysis {
 
     /// Offers the experiments that are in a results folder now.
     pub fn offer(&mut self, results: &Path) {
-        let listed = entries(results);
-        self.unlisted = listed
-            .as_ref()
-            .err()
-            .filter(|error| !is_missing(error))
-            .map(|error| format!("{} cannot be read: {error}.", results.display()));
-        self.found = listed.unwrap_or_default();
+        (self.found, self.unlisted) = match unless_missing(entries(results)) {
+            Ok(found) => (found.unwrap_or_default(), None),
+            Err(error) => (Vec::new(), Some(format!("{} cannot be read: {error}.", results.display()))),
+        };
         self.found.retain(|path| has_data(path));
     }
 
@@ -273,10 +270,8 @@ impl Analysis {
 /// opening it says what is wrong.
 fn has_data(path: &Path) -> bool {
     let is_session = |path: &PathBuf| path.to_string_lossy().ends_with("_data.csv");
-    match entries(&path.join("data")) {
-        Ok(files) => files.iter().any(is_session),
-        Err(error) => !is_missing(&error),
-    }
+    let files = unless_missing(entries(&path.join("data")));
+    files.map_or(true, |files| files.is_some_and(|files| files.iter().any(is_session)))
 }
 
 /// Requests an analysis of these ratings.

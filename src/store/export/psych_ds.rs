@@ -7,18 +7,22 @@ use std::{
 };
 
 use super::sessions::{DESCRIBING, Experiment};
-use crate::store::{
-    FileErrors, StoreError,
-    dataset::{DATA_FILE, MAX_DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX, describe},
-    error::io,
-    file::{make_folder, write_file, write_json},
-    frames,
-    open::{open_regular, read_regular},
-    participants::{Collected, collect},
-    recorded::Recorded,
-    session::seal,
+use crate::{
+    experiment::columns,
+    store::{
+        FileErrors, StoreError,
+        dataset::{DATA_FILE, MAX_DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX, describe},
+        error::io,
+        file::{make_folder, write_file, write_json},
+        frames,
+        open::{open_regular, read_regular},
+        participants::{Collected, collect},
+        recorded::Recorded,
+        results,
+        session::seal,
+    },
+    system::unless_missing,
 };
-use crate::system::unless_missing;
 
 /// Writes a data set for each experiment into a subfolder of `to`.
 pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<String>) -> Result<(), StoreError> {
@@ -29,7 +33,8 @@ pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<Strin
             // The seals are kept, because they cover only complete rows.
             if session.partial_line.is_some() {
                 let to = folder.join("data").join(format!("{}{DATA_FILE}", session.stem()));
-                write_file(&to, &session.complete_rows()?)?;
+                let (rows, _) = results::whole(&session.csv, session.data.clone(), &columns(&session.protocol))?;
+                write_file(&to, &rows)?;
             }
             if let Some(note) = describe(&folder, &session.protocol)? {
                 notes.push(format!("{}: {note}", experiment.name));

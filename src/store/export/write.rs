@@ -9,7 +9,7 @@ use std::{
 use super::{bids, psych_ds, sessions};
 use crate::{
     store::{
-        FileError, FileErrors, StoreError, dataset,
+        FileErrors, StoreError, dataset,
         error::io,
         file::{exists, full_path, make_folder, sync_folder, sync_tree},
         ratings::Listed,
@@ -65,9 +65,9 @@ pub fn export(from: &Path, to: &Path, format: Format, choice: Choice) -> Result<
     let sessions = sessions::read(&files, choice.accept_changes, &mut exported.notes)?;
     let sessions = sessions::chosen(sessions, choice.complete_only, &mut exported.notes);
     if sessions.is_empty() {
-        let error = FileError::whole(from, "has no session to export; expected one that was recorded completely");
-        let reasons = exported.notes.into_iter().map(|note| FileError::whole(from, note));
-        return Err(FileErrors(std::iter::once(error).chain(reasons).collect()).into());
+        let why = exported.notes.join("; ");
+        let message = format!("has no session to export ({why}); expected one that was recorded completely");
+        return Err(FileErrors::whole(from, message).into());
     }
     (exported.sessions, exported.rows) = (sessions.len(), sessions.iter().map(|session| session.rows.len()).sum());
     let experiments = sessions::by_experiment(sessions)?;

@@ -107,14 +107,6 @@ impl Recorded {
         })
     }
 
-    /// Returns the bytes of the header and the complete rows in the data file.
-    ///
-    /// # Errors
-    /// There is no complete line, and the header is another one.
-    pub(in crate::store) fn complete_rows(&self) -> Result<Vec<u8>, FileErrors> {
-        results::whole(&self.csv, self.data.clone(), &columns(&self.protocol)).map(|(whole, _)| whole)
-    }
-
     /// Returns the part that all file names of the session share.
     pub fn stem(&self) -> String {
         let name = self.csv.file_name().unwrap_or_default().to_string_lossy();

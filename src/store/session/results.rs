@@ -90,7 +90,7 @@ pub(super) fn content(path: &Path) -> Result<Vec<u8>, StoreError> {
 ///
 /// # Errors
 /// The content has no complete line and does not begin with the header.
-pub(super) fn whole(
+pub(in crate::store) fn whole(
     path: &Path,
     content: Vec<u8>,
     columns: &[Column],

@@ -76,28 +76,27 @@ pub fn sha256(path: &Path) -> Result<Option<String>, StoreError> {
     Ok(Prefixes::of(path, open(path), Vec::new())?.whole)
 }
 
-/// The hashes of a session's files that its seals cover. `None` stands for files that they do not cover.
+/// The hashes of a session's files.
 pub(super) struct Hashes {
-    rows: Option<Prefixes>,
+    rows: Prefixes,
+    /// `None` if no seal covers frames.
     frames: Option<Prefixes>,
 }
 
 impl Hashes {
-    /// Reads the files that are sealed, each once and in constant memory. `data` is the data file, if it was read already.
+    /// Reads the files, each once and in constant memory. `data` is the data file, if it was read already.
     ///
     /// # Errors
     /// A file exists but cannot be read.
     pub fn read(csv: &Path, sidecar: &Sidecar, data: Option<&[u8]>) -> Result<Self, StoreError> {
-        let seals = || sidecar.seals();
-        let lengths = seals().map(|seal| seal.data_bytes).collect::<Vec<_>>();
+        let lengths = sidecar.seals().map(|seal| seal.data_bytes).collect();
         let rows = match data {
-            _ if lengths.is_empty() => None,
-            Some(data) => Some(Prefixes::of(csv, Ok(data), lengths)?),
-            None => Some(Prefixes::of(csv, open(csv), lengths)?),
+            Some(data) => Prefixes::of(csv, Ok(data), lengths)?,
+            None => Prefixes::of(csv, open(csv), lengths)?,
         };
         let frames = beside(csv, frames::SUFFIX);
-        let lengths = seals().filter_map(|seal| seal.frames_bytes).collect();
-        let has_frames = seals().any(|seal| seal.frames_sha256.is_some());
+        let lengths = sidecar.seals().filter_map(|seal| seal.frames_bytes).collect();
+        let has_frames = sidecar.seals().any(|seal| seal.frames_sha256.is_some());
         let frames = has_frames.then(|| Prefixes::of(&frames, open(&frames), lengths)).transpose()?;
         Ok(Self { rows, frames })
     }
@@ -129,13 +128,10 @@ impl Hashes {
                     found.push(Difference { path, sitting, is_prefix, was, is });
                 }
             };
-            let hash = |of: &Option<Prefixes>, bytes: Option<u64>| {
-                of.as_ref().map_or(Err("was not read".to_owned()), |of| of.hash(bytes.filter(|_| is_prefix)))
-            };
-            compare(csv, hash(&self.rows, Some(seal.data_bytes)), &seal.data_sha256);
+            compare(csv, self.rows.hash(is_prefix.then_some(seal.data_bytes)), &seal.data_sha256);
             compare(&sidecar_path, Ok(sidecar.sha256_at_end_of(sitting)), &seal.sidecar_sha256);
-            if let Some(was) = &seal.frames_sha256 {
-                compare(&frames, hash(&self.frames, seal.frames_bytes), was);
+            if let (Some(was), Some(hashes)) = (&seal.frames_sha256, &self.frames) {
+                compare(&frames, hashes.hash(seal.frames_bytes.filter(|_| is_prefix)), was);
             }
         }
         found

@@ -19,7 +19,7 @@ use super::{
 use crate::{
     experiment::{GENERATOR, Phase},
     stimulus::recipe::Recipe,
-    store::{FileError, FileErrors, StoreError, definition, error::io, file::temporary_for, image, ratings},
+    store::{FileError, FileErrors, StoreError, definition, error::io, image, ratings},
     system::{entries, unless_missing},
 };
 
@@ -49,8 +49,6 @@ pub struct VerifiedFolder {
     pub errors: Vec<FileError>,
     /// The folders that were not examined because they belong to another user or are hidden.
     pub warnings: Vec<FileError>,
-    /// Incomplete files that a killed program left; see [`temporary_files`].
-    pub left: Vec<PathBuf>,
 }
 
 /// Maximum number of errors that are kept until all sessions are verified.
@@ -113,24 +111,17 @@ pub fn data_sets(
     mut each: impl FnMut(&Path, &Verified, usize) -> bool,
 ) -> Result<VerifiedFolder, FileErrors> {
     let listed = ratings::Listed::sessions(folder);
-    let mut found = VerifiedFolder { sessions: listed.files.len(), ..VerifiedFolder::default() };
-    found.errors.extend(listed.errors.iter().cloned());
+    let (sessions, errors, warnings) = (listed.files.len(), listed.errors.clone(), listed.warnings.clone());
+    let mut found = VerifiedFolder { sessions, errors, warnings };
     // If the rows of every session were deleted, their sidecars still exist.
     let of_rows = listed.files.iter().filter_map(|csv| Some(csv.parent()?.parent()?.to_owned()));
     let is_listed = |dataset: &PathBuf| !listed.errors.iter().any(|error| Path::new(&error.file).starts_with(dataset));
     for dataset in of_rows.chain(listed.datasets.iter().cloned()).filter(is_listed).collect::<BTreeSet<_>>() {
-        match unexpected_files(&dataset).and_then(|errors| Ok((errors, temporary_files(&dataset)?))) {
-            Ok((errors, left)) => {
-                found.errors.extend(errors);
-                found.left.extend(left);
-            }
-            Err(error) => found.errors.extend(error.errors(&dataset)),
-        }
+        found.errors.extend(unexpected_files(&dataset).unwrap_or_else(|error| error.errors(&dataset)));
     }
     if listed.files.is_empty() && found.errors.is_empty() {
         return Err(listed.nothing(folder));
     }
-    found.warnings = listed.warnings;
     let (mut renderer, mut further) = (Renderer::default(), 0);
     for csv in &listed.files {
         let verified = session(csv, &mut renderer);
@@ -324,7 +315,9 @@ pub(crate) fn picture_errors(recorded: &Recorded, renderer: &mut Renderer) -> Ve
 /// # Errors
 /// The folder exists but cannot be read.
 pub fn unexpected_files(dataset: &Path) -> Result<Vec<FileError>, StoreError> {
-    let files: BTreeSet<PathBuf> = files_in(&dataset.join("data"))?.into_iter().collect();
+    let data = dataset.join("data");
+    let listed = unless_missing(entries(&data)).map_err(io(&data, "read"))?.unwrap_or_default();
+    let files: BTreeSet<PathBuf> = listed.into_iter().collect();
     let error = |path: &PathBuf| {
         let name = path.file_name()?.to_string_lossy().into_owned();
         let is_text = [".csv", ".json"].iter().any(|extension| name.to_ascii_lowercase().ends_with(extension));
@@ -342,20 +335,4 @@ pub fn unexpected_files(dataset: &Path) -> Result<Vec<FileError>, StoreError> {
         }
     };
     Ok(files.iter().filter_map(error).collect())
-}
-
-/// Returns the incomplete files in a data set that a killed program left. They do no harm; the program removes them when
-/// it writes there again.
-///
-/// # Errors
-/// A folder exists but cannot be read.
-pub fn temporary_files(dataset: &Path) -> Result<Vec<PathBuf>, StoreError> {
-    let mut files = [files_in(dataset)?, files_in(&dataset.join("data"))?].concat();
-    files.retain(|path| path.file_name().and_then(|name| temporary_for(name.to_str()?)).is_some());
-    Ok(files)
-}
-
-/// Returns what is in a folder; nothing if it does not exist.
-fn files_in(folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
-    Ok(unless_missing(entries(folder)).map_err(io(folder, "read"))?.unwrap_or_default())
 }
