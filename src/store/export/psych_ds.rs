@@ -6,6 +6,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use serde_json::{Map, Value};
+
 use super::sessions::{DESCRIBING, Experiment};
 use crate::{
     experiment::columns,
@@ -116,7 +118,7 @@ pub(super) fn described(name: &str, experiment: &Experiment) -> Result<Option<(P
         let path = dataset.join(name);
         let content = unless_missing(read_regular(&path, MAX_DESCRIPTION)).map_err(io(&path, "read"))?;
         match (&known, content) {
-            (Some((first, other)), Some(content)) if *other != content => {
+            (Some((first, other)), Some(content)) if !is_same(other, &content) => {
                 let message = format!(
                     "differs from {}, and an export has only one such file; expected the same content, or one export for each folder",
                     first.display()
@@ -128,6 +130,16 @@ pub(super) fn described(name: &str, experiment: &Experiment) -> Result<Option<(P
         }
     }
     Ok(known)
+}
+
+/// True if two files say the same about their data sets. The columns that a description lists do not matter.
+fn is_same(one: &[u8], other: &[u8]) -> bool {
+    let said = |content: &[u8]| {
+        let mut said: Map<String, Value> = serde_json::from_slice(content).ok()?;
+        said.remove("variableMeasured");
+        Some(said)
+    };
+    one == other || said(one).is_some_and(|one| Some(one) == said(other))
 }
 
 /// Copies only the content of a frames file, so that the new file is writable even if the data set is write-protected.

@@ -99,7 +99,7 @@ impl Listed {
     /// Lists the sessions in a folder: only their data files. A file stands for itself.
     #[must_use]
     pub fn sessions(root: &Path) -> Self {
-        if found(root).is_ok_and(|found| found.is_some_and(|found| found.is_file())) {
+        if matches!(found(root), Ok(Some(found)) if found.is_file()) {
             return Self { files: vec![root.to_owned()], ..Self::default() };
         }
         let mut listed = Self::of(root);
