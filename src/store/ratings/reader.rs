@@ -2,7 +2,7 @@
 //! determine which rows count, and pass those rows to the caller.
 
 use std::{
-    collections::HashMap,
+    collections::{BTreeMap, HashMap},
     path::{Path, PathBuf},
 };
 
@@ -25,6 +25,7 @@ use crate::{
         error::{RowErrors, io},
         file,
     },
+    system::found,
     text::names::natural,
 };
 
@@ -130,23 +131,43 @@ fn read_inputs<T>(
     Ok((Source { shape, protocol, definition_sha256, files: reports, sessions, errors, warnings }, all))
 }
 
-/// Returns the warnings about files that are read anyway: changed files, sessions without a sidecar, and tables of
-/// counts.
+/// Returns the warnings about files that are read anyway: changed files, sessions without a sidecar, links that lead out
+/// of a data set, and tables of counts.
 ///
 /// # Errors
 /// A folder cannot be accessed.
 fn warnings(inputs: &[Input]) -> Result<Vec<FileError>, FileErrors> {
+    let mut described = Vec::new();
+    for Input { path, header, .. } in inputs {
+        let of = if header.columns.is_some() { Ok(None) } else { dataset::described(path) };
+        described.push(of.map_err(|error| FileErrors(error.errors(path)))?);
+    }
     let mut warnings = Vec::new();
-    for input in inputs {
+    for (input, described) in inputs.iter().zip(&described) {
         warnings.extend(input.changed.iter().cloned());
-        let is_recorded = input.header.columns.is_none() && input.columns.record.is_some();
-        let described = || dataset::described(&input.path).map_err(|error| FileErrors(error.errors(&input.path)));
-        if is_recorded && !input.has_sidecar && described()?.is_some() {
+        if described.is_some() && input.columns.record.is_some() && !input.has_sidecar {
             let message =
                 "has no sidecar, so nothing shows whether it was changed; expected the sidecar that belongs to it";
             warnings.push(FileError::whole(&input.path, message));
         }
     }
+    // One warning for each data set, because a version control system may replace every file with a link.
+    let mut links: BTreeMap<&Path, Vec<PathBuf>> = BTreeMap::new();
+    for (input, folder) in inputs.iter().zip(described) {
+        if let Some(folder) = folder {
+            let found = links_out(folder, &input.path)
+                .map_err(|error| FileErrors(io(folder, "access")(error).errors(folder)))?;
+            links.entry(folder).or_default().extend(found);
+        }
+    }
+    warnings.extend(links.into_iter().filter(|(_, paths)| !paths.is_empty()).map(|(folder, paths)| {
+        let (first, all) = (paths[0].display(), paths.len());
+        let message = format!(
+            "some of its files are links to files outside (in total {all}, such as {first}); expected regular files (the \
+             links were followed)"
+        );
+        FileError::whole(folder, message)
+    }));
     warnings.extend(counts_warning(inputs));
     Ok(warnings)
 }
@@ -163,6 +184,21 @@ fn counts_warning(inputs: &[Input]) -> Option<FileError> {
          model"
     );
     Some(FileError::whole(&first.path, message))
+}
+
+/// Returns those of a data file and its sidecar that are outside the data set once links are resolved.
+///
+/// # Errors
+/// I/O errors.
+fn links_out(dataset: &Path, csv: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let inside = dataset.canonicalize()?;
+    let mut outside = Vec::new();
+    for path in [csv.to_owned(), csv.with_extension("json")] {
+        if found(&path)?.is_some() && !path.canonicalize()?.starts_with(&inside) {
+            outside.push(path);
+        }
+    }
+    Ok(outside)
 }
 
 /// Returns the sessions of all result files, and determines how the rows of these files are used.

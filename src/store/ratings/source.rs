@@ -90,7 +90,7 @@ pub struct Source {
     /// followed by the number of others.
     pub errors: Vec<FileError>,
     /// Warnings about files that were read anyway: files that were changed after their session ended, sessions without
-    /// a sidecar, tables of counts, and columns that are measurements.
+    /// a sidecar, links that lead out of a data set, tables of counts, and columns that are measurements.
     pub warnings: Vec<FileError>,
 }
 
