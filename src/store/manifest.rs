@@ -13,7 +13,7 @@ use std::{
 use super::{
     StoreError, Writer,
     error::io,
-    file::{lock, remove_temporary, sha256, sync_folder},
+    file::{exists, lock, remove_temporary, sha256, sync_folder},
     image,
     open::{read_at_most, read_regular},
     table,
@@ -90,6 +90,10 @@ impl<'a> Manifest<'a> {
         let mut ours = HashSet::new();
         for i in own.clone() {
             let path = folder.join(&rows[i].0);
+            // Asked first: another run may make the image at any moment, and does so as a whole.
+            if !exists(&path)? {
+                continue;
+            }
             match image::recipe_text(&path).map_err(io(&path, "read"))? {
                 Some(text) if text == image::describe(&recipes[i]) => _ = ours.insert(i),
                 _ => foreign.push(path),
