@@ -9,7 +9,7 @@ use std::{fmt::Debug, path::PathBuf, sync::LazyLock};
 use machband::{
     experiment::{Column, Identity, RatingRow, Schedule, columns},
     store::{
-        FileErrors, definition, image, mesh, observer, profile,
+        FileErrors, StoreError, definition, image, mesh, observer, profile,
         ratings::{self, ReadOptions},
         readings, results,
     },
@@ -111,8 +111,8 @@ pub fn obj(content: &[u8]) {
 
 /// An image, as `check` verifies it and as `predict` reads it.
 pub fn png(content: &[u8]) {
-    checked(image::verify_content("fuzz.png", content));
-    if let Some(image) = checked(image::parse_light("fuzz.png", content)) {
+    checked(image::verify_content("fuzz.png", content, image::MAX_PIXELS).map_err(of_file));
+    if let Some(image) = checked(image::parse_light("fuzz.png", content).map_err(of_file)) {
         assert_eq!(image.data.len(), 3 * image.width as usize * image.height as usize);
     }
 }
@@ -127,6 +127,14 @@ pub fn observer(content: &[u8]) {
 /// Invalid UTF-8 never reaches the readers of text.
 fn text(content: &[u8]) -> Option<&str> {
     std::str::from_utf8(content).ok()
+}
+
+/// Nothing but the content of a file in memory can be wrong.
+fn of_file(error: StoreError) -> FileErrors {
+    match error {
+        StoreError::FileErrors(errors) | StoreError::LargeImage(errors) => errors,
+        error => panic!("{error}"),
+    }
 }
 
 /// Returns the result. If there is none, checks that the error has a message.

@@ -1,16 +1,17 @@
 //! `machband check`, `machband verify` and `machband repair`
 
-use super::{Bar, print_line};
+use super::{Bar, option, print_line};
 use crate::{
     report::document::numbers::count,
+    store::StoreError,
     work::{
-        Check, Found, Repair,
+        Check, Found, Repair, Request, told,
         verify::{Verified, Verify},
     },
 };
 
 pub(super) fn check(request: &Check) -> anyhow::Result<()> {
-    conclude(&request.check(&Bar::new("files"))?)
+    conclude::<Check>(request.check(&Bar::new("files"))?)
 }
 
 pub(super) fn verify(request: &Verify) -> anyhow::Result<()> {
@@ -18,16 +19,18 @@ pub(super) fn verify(request: &Verify) -> anyhow::Result<()> {
     let verified = request.verify(&bar);
     bar.clear();
     let Verified { found, sessions } = verified?;
-    conclude(&found)?;
+    conclude::<Verify>(found)?;
     print_line(&format!("{} verified; no errors", count(sessions as u64, "session")))
 }
 
 pub(super) fn repair(request: &Repair) -> anyhow::Result<()> {
-    conclude(&request.repair(&Bar::new("files"))?)
+    conclude::<Repair>(request.repair(&Bar::new("files"))?)
 }
 
 /// Fails with all errors, if there are any.
-fn conclude(found: &Found) -> anyhow::Result<()> {
-    let errors: Vec<String> = found.errors.iter().map(ToString::to_string).collect();
+fn conclude<T: Request>(found: Found) -> anyhow::Result<()> {
+    let command = T::augment_args(clap::Command::new("machband"));
+    let line = |error: StoreError| told(&error.into(), |field| option(&command, field));
+    let errors: Vec<String> = found.errors.into_iter().map(line).collect();
     if errors.is_empty() { Ok(()) } else { Err(anyhow::anyhow!(errors.join("\n"))) }
 }

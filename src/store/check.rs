@@ -46,7 +46,7 @@ impl From<String> for Checked {
 ///
 /// # Errors
 /// Returns every error in the file.
-pub fn check(name_or_path: impl AsRef<Path>) -> Result<Checked, FileErrors> {
+pub fn check(name_or_path: impl AsRef<Path>) -> Result<Checked, StoreError> {
     check_large(name_or_path, image::MAX_PIXELS)
 }
 
@@ -54,7 +54,7 @@ pub fn check(name_or_path: impl AsRef<Path>) -> Result<Checked, FileErrors> {
 ///
 /// # Errors
 /// The same errors as [`check`].
-pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checked, FileErrors> {
+pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checked, StoreError> {
     let path = name_or_path.as_ref();
     let name = path.display().to_string();
     if definition::BUILT_IN.iter().any(|built_in| built_in.name == path.as_os_str()) {
@@ -67,22 +67,23 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
             "event" => check_matches(path),
             _ => check_results(path),
         },
-        Some("png") => image::verify_large(path, pixels),
+        Some("png") => return image::verify(path, pixels).map(Checked::from),
         Some("toml") => return check_toml(&name, &read_text(path)?),
-        _ => Err(match found(path) {
+        _ => return Err(match found(path) {
             Ok(Some(metadata)) if metadata.is_file() => FileErrors::whole(
                 path,
                 "is not a known type of file; expected a definition, display profile or observer (.toml), a result file or readings (.csv), or an image (.png)",
             ),
             _ => (definition::open(path).err())
                 .unwrap_or_else(|| FileErrors::whole(path, "cannot be checked; expected a .toml, .csv or .png file")),
-        }),
+        }
+        .into()),
     };
     sentence.map(Checked::from)
 }
 
 /// Identifies the kind of TOML file by a required key that the other kinds lack.
-fn check_toml(file: &str, text: &str) -> Result<Checked, FileErrors> {
+fn check_toml(file: &str, text: &str) -> Result<Checked, StoreError> {
     let document = Document::parse(file, text)?;
     if document.has("transfer") || document.has("channels") {
         let profile = profile::parse(file, text)?;
@@ -100,7 +101,7 @@ fn check_toml(file: &str, text: &str) -> Result<Checked, FileErrors> {
     check_definition(definition::parse(file, text)?)
 }
 
-fn check_definition(protocol: Protocol) -> Result<Checked, FileErrors> {
+fn check_definition(protocol: Protocol) -> Result<Checked, StoreError> {
     let trial = |error: String| FileErrors::whole(&protocol.name, error);
     let identity = Identity::new("S001", "1").map_err(|error| trial(error.to_string()))?;
     Schedule::new(&protocol, &identity, 1).map_err(|error| trial(error.to_string()))?;
@@ -129,9 +130,8 @@ pub fn missing_fonts(missing: &BTreeSet<char>) -> Option<String> {
 
 /// Checks a result file against the definition and the seed in its sidecar. The sidecar may be missing only outside a
 /// data set.
-fn check_results(path: &Path) -> Result<String, FileErrors> {
-    let has_sidecar = || Ok(exists(&path.with_extension("json"))? || dataset::described(path)?.is_some());
-    let has_sidecar = has_sidecar().map_err(|error: StoreError| FileErrors(error.errors(path)))?;
+fn check_results(path: &Path) -> Result<String, StoreError> {
+    let has_sidecar = exists(&path.with_extension("json"))? || dataset::described(path)?.is_some();
     if dataset::identity(path).is_ok() && has_sidecar {
         return check_session(path);
     }
@@ -154,8 +154,8 @@ fn check_results(path: &Path) -> Result<String, FileErrors> {
     ))
 }
 
-fn check_session(path: &Path) -> Result<String, FileErrors> {
-    let session = Recorded::open(path).map_err(|error| FileErrors(error.errors(path)))?;
+fn check_session(path: &Path) -> Result<String, StoreError> {
+    let session = Recorded::open(path)?;
     let mut errors = [session.row_errors(), session.changed.clone()].concat();
     if let Some(partial_line) = &session.partial_line {
         let message = format!("the file ends in the middle of a row, {partial_line:?}; expected complete rows");
@@ -173,7 +173,7 @@ const MAX_NAME: u64 = 1 << 10;
 ///
 /// # Errors
 /// The file cannot be read.
-fn first_column(path: &Path) -> Result<String, FileErrors> {
+fn first_column(path: &Path) -> Result<String, StoreError> {
     let mut head = Vec::new();
     let read = open_regular(path).and_then(|file| file.take(MAX_NAME).read_to_end(&mut head));
     read.map_err(|error| FileErrors(StoreError::io(path, "read", error).errors(path)))?;
@@ -181,18 +181,18 @@ fn first_column(path: &Path) -> Result<String, FileErrors> {
     Ok(String::from_utf8_lossy(name).trim_start_matches('\u{feff}').trim().to_owned())
 }
 
-fn check_readings(path: &Path) -> Result<String, FileErrors> {
+fn check_readings(path: &Path) -> Result<String, StoreError> {
     let readings = readings::open(path)?;
     let channels: Vec<&str> = readings.channels().iter().map(|channel| channel.name()).collect();
     Ok(format!("{} photometer readings, {}", readings.all().len(), channels.join(", ")))
 }
 
-fn check_matches(path: &Path) -> Result<String, FileErrors> {
+fn check_matches(path: &Path) -> Result<String, StoreError> {
     Ok(format!("{} visual matches of a display", matches::open(path)?.len()))
 }
 
 /// Checks the frames file of a session, which is next to its result file and sidecar.
-fn check_frames(path: &Path) -> Result<String, FileErrors> {
+fn check_frames(path: &Path) -> Result<String, StoreError> {
     let (mut rows, mut intervals) = (0, 0);
     frames::each(path, |row| {
         (rows, intervals) = (rows + 1, intervals + row.intervals_us.len());
@@ -200,11 +200,10 @@ fn check_frames(path: &Path) -> Result<String, FileErrors> {
     })?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let csv = path.with_file_name(format!("{}{}", name.trim_end_matches(frames::SUFFIX), dataset::DATA_FILE));
-    let sealed = || match Sidecar::read(&csv.with_extension("json"))? {
-        Some(sidecar) => seal::errors(&csv, &sidecar),
-        None => Ok(Vec::new()),
+    let mut errors = match Sidecar::read(&csv.with_extension("json"))? {
+        Some(sidecar) => seal::errors(&csv, &sidecar)?,
+        None => Vec::new(),
     };
-    let mut errors = sealed().map_err(|error| FileErrors(error.errors(path)))?;
     errors.retain(|error| error.file == path.display().to_string());
     FileErrors::none(errors)?;
     Ok(format!("frames of a session: {intervals} intervals in {rows} rows"))

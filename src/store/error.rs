@@ -201,6 +201,9 @@ pub enum StoreError {
         path: PathBuf,
         target: PathBuf,
     },
+    /// An image has more pixels than usual.
+    #[error(transparent)]
+    LargeImage(FileErrors),
     /// A file cannot be parsed.
     #[error(transparent)]
     FileErrors(#[from] FileErrors),
@@ -214,6 +217,7 @@ impl StoreError {
             Self::Exists(_) => Some("resume"),
             Self::Occupied(_) => Some("force"),
             Self::Altered(_) => Some("accept_changes"),
+            Self::LargeImage(_) => Some("large"),
             _ => None,
         }
     }
@@ -223,7 +227,7 @@ impl StoreError {
     /// Converts the error to a list of errors in the file at `path`.
     pub(super) fn errors(self, path: &Path) -> Vec<FileError> {
         match self {
-            Self::FileErrors(FileErrors(errors)) => errors,
+            Self::FileErrors(FileErrors(errors)) | Self::LargeImage(FileErrors(errors)) => errors,
             Self::Io { path, action, source } => {
                 vec![FileError::whole(path, format!("cannot {action}: {source}; expected {}", expected(&source)))]
             }

@@ -12,7 +12,7 @@ use std::{
 
 use super::{
     StoreError, Writer,
-    error::io,
+    error::{NotData, io},
     file::{exists, lock, remove_temporary, sha256, sync_folder},
     image,
     open::{read_at_most, read_regular},
@@ -112,7 +112,9 @@ impl<'a> Manifest<'a> {
         let (mut lines, mut missing) = (Vec::new(), Vec::new());
         for i in own.clone() {
             let hash = known.get(&rows[i].0).filter(|_| ours.contains(&i));
-            let found = if hash.is_some() { content(&folder.join(&rows[i].0))? } else { None };
+            // An image needs at most 6 bytes a pixel, and its recipe far less than 1 MiB.
+            let most = (1 << 20) + 6 * (recipes[i].size as usize).pow(2);
+            let found = if hash.is_some() { content(&folder.join(&rows[i].0), most)? } else { None };
             match hash.filter(|hash| found.is_some_and(|bytes| sha256(&bytes) == **hash)) {
                 Some(hash) => lines.extend(line(&rows[i], hash, &recipes[i])),
                 None => missing.push(i),
@@ -131,11 +133,12 @@ impl<'a> Manifest<'a> {
     pub fn make(&self, i: usize, quantizer: &Quantizer) -> Result<(), StoreError> {
         let path = self.folder.join(&self.rows[i].0);
         let bytes = image::recipe_png(&path, &self.recipes[i], quantizer)?;
-        let found = content(&path)?;
+        let found = content(&path, bytes.len())?;
         if found.as_ref() != Some(&bytes) {
             match self.writer.put(&path, &bytes) {
                 // A run that divides the work differently made it a moment ago.
-                Err(StoreError::Occupied(_)) if found.is_none() && content(&path)?.as_ref() == Some(&bytes) => {}
+                Err(StoreError::Occupied(_))
+                    if found.is_none() && content(&path, bytes.len())?.as_ref() == Some(&bytes) => {}
                 Err(StoreError::Occupied(_)) if found.is_none() => return Err(in_use(&path)),
                 put => put?,
             }
@@ -235,9 +238,12 @@ fn text_of(path: &Path) -> Result<Option<String>, StoreError> {
     Ok(bytes.map(|bytes| String::from_utf8(bytes).unwrap_or_else(|_| "\u{fffd}\n".to_owned())))
 }
 
-/// Returns the content of an image; `None` if there is none.
-fn content(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
-    unless_missing(read_regular(path, u64::MAX)).map_err(io(path, "read"))
+/// Returns the content of an image of at most `most` bytes, or nothing for a larger file; `None` if there is no file.
+fn content(path: &Path, most: usize) -> Result<Option<Vec<u8>>, StoreError> {
+    match unless_missing(read_regular(path, most as u64)) {
+        Err(error) if matches!(NotData::of(&error), Some(NotData::TooLarge { .. })) => Ok(Some(Vec::new())),
+        content => content.map_err(io(path, "read")),
+    }
 }
 
 fn line((file, levels): &(String, Vec<String>), hash: &str, recipe: &Recipe) -> Vec<u8> {

@@ -40,7 +40,7 @@ impl Check {
                     outdated.iter().chain(&missing).for_each(|warning| watcher.warn(warning));
                     all.add(file, found.sentence, watcher)?;
                 }
-                Err(errors) => all.errors.push(errors.into()),
+                Err(error) => all.errors.push(error),
             }
         }
         Ok(all)

@@ -410,7 +410,7 @@ fn the_gallery_shows_every_kind_and_explains_errors() {
     type_into(&mut harness, "Export to", &path.display().to_string());
     click(&mut harness, "Export");
     harness.get_by_label(&format!("Saved to {}", path.display()));
-    let said = machband::store::image::verify(&path).unwrap();
+    let said = machband::store::image::verify(&path, u64::MAX).unwrap();
     assert!(said.contains("shaded-cylinder"), "{said}");
     // An existing file is replaced only after a question.
     std::fs::write(&path, "precious").unwrap();
@@ -418,7 +418,7 @@ fn the_gallery_shows_every_kind_and_explains_errors() {
     harness.get_by_label_contains("already exists");
     assert_eq!(std::fs::read(&path).unwrap(), b"precious");
     click(&mut harness, "Replace");
-    machband::store::image::verify(&path).unwrap();
+    machband::store::image::verify(&path, u64::MAX).unwrap();
     // The ending chooses the format.
     type_into(&mut harness, "Export to", &path.with_extension("jpg").display().to_string());
     click(&mut harness, "Export");

@@ -1,9 +1,9 @@
 //! The crease metric, and how much of Gouraud's creases the shaders leave.
 
-use crate::{frame, grid, random};
+use crate::{frame, grid, random, slopes::at_vertices};
 use glam::{DVec2, DVec3};
 use machband::shading::{
-    Across, Creases, Frame, Gradients, Reference, Scene, Shade, Shader, Surface, crease,
+    Across, Creases, Frame, Gradients, Reference, Scene, Shade, Shader, Surface,
     shapes::{self, Shape},
 };
 
@@ -113,7 +113,7 @@ fn every_shared_edge_is_measured_once() {
 fn patch_leaves_at_most_a_thousandth_and_one_slope_per_vertex() {
     let rms = |frame: &Frame, shade: &Shade| {
         let reference = Reference::new(frame, shade);
-        let spreads = crease::at_vertices(frame, |t, w| reference.light(t, w));
+        let spreads = at_vertices(frame, |t, w| reference.light(t, w));
         assert!(spreads.len() > 100);
         (spreads.iter().map(|spread| spread * spread).sum::<f64>() / spreads.len() as f64).sqrt()
     };

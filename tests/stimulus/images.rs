@@ -60,7 +60,7 @@ fn images_read_back_and_can_be_verified() {
                     assert_eq!(read.image, recipe.codes(&quantizer), "{recipe:?}");
                     // The text of a random dither has no seed; the seed of the recipe applies.
                     assert!(read.recipe == recipe || matches!(recipe.dither, Dither::Random { .. }));
-                    image::verify(&path).unwrap();
+                    image::verify(&path, image::MAX_PIXELS).unwrap();
                 }
             }
         }
@@ -105,20 +105,20 @@ fn a_changed_image_is_detected() {
     encoder.set_color(png::ColorType::Grayscale);
     encoder.add_text_chunk("machband".to_owned(), image::describe(&recipe)).unwrap();
     encoder.write_header().unwrap().write_image_data(&codes).unwrap();
-    let message = image::verify(&path).unwrap_err().to_string();
+    let message = image::verify(&path, image::MAX_PIXELS).unwrap_err().to_string();
     assert!(message.contains("pixels that differ from the recipe: 1,") && message.contains("(3, 3)"), "{message}");
 
     for (content, expected) in
         [(&b"no image at all"[..], "not a complete PNG"), (&std::fs::read(&path).unwrap()[..200], "complete PNG")]
     {
         std::fs::write(&path, content).unwrap();
-        let message = image::verify(&path).unwrap_err().to_string();
+        let message = image::verify(&path, image::MAX_PIXELS).unwrap_err().to_string();
         assert!(message.contains(expected), "{message}");
     }
     let mut encoder = png::Encoder::new(std::fs::File::create(&path).unwrap(), 1, 1);
     encoder.set_color(png::ColorType::Grayscale);
     encoder.write_header().unwrap().write_image_data(&[0]).unwrap();
-    assert!(image::verify(&path).unwrap_err().to_string().contains("no text chunk"));
+    assert!(image::verify(&path, image::MAX_PIXELS).unwrap_err().to_string().contains("no text chunk"));
 }
 
 #[test]
@@ -222,9 +222,28 @@ fn shards_make_up_the_whole_and_a_killed_run_can_be_resumed() {
     fails(folder.path(), &[&options[..], &["whole"]].concat(), 2);
     assert!(stimuli("whole", &["--force"]).starts_with("2 images made, 118 kept"));
     assert!(content("whole") == whole);
+    // A file that became larger than any image is not read.
+    let grown = folder.path().join("whole").join(&whole[9].0);
+    std::fs::OpenOptions::new().append(true).open(&grown).unwrap().set_len(1 << 40).unwrap();
+    let error = fails(folder.path(), &[&options[..], &["whole"]].concat(), 2);
+    assert!(error.contains("already exists"), "{error}");
+    assert!(stimuli("whole", &["--force"]).starts_with("1 image made, 119 kept"));
+    assert!(content("whole") == whole);
     // With different options, everything is made again.
     assert!(stimuli("whole", &["--bits", "16", "--force"]).starts_with("120 images made"));
     fails(folder.path(), &["stimuli", "quick", "--out", "x", "--shard", "4/3"], 2);
+}
+
+/// Anyone who checks an image that is larger than usual learns which option allows it.
+#[test]
+fn the_error_of_a_large_image_names_its_option() {
+    let folder = tempfile::tempdir().unwrap();
+    succeeds(folder.path(), &["stimulus", "--size", "4100", "--out", "large.png"]);
+    let error = fails(folder.path(), &["check", "large.png"], 1);
+    assert!(error.contains("expected at most 16777216, or the option --large"), "{error}");
+    let error = fails(folder.path(), &["predict", "--image", "large.png"], 1);
+    assert!(error.contains("or the option --large"), "{error}");
+    succeeds(folder.path(), &["check", "large.png", "--large"]);
 }
 
 /// Runs at the same time make one manifest with a row for each image. A run that another one shuts out says what to do.

@@ -7,6 +7,7 @@ mod peers;
 mod residuals;
 mod sessions;
 mod shaders;
+mod slopes;
 
 use std::path::PathBuf;
 

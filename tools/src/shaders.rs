@@ -4,8 +4,10 @@ use std::error::Error;
 
 use machband::{
     light::Depth,
-    shading::{Creases, Frame, Gradients, Mesh, Reference, Scene, Shade, Shader, Surface, crease, shapes},
+    shading::{Creases, Frame, Gradients, Mesh, Reference, Scene, Shade, Shader, Surface, shapes},
 };
+
+use crate::slopes::at_vertices;
 
 /// Pixels per side of the images.
 const CREASES_PX: u32 = 1024;
@@ -126,6 +128,6 @@ fn ratio(value: f64) -> String {
 /// How far the luminance is from having a single slope at each vertex: root mean square over the vertices.
 fn spread(frame: &Frame, shade: &Shade) -> f64 {
     let reference = Reference::new(frame, shade);
-    let vertices = crease::at_vertices(frame, |triangle, weights| reference.light(triangle, weights));
+    let vertices = at_vertices(frame, |triangle, weights| reference.light(triangle, weights));
     (vertices.iter().map(|spread| spread * spread).sum::<f64>() / vertices.len() as f64).sqrt()
 }

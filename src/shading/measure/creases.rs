@@ -1,6 +1,6 @@
 //! Measures the creases at edges that two triangles share, and whether the light has a unique slope at each vertex.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::{
@@ -191,51 +191,4 @@ fn one_sided(
 fn slope(h: f64, at: impl Fn(f64) -> DVec3) -> (DVec3, DVec3) {
     let here = at(0.0);
     (here, (4.0 * at(1.0) - at(2.0) - 3.0 * here) / (2.0 * h))
-}
-
-/// For every vertex of a drawn triangle, returns how far the light around it is from having a single slope there. The
-/// slopes along the edges and medians that begin at the vertex are compared with the gradient that fits them best; the
-/// result is the root mean square difference over these lines and over red, green and blue, in linear light per pixel.
-/// `light` has the same meaning as in [`Creases::of_field`].
-#[must_use]
-pub fn at_vertices(frame: &Frame, light: impl Fn(usize, [f64; 3]) -> DVec3) -> Vec<f64> {
-    let mut slopes: Vec<Vec<(DVec2, DVec3)>> = vec![Vec::new(); frame.vertices.len()];
-    for (t, triangle) in frame.triangles.iter().enumerate() {
-        let [a, b, c] = frame.corners(t).map(|v| v.screen);
-        for k in 0..3 {
-            let (own, next, last) = (corner(k), corner((k + 1) % 3), corner((k + 2) % 3));
-            for target in [next, last, (next + last) / 2.0] {
-                let step = STEP * (target - own);
-                // The offset on the screen, relative to the first corner, because the changes of the weights sum to 0.
-                let offset = step.y * (b - a) + step.z * (c - a);
-                let length = offset.length();
-                if length > 0.0 {
-                    let (_, slope) = slope(length, |steps| light(t, (own + steps * step).to_array()));
-                    slopes[triangle.vertices[k] as usize].push((offset / length, slope));
-                }
-            }
-        }
-    }
-    slopes.iter().filter(|slopes| !slopes.is_empty()).map(|slopes| spread(slopes)).collect()
-}
-
-fn spread(slopes: &[(DVec2, DVec3)]) -> f64 {
-    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-    let (mut x, mut y) = (DVec3::ZERO, DVec3::ZERO);
-    for (d, slope) in slopes {
-        (xx, xy, yy) = (xx + d.x * d.x, xy + d.x * d.y, yy + d.y * d.y);
-        (x, y) = (x + d.x * slope, y + d.y * slope);
-    }
-    let determinant = xx * yy - xy * xy;
-    if determinant <= 0.0 {
-        return 0.0;
-    }
-    let (gx, gy) = ((yy * x - xy * y) / determinant, (xx * y - xy * x) / determinant);
-    let squares: f64 = slopes.iter().map(|(d, slope)| (*slope - d.x * gx - d.y * gy).length_squared()).sum();
-    (squares / (3 * slopes.len()) as f64).sqrt()
-}
-
-/// Returns the weights of corner `k`: 1 there and 0 at the others.
-fn corner(k: usize) -> DVec3 {
-    DVec3::from_array([0, 1, 2].map(|i| f64::from(u8::from(i == k))))
 }

@@ -12,6 +12,6 @@ mod creases;
 mod picture;
 mod truth;
 
-pub use creases::{Creases, EdgeCrease, NOISE, at_vertices};
+pub use creases::{Creases, EdgeCrease, NOISE};
 pub use picture::{color, picture};
 pub use truth::Truth;

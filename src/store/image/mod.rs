@@ -5,6 +5,6 @@ mod read;
 mod write;
 
 pub(super) use read::recipe_text;
-pub use read::{MAX_PIXELS, ReadBack, parse_light, read, read_light, verify, verify_content, verify_large};
+pub use read::{MAX_PIXELS, ReadBack, parse_light, read, read_light, verify, verify_content};
 pub(super) use write::recipe_png;
 pub use write::{describe, hash, write_codes, write_halftone, write_recipe, write_reduced, write_shaded};

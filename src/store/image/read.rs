@@ -16,7 +16,7 @@ use crate::{
         palette::{Reduction, reduce},
     },
     stimulus::recipe::{MAX_SIZE, Recipe},
-    store::{FileErrors, file::read_bytes, open::open_regular},
+    store::{FileErrors, StoreError, file::read_bytes, open::open_regular},
     system::unless_missing,
 };
 
@@ -33,7 +33,7 @@ const MAX_EXPANSION: usize = 1040;
 ///
 /// # Errors
 /// The file is not readable, not a complete PNG, too large, or has an alpha channel, whose background is unknown.
-pub fn read_light(path: &Path, transfers: Option<&Transfers>, pixels: u64) -> Result<LinearImage, FileErrors> {
+pub fn read_light(path: &Path, transfers: Option<&Transfers>, pixels: u64) -> Result<LinearImage, StoreError> {
     light(&path.display().to_string(), &content(path)?, transfers, pixels)
 }
 
@@ -41,11 +41,11 @@ pub fn read_light(path: &Path, transfers: Option<&Transfers>, pixels: u64) -> Re
 ///
 /// # Errors
 /// The same errors as [`read_light`].
-pub fn parse_light(name: &str, content: &[u8]) -> Result<LinearImage, FileErrors> {
+pub fn parse_light(name: &str, content: &[u8]) -> Result<LinearImage, StoreError> {
     light(name, content, None, MAX_PIXELS)
 }
 
-fn light(name: &str, content: &[u8], transfers: Option<&Transfers>, pixels: u64) -> Result<LinearImage, FileErrors> {
+fn light(name: &str, content: &[u8], transfers: Option<&Transfers>, pixels: u64) -> Result<LinearImage, StoreError> {
     let (image, info) = decode(name, content, pixels, |_| Ok(MAX_SIZE))?;
     let transfers = match transfers {
         Some(transfers) => transfers.clone(),
@@ -78,8 +78,8 @@ fn decode(
     content: &[u8],
     pixels: u64,
     accept: impl Fn(&Info<'_>) -> Result<u32, String>,
-) -> Result<(CodeImage, Info<'static>), FileErrors> {
-    let fail = |message: String| FileErrors::whole(name, message);
+) -> Result<(CodeImage, Info<'static>), StoreError> {
+    let fail = |message: String| StoreError::from(FileErrors::whole(name, message));
     let broken = |error: DecodingError| fail(format!("is not a complete PNG: {error}; expected an image"));
     let mut decoder = Decoder::new_with_limits(Cursor::new(content), Limits { bytes: 512 << 20 });
     decoder.set_transformations(Transformations::EXPAND);
@@ -92,9 +92,8 @@ fn decode(
         return Err(fail(format!("has {width} × {height} pixels; expected at most {side_max} per side")));
     }
     if u64::from(width) * u64::from(height) > pixels {
-        return Err(fail(format!(
-            "has {width} × {height} pixels; expected at most {pixels}, unless large images are allowed"
-        )));
+        let message = format!("has {width} × {height} pixels; expected at most {pixels}");
+        return Err(StoreError::LargeImage(FileErrors::whole(name, message)));
     }
     let (color, depth) = reader.output_color_type();
     let copies = match color {
@@ -160,12 +159,12 @@ pub(crate) fn recipe_text(path: &Path) -> std::io::Result<Option<String>> {
 ///
 /// # Errors
 /// The file is not readable, is not a PNG from this program, or is too large.
-pub fn read(path: &Path) -> Result<ReadBack, FileErrors> {
+pub fn read(path: &Path) -> Result<ReadBack, StoreError> {
     parse(&path.display().to_string(), &content(path)?, u64::MAX)
 }
 
-fn parse(name: &str, content: &[u8], pixels: u64) -> Result<ReadBack, FileErrors> {
-    let fail = |message: String| FileErrors::whole(name, message);
+fn parse(name: &str, content: &[u8], pixels: u64) -> Result<ReadBack, StoreError> {
+    let fail = |message: String| StoreError::from(FileErrors::whole(name, message));
     let (image, info) = decode(name, content, pixels, |info| {
         if let Some(parameters) = text(info, SHADED_KEYWORD) {
             return Err(format!(
@@ -199,34 +198,23 @@ fn parsed<T: FromStr<Err: std::fmt::Display>>(info: &Info<'_>, keyword: &str) ->
     parsed.transpose().map_err(|error| format!("its text chunk `{keyword}`: {error}"))
 }
 
-/// Verifies an image by re-rendering its recipe and comparing every code. Returns a sentence that describes the image.
+/// Verifies an image of at most `pixels` pixels by re-rendering its recipe and comparing every code. Returns a sentence
+/// that describes the image.
 ///
 /// # Errors
 /// The same errors as [`read`]; or the image differs, with the number of differing pixels and the first of them.
-pub fn verify(path: &Path) -> Result<String, FileErrors> {
-    verify_large(path, MAX_PIXELS)
-}
-
-/// Verifies an image of at most `pixels` pixels, like [`verify`].
-///
-/// # Errors
-/// The same errors as [`verify`].
-pub fn verify_large(path: &Path, pixels: u64) -> Result<String, FileErrors> {
-    verified(&path.display().to_string(), &content(path)?, pixels)
+pub fn verify(path: &Path, pixels: u64) -> Result<String, StoreError> {
+    verify_content(&path.display().to_string(), &content(path)?, pixels)
 }
 
 /// Verifies the content of an image, like [`verify`]; `name` identifies it in messages.
 ///
 /// # Errors
 /// The same errors as [`verify`].
-pub fn verify_content(name: &str, content: &[u8]) -> Result<String, FileErrors> {
-    verified(name, content, MAX_PIXELS)
-}
-
-fn verified(name: &str, content: &[u8], pixels: u64) -> Result<String, FileErrors> {
+pub fn verify_content(name: &str, content: &[u8], pixels: u64) -> Result<String, StoreError> {
     let read = parse(name, content, pixels)?;
     let (image, recipe) = (&read.image, &read.recipe);
-    let fail = |message: String| FileErrors::whole(name, message);
+    let fail = |message: String| StoreError::from(FileErrors::whole(name, message));
     if recipe.size == 0 || recipe.size > MAX_SIZE {
         return Err(fail(format!("its recipe specifies {} pixels per side; expected 1…{MAX_SIZE}", recipe.size)));
     }

@@ -260,8 +260,8 @@ impl Header {
         if text.iter().all(u8::is_ascii_whitespace) {
             return error("the file is empty; expected a header row");
         }
-        if let Some(what) = packed(text) {
-            return error(what);
+        if is_packed(text) {
+            return error("is a spreadsheet or a compressed file; expected CSV: export it as CSV or unpack it first");
         }
         let line = text.split(|byte| matches!(byte, b'\r' | b'\n')).find(|line| !line.is_empty()).unwrap_or_default();
         if line.contains(&0) {
@@ -317,18 +317,9 @@ fn separator(line: &[u8]) -> u8 {
     counts.into_iter().max_by_key(|(_, count)| *count).map_or(b',', |(separator, _)| separator)
 }
 
-/// Says what a file is if its first bytes are those of a compressed file or a spreadsheet.
-fn packed(head: &[u8]) -> Option<&'static str> {
-    let kinds: [(&[u8], &str); 6] = [
-        (b"\x1f\x8b", "is compressed (gzip); expected CSV: unpack it first"),
-        (
-            b"PK\x03\x04",
-            "is a spreadsheet (.xlsx, .ods) or a zip archive; expected CSV: export it as CSV or unpack it first",
-        ),
-        (b"BZh91AY", "is compressed (bzip2); expected CSV: unpack it first"),
-        (b"\xfd7zXZ\0", "is compressed (xz); expected CSV: unpack it first"),
-        (b"\x28\xb5\x2f\xfd", "is compressed (Zstandard); expected CSV: unpack it first"),
-        (b"\xd0\xcf\x11\xe0", "is a spreadsheet (.xls); expected CSV: export it as CSV first"),
-    ];
-    kinds.into_iter().find(|(first, _)| head.starts_with(first)).map(|(_, what)| what)
+/// True if a file begins like a compressed file (gzip, bzip2, xz, Zstandard, zip) or a spreadsheet.
+fn is_packed(head: &[u8]) -> bool {
+    let kinds: [&[u8]; 6] =
+        [b"\x1f\x8b", b"BZh91AY", b"\xfd7zXZ\0", b"\x28\xb5\x2f\xfd", b"PK\x03\x04", b"\xd0\xcf\x11\xe0"];
+    kinds.iter().any(|first| head.starts_with(first))
 }
