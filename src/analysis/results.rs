@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    Calibration, Link, MAX_COEFFICIENTS, MAX_MINUTES, ModelError, ModelReport, ModelSpec, Prediction, Random,
+    Calibration, Link, MAX_COEFFICIENTS, MAX_MINUTES, Margin, ModelError, ModelReport, ModelSpec, Prediction, Random,
     Resampling, Slopes,
     agreement::{Alpha, kappa, mean_over_subjects, ordinal_alpha, retests},
     counts::{Measured, Quartiles},
@@ -78,6 +78,11 @@ pub struct FactorResults {
     pub name: String,
     /// The ratings at each level.
     pub levels: Vec<Group>,
+    /// The model's expected rating at each level, if the raw means of the levels cannot be compared: some participants lack
+    /// levels, or the model has another order.
+    pub marginal: Option<Vec<f64>>,
+    /// Whether the raw means can be compared: every participant rated all levels in the same conditions of the other factors.
+    pub comparable: bool,
     /// Whether the levels can meaningfully increase; if so, a trend is described.
     pub ordered: bool,
     /// Whether most participants rated several levels.
@@ -106,12 +111,26 @@ pub struct SubjectResults {
 }
 
 impl FactorResults {
+    /// Returns the mean at each level to which words refer: the marginal mean, if there is one, or the raw mean.
+    pub fn means(&self) -> Vec<f64> {
+        self.marginal.clone().unwrap_or_else(|| self.levels.iter().map(|level| level.summary.mean).collect())
+    }
+
+    /// Returns the same results with the marginal means, if the raw means of the levels cannot be compared.
+    fn with_margins(&self, margins: &[Margin]) -> Self {
+        let own = |level: &Group| margins.iter().find(|m| m.factor == self.name && m.level == level.names[0]);
+        let marginal: Option<Vec<f64>> = self.levels.iter().map(|level| own(level).map(|margin| margin.mean)).collect();
+        let with = Self { marginal, ..self.clone() };
+        let is_same = (self.course(), self.extremes()) == (with.course(), with.extremes());
+        if self.comparable || is_same && self.incomplete.is_empty() { self.clone() } else { with }
+    }
+
     /// Returns Kendall's τ-a between the means and the positions of the levels, if there is at least a tendency; 1 if the
     /// mean rises at every step.
     pub fn course(&self) -> Option<f64> {
         /// Minimum |τ| for a trend to be called a tendency.
         const TENDENCY: f64 = 0.7;
-        let means: Vec<f64> = self.levels.iter().map(|level| level.summary.mean).collect();
+        let means = self.means();
         let mut sum = 0.0;
         for (index, first) in means.iter().enumerate() {
             for second in &means[index + 1..] {
@@ -125,7 +144,8 @@ impl FactorResults {
     /// Returns the indices of the levels with the highest and the lowest mean; among equal means, the first level is
     /// chosen.
     pub fn extremes(&self) -> (usize, usize) {
-        let by_mean = |l: &usize, r: &usize| self.levels[*l].summary.mean.total_cmp(&self.levels[*r].summary.mean);
+        let means = self.means();
+        let by_mean = |l: &usize, r: &usize| means[*l].total_cmp(&means[*r]);
         let indices = || 0..self.levels.len();
         (indices().rev().max_by(by_mean).unwrap_or(0), indices().min_by(by_mean).unwrap_or(0))
     }
@@ -170,17 +190,18 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     let spec = model_spec(&measured, options);
     let factors: Vec<FactorResults> =
         (0..counts.factors.len()).into_par_iter().map(|factor| factor_results(&measured, factor)).collect();
-    let contrasts: Vec<(String, [u32; 2])> = (factors.iter().enumerate())
-        .filter(|(_, factor)| factor.levels.len() > 1)
-        .filter_map(|(index, factor)| {
+    let contrasts = |margins: &[Margin]| -> Vec<(String, [u32; 2])> {
+        let of_factor = |(index, factor): (usize, &FactorResults)| {
             let level = |place: usize| {
                 let name = &factor.levels[place].names[0];
                 counts.factors[index].levels.iter().position(|level| level == name).map(|level| level as u32)
             };
-            let ([first, second], _) = factor.contrast();
+            let ([first, second], _) = factor.with_margins(margins).contrast();
             Some((factor.name.clone(), [level(first)?, level(second)?]))
-        })
-        .collect();
+        };
+        let varied = factors.iter().enumerate().filter(|(_, factor)| factor.levels.len() > 1);
+        varied.filter_map(of_factor).collect()
+    };
     let Options { resampling, max_minutes, checks, .. } = *options;
     let calibration = Calibration { resampling, max_minutes, checks, contrasts: &contrasts, progress };
     let (model, (cells, alpha)) =
@@ -195,6 +216,8 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
             times,
         })
         .collect();
+    let margins = model.as_ref().map_or(&[][..], |report| &report.margins);
+    let factors = factors.iter().map(|factor| factor.with_margins(margins)).collect();
     let kappas: Vec<f64> = subjects.iter().filter_map(|subject| subject.kappa).collect();
     let times = measured.times_by(counts.categories.len(), |row| Some(row.rating.into()));
     Results {
@@ -224,14 +247,21 @@ fn model_spec(measured: &Measured, options: &Options) -> ModelSpec {
     }
 }
 
-fn factor_results(measured: &Measured, factor: usize) -> FactorResults {
+/// Describes one factor, given by index, and tests it by ranks.
+pub fn factor_results(measured: &Measured, factor: usize) -> FactorResults {
     let counts = &measured.counts;
     let means = SubjectMeans::new(counts, factor);
     let several = means.rows.len() > 1 && means.levels.len() > 1;
     let level_of = |condition: u32| counts.conditions[condition as usize][factor].map(|level| level as usize);
+    let levels = by_factor(counts, factor);
+    let people = means.rows.len() as f64;
+    let matched = |place: usize| means.rows.iter().filter_map(|(_, row)| row.get(place)).sum::<f64>() / people;
+    let differs = |(place, level): (usize, &Group)| (level.summary.mean - matched(place)).abs() > 1e6 * means.tolerance;
     FactorResults {
         name: counts.factors[factor].name.clone(),
-        levels: by_factor(counts, factor),
+        comparable: means.incomplete.is_empty() && !levels.iter().enumerate().any(differs),
+        levels,
+        marginal: None,
         ordered: counts.factors[factor].is_ordered(),
         within: counts.is_within(factor),
         friedman: friedman(&means, PERMUTATIONS),

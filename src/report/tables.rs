@@ -153,6 +153,15 @@ pub fn tests(results: &Results) -> Table {
             };
             rows.push(test_row([name, &test.term, "", ""], report.model.nobs, numbers, "", &note));
         }
+        for test in &report.interactions {
+            let note = match test.withheld {
+                Some(reason) => format!("no p: {reason}"),
+                None if test.by_signs => format!("p from {} patterns of the participants' signs{scope}", test.draws),
+                None => format!("p from {} simulated studies{scope}", test.draws),
+            };
+            let numbers = [test.chi_squared, Some(test.df as f64), None, test.p, None];
+            rows.push(test_row(["interaction", &test.term, "", ""], report.model.nobs, numbers, "", &note));
+        }
         for c in &report.comparisons {
             let note = c.at.as_ref().map_or_else(String::new, |(factor, level)| format!("at {factor} {level}"));
             let numbers = [None, None, c.p, c.p_holm, Some(c.estimate)];
@@ -336,6 +345,7 @@ pub fn model(results: &Results) -> Value {
             value["intraclass_correlation"] = json!({ "estimate": share, "interval": interval });
             value["likelihood_ratio"] = json!(report.terms);
             value["proportional_odds"] = json!(report.proportional_odds);
+            value["interactions"] = json!(report.interactions);
             value["effect_sizes"] = effect_sizes(&report.model);
             value["comparisons"] = json!(report.comparisons);
             value["margins"] = json!(report.margins);

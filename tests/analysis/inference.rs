@@ -204,15 +204,16 @@ fn checks_of_assumptions_need_ratings() {
     }
 }
 
-/// Simulated p values are at least 1 in draws + 1, the same for the same seed, and given below twelve people only.
+/// Simulated p values are the same for the same seed, from a tail where no study reaches the ratio, and given below 41
+/// people only.
 #[test]
 fn few_people_are_calibrated_by_simulation() {
     let strong = |people| study(people, &["a", "b"], 12, 2, |_, level| 2.5 * level as f64);
     let results = analyze(strong(5), &quick());
     let test = &results.model.as_ref().unwrap().terms[0];
-    assert_eq!((test.p, test.draws), (Some(0.01), Some(99)), "{test:?}");
+    assert!(test.draws == Some(99) && test.p.unwrap() < 0.01, "{test:?}");
     assert_eq!(analyze(strong(5), &quick()).model, results.model);
-    let many = analyze(strong(12), &quick());
+    let many = analyze(strong(41), &quick());
     let test = &many.model.as_ref().unwrap().terms[0];
     assert!(test.draws.is_none() && test.p.unwrap() < 1e-6, "{test:?}");
 }

@@ -9,6 +9,7 @@ use super::{
     design::coefficients,
     estimates::{self, Prediction, predictions},
     fitting::{Fitted, fit_counts},
+    interactions::{Interaction, interactions},
     likelihood_ratios::{MAX_NOMINAL, TermTest, Withheld, nominal_tests, quantile, without_terms},
     margins::{self, Comparison, Margin},
     model::{Contrast, Model, ModelError, ModelSpec, Random, RandomEffect},
@@ -25,7 +26,7 @@ use crate::{
 };
 
 /// With fewer participants than this, likelihood ratios are calibrated by simulation.
-pub const FEW_FOR_LIKELIHOOD_RATIOS: usize = 12;
+pub const FEW_FOR_LIKELIHOOD_RATIOS: usize = 41;
 /// A term that varies only between participants is calibrated by simulation up to this number of participants.
 const FEW_BETWEEN: usize = 100;
 /// Maximum number of coefficients with profile intervals; the others have Wald intervals.
@@ -34,10 +35,11 @@ const MAX_PROFILES: usize = 60;
 const LEAST_PER_LEVEL: usize = 3;
 /// Smallest number of ratings for each parameter of a model that is wider than the main one.
 const LEAST_PER_PARAMETER: u64 = 5;
-/// Above this number of ratings times terms, the simulation of a mixed model is limited to [`FEW_DRAWS`] studies. It
-/// keeps an analysis at about ten seconds with two threads.
-const MANY_RATINGS: usize = 2000;
-const FEW_DRAWS: u32 = 199;
+/// Number of ratings for each parameter of the wider model from which the ratio of a test without random effects has a χ²
+/// distribution.
+const MANY_PER_PARAMETER: u64 = 50;
+/// Number of simulated studies after which most tests are decided.
+const USUAL_DRAWS: u32 = 199;
 /// Maximum time of the simulated studies, minutes of one processor, unless the user allows more. Five factors with ten
 /// levels each, 8 participants and 600 ratings of each take 4.
 pub const MAX_MINUTES: u64 = 5;
@@ -50,6 +52,8 @@ pub struct ModelReport {
     pub terms: Vec<TermTest>,
     /// Tests of proportional odds.
     pub proportional_odds: Vec<TermTest>,
+    /// Tests of the two-way interactions that the model leaves out.
+    pub interactions: Vec<Interaction>,
     /// The model's expected ratings in each condition on which it was fitted.
     pub predictions: Vec<Prediction>,
     /// The model's expected ratings at each level of each factor.
@@ -74,9 +78,10 @@ fn report_with_tests(full: &Fitted) -> Result<ModelReport, ModelError> {
     Ok(ModelReport {
         terms: terms?,
         proportional_odds: proportional_odds?,
+        interactions: Vec::new(),
         predictions: predictions(full, &model),
         margins: margins::margins(full, &model),
-        comparisons: margins::comparisons(full, &model),
+        comparisons: margins::comparisons(full, &model, &vec![chi_squared_limit(1); full.spec.terms.iter().count()]),
         checks: None,
         model,
     })
@@ -90,8 +95,9 @@ pub struct Calibration<'a> {
     pub max_minutes: u64,
     /// Whether to compute [`ModelReport::checks`].
     pub checks: bool,
-    /// Pairs of levels of a factor whose contrast is of interest: name of the factor, and indices of two levels.
-    pub contrasts: &'a [(String, [u32; 2])],
+    /// Returns the pairs of levels whose contrast is of interest, given the marginal means: name of the factor, and indices
+    /// of two levels.
+    pub contrasts: &'a (dyn Fn(&[Margin]) -> Vec<(String, [u32; 2])> + Sync),
     /// Called after each simulated study, with the number of those done and of all.
     pub progress: &'a (dyn Fn(usize, usize) + Sync),
 }
@@ -116,11 +122,17 @@ pub fn fit_calibrated(
     withhold(&full, &mut report, &mut limits);
     calibrate_tests(&full, &mut report, &mut limits, calibration);
     correct(&mut report.proportional_odds);
+    report.interactions = interactions(&full, calibration.resampling);
+    if full.mixed.is_some() && full.frame.subjects.len() < FEW_FOR_LIKELIHOOD_RATIOS {
+        // Wald's test rejects too often.
+        report.model.coefficients.iter_mut().for_each(|coefficient| coefficient.p = None);
+    }
+    report.comparisons = margins::comparisons(&full, &report.model, &limits);
     profile_coefficients(&full, &mut report, &limits);
     if let Some(random) = &mut report.model.random {
         profile_deviations(&full, random);
     }
-    report.model.contrasts = contrasts(&full, &report, &limits, calibration.contrasts);
+    report.model.contrasts = contrasts(&full, &report, &limits, &(calibration.contrasts)(&report.margins));
     report.checks =
         calibration.checks.then(|| checks::checks(&full, &report.model.contrasts, calibration.resampling.seed));
     Ok(report)
@@ -130,7 +142,12 @@ pub fn fit_calibrated(
 /// of assumptions with too few ratings: even simulated distributions are then not accurate.
 fn withhold(full: &Fitted, report: &mut ModelReport, limits: &mut [f64]) {
     let parameters = full.frame.categories.len() - 1 + full.rank();
+    let is_between =
+        |test: &TermTest| full.spec.terms.iter().any(|term| term.to_string() == test.term && full.is_between(term));
     for test in &mut report.proportional_odds {
+        if full.mixed.is_some() && is_between(test) && test.lr.is_some() {
+            (test.p, test.withheld) = (None, Some(Withheld::OwnThresholds));
+        }
         if full.frame.total() < LEAST_PER_PARAMETER * (parameters + test.df) as u64 && test.lr.is_some() {
             (test.p, test.withheld) = (None, Some(Withheld::FewRatings));
         }
@@ -154,22 +171,33 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut [f64], 
         let has_ratio = |term: &&&Term| tests.iter().any(|test| is_tested(test) && test.term == term.to_string());
         terms.iter().filter(has_ratio).copied().collect()
     };
+    let is_uncertain = |test: &&TermTest| {
+        let parameters = full.frame.categories.len() - 1 + full.rank() + test.df;
+        full.mixed.is_some() || full.frame.total() < MANY_PER_PARAMETER * parameters as u64
+    };
+    let [of_terms, odds] = [&report.terms, &report.proportional_odds]
+        .map(|tests| tests.iter().filter(is_uncertain).cloned().collect::<Vec<TermTest>>());
     let what = Statistics {
-        terms: named(&report.terms).into_iter().filter(|term| needs_simulation(full, term)).collect(),
-        nominal: named(&report.proportional_odds),
+        terms: named(&of_terms).into_iter().filter(|term| needs_simulation(full, term)).collect(),
+        nominal: named(&odds),
     };
     if what.terms.is_empty() && what.nominal.is_empty() {
         return;
     }
-    let mut settings = calibration.resampling;
-    let mixed = if full.mixed.is_some() { what.terms.len() } else { 0 };
-    settings.draws = draws_of(settings.draws, mixed, full.frame.rows.len());
+    let settings = calibration.resampling;
     let done = std::sync::atomic::AtomicUsize::new(0);
     let progress = || {
         let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
         (calibration.progress)(done, settings.draws as usize);
     };
-    let [of_terms, nominal] = simulate(full, &what, settings, &progress);
+    let ratio = |tests: &[TermTest], term: &Term| {
+        tests.iter().find(|test| test.term == term.to_string()).and_then(|test| test.lr).unwrap_or(f64::NAN)
+    };
+    let observed = [
+        what.terms.iter().map(|term| ratio(&report.terms, term)).collect(),
+        what.nominal.iter().map(|term| ratio(&report.proportional_odds, term)).collect(),
+    ];
+    let [of_terms, nominal] = simulate(full, &what, &observed, settings, &progress);
     for (tests, terms, ratios) in
         [(&mut report.terms, &what.terms, &of_terms), (&mut report.proportional_odds, &what.nominal, &nominal)]
     {
@@ -210,12 +238,7 @@ fn minutes(frame: &Frame, spec: &ModelSpec, draws: u32) -> u64 {
     let of_odds =
         of_terms.iter().map(|own| parameters + (thresholds - 1.0) * own).filter(|all| *all <= MAX_NOMINAL as f64);
     let odds_s = ODDS_S * of_odds.map(|all| all * all).sum::<f64>() * frame.conditions().len() as f64;
-    (f64::from(draws_of(draws, mixed, rows)) * (mixed_s + odds_s) / 60.0) as u64
-}
-
-/// Returns how many studies are simulated for this many terms of a mixed model.
-fn draws_of(draws: u32, terms: usize, rows: usize) -> u32 {
-    if terms > 0 && rows * (1 + terms) > MANY_RATINGS { draws.min(FEW_DRAWS) } else { draws }
+    (f64::from(draws.min(USUAL_DRAWS)) * (mixed_s + odds_s) / 60.0) as u64
 }
 
 /// Returns whether the ratio of a term does not have a χ² distribution with this number of participants.

@@ -308,6 +308,18 @@ impl ClmmData {
         self.subjects.iter().zip(modes).map(of_subject).collect()
     }
 
+    /// Returns, for each participant and row, the derivative of the log-probability of the ratings with respect to the
+    /// location, and their information on it, both at the mode.
+    pub fn residuals(&self, parameters: &DVector<f64>, modes: &Modes) -> Vec<Vec<(usize, f64, f64)>> {
+        let (location, weights) = (self.location(parameters), self.weights(parameters));
+        let thresholds = &parameters.as_slice()[..self.thresholds()];
+        let of_subject = |(range, mode): (&Range<usize>, &DVector<f64>)| {
+            let rows = self.subject(range, thresholds, &location, &weights).at(mode).rows;
+            rows.into_iter().map(|sums| (sums.row, -sums.g1, -sums.g2)).collect()
+        };
+        self.subjects.iter().zip(modes).map(of_subject).collect()
+    }
+
     /// Returns, for each standard deviation of independent effects, the mean sampling variance of an effect: how
     /// uncertain it would be if only its own ratings were known.
     pub fn sampling_variances(&self, parameters: &DVector<f64>, modes: &Modes) -> Vec<f64> {

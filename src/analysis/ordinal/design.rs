@@ -246,7 +246,7 @@ impl Span {
 #[derive(Clone, Debug)]
 pub(super) struct Standard {
     centers: DVector<f64>,
-    scales: DVector<f64>,
+    pub scales: DVector<f64>,
 }
 
 impl Standard {

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     analysis::{counts::Counts, levels},
-    statistics::{Interval, Z_95, normal_two_sided, t_quantile, t_two_sided},
+    statistics::{Interval, Z_95, normal_two_sided, t_quantile},
 };
 
 /// Fits a model.
@@ -234,12 +234,16 @@ pub(crate) fn predictors(fitted: &Fitted, conditions: &[u32]) -> Vec<f64> {
     x.row_iter().map(|row| dot_ignoring_zero_weights(row.iter(), coefficients.iter())).collect()
 }
 
-/// Returns the scalar product. A weight of 0 times an infinite value counts as 0.
+/// Returns the scalar product. An infinite value counts as 0 if its weight is 0 up to rounding.
 pub(crate) fn dot_ignoring_zero_weights<'a>(
     weights: impl Iterator<Item = &'a f64>,
     values: impl Iterator<Item = &'a f64>,
 ) -> f64 {
-    weights.zip(values).filter(|(weight, _)| weight.abs() > 1e-12).map(|(weight, value)| weight * value).sum()
+    weights
+        .zip(values)
+        .filter(|(weight, value)| value.is_finite() || weight.abs() > 1e-12)
+        .map(|(weight, value)| weight * value)
+        .sum()
 }
 
 /// Returns the information of the parameters that have finite estimates.
@@ -327,7 +331,7 @@ pub(super) fn predictions(fitted: &Fitted, model: &Model) -> Vec<Prediction> {
     let values = category_numbers(model);
     let conditions = fitted.frame.conditions();
     let x = fitted.x.matrix(&conditions);
-    let reach = Widening::new(fitted, 1).reach();
+    let reach = reach(fitted, 1);
     let predict = |(index, &condition): (usize, &u32)| {
         let x: Vec<f64> = x.row(index).iter().copied().collect();
         let Expected { probabilities, mean, gradient } = model.expected(&x, &values);
@@ -391,34 +395,11 @@ impl Model {
     }
 }
 
-/// How the standard errors of a fit are widened: those of maximum likelihood are too small with few participants.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Widening {
-    /// Degrees of freedom of the t distribution; infinite without random effects.
-    pub df: f64,
-    /// Factor of the standard errors.
-    pub factor: f64,
-}
-
-impl Widening {
-    /// Returns the widening for a quantity that varies between `people` participants, of whose means `estimated` are
-    /// estimated: as in a normal sample of participants, whose variance is divided by n instead of n minus `estimated`.
-    pub fn new(fitted: &Fitted, estimated: usize) -> Self {
-        let people = fitted.frame.subjects.len() as f64;
-        let df = people - estimated as f64;
-        if fitted.mixed.is_none() || df < 1.0 {
-            return Self { df: f64::INFINITY, factor: 1.0 };
-        }
-        Self { df, factor: (people / df).sqrt() }
-    }
-
-    /// Returns the number of standard errors to either end of a 95 % interval.
-    pub fn reach(self) -> f64 {
-        self.factor * t_quantile(self.df)
-    }
-
-    /// Returns the two-sided probability of an estimate divided by its standard error.
-    pub fn probability(self, z: f64) -> f64 {
-        t_two_sided(z / self.factor, self.df)
-    }
+/// Returns the number of standard errors to either end of a 95 % interval of a mean over participants, of whose means
+/// `estimated` are estimated: those of maximum likelihood are too small with few participants, as in a normal sample whose
+/// variance is divided by n instead of n minus `estimated`.
+pub(super) fn reach(fitted: &Fitted, estimated: usize) -> f64 {
+    let people = fitted.frame.subjects.len() as f64;
+    let df = people - estimated as f64;
+    if fitted.mixed.is_none() || df < 1.0 { Z_95 } else { (people / df).sqrt() * t_quantile(df) }
 }

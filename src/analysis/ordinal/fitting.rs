@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use super::{
     clm::{ClmData, ClmFit, FitEnd},
     clmm::{ClmmData, Observation},
-    design::{Design, Standard, check_size},
+    design::{Column, Design, Standard, check_size},
     link::Link,
     model::{ModelError, ModelSpec, Note, Random, Slopes},
     random::{Loadings, RandomPart, is_within},
@@ -40,8 +40,12 @@ pub(super) struct How<'a> {
     pub errors: bool,
     /// The random part; `None` determines it from the specification.
     pub random: Option<&'a RandomPart>,
-    /// A similar fit, at whose estimates of ψ the search starts.
-    pub near: Option<&'a MixedFit>,
+    /// A similar fit, at whose estimates the search starts.
+    pub near: Option<&'a Fitted<'a>>,
+    /// A similar fit with errors, with whose information the search starts.
+    pub informed: Option<&'a Fitted<'a>>,
+    /// Whether only the likelihood is needed, to six decimals.
+    pub rough: bool,
     /// The location design; `None` determines it from the specification.
     pub x: Option<&'a Design>,
     /// A parameter ψ with a given value on the scale of the data, by index.
@@ -169,6 +173,24 @@ pub(super) fn layout(fitted: &Fitted) -> Layout {
     Layout { data: ClmmData { link, categories, x, offset, loadings, observations, subjects }, row_of }
 }
 
+/// Returns, for each parameter of a model, the index of the same parameter of a similar model, if it has one. Its thresholds
+/// are other ones if a category has no ratings.
+fn places(fitted: &Fitted, near: &Fitted) -> Vec<Option<usize>> {
+    let (own, theirs) = (fitted.frame.categories.len() - 1, near.frame.categories.len() - 1);
+    let column = |column: &Column| near.x.columns.iter().position(|known| known.name == column.name);
+    let thresholds = (0..own).map(|index| (own == theirs).then_some(index));
+    let columns = fitted
+        .x
+        .columns
+        .iter()
+        .map(|own| column(own).map(|place| theirs + place).filter(|_| thresholds.len() == theirs));
+    let psi = (0..fitted.random.parameters()).map(|index| Some(theirs + near.x.columns.len() + index));
+    thresholds.clone().chain(columns).chain(psi).collect()
+}
+
+/// An estimate beyond this is no place to start a search.
+const FAR: f64 = 10.0;
+
 /// Fits the mixed model, starting from the estimates of the model without random effects. Coefficients without a
 /// finite estimate stay fixed, because their ratings are predicted perfectly for any participant.
 fn fit_mixed(fitted: &Fitted, how: How<'_>) -> Option<MixedFit> {
@@ -178,13 +200,17 @@ fn fit_mixed(fitted: &Fitted, how: How<'_>) -> Option<MixedFit> {
     let Layout { data, .. } = layout(fitted);
     let first_psi = data.first_psi();
     let mut free: Vec<usize> = (0..data.parameters()).filter(|&index| !fitted.is_infinite(index)).collect();
-    let tolerance = 1e-9 * (data.ratings() / 1e4).max(1.0);
+    let tolerance = if how.rough { 1e-6 } else { 1e-9 } * (data.ratings() / 1e4).max(1.0);
     let plain = &fitted.clm.parameters;
-    let mut start = how.near.map(|near| {
-        let psi = near.parameters.iter().rev().take(data.loadings.parameters()).rev();
-        // A deviation that was 0 may not be 0 here.
-        let psi = psi.map(|psi| if data.loadings.independent && psi.abs() < 0.1 { 0.1 } else { *psi });
-        DVector::from_iterator(data.parameters(), plain.iter().copied().chain(psi))
+    let near = how.near.and_then(|near| Some((near, near.mixed.as_ref()?)));
+    let mut start = near.map(|(near, fit)| {
+        let places = places(fitted, near);
+        DVector::from_fn(data.parameters(), |index, _| match places[index].map(|place| fit.parameters[place]) {
+            // A deviation that was 0 may not be 0 here.
+            Some(psi) if index >= first_psi && data.loadings.independent && psi.abs() < 0.1 => 0.1,
+            Some(own) if index >= first_psi || !fitted.is_infinite(index) && own.abs() < FAR => own,
+            _ => plain[index],
+        })
     });
     if let Some((parameter, value)) = how.held {
         let index = first_psi + parameter;
@@ -192,17 +218,39 @@ fn fit_mixed(fitted: &Fitted, how: How<'_>) -> Option<MixedFit> {
         start.get_or_insert_with(|| plain.clone().resize_vertically(data.parameters(), 0.3))[index] =
             value * fitted.random.units()[parameter];
     }
-    let task = Task { plain, start: start.as_ref(), free: &free, tolerance, errors: how.errors };
+    let information = how.informed.and_then(|informed| informed.information_on(&free, &places(fitted, informed)));
+    let modes = near.map(|(_, fit)| &fit.modes);
+    let information = information.as_ref();
+    let start_at = start.as_ref();
+    let task = Task {
+        plain,
+        start: start_at,
+        modes,
+        information,
+        free: &free,
+        tolerance,
+        errors: how.errors,
+        rough: how.rough,
+    };
     let found = search::fit(&data, task);
     let good = |fit: &MixedFit| matches!(fit.end, MixedFitEnd::Converged | MixedFitEnd::Boundary);
-    if how.held.is_some() || start.is_none() || found.as_ref().is_some_and(good) {
+    if how.held.is_some() || start_at.is_none() || found.as_ref().is_some_and(good) {
         return found;
     }
     // The similar fit was not so similar.
-    search::fit(&data, Task { start: None, ..task }).or(found)
+    search::fit(&data, Task { start: None, modes: None, information: None, rough: false, ..task }).or(found)
 }
 
 impl Fitted<'_> {
+    /// Returns the information of the mixed model on some parameters, given by their indices here in `places`.
+    fn information_on(&self, free: &[usize], places: &[Option<usize>]) -> Option<DMatrix<f64>> {
+        let mixed = self.mixed.as_ref()?;
+        let rows = free.iter().map(|&index| mixed.free.iter().position(|known| Some(*known) == places[index]));
+        let rows: Vec<usize> = rows.collect::<Option<_>>()?;
+        (mixed.information.nrows() == mixed.free.len())
+            .then(|| mixed.information.select_rows(&rows).select_columns(&rows))
+    }
+
     /// Returns the number of estimated parameters.
     pub fn parameters(&self) -> usize {
         let random = if self.mixed.is_some() { self.random.parameters() } else { 0 };

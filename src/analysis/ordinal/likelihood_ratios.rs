@@ -27,6 +27,8 @@ pub struct TermTest {
     pub p: Option<f64>,
     /// Number of simulated studies that gave the probability.
     pub draws: Option<usize>,
+    /// The Monte Carlo standard error of that probability.
+    pub p_error: Option<f64>,
     /// The probability corrected for the number of tests of the same kind (Holm); only for checks of assumptions.
     pub p_holm: Option<f64>,
     /// Why there is no probability.
@@ -46,6 +48,12 @@ pub enum Withheld {
     /// There are too few ratings for the parameters of the wider model.
     #[error("there are fewer than five ratings for each parameter of the wider model")]
     FewRatings,
+    /// The interaction has too many coefficients for this number of participants.
+    #[error("the interaction has more than six coefficients, which are too many for fewer than six participants")]
+    FewPeople,
+    /// Participants with thresholds of their own look like groups with other effects at each threshold.
+    #[error("participants may have their own thresholds, which would look the same between groups")]
+    OwnThresholds,
     /// More than a tenth of the simulated studies allowed no fit.
     #[error("the data are too few: more than a tenth of the simulated studies allowed no fit")]
     TooFew,
@@ -62,7 +70,7 @@ pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> 
 /// Tests one term by the likelihood ratio against the model without it.
 pub(crate) fn without_term(full: &Fitted, term: &Term) -> Result<TermTest, ModelError> {
     let spec = ModelSpec { terms: full.spec.terms.without(term), ..full.spec.clone() };
-    let how = How { random: Some(&full.random), near: full.mixed.as_ref(), ..How::default() };
+    let how = How { random: Some(&full.random), near: Some(full), ..How::default() };
     let reduced = fit_terms(full.frame.clone(), spec, Vec::new(), how)?;
     let difference = comparable(full, &reduced).then(|| full.loglik() - reduced.loglik());
     Ok(TermTest::new(term, difference, full.rank().saturating_sub(reduced.rank())))
@@ -123,6 +131,7 @@ impl TermTest {
             df,
             p: lr.map(|lr| chi_squared_tail(lr, df)),
             draws: None,
+            p_error: None,
             p_holm: None,
             withheld: lr.is_none().then_some(Withheld::NoRatio),
         }
@@ -134,6 +143,7 @@ impl TermTest {
         let simulated = probability(ratios, lr);
         self.p = simulated.map(|(p, _)| p);
         self.draws = simulated.map(|(_, draws)| draws);
+        self.p_error = simulated.map(|(p, draws)| (p * (1.0 - p) / draws as f64).sqrt());
         self.withheld = simulated.is_none().then_some(Withheld::TooFew);
     }
 }
@@ -141,13 +151,36 @@ impl TermTest {
 /// A simulated distribution is used only if at least this share of the studies allowed a fit.
 const ENOUGH: f64 = 0.9;
 
-/// Returns the probability of a ratio at least as large as `observed`, and the number of simulated ratios. `None` if too
-/// few studies allowed a fit.
+/// Returns the probability of a ratio at least as large as `observed`, and the number of simulated ratios. If none is as
+/// large, the probability is that of an exponential tail beyond the largest fifth, whose mean is taken at its upper 95 %
+/// bound: for large ratios, the tails of χ² and of its small-sample forms are exponential. `None` if too few studies allowed
+/// a fit.
 pub(super) fn probability(ratios: &[f64], observed: f64) -> Option<(f64, usize)> {
-    let finite = || ratios.iter().filter(|ratio| ratio.is_finite());
-    let (number, larger) = (finite().count(), finite().filter(|ratio| **ratio >= observed - 1e-9).count());
+    let mut finite: Vec<f64> = ratios.iter().copied().filter(|ratio| ratio.is_finite()).collect();
+    finite.sort_by(f64::total_cmp);
+    let (number, larger) = (finite.len(), finite.iter().filter(|ratio| **ratio >= observed - 1e-9).count());
     let enough = number > 0 && number as f64 >= ENOUGH * ratios.len() as f64;
-    enough.then(|| ((1 + larger) as f64 / (1 + number) as f64, number))
+    let counted = (1 + larger) as f64 / (1 + number) as f64;
+    let tail = || {
+        let largest = finite.len() / 5;
+        let from = finite[finite.len() - 1 - largest];
+        let mean = finite.iter().rev().take(largest).map(|ratio| ratio - from).sum::<f64>() / largest as f64;
+        let bound = mean * (1.0 + 1.645 / (largest as f64).sqrt());
+        largest as f64 / number as f64 * (-(observed - from) / bound).exp()
+    };
+    enough.then(|| (if larger == 0 && number >= 50 { counted.min(tail()) } else { counted }, number))
+}
+
+/// True if more simulated ratios would not change what a probability at the level 0.05 says.
+pub(super) fn is_decided(ratios: &[f64], observed: f64) -> bool {
+    /// Enough studies to give a probability with a relative error of a quarter.
+    const ENOUGH_LARGER: f64 = 20.0;
+    /// A probability from the tail that is below .001 by more than its error.
+    const CLEAR: f64 = 3e-4;
+    probability(ratios, observed).is_none_or(|(p, number)| {
+        let larger = p * (1 + number) as f64 - 1.0;
+        p < CLEAR || larger >= ENOUGH_LARGER && (p - 0.05).abs() > 3.0 * (p / number as f64).sqrt()
+    })
 }
 
 /// Returns the ratio that a share of the simulated ratios does not exceed, or `None` if too few studies allowed a fit.

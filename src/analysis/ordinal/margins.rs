@@ -7,15 +7,16 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::{
-    estimates::{Widening, category_numbers},
+    estimates::{category_numbers, reach},
     fitting::Fitted,
     model::Model,
+    profile::chi_squared_limit,
     random::is_within,
     terms::{Term, Variable},
 };
 use crate::{
     analysis::counts::Counts,
-    statistics::{Interval, holm},
+    statistics::{Interval, Z_95, holm, normal_two_sided},
 };
 
 /// The model's expected rating at a level of a factor, for a participant whose random effects are 0.
@@ -39,9 +40,9 @@ pub struct Comparison {
     pub at: Option<(String, String)>,
     /// How much higher `level` is rated than `other`.
     pub estimate: f64,
-    /// The 95 % interval with a t quantile; not corrected for the number of comparisons.
+    /// The 95 % interval, with the limit of the term's likelihood ratio; not corrected for the number of comparisons.
     pub interval: Option<Interval>,
-    /// Two-sided probability from the t distribution.
+    /// Two-sided probability, consistent with the interval.
     pub p: Option<f64>,
     /// The probability corrected for all comparisons of this factor (Holm).
     pub p_holm: Option<f64>,
@@ -74,7 +75,7 @@ pub(super) fn margins(fitted: &Fitted, model: &Model) -> Vec<Margin> {
     for factor in factors(fitted) {
         let Some(levels) = matched(fitted, &[factor]) else { continue };
         let between = usize::from(!is_within(&fitted.frame, factor)) * (levels.len() - 1);
-        let reach = Widening::new(fitted, 1 + between).reach();
+        let reach = reach(fitted, 1 + between);
         let description = &fitted.frame.counts.factors[factor];
         for (level, conditions) in levels {
             let x = fitted.x.matrix(&conditions);
@@ -102,16 +103,21 @@ fn factors(fitted: &Fitted) -> BTreeSet<usize> {
 
 /// Returns the comparisons of all pairs of levels: of each factor whose effect is the same everywhere, and, for each
 /// interaction of two factors, of each factor at each level of the other (simple effects).
-pub(super) fn comparisons(fitted: &Fitted, model: &Model) -> Vec<Comparison> {
+/// `limits` are the limits of the likelihood ratio of each term for one degree of freedom, which may be simulated; NaN for a
+/// term without tests.
+pub(super) fn comparisons(fitted: &Fitted, model: &Model, limits: &[f64]) -> Vec<Comparison> {
     let terms = &fitted.spec.terms;
     let is_factor = |term: &&Term| term.variables.iter().all(|variable| matches!(variable, Variable::Factor(_)));
     let mut all = Vec::new();
-    for term in terms.iter().filter(is_factor).filter(|term| !terms.is_marginal(term)) {
+    for (term, &limit) in terms.iter().zip(limits) {
+        if !is_factor(&term) || terms.is_marginal(term) {
+            continue;
+        }
         match &term.variables[..] {
-            [factor] => all.extend(compare(fitted, model, factor, None)),
+            [factor] => all.extend(compare(fitted, model, factor, None, limit)),
             [first, second] => {
-                all.extend(compare(fitted, model, first, Some(second)));
-                all.extend(compare(fitted, model, second, Some(first)));
+                all.extend(compare(fitted, model, first, Some(second), limit));
+                all.extend(compare(fitted, model, second, Some(first), limit));
             }
             _ => {}
         }
@@ -119,7 +125,7 @@ pub(super) fn comparisons(fitted: &Fitted, model: &Model) -> Vec<Comparison> {
     all
 }
 
-fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variable>) -> Vec<Comparison> {
+fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variable>, limit: f64) -> Vec<Comparison> {
     let counts = fitted.frame.counts;
     let index = |variable: &Variable| counts.factor(variable.name()).map(|(index, _)| index);
     let (Some(own), other) = (index(factor), at.and_then(index)) else { return Vec::new() };
@@ -130,8 +136,8 @@ fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variab
     if pairs > MAX_COMPARISONS {
         return Vec::new();
     }
-    let between = usize::from(!is_within(&fitted.frame, own)) * (levels.len() - 1);
-    let widening = Widening::new(fitted, 1 + between);
+    // With few participants, the limit is larger than that of the χ² distribution.
+    let widening = (limit / chi_squared_limit(1)).sqrt();
     let row = |level: u32, stratum: Option<u32>| -> Option<DVector<f64>> {
         let conditions = cells.get(&[level].into_iter().chain(stratum).collect::<Vec<_>>())?;
         Some(fitted.x.matrix(conditions).row_mean().transpose())
@@ -148,10 +154,11 @@ fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variab
                     continue;
                 };
                 let estimate = super::estimates::dot_ignoring_zero_weights(difference.iter(), coefficients.iter());
-                let used: Vec<usize> = (0..size).filter(|&i| difference[i].abs() > 1e-12).collect();
+                let used: Vec<usize> =
+                    (0..size).filter(|&i| covariance[(i, i)].is_finite() || difference[i].abs() > 1e-12).collect();
                 let pairs = used.iter().flat_map(|i| used.iter().map(move |j| (*i, *j)));
                 let se = pairs.map(|(i, j)| difference[i] * difference[j] * covariance[(i, j)]).sum::<f64>().sqrt();
-                let se = Some(se).filter(|se| se.is_finite() && *se > 0.0);
+                let se = Some(se * widening).filter(|se| se.is_finite() && *se > 0.0);
                 let name = |factor: usize, level: u32| counts.factors[factor].levels[level as usize].clone();
                 comparisons.push(Comparison {
                     factor: factor.name().to_owned(),
@@ -161,8 +168,8 @@ fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variab
                         .zip(stratum)
                         .map(|(other, stratum)| (counts.factors[other].name.clone(), name(other, stratum))),
                     estimate,
-                    interval: Interval::around(estimate, se, widening.reach()),
-                    p: se.map(|se| widening.probability(estimate / se)),
+                    interval: Interval::around(estimate, se, Z_95),
+                    p: se.map(|se| normal_two_sided(estimate / se)),
                     p_holm: None,
                 });
             }

@@ -8,6 +8,7 @@
 //! | `fitting` | fits the models to counts |
 //! | `estimates`, `likelihood_ratios` | estimates, tests and predictions, on the scale of the data |
 //! | `resampling`, `profile` | studies simulated from a fit, and profile-likelihood intervals |
+//! | `interactions` | tests of the interactions that a model leaves out |
 //! | `margins`, `checks` | marginal means and comparisons, and how well the model describes the data |
 //! | `calibration` | the whole report on a model, with tests and intervals that hold for few participants |
 //! | `model` | fitted models, their notes, and the errors if there is no model |
@@ -19,6 +20,7 @@ mod clmm;
 mod design;
 mod estimates;
 mod fitting;
+mod interactions;
 mod likelihood_ratios;
 mod link;
 mod margins;
@@ -34,6 +36,7 @@ pub use calibration::{
 };
 pub use checks::{Alternative, Checks, Influence, Proportion};
 pub use estimates::{Prediction, fit};
+pub use interactions::Interaction;
 pub use likelihood_ratios::{TermTest, Withheld};
 pub use link::Link;
 pub use margins::{Comparison, Margin};

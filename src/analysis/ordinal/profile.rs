@@ -10,7 +10,7 @@ use crate::statistics::{Interval, chi_squared_quantile};
 
 /// Coverage of all intervals of a model.
 pub(super) const LEVEL: f64 = 0.95;
-/// A value this far from the estimate on the scale of the link is as good as infinite.
+/// A shift of the most extreme condition by this much on the scale of the link is as good as infinite.
 const FAR: f64 = 40.0;
 
 /// A quantity whose profile is computed.
@@ -42,16 +42,28 @@ pub(super) fn interval(
         let fitted = hold(full, quantity, value)?;
         comparable(full, &fitted).then(|| 2.0 * (full.loglik() - fitted.loglik()))
     };
+    // On the scale of the link, whatever the unit of a number is.
+    let scale = match quantity {
+        Quantity::Coefficient(column) | Quantity::Difference(column, _) => full.standard.scales[column],
+        Quantity::Deviation(component) => full.random.components[component].unit,
+    };
     let [low, high] = [(-1.0, limits[0]), (1.0, limits[1])].map(|(direction, limit)| {
         let least = if matches!(quantity, Quantity::Deviation(_)) { Some(0.0) } else { None };
-        end(&ratio, estimate, direction * se, limit, least)
+        end(&ratio, estimate, direction * se, limit, least, FAR / scale)
     });
     Some(Interval { low: low?, high: high? })
 }
 
 /// Finds the value in the direction of `step` at which the ratio reaches the limit, or `least` if that value does not
-/// reach it. The root of the ratio is almost linear, so its inverse is interpolated.
-fn end(ratio: &impl Fn(f64) -> Option<f64>, estimate: f64, step: f64, limit: f64, least: Option<f64>) -> Option<f64> {
+/// reach it. A distance above `far` is as good as infinite. The root of the ratio is almost linear, so its inverse is interpolated.
+fn end(
+    ratio: &impl Fn(f64) -> Option<f64>,
+    estimate: f64,
+    step: f64,
+    limit: f64,
+    least: Option<f64>,
+    far: f64,
+) -> Option<f64> {
     let wanted = limit.sqrt();
     let bounded = |distance: f64| {
         let value = estimate + step.signum() * distance;
@@ -77,7 +89,7 @@ fn end(ratio: &impl Fn(f64) -> Option<f64>, estimate: f64, step: f64, limit: f64
         } else {
             outside = Some((distance_now, root));
         }
-        if distance_now > FAR && outside.is_none() {
+        if distance_now > far && outside.is_none() {
             return Some(step.signum() * f64::INFINITY);
         }
         distance = match outside {
@@ -95,7 +107,8 @@ fn end(ratio: &impl Fn(f64) -> Option<f64>, estimate: f64, step: f64, limit: f64
 /// Fits the model with a given value of a quantity.
 fn hold<'a>(full: &Fitted<'a>, quantity: Quantity, value: f64) -> Option<Fitted<'a>> {
     let x: Design;
-    let mut how = How { random: Some(&full.random), near: full.mixed.as_ref(), x: Some(&full.x), ..How::default() };
+    let mut how =
+        How { random: Some(&full.random), near: Some(full), informed: Some(full), x: Some(&full.x), ..How::default() };
     match quantity {
         Quantity::Coefficient(column) => x = full.x.held(&[(column, value)]),
         Quantity::Difference(a, b) => x = full.x.joined(a, b).held(&[(a, value)]),

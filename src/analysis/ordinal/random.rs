@@ -92,25 +92,37 @@ impl RandomPart {
     }
 
     fn add_independent(&mut self, frame: &Frame, terms: &Terms, notes: &mut Vec<Note>) -> Result<(), ModelError> {
-        let mut seen: Vec<Term> = Vec::new();
-        let mut effects = frame.subjects.len() as u64;
+        let mut own: Vec<(u64, Component)> = Vec::new();
         for term in terms.iter() {
-            let own = within_part(frame, term)?;
-            if own.variables.is_empty() || seen.iter().any(|other| other.same(&own)) {
+            let part = within_part(frame, term)?;
+            if part.variables.is_empty() || own.iter().any(|(_, other)| other.term.same(&part)) {
                 continue;
             }
-            let component = independent(frame, &own)?;
+            let component = independent(frame, &part)?;
             let of_subjects: BTreeSet<(u32, usize)> =
                 frame.rows.iter().map(|row| (row.subject, component.groups[row.condition as usize])).collect();
-            let needed = effects + of_subjects.len() as u64;
-            if frame.total() < RATINGS_PER_EFFECT * needed || self.effects() + component.number_of_groups > MAX_EFFECTS
-            {
-                notes.push(Note::NoSlope { term: own.to_string() });
-            } else {
-                effects = needed;
-                self.components.push(component);
+            own.push((of_subjects.len() as u64, component));
+        }
+        // The order of the terms must not decide which of them has a slope: those with the fewest effects come first, and of
+        // those with equally many, all or none have one.
+        let mut by_size: Vec<usize> = (0..own.len()).collect();
+        by_size.sort_by_key(|&place| own[place].0);
+        let (mut effects, mut groups) = (frame.subjects.len() as u64, 1);
+        let mut is_supported = vec![false; own.len()];
+        for same in by_size.chunk_by(|a, b| own[*a].0 == own[*b].0) {
+            effects += same.iter().map(|&place| own[place].0).sum::<u64>();
+            groups += same.iter().map(|&place| own[place].1.number_of_groups).sum::<usize>();
+            if frame.total() < RATINGS_PER_EFFECT * effects || groups > MAX_EFFECTS {
+                break;
             }
-            seen.push(own);
+            same.iter().for_each(|&place| is_supported[place] = true);
+        }
+        for ((_, component), is_supported) in own.into_iter().zip(is_supported) {
+            if is_supported {
+                self.components.push(component);
+            } else {
+                notes.push(Note::NoSlope { term: component.name });
+            }
         }
         Ok(())
     }

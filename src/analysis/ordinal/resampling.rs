@@ -21,7 +21,7 @@ use super::{
     design::Design,
     estimates::finite_estimates,
     fitting::{Fitted, How, Layout, fit_terms, layout},
-    likelihood_ratios::{comparable, nominal_test},
+    likelihood_ratios::{comparable, is_decided, nominal_test},
     link::Link,
     search::MixedFit,
     terms::Term,
@@ -29,13 +29,14 @@ use super::{
 use crate::analysis::{counts::CountRow, frame::Frame};
 
 /// Settings of the parametric bootstrap. The same settings give the same results on every machine.
-// With 19, 39, …, 199, 999 studies, a test at the level 0.05 is exact if the distribution of the ratio does not depend on
-// the parameters.
+// With 99, 199, … studies, a test at the level 0.05 is exact if the distribution of the ratio does not depend on the
+// parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Args, Serialize)]
 pub struct Resampling {
-    /// Number of simulated studies that calibrate tests and intervals; an analysis of many ratings uses at most 199.
+    /// Maximum number of simulated studies that calibrate tests and intervals. Simulation ends earlier when more studies
+    /// would not change a conclusion.
     #[arg(long, value_name = "N", default_value_t = Self::default().draws,
-          value_parser = clap::value_parser!(u32).range(19..=1_000_000))]
+          value_parser = clap::value_parser!(u32).range(99..=1_000_000))]
     pub draws: u32,
     /// Seed of the simulated studies.
     #[arg(long, value_name = "N", default_value_t = Self::default().seed)]
@@ -57,11 +58,16 @@ pub(super) struct Statistics<'a> {
     pub nominal: Vec<&'a Term>,
 }
 
+/// Number of studies after which a simulation may end.
+const BATCH: u32 = 100;
+
 /// Simulates studies from a fit and returns the ratios for each of the terms and of the nominal terms; not finite where a
-/// study allows no fit. `progress` is called after each study.
+/// study allows no fit. The simulation ends when all `observed` ratios are decided (Besag & Clifford 1991, Biometrika 78,
+/// 301). `progress` is called after each study.
 pub(super) fn simulate(
     full: &Fitted,
     what: &Statistics,
+    observed: &[Vec<f64>; 2],
     settings: Resampling,
     progress: &(dyn Fn() + Sync),
 ) -> [Vec<Vec<f64>>; 2] {
@@ -73,11 +79,21 @@ pub(super) fn simulate(
         progress();
         ratios.unwrap_or_else(|| [&what.terms, &what.nominal].map(|terms| vec![f64::NAN; terms.len()]))
     };
-    let studies: Vec<[Vec<f64>; 2]> = (0..settings.draws).into_par_iter().map(of_study).collect();
-    let collect = |kind: usize, terms: usize| -> Vec<Vec<f64>> {
-        (0..terms).map(|term| studies.iter().map(|ratios| ratios[kind][term]).collect()).collect()
-    };
-    [collect(0, what.terms.len()), collect(1, what.nominal.len())]
+    let mut all = observed.clone().map(|observed| vec![Vec::new(); observed.len()]);
+    let mut next = 0;
+    while next < settings.draws {
+        // With 99, 199, … studies, a quantile at the level 0.05 is one of the ratios.
+        let end = settings.draws.min((next + 1) / BATCH * BATCH + BATCH - 1);
+        for study in (next..end).into_par_iter().map(of_study).collect::<Vec<_>>() {
+            let places = all.iter_mut().flatten().zip(study.into_iter().flatten());
+            places.for_each(|(ratios, ratio)| ratios.push(ratio));
+        }
+        next = end;
+        if all.iter().flatten().zip(observed.iter().flatten()).all(|(ratios, own)| is_decided(ratios, *own)) {
+            break;
+        }
+    }
+    all
 }
 
 /// Returns the indices of a term's columns and their coefficients.
@@ -90,7 +106,14 @@ pub(super) fn own_coefficients(full: &Fitted, term: &Term) -> Vec<(usize, f64)> 
 }
 
 fn ratios(full: &Fitted, frame: Frame, held: &[Design], what: &Statistics) -> [Vec<f64>; 2] {
-    let how = How { random: Some(&full.random), x: Some(&full.x), near: full.mixed.as_ref(), ..How::default() };
+    let how = How {
+        random: Some(&full.random),
+        x: Some(&full.x),
+        near: Some(full),
+        informed: Some(full),
+        rough: true,
+        ..How::default()
+    };
     let none = [&what.terms, &what.nominal].map(|terms| vec![f64::NAN; terms.len()]);
     // Without terms to test, the random effects are not needed.
     let mut spec = full.spec.clone();
@@ -99,8 +122,8 @@ fn ratios(full: &Fitted, frame: Frame, held: &[Design], what: &Statistics) -> [V
     }
     let Ok(free) = fit_terms(frame, spec, Vec::new(), how) else { return none };
     let fixed = |x: &Design| {
-        let near = free.mixed.as_ref().or(full.mixed.as_ref());
-        let how = How { x: Some(x), near, ..how };
+        let near = if free.mixed.is_some() { &free } else { full };
+        let how = How { x: Some(x), near: Some(near), ..how };
         let fixed = fit_terms(free.frame.clone(), free.spec.clone(), Vec::new(), how).ok()?;
         comparable(&free, &fixed).then(|| (2.0 * (free.loglik() - fixed.loglik())).max(0.0))
     };

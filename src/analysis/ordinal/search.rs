@@ -63,6 +63,12 @@ pub(super) struct Task<'a> {
     pub plain: &'a DVector<f64>,
     /// Where to start (θ, β and ψ); `None` tries a few standard deviations.
     pub start: Option<&'a DVector<f64>>,
+    /// Starting values of the modes.
+    pub modes: Option<&'a Modes>,
+    /// The information of the free parameters in a similar fit.
+    pub information: Option<&'a DMatrix<f64>>,
+    /// Whether a deviation that arrives at 0 stays there.
+    pub rough: bool,
     /// The indices of the parameters that may change, in order.
     pub free: &'a [usize],
     /// The largest gradient that counts as zero.
@@ -75,13 +81,13 @@ pub(super) struct Task<'a> {
 pub(super) fn fit(data: &ClmmData, task: Task<'_>) -> Option<MixedFit> {
     let tolerance = task.tolerance;
     let mut search = Search::begin(data, task)?;
-    let (mut iterations, mut end) = search.climb(tolerance);
+    let (mut iterations, mut end) = search.climb(tolerance, task.information);
     // Each pass holds at least one more deviation at 0, or the search ends.
     for _ in 0..=data.loadings.parameters() {
-        if !search.hold_zeros(task.free) {
+        if !search.hold_zeros(task.free, task.rough) {
             break;
         }
-        let more = search.climb(tolerance);
+        let more = search.climb(tolerance, None);
         (iterations, end) = (iterations + more.0, more.1);
     }
     let is_zero = |parameter: &usize| search.at[data.first_psi() + parameter] == 0.0;
@@ -119,7 +125,8 @@ impl<'a> Search<'a> {
             }
         };
         for at in starts {
-            let mut modes = best.as_ref().map_or_else(|| data.modes(), |best| best.modes.clone());
+            let first = || task.modes.cloned().unwrap_or_else(|| data.modes());
+            let mut modes = best.as_ref().map_or_else(first, |best| best.modes.clone());
             if let Some(value) = data.evaluate(&at, &mut modes)
                 && best.as_ref().is_none_or(|best| value.loglik > best.value.loglik)
             {
@@ -131,7 +138,7 @@ impl<'a> Search<'a> {
 
     /// Holds the deviations that are close to 0 at 0, and moves those away again at which another value is better.
     /// Returns whether the search must continue.
-    fn hold_zeros(&mut self, free: &[usize]) -> bool {
+    fn hold_zeros(&mut self, free: &[usize], rough: bool) -> bool {
         if !self.data.loadings.independent {
             return false;
         }
@@ -150,7 +157,8 @@ impl<'a> Search<'a> {
             }
             self.free.retain(|other| *other != index);
         }
-        let zeros: Vec<usize> = indices.into_iter().filter(|&i| self.at[i] == 0.0 && free.contains(&i)).collect();
+        let zeros: Vec<usize> =
+            indices.into_iter().filter(|&i| !rough && self.at[i] == 0.0 && free.contains(&i)).collect();
         let mut moved = false;
         for index in zeros {
             for sigma in [0.05, 0.2, 0.5] {
@@ -221,11 +229,14 @@ impl<'a> Search<'a> {
         Some(whole.select_rows(&self.free).select_columns(&self.free))
     }
 
-    /// Takes quasi-Newton steps (Broyden, Fletcher, Goldfarb, Shanno), starting from the approximate information.
-    fn climb(&mut self, tolerance: f64) -> (usize, MixedFitEnd) {
+    /// Takes quasi-Newton steps (Broyden, Fletcher, Goldfarb, Shanno), starting from the information of a similar fit or from
+    /// the approximate one.
+    fn climb(&mut self, tolerance: f64, similar: Option<&DMatrix<f64>>) -> (usize, MixedFitEnd) {
         const MAX_ITERATIONS: usize = 300;
-        let rough = self.rough_information();
-        let Some(factor) = rough.and_then(|rough| positive_definite(&rough)) else { return (0, MixedFitEnd::Stalled) };
+        let similar = similar.and_then(positive_definite);
+        let Some(factor) = similar.or_else(|| positive_definite(&self.rough_information()?)) else {
+            return (0, MixedFitEnd::Stalled);
+        };
         let mut inverse = factor.inverse();
         for iteration in 0..MAX_ITERATIONS {
             checkpoint();

@@ -12,7 +12,7 @@ use crate::{
         Note, Results,
         results::{FactorResults, SubjectResults},
     },
-    report::document::numbers::{count, fixed, list, p_is, percent, probability, short_list, unit},
+    report::document::numbers::{count, either, fixed, p_is, percent, probability, short_list, unit},
     store::{FileError, ratings::Source},
 };
 
@@ -87,11 +87,13 @@ fn problems(problems: &[FileError], what: &str, excluded: u64) -> Option<String>
 
 /// Warns that a missing effect proves nothing: absence of evidence is not evidence of absence.
 fn nothing_found(results: &Results) -> Option<String> {
+    let dependences = findings::dependences(results);
     let unclear: Vec<&str> = names::varied(results)
+        .filter(|factor| !findings::is_dependent(&dependences, factor))
         .filter(|factor| findings::evidence(results, factor).is_some_and(|evidence| evidence.p >= ALPHA))
         .map(|factor| names::factor(&factor.name))
         .collect();
-    let (people, unclear_list) = (count(results.people() as u64, "participant"), list(&unclear));
+    let (people, unclear_list) = (count(results.people() as u64, "participant"), either(&unclear));
     (!unclear.is_empty()).then(|| {
         let what = if results.is_inferential() { "This study" } else { "These trials" };
         format!(
@@ -107,6 +109,15 @@ fn about_model(results: &Results) -> Vec<String> {
         Err(error) => return vec![format!("There is no model: {error}.")],
     };
     let mut cautions = Vec::new();
+    let dependences = findings::dependences(results);
+    cautions.extend(dependences.iter().filter(|found| found.is_clear() && !found.is_modeled).map(|found| {
+        let (together, terms) = (found.names(), found.factors.iter().map(|factor| factor.name.as_str()));
+        format!(
+            "The model is additive, although the effects of {together} depend on each other: its coefficients and \
+             comparisons of each are averages over the other. The option terms with {} models the interaction.",
+            terms.collect::<Vec<_>>().join("*")
+        )
+    }));
     let notes = &report.model.notes;
     let is_mentioned = notes.iter().any(|note| matches!(note, Note::RunawayVariance | Note::NoMixedModel));
     if results.is_inferential() && report.model.random.is_none() && !is_mentioned {

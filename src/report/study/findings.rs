@@ -7,15 +7,16 @@
 use super::names;
 use crate::{
     analysis::{
-        Comparison, Link, ModelReport, Results, TermTest,
+        Interaction, Link, ModelReport, Results, TermTest, Withheld, find_factor, number_of,
         rank_tests::PMethod,
-        results::FactorResults,
+        results::{FactorResults, factor_results},
         terms::{Term, Variable},
     },
     report::document::{
         Shown,
-        numbers::{fixed, list, mean, p_is, percent, ratio, short_list, with_interval},
+        numbers::{count, fixed, list, mean, p_is, percent, ratio, short_list, with_interval},
     },
+    statistics::{Interval, holm},
 };
 
 /// Significance level: if p is below this, a difference counts as more than chance.
@@ -26,8 +27,6 @@ pub(super) struct Evidence {
     /// The test and its statistic, such as `likelihood-ratio test: χ²(2) = 7.1`.
     test: String,
     pub p: f64,
-    /// Whether p comes from a limited number of simulated studies and cannot be smaller.
-    least: bool,
     is_rank_test: bool,
 }
 
@@ -42,42 +41,45 @@ pub(super) struct Size {
 /// Describes the effect of a factor.
 pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
     let name = names::factor(&factor.name);
+    let before = caveat(results, factor).unwrap_or_default();
     let Some(evidence) = evidence(results, factor) else {
-        return format!("{}. It could not be tested.", means(results, factor));
+        return format!("{before}{}. {}", means(results, factor), untested(results, factor));
     };
     let size = size(results, factor, evidence.is_rank_test);
-    let p = evidence.p_text();
+    let p = p_is(evidence.p);
     if evidence.p < ALPHA && size.as_ref().is_none_or(|size| !size.has_interval) {
         return format!(
-            "{}. The size of this effect cannot be estimated with an interval, so no conclusion is drawn ({}, {p}).",
+            "{before}{}. The size of this effect cannot be estimated with an interval, so no conclusion is drawn ({}, {p}).",
             means(results, factor),
             evidence.test
         );
     }
-    let mut text = if evidence.p < ALPHA {
-        let whose = if results.is_inferential() { "" } else { " to this participant" };
-        // Express a small probability in words.
-        let how = match evidence.p {
-            p if p < 0.001 => "hardly ever",
-            p if p < 0.01 => "rarely",
-            _ => "not often",
-        };
-        format!(
-            "{}; if {name} made no difference{whose}, {} would {how} occur ({}, {p}).",
-            means(results, factor),
-            if evidence.is_rank_test { "orders this consistent" } else { "differences this large" },
-            evidence.test
-        )
-    } else {
-        let [(least, low), (most, high)] = least_and_most(factor);
-        let span = if least == most {
-            format!("mean ratings are {least} at all levels")
+    let mut text = before
+        + &if evidence.p < ALPHA {
+            let whose = if results.is_inferential() { "" } else { " to this participant" };
+            // Express a small probability in words.
+            let how = match evidence.p {
+                p if p < 0.001 => "hardly ever",
+                p if p < 0.01 => "rarely",
+                _ => "not often",
+            };
+            format!(
+                "{}; if {name} made no difference{whose}, {} would {how} occur ({}, {p}).",
+                means(results, factor),
+                if evidence.is_rank_test { "orders this consistent" } else { "differences this large" },
+                evidence.test
+            )
         } else {
-            format!("mean ratings lie between {least} at {low} and {most} at {high}")
+            let [(least, low), (most, high)] = least_and_most(factor);
+            let ratings = if factor.marginal.is_some() { "the ratings that the model expects" } else { "mean ratings" };
+            let span = if least == most {
+                format!("{ratings} are {least} at all levels")
+            } else {
+                format!("{ratings} lie between {least} at {low} and {most} at {high}")
+            };
+            let what = if results.is_inferential() { "this study" } else { "these trials" };
+            format!("By {name}, {span}, and {what} cannot distinguish the levels ({}, {p}).", evidence.test)
         };
-        let what = if results.is_inferential() { "this study" } else { "these trials" };
-        format!("By {name}, {span}, and {what} cannot distinguish the levels ({}, {p}).", evidence.test)
-    };
     // If no test distinguishes the levels, the two extremes may differ only by chance, so their contrast is not
     // reported.
     let chosen = factor.contrast().1;
@@ -91,6 +93,47 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
     text.extend(second_opinion(results, factor, &evidence));
     text.extend(people_differ(results, factor, evidence.p < ALPHA));
     text
+}
+
+/// Says that the raw means cannot be compared, if so.
+fn caveat(results: &Results, factor: &FactorResults) -> Option<String> {
+    factor.marginal.as_ref()?;
+    let name = names::factor(&factor.name);
+    let raw = FactorResults { marginal: None, ..factor.clone() };
+    let ([first, second], _) = factor.contrast();
+    let difference = |means: &[f64]| means[second] - means[first];
+    let missing = match factor.incomplete.len() {
+        0 => "the conditions of the other factors differ between its levels".to_owned(),
+        n if n == results.people() => "no participant rated all of its levels alike".to_owned(),
+        n => format!("{} of {} did not rate all of its levels", n, count(results.people() as u64, "participant")),
+    };
+    let at =
+        |place: usize| format!("{} at {}", mean(raw.means()[place]), names::level_of(factor, &factor.levels[place]));
+    Some(if difference(&raw.means()) * difference(&factor.means()) < 0.0 {
+        format!(
+            "The raw means by {name} mislead ({} and {}): {missing}, and within participants the order is the opposite. ",
+            at(first),
+            at(second)
+        )
+    } else {
+        format!("The raw means by {name} are not comparable: {missing}. ")
+    })
+}
+
+/// Says why a factor could not be tested.
+fn untested(results: &Results, factor: &FactorResults) -> String {
+    let reason = match &results.model {
+        Err(error) => Some(format!("there is no model ({error})")),
+        Ok(_) => main_effect(results, &factor.name)
+            .and_then(|term| likelihood_ratio(results, term)?.withheld)
+            .map(|reason| reason.to_string())
+            .or_else(|| {
+                main_effect(results, &factor.name).is_none().then(|| "it is not a term of the model".to_owned())
+            }),
+    };
+    let name = names::factor(&factor.name);
+    let reason = reason.unwrap_or_else(|| format!("no participant has comparable ratings at every level of {name}"));
+    format!("The effect of {name} could not be tested: {reason}.")
 }
 
 /// Says that participants differ in the effect, if the interval of the deviations excludes 0.
@@ -107,28 +150,18 @@ fn people_differ(results: &Results, factor: &FactorResults, found: bool) -> Opti
     ))
 }
 
-impl Evidence {
-    fn p_text(&self) -> String {
-        let text = p_is(self.p);
-        // The smallest simulated probability is a bound.
-        if self.least { text.replace('=', "≤") } else { text }
-    }
-}
-
 /// Describes the means in a sentence without its period. For a single participant, the sentence describes only these
 /// ratings.
 fn means(results: &Results, factor: &FactorResults) -> String {
     let name = names::factor(&factor.name);
-    let (the_mean, of_these) = if results.is_inferential() {
-        ("The mean rating", "the mean rating")
-    } else {
-        ("In these ratings, the mean", "the mean of these ratings")
+    let (the_mean, of_these) = match (&factor.marginal, results.is_inferential()) {
+        (Some(_), _) => ("The rating that the model expects", "the rating that the model expects"),
+        (None, true) => ("The mean rating", "the mean rating"),
+        (None, false) => ("In these ratings, the mean", "the mean of these ratings"),
     };
     let last = factor.levels.len() - 1;
-    let at = |index: usize| {
-        let level = &factor.levels[index];
-        format!("{} at {}", mean(level.summary.mean), names::level_of(factor, level))
-    };
+    let values = factor.means();
+    let at = |index: usize| format!("{} at {}", mean(values[index]), names::level_of(factor, &factor.levels[index]));
     let ends = format!("from {} to {}", at(0), at(last));
     let [(least, low), (most, high)] = least_and_most(factor);
     match factor.course() {
@@ -159,12 +192,11 @@ fn means(results: &Results, factor: &FactorResults) -> String {
 /// joined.
 fn least_and_most(factor: &FactorResults) -> [(Shown, String); 2] {
     let (most, least) = factor.extremes();
+    let means = factor.means();
     [least, most].map(|index| {
-        let value = factor.levels[index].summary.mean;
-        let same: Vec<Shown> = (factor.levels.iter().filter(|level| (level.summary.mean - value).abs() < 1e-9))
-            .map(|level| names::level_of(factor, level))
-            .collect();
-        (mean(value), short_list(&same, 4))
+        let same = factor.levels.iter().zip(&means).filter(|(_, value)| (*value - means[index]).abs() < 1e-9);
+        let same: Vec<Shown> = same.map(|(level, _)| names::level_of(factor, level)).collect();
+        (mean(means[index]), short_list(&same, 4))
     })
 }
 
@@ -192,20 +224,20 @@ pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evid
         .filter(|term| is_reliable(results, factor, term))
         .and_then(|term| likelihood_ratio(results, term));
     if let Some(test) = test
-        && let (Some(ratio), Some(p)) = (test.lr, test.p)
+        && let Some(p) = test.p
     {
-        let simulated = match test.draws {
-            Some(draws) => format!(" in {draws} simulated studies"),
-            None => String::new(),
-        };
-        let least = test.draws.is_some_and(|draws| p * (1 + draws) as f64 <= 1.0 + 1e-9);
-        let test = format!("likelihood-ratio test{simulated}: χ²({}) = {}", test.df, fixed(ratio, 1));
-        return Some(Evidence { test, p, least, is_rank_test: false });
+        return Some(Evidence { test: ratio_test(test), p, is_rank_test: false });
     }
     let test = factor.friedman.filter(|_| factor.within && results.is_inferential())?;
     let exact = if test.method == PMethod::ChiSquared { "" } else { "exact " };
     let text = format!("{exact}Friedman test: χ²({}) = {}", test.df, fixed(test.chi_squared, 1));
-    Some(Evidence { test: text, p: test.p, least: false, is_rank_test: true })
+    Some(Evidence { test: text, p: test.p, is_rank_test: true })
+}
+
+/// Returns the test with its statistic.
+fn ratio_test(test: &TermTest) -> String {
+    let simulated = test.draws.map_or_else(String::new, |draws| format!(" in {draws} simulated studies"));
+    format!("likelihood-ratio test{simulated}: χ²({}) = {}", test.df, fixed(test.lr, 1))
 }
 
 fn likelihood_ratio<'a>(results: &'a Results, term: &Term) -> Option<&'a TermTest> {
@@ -240,14 +272,24 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
         let coefficient =
             report.model.coefficients.iter().find(|c| c.parts.iter().map(|part| &part.variable).eq(&term.variables))?;
         let value = |estimate: f64| if odds { ratio(estimate.exp()) } else { fixed(estimate, 2) };
-        let interval = with_interval(coefficient.interval, value);
-        let estimate = value(coefficient.estimate);
+        // Over the whole range, so that the unit does not matter.
+        let is_inverse = *name != factor.name;
+        let numbers = factor.levels.iter().filter_map(|level| number_of(&level.names[0]));
+        let numbers: Vec<f64> = numbers.map(|x| if is_inverse { x.recip() } else { x }).collect();
+        let [low, high] = [f64::min, f64::max].map(|f| numbers.iter().copied().reduce(f));
+        let range = high? - low?;
+        let interval = coefficient.interval.map(|i| Interval { low: range * i.low, high: range * i.high });
+        let (estimate, interval) = (value(range * coefficient.estimate), with_interval(interval, value));
+        let ends = |x: f64| {
+            factor.levels.iter().find(|level| {
+                number_of(&level.names[0]).map(|own| if is_inverse { own.recip() } else { own }) == Some(x)
+            })
+        };
+        let [low, high] = [ends(low?)?, ends(high?)?].map(|level| names::level_of(factor, level));
         let text = if odds {
-            format!("Each additional unit of {name} multiplies the odds of a higher rating by {estimate}{interval}")
+            format!("From {low} to {high}, the odds of a higher rating are multiplied by {estimate}{interval}")
         } else {
-            format!(
-                "Each additional unit of {name} shifts the latent rating by {estimate} standard deviations{interval}"
-            )
+            format!("From {low} to {high}, the latent response shifts by {estimate} standard deviations{interval}")
         };
         return Some(Size { text, has_interval: coefficient.interval.is_some() });
     }
@@ -315,66 +357,128 @@ fn second_opinion(results: &Results, factor: &FactorResults, evidence: &Evidence
     ))
 }
 
-/// Says which effects depend on each other.
-pub(super) fn interactions(results: &Results) -> Vec<String> {
-    let sentence = |term: &Term| {
-        let test = likelihood_ratio(results, term)?;
-        let together = list(&term.variables.iter().map(|v| names::factor(v.name())).collect::<Vec<_>>());
-        let what = if results.is_inferential() { "This study" } else { "These trials" };
-        let Some(p) = test.p else {
-            let reason = test.withheld.map_or_else(String::new, |reason| format!(": {reason}"));
-            return Some(format!(
-                "Whether the effects of {together} depend on each other could not be tested{reason}."
-            ));
-        };
-        let simple = simple_effects(results, term);
-        Some(match simple {
-            _ if p >= ALPHA => {
-                format!("{what} cannot tell whether the effects of {together} depend on each other ({}).", p_is(p))
-            }
-            Some(simple) => format!(
-                "The effects of {together} depend on each other (likelihood-ratio test, {}): {simple}.",
-                p_is(p)
-            ),
-            None => format!(
-                "The likelihood-ratio test says that the effects of {together} depend on each other ({}), but the size of \
-                 this cannot be estimated with an interval, so no conclusion is drawn.",
-                p_is(p)
-            ),
-        })
-    };
-    let shown = !results.is_inferential() || is_clustered(results);
-    results.spec.terms.iter().filter(|term| shown && term.variables.len() > 1).filter_map(sentence).collect()
+/// Factors whose effects may depend on each other, and the test of it.
+pub(super) struct Dependence<'a> {
+    /// The factors. If there are two, the effect of the first is described at each level of the second, which has fewer.
+    pub factors: Vec<&'a FactorResults>,
+    /// The test and its statistic.
+    test: String,
+    pub p: Option<f64>,
+    withheld: Option<Withheld>,
+    /// Whether the model has this interaction.
+    pub is_modeled: bool,
 }
 
-/// Describes how much the last level of the first factor differs from the first level, at up to three levels of the
-/// second factor.
-fn simple_effects(results: &Results, term: &Term) -> Option<String> {
-    const MAX_SHOWN: usize = 3;
-    let report = results.model.as_ref().ok()?;
-    let [first, second] = &term.variables[..] else { return None };
-    let (_, factor) = results.measured.counts.factor(first.name())?;
-    let (low, high) = (factor.levels.first()?, factor.levels.last()?);
-    let is_shown = |c: &&Comparison| {
-        let at_second = c.at.as_ref().is_some_and(|(other, _)| other == second.name());
-        at_second && c.factor == first.name() && c.level == *high && c.other == *low
+impl Dependence<'_> {
+    pub fn is_clear(&self) -> bool {
+        self.p.is_some_and(|p| p < ALPHA)
+    }
+
+    /// Returns the names of the factors, such as `width and depth`.
+    pub fn names(&self) -> String {
+        list(&self.factors.iter().map(|factor| names::factor(&factor.name)).collect::<Vec<_>>())
+    }
+}
+
+/// Returns all interactions that were tested: those in the model, and those that it leaves out.
+pub(super) fn dependences(results: &Results) -> Vec<Dependence<'_>> {
+    let Ok(report) = &results.model else { return Vec::new() };
+    let find = |name: &str| results.factors.iter().find(|factor| factor.name == name);
+    let in_model = |term: &Term| {
+        let name = |variable: &Variable| find_factor(&results.measured.counts, variable).ok().map(|(index, _)| index);
+        let factors: Vec<usize> = term.variables.iter().map(name).collect::<Option<_>>()?;
+        let test = report.terms.iter().find(|test| test.term == term.to_string())?;
+        Some(Dependence {
+            factors: factors.into_iter().map(|index| &results.factors[index]).collect(),
+            test: ratio_test(test),
+            p: test.p,
+            withheld: test.withheld,
+            is_modeled: true,
+        })
     };
-    let part = |comparison: &Comparison| {
-        let interval = comparison.interval?;
-        let (_, stratum) = comparison.at.as_ref()?;
-        let unit = match results.spec.link {
-            Link::Logit => "logits",
-            Link::Probit => "latent standard deviations",
+    let left_out = |test: &Interaction| {
+        let name = if test.by_signs { "score test" } else { "likelihood-ratio test" };
+        Some(Dependence {
+            factors: test.factors.iter().map(|name| find(name)).collect::<Option<_>>()?,
+            test: format!("{name}: χ²({}) = {}", test.df, fixed(test.chi_squared, 1)),
+            p: test.p,
+            withheld: test.withheld,
+            is_modeled: false,
+        })
+    };
+    let terms = results.spec.terms.iter().filter(|term| term.variables.len() > 1);
+    let shown = !results.is_inferential() || is_clustered(results);
+    let mut all: Vec<Dependence<'_>> = terms.filter(|_| shown).filter_map(in_model).collect();
+    all.extend(report.interactions.iter().filter_map(left_out));
+    for dependence in &mut all {
+        dependence.factors.sort_by_key(|factor| std::cmp::Reverse(factor.levels.len()));
+    }
+    all
+}
+
+/// Returns whether the effect of a factor depends on another factor, so that it has no single size.
+pub(super) fn is_dependent(dependences: &[Dependence<'_>], factor: &FactorResults) -> bool {
+    dependences.iter().any(|found| found.is_clear() && found.factors.iter().any(|own| own.name == factor.name))
+}
+
+/// Describes an interaction: the effect of one factor at each level of the other; `None` if there is nothing to say.
+pub(super) fn interaction(results: &Results, found: &Dependence<'_>) -> Option<String> {
+    let together = found.names();
+    let what = if results.is_inferential() { "This study" } else { "These trials" };
+    let Some(p) = found.p else {
+        let reason = found.withheld.map_or_else(String::new, |reason| format!(": {reason}"));
+        return Some(format!("Whether the effects of {together} depend on each other could not be tested{reason}."));
+    };
+    if p >= ALPHA {
+        let text = format!("{what} cannot tell whether the effects of {together} depend on each other ({}).", p_is(p));
+        return found.is_modeled.then_some(text);
+    }
+    let whose = if results.is_inferential() { "" } else { " for this participant" };
+    let mut text = format!("The effects of {together} depend on each other{whose} ({}, {}).", found.test, p_is(p));
+    if let [of, at] = found.factors[..] {
+        text += &simple_effects(results, of, at);
+    }
+    Some(text)
+}
+
+/// Describes the effect of a factor at each level of another one, or at some of them if there are many.
+fn simple_effects(results: &Results, of: &FactorResults, at: &FactorResults) -> String {
+    const MAX_SHOWN: usize = 4;
+    let counts = &results.measured.counts;
+    let (Some((own, _)), Some((other, _))) = (counts.factor(&of.name), counts.factor(&at.name)) else {
+        return String::new();
+    };
+    let strata: Vec<(usize, FactorResults)> = (0..at.levels.len())
+        .map(|place| {
+            let level = counts.factors[other].levels.iter().position(|level| *level == at.levels[place].names[0]);
+            let level = level.map(|level| level as u32);
+            (place, factor_results(&results.measured.filtered(|_| true, |levels| levels[other] == level), own))
+        })
+        .filter(|(_, stratum)| stratum.levels.len() > 1)
+        .collect();
+    let p: Vec<Option<f64>> = strata.iter().map(|(_, stratum)| stratum.friedman.map(|test| test.p)).collect();
+    let corrected = holm(&p);
+    let last = strata.len().saturating_sub(1);
+    let is_shown = |place: usize| last < MAX_SHOWN || place == 0 || place == last / 2 || place == last;
+    let part = |(place, ((level, stratum), p)): (usize, (&(usize, FactorResults), Option<f64>))| {
+        let ([first, second], _) = stratum.contrast();
+        let mean_at = |index: usize| {
+            let level = &stratum.levels[index];
+            format!("{} at {} {}", mean(level.summary.mean), names::factor(&of.name), names::level_of(of, level))
         };
-        Some(format!(
-            "at {}, ratings at {} differ from those at {} by {} {unit}{}",
-            names::level(second.name(), stratum),
-            names::level(first.name(), high),
-            names::level(first.name(), low),
-            fixed(comparison.estimate, 2),
-            with_interval(Some(interval), |x| fixed(x, 2))
-        ))
+        let level = names::level_of(at, &at.levels[*level]);
+        let p = p.filter(|_| results.is_inferential()).map_or_else(String::new, |p| format!(" ({})", p_is(p)));
+        is_shown(place).then(|| {
+            format!("at {} {level}, it is {} and {}{p}", names::factor(&at.name), mean_at(first), mean_at(second))
+        })
     };
-    let parts: Vec<String> = report.comparisons.iter().filter(is_shown).take(MAX_SHOWN).filter_map(part).collect();
-    (!parts.is_empty()).then(|| parts.join("; "))
+    let parts: Vec<String> = strata.iter().zip(corrected).enumerate().filter_map(part).collect();
+    let of_all =
+        if last < MAX_SHOWN { String::new() } else { format!(", at {} of {} levels", parts.len(), strata.len()) };
+    let test = if results.is_inferential() && p.iter().any(Option::is_some) {
+        "; p of each comparison is from Friedman’s test of all levels, corrected with Holm’s method"
+    } else {
+        ""
+    };
+    format!(" The mean rating{of_all}: {}{test}.", parts.join("; "))
 }

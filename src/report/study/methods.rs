@@ -138,6 +138,15 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
             .collect();
         text += &format!(" Terms were tested with likelihood-ratio tests: {}.", tests.join("; "));
     }
+    let left_out =
+        |by_signs: bool| report.interactions.iter().any(|test| test.p.is_some() && test.by_signs == by_signs);
+    if left_out(true) {
+        text += " The two-way interactions that the model leaves out were tested with score tests over the signs of the \
+                 participants’ residuals, corrected for their number by the smallest p (Westfall & Young).";
+    } else if left_out(false) {
+        text += " The two-way interactions that the model leaves out were tested with likelihood ratios, corrected with Holm’s \
+                 method.";
+    }
     if let Some(draws) = report.terms.iter().find_map(|test| test.draws) {
         text += &format!(
             " Their p values come from a parametric bootstrap ({}) with {draws} studies simulated from the model (ChaCha8, \

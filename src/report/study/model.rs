@@ -3,8 +3,8 @@
 use super::{cautions::is_serious, findings::ALPHA, names};
 use crate::{
     analysis::{
-        Alternative, Checks, Coefficient, Comparison, Contrast, Influence, Link, Margin, Model, ModelReport,
-        Proportion, Random, RandomEffect, Results, Slopes, TermTest, Threshold, terms::Variable,
+        Alternative, Checks, Coefficient, Comparison, Contrast, Influence, Interaction, Link, Margin, Model,
+        ModelReport, Proportion, Random, RandomEffect, Results, Slopes, TermTest, Threshold, terms::Variable,
     },
     report::{
         document::{
@@ -60,6 +60,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         &report.terms,
         false,
     );
+    interactions(&mut section, report);
     tests(
         &mut section,
         "Is one coefficient per effect enough?",
@@ -85,15 +86,47 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     section
 }
 
+/// Lists the interactions that the model leaves out.
+fn interactions(section: &mut Section, report: &ModelReport) {
+    let Some(first) = report.interactions.first() else { return };
+    section.heading("Do the effects depend on each other?");
+    let how = if first.by_signs {
+        "A score test: without an interaction, the residuals of each participant might as well point the other way, so p is the \
+         proportion of all (or 9,999 random) patterns of the participants’ signs with a statistic at least as large."
+    } else {
+        "A likelihood-ratio test against the model with the interaction, in simulated studies."
+    };
+    section.text(format!(
+        "The model is additive: each factor has the same effect at every level of the others. Each row tests this for two \
+         factors. {how} The p values are corrected for the number of rows."
+    ));
+    let row = |test: &Interaction| {
+        let names = test.factors.iter().map(|name| names::factor(name)).collect::<Vec<_>>().join(", ");
+        vec![names.into(), fixed(test.chi_squared, 2), whole(test.df as u64), probability(test.p)]
+    };
+    let rows = report.interactions.iter().map(row).collect();
+    section.table(
+        "Tests of the interactions that are not in the model",
+        &["Factors"],
+        &["χ²", "df", "Corrected p"],
+        rows,
+    );
+    for test in &report.interactions {
+        if let Some(reason) = test.withheld {
+            section.note(format!("No p for {}: {reason}.", test.term));
+        }
+    }
+}
+
 /// Says where the probabilities of some tests come from.
 fn source_of_p(tests: &[TermTest]) -> String {
     match tests.iter().find_map(|test| test.draws) {
         Some(draws) => format!(
             "The χ² distribution is not accurate with few or related ratings, so {draws} studies were simulated from the \
-             model. If k of their ratios, computed at the effects that generated them, are at least as large, p is (1 + k) / \
-             {}; the smallest possible p is {}.",
-            draws + 1,
-            probability(1.0 / (1 + draws) as f64)
+             model; more would not change a conclusion. p is the proportion of their ratios, computed at the effects that \
+             generated them, that are at least as large. If none is, p comes from an exponential tail fitted to the largest \
+             fifth. The Monte Carlo standard error of p is at most {}.",
+            fixed(tests.iter().filter_map(|test| test.p_error).fold(0.0, f64::max), 4)
         ),
         None if tests.iter().all(|test| test.p.is_none()) => "There are no p values, for the reasons below.".to_owned(),
         None => "The p values come from the χ² distribution.".to_owned(),
@@ -187,13 +220,9 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
     section.heading("Comparisons of levels");
     section.text(format!(
         "Differences on the latent scale, in the model; those of factors in an interaction are given at each level of the \
-         other factor (simple effects). The p values and intervals use the {}, so they differ a little from the profile \
-         intervals above; Holm’s method corrects p for all comparisons of a factor, but the intervals are not corrected.",
-        if results.is_inferential() {
-            "t distribution with one degree of freedom for each participant but one, and standard errors widened by √(n / (n − 1))"
-        } else {
-            "normal distribution"
-        }
+         other factor (simple effects). The p values and intervals use standard errors{}; Holm’s method corrects p for all \
+         comparisons of a factor, but the intervals are not corrected.",
+        if results.is_inferential() { ", widened like the limit of the term’s likelihood-ratio test below" } else { "" }
     ));
     let row = |c: &Comparison| {
         let level = |level: &str| names::level(&c.factor, level);

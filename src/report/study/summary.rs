@@ -54,8 +54,13 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
 
 /// Summarizes a study.
 pub fn summary(source: &Source, results: &Results) -> Summary {
-    let mut findings: Vec<String> = names::varied(results).map(|factor| findings::finding(results, factor)).collect();
-    findings.extend(findings::interactions(results));
+    // Where effects depend on each other, no factor has an effect of its own.
+    let dependences = findings::dependences(results);
+    let (clear, others): (Vec<_>, Vec<_>) = dependences.iter().partition(|found| found.is_clear());
+    let mut findings: Vec<String> = clear.iter().filter_map(|found| findings::interaction(results, found)).collect();
+    let alone = names::varied(results).filter(|factor| !findings::is_dependent(&dependences, factor));
+    findings.extend(alone.map(|factor| findings::finding(results, factor)));
+    findings.extend(others.iter().filter_map(|found| findings::interaction(results, found)));
     findings.extend(between_participants(results));
     findings.extend(agreement(results));
     findings.extend(repetition(results));

@@ -1,0 +1,250 @@
+//! Tests of the two-way interactions that a model leaves out, from its residuals: no wider model is fitted.
+//!
+//! A participant's score for an interaction is the sum of the residuals times the interaction's columns, which are made
+//! orthogonal to the columns of the model. If there is no interaction, each participant's scores might as well have the
+//! opposite sign, however participants differ. The statistic is the squared sum of the scores in units of their
+//! information, and its distribution that over these signs (a score bootstrap: Kline & Santos 2012, J. Econom. Methods 1).
+//! The same signs for all interactions give the distribution of the smallest p, which corrects for their number (Westfall &
+//! Young 1993). Fewer than [`LEAST_FOR_SIGNS`] participants have too few signs: likelihood ratios of wider models in
+//! simulated studies take their place.
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use rand::RngExt;
+use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{
+    fitting::{Fitted, How, Layout, fit_terms, layout},
+    likelihood_ratios::{Withheld, without_term},
+    model::ModelSpec,
+    resampling::{Resampling, Statistics, simulate},
+    terms::{Term, Terms},
+};
+use crate::{analysis::frame::find_factor, statistics::holm};
+
+/// With five participants, no p could be below 1/16.
+const LEAST_FOR_SIGNS: usize = 6;
+/// Up to this number of participants, all signs are enumerated.
+const MAX_ENUMERATED: usize = 14;
+/// Number of random signs of more participants.
+const SIGNS: usize = 9_999;
+/// Maximum number of columns of an interaction.
+const MAX_COLUMNS: usize = 300;
+/// Maximum number of columns of an interaction that is tested by a wider model.
+const MAX_SIMULATED: usize = 6;
+
+/// The test of an interaction that is not in the model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Interaction {
+    /// The interaction as a term, such as `width:depth`.
+    pub term: String,
+    /// Names of the two factors.
+    pub factors: [String; 2],
+    /// The score statistic or, with fewer than six participants, the likelihood ratio.
+    pub chi_squared: Option<f64>,
+    /// Number of its degrees of freedom.
+    pub df: usize,
+    /// Probability of a statistic at least as large without any interaction, corrected for the number of interactions that
+    /// are tested.
+    pub p: Option<f64>,
+    /// Number of patterns of signs or of simulated studies.
+    pub draws: usize,
+    /// True if the probability comes from patterns of signs.
+    pub by_signs: bool,
+    /// Why there is no probability.
+    pub withheld: Option<Withheld>,
+}
+
+/// Tests every pair of factors whose main effects, but not their interaction, are in the model.
+pub(super) fn interactions(full: &Fitted, settings: Resampling) -> Vec<Interaction> {
+    let pairs = pairs(full);
+    if full.frame.subjects.len() >= LEAST_FOR_SIGNS {
+        by_signs(full, pairs, settings.seed)
+    } else {
+        by_ratios(full, pairs, settings)
+    }
+}
+
+/// Returns the interactions that the model leaves out, with the indices of their two terms.
+fn pairs(full: &Fitted) -> Vec<(Interaction, [usize; 2])> {
+    let main: Vec<(usize, &Term)> =
+        full.spec.terms.iter().enumerate().filter(|(_, term)| term.variables.len() == 1).collect();
+    let factor = |term: &Term| find_factor(full.frame.counts, &term.variables[0]).map(|(factor, _)| factor);
+    let name = |term: &Term| factor(term).map_or_else(|_| String::new(), |f| full.frame.counts.factors[f].name.clone());
+    let pair = |(i, one): (usize, &Term), (j, other): (usize, &Term)| {
+        let term = Term { variables: [&one.variables[..], &other.variables].concat() };
+        let is_known = full.spec.terms.iter().any(|known| known.contains(&term));
+        let is_tested = !is_known && factor(one).is_ok_and(|own| factor(other).is_ok_and(|other| own != other));
+        let columns = |index: usize| full.x.columns.iter().filter(|column| column.term == index).count();
+        let untested = Interaction {
+            term: term.to_string(),
+            factors: [name(one), name(other)],
+            chi_squared: None,
+            df: columns(i) * columns(j),
+            p: None,
+            draws: 0,
+            by_signs: true,
+            withheld: Some(Withheld::NoRatio),
+        };
+        (is_tested && untested.df > 0).then_some((untested, [i, j]))
+    };
+    let all =
+        main.iter().enumerate().flat_map(|(place, one)| main[place + 1..].iter().map(move |other| (*one, *other)));
+    all.filter_map(|(one, other)| pair(one, other)).collect()
+}
+
+fn by_signs(full: &Fitted, pairs: Vec<(Interaction, [usize; 2])>, seed: u64) -> Vec<Interaction> {
+    let scores: Vec<Option<DMatrix<f64>>> = {
+        let residuals = Residuals::of(full);
+        pairs
+            .par_iter()
+            .map(|(pair, terms)| residuals.scores(full, *terms).filter(|_| pair.df <= MAX_COLUMNS))
+            .collect()
+    };
+    let signs = signs(full.frame.subjects.len(), seed);
+    // The statistics of each tested interaction, the observed one first; then the share of patterns that reach each one.
+    let reach = |scores: &DMatrix<f64>| {
+        let statistics: Vec<f64> = signs.iter().map(|signs| (scores * signs).norm_squared()).collect();
+        (statistics[0], exceedances(&statistics))
+    };
+    let reached: Vec<Option<(f64, Vec<f64>)>> = scores.par_iter().map(|scores| scores.as_ref().map(reach)).collect();
+    let least =
+        |pattern: usize| reached.iter().flatten().map(|(_, p)| p[pattern]).min_by(f64::total_cmp).unwrap_or(1.0);
+    let least: Vec<f64> = (0..signs.len()).map(least).collect();
+    let tested = |(((mut pair, _), scores), reached): ((_, &Option<DMatrix<f64>>), &Option<(f64, Vec<f64>)>)| {
+        let pair: &mut Interaction = &mut pair;
+        if let (Some(scores), Some((statistic, p))) = (scores, reached) {
+            let reaching = least.iter().filter(|least| **least <= p[0] + 1e-12).count();
+            (pair.chi_squared, pair.df, pair.draws) = (Some(*statistic), scores.nrows(), signs.len());
+            (pair.p, pair.withheld) = (Some(reaching as f64 / signs.len() as f64), None);
+        }
+        pair.clone()
+    };
+    pairs.into_iter().zip(&scores).zip(&reached).map(tested).collect()
+}
+
+/// Returns the share of the statistics that are at least as large as each of them.
+fn exceedances(statistics: &[f64]) -> Vec<f64> {
+    let mut sorted = statistics.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let below = |statistic: f64| sorted.partition_point(|other| *other < statistic * (1.0 - 1e-9));
+    statistics.iter().map(|statistic| (sorted.len() - below(*statistic)) as f64 / sorted.len() as f64).collect()
+}
+
+/// Returns patterns of signs, one sign for each participant: all patterns that differ by more than a common sign, or random
+/// ones. The first has no negative sign.
+fn signs(people: usize, seed: u64) -> Vec<DVector<f64>> {
+    if people <= MAX_ENUMERATED {
+        let sign = |pattern: usize, person: usize| if pattern >> person & 1 == 1 { -1.0 } else { 1.0 };
+        return (0..1 << (people - 1))
+            .map(|pattern| DVector::from_fn(people, |person, _| sign(pattern, person)))
+            .collect();
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut sign = || if rng.random::<bool>() { 1.0 } else { -1.0 };
+    let random = (0..SIGNS).map(|_| DVector::from_fn(people, |_, _| sign())).collect::<Vec<_>>();
+    std::iter::once(DVector::from_element(people, 1.0)).chain(random).collect()
+}
+
+/// The residuals of a fit.
+struct Residuals {
+    /// The columns of the model, one row for each distinct condition, with a constant.
+    x: DMatrix<f64>,
+    /// For each participant: row, derivative of the log-probability of the ratings with respect to the location.
+    of_subjects: Vec<Vec<(usize, f64)>>,
+    /// The information on the location in each row.
+    information: DVector<f64>,
+}
+
+impl Residuals {
+    fn of(full: &Fitted) -> Self {
+        let Layout { data, .. } = layout(full);
+        let (parameters, modes) = match &full.mixed {
+            Some(mixed) => (mixed.parameters.clone(), mixed.modes.clone()),
+            None => (full.clm.parameters.clone().resize_vertically(data.parameters(), 0.0), data.modes()),
+        };
+        let mut information = DVector::zeros(data.x.nrows());
+        let mut own = |sums: (usize, f64, f64)| {
+            information[sums.0] += sums.2;
+            (sums.0, sums.1)
+        };
+        let of_subjects = data.residuals(&parameters, &modes);
+        let of_subjects = of_subjects.into_iter().map(|rows| rows.into_iter().map(&mut own).collect()).collect();
+        Self { x: data.x.insert_column(0, 1.0), of_subjects, information }
+    }
+
+    /// Returns each participant's scores for the interaction of two terms, in units of their information, in a column;
+    /// `None` if the design does not tell the interaction from the model.
+    fn scores(&self, full: &Fitted, [one, other]: [usize; 2]) -> Option<DMatrix<f64>> {
+        let columns = |term: usize| {
+            let own = full.x.columns.iter().enumerate().filter(move |(_, column)| column.term == term);
+            own.map(|(index, _)| self.x.column(1 + index)).collect::<Vec<_>>()
+        };
+        let (ones, others) = (columns(one), columns(other));
+        let products: Vec<DVector<f64>> =
+            ones.iter().flat_map(|a| others.iter().map(move |b| a.component_mul(b))).collect();
+        let z = DMatrix::from_columns(&products);
+        let weighted = |matrix: &DMatrix<f64>| {
+            let mut weighted = matrix.clone();
+            weighted.row_iter_mut().zip(self.information.iter()).for_each(|(mut row, weight)| row *= *weight);
+            weighted
+        };
+        let xw = weighted(&self.x);
+        let explained = (xw.transpose() * &self.x).svd(true, true).solve(&(xw.transpose() * &z), 1e-10).ok()?;
+        let z = z - &self.x * explained;
+        let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(z.transpose() * weighted(&z));
+        let kept: Vec<usize> = (0..eigenvalues.len()).filter(|&i| eigenvalues[i] > 1e-8 * eigenvalues.max()).collect();
+        let unit = DMatrix::from_fn(z.ncols(), kept.len(), |row, column| {
+            eigenvectors[(row, kept[column])] / eigenvalues[kept[column]].sqrt()
+        });
+        let z = z * unit;
+        let score = |rows: &Vec<(usize, f64)>| {
+            rows.iter().map(|(row, residual)| z.row(*row).transpose() * *residual).sum::<DVector<f64>>()
+        };
+        let scores: Vec<DVector<f64>> = self.of_subjects.iter().map(score).collect();
+        (!kept.is_empty()).then(|| DMatrix::from_columns(&scores))
+    }
+}
+
+/// Tests the interactions by likelihood ratios of wider models in simulated studies.
+fn by_ratios(full: &Fitted, pairs: Vec<(Interaction, [usize; 2])>, settings: Resampling) -> Vec<Interaction> {
+    let test = |(mut pair, terms): (Interaction, [usize; 2])| {
+        let all = full.spec.terms.iter();
+        let term = Term {
+            variables: terms
+                .iter()
+                .filter_map(|term| all.clone().nth(*term))
+                .flat_map(|term| term.variables.clone())
+                .collect(),
+        };
+        pair.by_signs = false;
+        if full.mixed.is_some() && pair.df > MAX_SIMULATED {
+            pair.withheld = Some(Withheld::FewPeople);
+            return pair;
+        }
+        let spec = ModelSpec { terms: Terms::new(all.cloned().chain([term.clone()])), ..full.spec.clone() };
+        let wider = fit_terms(full.frame.clone(), spec, Vec::new(), How::default());
+        let Ok((mut test, wider)) = wider.and_then(|wider| Ok((without_term(&wider, &term)?, wider))) else {
+            return pair;
+        };
+        if test.lr.is_some() {
+            let what = Statistics { terms: vec![&term], nominal: Vec::new() };
+            let observed = [test.lr.into_iter().collect(), Vec::new()];
+            let [ratios, _] = simulate(&wider, &what, &observed, settings, &|| ());
+            test.calibrate(&ratios[0]);
+        }
+        Interaction {
+            chi_squared: test.lr,
+            df: test.df,
+            p: test.p,
+            draws: test.draws.unwrap_or(0),
+            withheld: test.withheld,
+            ..pair
+        }
+    };
+    let mut tested: Vec<Interaction> = pairs.into_par_iter().map(test).collect();
+    let corrected = holm(&tested.iter().map(|test| test.p).collect::<Vec<_>>());
+    tested.iter_mut().zip(corrected).for_each(|(test, p)| test.p = p);
+    tested
+}
