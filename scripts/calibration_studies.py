@@ -7,7 +7,9 @@ count), sorted by study and participant. OUT_DIR/NAME.json contains the paramete
 population. The random numbers of a study depend only on the seed, the name of the design and the number of the study.
 
 A latent value is x·β + the person's intercept + the person's deviations in the slopes + logistic noise. The rating, from
-0 to 3, is the number of thresholds below the latent value. All normal effects of persons are independent.
+0 to 3, is the number of thresholds below the latent value. All normal effects of persons are independent. In the designs
+"rough", people also have thresholds and a spread of their own, deviations with the tails of Student's t with 3 degrees of
+freedom, noise that follows an autoregressive process over the trials (0.3), and a tenth of the cells is missing.
 
 The expected values, superiority and alpha are integrals over the population by Gauss-Hermite quadrature:
     level_means    expected rating at a level in the population: the unweighted mean of the cells with this level
@@ -30,6 +32,7 @@ from pathlib import Path
 
 import numpy as np
 from scipy.special import expit
+from scipy.stats import logistic, norm
 
 RATINGS = 4
 USUAL = (-1.5, 0.0, 1.5)
@@ -53,6 +56,9 @@ class Design:
     slope_kind: str = ""
     slope_sd: float = 0.0
     thresholds: tuple = USUAL
+    rough: bool = False
+    # The effects of the first factor also differ between people in a way that depends on the second.
+    crossed_sd: float = 0.0
 
     def cells(self):
         return list(itertools.product(*self.factors.values()))
@@ -142,6 +148,17 @@ DESIGNS = [
     Design("n8", "8 people rate 5 values of x 3 times; the mean slope is 0, but people differ in it.",
            8, {"x": [0, 0.25, 0.5, 0.75, 1]}, 3, slope="x", slope_kind="numeric", slope_sd=0.5),
     Design("h6", "6 people who differ much rate 3 levels 4 times; no effect.", 6, ABC, 4, sd=2.0),
+    *[
+        Design(f"r{people}x{len(levels['level'])}", f"{people} people rate {len(levels['level'])} levels 12 times; the mean effect is 0; rough.",
+               people, levels, 12, **(LEVELS | {"slope_sd": 0.5}), rough=True)
+        for people in (3, 4, 6, 8, 11, 12, 16, 20, 40)
+        for levels in (AB, ABCD)
+    ],
+    *[
+        Design(f"i{people}", f"{people} people rate 3 levels on 2 sides 6 times; effects of 2 logits, but no interaction; rough.",
+               people, CROSSED, 6, {"level": [0.0, 1.0, 2.0], "side": [0.0, 2.0]}, **(LEVELS | {"slope_sd": 0.5}), rough=True, crossed_sd=0.5)
+        for people in (3, 6, 8, 12, 20, 40)
+    ],
     Design("p1", "1 person rates 3 levels 20 times; no effect.", 1, ABC, 20),
 ]
 
@@ -151,7 +168,10 @@ def simulate(design, rng):
     cells = design.cells()
     fixed, random = design.fixed(), design.random()
     people = design.people
-    effects = rng.standard_normal((people, random.shape[1])) @ random.T
+    draw = rng.standard_normal
+    effects = draw((people, random.shape[1])) @ random.T
+    if design.rough:
+        return simulate_rough(design, fixed, random, rng)
     counts = np.zeros((people, len(cells), RATINGS), int)
     for c, cell in enumerate(cells):
         trials = design.trials_of(cell)
@@ -163,6 +183,31 @@ def simulate(design, rng):
         # The participants are divided evenly and in order among the levels.
         for person in range(people):
             counts[person, np.arange(len(cells)) != person * len(cells) // people] = 0
+    return counts
+
+
+def simulate_rough(design, fixed, random, rng):
+    """The ratings of a study of people who differ in every way; see the top of this file."""
+    cells = design.cells()
+    people = design.people
+    deviations = rng.standard_t(3, (people, random.shape[1])) / np.sqrt(3)
+    deviations[:, 0] = rng.standard_normal(people)
+    effects = deviations @ random.T + design.crossed_sd * rng.standard_normal((people, len(cells)))
+    counts = np.zeros((people, len(cells), RATINGS), int)
+    for person in range(people):
+        thresholds = np.sort(np.asarray(design.thresholds) + 0.4 * rng.standard_normal(RATINGS - 1))
+        scale = np.exp(0.3 * rng.standard_normal())
+        trials = np.repeat(np.arange(len(cells)), [design.trials_of(cell) for cell in cells])
+        rng.shuffle(trials)
+        noise = np.empty(len(trials))
+        noise[0] = rng.standard_normal()
+        for trial in range(1, len(trials)):
+            noise[trial] = 0.3 * noise[trial - 1] + np.sqrt(1 - 0.3**2) * rng.standard_normal()
+        latent = fixed[trials] + effects[person, trials] + scale * logistic.ppf(norm.cdf(noise))
+        np.add.at(counts, (person, trials, np.searchsorted(thresholds, latent)), 1)
+        missing = rng.random(len(cells)) < 0.1
+        if not missing.all():
+            counts[person, missing] = 0
     return counts
 
 

@@ -7,19 +7,21 @@ use super::{
     Calibration, Link, MAX_COEFFICIENTS, MAX_MINUTES, Margin, ModelError, ModelReport, ModelSpec, Prediction, Random,
     Resampling, Slopes,
     agreement::{Alpha, kappa, mean_over_subjects, ordinal_alpha, retests},
-    counts::{Measured, Quartiles},
+    counts::{Counts, Factor, Measured, Quartiles},
     fit_calibrated,
     rank_tests::{Friedman, PERMUTATIONS, Pairs, SubjectMeans, friedman, pairs},
     summary::{Group, by_cell, by_factor, by_subject},
-    terms::Terms,
+    terms::{Term, Terms, Variable},
 };
 use crate::statistics::Interval;
 
 /// What to compute.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Terms of the model. `None` means the main effects of all factors with two or more levels.
+    /// Terms of the model. `None` means the main effects of all factors with two or more levels and of the covariates.
     pub terms: Option<Terms>,
+    /// Factors that are covariates. `None` means those that [`Counts::is_covariate`] says, unless a term uses their levels.
+    pub covariates: Option<Vec<String>>,
     pub link: Link,
     /// The random part. `None` means an intercept for each participant; a single participant has none in any case.
     pub random: Option<Random>,
@@ -39,6 +41,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             terms: None,
+            covariates: None,
             link: Link::default(),
             random: None,
             slopes: Slopes::default(),
@@ -52,8 +55,12 @@ impl Default for Options {
 
 #[derive(Clone, Debug)]
 pub struct Results {
-    /// The ratings.
+    /// The ratings, without the covariates.
     pub measured: Measured,
+    /// The ratings with the covariates, on which the model was fitted, if there are any.
+    pub with_covariates: Option<Measured>,
+    /// Names of the covariates: each has one slope in the model, and no levels in the descriptions.
+    pub covariates: Vec<String>,
     pub options: Options,
     /// The ratings in each cell of the design.
     pub cells: Vec<Group>,
@@ -160,6 +167,11 @@ impl FactorResults {
 }
 
 impl Results {
+    /// Returns the ratings on which the model was fitted.
+    pub fn modeled(&self) -> &Counts {
+        &self.with_covariates.as_ref().unwrap_or(&self.measured).counts
+    }
+
     /// Returns the number of participants.
     pub fn people(&self) -> usize {
         self.measured.counts.subjects.len()
@@ -185,16 +197,22 @@ pub fn analyze(measured: Measured, options: &Options) -> Results {
 
 /// Analyzes a study. `progress` is called after each simulated study, with the number of those done and of all.
 pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(usize, usize) + Sync)) -> Results {
+    let covariates = covariates(&measured.counts, options);
+    let (spec, left_out) = (model_spec(&measured, &covariates, options), &covariates[..]);
+    let names = left_out.iter().map(|&factor| measured.counts.factors[factor].name.clone()).collect();
+    let (measured, whole) =
+        if left_out.is_empty() { (measured, None) } else { (measured.without_factors(left_out), Some(measured)) };
     let counts = &measured.counts;
+    let modeled = whole.as_ref().map_or(counts, |whole| &whole.counts);
     let people = counts.subjects.len();
-    let spec = model_spec(&measured, options);
     let factors: Vec<FactorResults> =
         (0..counts.factors.len()).into_par_iter().map(|factor| factor_results(&measured, factor)).collect();
     let contrasts = |margins: &[Margin]| -> Vec<(String, [u32; 2])> {
         let of_factor = |(index, factor): (usize, &FactorResults)| {
             let level = |place: usize| {
                 let name = &factor.levels[place].names[0];
-                counts.factors[index].levels.iter().position(|level| level == name).map(|level| level as u32)
+                let (_, own) = modeled.factor(&counts.factors[index].name)?;
+                own.levels.iter().position(|level| level == name).map(|level| level as u32)
             };
             let ([first, second], _) = factor.with_margins(margins).contrast();
             Some((factor.name.clone(), [level(first)?, level(second)?]))
@@ -205,7 +223,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     let Options { resampling, max_minutes, checks, .. } = *options;
     let calibration = Calibration { resampling, max_minutes, checks, contrasts: &contrasts, progress };
     let (model, (cells, alpha)) =
-        rayon::join(|| fit_calibrated(counts, &spec, &calibration), || (by_cell(counts), ordinal_alpha(counts)));
+        rayon::join(|| fit_calibrated(modeled, &spec, &calibration), || (by_cell(counts), ordinal_alpha(counts)));
     let subjects: Vec<SubjectResults> = (by_subject(counts).into_iter())
         .zip(retests(&measured))
         .zip(measured.times_by(people, |row| Some(row.subject as usize)))
@@ -230,20 +248,42 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         kappa: mean_over_subjects(&kappas),
         times,
         options: options.clone(),
+        with_covariates: whole,
+        covariates: names,
         measured,
     }
 }
 
-fn model_spec(measured: &Measured, options: &Options) -> ModelSpec {
+/// Returns the indices of the covariates.
+fn covariates(counts: &Counts, options: &Options) -> Vec<usize> {
+    let by_level = |factor: &str| {
+        let mut variables = options.terms.iter().flat_map(Terms::iter).flat_map(|term| &term.variables);
+        variables.any(|variable| matches!(variable, Variable::Factor(name) if name == factor))
+    };
+    let is_covariate = |&factor: &usize| {
+        let name = &counts.factors[factor].name;
+        match &options.covariates {
+            Some(names) => names.contains(name),
+            None => counts.is_covariate(factor) && !by_level(name),
+        }
+    };
+    (0..counts.factors.len()).filter(is_covariate).collect()
+}
+
+fn model_spec(measured: &Measured, covariates: &[usize], options: &Options) -> ModelSpec {
     let counts = &measured.counts;
-    let varied: Vec<&str> =
-        counts.factors.iter().filter(|factor| factor.levels.len() > 1).map(|factor| factor.name.as_str()).collect();
+    let main = |(index, factor): (usize, &Factor)| {
+        let name = factor.name.clone();
+        let variable = if covariates.contains(&index) { Variable::Number(name) } else { Variable::Factor(name) };
+        (factor.levels.len() > 1).then(|| Term { variables: vec![variable] })
+    };
+    let all = || Terms::new(counts.factors.iter().enumerate().filter_map(main));
     ModelSpec {
         link: options.link,
         random: options.random.unwrap_or(Random::Subject),
         slopes: options.slopes,
         max_coefficients: options.max_coefficients,
-        ..ModelSpec::new(options.terms.clone().unwrap_or_else(|| Terms::factors(&varied)))
+        ..ModelSpec::new(options.terms.clone().unwrap_or_else(all))
     }
 }
 

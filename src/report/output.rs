@@ -112,7 +112,7 @@ pub fn table_files(study: &Study, results: &Results) -> Contents {
     let mut files: Contents =
         tables::all(results).into_iter().map(|(name, table)| (format!("{name}.csv"), table.csv())).collect();
     files.extend([
-        ("counts.csv".to_owned(), tables::counts_csv(&results.measured.counts, &study.source.shape)),
+        ("counts.csv".to_owned(), tables::counts_csv(results.modeled(), &study.source.shape)),
         ("model.json".to_owned(), model),
         ("analysis.R".to_owned(), script::script(&study.source.shape, results).into_bytes()),
     ]);

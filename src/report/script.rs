@@ -109,7 +109,7 @@ impl<'a> Names<'a> {
 
     /// Reads the rows of the model, with its levels and categories in order.
     fn data(&self, shape: &Shape, results: &Results, model: &Model) -> String {
-        let counts = &results.measured.counts;
+        let counts = results.modeled();
         let mut text = "counts <- read.csv(\"counts.csv\", check.names = FALSE, colClasses = \"character\", \
                         na.strings = character(), encoding = \"UTF-8\")\n"
             .to_owned();

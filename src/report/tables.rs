@@ -281,7 +281,7 @@ pub fn counts(counts: &Counts, shape: &Shape) -> Table {
 /// Lists the model's expected ratings in each condition, for a typical participant.
 pub fn predictions(results: &Results) -> Option<Table> {
     let report = results.model.as_ref().ok()?;
-    let counts = &results.measured.counts;
+    let counts = results.modeled();
     let mut all = level_columns(counts);
     all.extend(proportions(&report.model.categories, "Expected proportion of ratings in this category."));
     all.extend(columns(&[

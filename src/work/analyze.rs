@@ -6,7 +6,10 @@ use super::{Model, Ratings, RequestError, Watcher, named, ratings::explained};
 use crate::{
     analysis::{ModelError, Options, Random, Resampling, Results, analyze_with},
     report::{Study, StudyError},
-    store::{Columns, table::list},
+    store::{
+        Columns,
+        table::{List, list},
+    },
 };
 
 /// What to analyze, and how.
@@ -21,6 +24,10 @@ pub struct Analyze {
     /// Random intercept for each participant [default: subject if there are at least two participants].
     #[arg(long, value_parser = named::<Random>(Random::NAMES))]
     pub random: Option<Random>,
+    /// Numbers that describe participants: each has one slope in the model, and no levels [default: numbers that are the same
+    /// in all ratings of each participant].
+    #[arg(long, value_name = "COL,…")]
+    pub covariate: Option<List>,
     #[command(flatten)]
     #[serde(flatten)]
     pub resampling: Resampling,
@@ -30,7 +37,8 @@ impl Analyze {
     /// Returns the names of the columns that the terms use.
     pub fn columns(&self) -> impl Iterator<Item = &str> {
         let terms = self.model.terms.iter().flat_map(|terms| terms.iter());
-        terms.flat_map(|term| &term.variables).map(|variable| variable.name())
+        let variables = terms.flat_map(|term| &term.variables).map(|variable| variable.name());
+        variables.chain(self.covariate.iter().flat_map(|list| &list.0).map(String::as_str))
     }
 
     /// Reads the ratings, also if the order of their categories is not known.
@@ -75,6 +83,7 @@ impl Analyze {
     pub fn options(&self) -> Options {
         Options {
             terms: self.model.terms.clone(),
+            covariates: self.covariate.clone().map(|list| list.0),
             link: self.model.link,
             random: self.random,
             max_coefficients: self.model.max_coefficients(),

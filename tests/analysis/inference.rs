@@ -15,7 +15,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::common::{golden_path, table};
 
 /// Ratings 0–3 of a latent value: thresholds at −1.5, 0 and 1.5, and logistic noise.
-fn rate(latent: f64, rng: &mut ChaCha8Rng) -> String {
+pub fn rate(latent: f64, rng: &mut ChaCha8Rng) -> String {
     let uniform: f64 = rng.random_range(1e-9..1.0 - 1e-9);
     let latent = latent + (uniform / (1.0 - uniform)).ln();
     [-1.5, 0.0, 1.5].iter().filter(|threshold| latent > **threshold).count().to_string()

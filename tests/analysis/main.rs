@@ -8,3 +8,4 @@ mod golden;
 mod inference;
 mod ordinal_faults;
 mod report;
+mod studies;

@@ -35,7 +35,7 @@ const SHADERS: [&str; 3] = ["flat", "gouraud", "phong"];
 const SCALE: [&str; 4] = ["0", "1", "2", "3"];
 
 /// Creates a source without a definition.
-fn source(factors: &[&str]) -> Source {
+pub fn source(factors: &[&str]) -> Source {
     let factors = factors.iter().map(|&name| name.to_owned()).collect();
     let (subject, response) = ("subject_id".to_owned(), "rating".to_owned());
     Source {
@@ -314,7 +314,7 @@ fn the_limits_of_a_model_are_stated() {
     assert_parts(finding(&independent, "with depth"), &["exact Friedman test: χ²", "mean rating at 1 is"]);
     assert_parts(finding(&mixed, "with depth"), &["likelihood-ratio test in 39 simulated studies: χ²"]);
     let crossed = with(&Options { terms: Some(Terms::parse("width*depth").unwrap()), ..options() });
-    finding(&crossed, "effects of depth and width depend on each other");
+    finding(&crossed, "effects of width and depth depend on each other");
     assert!(!crossed.findings.concat().contains("odds"), "an effect in an interaction has no single size");
     let probit = with(&Options { link: Link::Probit, ..options() });
     assert_parts(finding(&probit, "with depth"), &["standard deviations above"]);

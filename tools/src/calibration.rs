@@ -16,8 +16,20 @@ use serde_json::Value;
 const ALPHA: f64 = 0.05;
 
 /// What the columns of the table count: for each statistic, whether it was given, and whether it rejected or covered.
-const COLUMNS: [&str; 11] =
-    ["LR", "Friedman", "Wilcoxon", "odds", "comparison", "coefficient", "mean", "cell", "expected", "SD", "alpha"];
+const COLUMNS: [&str; 12] = [
+    "LR",
+    "Friedman",
+    "Wilcoxon",
+    "interaction",
+    "odds",
+    "comparison",
+    "coefficient",
+    "mean",
+    "cell",
+    "expected",
+    "SD",
+    "alpha",
+];
 
 /// Counts of one study: given and successful, by column, and withheld.
 #[derive(Clone, Default)]
@@ -135,6 +147,10 @@ fn tally(results: &Results, truth: &Value) -> Tally {
         }
     }
     if let Ok(report) = &results.model {
+        let interactions: Vec<f64> = report.interactions.iter().filter_map(|test| test.p).collect();
+        if !report.interactions.is_empty() {
+            tally.add("interaction", (!interactions.is_empty()).then(|| interactions.iter().any(|p| *p < ALPHA)));
+        }
         let odds: Vec<f64> = report.proportional_odds.iter().filter_map(|test| test.p_holm).collect();
         tally.add("odds", (!odds.is_empty()).then(|| odds.iter().any(|p| *p < ALPHA)));
         for coefficient in &report.model.coefficients {

@@ -1,6 +1,6 @@
 //! The data that are kept for any number of trials: counts of ratings, pairs of repeated ratings, and response times.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 use thiserror::Error;
@@ -163,12 +163,27 @@ impl Counts {
         varies_within(self, &self.rows, factor)
     }
 
+    /// Returns whether a factor describes the participants and not what they saw: numbers that are the same in all ratings of
+    /// each participant, with at least [`LEAST_COVARIATE`] different ones.
+    pub fn is_covariate(&self, factor: usize) -> bool {
+        let levels = |rows: &[CountRow]| -> BTreeSet<Option<u32>> {
+            rows.iter().map(|row| self.conditions[row.condition as usize][factor]).collect()
+        };
+        let mut people = self.rows.chunk_by(|l, r| l.subject == r.subject);
+        self.factors[factor].is_ordered()
+            && self.factors[factor].levels.len() >= LEAST_COVARIATE
+            && people.all(|rows| levels(rows).len() == 1)
+    }
+
     /// True if the order of the categories is known: they were declared, or they are numbers. Words in the order of their
     /// letters (high, low, medium) would give a result, but a wrong one.
     pub fn is_ordered(&self, declared: Option<&[String]>) -> bool {
         declared.is_some() || levels::numbers_of(&self.categories).is_some()
     }
 }
+
+/// With fewer different numbers, they may be groups.
+const LEAST_COVARIATE: usize = 4;
 
 /// Returns whether most participants in these rows rated at least two levels of a factor.
 pub(crate) fn varies_within(counts: &Counts, rows: &[CountRow], factor: usize) -> bool {
@@ -240,6 +255,36 @@ impl Measured {
             }
         }
         times.into_iter().map(quartiles).collect()
+    }
+
+    /// Returns the ratings without some factors, given by index: conditions that differ only in them are one.
+    #[must_use]
+    pub fn without_factors(&self, left_out: &[usize]) -> Self {
+        let counts = &self.counts;
+        let kept: Vec<usize> = (0..counts.factors.len()).filter(|factor| !left_out.contains(factor)).collect();
+        let shorter = |levels: &Vec<Option<u32>>| kept.iter().map(|&factor| levels[factor]).collect::<Vec<_>>();
+        let all: BTreeSet<Vec<Option<u32>>> = counts.conditions.iter().map(shorter).collect();
+        let all: Vec<Vec<Option<u32>>> = all.into_iter().collect();
+        let moved: Vec<u32> =
+            counts.conditions.iter().map(|levels| all.partition_point(|own| *own < shorter(levels)) as u32).collect();
+        let mut sums: BTreeMap<(u32, u32, u8), u64> = BTreeMap::new();
+        for row in &counts.rows {
+            *sums.entry((row.subject, moved[row.condition as usize], row.rating)).or_default() += row.count;
+        }
+        let row = |((subject, condition, rating), count)| CountRow { subject, condition, rating, count };
+        let moved = |condition: u32| moved[condition as usize];
+        Self {
+            counts: Counts {
+                factors: kept.iter().map(|&factor| counts.factors[factor].clone()).collect(),
+                conditions: all,
+                rows: sums.into_iter().map(row).collect(),
+                subjects: counts.subjects.clone(),
+                categories: counts.categories.clone(),
+            },
+            retests: self.retests.iter().map(|pair| RetestPair { condition: moved(pair.condition), ..*pair }).collect(),
+            times: self.times.iter().map(|row| Timed { condition: moved(row.condition), ..*row }).collect(),
+            excluded: self.excluded.clone(),
+        }
     }
 
     /// Returns the ratings by some participants in some conditions. Levels and participants without ratings are

@@ -10,7 +10,7 @@ use super::{
     estimates::{self, Prediction, predictions},
     fitting::{Fitted, fit_counts},
     interactions::{Interaction, interactions},
-    likelihood_ratios::{MAX_NOMINAL, TermTest, Withheld, nominal_tests, quantile, without_terms},
+    likelihood_ratios::{LEAST_PER_PARAMETER, MAX_NOMINAL, TermTest, Withheld, nominal_tests, quantile, without_terms},
     margins::{self, Comparison, Margin},
     model::{Contrast, Model, ModelError, ModelSpec, Random, RandomEffect},
     profile::{self, Quantity, chi_squared_limit},
@@ -33,8 +33,6 @@ const FEW_BETWEEN: usize = 100;
 const MAX_PROFILES: usize = 60;
 /// Smallest number of participants at each level of a factor that varies only between them.
 const LEAST_PER_LEVEL: usize = 3;
-/// Smallest number of ratings for each parameter of a model that is wider than the main one.
-const LEAST_PER_PARAMETER: u64 = 5;
 /// Number of ratings for each parameter of the wider model from which the ratio of a test without random effects has a χ²
 /// distribution.
 const MANY_PER_PARAMETER: u64 = 50;
@@ -149,6 +147,11 @@ fn withhold(full: &Fitted, report: &mut ModelReport, limits: &mut [f64]) {
             (test.p, test.withheld) = (None, Some(Withheld::OwnThresholds));
         }
         if full.frame.total() < LEAST_PER_PARAMETER * (parameters + test.df) as u64 && test.lr.is_some() {
+            (test.p, test.withheld) = (None, Some(Withheld::FewRatings));
+        }
+    }
+    if full.mixed.is_none() && full.frame.total() < LEAST_PER_PARAMETER * parameters as u64 {
+        for test in report.terms.iter_mut().filter(|test| test.lr.is_some()) {
             (test.p, test.withheld) = (None, Some(Withheld::FewRatings));
         }
     }

@@ -18,6 +18,8 @@ use crate::{
 
 /// Number of simulated studies for the comparison of observed with expected proportions.
 const STUDIES: usize = 400;
+/// Maximum number of conditions whose proportions are compared.
+const MAX_CELLS: usize = 300;
 /// Maximum number of participants who are left out in turn.
 const MAX_LEFT_OUT: usize = 60;
 
@@ -28,6 +30,8 @@ pub struct Checks {
     pub alternatives: Vec<Alternative>,
     /// Observed proportions and those in simulated studies, at each level of each factor.
     pub proportions: Vec<Proportion>,
+    /// The same in each condition, if there are at most [`MAX_CELLS`]: `factor` and `level` list all factors and levels.
+    pub cells: Vec<Proportion>,
     /// How much participants differ: the observed standard deviation of their mean category, and its range in simulated
     /// studies. `None` for a single participant.
     pub spread: Option<(f64, Interval)>,
@@ -71,9 +75,9 @@ pub struct Influence {
 
 /// Computes the checks of a fit, with its contrasts.
 pub(super) fn checks(full: &Fitted, contrasts: &[Contrast], seed: u64) -> Checks {
-    let ((alternatives, influence), (proportions, spread)) =
+    let ((alternatives, influence), (proportions, cells, spread)) =
         rayon::join(|| rayon::join(|| alternatives(full), || influence(full, contrasts)), || predictive(full, seed));
-    Checks { alternatives, proportions, spread, influence }
+    Checks { alternatives, proportions, cells, spread, influence }
 }
 
 fn alternatives(full: &Fitted) -> Vec<Alternative> {
@@ -112,6 +116,7 @@ fn alternatives(full: &Fitted) -> Vec<Alternative> {
 /// The counts of each category at each level of each factor, and the standard deviation of the participants' means.
 struct Tally {
     levels: Vec<Vec<Vec<f64>>>,
+    conditions: Vec<Vec<f64>>,
     spread: f64,
 }
 
@@ -120,9 +125,11 @@ fn tally(full: &Fitted, rows: &[CountRow]) -> Tally {
     let categories = full.frame.categories.len();
     let mut levels: Vec<Vec<Vec<f64>>> =
         counts.factors.iter().map(|factor| vec![vec![0.0; categories]; factor.levels.len()]).collect();
+    let mut conditions = vec![vec![0.0; categories]; counts.conditions.len()];
     let mut people = vec![(0.0, 0.0); full.frame.subjects.len()];
     for row in rows {
         let n = row.count as f64;
+        conditions[row.condition as usize][usize::from(row.rating)] += n;
         for (tallies, level) in levels.iter_mut().zip(&counts.conditions[row.condition as usize]) {
             if let Some(level) = level {
                 tallies[*level as usize][usize::from(row.rating)] += n;
@@ -133,10 +140,10 @@ fn tally(full: &Fitted, rows: &[CountRow]) -> Tally {
         *sum += n * f64::from(row.rating);
     }
     let means: Vec<f64> = people.iter().map(|(n, sum)| sum / n).collect();
-    Tally { levels, spread: mean_and_sd(&means).1 }
+    Tally { levels, conditions, spread: mean_and_sd(&means).1 }
 }
 
-fn predictive(full: &Fitted, seed: u64) -> (Vec<Proportion>, Option<(f64, Interval)>) {
+fn predictive(full: &Fitted, seed: u64) -> (Vec<Proportion>, Vec<Proportion>, Option<(f64, Interval)>) {
     let simulator = Simulator::new(full, false);
     let observed = tally(full, &full.frame.rows);
     // The streams after those of the calibration.
@@ -148,29 +155,37 @@ fn predictive(full: &Fitted, seed: u64) -> (Vec<Proportion>, Option<(f64, Interv
         let at = |share: f64| values[((share * values.len() as f64) as usize).min(values.len() - 1)];
         Interval { low: at(0.025), high: at(0.975) }
     };
-    let mut proportions = Vec::new();
-    for (index, factor) in full.frame.counts.factors.iter().enumerate() {
+    let compare = |factor: &str, level: &str, of: &dyn Fn(&Tally) -> &[f64], all: &mut Vec<Proportion>| {
+        let n: f64 = of(&observed).iter().sum();
+        for (category, label) in full.frame.categories.iter().enumerate().filter(|_| n > 0.0) {
+            let values: Vec<f64> = studies.iter().map(|study| of(study)[category] / n).collect();
+            all.push(Proportion {
+                factor: factor.to_owned(),
+                level: level.to_owned(),
+                category: label.clone(),
+                observed: of(&observed)[category] / n,
+                expected: values.iter().sum::<f64>() / values.len() as f64,
+                range: middle(values),
+            });
+        }
+    };
+    let counts = full.frame.counts;
+    let (mut proportions, mut cells) = (Vec::new(), Vec::new());
+    for (index, factor) in counts.factors.iter().enumerate() {
         for (level, name) in factor.levels.iter().enumerate() {
-            let n: f64 = observed.levels[index][level].iter().sum();
-            if n == 0.0 {
-                continue;
-            }
-            for (category, label) in full.frame.categories.iter().enumerate() {
-                let values: Vec<f64> = studies.iter().map(|study| study.levels[index][level][category] / n).collect();
-                proportions.push(Proportion {
-                    factor: factor.name.clone(),
-                    level: name.clone(),
-                    category: label.clone(),
-                    observed: observed.levels[index][level][category] / n,
-                    expected: values.iter().sum::<f64>() / values.len() as f64,
-                    range: middle(values),
-                });
-            }
+            compare(&factor.name, name, &|tally| &tally.levels[index][level], &mut proportions);
+        }
+    }
+    if counts.factors.len() > 1 && (2..=MAX_CELLS).contains(&counts.conditions.len()) {
+        let names: Vec<&str> = counts.factors.iter().map(|factor| factor.name.as_str()).collect();
+        for condition in 0..counts.conditions.len() {
+            let levels = counts.level_names(condition as u32).join(", ");
+            compare(&names.join(", "), &levels, &|tally| &tally.conditions[condition], &mut cells);
         }
     }
     let spread = (full.frame.subjects.len() > 1)
         .then(|| (observed.spread, middle(studies.iter().map(|study| study.spread).collect())));
-    (proportions, spread)
+    (proportions, cells, spread)
 }
 
 fn influence(full: &Fitted, contrasts: &[Contrast]) -> Vec<Influence> {

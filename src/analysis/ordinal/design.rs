@@ -109,6 +109,49 @@ impl Design {
         held
     }
 
+    /// Returns the design with sum contrasts, in which the columns of a main effect stand for the mean effect over the levels of
+    /// the other factors. The columns have other names, because their coefficients mean something else.
+    pub fn with_sum_contrasts(&self, frame: &Frame) -> Result<Self, ModelError> {
+        let conditions = &frame.counts.conditions;
+        let coded = |part: &TermPart| -> Result<Vec<f64>, ModelError> {
+            let (index, inverse) = find_factor(frame.counts, &part.variable)?;
+            let levels = frame.levels(index);
+            let value: Box<dyn Fn(u32) -> f64> = match &part.level {
+                Some(own) => {
+                    let names = &frame.counts.factors[index].levels;
+                    let baseline = levels.first().copied();
+                    Box::new(move |level| {
+                        f64::from(u8::from(names[level as usize] == *own))
+                            - f64::from(u8::from(Some(level) == baseline))
+                    })
+                }
+                None => {
+                    let numbers = frame.numbers(index, inverse)?;
+                    let mean = levels.iter().map(|&level| numbers[level as usize]).sum::<f64>() / levels.len() as f64;
+                    Box::new(move |level| numbers[level as usize] - mean)
+                }
+            };
+            Ok(conditions.iter().map(|levels| levels[index].map_or(0.0, &value)).collect())
+        };
+        let mut design = self.clone();
+        for column in &mut design.columns {
+            column.values = vec![1.0; conditions.len()];
+            for part in &column.parts {
+                column.values.iter_mut().zip(coded(part)?).for_each(|(value, own)| *value *= own);
+            }
+            column.name.push('~');
+        }
+        Ok(design)
+    }
+
+    /// Returns the design without the columns of a term, given by index.
+    #[must_use]
+    pub fn without_columns(&self, term: usize) -> Self {
+        let mut design = self.clone();
+        design.columns.retain(|column| column.term != term);
+        design
+    }
+
     /// Keeps only the columns that are not combinations of an intercept and the columns before them.
     #[must_use]
     pub fn independent(self, frame: &Frame) -> Self {

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::{
     fitting::{Fitted, How, Layout, fit_terms, layout},
-    likelihood_ratios::{Withheld, without_term},
+    likelihood_ratios::{LEAST_PER_PARAMETER, Withheld, without_term},
     model::ModelSpec,
     resampling::{Resampling, Statistics, simulate},
     terms::{Term, Terms},
@@ -225,6 +225,11 @@ fn by_ratios(full: &Fitted, pairs: Vec<(Interaction, [usize; 2])>, settings: Res
         }
         let spec = ModelSpec { terms: Terms::new(all.cloned().chain([term.clone()])), ..full.spec.clone() };
         let wider = fit_terms(full.frame.clone(), spec, Vec::new(), How::default());
+        let parameters = full.frame.categories.len() - 1 + full.rank() + pair.df;
+        if full.frame.total() < LEAST_PER_PARAMETER * parameters as u64 {
+            pair.withheld = Some(Withheld::FewRatings);
+            return pair;
+        }
         let Ok((mut test, wider)) = wider.and_then(|wider| Ok((without_term(&wider, &term)?, wider))) else {
             return pair;
         };

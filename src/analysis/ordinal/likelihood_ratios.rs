@@ -8,9 +8,9 @@ use super::{
     clm::{ClmData, FitEnd},
     design::Design,
     fitting::{Fitted, How, clm_data, fit_clm, fit_terms},
-    model::{ModelError, ModelSpec},
+    model::ModelError,
     search::MixedFitEnd,
-    terms::{Term, Terms},
+    terms::{Term, Terms, Variable},
 };
 use crate::statistics::chi_squared_tail;
 
@@ -35,6 +35,9 @@ pub struct TermTest {
     pub withheld: Option<Withheld>,
 }
 
+/// Smallest number of ratings for each parameter of a model that is wider than the main one.
+pub(super) const LEAST_PER_PARAMETER: u64 = 5;
+
 /// Why a test has no probability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Error)]
 #[serde(rename_all = "kebab-case")]
@@ -46,7 +49,7 @@ pub enum Withheld {
     #[error("a level has fewer than three participants")]
     FewPerLevel,
     /// There are too few ratings for the parameters of the wider model.
-    #[error("there are fewer than five ratings for each parameter of the wider model")]
+    #[error("there are fewer than five ratings for each parameter of the model")]
     FewRatings,
     /// The interaction has too many coefficients for this number of participants.
     #[error("the interaction has more than six coefficients, which are too many for fewer than six participants")]
@@ -59,18 +62,45 @@ pub enum Withheld {
     TooFew,
 }
 
-/// Tests each term by the likelihood ratio against the model without it. A term that is part of an interaction in the
-/// model is not tested, because the model without it would be the same model (as in R's `drop1`).
+/// Tests each term by the likelihood ratio against the model without it. The main effect of a variable in an interaction is
+/// its mean effect over the other variables: the model without it has sum contrasts (type III). Other terms that are part of
+/// an interaction are not tested, because the model without them would be the same model (as in R's `drop1`).
 pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
     let terms = &full.spec.terms;
-    let tested: Vec<&Term> = terms.iter().filter(|term| !terms.is_marginal(term)).collect();
+    let tested: Vec<&Term> =
+        terms.iter().filter(|term| !terms.is_marginal(term) || is_mean_effect(full, term)).collect();
     tested.into_par_iter().map(|term| without_term(full, term)).collect()
+}
+
+/// Returns whether a term is the main effect of a variable in an interaction of which all main effects are in the model.
+fn is_mean_effect(full: &Fitted, term: &Term) -> bool {
+    let terms = &full.spec.terms;
+    let has_main = |variable: &Variable| terms.has(&Term { variables: vec![variable.clone()] });
+    let mut larger = terms.iter().filter(|other| other.variables.len() > 1 && other.contains(term));
+    term.variables.len() == 1 && terms.is_marginal(term) && larger.all(|other| other.variables.iter().all(has_main))
+}
+
+/// Returns the same model with the columns in which a term can be tested; `None` for those of the model itself.
+pub(super) fn recoded<'a>(full: &Fitted<'a>, term: &Term) -> Result<Option<Fitted<'a>>, ModelError> {
+    if !is_mean_effect(full, term) {
+        return Ok(None);
+    }
+    let x = full.x.with_sum_contrasts(&full.frame)?;
+    let how = How { random: Some(&full.random), near: Some(full), x: Some(&x), ..How::default() };
+    fit_terms(full.frame.clone(), full.spec.clone(), Vec::new(), how).map(Some)
 }
 
 /// Tests one term by the likelihood ratio against the model without it.
 pub(crate) fn without_term(full: &Fitted, term: &Term) -> Result<TermTest, ModelError> {
-    let spec = ModelSpec { terms: full.spec.terms.without(term), ..full.spec.clone() };
-    let how = How { random: Some(&full.random), near: Some(full), ..How::default() };
+    let mut spec = full.spec.clone();
+    let mut how = How { random: Some(&full.random), near: Some(full), ..How::default() };
+    let x;
+    if let Some(index) = full.spec.terms.iter().position(|own| own == term).filter(|_| is_mean_effect(full, term)) {
+        x = full.x.with_sum_contrasts(&full.frame)?.without_columns(index);
+        how.x = Some(&x);
+    } else {
+        spec.terms = full.spec.terms.without(term);
+    }
     let reduced = fit_terms(full.frame.clone(), spec, Vec::new(), how)?;
     let difference = comparable(full, &reduced).then(|| full.loglik() - reduced.loglik());
     Ok(TermTest::new(term, difference, full.rank().saturating_sub(reduced.rank())))
@@ -151,6 +181,9 @@ impl TermTest {
 /// A simulated distribution is used only if at least this share of the studies allowed a fit.
 const ENOUGH: f64 = 0.9;
 
+/// No smaller probability is given from a tail of simulated ratios.
+const LEAST_P: f64 = 1e-6;
+
 /// Returns the probability of a ratio at least as large as `observed`, and the number of simulated ratios. If none is as
 /// large, the probability is that of an exponential tail beyond the largest fifth, whose mean is taken at its upper 95 %
 /// bound: for large ratios, the tails of χ² and of its small-sample forms are exponential. `None` if too few studies allowed
@@ -166,7 +199,7 @@ pub(super) fn probability(ratios: &[f64], observed: f64) -> Option<(f64, usize)>
         let from = finite[finite.len() - 1 - largest];
         let mean = finite.iter().rev().take(largest).map(|ratio| ratio - from).sum::<f64>() / largest as f64;
         let bound = mean * (1.0 + 1.645 / (largest as f64).sqrt());
-        largest as f64 / number as f64 * (-(observed - from) / bound).exp()
+        (largest as f64 / number as f64 * (-(observed - from) / bound).exp()).max(LEAST_P)
     };
     enough.then(|| (if larger == 0 && number >= 50 { counted.min(tail()) } else { counted }, number))
 }

@@ -10,9 +10,9 @@ use super::{
     estimates::{category_numbers, reach},
     fitting::Fitted,
     model::Model,
-    profile::chi_squared_limit,
+    profile::{Quantity, chi_squared_limit, ratio_at_zero},
     random::is_within,
-    terms::{Term, Variable},
+    terms::{Term, TermPart, Variable},
 };
 use crate::{
     analysis::counts::Counts,
@@ -142,6 +142,19 @@ fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variab
         let conditions = cells.get(&[level].into_iter().chain(stratum).collect::<Vec<_>>())?;
         Some(fitted.x.matrix(conditions).row_mean().transpose())
     };
+    // Simple effects and comparisons with a column that was dropped have no such ratio.
+    let is_main = |parts: &[TermPart]| matches!(parts, [part] if part.variable == *factor);
+    let is_whole = fitted.x.columns.iter().filter(|column| is_main(&column.parts)).count() + 1 == levels.len();
+    let column = |level: u32| {
+        let name = &counts.factors[own].levels[level as usize];
+        fitted.x.columns.iter().position(|column| column.is_level(factor.name(), name))
+    };
+    let quantity = |level: u32, lower: u32| match (column(level), column(lower)) {
+        _ if at.is_some() || !is_whole => None,
+        (Some(one), Some(other)) => Some(Quantity::Difference(one, other)),
+        (Some(one), None) | (None, Some(one)) => Some(Quantity::Coefficient(one)),
+        (None, None) => None,
+    };
     let coefficients = DVector::from_iterator(fitted.x.columns.len(), model.coefficients.iter().map(|c| c.estimate));
     let first = model.thresholds.len();
     let size = coefficients.len();
@@ -158,7 +171,11 @@ fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variab
                     (0..size).filter(|&i| covariance[(i, i)].is_finite() || difference[i].abs() > 1e-12).collect();
                 let pairs = used.iter().flat_map(|i| used.iter().map(move |j| (*i, *j)));
                 let se = pairs.map(|(i, j)| difference[i] * difference[j] * covariance[(i, j)]).sum::<f64>().sqrt();
-                let se = Some(se * widening).filter(|se| se.is_finite() && *se > 0.0);
+                // Where the likelihood ratio is known, the standard error that it implies, so that p and the interval are those of
+                // the ratio.
+                let implied = quantity(level, lower).and_then(|quantity| ratio_at_zero(fitted, quantity));
+                let implied = implied.filter(|ratio| *ratio > 0.01).map(|ratio| estimate.abs() / ratio.sqrt());
+                let se = Some(implied.unwrap_or(se) * widening).filter(|se| se.is_finite() && *se > 0.0);
                 let name = |factor: usize, level: u32| counts.factors[factor].levels[level as usize].clone();
                 comparisons.push(Comparison {
                     factor: factor.name().to_owned(),

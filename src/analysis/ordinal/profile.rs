@@ -29,6 +29,12 @@ pub(super) fn chi_squared_limit(df: usize) -> f64 {
     chi_squared_quantile(LEVEL, df as f64)
 }
 
+/// Returns the likelihood ratio against the model in which a quantity is 0.
+pub(super) fn ratio_at_zero(full: &Fitted, quantity: Quantity) -> Option<f64> {
+    let fitted = hold(full, quantity, 0.0)?;
+    comparable(full, &fitted).then(|| (2.0 * (full.loglik() - fitted.loglik())).max(0.0))
+}
+
 /// Returns the interval of a quantity. `limits` are the largest likelihood ratios below and above the estimate; `se` is
 /// where the search begins. An end is infinite if no finite value is excluded. `None` if the profile cannot be computed.
 pub(super) fn interval(

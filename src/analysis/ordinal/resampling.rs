@@ -21,7 +21,7 @@ use super::{
     design::Design,
     estimates::finite_estimates,
     fitting::{Fitted, How, Layout, fit_terms, layout},
-    likelihood_ratios::{comparable, is_decided, nominal_test},
+    likelihood_ratios::{comparable, is_decided, nominal_test, recoded},
     link::Link,
     search::MixedFit,
     terms::Term,
@@ -72,7 +72,12 @@ pub(super) fn simulate(
     progress: &(dyn Fn() + Sync),
 ) -> [Vec<Vec<f64>>; 2] {
     let simulator = Simulator::new(full, true);
-    let held: Vec<Design> = what.terms.iter().map(|term| full.x.held(&own_coefficients(full, term))).collect();
+    let held = |term: &&Term| {
+        let recoded = recoded(full, term).ok().flatten();
+        let model = recoded.as_ref().unwrap_or(full);
+        model.x.held(&own_coefficients(model, term))
+    };
+    let held: Vec<Design> = what.terms.iter().map(held).collect();
     let of_study = |study: u32| {
         let frame = simulator.study(settings.seed, study.into());
         let ratios = frame.map(|frame| ratios(full, frame, &held, what));

@@ -111,7 +111,7 @@ fn heading(results: &Results, model: &Model, variables: &[&Variable]) -> String 
         Note::Rebased { factor, baseline, .. } if factor == name => Some(baseline),
         _ => None,
     });
-    let baseline = results.measured.counts.factor(name).and_then(|(_, factor)| rebased.or(factor.levels.first()));
+    let baseline = results.modeled().factor(name).and_then(|(_, factor)| rebased.or(factor.levels.first()));
     let against = baseline.map_or_else(String::new, |level| format!(" (against {})", labels::level(level)));
     format!("{}{against}", labels::heading(name))
 }

@@ -92,6 +92,7 @@ fn nothing_found(results: &Results) -> Option<String> {
         .filter(|factor| !findings::is_dependent(&dependences, factor))
         .filter(|factor| findings::evidence(results, factor).is_some_and(|evidence| evidence.p >= ALPHA))
         .map(|factor| names::factor(&factor.name))
+        .chain(findings::unclear_covariates(results))
         .collect();
     let (people, unclear_list) = (count(results.people() as u64, "participant"), either(&unclear));
     (!unclear.is_empty()).then(|| {
@@ -111,11 +112,11 @@ fn about_model(results: &Results) -> Vec<String> {
     let mut cautions = Vec::new();
     let dependences = findings::dependences(results);
     cautions.extend(dependences.iter().filter(|found| found.is_clear() && !found.is_modeled).map(|found| {
-        let (together, terms) = (found.names(), found.factors.iter().map(|factor| factor.name.as_str()));
+        let together = found.names();
         format!(
             "The model is additive, although the effects of {together} depend on each other: its coefficients and \
-             comparisons of each are averages over the other. The option terms with {} models the interaction.",
-            terms.collect::<Vec<_>>().join("*")
+             comparisons of each are averages over the other. A term such as {} models the interaction.",
+            found.term()
         )
     }));
     let notes = &report.model.notes;

@@ -7,7 +7,7 @@
 use super::names;
 use crate::{
     analysis::{
-        Interaction, Link, ModelReport, Results, TermTest, Withheld, find_factor, number_of,
+        Link, ModelReport, Results, TermTest, Withheld, find_factor, number_of,
         rank_tests::PMethod,
         results::{FactorResults, factor_results},
         terms::{Term, Variable},
@@ -268,30 +268,8 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
         return None;
     }
     let odds = results.spec.link == Link::Logit;
-    if let [Variable::Number(name)] = &term.variables[..] {
-        let coefficient =
-            report.model.coefficients.iter().find(|c| c.parts.iter().map(|part| &part.variable).eq(&term.variables))?;
-        let value = |estimate: f64| if odds { ratio(estimate.exp()) } else { fixed(estimate, 2) };
-        // Over the whole range, so that the unit does not matter.
-        let is_inverse = *name != factor.name;
-        let numbers = factor.levels.iter().filter_map(|level| number_of(&level.names[0]));
-        let numbers: Vec<f64> = numbers.map(|x| if is_inverse { x.recip() } else { x }).collect();
-        let [low, high] = [f64::min, f64::max].map(|f| numbers.iter().copied().reduce(f));
-        let range = high? - low?;
-        let interval = coefficient.interval.map(|i| Interval { low: range * i.low, high: range * i.high });
-        let (estimate, interval) = (value(range * coefficient.estimate), with_interval(interval, value));
-        let ends = |x: f64| {
-            factor.levels.iter().find(|level| {
-                number_of(&level.names[0]).map(|own| if is_inverse { own.recip() } else { own }) == Some(x)
-            })
-        };
-        let [low, high] = [ends(low?)?, ends(high?)?].map(|level| names::level_of(factor, level));
-        let text = if odds {
-            format!("From {low} to {high}, the odds of a higher rating are multiplied by {estimate}{interval}")
-        } else {
-            format!("From {low} to {high}, the latent response shifts by {estimate} standard deviations{interval}")
-        };
-        return Some(Size { text, has_interval: coefficient.interval.is_some() });
+    if let [Variable::Number(_)] = &term.variables[..] {
+        return over_range(results, report, term);
     }
     let contrast = report.model.contrasts.iter().find(|contrast| contrast.factor == factor.name)?;
     if !contrast.estimate.is_finite() {
@@ -321,6 +299,58 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
         )
     };
     Some(Size { text, has_interval: interval.is_some() })
+}
+
+/// Describes the effect of a number from its lowest to its highest value, so that its unit does not matter.
+fn over_range(results: &Results, report: &ModelReport, term: &Term) -> Option<Size> {
+    let variable = term.variables.first()?;
+    let coefficient =
+        report.model.coefficients.iter().find(|c| c.parts.iter().map(|part| &part.variable).eq(&term.variables))?;
+    let counts = results.modeled();
+    let (index, is_inverse) = find_factor(counts, variable).ok()?;
+    let factor = &counts.factors[index];
+    let number = |level: &String| number_of(level).map(|x| if is_inverse { x.recip() } else { x });
+    let mut levels: Vec<(f64, &String)> = factor.levels.iter().filter_map(|l| Some((number(l)?, l))).collect();
+    levels.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (first, last) = (levels.first()?, levels.last()?);
+    let range = last.0 - first.0;
+    let odds = results.spec.link == Link::Logit;
+    let value = |estimate: f64| if odds { ratio(estimate.exp()) } else { fixed(estimate, 2) };
+    let interval = coefficient.interval.map(|i| Interval { low: range * i.low, high: range * i.high });
+    let (estimate, interval_text) = (value(range * coefficient.estimate), with_interval(interval, value));
+    let name = names::factor(&factor.name);
+    let [low, high] = [first, last].map(|(_, level)| names::level(&factor.name, level));
+    let text = if odds {
+        format!("From {name} {low} to {high}, the odds of a higher rating are multiplied by {estimate}{interval_text}")
+    } else {
+        format!(
+            "From {name} {low} to {high}, the latent response shifts by {estimate} standard deviations{interval_text}"
+        )
+    };
+    Some(Size { text, has_interval: interval.is_some() })
+}
+
+/// Describes the effect of a covariate.
+pub(super) fn covariate(results: &Results, name: &str) -> Option<String> {
+    let report = results.model.as_ref().ok()?;
+    let term = main_effect(results, name)?;
+    let (shown, size) = (names::factor(name), over_range(results, report, term)?);
+    let test = likelihood_ratio(results, term)?;
+    let Some(p) = test.p else {
+        let reason = test.withheld.map_or_else(String::new, |reason| format!(": {reason}"));
+        return Some(format!("The effect of {shown} could not be tested{reason}."));
+    };
+    let verdict = if p < ALPHA { "Ratings depend on" } else { "This study cannot tell whether ratings depend on" };
+    Some(format!("{verdict} {shown} ({}, {}). {}.", ratio_test(test), p_is(p), size.text))
+}
+
+/// Returns the covariates of which no effect was found.
+pub(super) fn unclear_covariates(results: &Results) -> impl Iterator<Item = &str> {
+    let is_unclear = |name: &&String| {
+        let test = main_effect(results, name).and_then(|term| likelihood_ratio(results, term));
+        test.and_then(|test| test.p).is_some_and(|p| p >= ALPHA)
+    };
+    results.covariates.iter().filter(is_unclear).map(|name| names::factor(name))
 }
 
 /// Describes the mean of the participants' differences between two levels.
@@ -359,6 +389,8 @@ fn second_opinion(results: &Results, factor: &FactorResults, evidence: &Evidence
 
 /// Factors whose effects may depend on each other, and the test of it.
 pub(super) struct Dependence<'a> {
+    /// Names of the factors and covariates.
+    names: Vec<&'a str>,
     /// The factors. If there are two, the effect of the first is described at each level of the second, which has fewer.
     pub factors: Vec<&'a FactorResults>,
     /// The test and its statistic.
@@ -374,42 +406,50 @@ impl Dependence<'_> {
         self.p.is_some_and(|p| p < ALPHA)
     }
 
+    /// Returns the term of the interaction with its main effects, such as `width*depth`.
+    pub fn term(&self) -> String {
+        self.names.join("*")
+    }
+
     /// Returns the names of the factors, such as `width and depth`.
     pub fn names(&self) -> String {
-        list(&self.factors.iter().map(|factor| names::factor(&factor.name)).collect::<Vec<_>>())
+        list(&self.names.iter().map(|name| names::factor(name)).collect::<Vec<_>>())
     }
 }
 
 /// Returns all interactions that were tested: those in the model, and those that it leaves out.
 pub(super) fn dependences(results: &Results) -> Vec<Dependence<'_>> {
     let Ok(report) = &results.model else { return Vec::new() };
-    let find = |name: &str| results.factors.iter().find(|factor| factor.name == name);
+    let find = |name: &&str| results.factors.iter().find(|factor| factor.name == *name);
+    let counts = results.modeled();
     let in_model = |term: &Term| {
-        let name = |variable: &Variable| find_factor(&results.measured.counts, variable).ok().map(|(index, _)| index);
-        let factors: Vec<usize> = term.variables.iter().map(name).collect::<Option<_>>()?;
+        let name = |variable: &Variable| Some(counts.factors[find_factor(counts, variable).ok()?.0].name.as_str());
+        let names: Vec<&str> = term.variables.iter().map(name).collect::<Option<_>>()?;
         let test = report.terms.iter().find(|test| test.term == term.to_string())?;
         Some(Dependence {
-            factors: factors.into_iter().map(|index| &results.factors[index]).collect(),
+            factors: names.iter().filter_map(find).collect(),
+            names,
             test: ratio_test(test),
             p: test.p,
             withheld: test.withheld,
             is_modeled: true,
         })
     };
-    let left_out = |test: &Interaction| {
+    let terms = results.spec.terms.iter().filter(|term| term.variables.len() > 1);
+    let shown = !results.is_inferential() || is_clustered(results);
+    let mut all: Vec<Dependence<'_>> = terms.filter(|_| shown).filter_map(in_model).collect();
+    for test in &report.interactions {
         let name = if test.by_signs { "score test" } else { "likelihood-ratio test" };
-        Some(Dependence {
-            factors: test.factors.iter().map(|name| find(name)).collect::<Option<_>>()?,
+        let names: Vec<&str> = test.factors.iter().map(String::as_str).collect();
+        all.push(Dependence {
+            factors: names.iter().filter_map(find).collect(),
+            names,
             test: format!("{name}: χ²({}) = {}", test.df, fixed(test.chi_squared, 1)),
             p: test.p,
             withheld: test.withheld,
             is_modeled: false,
-        })
-    };
-    let terms = results.spec.terms.iter().filter(|term| term.variables.len() > 1);
-    let shown = !results.is_inferential() || is_clustered(results);
-    let mut all: Vec<Dependence<'_>> = terms.filter(|_| shown).filter_map(in_model).collect();
-    all.extend(report.interactions.iter().filter_map(left_out));
+        });
+    }
     for dependence in &mut all {
         dependence.factors.sort_by_key(|factor| std::cmp::Reverse(factor.levels.len()));
     }

@@ -51,7 +51,8 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         &mut section,
         "Does each term matter?",
         &format!(
-            "Each row compares the model with a model without the term and the same random effects. A small p means that \
+            "Each row compares the model with a model without the term and the same random effects; for a main effect in an \
+             interaction, that is its mean over the levels of the other factor (sum contrasts). A small p means that \
              ratings like these would be rare if the term had no effect. The p values are not corrected for the number of \
              terms. {}{scope}",
             source_of_p(&report.terms)
@@ -268,20 +269,34 @@ fn fit_of_model(section: &mut Section, results: &Results, model: &Model, checks:
          model does not describe these ratings. Because it was fitted to them, few should lie outside.",
     );
     section.figures(figures, &["predictive"]);
-    let outside: Vec<&Proportion> = checks
-        .proportions
-        .iter()
-        .filter(|p| p.observed < p.range.low - 1e-9 || p.observed > p.range.high + 1e-9)
-        .collect();
+    let is_outside = |p: &&Proportion| p.observed < p.range.low - 1e-9 || p.observed > p.range.high + 1e-9;
+    let outside: Vec<&Proportion> = checks.proportions.iter().filter(is_outside).collect();
+    let far = checks.cells.iter().filter(is_outside).count();
+    let lie = |number: usize| match number {
+        0 => "none lies".to_owned(),
+        1 => "one lies".to_owned(),
+        n => format!("{} lie", whole(n as u64)),
+    };
     section.text(format!(
-        "Of {}, {} outside.",
+        "Of {} at the levels of the factors, {} outside.",
         count(checks.proportions.len() as u64, "proportion"),
-        match outside.len() {
-            0 => "none lies".to_owned(),
-            1 => "one lies".to_owned(),
-            n => format!("{} lie", whole(n as u64)),
-        }
+        lie(outside.len())
     ));
+    if !checks.cells.is_empty() {
+        /// With more than this share outside, chance alone is not a likely cause.
+        const MANY: f64 = 0.1;
+        let all = checks.cells.len();
+        section.text(format!(
+            "Of {} in the single conditions, {} outside{}.",
+            count(all as u64, "proportion"),
+            lie(far),
+            if far as f64 > MANY * all as f64 {
+                ": more than chance allows, so the model does not describe the conditions, for example because effects depend on each other"
+            } else {
+                ", about as many as chance allows"
+            }
+        ));
+    }
     let row = |p: &&Proportion| {
         vec![
             names::factor(&p.factor).into(),

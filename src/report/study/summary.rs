@@ -12,7 +12,7 @@ use crate::{
     },
     report::document::{
         Section,
-        numbers::{count, mean, unit, with_interval},
+        numbers::{count, list, mean, unit, with_interval},
     },
     store::ratings::Source,
 };
@@ -60,6 +60,7 @@ pub fn summary(source: &Source, results: &Results) -> Summary {
     let mut findings: Vec<String> = clear.iter().filter_map(|found| findings::interaction(results, found)).collect();
     let alone = names::varied(results).filter(|factor| !findings::is_dependent(&dependences, factor));
     findings.extend(alone.map(|factor| findings::finding(results, factor)));
+    findings.extend(results.covariates.iter().filter_map(|name| findings::covariate(results, name)));
     findings.extend(others.iter().filter_map(|found| findings::interaction(results, found)));
     findings.extend(between_participants(results));
     findings.extend(agreement(results));
@@ -86,6 +87,11 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
         lead.push(
             "These are few people: intervals are wide, and only large and consistent effects can be found.".to_owned(),
         );
+    }
+    if !results.covariates.is_empty() {
+        let names: Vec<&str> = results.covariates.iter().map(|name| names::factor(name)).collect();
+        let are = if names.len() == 1 { "is a covariate that describes" } else { "are covariates that describe" };
+        lead.push(format!("{} {are} participants: a number with one slope, not a condition.", list(&names)));
     }
     lead.extend(exclusions::sentences(results));
     lead.extend(health::finished_sentence(source, results));

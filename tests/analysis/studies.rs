@@ -1,0 +1,215 @@
+//! Studies as people bring them: crossed effects, people who lack levels, numbers in any unit, and covariates. Every sentence
+//! agrees with every other one.
+
+use machband::{
+    analysis::{
+        Options, Resampling, Results, analyze,
+        counts::{Measured, MeasuredBuilder},
+        terms::Terms,
+    },
+    report::study::{Summary, summary},
+};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::{inference::rate, report::source};
+
+/// Simulates a study: every person rates every row of `design` `ratings` times. `latent` returns the latent value for a
+/// person and a row, or `None` if this person does not rate it.
+fn study(
+    factors: &[&str],
+    design: &[&[&str]],
+    (people, ratings, seed): (usize, usize, u64),
+    latent: impl Fn(usize, usize) -> Option<f64>,
+) -> Measured {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut builder = MeasuredBuilder::new(factors).with_categories(&["0", "1", "2", "3"]);
+    for person in 0..people {
+        let own: f64 = rng.random_range(-1.0..1.0);
+        for (index, row) in design.iter().enumerate() {
+            for _ in 0..ratings {
+                if let Some(latent) = latent(person, index) {
+                    builder.add_counts(&format!("S{person:02}"), row, &rate(latent + own, &mut rng), 1).unwrap();
+                }
+            }
+        }
+    }
+    builder.finish()
+}
+
+fn options(terms: Option<&str>) -> Options {
+    let terms = terms.map(|terms| Terms::parse(terms).unwrap());
+    Options { terms, resampling: Resampling { draws: 99, seed: 1 }, ..Options::default() }
+}
+
+fn said(results: &Results) -> Summary {
+    summary(&source(&[]), results)
+}
+
+const CROSSED: [&[&str]; 4] = [&["p", "x"], &["p", "z"], &["q", "x"], &["q", "z"]];
+
+/// An effect that is turned round by another factor is no missing effect. Today's sentence was "found no clear effect of a
+/// and b".
+#[test]
+fn a_crossed_interaction_leads() {
+    for people in [1, 3, 10] {
+        let crossed = |_: usize, row: usize| Some([1.5, -1.5, -1.5, 1.5][row]);
+        for terms in [None, Some("a*b")] {
+            let results = analyze(study(&["a", "b"], &CROSSED, (people, 12, 5), crossed), &options(terms));
+            let Summary { findings, cautions, .. } = said(&results);
+            let (found, first) = (format!("{people} people, {terms:?}: {findings:?} {cautions:?}"), &findings[0]);
+            assert!(first.contains("effects of a and b depend on each other"), "{found}");
+            assert!(first.contains("at b x") && first.contains("at b z"), "{found}");
+            assert!(!findings.iter().chain(&cautions).any(|text| text.contains("no clear effect of a")), "{found}");
+            assert!(!findings.iter().any(|text| text.contains("if a made no difference")), "{found}");
+            let additive = cautions.iter().any(|text| text.contains("The model is additive"));
+            assert_eq!(additive, terms.is_none(), "{found}");
+            let checks = results.model.as_ref().unwrap().checks.as_ref().unwrap();
+            let outside = |p: &&machband::analysis::Proportion| p.observed < p.range.low || p.observed > p.range.high;
+            let far = checks.cells.iter().filter(outside).count();
+            assert!(people < 10 || (far > 4) == terms.is_none(), "{far} cells; {found}");
+        }
+    }
+}
+
+/// The main effects of an interaction are their means over the other factor.
+#[test]
+fn main_effects_in_an_interaction_are_means() {
+    let shifted = |_: usize, row: usize| Some([2.0, 0.8, 0.0, 1.2][row]);
+    let results = analyze(study(&["a", "b"], &CROSSED, (10, 12, 8), shifted), &options(Some("a*b")));
+    let tests = &results.model.as_ref().unwrap().terms;
+    let names: Vec<&str> = tests.iter().map(|test| test.term.as_str()).collect();
+    assert_eq!(names, ["a", "b", "a:b"]);
+    assert!(tests[0].p.unwrap() < 0.05 && tests[1].p.unwrap() > 0.05, "{tests:?}");
+}
+
+/// Half of the people rate levels 1 and 2, and half rate 2 and 3; the second half rates everything higher. Within people,
+/// ratings fall with the level, and the raw means rise.
+#[test]
+fn words_and_numbers_have_one_direction() {
+    let latent = |person: usize, level: usize| {
+        let is_high = person % 2 == 1;
+        let rated = if is_high { level >= 1 } else { level <= 1 };
+        rated.then(|| if is_high { 3.2 } else { -0.6 } - 1.2 * level as f64)
+    };
+    let results = analyze(study(&["l"], &[&["1"], &["2"], &["3"]], (24, 12, 3), latent), &options(None));
+    let finding = &said(&results).findings[0];
+    assert!(finding.starts_with("The raw means by l mislead"), "{finding}");
+    assert!(finding.contains("falls with l at every step") && !finding.contains("rises"), "{finding}");
+    assert!(finding.contains("at 1 are estimated as"), "{finding}");
+}
+
+/// Nothing depends on the unit of a number: the same z and p, and intervals that scale.
+#[test]
+fn units_do_not_matter() {
+    let levels = ["1", "1.5", "2", "2.5", "3", "4", "5.5", "7"];
+    let scaled = |power: i32| -> Vec<String> {
+        levels.iter().map(|level| format!("{:e}", level.parse::<f64>().unwrap() * 10_f64.powi(power))).collect()
+    };
+    for people in [1, 5] {
+        let of = |power: i32| {
+            let levels = scaled(power);
+            let rows: Vec<[&str; 1]> = levels.iter().map(|level| [level.as_str()]).collect();
+            let rows: Vec<&[&str]> = rows.iter().map(|row| &row[..]).collect();
+            let latent = |_: usize, level: usize| Some(0.4 * level as f64 - 1.5);
+            let results = analyze(study(&["x"], &rows, (people, 8, 4), latent), &options(Some("num:x")));
+            let finding = said(&results).findings[0].clone();
+            let report = results.model.unwrap();
+            let (coefficient, unit) = (&report.model.coefficients[0], 10_f64.powi(power));
+            let interval = coefficient.interval.unwrap();
+            let numbers = [coefficient.estimate, coefficient.se.unwrap(), interval.low, interval.high];
+            let multiplied = finding.split("multiplied by ").nth(1).unwrap().to_owned();
+            (numbers.map(|number| number * unit), report.terms[0].p, report.terms[0].lr.unwrap(), multiplied)
+        };
+        let (numbers, p, lr, text) = of(0);
+        assert!(numbers.iter().all(|number| number.is_finite()) && p.unwrap() < 0.05, "{numbers:?} {p:?}");
+        for power in [-12, -6, -3, 3, 9] {
+            let (other, other_p, other_lr, other_text) = of(power);
+            for (number, other) in numbers.iter().zip(other) {
+                assert!((number - other).abs() < 1e-3 * number.abs(), "{people}, 1e{power}: {numbers:?} {other:?}");
+            }
+            assert!(
+                (lr - other_lr).abs() < 1e-6 && (p.unwrap() - other_p.unwrap()).abs() < 1e-6,
+                "{people}, 1e{power}: {p:?} {other_p:?}"
+            );
+            assert_eq!(text, other_text, "{people}, 1e{power}");
+        }
+    }
+}
+
+/// An age has a slope, not a mean for each year; ages in a term by their levels are levels.
+#[test]
+fn an_age_is_no_condition() {
+    let ages: Vec<String> = (0..20).map(|person| (20 + 3 * person).to_string()).collect();
+    let rows: Vec<[&str; 2]> = ages.iter().flat_map(|age| [[age.as_str(), "a"], [age.as_str(), "b"]]).collect();
+    let rows: Vec<&[&str]> = rows.iter().map(|row| &row[..]).collect();
+    let latent = |person: usize, row: usize| (row / 2 == person).then(|| 0.15 * person as f64 + (row % 2) as f64 - 2.0);
+    let measured = study(&["age", "cond"], &rows, (20, 8, 6), latent);
+    let results = analyze(measured.clone(), &options(None));
+    assert_eq!((results.cells.len(), results.factors.len(), &results.covariates[..]), (2, 1, &["age".to_owned()][..]));
+    let Summary { lead, findings, .. } = said(&results);
+    assert!(lead[0].contains("of 2 conditions") && lead.concat().contains("age is a covariate"), "{lead:?}");
+    assert!(findings.iter().any(|text| text.starts_with("Ratings depend on age")), "{findings:?}");
+    let by_level = analyze(measured, &options(Some("age,cond")));
+    assert!(by_level.covariates.is_empty() && by_level.cells.len() == 40);
+}
+
+/// The order of the terms decides nothing.
+#[test]
+fn the_order_of_terms_does_not_matter() {
+    let latent = |person: usize, row: usize| Some([1.0, 0.0, 0.6, -0.4][row] + 0.2 * (person % 3) as f64);
+    let measured = study(&["a", "b"], &CROSSED, (6, 1, 2), latent);
+    let of = |terms: &str| {
+        let report = analyze(measured.clone(), &options(Some(terms))).model.unwrap();
+        let slopes = report.model.random.unwrap().slopes;
+        let mut terms: Vec<String> = slopes.iter().map(|slope| slope.term.to_string()).collect();
+        terms.sort();
+        (terms, (report.model.loglik * 1e6).round())
+    };
+    assert_eq!(of("a,b"), of("b,a"));
+}
+
+/// In studies of all kinds, no two sentences contradict each other: a factor has an effect, has no clear one, or depends on
+/// another one, and everything that is said of it says the same.
+#[test]
+fn sentences_agree() {
+    for seed in 0..36_u64 {
+        let (people, ratings) = ([1, 3, 6, 9][seed as usize % 4], [1, 3, 8][seed as usize % 3]);
+        let (a, b, both) =
+            ([0.0, 1.0, -2.0][seed as usize % 3], [0.0, 1.5][seed as usize / 3 % 2], [0.0, 2.0][seed as usize / 6 % 2]);
+        let missing = seed % 5 == 4;
+        let latent = |person: usize, row: usize| {
+            let (own_a, own_b) = ((row / 2) as f64, (row % 2) as f64);
+            let is_rated = !missing || (person + row) % 4 != 0;
+            is_rated.then_some(a * own_a + b * own_b + both * own_a * own_b)
+        };
+        let terms = [None, Some("a*b"), Some("a")][seed as usize / 2 % 3];
+        let results = analyze(study(&["a", "b"], &CROSSED, (people, ratings, seed), latent), &options(terms));
+        let Summary { findings, cautions, .. } = said(&results);
+        let all = format!("seed {seed}: {findings:#?} {cautions:#?}");
+        for factor in ["a", "b"] {
+            let is_own = |text: &&String| {
+                let starts = [format!("By {factor},"), format!(" with {factor}"), format!("levels of {factor}")];
+                starts.iter().any(|start| text.contains(start))
+            };
+            let own: String = findings.iter().filter(is_own).cloned().collect();
+            let is = |parts: &[&str]| parts.iter().filter(|part| own.contains(&part.replace('#', factor))).count();
+            let kinds = [
+                is(&["if # made no difference"]),
+                is(&["cannot distinguish the levels ("]),
+                is(&["effect of # could not be tested", "no conclusion is drawn"]),
+                findings.iter().filter(|text| text.starts_with("The effects of a and b depend on each other")).count(),
+            ];
+            assert_eq!(kinds.iter().sum::<usize>(), 1, "{factor}: {kinds:?}; {all}");
+            let unclear = kinds[1] == 1;
+            let of = |text: &String| {
+                text.split("no clear effect of ").nth(1).map(|rest| rest.split('.').next().unwrap().to_owned())
+            };
+            let none = cautions.iter().filter_map(of).any(|named| named.split(' ').any(|word| word == factor));
+            assert!(!none || unclear, "{factor}; {all}");
+        }
+        for text in findings.iter().chain(&cautions) {
+            assert!(!["NaN", "..", "  ", " ,"].iter().any(|wrong| text.contains(wrong)), "{text}");
+        }
+    }
+}
