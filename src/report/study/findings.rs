@@ -90,7 +90,6 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
         text += " These two levels were chosen because their means differ most, so their difference is probably \
                  overestimated.";
     }
-    text.extend(second_opinion(results, factor, &evidence));
     text.extend(people_differ(results, factor, evidence.p < ALPHA));
     text
 }
@@ -371,20 +370,6 @@ fn difference_of_means(factor: &FactorResults) -> Option<Size> {
         with_interval(interval, mean)
     );
     Some(Size { text, has_interval: interval.is_some() })
-}
-
-/// Adds a caution if the test that treats each participant as one observation disagrees, unless it could not have
-/// found anything.
-fn second_opinion(results: &Results, factor: &FactorResults, evidence: &Evidence) -> Option<String> {
-    let friedman = factor.friedman.filter(|test| results.is_inferential() && test.least_p < ALPHA)?;
-    if evidence.is_rank_test || !factor.within || (friedman.p < ALPHA) == (evidence.p < ALPHA) {
-        return None;
-    }
-    let other = if friedman.p < ALPHA { "does distinguish the levels" } else { "cannot distinguish the levels" };
-    Some(format!(
-        " Friedman’s test, which uses only the order of each participant’s means, {other} ({}). Interpret this with caution.",
-        p_is(friedman.p)
-    ))
 }
 
 /// Factors whose effects may depend on each other, and the test of it.
