@@ -17,7 +17,7 @@ use crate::{
 };
 
 /// Number of simulated studies for the comparison of observed with expected proportions.
-const STUDIES: usize = 400;
+const STUDIES: usize = 200;
 /// Maximum number of conditions whose proportions are compared.
 const MAX_CELLS: usize = 300;
 /// Maximum number of participants who are left out in turn.
