@@ -82,7 +82,7 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
             "These are few people: intervals are wide, and only large and consistent effects can be found.".to_owned(),
         );
     }
-    lead.extend(exclusions::sentences(results));
+    lead.extend(exclusions::sentences(source, results));
     lead.extend(health::finished_sentence(source, results));
     lead
 }

@@ -1,0 +1,88 @@
+//! Excel workbooks (`.xlsx`).
+
+use std::io::Cursor;
+
+use calamine::{DataRef, Reader as _, Xlsx};
+use zip::ZipArchive;
+
+use super::converted::{Converted, MAX_CONVERTED, at_most};
+use crate::store::table::line;
+
+/// Returns the first sheet as CSV with commas. Line numbers are those of the sheet, and every row has as many cells as the
+/// first one that is not empty.
+///
+/// # Errors
+/// Says what is wrong and what is expected.
+pub(super) fn first_sheet(file: &[u8]) -> Result<Converted, String> {
+    let unreadable =
+        |error: &dyn std::fmt::Display| format!("is not an Excel workbook (.xlsx): {error}; expected one, or CSV");
+    check_size(file)?;
+    let mut workbook = Xlsx::new(Cursor::new(file)).map_err(|error| unreadable(&error))?;
+    let names = workbook.sheet_names();
+    let name = names.first().ok_or_else(|| unreadable(&"it has no sheets"))?;
+    let mut cells = workbook.worksheet_cells_reader(name).map_err(|error| unreadable(&error))?;
+    let (mut bytes, mut row, mut width, mut at) = (Vec::new(), Vec::<String>::new(), 0, 0);
+    let mut end_row = |row: &mut Vec<String>, at: &mut u32| {
+        width = if width == 0 { row.len() } else { width };
+        if row.is_empty() {
+            bytes.push(b'\n');
+        } else {
+            row.resize(row.len().max(width), String::new());
+            bytes.extend(line(row.drain(..)));
+        }
+        *at += 1;
+        bytes.len() as u64 <= MAX_CONVERTED
+    };
+    let too_large = || format!("the sheet has more than {MAX_CONVERTED} bytes as CSV; expected fewer");
+    while let Some(cell) = cells.next_cell().map_err(|error| unreadable(&error))? {
+        let ((line, column), text) = (cell.get_position(), text(cell.get_value()));
+        if text.is_empty() {
+            continue;
+        }
+        if line < at || (column as usize) < row.len() && line == at {
+            return Err(unreadable(&"its cells are not in order"));
+        }
+        while at < line {
+            if !end_row(&mut row, &mut at) {
+                return Err(too_large());
+            }
+        }
+        row.resize(column as usize, String::new());
+        row.push(text);
+    }
+    if !end_row(&mut row, &mut at) {
+        return Err(too_large());
+    }
+    let note = (names.len() > 1).then(|| {
+        let others = names.len() - 1;
+        format!(
+            "only the first sheet, {name}, was read; expected one sheet (the others, in total {others}, were ignored)"
+        )
+    });
+    Ok(Converted { bytes, note })
+}
+
+/// Checks that a workbook does not unpack to too many bytes. calamine unpacks without a limit.
+fn check_size(file: &[u8]) -> Result<(), String> {
+    let broken = |error| format!("cannot be unpacked: {error}; expected an Excel workbook (.xlsx), or CSV");
+    let mut archive = ZipArchive::new(Cursor::new(file)).map_err(broken)?;
+    let mut left = MAX_CONVERTED;
+    for index in 0..archive.len() {
+        left -= at_most(archive.by_index(index).map_err(broken)?, left)?.len() as u64;
+    }
+    Ok(())
+}
+
+/// Returns a cell as text, in which a line break is a space.
+fn text(cell: &DataRef<'_>) -> String {
+    match cell {
+        DataRef::Int(number) => number.to_string(),
+        DataRef::Float(number) => number.to_string(),
+        DataRef::String(text) | DataRef::DateTimeIso(text) | DataRef::DurationIso(text) => text.clone(),
+        DataRef::SharedString(text) => (*text).to_owned(),
+        DataRef::Bool(is) => is.to_string().to_uppercase(),
+        DataRef::DateTime(time) => time.to_string(),
+        DataRef::Error(error) => error.to_string(),
+        DataRef::Empty => String::new(),
+    }
+}
