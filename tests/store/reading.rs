@@ -693,6 +693,7 @@ mod elsewhere {
             ("far.xlsx", workbook(&[("One", &far)]), "the sheet has more than 67108864 bytes as CSV; expected fewer"),
             ("cut.csv.gz", short[..short.len() - 9].to_vec(), "cannot be unpacked: "),
             ("no.xlsx", b"PK\x03\x04\0\0".to_vec(), "cannot be unpacked: "),
+            ("row.xlsx", workbook(&[("One", &sheet.replace("\"A2\"", "\"A99999999999\""))]), ""),
             ("none.xlsx", workbook(&[]), "is not an Excel workbook (.xlsx): it has no sheets; expected one, or CSV"),
         ] {
             let said = errors(&[&file(&folder, name, bytes)], &how);
@@ -757,6 +758,9 @@ mod elsewhere {
             [("A", vec!["x", "high"], "2", 1), ("A", vec!["x", "low"], "1", 1), ("B", vec!["y", "high"], "3", 1)];
         assert_eq!((counts(&read), read.source.left_out(Reason::NoResponse)), (expected.to_vec(), (1, 1)));
         assert_eq!((read.source.files[0].rows, read.source.files[0].counted), (4, 3));
+        let count = file(&folder, "c.csv", "id,group,low,high,count\nA,x,1,2,1\nB,y,.,3,1\n");
+        let of_counts = ReadOptions { factors: None, ..how };
+        assert_eq!(Study::read(&[count], &of_counts).unwrap().measured.counts, read.measured.counts);
         let long = file(&folder, "l.csv", "id,group,level,y\nA,x,low,1\nA,x,high,2\nB,y,high,3\n");
         let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["group", "level"]) };
         assert_eq!(Study::read(&[long], &how).unwrap().measured, read.measured);

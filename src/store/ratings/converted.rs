@@ -1,14 +1,15 @@
 //! Files that are not plain text in UTF-8 with line feeds. They are converted in memory.
 
-use std::{io::Read, path::Path};
+use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
 
 use super::workbook;
-use crate::store::{FileErrors, StoreError, error::io, open::read_regular};
-
-/// Maximum number of bytes of such a file, and of what it is converted to.
-pub(super) const MAX_CONVERTED: u64 = 64 << 20;
+use crate::store::{
+    FileErrors, StoreError,
+    error::io,
+    open::{MAX_UNPACKED, read_regular, unpacked},
+};
 
 /// The content of a file as text in UTF-8.
 #[derive(Clone, Debug, Default)]
@@ -29,12 +30,12 @@ pub(super) fn converted(path: &Path, head: &[u8]) -> Result<Option<Converted>, S
     if !is_gzip && !is_workbook && utf16(head).is_none() && !has_old_lines(head) {
         return Ok(None);
     }
-    let mut converted = Converted { bytes: read_regular(path, MAX_CONVERTED).map_err(io(path, "read"))?, note: None };
+    let mut converted = Converted { bytes: read_regular(path, MAX_UNPACKED).map_err(io(path, "read"))?, note: None };
     let failed = |message: String| FileErrors::whole(path, message);
     if is_gzip {
-        converted.bytes = at_most(MultiGzDecoder::new(&converted.bytes[..]), MAX_CONVERTED).map_err(failed)?;
+        converted.bytes = unpacked(MultiGzDecoder::new(&converted.bytes[..]), MAX_UNPACKED).map_err(failed)?;
     } else if is_workbook {
-        converted = workbook::first_sheet(&converted.bytes).map_err(failed)?;
+        (converted.bytes, converted.note) = workbook::first_sheet(&converted.bytes).map_err(failed)?;
     }
     if let Some(encoding) = utf16(&converted.bytes) {
         converted.bytes = encoding.decode(&converted.bytes).0.into_owned().into_bytes();
@@ -52,18 +53,4 @@ fn utf16(bytes: &[u8]) -> Option<&'static encoding_rs::Encoding> {
 
 fn has_old_lines(bytes: &[u8]) -> bool {
     bytes.contains(&b'\r') && !bytes.contains(&b'\n')
-}
-
-/// Unpacks all that a reader has, if it is at most `most` bytes.
-///
-/// # Errors
-/// Says what is wrong and what is expected.
-pub(super) fn at_most(reader: impl Read, most: u64) -> Result<Vec<u8>, String> {
-    let mut bytes = Vec::new();
-    let read = reader.take(most + 1).read_to_end(&mut bytes);
-    read.map_err(|error| format!("cannot be unpacked: {error}; expected a complete file"))?;
-    if bytes.len() as u64 > most {
-        return Err(format!("unpacks to more than {MAX_CONVERTED} bytes; expected fewer: unpack it first"));
-    }
-    Ok(bytes)
 }

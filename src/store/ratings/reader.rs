@@ -427,7 +427,8 @@ fn add_rows(
             Err(false) if !selection.own_scale => return Err(RowError::new(row, response, "a rating")),
             Err(false) => {
                 // Any scale is possible in a table from elsewhere.
-                let unless = if is_own { "" } else { ", unless this column is named as the response" };
+                let unless =
+                    if is_own { "" } else { ", unless this column is named as the response or this value as missing" };
                 return Err(RowError::new(row, response, format!("a rating from 0 to {MAX_RATING}{unless}")));
             }
         };

@@ -329,8 +329,9 @@ impl Input {
     /// they contain row numbers from R or pandas.
     fn factors(&self, options: &ReadOptions) -> Vec<String> {
         let known = [self.subject(options), options.response(), options.count()];
-        let names = self.header.names.iter();
-        names.filter(|name| !name.is_empty() && !known.contains(&name.as_str())).cloned().collect()
+        let is_response = |name: &String| options.wide.as_ref().is_some_and(|(_, columns)| columns.contains(name));
+        let is_known = |name: &String| name.is_empty() || known.contains(&name.as_str()) || is_response(name);
+        self.header.names.iter().filter(|name| !is_known(name)).cloned().collect()
     }
 
     /// Creates the error for a file that does not match the files that are read.
@@ -354,12 +355,10 @@ fn layout(header: &Header, options: &ReadOptions, sidecar: bool) -> Layout {
     if options.count.as_deref().is_some_and(has) {
         return Layout::Counts;
     }
-    if options.wide.is_some() {
-        return Layout::Long;
-    }
     let missing =
         KEYS.into_iter().chain([options.subject.as_deref().unwrap_or(SUBJECT)]).filter(|name| !has(name)).count();
-    if missing == 0 || (missing == 1 && (sidecar || has("row_id") || options.factors.is_none())) {
+    let is_result = missing == 0 || missing == 1 && (sidecar || has("row_id") || options.factors.is_none());
+    if options.wide.is_none() && is_result {
         Layout::Results
     } else if options.count.is_none() && has("count") {
         Layout::Counts

@@ -5,18 +5,29 @@ use std::io::Cursor;
 use calamine::{DataRef, Reader as _, Xlsx};
 use zip::ZipArchive;
 
-use super::converted::{Converted, MAX_CONVERTED, at_most};
-use crate::store::table::line;
+use crate::store::{
+    open::{MAX_UNPACKED, unpacked},
+    table::line,
+};
+
+/// The rows of a sheet as CSV, and what a user should know about how it was read.
+type Sheet = (Vec<u8>, Option<String>);
 
 /// Returns the first sheet as CSV with commas. Line numbers are those of the sheet, and every row has as many cells as the
 /// first one that is not empty.
 ///
 /// # Errors
 /// Says what is wrong and what is expected.
-pub(super) fn first_sheet(file: &[u8]) -> Result<Converted, String> {
+pub(super) fn first_sheet(file: &[u8]) -> Result<Sheet, String> {
+    check_size(file)?;
+    // calamine does not check all that it calculates with, such as the row in the name of a cell.
+    let read = std::panic::catch_unwind(|| read(file));
+    read.unwrap_or_else(|_| Err("is a damaged workbook; expected an Excel workbook (.xlsx), or CSV".to_owned()))
+}
+
+fn read(file: &[u8]) -> Result<Sheet, String> {
     let unreadable =
         |error: &dyn std::fmt::Display| format!("is not an Excel workbook (.xlsx): {error}; expected one, or CSV");
-    check_size(file)?;
     let mut workbook = Xlsx::new(Cursor::new(file)).map_err(|error| unreadable(&error))?;
     let names = workbook.sheet_names();
     let name = names.first().ok_or_else(|| unreadable(&"it has no sheets"))?;
@@ -31,9 +42,9 @@ pub(super) fn first_sheet(file: &[u8]) -> Result<Converted, String> {
             bytes.extend(line(row.drain(..)));
         }
         *at += 1;
-        bytes.len() as u64 <= MAX_CONVERTED
+        bytes.len() as u64 <= MAX_UNPACKED
     };
-    let too_large = || format!("the sheet has more than {MAX_CONVERTED} bytes as CSV; expected fewer");
+    let too_large = || format!("the sheet has more than {MAX_UNPACKED} bytes as CSV; expected fewer");
     while let Some(cell) = cells.next_cell().map_err(|error| unreadable(&error))? {
         let ((line, column), text) = (cell.get_position(), text(cell.get_value()));
         if text.is_empty() {
@@ -59,16 +70,16 @@ pub(super) fn first_sheet(file: &[u8]) -> Result<Converted, String> {
             "only the first sheet, {name}, was read; expected one sheet (the others, in total {others}, were ignored)"
         )
     });
-    Ok(Converted { bytes, note })
+    Ok((bytes, note))
 }
 
 /// Checks that a workbook does not unpack to too many bytes. calamine unpacks without a limit.
 fn check_size(file: &[u8]) -> Result<(), String> {
     let broken = |error| format!("cannot be unpacked: {error}; expected an Excel workbook (.xlsx), or CSV");
     let mut archive = ZipArchive::new(Cursor::new(file)).map_err(broken)?;
-    let mut left = MAX_CONVERTED;
+    let mut left = MAX_UNPACKED;
     for index in 0..archive.len() {
-        left -= at_most(archive.by_index(index).map_err(broken)?, left)?.len() as u64;
+        left -= unpacked(archive.by_index(index).map_err(broken)?, left)?.len() as u64;
     }
     Ok(())
 }
