@@ -719,7 +719,7 @@ mod elsewhere {
         assert_eq!((read.measured.counts.categories.join(" "), read.measured.counts.total()), ("0 1 2".into(), 45));
         assert_eq!(
             (read.source.left_out(Reason::NoResponse), read.source.left_out(Reason::NoParticipant)),
-            ((17, 2), (2, 2))
+            ((17, 2), (2, 0))
         );
         assert!(warnings(&read)[0].starts_with("17 of 64 rows have no response ("), "{:?}", warnings(&read));
         assert!(warnings(&read)[1].starts_with("2 of 64 rows have no participant ("), "{:?}", warnings(&read));

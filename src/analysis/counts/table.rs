@@ -178,9 +178,7 @@ impl Counts {
     pub fn is_ordered(&self, declared: Option<&[String]>) -> bool {
         declared.is_some() || levels::numbers_of(&self.categories).is_some()
     }
-}
 
-impl Counts {
     /// Returns the categories that look like codes for a missing answer, with their numbers of ratings: numbers of digits
     /// from 7 to 9 only, at least 9 or negative, that are isolated from the other categories, of which there are at least
     /// two. A positive code is further above them than they are from each other, and 9 is one only if their neighbors are

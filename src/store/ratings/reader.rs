@@ -474,7 +474,8 @@ fn add_rows(
                 }
                 Ok(Err(reason)) => {
                     let by_participant = read.left_out.entry(reason).or_default();
-                    by_participant.entry(subjects.get(row).to_owned()).or_default()
+                    let id = if reason == Reason::NoParticipant { "" } else { subjects.get(row) };
+                    by_participant.entry(id.to_owned()).or_default()
                 }
                 Err(error) => {
                     report(&mut errors, error);

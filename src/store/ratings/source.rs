@@ -127,7 +127,8 @@ impl Source {
     /// Returns how many rows were left out for a reason, and how many participants have such rows.
     pub fn left_out(&self, reason: Reason) -> (u64, usize) {
         let of_reason = || self.files.iter().filter_map(|file| file.left_out.get(&reason)).flatten();
-        (of_reason().map(|(_, rows)| rows).sum(), of_reason().map(|(id, _)| id).collect::<BTreeSet<_>>().len())
+        let ids = of_reason().map(|(id, _)| id).filter(|id| !id.is_empty());
+        (of_reason().map(|(_, rows)| rows).sum(), ids.collect::<BTreeSet<_>>().len())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use calamine::{DataRef, Reader as _, Xlsx};
+use calamine::{Data, Reader as _, Xlsx};
 use zip::ZipArchive;
 
 use crate::store::{
@@ -33,7 +33,7 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
     let name = names.first().ok_or_else(|| unreadable(&"it has no sheets"))?;
     let mut cells = workbook.worksheet_cells_reader(name).map_err(|error| unreadable(&error))?;
     let (mut bytes, mut row, mut width, mut at) = (Vec::new(), Vec::<String>::new(), 0, 0);
-    let mut end_row = |row: &mut Vec<String>, at: &mut u32| {
+    let mut end_row = |row: &mut Vec<String>| {
         width = if width == 0 { row.len() } else { width };
         if row.is_empty() {
             bytes.push(b'\n');
@@ -41,29 +41,23 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
             row.resize(row.len().max(width), String::new());
             bytes.extend(line(row.drain(..)));
         }
-        *at += 1;
-        bytes.len() as u64 <= MAX_UNPACKED
+        let too_large = || format!("the sheet has more than {MAX_UNPACKED} bytes as CSV; expected fewer");
+        if bytes.len() as u64 > MAX_UNPACKED { Err(too_large()) } else { Ok(()) }
     };
-    let too_large = || format!("the sheet has more than {MAX_UNPACKED} bytes as CSV; expected fewer");
     while let Some(cell) = cells.next_cell().map_err(|error| unreadable(&error))? {
-        let ((line, column), text) = (cell.get_position(), text(cell.get_value()));
+        let ((found, column), text) = (cell.get_position(), Data::from(cell.get_value().clone()).to_string());
         if text.is_empty() {
             continue;
         }
-        if line < at || (column as usize) < row.len() && line == at {
+        if found < at || found == at && (column as usize) < row.len() {
             return Err(unreadable(&"its cells are not in order"));
         }
-        while at < line {
-            if !end_row(&mut row, &mut at) {
-                return Err(too_large());
-            }
-        }
+        (at..found).try_for_each(|_| end_row(&mut row))?;
+        at = found;
         row.resize(column as usize, String::new());
         row.push(text);
     }
-    if !end_row(&mut row, &mut at) {
-        return Err(too_large());
-    }
+    end_row(&mut row)?;
     let note = (names.len() > 1).then(|| {
         let others = names.len() - 1;
         format!(
@@ -82,18 +76,4 @@ fn check_size(file: &[u8]) -> Result<(), String> {
         left -= unpacked(archive.by_index(index).map_err(broken)?, left)?.len() as u64;
     }
     Ok(())
-}
-
-/// Returns a cell as text, in which a line break is a space.
-fn text(cell: &DataRef<'_>) -> String {
-    match cell {
-        DataRef::Int(number) => number.to_string(),
-        DataRef::Float(number) => number.to_string(),
-        DataRef::String(text) | DataRef::DateTimeIso(text) | DataRef::DurationIso(text) => text.clone(),
-        DataRef::SharedString(text) => (*text).to_owned(),
-        DataRef::Bool(is) => is.to_string().to_uppercase(),
-        DataRef::DateTime(time) => time.to_string(),
-        DataRef::Error(error) => error.to_string(),
-        DataRef::Empty => String::new(),
-    }
 }
