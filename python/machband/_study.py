@@ -205,6 +205,8 @@ def analyze(
     *,
     subject: str | None = None,
     response: str | None = None,
+    wide: str | Sequence[str] | None = None,
+    missing: str | Sequence[str] | None = None,
     categories: str | Sequence[str] | None = None,
     count: str | None = None,
     factors: str | Sequence[str] | None = None,
@@ -212,6 +214,9 @@ def analyze(
     exclude: str | Sequence[str] | None = None,
     only: Mapping[str, Sequence[Any]] | None = None,
     complete_only: bool = False,
+    time: str | None = None,
+    min_time: float | None = None,
+    max_time: float | None = None,
     terms: str | Sequence[str] | None = None,
     link: Literal["logit", "probit"] = "logit",
     slopes: Literal["none", "independent", "correlated"] = "independent",
@@ -230,9 +235,14 @@ def analyze(
         rows of `read_results` or `simulate`, the factors are the parameters of the stimulus that vary, and every column
         that you added.
     subject
-        Column with the participant ID [default: subject_id].
+        Column with the participant ID [default: subject_id, or the only column with another usual name].
     response
         Column with the ordered response [default: rating, 0–3].
+    wide
+        Columns with the ordered responses at each level of a factor, which is named condition unless NAME= says
+        otherwise.
+    missing
+        Texts that mean a missing response, such as -99, in addition to an empty cell, NA and similar words.
     categories
         Categories of the response, lowest first, if they are not numbers. Quote a category that contains a comma, as in
         CSV: 'low,"medium, mostly",high'.
@@ -248,6 +258,12 @@ def analyze(
         Analyze only these levels of a factor; NA means a missing value. Several factors can be given.
     complete_only
         Exclude sessions with unrated trials.
+    time
+        Column with the response time in seconds [default: response_time_s, if present].
+    min_time
+        Exclude trials that were answered faster, in seconds.
+    max_time
+        Exclude trials that were answered more slowly, in seconds.
     terms
         Terms of the model: names of factors. Prefix a numeric term with num:, and join the factors of an interaction
         with : or * [default: every factor that varies].
@@ -279,12 +295,12 @@ def analyze(
     [0.02, 0.1, 0.4, 0.8]
     """
     columns = _columns(data)
-    if columns is not None and categories is None and (response or "rating") in list(columns):
+    if columns is not None and categories is None and wide is None and (response or "rating") in list(columns):
         dtype: Any = getattr(columns[response or "rating"], "dtype", None)
         ordered = list(dtype.categories) if getattr(dtype, "ordered", False) else None
         # Our own scale needs no name.
         categories = ordered if response is not None or (ordered and not set(ordered) <= {0, 1, 2, 3}) else None
-    if categories is not None and response is None:
+    if categories is not None and response is None and wide is None:
         response = "rating"
     given = options(analyze, locals())
     ratings = _cells(columns) if columns is not None else list(_paths(data))

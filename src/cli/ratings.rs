@@ -6,7 +6,7 @@ use crate::{
     report::{document::numbers::count, tables},
     store::{
         Writer,
-        ratings::{FileRead, Source},
+        ratings::{FileRead, Reason, Source},
     },
     work::{Ratings, explained},
 };
@@ -16,12 +16,12 @@ pub(super) fn sentence(source: &Source, measured: &Measured) -> String {
     let Measured { counts, excluded, .. } = measured;
     let sum = |of: fn(&FileRead) -> u64| source.files.iter().map(of).sum::<u64>();
     let left_out: Vec<String> = [
-        (sum(|file| file.practice), "from practice"),
-        (sum(|file| file.superseded), "superseded by a correction"),
-        (sum(|file| file.unfinished), "from unfinished sessions"),
-        (sum(|file| file.erroneous), "with errors"),
+        (sum(|file| file.practice), "from practice".to_owned()),
+        (sum(|file| file.superseded), "superseded by a correction".to_owned()),
+        (sum(|file| file.erroneous), "with errors".to_owned()),
     ]
     .into_iter()
+    .chain(Reason::ALL.map(|reason| (source.left_out(reason).0, reason.to_string())))
     .filter(|(rows, _)| *rows > 0)
     .map(|(rows, what)| format!("{rows} {what}"))
     .collect();

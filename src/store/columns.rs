@@ -32,7 +32,7 @@ impl Columns {
         self
     }
 
-    /// Checks that there are columns, that all of them have the same number of rows, and that no text has a zero byte.
+    /// Checks that there are columns, and that all of them have the same number of rows.
     pub(super) fn check(&self, name: &str) -> Result<(), FileErrors> {
         let rows = self.rows();
         let other = self.0.iter().find(|(_, column)| column.len() != rows);
@@ -42,14 +42,13 @@ impl Columns {
                 let message = format!("the column {other} has {} rows; expected {rows}, as in {first}", column.len());
                 Err(FileErrors::whole(name, message))
             }
-            (None, Some(_)) => match self.0.iter().find(|(_, column)| column.has_zero_byte()) {
-                Some((other, _)) => {
-                    let message = format!("a cell of the column {other} contains a zero byte; expected text");
-                    Err(FileErrors::whole(name, message))
-                }
-                None => Ok(()),
-            },
+            (None, Some(_)) => Ok(()),
         }
+    }
+
+    /// True if a text in a column contains a zero byte.
+    pub(super) fn has_zero_byte(&self, column: usize) -> bool {
+        matches!(&self.0[column].1, Column::Texts(Texts { texts, .. }) if texts.iter().any(|text| text.contains('\0')))
     }
 
     /// Returns the names of the columns.
@@ -96,10 +95,6 @@ impl Columns {
 }
 
 impl Column {
-    fn has_zero_byte(&self) -> bool {
-        matches!(self, Self::Texts(Texts { texts, .. }) if texts.iter().any(|text| text.contains('\0')))
-    }
-
     fn len(&self) -> usize {
         match self {
             Self::Texts(texts) => texts.cells.len(),

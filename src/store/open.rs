@@ -2,7 +2,7 @@
 
 use std::{
     fs::{self, File},
-    io::{Error, Read as _},
+    io::{Error, Read},
     path::Path,
 };
 
@@ -50,4 +50,21 @@ pub(super) fn read_at_most(file: &mut File, most: u64) -> std::io::Result<Vec<u8
     }
     let size = size.max(bytes.len() as u64);
     if size > most { Err(Error::other(NotData::TooLarge { size, most })) } else { Ok(bytes) }
+}
+
+/// Maximum number of bytes of a packed file, and of what it unpacks to.
+pub(super) const MAX_UNPACKED: u64 = 64 << 20;
+
+/// Unpacks all that a reader has, if it is at most `most` bytes.
+///
+/// # Errors
+/// Says what is wrong and what is expected.
+pub(super) fn unpacked(reader: impl Read, most: u64) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    let read = reader.take(most + 1).read_to_end(&mut bytes);
+    read.map_err(|error| format!("cannot be unpacked: {error}; expected a complete file"))?;
+    if bytes.len() as u64 > most {
+        return Err(format!("unpacks to more than {MAX_UNPACKED} bytes; expected fewer: unpack it first"));
+    }
+    Ok(bytes)
 }

@@ -1,6 +1,7 @@
 //! CSV tables in which each row has a line number and each cell has a column.
 
 use std::{
+    borrow::Cow,
     cell::Cell,
     io::{self, BufRead, Cursor, Read, Seek, SeekFrom},
     path::Path,
@@ -17,7 +18,7 @@ pub(super) const MAX_ROW: u64 = 1 << 20;
 const BUFFER: usize = 1 << 20;
 
 /// The byte order mark with which some programs begin a file.
-const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
+pub(super) const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
 
 /// An error in a row: the index of the cell, and a message that says what is wrong and what is expected.
 pub(super) type CellError = (usize, String);
@@ -89,6 +90,11 @@ impl<'a> Row<'a> {
             .map_err(|_| self.record.iter().position(|cell| std::str::from_utf8(cell).is_err()).unwrap_or(0))
     }
 
+    /// Returns the cells as UTF-8. Those that are not are decoded from Windows-1252.
+    pub fn decoded(&self) -> ByteRecord {
+        self.record.iter().map(|cell| decoded(cell).into_owned()).collect()
+    }
+
     /// Returns the bytes of the row, including the line ends before and after it. They are read again from the source,
     /// which is acceptable because errors are rare.
     pub fn raw(&self) -> Vec<u8> {
@@ -138,6 +144,12 @@ impl<'a> Row<'a> {
         next.set_byte(self.start.byte() + length as u64).set_line(self.start.line() + lines);
         next
     }
+}
+
+/// Returns a text; if it is not UTF-8, it is Windows-1252, which has a character for every byte.
+pub(super) fn decoded(bytes: &[u8]) -> Cow<'_, str> {
+    let decoded = || encoding_rs::WINDOWS_1252.decode_without_bom_handling(bytes).0;
+    std::str::from_utf8(bytes).map_or_else(|_| decoded(), Cow::from)
 }
 
 fn is_line_end(byte: u8) -> bool {

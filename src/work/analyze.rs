@@ -76,7 +76,8 @@ impl Analyze {
         let texts = list(counts.categories.iter().take(12));
         let message =
             format!("{}: {texts} are not numbers; expected their order, lowest first", study.source.shape.response);
-        Err(RequestError::value("response", message).such_as("categories", &texts).into())
+        // Not an order of these words, which somebody would copy.
+        Err(RequestError::value("response", message).such_as("categories", "LOWEST,…,HIGHEST").into())
     }
 
     /// Returns the options of the analysis.

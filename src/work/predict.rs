@@ -6,7 +6,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    Drawn, Encoded, Encoding, FittedPath, Ratings, RequestError, Watcher, explained, image::side, request::paths,
+    Drawn, Encoded, Encoding, FittedPath, Ratings, RequestError, Watcher, explained,
+    image::side,
+    request::{paths, positive},
 };
 use crate::{
     experiment::{Condition, Protocol, visibilities},
@@ -71,12 +73,6 @@ pub struct Predict {
     /// otherwise read.
     #[arg(long, value_name = "FILE.toml")]
     pub criterion: Option<FittedPath>,
-}
-
-/// Parses a number above 0.
-fn positive(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|number| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "expected a number above 0".to_owned())
 }
 
 /// What a caller shows in place of what the request names.

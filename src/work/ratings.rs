@@ -4,7 +4,10 @@ use std::{fmt, path::PathBuf, str::FromStr};
 
 use serde::Serialize;
 
-use super::{RequestError, request::paths};
+use super::{
+    RequestError,
+    request::{paths, positive},
+};
 use crate::{
     analysis::counts::{ExclusionError, Exclusions},
     report::{Study, StudyError},
@@ -22,15 +25,22 @@ pub struct Ratings {
     #[arg(required = true, value_name = "FILE|DIR")]
     #[serde(serialize_with = "paths")]
     pub paths: Vec<PathBuf>,
-    /// Column with the participant ID [default: subject_id].
+    /// Column with the participant ID [default: subject_id, or the only column with another usual name].
     #[arg(long, value_name = "COL")]
     pub subject: Option<String>,
     /// Column with the ordered response [default: rating, 0–3].
-    #[arg(long, value_name = "COL")]
+    #[arg(long, value_name = "COL", group = "scale")]
     pub response: Option<String>,
+    /// Columns with the ordered responses at each level of a factor, which is named condition unless NAME= says
+    /// otherwise.
+    #[arg(long, value_name = "[NAME=]COL,…", value_parser = wide, group = "scale")]
+    pub wide: Option<Only>,
+    /// Texts that mean a missing response, such as -99, in addition to an empty cell, NA and similar words.
+    #[arg(long, value_name = "TEXT,…", allow_hyphen_values = true)]
+    pub missing: Option<List>,
     /// Categories of the response, lowest first, if they are not numbers. Quote a category that contains a comma, as in
     /// CSV: 'low,"medium, mostly",high'.
-    #[arg(long, value_name = "C,…", value_parser = categories, requires = "response")]
+    #[arg(long, value_name = "C,…", value_parser = categories, requires = "scale")]
     pub categories: Option<List>,
     /// Column with the number of trials per row [default: count, if present].
     #[arg(long, value_name = "COL")]
@@ -51,6 +61,15 @@ pub struct Ratings {
     /// Exclude sessions with unrated trials.
     #[arg(long)]
     pub complete_only: bool,
+    /// Column with the response time in seconds [default: response_time_s, if present].
+    #[arg(long, value_name = "COL")]
+    pub time: Option<String>,
+    /// Exclude trials that were answered faster, in seconds.
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub min_time: Option<f64>,
+    /// Exclude trials that were answered more slowly, in seconds.
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub max_time: Option<f64>,
 }
 
 /// A factor and the levels of it that are analyzed.
@@ -82,6 +101,14 @@ impl FromStr for Only {
 }
 
 serde_as_text!(Only);
+
+/// Parses the columns of a wide table.
+fn wide(text: &str) -> Result<Only, String> {
+    match text.split_once('=').filter(|(name, _)| !name.contains([',', '"'])) {
+        Some(_) => text.parse(),
+        None => format!("condition={text}").parse(),
+    }
+}
 
 /// Parses the categories of a response.
 fn categories(text: &str) -> Result<List, String> {
@@ -125,6 +152,8 @@ impl Ratings {
         ReadOptions {
             subject: self.subject.clone(),
             response: self.response.clone(),
+            wide: self.wide.clone().map(|Only { factor, levels }| (factor, levels)),
+            missing: self.missing.clone().unwrap_or_default().0,
             categories: self.categories.clone().map(|list| list.0),
             count: self.count.clone(),
             factors: self.factors.clone().map(|list| list.0),
@@ -132,6 +161,8 @@ impl Ratings {
             direction: self.direction.clone().unwrap_or_default().0,
             exclude,
             only,
+            time: self.time.clone(),
+            time_limits: (self.min_time, self.max_time),
             complete_only: self.complete_only,
             details,
             large,
@@ -145,6 +176,10 @@ pub fn explained(error: StudyError) -> anyhow::Error {
         StudyError::Files(_) => return error.into(),
         StudyError::TooManyCategories { .. } => {
             return RequestError::value("response", error).such_as("categories", "0,1,2").into();
+        }
+        StudyError::Codes { codes, .. } => {
+            let codes = list(codes.iter().map(|(code, _)| code));
+            return RequestError::value("response", error).such_as("missing", &codes).into();
         }
         StudyError::TooLarge(_) => return RequestError::whole(error).unless("large").into(),
         StudyError::Exclusion(ExclusionError::Participant { .. } | ExclusionError::Nothing) => "exclude",

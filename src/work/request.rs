@@ -117,6 +117,12 @@ where
     PossibleValuesParser::new(names).try_map(|name| name.parse())
 }
 
+/// Parses a number above 0.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "expected a number above 0".to_owned())
+}
+
 /// Makes a request from named values. Missing fields and `null` have their defaults; a list is a list of names.
 ///
 /// # Errors

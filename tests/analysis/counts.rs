@@ -76,16 +76,17 @@ fn exclusions_are_recorded_and_unknown_names_are_errors() {
     let left = measured.narrowed(&exclusions).unwrap();
     let without = ROWS.iter().filter(|row| row.0 != "S2");
     assert_eq!(left.counts, add(empty(), without).finish().counts);
-    let levels = |factor: &str, kept: &str, ratings| Excluded::Levels {
+    let levels = |factor: &str, kept: &str, ratings, participants| Excluded::Levels {
         factor: factor.to_owned(),
         kept: words(&[kept]),
         ratings,
+        participants,
     };
     let person = Excluded::Participant { id: "S2".to_owned(), ratings: 3 };
-    assert_eq!(left.excluded, [person, levels("width", "0.1", 2), levels("depth", "1", 0)]);
+    assert_eq!(left.excluded, [person, levels("width", "0.1", 2, 1), levels("depth", "1", 0, 0)]);
     let missing =
         measured.narrowed(&Exclusions { only: vec![only("width", &["NA"])], ..Exclusions::default() }).unwrap();
-    assert_eq!((missing.counts.total(), missing.excluded), (2, vec![levels("width", "NA", 6)]));
+    assert_eq!((missing.counts.total(), missing.excluded), (2, vec![levels("width", "NA", 6, 3)]));
     assert_eq!(measured.narrowed(&Exclusions::default()).unwrap(), measured);
     for (exclude, only, said) in [
         (&["S3"][..], vec![], "S3 is not a participant; expected one of S1, S2, S10; did you mean S1?"),
@@ -233,4 +234,45 @@ fn one_subject_or_one_category_has_no_agreement() {
         assert_eq!(alpha(rows), None);
     }
     assert!(alpha(&[("a", "1"), ("b", "2")]).unwrap() < 0.0);
+}
+
+/// Codes for missing answers are found beside every usual scale, and no scale has numbers that look like codes.
+#[test]
+fn codes_are_found_and_scales_are_not_taken_for_codes() {
+    let codes = |values: &[i32]| {
+        let mut builder = MeasuredBuilder::new::<&str>(&[]);
+        values.iter().for_each(|value| builder.add_counts::<&str>("S1", &[], &value.to_string(), 2).unwrap());
+        let counts = builder.finish().counts;
+        counts.codes().into_iter().map(|(code, n)| format!("{code}:{n}")).collect::<Vec<_>>().join(" ")
+    };
+    for (scale, code) in [
+        (vec![-99, 0, 1, 2, 3], "-99:2"),
+        (vec![-9, 0, 1, 2, 3], "-9:2"),
+        (vec![-1, 0, 1, 2, 3], "-1:2"),
+        (vec![-1, 1, 2, 3, 4, 5, 6, 7], "-1:2"),
+        (vec![0, 1, 2, 3, 9], "9:2"),
+        (vec![1, 2, 3, 4, 5, 99], "99:2"),
+        (vec![0, 1, 2, 3, 88, 99, 999], "88:2 99:2 999:2"),
+        (vec![-9, -8, 1, 2, 3, 4, 5, 6, 7], "-9:2 -8:2"),
+        ((-9..=-9).chain(0..=10).collect(), "-9:2"),
+        (vec![0, 25, 50, 75, 100, 999], "999:2"),
+    ] {
+        assert_eq!(codes(&scale), code, "{scale:?}");
+    }
+    let every = |step: usize| (0..=100).step_by(step).collect::<Vec<i32>>();
+    let negative = |most: i32| (-most..=most).collect::<Vec<i32>>();
+    for scale in [
+        [every(1), every(5), every(10), every(20), every(25), every(50), every(100), (0..=1).collect()].to_vec(),
+        [negative(1), negative(2), negative(3), negative(5), negative(9), negative(10), negative(100)].to_vec(),
+        (2..=11).map(|most| (1..=most).collect()).collect(),
+        (2..=11).map(|most| (0..=most).collect()).collect(),
+        // Scales of which only a part was used.
+        [vec![-9, 0, 9], vec![-2, 0, 2], vec![-1, 1], vec![0, 9], vec![1, 9], vec![0, 1, 3, 9], vec![1, 2, 10]]
+            .to_vec(),
+        [vec![-100, 0, 100], vec![-3, 0, 1, 2, 3], vec![7, 8, 9], vec![70, 77, 88, 99], vec![99], vec![-1]].to_vec(),
+    ]
+    .concat()
+    {
+        assert_eq!(codes(&scale), "", "{scale:?}");
+    }
 }

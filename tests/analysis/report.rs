@@ -39,7 +39,7 @@ pub fn source(factors: &[&str]) -> Source {
     let factors = factors.iter().map(|&name| name.to_owned()).collect();
     let (subject, response) = ("subject_id".to_owned(), "rating".to_owned());
     Source {
-        shape: Shape { factors, directions: Vec::new(), subject, response, categories: None, guessed: false },
+        shape: Shape { factors, subject, response, ..Shape::default() },
         protocol: None,
         definition_sha256: None,
         files: Vec::new(),
@@ -241,8 +241,8 @@ fn problems_with_the_data_are_reported() {
         practice: 4,
         superseded: 3,
         erroneous: 2,
-        unfinished: 0,
         sha256: Some(hash.clone()),
+        ..FileRead::default()
     }];
     let wrong = text(&page(&source, &results));
     let expected = [

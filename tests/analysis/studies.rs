@@ -143,7 +143,8 @@ fn an_age_is_no_condition() {
     let ages: Vec<String> = (0..20).map(|person| (20 + 3 * person).to_string()).collect();
     let rows: Vec<[&str; 2]> = ages.iter().flat_map(|age| [[age.as_str(), "a"], [age.as_str(), "b"]]).collect();
     let rows: Vec<&[&str]> = rows.iter().map(|row| &row[..]).collect();
-    let latent = |person: usize, row: usize| (row / 2 == person).then(|| 0.15 * person as f64 + (row % 2) as f64 - 2.0);
+    let latent =
+        |person: usize, row: usize| (row / 2 == person).then_some(0.15 * person as f64 + (row % 2) as f64 - 2.0);
     let measured = study(&["age", "cond"], &rows, (20, 8, 6), latent);
     let results = analyze(measured.clone(), &options(None));
     assert_eq!((results.cells.len(), results.factors.len(), &results.covariates[..]), (2, 1, &["age".to_owned()][..]));
@@ -180,7 +181,7 @@ fn sentences_agree() {
         let missing = seed % 5 == 4;
         let latent = |person: usize, row: usize| {
             let (own_a, own_b) = ((row / 2) as f64, (row % 2) as f64);
-            let is_rated = !missing || (person + row) % 4 != 0;
+            let is_rated = !missing || !(person + row).is_multiple_of(4);
             is_rated.then_some(a * own_a + b * own_b + both * own_a * own_b)
         };
         let terms = [None, Some("a*b"), Some("a")][seed as usize / 2 % 3];

@@ -288,7 +288,7 @@ fn filters_narrow_the_analysis_and_its_export() {
 /// Tests the empty page, a missing file, a file with an error, and the experiments in the results folder.
 #[test]
 fn the_empty_page_and_errors_in_files() {
-    let (folder, data_set) = study(2);
+    let (folder, data_set) = study(3);
     let mut window = pane([1280.0, 1400.0]);
     assert!(has(&window, "Open files…") && has(&window, "Open folder…") && !has(&window, "Analyze tiny"));
     type_into(
@@ -311,18 +311,18 @@ fn the_empty_page_and_errors_in_files() {
     wait_for(&mut window, "Errors: ");
     wait_until_idle(&mut window);
     assert_has(&window, &format!("_data.csv:{}:", text.lines().count()));
-    window.get_by_label("35 ratings by 2 participants.");
+    window.get_by_label("53 ratings by 3 participants.");
 
     // Of two requests, the newer one counts, even if the older one is read first.
-    let (_other_folder, other) = study(3);
+    let (_other_folder, other) = study(4);
     drop_on(&mut window, &[&other]);
     drop_on(&mut window, &[&data_set]);
-    wait_for(&mut window, "Participants: 2 of 2");
+    wait_for(&mut window, "Participants: 3 of 3");
     for _ in 0..30 {
         wait_until_idle(&mut window);
         std::thread::sleep(Duration::from_millis(5));
     }
-    window.get_by_label("Participants: 2 of 2");
+    window.get_by_label("Participants: 3 of 3");
 
     // Go back to the page without data, then to Home, and open the results folder from there.
     click(&mut window, "Other data…");
@@ -332,7 +332,7 @@ fn the_empty_page_and_errors_in_files() {
     type_into(&mut window, "Results folder", folder.path().join("results").to_str().unwrap());
     click(&mut window, "Analyze");
     click(&mut window, "Analyze tiny");
-    wait_for(&mut window, "Participants: 2 of 2");
+    wait_for(&mut window, "Participants: 3 of 3");
 }
 
 /// Nothing is analyzed before the user has put ratings in words in order, because their letters have no meaning. The

@@ -145,7 +145,9 @@ fn non_numeric_scales_need_an_order() {
     fs::write(folder.path().join("d.csv"), rows).unwrap();
     let arguments = |line: &str| split(&format!("{line} --subject who --response answer"));
     let error = fails(folder.path(), &arguments("analyze d.csv --out x --terms group"), 2);
-    assert!(error.contains("--categories 'high,low,medium'"), "{error}");
+    // In no order that somebody would copy.
+    let expected = "answer: high,low,medium are not numbers; expected their order, lowest first, such as --categories 'LOWEST,…,HIGHEST'";
+    assert!(error.contains(expected), "{error}");
     let analyze = |file: &str, out: &str, terms: &str| {
         let line = format!("analyze {file} --out {out} --terms {terms} --categories low,medium,high --tables-only");
         assert!(machband(folder.path(), &arguments(&line)).status.success(), "{line}");
@@ -166,7 +168,7 @@ fn non_numeric_scales_need_an_order() {
     fs::write(folder.path().join("e.csv"), rows).unwrap();
     let line = arguments("analyze e.csv --out e --terms group --tables-only");
     let error = fails(folder.path(), &line, 2);
-    assert!(error.contains(r#"--categories 'high,low,"medium, mostly"'"#), "{error}");
+    assert!(error.contains(r#"answer: high,low,"medium, mostly" are not numbers"#), "{error}");
     let categories =
         |text: &'static str| [line.iter().map(String::as_str).collect(), vec!["--categories", text]].concat();
     succeeds(folder.path(), &categories(r#"low,"medium, mostly",high"#));
@@ -371,4 +373,42 @@ fn the_script_quotes_any_name() {
     if let Some(printed) = run_script(&out) {
         assert!(printed.contains("num_time.ms"), "{printed}");
     }
+}
+
+/// What is left out on request or because it is missing is in the report; above 2 % of unreadable rows, there is none.
+#[test]
+fn what_is_left_out_is_told_and_too_many_errors_stop_the_analysis() {
+    let folder = tempfile::tempdir().unwrap();
+    let row = |i: usize| {
+        let rating = if i % 40 == 7 { "-99".to_owned() } else { ((i * 7 % 11 + i % 2 * 4) / 4).to_string() };
+        format!("p{},{},{rating},{}\n", i % 8, ["a", "b", "c"][i % 3], if i % 60 == 1 { 0.1 } else { 2.5 })
+    };
+    let rows: String = (0..240).map(row).collect();
+    fs::write(folder.path().join("d.csv"), format!("subj,group,answer,rt\n{rows}")).unwrap();
+    let line = "analyze d.csv --response answer --terms group --time rt --min-time 0.2 --only group=a,b --exclude p3 \
+                --draws 19 --out";
+    let error = fails(folder.path(), &split(&format!("{line} x")), 2);
+    assert!(
+        error.contains("answer: -99 (6 ratings) is far from") && error.ends_with("such as --missing -99\n"),
+        "{error}"
+    );
+    let output = machband(folder.path(), &split(&format!("{line} a --missing -99")));
+    let (output, warnings) = (text(&output.stdout), text(&output.stderr));
+    assert!(warnings.contains("warning: d.csv: 6 of 240 rows have no response ("), "{warnings}");
+    assert!(output.contains("rows left out: 6 without a response, 4 answered too fast;"), "{output}");
+    let report = fs::read_to_string(folder.path().join("a/report.html")).unwrap();
+    let left_out = report.split("What was left out, and why").nth(1).and_then(|rest| rest.split("</table>").next());
+    let cells = left_out.unwrap().split('<').filter_map(|tag| tag.split_once('>')).map(|(_, text)| text.trim());
+    let cells = cells.filter(|text| !text.is_empty()).collect::<Vec<_>>().join("|");
+    let expected = "Left out|Number|Participants|rows without a response|6|1|rows answered too fast|4|2|\
+                    ratings by p3|30|1|ratings at other levels of group|68|7";
+    assert_eq!(cells, expected);
+    assert!(report.contains("answered in less than 0.2 s were excluded (4 trials of "), "{report}");
+    assert!(report.contains("--min-time 0.2"), "the command repeats the analysis");
+    // Six of 240 rows are not on the scale that is named.
+    let error = fails(folder.path(), &split(&format!("{line} x --categories 0,1,2,3")), 1);
+    let expected =
+        "error: d.csv: 6 of 240 rows cannot be read, so nothing is concluded from the others; expected at most 2";
+    assert!(error.contains("d.csv:9:6: rating -99; expected one of 0, 1, 2, 3") && error.contains(expected), "{error}");
+    assert!(!folder.path().join("x").exists());
 }

@@ -243,8 +243,9 @@ fn resuming_a_damaged_session_names_repair() {
 #[test]
 fn levels_with_a_zero_byte_are_errors() {
     let scratch = tempfile::tempdir().unwrap();
-    let rows: String = (0..40).map(|row| format!("S{},{},{}\n", row % 4, ["a", "b\0"][row % 2], row % 3)).collect();
-    fs::write(scratch.path().join("nul.csv"), format!("subject_id,width,rating\n{rows}S1,a,1\n")).unwrap();
+    let rows: String = (0..80).map(|row| format!("S{},{},{}\n", row % 4, ["a", "b"][row / 2 % 2], row % 3)).collect();
+    let table = format!("subject_id,width,rating\n{rows}").replacen("S1,a", "S1,a\0", 1);
+    fs::write(scratch.path().join("nul.csv"), table).unwrap();
     let arguments = ["analyze", "nul.csv", "--factors", "width", "--out", "out"];
     let said = text(&machband(scratch.path(), &arguments).stderr);
     assert!(said.contains("nul.csv:3:4: the cell contains a zero byte; expected text"), "{said}");

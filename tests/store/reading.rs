@@ -14,7 +14,7 @@ use machband::{
         Columns, FileErrors,
         dataset::SessionPaths,
         definition,
-        ratings::{self, FileRead, Layout, ReadOptions, Source},
+        ratings::{self, FileRead, Layout, ReadOptions, Reason, Source},
         session::SessionStore,
     },
     text::inert,
@@ -226,7 +226,7 @@ mod what_counts {
         assert_eq!(source.errors, []);
         let (source, rows) = read(&[folder.path()], &ReadOptions { complete_only: true, ..ReadOptions::default() });
         assert_eq!(sorted(rows), expected(&files[..1]));
-        assert_eq!(source.files.iter().map(|file| file.unfinished).collect::<Vec<_>>(), [0, 6, 0]);
+        assert_eq!(source.left_out(Reason::Unfinished), (6, 1));
     }
 
     #[test]
@@ -340,10 +340,11 @@ mod layouts {
             (&["1", "2", "3"].map(String::from)[..], "1 2".into())
         );
         assert_eq!(counts.factors[1].levels, ["None", "high", "low"]);
-        // Missing ratings are reported.
-        let said = errors(&[&path], &how);
-        assert_eq!((said.len(), &said[0][..]), (5, "t.csv:4:12: answer is \"NaN\"; expected a rating"));
-        assert_eq!((study.source.files[0].erroneous, counts.total()), (5, 4));
+        // Rows without a rating are counted and named once.
+        let said = study.source.warnings.iter().map(|warning| warning.message.as_str()).collect::<Vec<_>>();
+        let expected = "5 of 9 rows have no response (an empty cell, NA, or another text that means so) and are left out; expected a response in every row";
+        assert_eq!(said, [expected]);
+        assert_eq!((study.source.left_out(Reason::NoResponse), counts.total()), ((5, 1), 4));
         // Among words, only words that never name a category are missing.
         let path = file(&folder, "t.csv", "who,size,answer\nA,1,None\nA,1,some\nA,.,NULL\nA,x,some\n");
         let how = ReadOptions { factors: with_factors(&["size"]).factors, ..how };
@@ -460,14 +461,17 @@ mod layouts {
         assert_eq!(study.measured, Study::read(&[path], &long()).unwrap().measured);
         assert_eq!((&study.source.files[0].path, &study.source.files[0].sha256), (&PathBuf::from("ratings"), &None));
         let how = ReadOptions { count: None, ..long() };
-        let columns = Columns::default().with_texts("who", ["A", " "]).with_numbers("width", [1.0, 2.0]);
+        let columns = Columns::default().with_texts("who", ["A"; 60]).with_numbers("width", (0..60).map(f64::from));
         let unequal = columns.clone().with_numbers("answer", [1.0]);
-        let columns = columns.with_numbers("answer", [1.0, 2.0]).with_texts("depth", ["1", "2"]);
+        let answers = (0..60).map(|row| if row == 1 { "{" } else { "1" });
+        let columns = columns.with_texts("answer", answers).with_texts("depth", ["1\0"; 60]);
+        let named = ["0", "1"].map(str::to_owned).to_vec();
+        let how = ReadOptions { categories: Some(named), factors: with_factors(&["width"]).factors, ..how };
         let study = Study::from_columns("ratings", columns, &how).unwrap();
         let [error] = &study.source.errors[..] else { panic!("{:?}", study.source.errors) };
-        assert_eq!(error.to_string(), "ratings, row 1 (counted from 0): who is empty; expected a participant");
+        assert_eq!(error.to_string(), "ratings, row 1 (counted from 0): rating {; expected one of 0, 1");
         let error = Study::from_columns("ratings", unequal, &how).unwrap_err().to_string();
-        assert_eq!(error, "ratings: the column answer has 1 rows; expected 2, as in who");
+        assert_eq!(error, "ratings: the column answer has 1 rows; expected 60, as in who");
     }
 
     #[test]
@@ -479,6 +483,325 @@ mod layouts {
         assert_eq!(study.source.errors, []);
         let rows: Vec<_> = study.measured.counts.rows.iter().map(|row| (row.rating, row.count)).collect();
         assert_eq!((rows, study.measured.counts.factors.len()), (vec![(1, 9)], 1));
+    }
+}
+
+/// Tables that other programs wrote.
+mod elsewhere {
+    use std::io::{Cursor, Write as _};
+
+    use flate2::{Compression, write::GzEncoder};
+    use sha2::{Digest as _, Sha256};
+    use zip::{ZipWriter, write::SimpleFileOptions};
+
+    use super::*;
+
+    /// Reads a table with a response, a factor, and the usual name of the participants' column.
+    fn study(path: &Path, response: &str, factor: &str, how: ReadOptions) -> Study {
+        let how = ReadOptions { response: Some(response.to_owned()), factors: with_factors(&[factor]).factors, ..how };
+        Study::read(&[path.to_owned()], &how).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    fn warnings(study: &Study) -> Vec<String> {
+        let all = study.source.warnings.iter().map(|warning| match warning.position {
+            Some((line, column)) => format!("{line}:{column}: {}", warning.message),
+            None => warning.message.clone(),
+        });
+        all.filter(|warning| !warning.contains("participants are in the column")).collect()
+    }
+
+    fn counts(study: &Study) -> Vec<(&str, Vec<&str>, &str, u64)> {
+        let counts = &study.measured.counts;
+        let row = |row: &machband::analysis::counts::CountRow| {
+            let (subject, rating) = (&counts.subjects[row.subject as usize], &counts.categories[row.rating as usize]);
+            (subject.as_str(), counts.level_names(row.condition), rating.as_str(), row.count)
+        };
+        counts.rows.iter().map(row).collect()
+    }
+
+    /// Text that is not UTF-8 is Windows-1252, in the header, in levels and in columns that nobody uses.
+    #[test]
+    fn text_that_is_not_utf_8_is_windows_1252() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = "subject,gr\u{f6}\u{df}e,note,y\nM\u{fc}ller,\u{80}5,\u{e4},1\nMay,x,ok,2\nMay,x,\u{fc},3\n";
+        let latin: Vec<u8> = text.chars().map(|char| char as u8).collect();
+        let path = file(&folder, "latin1.csv", &latin);
+        let read = study(&path, "y", "größe", ReadOptions::default());
+        let expected = [("May", vec!["x"], "2", 1), ("May", vec!["x"], "3", 1), ("Müller", vec!["€5"], "1", 1)];
+        assert_eq!((counts(&read), &read.source.errors), (expected.to_vec(), &vec![]));
+        assert_eq!(warnings(&read), ["1:11: is not UTF-8 text and was read as Windows-1252; expected UTF-8"]);
+        // Excel's "Unicode text".
+        for (bom, bytes) in [([0xff, 0xfe], u16::to_le_bytes as fn(u16) -> [u8; 2]), ([0xfe, 0xff], u16::to_be_bytes)] {
+            let text = text.replace(',', "\t").replace('\u{80}', "€");
+            let wide = text.encode_utf16().flat_map(bytes);
+            let wide = study(
+                &file(&folder, "wide.txt", bom.into_iter().chain(wide).collect::<Vec<u8>>()),
+                "y",
+                "größe",
+                ReadOptions::default(),
+            );
+            assert_eq!((counts(&wide), warnings(&wide)), (expected.to_vec(), vec![]));
+        }
+    }
+
+    /// Whatever is in a column that is not used, only a wrong number of cells matters.
+    #[test]
+    fn a_column_that_is_not_used_drops_no_row() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = b"id,cond,note,y\nA,a,\0,1\nA,b,\xff\xfe\x81,2\nB,a,\0\xe4,3\nB,b,two,cells,2\n".to_vec();
+        let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["cond"]) };
+        let path = file(&folder, "t.csv", text);
+        assert_eq!(try_read(&[&path], &how).unwrap().1, ["A a 1 1", "A b 2 1", "B a 3 1"]);
+        assert_eq!(errors(&[&path], &how), ["t.csv:5:1: the row has 5 cells; expected 4, as in the header"]);
+    }
+
+    #[test]
+    fn above_two_percent_of_unreadable_rows_there_is_no_study() {
+        let folder = tempfile::tempdir().unwrap();
+        let bad = |n: usize| {
+            let rows = (0..100).map(|row| format!("S{},{},{}\n", row % 4, row % 3, if row < n { "7" } else { "1" }));
+            let other = (0..50).map(|row| format!("S{row},1,{}\n", if row < 10 { "" } else { "2" }));
+            let header = "subject_id,width,rating\n";
+            let files = [file(&folder, "a.csv", header.to_owned() + &rows.collect::<String>())];
+            let files =
+                [&files[..], &[file(&folder, "b.csv", header.to_owned() + &other.collect::<String>())]].concat();
+            Study::read(&files, &with_factors(&["width"]))
+        };
+        // Missing values are no errors, and the rows of all files count together.
+        let some = bad(3).unwrap();
+        assert_eq!((some.source.errors.len(), some.measured.counts.total()), (3, 137));
+        let said = bad(4).unwrap_err().to_string();
+        let last = "a.csv: 4 of 150 rows cannot be read, so nothing is concluded from the others; expected at most 2\u{a0}% with errors";
+        assert!(said.lines().count() == 5 && said.ends_with(last), "{said}");
+    }
+
+    #[test]
+    fn the_separator_line_of_excel_is_skipped() {
+        let folder = tempfile::tempdir().unwrap();
+        for (start, separator, end) in [
+            ("\u{feff}sep=;\r\n", ";", "\r\n"),
+            ("sep=|\n", "|", "\n"),
+            ("SEP=\t\n", "\t", "\n"),
+            ("sep=,\n", ",", "\n"),
+        ] {
+            let point = if separator == "," { "." } else { "," };
+            let text =
+                format!("{start}id;c;y{end}A;0{point}5;1{end}A;1;2{point}5{end}B;2;x;{end}").replace(';', separator);
+            let path = file(&folder, "t.csv", text);
+            let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["c"]) };
+            assert_eq!(
+                try_read(&[&path], &how).unwrap().1,
+                ["A 0.5 1 1".to_owned(), "A 1 2.5 1".to_owned()],
+                "{start:?}"
+            );
+            assert_eq!(errors(&[&path], &how), ["t.csv:5:1: the row has 4 cells; expected 3, as in the header"]);
+            let how = ReadOptions { response: Some("answer".to_owned()), ..how };
+            assert_eq!(errors(&[&path], &how), ["t.csv:2:1: the column answer is missing; expected one of id, c, y"]);
+        }
+    }
+
+    fn gzip(text: &[u8]) -> Vec<u8> {
+        let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
+        packed.write_all(text).unwrap();
+        packed.finish().unwrap()
+    }
+
+    /// A workbook with these sheets, as XML.
+    fn workbook(sheets: &[(&str, &str)]) -> Vec<u8> {
+        const MAIN: &str = "xmlns=\"http://schemas.openxmlformats.org/spreadsheetml/2006/main\"";
+        const OFFICE: &str = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
+        let mut packed = ZipWriter::new(Cursor::new(Vec::new()));
+        let mut add = |name: &str, text: String| {
+            packed.start_file(name, SimpleFileOptions::default()).unwrap();
+            packed.write_all(text.as_bytes()).unwrap();
+        };
+        let (mut names, mut links) = (String::new(), String::new());
+        for (index, (name, rows)) in sheets.iter().enumerate() {
+            names += &format!("<sheet name=\"{name}\" sheetId=\"{0}\" r:id=\"r{0}\"/>", index + 1);
+            links += &format!(
+                "<Relationship Id=\"r{0}\" Type=\"{OFFICE}/worksheet\" Target=\"worksheets/s{0}.xml\"/>",
+                index + 1
+            );
+            add(
+                &format!("xl/worksheets/s{}.xml", index + 1),
+                format!("<worksheet {MAIN}><sheetData>{rows}</sheetData></worksheet>"),
+            );
+        }
+        let relations = "xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\"";
+        let of = format!("<Relationship Id=\"r\" Type=\"{OFFICE}/officeDocument\" Target=\"xl/workbook.xml\"/>");
+        add("_rels/.rels", format!("<Relationships {relations}>{of}</Relationships>"));
+        add("xl/_rels/workbook.xml.rels", format!("<Relationships {relations}>{links}</Relationships>"));
+        add("xl/workbook.xml", format!("<workbook {MAIN} xmlns:r=\"{OFFICE}\"><sheets>{names}</sheets></workbook>"));
+        packed.finish().unwrap().into_inner()
+    }
+
+    /// The same table as text, packed, and as a workbook; what unpacks to too much is refused.
+    #[test]
+    fn gzip_and_workbooks_are_read_like_text() {
+        let folder = tempfile::tempdir().unwrap();
+        let cell = |place: &str, text: &str| match text.parse::<f64>() {
+            Ok(number) => format!("<c r=\"{place}\"><v>{number}</v></c>"),
+            Err(_) => format!("<c r=\"{place}\" t=\"inlineStr\"><is><t>{text}</t></is></c>"),
+        };
+        let text = "id,note,c,y\nA,\"x, y\",0.5,1\n\nB,,2,2\n";
+        let sheet = "<row r=\"1\">".to_owned()
+            + &[cell("A1", "id"), cell("B1", "note"), cell("C1", "c"), cell("D1", "y")].concat()
+            + "</row><row r=\"2\">"
+            + &[cell("A2", "A"), cell("B2", "x, y"), cell("C2", "0.5"), cell("D2", "1")].concat()
+            + "</row><row r=\"4\">"
+            + &[cell("A4", "B"), cell("C4", "2"), cell("D4", "2"), "<c r=\"F4\" s=\"0\"/>".to_owned()].concat()
+            + "</row>";
+        let plain = study(&file(&folder, "t.csv", text), "y", "c", ReadOptions::default());
+        let book = workbook(&[("Data & more".replace('&', "&amp;").as_str(), &sheet), ("Notes", "")]);
+        for (name, bytes) in
+            [("d/t.csv.gz", gzip(text.as_bytes())), ("t.xlsx", book), ("u.xlsx", workbook(&[("One", &sheet)]))]
+        {
+            let hash: String = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+            let path = file(&folder, name, bytes);
+            let read = study(&path, "y", "c", ReadOptions::default());
+            assert_eq!((&read.measured, &read.source.errors), (&plain.measured, &vec![]), "{name}");
+            assert_eq!(read.source.files[0].sha256, Some(hash));
+            let note = "only the first sheet, Data & more, was read; expected one sheet (the others, in total 1, were ignored)";
+            assert_eq!(warnings(&read), [note; 1][..usize::from(name == "t.xlsx")], "{name}");
+        }
+        // In a folder, too.
+        let inside = study(&folder.path().join("d"), "y", "c", ReadOptions::default());
+        assert_eq!(inside.measured, plain.measured);
+        // The lines of a workbook are its rows.
+        let wide = sheet.replace("<c r=\"F4\" s=\"0\"/>", "<c r=\"F4\"><v>1</v></c>");
+        let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["c"]) };
+        let said = errors(&[&file(&folder, "w.xlsx", workbook(&[("One", &wide)]))], &how);
+        assert_eq!(said, ["w.xlsx:4:1: the row has 6 cells; expected 4, as in the header"]);
+
+        let zeros = vec![b'0'; (64 << 20) + 1];
+        let mut bomb = ZipWriter::new(Cursor::new(Vec::new()));
+        bomb.start_file("xl/sharedStrings.xml", SimpleFileOptions::default()).unwrap();
+        bomb.write_all(&zeros).unwrap();
+        let far = "<row r=\"1\"><c r=\"A1\"><v>1</v></c></row><row r=\"2\"><c r=\"XFD2\"><v>1</v></c></row>";
+        let far: String = (1..6000)
+            .map(|row| {
+                far.replace("\"1\"", &format!("\"{}\"", 2 * row))
+                    .replace("A1", &format!("A{}", 2 * row))
+                    .replace("D2", &format!("D{}", 2 * row + 1))
+                    .replace("\"2\"", &format!("\"{}\"", 2 * row + 1))
+            })
+            .collect();
+        let short = gzip(text.as_bytes());
+        for (name, bytes, expected) in [
+            ("bomb.csv.gz", gzip(&zeros), "unpacks to more than 67108864 bytes; expected fewer"),
+            ("bomb.xlsx", bomb.finish().unwrap().into_inner(), "unpacks to more than 67108864 bytes; expected fewer"),
+            ("far.xlsx", workbook(&[("One", &far)]), "the sheet has more than 67108864 bytes as CSV; expected fewer"),
+            ("cut.csv.gz", short[..short.len() - 9].to_vec(), "cannot be unpacked: "),
+            ("no.xlsx", b"PK\x03\x04\0\0".to_vec(), "cannot be unpacked: "),
+            ("row.xlsx", workbook(&[("One", &sheet.replace("\"A2\"", "\"A99999999999\""))]), ""),
+            ("none.xlsx", workbook(&[]), "is not an Excel workbook (.xlsx): it has no sheets; expected one, or CSV"),
+        ] {
+            let said = errors(&[&file(&folder, name, bytes)], &how);
+            assert!(said.len() == 1 && said[0].starts_with(&format!("{name}: {expected}")), "{said:?}");
+        }
+    }
+
+    /// A code for a missing answer is asked about, and never averaged.
+    #[test]
+    fn missing_answers_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let rows: String =
+            (0..60).map(|row| format!("S{},{},{}\n", row % 4, row % 2, ["-99", "0", "1", "2"][row % 4])).collect();
+        let path = file(&folder, "t.csv", format!("id,c,y\n{rows}S1,0,N/A\nS1,0,.\n,0,1\nNA,0,1\n"));
+        let named = |name: &str| Some(name.to_owned());
+        let how = ReadOptions { subject: named("id"), response: named("y"), ..with_factors(&["c"]) };
+        let said = Study::read(std::slice::from_ref(&path), &how).unwrap_err().to_string();
+        let expected =
+            "y: -99 (15 ratings) is far from the other values, as a code for a missing answer would be; expected ";
+        assert!(said.starts_with(expected), "{said}");
+        let how = ReadOptions { missing: vec!["-99.0".to_owned(), "f".to_owned()], ..how };
+        let read = Study::read(&[path], &how).unwrap();
+        assert_eq!((read.measured.counts.categories.join(" "), read.measured.counts.total()), ("0 1 2".into(), 45));
+        assert_eq!(
+            (read.source.left_out(Reason::NoResponse), read.source.left_out(Reason::NoParticipant)),
+            ((17, 2), (2, 0))
+        );
+        assert!(warnings(&read)[0].starts_with("17 of 64 rows have no response ("), "{:?}", warnings(&read));
+        assert!(warnings(&read)[1].starts_with("2 of 64 rows have no participant ("), "{:?}", warnings(&read));
+    }
+
+    #[test]
+    fn trials_with_extreme_times_are_left_out_on_request() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = file(&folder, "t.csv", "id,c,y,rt\nA,a,1,0.1\nA,b,2,0.2\nB,a,3,0.3\nB,b,4,9\nB,b,5,\n");
+        let how =
+            ReadOptions { time: Some("rt".to_owned()), time_limits: (Some(0.2), Some(8.5)), ..ReadOptions::default() };
+        let read = study(&path, "y", "c", how.clone());
+        assert_eq!(read.measured.counts.categories, ["2", "3", "5"]);
+        assert_eq!((read.source.left_out(Reason::TooFast), read.source.left_out(Reason::TooSlow)), ((1, 1), (1, 1)));
+        let how =
+            ReadOptions { time: None, response: Some("y".to_owned()), factors: with_factors(&["c"]).factors, ..how };
+        let said = errors(&[&path], &how);
+        assert_eq!(said, ["t.csv:1:1: the column response_time_s is missing; expected one of id, c, y, rt"]);
+    }
+
+    /// Columns that are levels, and answers in JSON.
+    #[test]
+    fn wide_tables_have_a_column_for_each_level() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = file(
+            &folder,
+            "t.csv",
+            "id,group,low,high\nA,x,1,\"{\"\"Q0\"\":2}\"\nB,y,{\"Q0\":null},\"{\"\"Q1\"\":\"\"3\"\"}\"\n",
+        );
+        let how = ReadOptions {
+            wide: Some(("level".to_owned(), ["low", "high"].map(String::from).to_vec())),
+            ..with_factors(&["group"])
+        };
+        let read = Study::read(std::slice::from_ref(&path), &how).unwrap();
+        let expected =
+            [("A", vec!["x", "high"], "2", 1), ("A", vec!["x", "low"], "1", 1), ("B", vec!["y", "high"], "3", 1)];
+        assert_eq!((counts(&read), read.source.left_out(Reason::NoResponse)), (expected.to_vec(), (1, 1)));
+        assert_eq!((read.source.files[0].rows, read.source.files[0].counted), (4, 3));
+        let count = file(&folder, "c.csv", "id,group,low,high,count\nA,x,1,2,1\nB,y,.,3,1\n");
+        let of_counts = ReadOptions { factors: None, ..how };
+        assert_eq!(Study::read(&[count], &of_counts).unwrap().measured.counts, read.measured.counts);
+        let long = file(&folder, "l.csv", "id,group,level,y\nA,x,low,1\nA,x,high,2\nB,y,high,3\n");
+        let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["group", "level"]) };
+        assert_eq!(Study::read(&[long], &how).unwrap().measured, read.measured);
+    }
+
+    #[test]
+    fn ids_that_look_alike_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let ids = [" MAR1", "mar1", "MAR1 ", "01", "1", "1.0", "001", "10", "1.05", "1.5", "S1", "S01", "S10", "0"];
+        let rows: String = ids.iter().map(|id| format!("{id},a,1\n")).collect();
+        let read =
+            study(&file(&folder, "ids.csv", format!("id,cond,score\n{rows}")), "score", "cond", ReadOptions::default());
+        let expected = "the IDs 01, 1, 1.0, 001; MAR1, mar1; S1, S01 differ only in capitals or in the form of a number, and are different participants; expected one ID for each participant";
+        assert_eq!((warnings(&read), read.measured.counts.subjects.len()), (vec![expected.to_owned()], 13));
+    }
+
+    /// Small exports in the form of PsychoPy 2023.2 (wide CSV), jsPsych 7 and OpenSesame 4.0, made by hand.
+    #[test]
+    fn exports_of_other_programs_need_few_options() {
+        for (name, response, factor, participants, (ratings, missing)) in [
+            ("psychopy", "slider.response", "contrast", "participant", (11, 3)),
+            ("jspsych", "response", "gloss", "subject", (8, 10)),
+            ("opensesame", "response", "image_size", "subject_nr", (11, 3)),
+        ] {
+            let path = common::golden_path(&format!("programs/{name}.csv"));
+            let read = study(&path, response, factor, ReadOptions::default());
+            let counts = &read.measured.counts;
+            assert_eq!((counts.total(), read.source.left_out(Reason::NoResponse).0), (ratings, missing), "{name}");
+            assert_eq!((counts.subjects.len(), &read.source.errors), (2, &vec![]), "{name}");
+            assert!(counts.is_ordered(None) && counts.factors[0].levels.len() > 1, "{name}: {counts:?}");
+            let note = format!(
+                "participants are in the column {participants}; expected subject_id, or a column that is named"
+            );
+            assert!(read.source.warnings.iter().any(|warning| warning.message == note), "{:?}", read.source.warnings);
+        }
+        // Several columns with usual names, or none: the column must be named.
+        let folder = tempfile::tempdir().unwrap();
+        let path = file(&folder, "t.csv", "id,Participant,y,c\n1,A,1,a\n");
+        let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["c"]) };
+        let said = errors(&[&path], &how);
+        assert_eq!(said, ["t.csv:1:1: the column subject_id is missing; expected one of id, Participant, y, c"]);
     }
 }
 
@@ -566,13 +889,13 @@ mod errors {
         }
         let width = columns(&small()).len();
         type Damage = fn(String) -> Vec<u8>;
-        let cases: [(Damage, String, u64); 18] = [
+        let cases: [(Damage, String, u64); 15] = [
             (
                 |text| {
-                    let at = text.find("S1_1_main_0011_1").unwrap();
-                    [&text.as_bytes()[..at + 3], b"\xff", &text.as_bytes()[at + 4..]].concat()
+                    let at = text.find("\nS1_1_main_0011_1").unwrap() + "\nS1_1_main_0011_1,small-".len();
+                    [&text.as_bytes()[..at], b"\xff", &text.as_bytes()[at + 1..]].concat()
                 },
-                "18:4: the row is not UTF-8 text; expected UTF-8".into(),
+                "18:24: the cell is not UTF-8 text; expected UTF-8".into(),
                 23,
             ),
             (
@@ -599,14 +922,11 @@ mod errors {
             ),
             (|_| b"".to_vec(), "1:1: the file is empty; expected a header row".into(), 12),
             (|_| b"\xef\xbb\xbf\r\n".to_vec(), "1:1: the file is empty; expected a header row".into(), 12),
-            (|_| b"row_id,\xe9,".to_vec(), "1:8: the header is not UTF-8 text; expected CSV in UTF-8".into(), 12),
+            (|_| b"row_id,\xe9,\n".to_vec(), "1:1: the column subject_id is missing; expected one of row_id, é".into(), 12),
             (|_| b"P\0\x03\x04\0\0".to_vec(), "1:1: is not a CSV file: its first line contains zero bytes".into(), 12),
-            (|_| b"PK\x03\x04\0\0".to_vec(), "1:1: is a spreadsheet or a compressed file; expected CSV".into(), 12),
-            (|_| b"\x1f\x8b\x08\n".to_vec(), "1:1: is a spreadsheet or a compressed file; expected CSV".into(), 12),
-            (|_| b"\xfd7zXZ\0".to_vec(), "1:1: is a spreadsheet or a compressed file; expected CSV".into(), 12),
-            (|_| b"\x28\xb5\x2f\xfd".to_vec(), "1:1: is a spreadsheet or a compressed file; expected CSV".into(), 12),
-            (|_| b"BZh91AY&SY".to_vec(), "1:1: is a spreadsheet or a compressed file; expected CSV".into(), 12),
-            (|_| b"\xff\xfer\0o\0".to_vec(), "1:1: is UTF-16 text; expected CSV in UTF-8".into(), 12),
+            (|_| b"\xfd7zXZ\0".to_vec(), "1:1: is a compressed file or an old spreadsheet; expected CSV, .csv.gz or .xlsx: ".into(), 12),
+            (|_| b"\x28\xb5\x2f\xfd".to_vec(), "1:1: is a compressed file or an old spreadsheet; expected CSV, .csv.gz or .xlsx: ".into(), 12),
+            (|_| b"BZh91AY&SY".to_vec(), "1:1: is a compressed file or an old spreadsheet; expected CSV, .csv.gz or .xlsx: ".into(), 12),
             (|_| vec![b'x'; 2_000_000], "1:1: the first row is longer than 65,000 bytes; expected a".into(), 12),
         ];
         for (change, expected, left) in cases {
@@ -690,8 +1010,6 @@ mod errors {
                     "3:9: count is \"-2\"; expected a count, 0 or more",
                     "4:9: count is \"1.5\"; expected a count without a fraction",
                     "5:9: count is \"1e30\"; expected a count of at most 10^12",
-                    "6:1: subject_id is empty; expected a participant",
-                    "7:7: rating is empty; expected a rating from 0 to 3",
                     "8:1: the row has 3 cells; expected 4, as in the header",
                 ],
                 &["A 0.1 1 7"],

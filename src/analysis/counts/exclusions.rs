@@ -1,5 +1,7 @@
 //! Excludes participants and levels on request, and records what was excluded.
 
+use std::collections::BTreeSet;
+
 use thiserror::Error;
 
 use super::table::{Counts, Excluded, Measured};
@@ -84,16 +86,20 @@ impl Measured {
         }));
         excluded.extend(only.iter().map(|&(factor, kept)| {
             let factor = counts.factors[factor].name.clone();
-            Excluded::Levels { factor, kept: kept.to_vec(), ratings: 0 }
+            Excluded::Levels { factor, kept: kept.to_vec(), ratings: 0, participants: 0 }
         }));
+        let mut seen = BTreeSet::new();
         for row in &counts.rows {
             let levels = &counts.conditions[row.condition as usize];
             let reason = (people.iter().position(|person| *person == row.subject))
                 .or_else(|| only.iter().position(|one| !is_kept(levels, one)).map(|index| people.len() + index));
-            if let Some(Excluded::Participant { ratings, .. } | Excluded::Levels { ratings, .. }) =
-                reason.and_then(|reason| excluded.get_mut(first + reason))
-            {
-                *ratings += row.count;
+            let Some(reason) = reason else { continue };
+            match &mut excluded[first + reason] {
+                Excluded::Participant { ratings, .. } => *ratings += row.count,
+                Excluded::Levels { ratings, participants, .. } => {
+                    *ratings += row.count;
+                    *participants += u64::from(seen.insert((reason, row.subject)));
+                }
             }
         }
         let left =

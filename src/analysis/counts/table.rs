@@ -128,6 +128,8 @@ pub enum Excluded {
         /// Number of ratings at other levels. Those of excluded participants and of levels that another factor excludes
         /// are not among them.
         ratings: u64,
+        /// Number of participants who gave them.
+        participants: u64,
     },
 }
 
@@ -136,6 +138,14 @@ impl Excluded {
     pub fn ratings(&self) -> u64 {
         match self {
             Self::Participant { ratings, .. } | Self::Levels { ratings, .. } => *ratings,
+        }
+    }
+
+    /// Returns the number of participants who gave them.
+    pub fn participants(&self) -> u64 {
+        match self {
+            Self::Participant { .. } => 1,
+            Self::Levels { participants, .. } => *participants,
         }
     }
 }
@@ -179,6 +189,35 @@ impl Counts {
     /// letters (high, low, medium) would give a result, but a wrong one.
     pub fn is_ordered(&self, declared: Option<&[String]>) -> bool {
         declared.is_some() || levels::numbers_of(&self.categories).is_some()
+    }
+
+    /// Returns the categories that look like codes for a missing answer, with their numbers of ratings: numbers of digits
+    /// from 7 to 9 only, at least 9 or negative, that are isolated from the other categories, of which there are at least
+    /// two. A positive code is further above them than they are from each other, and 9 is one only if their neighbors are
+    /// 1 apart (0, 1, 3, 9 is a scale). A negative one is further below them than any two neighbors are apart, and no
+    /// other number is negative. −1 is also a code if the others are from 0 or more to at least 2. A full scale, such as
+    /// 1…7, 0…100 or −9…9, has no such number.
+    pub fn codes(&self) -> Vec<(&str, u64)> {
+        let Some(numbers) = levels::numbers_of(&self.categories) else { return Vec::new() };
+        let is_code = |number: f64| {
+            let digits = number.abs().to_string();
+            number == -1.0 || !(0.0..9.0).contains(&number) && digits.bytes().all(|byte| matches!(byte, b'7'..=b'9'))
+        };
+        let mut others: Vec<f64> = numbers.iter().copied().filter(|number| !is_code(*number)).collect();
+        others.sort_by(f64::total_cmp);
+        let (Some(&least), Some(&most)) = (others.first(), others.last()) else { return Vec::new() };
+        let widest = others.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+        let is_isolated = |number: f64| match number {
+            9.0 if widest > 1.0 => false,
+            number if number >= 0.0 => number - most > most - least,
+            -1.0 => least >= 0.0 && most >= 2.0 && numbers.iter().all(|other| *other >= -1.0),
+            number => least >= 0.0 && least - number > widest,
+        };
+        let codes = numbers.iter().enumerate().filter(|(_, number)| is_code(**number) && is_isolated(**number));
+        let ratings =
+            |code: usize| self.rows.iter().filter(|row| usize::from(row.rating) == code).map(|row| row.count).sum();
+        let codes = codes.filter(|_| others.len() > 1);
+        codes.map(|(code, _)| (self.categories[code].as_str(), ratings(code))).filter(|(_, n)| *n > 0).collect()
     }
 }
 

@@ -85,6 +85,9 @@ fn report_with_tests(full: &Fitted) -> Result<ModelReport, ModelError> {
     })
 }
 
+/// The name of a factor, and the indices of two of its levels.
+pub type Pair = (String, [u32; 2]);
+
 /// How to calibrate tests and intervals.
 #[derive(Clone, Copy)]
 pub struct Calibration<'a> {
@@ -93,9 +96,8 @@ pub struct Calibration<'a> {
     pub max_minutes: u64,
     /// Whether to compute [`ModelReport::checks`].
     pub checks: bool,
-    /// Returns the pairs of levels whose contrast is of interest, given the marginal means: name of the factor, and indices
-    /// of two levels.
-    pub contrasts: &'a (dyn Fn(&[Margin]) -> Vec<(String, [u32; 2])> + Sync),
+    /// Returns the pairs of levels whose contrast is of interest, given the marginal means.
+    pub contrasts: &'a (dyn Fn(&[Margin]) -> Vec<Pair> + Sync),
     /// Called after each simulated study, with the number of those done and of all.
     pub progress: &'a (dyn Fn(usize, usize) + Sync),
 }

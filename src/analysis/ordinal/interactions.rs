@@ -112,16 +112,16 @@ fn by_signs(full: &Fitted, pairs: Vec<(Interaction, [usize; 2])>, seed: u64) -> 
     let least =
         |pattern: usize| reached.iter().flatten().map(|(_, p)| p[pattern]).min_by(f64::total_cmp).unwrap_or(1.0);
     let least: Vec<f64> = (0..signs.len()).map(least).collect();
-    let tested = |(((mut pair, _), scores), reached): ((_, &Option<DMatrix<f64>>), &Option<(f64, Vec<f64>)>)| {
-        let pair: &mut Interaction = &mut pair;
+    let mut tested = Vec::new();
+    for (((mut pair, _), scores), reached) in pairs.into_iter().zip(&scores).zip(reached.iter()) {
         if let (Some(scores), Some((statistic, p))) = (scores, reached) {
             let reaching = least.iter().filter(|least| **least <= p[0] + 1e-12).count();
             (pair.chi_squared, pair.df, pair.draws) = (Some(*statistic), scores.nrows(), signs.len());
             (pair.p, pair.withheld) = (Some(reaching as f64 / signs.len() as f64), None);
         }
-        pair.clone()
-    };
-    pairs.into_iter().zip(&scores).zip(&reached).map(tested).collect()
+        tested.push(pair);
+    }
+    tested
 }
 
 /// Returns the share of the statistics that are at least as large as each of them.

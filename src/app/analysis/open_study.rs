@@ -34,7 +34,7 @@ use crate::{
     },
     store::{
         FileError,
-        ratings::{SessionRead, Source, column_names},
+        ratings::{Reason, SessionRead, Source, column_names},
     },
     work::Analyze,
 };
@@ -283,7 +283,7 @@ impl OpenStudy {
         let source = &self.study.source;
         about(ui, &self.study);
         let unfinished = source.sessions.iter().any(SessionRead::is_unfinished);
-        if unfinished || source.files.iter().any(|file| file.unfinished > 0) {
+        if unfinished || source.left_out(Reason::Unfinished).0 > 0 {
             let mut asked = self.asked.clone();
             if ui.checkbox(&mut asked.ratings.complete_only, "Exclude unfinished sessions").changed() {
                 self.request = Some(Request::Read(Box::new(asked)));

@@ -125,7 +125,10 @@ fn first_csv(path: &Path) -> Option<PathBuf> {
     if is_file(path) {
         return Some(path.to_owned());
     }
-    let is_csv = |path: &PathBuf| path.extension().is_some_and(|ext| ext.eq_ignore_ascii_case("csv"));
+    let is_csv = |path: &PathBuf| {
+        let name = path.to_string_lossy().to_lowercase();
+        [".csv", ".csv.gz"].iter().any(|ending| name.ends_with(ending))
+    };
     entries(path).ok()?.into_iter().find(|path| is_csv(path) && is_file(path))
 }
 

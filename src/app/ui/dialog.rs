@@ -57,7 +57,9 @@ impl Dialog {
             let paths = match kind {
                 FileKind::Toml => one(dialog.add_filter("TOML", &["toml"]).pick_file()),
                 FileKind::Mesh => one(dialog.add_filter("mesh", &["obj", "ply", "gltf", "glb"]).pick_file()),
-                FileKind::Data => dialog.add_filter("CSV", &["csv"]).add_filter("all files", &["*"]).pick_files(),
+                FileKind::Data => {
+                    dialog.add_filter("tables", &["csv", "gz", "xlsx"]).add_filter("all files", &["*"]).pick_files()
+                }
                 FileKind::Folder => one(dialog.pick_folder()),
             };
             // If the window has been closed, nobody needs the answer.

@@ -14,18 +14,24 @@ use crate::{
     },
     experiment::RatingRow,
     report::{
-        document::Document,
+        document::{
+            Document,
+            numbers::{count, list},
+        },
         figures::Figure,
         prediction::{PredictionError, StudyPrediction},
     },
     store::{
-        Columns, FileErrors,
-        ratings::{self, ReadOptions, Shape, Source},
+        Columns, FileError, FileErrors,
+        ratings::{self, FileRead, ReadOptions, Shape, Source},
     },
 };
 
 /// Maximum number of categories that are not named. A column with more, such as a response time, is a measurement.
 const MAX_CATEGORIES: usize = 20;
+
+/// The share of unreadable rows, one in this many, above which nothing is concluded from the others.
+const UNREADABLE: u64 = 50;
 
 /// The reason why there is no study.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -37,16 +43,33 @@ pub enum StudyError {
     #[error(transparent)]
     TooLarge(FileErrors),
     /// The column of the response is probably another one: it has too many different values.
-    #[error("{response}: the number of different values is {found}{}; expected at most {MAX_CATEGORIES}, the column of the ratings, or the names of all categories, lowest first", if *found == 255 { " or more" } else { "" })]
+    #[error("{response}: the number of different values is {found}{}; expected at most {MAX_CATEGORIES} (a continuous response, such as a slider, becomes ordered in a new column with a few classes, for example its value divided by 20 and rounded), the column of the ratings, or the names of all categories, lowest first", if *found == 255 { " or more" } else { "" })]
     TooManyCategories {
         /// Name of the column.
         response: String,
         /// Number of different values; no more than 255 are read.
         found: usize,
     },
+    /// Some numbers look like codes for a missing answer. Averaged with ratings, they would distort every result.
+    #[error("{response}: {} far from the other values, as a code for a missing answer would be; expected that it is named as missing, or the names of all categories, lowest first", told(.codes))]
+    Codes {
+        /// Name of the column.
+        response: String,
+        /// The numbers, and how often each occurs.
+        codes: Vec<(String, u64)>,
+    },
     /// What is to be excluded does not exist.
     #[error(transparent)]
     Exclusion(#[from] ExclusionError),
+}
+
+fn told(codes: &[(String, u64)]) -> String {
+    let codes: Vec<String> = codes.iter().map(|(code, n)| format!("{code} ({})", count(*n, "rating"))).collect();
+    format!(
+        "{} {}",
+        list(&codes.iter().map(String::as_str).collect::<Vec<_>>()),
+        if codes.len() == 1 { "is" } else { "are" }
+    )
 }
 
 /// The ratings in the files, and the errors found in them.
@@ -61,8 +84,9 @@ impl Study {
     /// Reads files and folders of files.
     ///
     /// # Errors
-    /// There is nothing to analyze, the study is too large, or an exclusion names something unknown. If only part of the
-    /// input has errors, they are in [`Source::errors`].
+    /// There is nothing to analyze, more than 2 % of the rows cannot be read, the study is too large, the response is
+    /// probably not a rating, or an exclusion names something unknown. If fewer rows have errors, they are in
+    /// [`Source::errors`].
     pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Self, StudyError> {
         Self::new(ratings::read(paths, options, builder, add)?, options)
     }
@@ -76,14 +100,30 @@ impl Study {
     }
 
     fn new((source, all): (Source, MeasuredBuilder), options: &ReadOptions) -> Result<Self, StudyError> {
-        let exclusions = Exclusions { exclude: options.exclude.clone(), only: options.only.clone() };
-        let measured = all.finish().narrowed(&exclusions)?;
-        let (found, Shape { response, categories, .. }) = (measured.counts.categories.len(), &source.shape);
+        let all = all.finish();
+        let (found, Shape { response, categories, .. }) = (all.counts.categories.len(), &source.shape);
         if categories.is_none() && found > MAX_CATEGORIES {
             return Err(StudyError::TooManyCategories { response: response.clone(), found });
         }
+        let sum = |of: fn(&FileRead) -> u64| source.files.iter().map(of).sum::<u64>();
+        let (unreadable, rows) = (sum(|file| file.erroneous - file.repeated), sum(|file| file.rows));
+        let file = source.files.first().map_or(Path::new("."), |file| &file.path);
+        if UNREADABLE * unreadable > rows {
+            let share = 100 / UNREADABLE;
+            let message = format!(
+                "{unreadable} of {rows} rows cannot be read, so nothing is concluded from the others; expected at most {share}\u{a0}% \
+                 with errors"
+            );
+            return Err(FileErrors([source.errors, vec![FileError::whole(file, message)]].concat()).into());
+        }
+        let exclusions = Exclusions { exclude: options.exclude.clone(), only: options.only.clone() };
+        let codes = if source.shape.categories.is_none() { all.counts.codes() } else { Vec::new() };
+        if !codes.is_empty() {
+            let codes = codes.into_iter().map(|(code, n)| (code.to_owned(), n)).collect();
+            return Err(StudyError::Codes { response: source.shape.response, codes });
+        }
+        let measured = all.narrowed(&exclusions)?;
         if !options.large {
-            let file = source.files.first().map_or(Path::new("."), |file| &file.path);
             measured.counts.check_size().map_err(|message| StudyError::TooLarge(FileErrors::whole(file, message)))?;
         }
         Ok(Self { source, measured })

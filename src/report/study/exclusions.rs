@@ -4,14 +4,14 @@ use super::names;
 use crate::{
     analysis::{Results, counts::Excluded},
     report::document::{
-        Shown,
+        Section, Shown,
         numbers::{count, list, whole},
     },
-    store::ratings::{SessionRead, Source},
+    store::ratings::{Reason, SessionRead, Source},
 };
 
 /// Returns a sentence for each kind of exclusion, and then how many ratings were analyzed; nothing without exclusions.
-pub(super) fn sentences(results: &Results) -> Vec<String> {
+pub(super) fn sentences(source: &Source, results: &Results) -> Vec<String> {
     let measured = &results.measured;
     let with_ratings = |name: &str, ratings: u64| format!("{name} ({})", count(ratings, "rating"));
     let mut people = Vec::new();
@@ -19,7 +19,7 @@ pub(super) fn sentences(results: &Results) -> Vec<String> {
     for excluded in &measured.excluded {
         match excluded {
             Excluded::Participant { id, ratings } => people.push(with_ratings(id, *ratings)),
-            Excluded::Levels { factor, kept, ratings } => {
+            Excluded::Levels { factor, kept, ratings, .. } => {
                 let kept: Vec<Shown> = kept.iter().map(|level| names::level(factor, level)).collect();
                 let kept: Vec<&str> = kept.iter().map(|level| &**level).collect();
                 sentences.push(format!(
@@ -37,6 +37,14 @@ pub(super) fn sentences(results: &Results) -> Vec<String> {
         let people: Vec<&str> = people.iter().map(String::as_str).collect();
         sentences.insert(0, format!("On request, {who} {} excluded.", was(&people)));
     }
+    let (least, most) = source.shape.time_limits;
+    for (limit, reason, than) in [(least, Reason::TooFast, "less"), (most, Reason::TooSlow, "more")] {
+        sentences.extend(limit.map(|limit| {
+            let (rows, people) = source.left_out(reason);
+            let (rows, people) = (count(rows, "trial"), count(people as u64, "participant"));
+            format!("On request, trials answered in {than} than {limit} s were excluded ({rows} of {people}).")
+        }));
+    }
     if !sentences.is_empty() {
         sentences.push(format!(
             "This leaves {} by {}.",
@@ -45,6 +53,24 @@ pub(super) fn sentences(results: &Results) -> Vec<String> {
         ));
     }
     sentences
+}
+
+/// Adds a table of everything that was left out and can be read: why, how much, and of how many participants.
+pub(super) fn table(section: &mut Section, source: &Source, results: &Results) {
+    let reasons = Reason::ALL.map(|reason| (format!("rows {reason}"), source.left_out(reason)));
+    let reasons = reasons.into_iter().filter(|(_, (rows, _))| *rows > 0);
+    let reasons = reasons.map(|(why, (rows, people))| vec![why.into(), whole(rows), whole(people as u64)]);
+    let requests = results.measured.excluded.iter().map(|excluded| {
+        let why = match excluded {
+            Excluded::Participant { id, .. } => format!("ratings by {id}"),
+            Excluded::Levels { factor, .. } => format!("ratings at other levels of {}", names::factor(factor)),
+        };
+        vec![why.into(), whole(excluded.ratings()), whole(excluded.participants())]
+    });
+    let rows: Vec<Vec<Shown>> = reasons.chain(requests).collect();
+    if !rows.is_empty() {
+        section.table("What was left out, and why", &["Left out"], &["Number", "Participants"], rows);
+    }
 }
 
 fn was(names: &[&str]) -> String {

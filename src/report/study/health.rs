@@ -9,24 +9,24 @@ use crate::{
         Section, Shown,
         numbers::{count, fixed, list, whole},
     },
-    store::ratings::{FileRead, SessionRead, Source},
+    store::ratings::{FileRead, Reason, SessionRead, Source},
 };
 
 pub(super) fn section(source: &Source, results: &Results) -> Section {
     let mut section = Section::new("health", "Data quality");
     let sum = |of: fn(&FileRead) -> u64| whole(source.files.iter().map(of).sum());
+    let left_out = Reason::ALL.map(|reason| (format!("Excluded: {reason}"), source.left_out(reason).0));
     let mut facts = vec![
         ("Files", whole(source.files.len() as u64)),
         ("Rows below the headers", sum(|file| file.rows)),
         ("Excluded: practice", sum(|file| file.practice)),
         ("Excluded: corrected ratings", sum(|file| file.superseded)),
         ("Excluded: rows with errors", sum(|file| file.erroneous)),
-        ("Excluded: unfinished sessions, on request", sum(|file| file.unfinished)),
-        ("Other rows", sum(|file| file.counted)),
-        ("Ratings in these rows", sum(|file| file.ratings)),
     ];
-    let excluded = exclusions::sentences(results);
-    if !excluded.is_empty() {
+    facts.extend(left_out.iter().filter(|(_, rows)| *rows > 0).map(|(name, rows)| (name.as_str(), whole(*rows))));
+    facts.extend([("Other rows", sum(|file| file.counted)), ("Ratings in these rows", sum(|file| file.ratings))]);
+    let excluded = exclusions::sentences(source, results);
+    if !results.measured.excluded.is_empty() {
         facts.push(("Excluded: ratings, on request", exclusions::ratings(results)));
     }
     facts.push(("Ratings analyzed", whole(results.measured.counts.total())));
@@ -34,6 +34,7 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
     if !excluded.is_empty() {
         section.text(excluded.join(" "));
     }
+    exclusions::table(&mut section, source, results);
     section.heading("Errors");
     if source.errors.is_empty() {
         section.text("No errors were found in the files.");

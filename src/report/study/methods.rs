@@ -69,7 +69,8 @@ fn procedure(cited: &mut Cited, source: &Source, results: &Results) -> String {
         factor.levels.iter().map(|level| names::level_of(factor, level).to_string()).collect::<Vec<_>>().join(", ")
     });
     let shown = source.protocol.as_ref().map(|protocol| shown(cited, protocol)).unwrap_or_default();
-    let excluded: String = exclusions::sentences(results).iter().map(|sentence| format!(" {sentence}")).collect();
+    let excluded: String =
+        exclusions::sentences(source, results).iter().map(|sentence| format!(" {sentence}")).collect();
     format!("{rated}{excluded}{shown}")
 }
 

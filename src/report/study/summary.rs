@@ -93,7 +93,7 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
         let are = if names.len() == 1 { "is a covariate that describes" } else { "are covariates that describe" };
         lead.push(format!("{} {are} participants: a number with one slope, not a condition.", list(&names)));
     }
-    lead.extend(exclusions::sentences(results));
+    lead.extend(exclusions::sentences(source, results));
     lead.extend(health::finished_sentence(source, results));
     lead
 }

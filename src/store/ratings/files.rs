@@ -7,6 +7,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use csv::Position;
+
+use super::converted::{Converted, converted};
 use crate::{
     store::{
         Columns, FileError, FileErrors, StoreError,
@@ -14,7 +17,7 @@ use crate::{
         error::io,
         frames,
         open::open_regular,
-        table::{Content, MAX_ROW, each_row},
+        table::{BYTE_ORDER_MARK, Content, MAX_ROW, decoded, rows_from},
     },
     system::{entries, found, is_of_another_user},
     text::names::natural,
@@ -168,7 +171,7 @@ impl Listed {
                 }
             } else if found(&path)?.is_some_and(|metadata| metadata.is_dir()) {
                 folders.push(path);
-            } else if has_suffix(&path, ".csv") {
+            } else if [".csv", ".csv.gz"].iter().any(|suffix| has_suffix(&path, suffix)) {
                 self.files.push(path);
             }
         }
@@ -197,22 +200,26 @@ fn has_suffix(path: &Path, suffix: &str) -> bool {
 
 /// Maximum number of bytes of the header row. A table with a thousand columns has about 10,000.
 const MAX_HEAD: u64 = 1 << 16;
-/// Maximum number of bytes of a file whose lines end with only a carriage return, because it is converted in memory.
-const MAX_OLD: u64 = 64 << 20;
 
 /// The head of a file.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Header {
     /// Names of the columns.
     pub names: Vec<String>,
-    /// The separator: a comma, a semicolon or a tab.
+    /// The separator: a comma, a semicolon, a tab, or what the first line says.
     pub separator: u8,
+    /// The line of the header.
+    pub line: usize,
+    /// Where the header begins, if a line before it names the separator.
+    pub start: Option<Position>,
+    /// Line and column of the first text in the header that is not UTF-8.
+    pub foreign: Option<(usize, usize)>,
     /// The cells of the first row below the header, if there is one.
     pub first: Option<Vec<String>>,
     /// Size of the file in bytes.
     pub size: u64,
-    /// The content of the file, if its line ends had to be converted.
-    memory: Option<Vec<u8>>,
+    /// The content of the file, if it had to be converted.
+    pub converted: Option<Converted>,
     /// The table, if it is not a file.
     pub columns: Option<Columns>,
 }
@@ -221,25 +228,17 @@ impl Header {
     /// Reads the head of a file.
     ///
     /// # Errors
-    /// The file is not readable, is empty, or is not UTF-8 text.
+    /// The file is not readable, is empty, or is not a table.
     pub fn read(path: &Path) -> Result<Self, StoreError> {
         let mut file = open_regular(path).map_err(io(path, "read"))?;
         let size = file.metadata().map_err(io(path, "read"))?.len();
         let mut head = Vec::new();
         file.by_ref().take(MAX_HEAD + MAX_ROW).read_to_end(&mut head).map_err(io(path, "read"))?;
-        let mut header = Self { size, ..Self::default() };
-        // Old spreadsheets end lines with only a carriage return, but lines are counted by their line feeds.
-        if head.contains(&b'\r') && !head.contains(&b'\n') {
-            if size > MAX_OLD {
-                let message = format!("has {size} bytes and no line feeds; expected lines that end with a line feed");
-                return Err(FileErrors::whole(path, message).into());
-            }
-            let mut all = head.clone();
-            file.read_to_end(&mut all).map_err(io(path, "read"))?;
-            all.iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
-            head = all[..head.len()].to_vec();
-            header.memory = Some(all);
+        let converted = converted(path, &head)?;
+        if let Some(Converted { bytes, .. }) = &converted {
+            head = bytes[..bytes.len().min((MAX_HEAD + MAX_ROW) as usize)].to_vec();
         }
+        let mut header = Self { size, converted, line: 1, ..Self::default() };
         header.parse(&head).map_err(|(column, message)| FileErrors(vec![FileError::at(path, (1, column), message)]))?;
         Ok(header)
     }
@@ -253,35 +252,38 @@ impl Header {
 
     fn parse(&mut self, head: &[u8]) -> Result<(), (usize, String)> {
         let error = |message: &str| Err((1, message.to_owned()));
-        if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) {
-            return error("is UTF-16 text; expected CSV in UTF-8");
-        }
-        let text = head.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(head);
+        let text = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head);
+        let (named, text) = separator_line(text);
         if text.iter().all(u8::is_ascii_whitespace) {
             return error("the file is empty; expected a header row");
         }
         if is_packed(text) {
-            return error("is a spreadsheet or a compressed file; expected CSV: export it as CSV or unpack it first");
+            return error(
+                "is a compressed file or an old spreadsheet; expected CSV, .csv.gz or .xlsx: unpack it or export it as CSV",
+            );
         }
         let line = text.split(|byte| matches!(byte, b'\r' | b'\n')).find(|line| !line.is_empty()).unwrap_or_default();
         if line.contains(&0) {
             return error("is not a CSV file: its first line contains zero bytes; expected a header row");
         }
-        if let Err(error) = std::str::from_utf8(line) {
-            let column = String::from_utf8_lossy(&line[..error.valid_up_to()]).chars().count() + 1;
-            return Err((column, "the header is not UTF-8 text; expected CSV in UTF-8".to_owned()));
-        }
         if line.len() as u64 + 3 >= MAX_HEAD {
             return error("the first row is longer than 65,000 bytes; expected a header row");
         }
-        self.separator = separator(line);
+        self.separator = named.unwrap_or_else(|| separator(line));
+        self.start = named.map(|_| {
+            let mut start = Position::new();
+            start.set_byte((head.len() - text.len()) as u64).set_line(2);
+            start
+        });
         let mut rows = Vec::new();
         // Reading from memory does not fail.
-        let _ = each_row(Content::Memory(head), self.separator, |row| {
-            if rows.len() < 2 {
-                let cells = row.record.iter().map(|cell| String::from_utf8_lossy(cell).trim().to_owned());
-                rows.push(cells.collect::<Vec<_>>());
+        let _ = rows_from(Content::Memory(head), self.separator, self.start.as_ref(), |row| {
+            if rows.is_empty() {
+                self.line = row.place(0).0;
+                self.foreign = row.text().err().map(|cell| row.place(cell));
             }
+            rows.push(row.record.iter().map(|cell| decoded(cell).trim().to_owned()).collect::<Vec<_>>());
+            rows.len() < 2
         });
         let mut rows = rows.into_iter();
         self.names = rows.next().unwrap_or_default();
@@ -289,9 +291,9 @@ impl Header {
         Ok(())
     }
 
-    /// Returns the content of the file at `path`, from memory if it is kept there.
+    /// Returns the content of the file at `path`, from memory if it was converted.
     pub fn content<'a>(&'a self, path: &'a Path) -> Content<'a> {
-        self.memory.as_deref().map_or(Content::File(path), Content::Memory)
+        self.converted.as_ref().map_or(Content::File(path), |converted| Content::Memory(&converted.bytes))
     }
 
     /// Returns the index of a column.
@@ -302,6 +304,17 @@ impl Header {
     /// Returns the column, in characters from 1, where the name at an index begins.
     pub fn column(&self, index: usize) -> usize {
         self.names.iter().take(index).map(|name| name.chars().count() + 1).sum::<usize>() + 1
+    }
+}
+
+/// Returns the separator that Excel's line `sep=` names, if it is the first, and the text after this line.
+fn separator_line(text: &[u8]) -> (Option<u8>, &[u8]) {
+    match text.split_at_checked(5) {
+        Some(([name @ .., separator], rest)) if name.eq_ignore_ascii_case(b"sep=") && separator.is_ascii() => {
+            let rest_of = |end: &[u8]| rest.strip_prefix(end).map(|rest| (Some(*separator), rest));
+            rest_of(b"\r\n").or_else(|| rest_of(b"\n")).unwrap_or((None, text))
+        }
+        _ => (None, text),
     }
 }
 

@@ -5,6 +5,7 @@
 //! are in memory. Practice rows of a result file are excluded, only the last attempt at each trial counts, and the ratings
 //! of an unfinished session count by default. [`Source`] reports all of this.
 
+mod converted;
 mod files;
 mod reader;
 mod rows;
@@ -12,7 +13,8 @@ mod selection;
 mod source;
 mod trials;
 mod values;
+mod workbook;
 
 pub use files::{Listed, column_names, with_files};
 pub use reader::{read, read_columns};
-pub use source::{FileRead, Layout, ReadOptions, SessionRead, Shape, Source};
+pub use source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source, TimeLimits};

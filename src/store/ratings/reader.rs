@@ -11,8 +11,8 @@ use rayon::{iter::Either, prelude::*};
 use super::{
     files,
     rows::{MAX_ROWS, RowError, Rows, Status, What},
-    selection::{Definitions, Input, RecordColumns, Selection},
-    source::{FileRead, Layout, ReadOptions, SessionRead, Shape, Source},
+    selection::{Columns as Used, Definitions, Input, RecordColumns, SUBJECT, Selection},
+    source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
     trials::{self, Attempt},
     values,
 };
@@ -24,6 +24,7 @@ use crate::{
         dataset,
         error::{RowErrors, io},
         file,
+        table::Content,
     },
     system::found,
     text::names::natural,
@@ -107,14 +108,16 @@ fn read_inputs<T>(
         return Err(FileErrors::whole(&selection.inputs[0].name, message));
     }
     let measurements = selection.leave_out_measurements(&texts(&tables));
+    let mut notes = about_participants(&selection, options, &tables);
+    notes.extend(selection.inputs.iter().zip(&tables).flat_map(|(input, rows)| how_read(input, rows)));
     let mut sessions = sessions(&selection, &mut tables);
     let unfinished: Vec<bool> =
         sessions.iter().map(|session| options.complete_only && session.is_unfinished()).collect();
-    let are_numbers = AreNumbers::new(&selection, &tables);
+    let known = Known { numbers: AreNumbers::new(&selection, &tables), missing: &options.missing, unfinished };
     let mut all = new(&selection.shape);
     let mut reports = Vec::new();
     for (input, mut rows) in selection.inputs.iter().zip(tables) {
-        let mut read = add_rows(&selection, &are_numbers, &unfinished, input, &mut rows, |row| add(&mut all, row));
+        let mut read = add_rows(&selection, &known, input, &mut rows, |row| add(&mut all, row));
         read.sha256 = sha256(input).map_err(|error| FileErrors(error.errors(&input.path)))?;
         errors.extend(file_errors(input, rows, &selection.inputs));
         reports.push(read);
@@ -125,10 +128,59 @@ fn read_inputs<T>(
     }
     let errors = in_order(errors, files).0;
     let mut warnings = warnings(&selection.inputs)?;
-    warnings.extend(measurements);
+    warnings.extend(measurements.into_iter().chain(notes).chain(missing(&reports)));
     sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;
     Ok((Source { shape, protocol, definition_sha256, files: reports, sessions, errors, warnings }, all))
+}
+
+/// Says which column has the participants, if it was not named, and which IDs look alike.
+fn about_participants(selection: &Selection, options: &ReadOptions, tables: &[Rows]) -> Vec<FileError> {
+    let Some(first) = selection.inputs.first() else { return Vec::new() };
+    let (index, mut notes) = (first.columns.subject, Vec::new());
+    let name = &first.header.names[index];
+    if options.subject.is_none() && name != SUBJECT {
+        let message = format!("participants are in the column {name}; expected {SUBJECT}, or a column that is named");
+        notes.push(first.error(first.header.column(index), message));
+    }
+    let columns = selection.texts(&texts(tables), |columns| columns.subject);
+    let alike = values::alike(columns.iter().flat_map(|column| &column.texts).map(AsRef::as_ref));
+    if !alike.is_empty() {
+        let groups: Vec<String> = alike.iter().take(6).map(|group| group.join(", ")).collect();
+        let others = if alike.len() > groups.len() { " and others" } else { "" };
+        let message = format!(
+            "the IDs {}{others} differ only in capitals or in the form of a number, and are different participants; \
+             expected one ID for each participant",
+            groups.join("; ")
+        );
+        notes.push(FileError::whole(&first.name, message));
+    }
+    notes
+}
+
+/// Returns a warning for each kind of missing value.
+fn missing(reports: &[FileRead]) -> impl Iterator<Item = FileError> {
+    let rows: u64 = reports.iter().map(|report| report.rows).sum();
+    [(Reason::NoResponse, "response"), (Reason::NoParticipant, "participant")].into_iter().filter_map(move |(why, what)| {
+        let of = |report: &FileRead| report.left_out.get(&why).map_or(0, |people| people.values().sum());
+        let (first, found) = (reports.iter().find(|report| of(report) > 0)?, reports.iter().map(of).sum::<u64>());
+        let have = if found == 1 { "has" } else { "have" };
+        let message = format!(
+            "{found} of {rows} rows {have} no {what} (an empty cell, NA, or another text that means so) and are left out; \
+             expected a {what} in every row"
+        );
+        Some(FileError::whole(&first.path, message))
+    })
+}
+
+/// Says how a file was read if it is not plain text in UTF-8.
+fn how_read(input: &Input, rows: &Rows) -> impl Iterator<Item = FileError> {
+    let sheet = input.header.converted.as_ref().and_then(|converted| converted.note.clone());
+    let foreign = rows.foreign.map(|place| {
+        let message = "is not UTF-8 text and was read as Windows-1252; expected UTF-8";
+        FileError::at(&input.name, place, message)
+    });
+    sheet.map(|note| FileError::whole(&input.name, note)).into_iter().chain(foreign)
 }
 
 /// Returns the warnings about files that are read anyway: changed files, sessions without a sidecar, links that lead out
@@ -262,7 +314,7 @@ fn read_attempts<'a>(
     let experiment = own.experiment.zip(selection.experiment.as_deref());
     let phases = texts(own.phase).map(|text| text.parse::<Phase>().ok());
     let [trials, numbers] = [own.trial, own.attempt].map(|column| texts(column).map(values::ordinal));
-    let rated = texts(input.columns.response).map(|text| values::is_rating(text, selection.own_scale, false));
+    let rated = texts(input.columns.responses[0]).map(|text| values::is_rating(text, selection.own_scale, false));
     let dropped = own.dropped.map(|column| texts(column).map(|text| (!text.is_empty()).then_some(text != "0")));
     let one = |row: usize| {
         let wrong = |column: usize, expected: &'static str| RowError::new(row, column, expected);
@@ -296,19 +348,29 @@ fn texts(tables: &[Rows]) -> Vec<&[Texts]> {
 /// Which columns have only numbers, in all files together.
 struct AreNumbers {
     factors: Vec<bool>,
-    response: bool,
+    /// For each column with responses.
+    responses: Vec<bool>,
+}
+
+/// What is known before rows are added.
+struct Known<'a> {
+    numbers: AreNumbers,
+    /// Texts that mean a missing response.
+    missing: &'a [String],
+    /// For each session, whether it is excluded because it is unfinished.
+    unfinished: Vec<bool>,
 }
 
 impl AreNumbers {
     fn new(selection: &Selection, tables: &[Rows]) -> Self {
         let tables = texts(tables);
-        let factors = 0..selection.shape.factors.len();
+        let are_numbers = |column: &dyn Fn(&Used) -> usize| values::are_numbers(&selection.texts(&tables, column));
+        let first = &selection.inputs[0].columns;
         Self {
-            factors: factors
-                .map(|factor| values::are_numbers(&selection.texts(&tables, |columns| columns.factors[factor])))
+            factors: (0..first.factors.len()).map(|i| are_numbers(&|columns| columns.factors[i])).collect(),
+            responses: (0..first.responses.len())
+                .map(|i| !selection.own_scale && are_numbers(&|columns| columns.responses[i]))
                 .collect(),
-            response: !selection.own_scale
-                && values::are_numbers(&selection.texts(&tables, |columns| columns.response)),
         }
     }
 }
@@ -316,8 +378,7 @@ impl AreNumbers {
 /// Calls `add` for every row of a file that counts. Collects the errors in the rows.
 fn add_rows(
     selection: &Selection,
-    are_numbers: &AreNumbers,
-    unfinished: &[bool],
+    known: &Known<'_>,
     input: &Input,
     rows: &mut Rows,
     mut add: impl FnMut(&RatingRow<'_>) -> Result<(), String>,
@@ -327,36 +388,49 @@ fn add_rows(
     let columns = &input.columns;
     let texts = |column: usize| &rows.columns[column];
     let subjects = texts(columns.subject);
-    let is_rating = |text| values::is_rating(text, selection.own_scale, are_numbers.response);
-    let ratings = texts(columns.response).map(|text| is_rating(text).then_some(text));
+    let is_own = columns.record.is_some();
+    let is_absent = |text: &str| !is_own && values::is_missing(text, false);
+    // For each text in a column with responses, the rating, if there is one, or whether it is missing.
+    let responses = columns.responses.iter().zip(&known.numbers.responses).map(|(&column, &among_numbers)| {
+        texts(column).map(|text| match values::is_rating(text, selection.own_scale, among_numbers) {
+            _ if !is_own && values::is_no_response(text, known.missing, among_numbers) => Err(true),
+            true => Ok(text),
+            false => Err(false),
+        })
+    });
+    let responses: Vec<Mapped<'_, Result<&str, bool>>> = responses.collect();
+    let (least, most) = selection.shape.time_limits;
     let counts = columns.count.map(|column| (column, texts(column).map(values::count)));
-    let factors = columns.factors.iter().zip(&selection.levels).zip(&are_numbers.factors);
+    let factors = columns.factors.iter().zip(&selection.levels).zip(&known.numbers.factors);
     let factors: Vec<Mapped<'_, &str>> = factors
         .map(|((&column, defined), &among_numbers)| {
-            let defined = if columns.record.is_some() { &defined[..] } else { &[] };
+            let defined = if is_own { &defined[..] } else { &[] };
             texts(column).map(|text| values::level(text, defined, among_numbers))
         })
         .collect();
     let places = columns.session.zip(columns.repetition);
     let places = places.map(|(session, column)| (texts(session), column, texts(column).map(values::repetition)));
     let mut levels = Vec::new();
-    let mut rating = |row: usize, errors: &mut RowErrors| -> Result<u64, RowError> {
-        let subject = subjects.get(row);
-        if subject.is_empty() {
+    let mut rating = |row: usize, which: usize, errors: &mut RowErrors| -> Result<Result<u64, Reason>, RowError> {
+        let (subject, response) = (subjects.get(row), columns.responses[which]);
+        if matches!(rows.status[row], Status::Counts(session) if is_own && known.unfinished[session as usize]) {
+            return Ok(Err(Reason::Unfinished));
+        }
+        if is_absent(subject) {
+            return Ok(Err(Reason::NoParticipant));
+        } else if subject.is_empty() {
             return Err(RowError::new(row, columns.subject, "a participant"));
         }
-        let Some(rating) = *ratings.get(row) else {
-            let is_missing = values::is_missing(texts(columns.response).get(row), are_numbers.response);
-            return Err(RowError::new(
-                row,
-                columns.response,
-                match selection.own_scale {
-                    false => "a rating".to_owned(),
-                    true if is_missing || columns.record.is_some() => format!("a rating from 0 to {MAX_RATING}"),
-                    // Any scale is possible in a table from elsewhere.
-                    true => format!("a rating from 0 to {MAX_RATING}, unless this column is named as the response"),
-                },
-            ));
+        let rating = match *responses[which].get(row) {
+            Ok(rating) => rating,
+            Err(true) => return Ok(Err(Reason::NoResponse)),
+            Err(false) if !selection.own_scale => return Err(RowError::new(row, response, "a rating")),
+            Err(false) => {
+                // Any scale is possible in a table from elsewhere.
+                let unless =
+                    if is_own { "" } else { ", unless this column is named as the response or this value as missing" };
+                return Err(RowError::new(row, response, format!("a rating from 0 to {MAX_RATING}{unless}")));
+            }
         };
         let count = match &counts {
             Some((column, counts)) => counts.get(row).map_err(|expected| RowError::new(row, *column, expected))?,
@@ -376,21 +450,32 @@ fn add_rows(
             }
             Some(seconds).filter(|seconds| seconds.is_finite() && *seconds >= 0.0)
         });
+        match response_time_s {
+            Some(seconds) if least.is_some_and(|least| seconds < least) => return Ok(Err(Reason::TooFast)),
+            Some(seconds) if most.is_some_and(|most| seconds > most) => return Ok(Err(Reason::TooSlow)),
+            _ => {}
+        }
         levels.clear();
         levels.extend(factors.iter().map(|levels| *levels.get(row)));
+        levels.extend(selection.wide.get(which).map(String::as_str));
         add(&RatingRow { subject, values: &levels, rating, count, place, response_time_s })
-            .map_err(|message| RowError { row, cell: Some(columns.response), what: What::Said(message) })?;
-        Ok(count)
+            .map_err(|message| RowError { row, cell: Some(response), what: What::Said(message) })?;
+        Ok(Ok(count))
     };
     let mut read = FileRead { path: input.path.clone(), layout: input.layout, ..FileRead::default() };
-    read.rows = rows.status.len() as u64;
-    for row in rows.all() {
-        let left_out = match rows.status[row] {
-            Status::Counts(session) if columns.record.is_some() && unfinished[session as usize] => &mut read.unfinished,
-            Status::Counts(_) => match rating(row, &mut errors) {
-                Ok(count) => {
+    let each = columns.responses.len();
+    read.rows = (rows.status.len() * each) as u64;
+    for (row, which) in rows.all().flat_map(|row| (0..each).map(move |which| (row, which))) {
+        let place = match rows.status[row] {
+            Status::Counts(_) => match rating(row, which, &mut errors) {
+                Ok(Ok(count)) => {
                     read.ratings += count;
                     &mut read.counted
+                }
+                Ok(Err(reason)) => {
+                    let by_participant = read.left_out.entry(reason).or_default();
+                    let id = if reason == Reason::NoParticipant { "" } else { subjects.get(row) };
+                    by_participant.entry(id.to_owned()).or_default()
                 }
                 Err(error) => {
                     report(&mut errors, error);
@@ -401,11 +486,12 @@ fn add_rows(
             Status::Superseded => &mut read.superseded,
             Status::Repeated(file) => {
                 report(&mut errors, RowError { row, cell: None, what: What::Repeated(file as usize) });
+                read.repeated += 1;
                 &mut read.erroneous
             }
             Status::Wrong => &mut read.erroneous,
         };
-        *left_out += 1;
+        *place += 1;
     }
     rows.errors = errors;
     read
@@ -435,20 +521,22 @@ fn sha256(input: &Input) -> Result<Option<String>, StoreError> {
     if input.header.size > MAX_HASHED || input.header.columns.is_some() {
         return Ok(None);
     }
-    let bytes = input.header.content(&input.path).bytes().map_err(io(&input.path, "read"))?;
+    let bytes = Content::File(&input.path).bytes().map_err(io(&input.path, "read"))?;
     Ok(Some(file::sha256(&bytes)))
 }
 
 /// Returns the error that no row counts, with the reasons.
 fn no_row_counts(reports: &[FileRead]) -> FileError {
     let sum = |of: fn(&FileRead) -> u64| reports.iter().map(of).sum::<u64>();
+    let of = |reason| reports.iter().filter_map(|report| report.left_out.get(&reason)).flatten().map(|(_, n)| n).sum();
+    let reasons = Reason::ALL.map(|reason| (of(reason), reason.to_string()));
     let parts = [
-        (sum(|report| report.practice), "from practice"),
-        (sum(|report| report.superseded), "superseded"),
-        (sum(|report| report.unfinished), "from unfinished sessions"),
-        (sum(|report| report.erroneous), "with errors"),
+        (sum(|report| report.practice), "from practice".to_owned()),
+        (sum(|report| report.superseded), "superseded".to_owned()),
+        (sum(|report| report.erroneous), "with errors".to_owned()),
     ];
-    let parts: Vec<String> = parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
+    let parts = parts.iter().chain(&reasons).filter(|(n, _)| *n > 0);
+    let parts: Vec<String> = parts.map(|(n, what)| format!("{n} {what}")).collect();
     let found = match sum(|report| report.rows) {
         0 => "there are no rows".to_owned(),
         rows => format!("none of the rows ({rows}) counts: {}", parts.join(", ")),

@@ -1,18 +1,19 @@
 //! The rows of a file as columns, and the errors in them. Each file is read once.
 
-use std::{borrow::Cow, ops::Range};
+use std::{borrow::Cow, collections::BTreeSet, ops::Range};
 
 use csv::Position;
 
 use super::{
     selection::Input,
-    values::{seconds, with_point},
+    values::{answer, seconds, with_point},
 };
 use crate::store::{
     FileError,
     columns::{Interner, Texts},
     error::RowErrors,
-    table::{self, Row, shortened},
+    ratings::Layout,
+    table::{self, Row, decoded, shortened},
 };
 
 /// Maximum number of rows of a study; 100 million take about 4 GB.
@@ -31,6 +32,8 @@ pub(super) struct Rows {
     /// How each row is used.
     pub status: Vec<Status>,
     pub errors: RowErrors,
+    /// Line and column of the first text that is not UTF-8.
+    pub foreign: Option<(usize, usize)>,
     /// The position of every 64th row.
     marks: Vec<Position>,
 }
@@ -91,35 +94,46 @@ impl Rows {
     pub fn read(input: &Input) -> Result<Self, FileError> {
         let header = &input.header;
         let needed = input.columns.texts();
+        let used: BTreeSet<usize> = needed.iter().copied().chain(input.columns.time).collect();
         if let Some(columns) = &header.columns {
             let texts = |column: usize| if needed.contains(&column) { columns.texts(column) } else { Texts::default() };
-            return Ok(Self {
+            if let Some(&column) = needed.iter().find(|column| columns.has_zero_byte(**column)) {
+                let name = &header.names[column];
+                let message = format!("a cell of the column {name} contains a zero byte; expected text");
+                return Err(FileError::whole(&input.name, message));
+            }
+            let mut rows = Self {
                 columns: (0..header.names.len()).map(texts).collect(),
                 times: input.columns.time.map_or_else(Vec::new, |column| columns.numbers(column, seconds)),
                 status: vec![Status::default(); columns.rows()],
                 ..Self::default()
-            });
+            };
+            rows.unwrap_answers(input);
+            return Ok(rows);
         }
-        let mut rows = Self::default();
+        let mut rows = Self { foreign: header.foreign, ..Self::default() };
         let mut columns: Vec<Interner> = header.names.iter().map(|_| Interner::default()).collect();
         let mut is_header = true;
-        let read = table::rows_from(header.content(&input.path), header.separator, None, |row| {
+        let read = table::rows_from(header.content(&input.path), header.separator, header.start.as_ref(), |row| {
             if !std::mem::take(&mut is_header) {
                 let index = rows.status.len();
                 if index.is_multiple_of(MARK) {
                     rows.marks.push(row.position());
                 }
-                let text = match checked(row, header.names.len()) {
-                    Ok(text) => Some(text),
+                let foreign = row.text().err().map(|cell| {
+                    rows.foreign.get_or_insert_with(|| row.place(cell));
+                    row.decoded()
+                });
+                let record = foreign.as_ref().unwrap_or(row.record);
+                let text = match checked(row, &used, header.names.len(), input.layout) {
+                    Ok(()) => std::str::from_utf8(record.as_slice()).ok(),
                     Err((cell, message)) => {
                         let (cell, message) = partial(row, cell).map_or((cell, message), |message| (None, message));
-                        let place = || row.place(cell.or(row.text().err()).unwrap_or(0));
-                        rows.errors.add(&input.name, cell, message, place);
+                        rows.errors.add(&input.name, cell, message, || row.place(cell.unwrap_or(0)));
                         None
                     }
                 };
-                let cell =
-                    |column| text.and_then(|text| text.get(row.record.range(column)?)).unwrap_or_default().trim();
+                let cell = |column| text.and_then(|text| text.get(record.range(column)?)).unwrap_or_default().trim();
                 let value = |column| with_point(cell(column), header.separator);
                 for &column in &needed {
                     match input.columns.is_id(column) {
@@ -136,7 +150,19 @@ impl Rows {
             FileError::whole(&input.name, format!("cannot be read completely: {error}; expected a readable file"))
         })?;
         rows.columns = columns.into_iter().map(Interner::finish).collect();
+        rows.unwrap_answers(input);
         Ok(rows)
+    }
+
+    /// Replaces responses in JSON by their values.
+    fn unwrap_answers(&mut self, input: &Input) {
+        for &column in &input.columns.responses {
+            for text in &mut self.columns[column].texts {
+                if let Some(answer) = answer(text) {
+                    *text = answer.trim().into();
+                }
+            }
+        }
     }
 
     /// Returns the indices of all rows.
@@ -166,7 +192,7 @@ impl Rows {
             return FileError::whole(format!("{}, row {} (counted from 0)", input.name, error.row), message);
         }
         let found = self.again(input, error.row, |row| {
-            let written = |column| row.record.get(column).map(String::from_utf8_lossy).unwrap_or_default().into_owned();
+            let written = |column| row.record.get(column).map(decoded).unwrap_or_default().into_owned();
             FileError::at(&input.name, row.place(error.cell.unwrap_or(0)), error.message(input, inputs, written))
         });
         found.unwrap_or_else(|| FileError::whole(&input.name, error.message(input, inputs, |_| String::new())))
@@ -215,16 +241,13 @@ impl RowError {
     }
 }
 
-/// Returns the text of a row in a table with this number of columns.
+/// Checks a row of a table with this number of columns. Only the cells in the columns that are used matter.
 ///
 /// # Errors
-/// The row is not UTF-8 or contains a zero byte, a quote is not closed, or the number of cells differs from the header's.
-fn checked<'a>(row: &Row<'a>, width: usize) -> Result<&'a str, (Option<usize>, String)> {
-    let text = row.text().map_err(|_| (None, "the row is not UTF-8 text; expected UTF-8".to_owned()))?;
+/// A quote is not closed, or the number of cells differs from the header's; a cell that is used contains a zero byte, or
+/// is not UTF-8 although this program wrote the file.
+fn checked(row: &Row<'_>, used: &BTreeSet<usize>, width: usize, layout: Layout) -> Result<(), (Option<usize>, String)> {
     let found = row.record.len();
-    if let Some(cell) = text.contains('\0').then(|| row.record.iter().position(|cell| cell.contains(&0))).flatten() {
-        return Err((Some(cell), "the cell contains a zero byte; expected text".to_owned()));
-    }
     if row.is_open() {
         return Err((Some(found - 1), "a quote is never closed; expected a closing quote".to_owned()));
     }
@@ -232,7 +255,19 @@ fn checked<'a>(row: &Row<'a>, width: usize) -> Result<&'a str, (Option<usize>, S
         let cells = if found == 1 { "cell" } else { "cells" };
         return Err((None, format!("the row has {found} {cells}; expected {width}, as in the header")));
     }
-    Ok(text)
+    let first = |is: fn(&[u8]) -> bool| used.iter().copied().find(|cell| row.record.get(*cell).is_some_and(is));
+    if row.record.as_slice().contains(&0)
+        && let Some(cell) = first(|cell| cell.contains(&0))
+    {
+        return Err((Some(cell), "the cell contains a zero byte; expected text".to_owned()));
+    }
+    if layout == Layout::Results
+        && row.text().is_err()
+        && let Some(cell) = first(|cell| std::str::from_utf8(cell).is_err())
+    {
+        return Err((Some(cell), "the cell is not UTF-8 text; expected UTF-8".to_owned()));
+    }
+    Ok(())
 }
 
 /// Says that a row with an error in this cell was left behind by an interrupted write: the last row, if it either has no

@@ -27,6 +27,11 @@ const KEYS: [&str; 4] = ["session_id", "phase", "trial", "attempt"];
 /// Columns of a result file that describe the stimulus.
 const STIMULUS: [&str; 7] = ["stimulus", "width", "depth", "orientation_deg", "low", "high", "color"];
 
+/// The column with the participant ID in result files.
+pub(super) const SUBJECT: &str = "subject_id";
+/// The usual names of this column in other tables.
+const SUBJECTS: [&str; 7] = ["participant", "participant_id", "subject", "subject_nr", "subj", "id", "ppt"];
+
 /// A file to read.
 #[derive(Debug)]
 pub(super) struct Input {
@@ -51,7 +56,8 @@ pub(super) struct Input {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Columns {
     pub subject: usize,
-    pub response: usize,
+    /// The column with the response; in a wide table, the columns with the responses at each level.
+    pub responses: Vec<usize>,
     pub count: Option<usize>,
     pub factors: Vec<usize>,
     pub session: Option<usize>,
@@ -83,6 +89,8 @@ pub(super) struct Selection {
     pub experiment: Option<String>,
     /// True if ratings are on our own scale, 0…3.
     pub own_scale: bool,
+    /// The columns of a wide table, which are levels of the last factor.
+    pub wide: Vec<String>,
     /// For each factor, its levels in the definition, as result files have them; empty without a definition.
     pub levels: Vec<Vec<String>>,
     /// For each factor, whether it is read only because no factors were named and there is no definition.
@@ -135,11 +143,14 @@ impl Selection {
         let levels =
             (shape.factors.iter()).map(|name| protocol.as_ref().map_or_else(Vec::new, |all| levels(all, name)));
         let levels = levels.collect();
-        let own_scale = options.response.is_none();
+        let own_scale = options.own_scale();
+        let wide = options.wide.clone().unwrap_or_default().1;
         let is_empty = inputs.is_empty();
         let is_guess = options.factors.is_none() && protocol.is_none();
-        let guessed = shape.factors.iter().map(|name| is_guess && !options.also.contains(name)).collect();
-        let selection = Self { inputs, shape, protocol, definition_sha256, experiment, own_scale, levels, guessed };
+        let is_guessed = |name| is_guess && !options.also.contains(name) && options.wide_factor() != Some(name);
+        let guessed = shape.factors.iter().map(is_guessed).collect();
+        let selection =
+            Self { inputs, shape, protocol, definition_sha256, experiment, own_scale, wide, levels, guessed };
         ((!is_empty).then_some(selection), errors)
     }
 
@@ -172,7 +183,8 @@ impl Selection {
 impl Columns {
     /// Returns the columns that are read as texts.
     pub fn texts(&self) -> BTreeSet<usize> {
-        let mut all = BTreeSet::from([self.subject, self.response]);
+        let mut all = BTreeSet::from([self.subject]);
+        all.extend(&self.responses);
         all.extend(self.factors.iter().copied().chain(self.count).chain(self.session).chain(self.repetition));
         if let Some(own) = self.record {
             all.extend([own.session, own.phase, own.trial, own.attempt]);
@@ -273,16 +285,26 @@ impl Input {
         self.protocol.as_ref().map(|protocol| protocol.main_trials() as u64)
     }
 
+    /// Returns the name of the column with the participant ID.
+    pub fn subject<'a>(&'a self, options: &'a ReadOptions) -> &'a str {
+        let mut usual = self.header.names.iter().filter(|name| SUBJECTS.contains(&name.to_lowercase().as_str()));
+        match (&options.subject, usual.next(), usual.next()) {
+            (Some(named), ..) => named,
+            (None, Some(one), None) if !self.is_results() && self.header.position(SUBJECT).is_none() => one,
+            _ => SUBJECT,
+        }
+    }
+
     fn is_results(&self) -> bool {
         self.layout == Layout::Results
     }
 
     /// Creates an error in the header.
-    fn error(&self, column: usize, message: String) -> FileError {
+    pub fn error(&self, column: usize, message: String) -> FileError {
         if self.header.columns.is_some() {
             return FileError::whole(&self.name, message);
         }
-        FileError::at(&self.name, (1, column), message)
+        FileError::at(&self.name, (self.header.line, column), message)
     }
 
     /// Returns the name of the experiment, from the definition or otherwise from the first row.
@@ -306,9 +328,10 @@ impl Input {
     /// Returns all columns except participant, response and count. Columns without a name are excluded too, because
     /// they contain row numbers from R or pandas.
     fn factors(&self, options: &ReadOptions) -> Vec<String> {
-        let known = [options.subject(), options.response(), options.count()];
-        let names = self.header.names.iter();
-        names.filter(|name| !name.is_empty() && !known.contains(&name.as_str())).cloned().collect()
+        let known = [self.subject(options), options.response(), options.count()];
+        let is_response = |name: &String| options.wide.as_ref().is_some_and(|(_, columns)| columns.contains(name));
+        let is_known = |name: &String| name.is_empty() || known.contains(&name.as_str()) || is_response(name);
+        self.header.names.iter().filter(|name| !is_known(name)).cloned().collect()
     }
 
     /// Creates the error for a file that does not match the files that are read.
@@ -332,8 +355,10 @@ fn layout(header: &Header, options: &ReadOptions, sidecar: bool) -> Layout {
     if options.count.as_deref().is_some_and(has) {
         return Layout::Counts;
     }
-    let missing = KEYS.into_iter().chain([options.subject()]).filter(|name| !has(name)).count();
-    if missing == 0 || (missing == 1 && (sidecar || has("row_id") || options.factors.is_none())) {
+    let missing =
+        KEYS.into_iter().chain([options.subject.as_deref().unwrap_or(SUBJECT)]).filter(|name| !has(name)).count();
+    let is_result = missing == 0 || missing == 1 && (sidecar || has("row_id") || options.factors.is_none());
+    if options.wide.is_none() && is_result {
         Layout::Results
     } else if options.count.is_none() && has("count") {
         Layout::Counts
@@ -365,7 +390,9 @@ fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileError> {
             factors.sort();
             Ok(format!("a table of counts by {}", factors.join(", ")))
         }
-        Layout::Long if options.factors.is_none() && options.also.is_empty() => Err(without_factors(file, options)),
+        Layout::Long if options.factors.is_none() && options.also.is_empty() && options.wide.is_none() => {
+            Err(without_factors(file, options))
+        }
         _ => Ok("a table of ratings".to_owned()),
     }
 }
@@ -472,15 +499,17 @@ fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &
     factors.extend(also.filter(|name| has(name)).map(str::to_owned));
     // A name may occur several times in a request such as `--terms a,b,a:b`.
     let mut known = HashSet::new();
-    factors.retain(|name| known.insert(name.clone()));
+    factors.retain(|name| known.insert(name.clone()) && Some(name) != options.wide_factor());
+    factors.extend(options.wide_factor().cloned());
     let scale = (0..=MAX_RATING).map(|rating| rating.to_string()).collect();
     Shape {
         directions: directions(&factors, protocol, options),
         factors,
-        subject: options.subject().to_owned(),
+        subject: first.subject(options).to_owned(),
         response: options.response().to_owned(),
-        categories: if options.response.is_none() { Some(scale) } else { options.categories.clone() },
+        categories: if options.own_scale() { Some(scale) } else { options.categories.clone() },
         guessed,
+        time_limits: options.time_limits,
     }
 }
 
@@ -506,11 +535,16 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
     };
     let is_results = file.is_results();
     let details = options.details && file.layout != Layout::Counts;
-    let [session, repetition, time] = ["session_id", "repetition", "response_time_s"]
-        .map(|name| (details && header.position(name).is_some()).then(|| needed(name)));
+    let [session, repetition, time] = ["session_id", "repetition", options.time()].map(|name| {
+        let must = name == options.time() && (options.time.is_some() || options.time_limits != (None, None));
+        (must || details && header.position(name).is_some()).then(|| needed(name))
+    });
     let columns = Columns {
-        subject: needed(options.subject()),
-        response: needed(options.response()),
+        subject: needed(file.subject(options)),
+        responses: match &options.wide {
+            Some((_, names)) => names.iter().map(|name| needed(name)).collect(),
+            None => vec![needed(options.response())],
+        },
         count: match file.layout {
             Layout::Results => None,
             Layout::Counts => Some(needed(options.count())),
@@ -524,14 +558,17 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
             attempt: needed("attempt"),
             dropped: header.position("dropped_frames"),
         }),
-        factors: factors.iter().map(|name| needed(name)).collect(),
+        factors: (factors.iter())
+            .filter(|name| Some(*name) != options.wide_factor())
+            .map(|name| needed(name))
+            .collect(),
         session,
         repetition,
         time,
     };
     let mut taken = HashSet::new();
-    let places = [Some(columns.subject), Some(columns.response), columns.count].into_iter().flatten();
-    for place in places.chain(columns.factors.iter().copied()) {
+    let places = [Some(columns.subject), columns.count].into_iter().flatten();
+    for place in places.chain(columns.responses.iter().chain(&columns.factors).copied()) {
         if !taken.insert(place) && errors.is_empty() {
             let message = format!("the column {} has two uses; expected a column for each", header.names[place]);
             errors.push(file.error(header.column(place), message));

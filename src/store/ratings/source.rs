@@ -1,6 +1,10 @@
 //! The options for reading ratings, and the description of what was read.
 
-use std::{path::PathBuf, sync::Arc};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::PathBuf,
+    sync::Arc,
+};
 
 use crate::{
     experiment::Protocol,
@@ -10,10 +14,15 @@ use crate::{
 /// Options for reading files.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
-    /// Column with the participant ID; `subject_id` by default.
+    /// Column with the participant ID; by default `subject_id` or, if a table from elsewhere lacks it, the only column
+    /// with another usual name.
     pub subject: Option<String>,
     /// Column with the response; by default `rating`, on the scale 0…3.
     pub response: Option<String>,
+    /// Name of a factor whose levels are columns, each of which has the responses at this level; and these columns.
+    pub wide: Option<(String, Vec<String>)>,
+    /// Texts that mean that a response is missing, in addition to an empty cell and the usual words.
+    pub missing: Vec<String>,
     /// The categories of the given response column, lowest first, if they are known.
     pub categories: Option<Vec<String>>,
     /// Column with the number of trials per row; by default `count`, if present.
@@ -25,6 +34,10 @@ pub struct ReadOptions {
     /// Additional columns to read as factors, such as the ones in a model's terms. A column that no file has is
     /// ignored, except that `inv_n` then means `depth`.
     pub also: Vec<String>,
+    /// Column with the response time in seconds; `response_time_s` by default.
+    pub time: Option<String>,
+    /// Rows answered faster or slower than this, in seconds, are left out. A row without a time stays.
+    pub time_limits: TimeLimits,
     /// True if sessions with unrated trials are excluded.
     pub complete_only: bool,
     /// True if the session, repetition and response time of each row are also read.
@@ -40,14 +53,24 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
-    /// Returns the name of the column with the participant ID.
-    pub(super) fn subject(&self) -> &str {
-        self.subject.as_deref().unwrap_or("subject_id")
-    }
-
     /// Returns the name of the column with the response.
     pub(super) fn response(&self) -> &str {
         self.response.as_deref().unwrap_or("rating")
+    }
+
+    /// True if the response is a rating on our own scale, 0…3.
+    pub(super) fn own_scale(&self) -> bool {
+        self.response.is_none() && self.wide.is_none()
+    }
+
+    /// Returns the name of the factor whose levels are columns.
+    pub(super) fn wide_factor(&self) -> Option<&String> {
+        self.wide.as_ref().map(|(name, _)| name)
+    }
+
+    /// Returns the name of the column with the response time.
+    pub(super) fn time(&self) -> &str {
+        self.time.as_deref().unwrap_or("response_time_s")
     }
 
     /// Returns the name of the column with the count.
@@ -56,8 +79,11 @@ impl ReadOptions {
     }
 }
 
+/// The shortest and the longest response time of rows that count, in seconds, if there is a limit.
+pub type TimeLimits = (Option<f64>, Option<f64>);
+
 /// What is known about the ratings before the first row is read.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shape {
     /// Names of the factors, in the order of [`RatingRow::values`](crate::experiment::RatingRow::values).
     pub factors: Vec<String>,
@@ -71,6 +97,8 @@ pub struct Shape {
     pub categories: Option<Vec<String>>,
     /// True if the factors were neither given nor defined, so that factors with a single level carry no information.
     pub guessed: bool,
+    /// The limits of response times that were applied.
+    pub time_limits: TimeLimits,
 }
 
 /// What was read and what was excluded.
@@ -90,8 +118,50 @@ pub struct Source {
     /// followed by the number of others.
     pub errors: Vec<FileError>,
     /// Warnings about files that were read anyway: files that were changed after their session ended, sessions without
-    /// a sidecar, links that lead out of a data set, tables of counts, and columns that are measurements.
+    /// a sidecar, links that lead out of a data set, tables of counts, columns that are measurements, missing responses,
+    /// IDs that look alike, and what was converted or guessed.
     pub warnings: Vec<FileError>,
+}
+
+impl Source {
+    /// Returns how many rows were left out for a reason, and how many participants have such rows.
+    pub fn left_out(&self, reason: Reason) -> (u64, usize) {
+        let of_reason = || self.files.iter().filter_map(|file| file.left_out.get(&reason)).flatten();
+        let ids = of_reason().map(|(id, _)| id).filter(|id| !id.is_empty());
+        (of_reason().map(|(_, rows)| rows).sum(), ids.collect::<BTreeSet<_>>().len())
+    }
+}
+
+/// Why rows of main trials do not count although they can be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Reason {
+    /// There is no response.
+    NoResponse,
+    /// There is no participant.
+    NoParticipant,
+    /// The answer came before the lower limit of [`ReadOptions::time_limits`].
+    TooFast,
+    /// The answer came after the upper limit.
+    TooSlow,
+    /// The session is unfinished, and [`ReadOptions::complete_only`] is true.
+    Unfinished,
+}
+
+impl Reason {
+    /// All reasons.
+    pub const ALL: [Self; 5] = [Self::NoResponse, Self::NoParticipant, Self::TooFast, Self::TooSlow, Self::Unfinished];
+}
+
+impl std::fmt::Display for Reason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::NoResponse => "without a response",
+            Self::NoParticipant => "without a participant",
+            Self::TooFast => "answered too fast",
+            Self::TooSlow => "answered too slowly",
+            Self::Unfinished => "from unfinished sessions",
+        })
+    }
 }
 
 /// The layout of a file.
@@ -112,7 +182,7 @@ pub struct FileRead {
     pub path: PathBuf,
     /// The file's layout.
     pub layout: Layout,
-    /// Rows below the header.
+    /// Rows below the header; in a wide table, there is a row for each of the columns.
     pub rows: u64,
     /// Rows that count.
     pub counted: u64,
@@ -124,8 +194,10 @@ pub struct FileRead {
     pub superseded: u64,
     /// Excluded rows with errors.
     pub erroneous: u64,
-    /// Rows of unfinished sessions, excluded by [`ReadOptions::complete_only`].
-    pub unfinished: u64,
+    /// Those among them that can be read but appear twice.
+    pub repeated: u64,
+    /// Other rows that do not count: for each reason, their number by participant.
+    pub left_out: BTreeMap<Reason, BTreeMap<String, u64>>,
     /// SHA-256 of the content, so that the analysis can be repeated with exactly this file; `None` for a file above 64
     /// MiB.
     pub sha256: Option<String>,

@@ -1,6 +1,11 @@
 //! What the text of a cell means.
 
-use std::{borrow::Cow, collections::HashSet};
+use std::{
+    borrow::Cow,
+    collections::{BTreeMap, HashSet},
+};
+
+use serde_json::{Map, Value};
 
 use crate::{experiment::MAX_RATING, store::columns::Texts};
 
@@ -12,8 +17,53 @@ const MAX_UNIQUE: usize = 20;
 /// True if a cell has no value. Words that are only sometimes written for a missing value may name a level, so they are
 /// missing only if all other values of the column are numbers (`among_numbers`).
 pub(super) fn is_missing(text: &str, among_numbers: bool) -> bool {
-    matches!(text, "" | "NA" | "NaN" | "nan" | "NULL" | "#N/A" | "n/a")
+    matches!(text, "" | "NA" | "NaN" | "nan" | "NULL" | "#N/A" | "N/A" | "n/a")
         || (among_numbers && matches!(text, "." | "None" | "null"))
+}
+
+/// True if there is no response: the cell has no value, or one of the texts that are `named` as missing.
+pub(super) fn is_no_response(text: &str, named: &[String], among_numbers: bool) -> bool {
+    let same = |name: &String| name == text || number(name).is_some_and(|named| number(text) == Some(named));
+    is_missing(text, among_numbers) || matches!(text, "." | "null") || named.iter().any(same)
+}
+
+/// Returns the value of a JSON object with a single entry, as jsPsych writes the answer to a question; empty for `null`.
+pub(super) fn answer(text: &str) -> Option<String> {
+    let object: Map<String, Value> =
+        if text.starts_with('{') { serde_json::from_str(text).ok()? } else { return None };
+    let mut values = object.into_iter().map(|(_, value)| value);
+    match (values.next()?, values.next()) {
+        (Value::String(text), None) => Some(text),
+        (Value::Null, None) => Some(String::new()),
+        (value @ (Value::Number(_) | Value::Bool(_)), None) => Some(value.to_string()),
+        _ => None,
+    }
+}
+
+/// Returns the groups of IDs that differ only in capitals, in zeros before a number, or in its form, such as `1.0`.
+pub(super) fn alike<'a>(ids: impl Iterator<Item = &'a str>) -> Vec<Vec<&'a str>> {
+    let mut groups: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+    for id in ids.filter(|id| !id.is_empty()) {
+        let group = groups.entry(common_form(id)).or_default();
+        if !group.contains(&id) {
+            group.push(id);
+        }
+    }
+    groups.into_values().filter(|group| group.len() > 1).collect()
+}
+
+fn common_form(id: &str) -> String {
+    let mut form = String::new();
+    let lower = id.to_lowercase();
+    let mut rest = lower.chars().peekable();
+    while let Some(char) = rest.next() {
+        let is_first = !form.ends_with(|before: char| before.is_ascii_digit() || before == '.');
+        if char != '0' || !is_first || !rest.peek().is_some_and(char::is_ascii_digit) {
+            form.push(char);
+        }
+    }
+    let is_number = form.contains('.') && form.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+    if is_number { form.trim_end_matches('0').trim_end_matches('.').to_owned() } else { form }
 }
 
 /// Returns a cell with a point in place of a decimal comma. If cells are not separated by commas, a comma in a number is

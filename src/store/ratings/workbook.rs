@@ -1,0 +1,79 @@
+//! Excel workbooks (`.xlsx`).
+
+use std::io::Cursor;
+
+use calamine::{Data, Reader as _, Xlsx};
+use zip::ZipArchive;
+
+use crate::store::{
+    open::{MAX_UNPACKED, unpacked},
+    table::line,
+};
+
+/// The rows of a sheet as CSV, and what a user should know about how it was read.
+type Sheet = (Vec<u8>, Option<String>);
+
+/// Returns the first sheet as CSV with commas. Line numbers are those of the sheet, and every row has as many cells as the
+/// first one that is not empty.
+///
+/// # Errors
+/// Says what is wrong and what is expected.
+pub(super) fn first_sheet(file: &[u8]) -> Result<Sheet, String> {
+    check_size(file)?;
+    // calamine does not check all that it calculates with, such as the row in the name of a cell.
+    let read = std::panic::catch_unwind(|| read(file));
+    read.unwrap_or_else(|_| Err("is a damaged workbook; expected an Excel workbook (.xlsx), or CSV".to_owned()))
+}
+
+fn read(file: &[u8]) -> Result<Sheet, String> {
+    let unreadable =
+        |error: &dyn std::fmt::Display| format!("is not an Excel workbook (.xlsx): {error}; expected one, or CSV");
+    let mut workbook = Xlsx::new(Cursor::new(file)).map_err(|error| unreadable(&error))?;
+    let names = workbook.sheet_names();
+    let name = names.first().ok_or_else(|| unreadable(&"it has no sheets"))?;
+    let mut cells = workbook.worksheet_cells_reader(name).map_err(|error| unreadable(&error))?;
+    let (mut bytes, mut row, mut width, mut at) = (Vec::new(), Vec::<String>::new(), 0, 0);
+    let mut end_row = |row: &mut Vec<String>| {
+        width = if width == 0 { row.len() } else { width };
+        if row.is_empty() {
+            bytes.push(b'\n');
+        } else {
+            row.resize(row.len().max(width), String::new());
+            bytes.extend(line(row.drain(..)));
+        }
+        let too_large = || format!("the sheet has more than {MAX_UNPACKED} bytes as CSV; expected fewer");
+        if bytes.len() as u64 > MAX_UNPACKED { Err(too_large()) } else { Ok(()) }
+    };
+    while let Some(cell) = cells.next_cell().map_err(|error| unreadable(&error))? {
+        let ((found, column), text) = (cell.get_position(), Data::from(cell.get_value().clone()).to_string());
+        if text.is_empty() {
+            continue;
+        }
+        if found < at || found == at && (column as usize) < row.len() {
+            return Err(unreadable(&"its cells are not in order"));
+        }
+        (at..found).try_for_each(|_| end_row(&mut row))?;
+        at = found;
+        row.resize(column as usize, String::new());
+        row.push(text);
+    }
+    end_row(&mut row)?;
+    let note = (names.len() > 1).then(|| {
+        let others = names.len() - 1;
+        format!(
+            "only the first sheet, {name}, was read; expected one sheet (the others, in total {others}, were ignored)"
+        )
+    });
+    Ok((bytes, note))
+}
+
+/// Checks that a workbook does not unpack to too many bytes. calamine unpacks without a limit.
+fn check_size(file: &[u8]) -> Result<(), String> {
+    let broken = |error| format!("cannot be unpacked: {error}; expected an Excel workbook (.xlsx), or CSV");
+    let mut archive = ZipArchive::new(Cursor::new(file)).map_err(broken)?;
+    let mut left = MAX_UNPACKED;
+    for index in 0..archive.len() {
+        left -= unpacked(archive.by_index(index).map_err(broken)?, left)?.len() as u64;
+    }
+    Ok(())
+}
