@@ -30,7 +30,7 @@ def test_eight_threads_at_once():
         lambda: machband.simulate("quick", seed=2).rating.tolist(),
         lambda: machband.Definition("bangay2003").schedule(seed=4).condition.tolist(),
         lambda: machband.analyze({"subject_id": [1, 1, 2, 2] * 9, "rating": [0, 1, 2, 3] * 9, "a": [1, 2] * 18},
-                                 factors=["a"], draws=19).files["cells.csv"],
+                                 factors=["a"], draws=99).files["cells.csv"],
         lambda: machband.interpolate(np.linspace(0, 1, 1000), 5).tolist(),
     ]
     alone = [job() for job in work]
@@ -51,7 +51,7 @@ def test_other_threads_run_meanwhile():
 
 
 def test_a_forked_process_works():
-    machband.analyze(machband.simulate("quick", participants=2), draws=19)
+    machband.analyze(machband.simulate("quick", participants=2), draws=99)
     if "fork" not in multiprocessing.get_all_start_methods():
         pytest.skip("this system cannot fork")
     child = os.fork()
@@ -142,7 +142,7 @@ def test_without_pandas_tables_are_dicts():
         "import machband, numpy\n"
         "rows = machband.simulate('quick', participants=2)\n"
         "assert type(rows) is dict and rows['width'].dtype == float and rows['started_at'].dtype == 'datetime64[ms]'\n"
-        "found = machband.analyze(rows, draws=19)\n"
+        "found = machband.analyze(rows, draws=99)\n"
         "assert type(found.tables['cells']) is dict and 'pandas' not in repr(sys.modules.get('machband'))\n"
         "print(len(rows['rating']))"
     )

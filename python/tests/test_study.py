@@ -139,8 +139,8 @@ def test_factors_of_several_experiments_become_columns(tmp_path):
 def test_tables_are_the_commands(command, sessions, tmp_path, given, words):
     folder, rows = sessions
     words = words.split()
-    command("analyze", folder / "quick", "--out", "analysis", "--draws", 19, *words)
-    found = machband.analyze(folder / "quick", draws=19, **given)
+    command("analyze", folder / "quick", "--out", "analysis", "--draws", 99, *words)
+    found = machband.analyze(folder / "quick", draws=99, **given)
     names = {path.name for path in (tmp_path / "analysis").iterdir()}
     for name, content in found.files.items():
         told = (tmp_path / "analysis" / name).read_bytes()
@@ -150,14 +150,14 @@ def test_tables_are_the_commands(command, sessions, tmp_path, given, words):
     for name in ["figure4a.svg", "figure4b.png"]:
         assert found._report_files[name] == (tmp_path / "analysis" / name).read_bytes()
     assert found.tables["cells"]["n"].sum() == found.model["nobs"]
-    assert (machband.analyze(rows, draws=19, **given).files["cells.csv"]) == found.files["cells.csv"]
+    assert (machband.analyze(rows, draws=99, **given).files["cells.csv"]) == found.files["cells.csv"]
 
 
 def test_a_data_frame_has_the_results_of_its_files(sessions):
     folder, rows = sessions
-    files, frame = machband.analyze(folder / "quick", draws=19), machband.analyze(rows, draws=19)
+    files, frame = machband.analyze(folder / "quick", draws=99), machband.analyze(rows, draws=99)
     columns = machband.analyze({name: rows[name].tolist() for name in ["subject_id", "rating", "width", "depth"]},
-                               subject="subject_id", response="rating", factors=["width", "depth"], draws=19)
+                               subject="subject_id", response="rating", factors=["width", "depth"], draws=99)
     main = rows[rows.phase == "main"]
     for table in files.tables:
         assert files.tables[table].equals(frame.tables[table]), table
@@ -171,7 +171,7 @@ def test_a_data_frame_has_the_results_of_its_files(sessions):
 
 
 def test_a_notebook_shows_the_results(sessions, tmp_path):
-    found = machband.analyze(sessions[0], draws=19)
+    found = machband.analyze(sessions[0], draws=99)
     html = found._repr_html_()
     assert html.count("<svg") == len(found.figures) >= 5 and "participants" in html
     for figure in found.figures.values():
@@ -179,8 +179,8 @@ def test_a_notebook_shows_the_results(sessions, tmp_path):
         figure.save(tmp_path / "figure.png")
         assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
     assert found.report.startswith("<!DOCTYPE html>") and repr(found) == found.summary
-    of_frame = machband.analyze(sessions[1], draws=19).report
-    assert "machband.analyze(table, draws=19)" in of_frame and "machband analyze" not in of_frame
+    of_frame = machband.analyze(sessions[1], draws=99).report
+    assert "machband.analyze(table, draws=99)" in of_frame and "machband analyze" not in of_frame
     written = found.save(tmp_path / "analysis")
     assert {path.name for path in written} == {*found.files, *found._report_files}
     with pytest.raises(machband.Error, match="exists"):
@@ -197,7 +197,7 @@ def test_ordered_texts_missing_values_and_counts():
             "n": np.int8([1, 2, 3, 4] * 6),
         }
     )
-    given = dict(subject="who", response="answer", factors=["width"], draws=19)
+    given = dict(subject="who", response="answer", factors=["width"], draws=99)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         found = machband.analyze(frame, count="n", categories=["low", "mid, or so", "high"], **given)
@@ -214,7 +214,7 @@ def test_ordered_texts_missing_values_and_counts():
 
 def test_a_scale_is_ours_or_named():
     frame = pandas.DataFrame({"subject_id": [*"abcd"] * 12, "width": [0.1] * 24 + [0.2] * 24, "rating": [1, 2, 3, 4] * 12})
-    given = dict(factors=["width"], draws=19)
+    given = dict(factors=["width"], draws=99)
     said = r"^table, row 3 \(counted from 0\): .*unless this column is named as the response(.|\n)*12 of 48 rows cannot be"
     with pytest.raises(machband.Error, match=said):
         machband.analyze(frame, **given)
@@ -233,9 +233,9 @@ def test_a_scale_is_ours_or_named():
 def test_codes_and_columns_that_are_levels():
     frame = pandas.DataFrame({"id": [*"abcd"] * 6, "near": [1, 2, 3, 4] * 6, "far": [2, 3, 99, 2] * 6})
     with pytest.raises(ValueError, match=r"99 \(6 ratings\) is far from the other values.*missing 99"):
-        machband.analyze(frame, subject="id", wide="near,far", draws=19)
+        machband.analyze(frame, subject="id", wide="near,far", draws=99)
     with pytest.warns(UserWarning, match="6 of 48 rows have no response"):
-        found = machband.analyze(frame, subject="id", wide=["near", "far"], missing="99", draws=19)
+        found = machband.analyze(frame, subject="id", wide=["near", "far"], missing="99", draws=99)
     assert found.tables["by_condition"]["n"].tolist() == [18, 24]
 
 
@@ -243,7 +243,7 @@ def test_ratings_without_a_level_are_a_warning(sessions):
     frame = sessions[1][["subject_id", "width", "rating"]].copy()
     frame.loc[:3, "width"] = np.nan
     with pytest.warns(UserWarning, match="the model: 4 ratings without a value of width are excluded"):
-        found = machband.analyze(frame, factors=["width"], draws=19, slopes="none")
+        found = machband.analyze(frame, factors=["width"], draws=99, slopes="none")
     assert len(found.warnings) == 1 and not found.model["random"]["slopes"]
 
 

@@ -182,7 +182,7 @@ fn test_row(names: [&str; 4], n: u64, numbers: [Option<f64>; 5], effect_is: &str
 fn method(method: PMethod) -> &'static str {
     match method {
         PMethod::Exact => "exact",
-        PMethod::Permutations => "100000 random orders",
+        PMethod::Permutations => "random orders",
         PMethod::ChiSquared => "chi-squared approximation",
         PMethod::Normal => "normal approximation",
     }

@@ -85,12 +85,12 @@ fn permutations_and_chi_squared_agree_where_they_meet() {
         }
     };
     let (mut enumerated, mut drawn) = (0, 0);
-    for (people, levels) in [(200, 3), (200, 4), (12, 4), (9, 6)] {
+    for (people, levels) in [(200, 3), (200, 4), (12, 3), (9, 6)] {
         let means = means(people, levels);
         let test = friedman(&means, PERMUTATIONS).unwrap();
         let chi_squared = statrs::function::gamma::gamma_ur(test.df as f64 / 2.0, test.chi_squared / 2.0);
-        // Three standard errors of 100,000 draws.
-        let slack = 3.0 * (test.p * (1.0 - test.p) / PERMUTATIONS as f64).sqrt();
+        // Three standard errors after a hundred larger ones, at which the draws may end.
+        let slack = 0.3 * test.p;
         if people == 200 {
             assert!(test.p < 0.3, "{test:?}");
             assert!((test.p - chi_squared).abs() < 0.002 + slack, "{people} × {levels}: {test:?}, χ² {chi_squared}");

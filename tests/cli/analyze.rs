@@ -77,7 +77,7 @@ fn analyze_writes_every_documented_file() {
 fn an_analysis_is_reproducible() {
     let folder = study("quick", 6);
     let analyze = |out: &str, seed: u32| {
-        let line = format!("analyze results --out {out} --tables-only --draws 19 --seed {seed}");
+        let line = format!("analyze results --out {out} --tables-only --draws 99 --seed {seed}");
         succeeds(folder.path(), &split(&line));
         table(&folder.path().join(out).join("tests.csv")).1
     };
@@ -323,7 +323,7 @@ fn the_script_finds_the_same_numbers_in_r() {
         ),
         ("plain", "--terms width:num:inv_n --random none", "clm(rating ~ width:num_inv_n,", "width0.02:num_inv_n"),
     ] {
-        let line = format!("analyze results --out {out} --tables-only --draws 19 {options}");
+        let line = format!("analyze results --out {out} --tables-only --draws 99 {options}");
         succeeds(folder.path(), &split(&line));
         let script = fs::read_to_string(folder.path().join(out).join("analysis.R")).unwrap();
         assert!(script.contains(call), "{script}");
@@ -364,7 +364,7 @@ fn the_script_quotes_any_name() {
     fs::write(folder.path().join("odd.csv"), rows).unwrap();
     let arguments =
         ["analyze", "odd.csv", "--out", "a", "--subject", "who is it", "--response", "answer", "--tables-only"];
-    let categories = ["--categories", r#"low,"medium, mostly",high"#, "--draws", "19"];
+    let categories = ["--categories", r#"low,"medium, mostly",high"#, "--draws", "99"];
     let terms = ["--terms", r#"odd "name",num:time-ms,=group"#];
     succeeds(folder.path(), &[&arguments[..], &categories, &terms].concat());
     let out = folder.path().join("a");
@@ -386,7 +386,7 @@ fn what_is_left_out_is_told_and_too_many_errors_stop_the_analysis() {
     let rows: String = (0..240).map(row).collect();
     fs::write(folder.path().join("d.csv"), format!("subj,group,answer,rt\n{rows}")).unwrap();
     let line = "analyze d.csv --response answer --terms group --time rt --min-time 0.2 --only group=a,b --exclude p3 \
-                --draws 19 --out";
+                --draws 99 --out";
     let error = fails(folder.path(), &split(&format!("{line} x")), 2);
     assert!(
         error.contains("answer: -99 (6 ratings) is far from") && error.ends_with("such as --missing -99\n"),

@@ -492,7 +492,7 @@ fn a_sidecar_cannot_ask_for_huge_pictures() {
 fn limits_can_be_raised() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("levels.csv"), ratings(242, 2, 1, 121, 4)).unwrap();
-    let line = "analyze levels.csv --out out --tables-only --draws 19";
+    let line = "analyze levels.csv --out out --tables-only --draws 99";
     let (status, messages, _) = bounded(folder.path(), line);
     assert!(status == Some(2) && messages.contains("or the option --large"), "{messages}");
     assert_eq!(bounded(folder.path(), &format!("{line} --large --terms num:f0")).0, Some(0));

@@ -292,14 +292,14 @@ fn existing_files_are_replaced_only_with_force() {
         outputs.iter().for_each(|output| fs::remove_file(at(output)).unwrap());
     }
     // An analysis is replaced as a whole or not at all.
-    succeeds(folder.path(), &split("analyze z --tables-only --draws 19 --out a"));
+    succeeds(folder.path(), &split("analyze z --tables-only --draws 99 --out a"));
     fs::remove_file(at("a/cells.csv")).unwrap();
     fs::write(at("a/model.json"), "precious").unwrap();
     let before = everything(folder.path());
-    let error = fails(folder.path(), &split("analyze z --tables-only --draws 19 --out a"), 2);
+    let error = fails(folder.path(), &split("analyze z --tables-only --draws 99 --out a"), 2);
     assert!(error.starts_with("error: a/") && error.contains("--force"), "{error}");
     assert!(everything(folder.path()) == before);
-    succeeds(folder.path(), &split("analyze z --tables-only --draws 19 --out a --force"));
+    succeeds(folder.path(), &split("analyze z --tables-only --draws 99 --out a --force"));
     assert!(at("a/cells.csv").exists());
     // The files of an input folder are inputs.
     fs::create_dir(at("plain")).unwrap();

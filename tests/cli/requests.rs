@@ -63,7 +63,7 @@ fn words_keep_the_rest_of_a_request_with_a_strange_path() {
 #[test]
 fn a_wrong_request_names_its_field() {
     for (given, expected) in [
-        (json!({ "draws": 3 }), "draws 3: 3 is not in 19..=1000000"),
+        (json!({ "draws": 3 }), "draws 3: 3 is not in 99..=1000000"),
         (
             json!({ "link": "probits" }),
             "link \"probits\" is not known; expected one of logit, probit; did you mean probit?",
@@ -90,10 +90,10 @@ fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 fn the_command_in_a_report_repeats_the_analysis_byte_for_byte() {
     let folder = tempfile::tempdir().unwrap();
     succeeds(folder.path(), &split("simulate quick --participants 3 --seed 5"));
-    let line = "analyze results/quick --terms num:width --link=probit --draws=39 --seed 1 --out first";
+    let line = "analyze results/quick --terms num:width --link=probit --draws=99 --seed 1 --out first";
     succeeds(folder.path(), &split(line));
     let report = fs::read_to_string(folder.path().join("first/report.html")).unwrap();
-    let command = "machband analyze results/quick --terms num:width --link probit --draws 39 --out first";
+    let command = "machband analyze results/quick --terms num:width --link probit --draws 99 --out first";
     assert!(report.contains(command), "{line}");
     let again = command.trim_start_matches("machband ").replace("--out first", "--out second");
     succeeds(folder.path(), &split(&again));

@@ -79,7 +79,7 @@ fn levels_keep_their_text() {
     let rows = (0..8 * levels.len()).map(|i| format!("0{},{},{}\n", i % 8, levels[i / 8], (i * i / 3) % 4));
     let text = "subject_id,level,rating\n".to_owned() + &rows.collect::<String>();
     fs::write(folder.path().join("levels.csv"), text).unwrap();
-    let analyze = ["analyze", "levels.csv", "--factors", "level", "--out", "a", "--tables-only", "--draws", "19"];
+    let analyze = ["analyze", "levels.csv", "--factors", "level", "--out", "a", "--tables-only", "--draws", "99"];
     succeeds(folder.path(), &analyze);
     let column = |file: &str, name: &str| -> BTreeSet<String> {
         let rows = self::rows(&fs::read(folder.path().join("a").join(file)).unwrap());

@@ -366,7 +366,7 @@ fn session_after(
 /// Commands whose files are checked. IN is a folder with a study, OUT the folder for the files.
 const OUTPUTS: &[&str] = &[
     "counts IN/results --out OUT/counts.csv",
-    "analyze IN/results --out OUT/report --draws 19",
+    "analyze IN/results --out OUT/report --draws 99",
     "export IN/results --format bids --out OUT/bids",
     "export IN/results --format psych-ds --out OUT/psych-ds",
     "stimulus --size 64 --out OUT/stimulus.png --profile OUT/profile.csv",

@@ -109,7 +109,7 @@ fn threads_that_cannot_be_created_are_an_error_or_fewer_threads() {
             runs += 1;
         }
     }
-    for line in ["analyze first --out report --draws 19", "stimulus --size 64 --out a.png", "verify first/twice"] {
+    for line in ["analyze first --out report --draws 99", "stimulus --size 64 --out a.png", "verify first/twice"] {
         for n in [1, 2, 5] {
             let folder = sweep::folder();
             assert!(simulate(&sweep, folder.path(), &[], false).status.success());

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::{
     findings::{self, ALPHA},
-    names::{self, participant},
+    names::{self, first_word, who},
     sittings,
 };
 use crate::{
@@ -185,14 +185,14 @@ pub(super) fn unusual_behavior(results: &Results) -> Vec<String> {
     }
     if let Some((who, _, most)) = odd(subjects, |s| Some(s.times?.median), |median| median < HASTY_S) {
         let most = fixed(most, 2);
-        sentences.push(format!("Half of the answers of {who} came within {most} s: too fast to look and decide."));
+        sentences.push(format!("{who} gave half of the answers within {most} s: too fast to look and decide."));
     }
     sentences.extend(odd_times(subjects));
     sentences
 }
 
 fn one_category(results: &Results, subject: &SubjectResults) -> Option<String> {
-    let (who, summary) = (participant(subject), &subject.group.summary);
+    let (who, summary) = (first_word(who(subject)), &subject.group.summary);
     let (category, &share) = summary.proportions.iter().enumerate().max_by(|l, r| l.1.total_cmp(r.1))?;
     if share < NEARLY_ALL || summary.n < FEW_RATINGS {
         return None;
@@ -213,14 +213,14 @@ fn odd(
     value: impl Fn(&SubjectResults) -> Option<f64>,
     is_odd: impl Fn(f64) -> bool,
 ) -> Option<(String, f64, f64)> {
-    let (who, values): (Vec<&str>, Vec<f64>) =
-        subjects.iter().filter_map(|s| Some((participant(s), value(s).filter(|value| is_odd(*value))?))).unzip();
+    let (who, values): (Vec<String>, Vec<f64>) =
+        subjects.iter().filter_map(|s| Some((who(s), value(s).filter(|value| is_odd(*value))?))).unzip();
     let least = values.iter().copied().min_by(f64::total_cmp)?;
-    Some((short_list(&who, MAX_NAMES), least, values.into_iter().max_by(f64::total_cmp)?))
+    Some((first_word(short_list(&who, MAX_NAMES)), least, values.into_iter().max_by(f64::total_cmp)?))
 }
 
 fn odd_times(subjects: &[SubjectResults]) -> Vec<String> {
-    let medians: Vec<(&str, f64)> = subjects.iter().filter_map(|s| Some((participant(s), s.times?.median))).collect();
+    let medians: Vec<(String, f64)> = subjects.iter().filter_map(|s| Some((who(s), s.times?.median))).collect();
     let mut sorted: Vec<f64> = medians.iter().map(|(_, median)| *median).collect();
     sorted.sort_by(f64::total_cmp);
     // With two participants, neither is the unusual one.
@@ -231,6 +231,7 @@ fn odd_times(subjects: &[SubjectResults]) -> Vec<String> {
         .map(|(who, median)| {
             let slow = if median > middle { "slowly" } else { "quickly" };
             let (own, usual) = (fixed(median, 2), fixed(middle, 2));
+            let who = first_word(who);
             format!("{who} answered unusually {slow}: the median time is {own} s, and {usual} s is typical here.")
         })
         .collect()

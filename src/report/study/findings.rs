@@ -177,7 +177,10 @@ fn means(results: &Results, factor: &FactorResults) -> String {
             let mut turns: Vec<String> = Vec::new();
             turns.extend(inside(highest).then(|| format!("highest {most} at {high}")));
             turns.extend(inside(lowest).then(|| format!("lowest {least} at {low}")));
-            let turns = if turns.is_empty() { String::new() } else { format!(" ({})", turns.join(", ")) };
+            // A slope is the same at every level.
+            let is_slope = main_effect(results, &factor.name)
+                .is_some_and(|term| matches!(term.variables[..], [Variable::Number(_)]));
+            let turns = if turns.is_empty() || is_slope { String::new() } else { format!(" ({})", turns.join(", ")) };
             format!("{the_mean} tends to {verb} with {name}, {ends}, though not at every step{turns}")
         }
         None if (&least, &low) == (&most, &high) => {
@@ -283,7 +286,7 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
     let value = |estimate: f64| if odds { ratio(estimate.exp()) } else { fixed(estimate, 2) };
     let superiority = |estimate: f64| percent((100.0 * results.spec.link.superiority(estimate)).round() / 100.0);
     let of_pairs = format!(
-        "on the latent scale, the model expects a rating at {higher} to exceed one at {lower} in {} of pairs{}",
+        "the latent response at {higher} exceeds that at {lower} in an estimated {} of pairs{}",
         superiority(estimate),
         with_interval(interval, superiority)
     );

@@ -30,8 +30,8 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     let model = &report.model;
     formula(&mut section, results, model);
     let (serious, others): (Vec<_>, Vec<_>) = model.notes.iter().partition(|note| is_serious(note));
-    serious.iter().for_each(|note| section.warning(format!("{note}.")));
-    section.list(others.iter().map(|note| format!("{note}.")).collect());
+    serious.iter().for_each(|note| section.warning(format!("{}.", names::capitalized(&note.to_string()))));
+    section.list(others.iter().map(|note| format!("{}.", names::capitalized(&note.to_string()))).collect());
     section.figures(figures, &["effects"]);
     coefficients(&mut section, results, model);
     let threshold =
@@ -417,13 +417,12 @@ fn sentence(results: &Results, model: &Model) -> String {
         "not converged".to_owned()
     };
     format!(
-        "Fitted: {method}, {} link, {terms}. {}, {}; log-likelihood {}, AIC {}; {converged} (largest gradient {:.1e}).",
+        "Fitted: {method}, {} link, {terms}. {}, {}; log-likelihood {}, AIC {}; {converged}.",
         model.link,
         count(model.nobs, "rating"),
         count(model.parameters as u64, "parameter"),
         fixed(model.loglik, 2),
         fixed(model.aic(), 2),
-        model.gradient,
     )
 }
 
@@ -488,8 +487,12 @@ fn coefficient_table(section: &mut Section, caption: &str, all: &[Coefficient], 
     let mut numbers = vec!["Estimate", "SE", "95\u{a0}% interval"];
     numbers.extend(odds.then_some(["Odds ratio", "95\u{a0}% interval of the odds ratio"]).into_iter().flatten());
     let row = |c: &Coefficient| {
-        let mut cells =
-            vec![(&c.name).into(), fixed(c.estimate, 3), fixed(c.se, 3), range(c.interval, |x| fixed(x, 2))];
+        let mut cells = vec![
+            names::coefficient(&c.parts).into(),
+            fixed(c.estimate, 3),
+            fixed(c.se, 3),
+            range(c.interval, |x| fixed(x, 2)),
+        ];
         cells.extend(
             odds.then(|| [ratio(c.estimate.exp()), range(c.interval, |x| ratio(x.exp()))]).into_iter().flatten(),
         );

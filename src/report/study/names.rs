@@ -7,6 +7,7 @@ use crate::{
         number_of,
         results::{FactorResults, SubjectResults},
         summary::Group,
+        terms::TermPart,
     },
     experiment::Protocol,
     report::document::{
@@ -53,6 +54,34 @@ pub(super) fn condition(counts: &Counts, condition: u32) -> String {
 /// Returns the participant's ID.
 pub(super) fn participant(subject: &SubjectResults) -> &str {
     subject.group.names.first().map_or("", String::as_str)
+}
+
+/// Returns the participant for a sentence: `participant 97`, or an ID that is no number.
+pub(super) fn who(subject: &SubjectResults) -> String {
+    let id = participant(subject);
+    if number_of(id).is_some() { format!("participant {id}") } else { id.to_owned() }
+}
+
+/// Returns a coefficient for a table, such as `depth ∞` or `width 0.4 × depth 2`.
+pub(super) fn coefficient(parts: &[TermPart]) -> String {
+    let part = |part: &TermPart| {
+        let name = factor(part.variable.name());
+        part.level
+            .as_ref()
+            .map_or_else(|| name.to_owned(), |own| format!("{name} {}", level(part.variable.name(), own)))
+    };
+    parts.iter().map(part).collect::<Vec<_>>().join(" × ")
+}
+
+/// Returns participants for the beginning of a sentence. An ID keeps its case.
+pub(super) fn first_word(who: String) -> String {
+    if who.starts_with("participant ") { capitalized(&who) } else { who }
+}
+
+/// Begins a sentence with a capital letter.
+pub(super) fn capitalized(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Returns the answers of a definition, such as `0 (No band)`.

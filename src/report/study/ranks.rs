@@ -71,7 +71,7 @@ fn friedman(section: &mut Section, factors: &[&FactorResults]) {
         ),
         (false, true) => format!(
             "The p values are exact: over all orders in which participants could rank the levels or, if there are too many, \
-             over {} random orders.",
+             over at most {} random orders.",
             whole(PERMUTATIONS as u64)
         ),
         (false, false) => "The p values are exact: over all orders in which participants could rank the levels.".to_owned(),

@@ -104,8 +104,7 @@ fn between_participants(results: &Results) -> Option<String> {
     }
     let by_mean = |l: &&SubjectResults, r: &&SubjectResults| l.group.summary.mean.total_cmp(&r.group.summary.mean);
     let (least, most) = (results.subjects.iter().min_by(by_mean)?, results.subjects.iter().max_by(by_mean)?);
-    let own =
-        |subject: &SubjectResults| format!("{} ({})", mean(subject.group.summary.mean), names::participant(subject));
+    let own = |subject: &SubjectResults| format!("{} ({})", mean(subject.group.summary.mean), names::who(subject));
     Some(format!("The mean ratings of individual participants range from {} to {}.", own(least), own(most)))
 }
 
