@@ -294,7 +294,7 @@ fn participants_with_unusual_answers_are_named() {
     // At every width, the first rating is 1 and the second is 2, so the agreement is no better than chance.
     let alike = "\nann, cyd and dot showed little agreement between their first and second ratings: κ = .00.\n";
     let (ben, slow) = ("\nben used only one category: all 30 ratings are 2.\n", "dot answered unusually slowly");
-    assert_parts(&cautions, &[ben, alike, "answers of cyd came within 0.2", slow]);
+    assert_parts(&cautions, &[ben, alike, "cyd gave half of the answers within 0.2", slow]);
     assert!(!cautions.contains("answered unusually quickly"), "a second sentence: {cautions:?}");
 }
 
