@@ -5,10 +5,6 @@
 friedman: the table contains a row for each participant and a column for each level. The statistic is chi-squared, corrected
 for ties. p is the share of all k!^n ways of permuting the values within each row whose statistic is at least as large.
 
-wilcoxon: the table contains the two values of each participant. Differences (first - second) of 0 are excluded. The
-statistic is the sum of the mid-ranks of the positive differences. p is two-sided: the share of all 2^n assignments of
-signs that are at least as far from the mean.
-
 Nothing is approximated, and no symmetry is used. The statistics are also compared with SciPy's.
 """
 
@@ -56,26 +52,6 @@ FRIEDMAN = [
     "0 0 1 1 2;0 1 1 1 3;2 0 1 3 3",
 ]
 
-WILCOXON = [
-    # Without ties.
-    "1 0;2 0;3 0;4 0",
-    "1 0;2 0;3 0;4 0;5 0;6 0",
-    "1 0;0 2;3 0;4 0;5 0;6 0;7 0;8 0",
-    "2.5 1;1 1.25;0 0.75;3 1;1.75 1.25",
-    "0 1;2 0;0 3;4 0;0 5",
-    "3 0",
-    "1 0;2 0",
-    # With ties and differences of 0.
-    "1 0;1 0;1 0;1 0;1 0",
-    "1 0;0 1;1 0;1 0;2 0;2 0;0 0",
-    "1 1;2 2;3 2;1 3;0 2;2 1;3 3;1 0",
-    "0.5 0.25;1 0.75;2 1;2 2.25;1.5 0;3 1.5;0 0.25",
-    "3 1;3 1;1 3;2 2;3 0;2 1;1 0;2 3;3 2;3 1;2 0;1 1",
-    "0 1;1 0;0 1;1 0",
-    "1.75 0.5;2 2;2.25 1;1 2.25;3 1.75;2.5 1.25;0 1.25;2 0.75;1.5 1.25;2.75 2.5",
-]
-
-
 def parse(text):
     return np.array([[float(value) for value in row.split()] for row in text.split(";")])
 
@@ -96,16 +72,6 @@ def friedman(table):
     return observed, (statistic(sums) >= observed - TOLERANCE).mean()
 
 
-def wilcoxon(table):
-    differences = np.round(table[:, 0] - table[:, 1], 12)
-    differences = differences[differences != 0]
-    ranks = rankdata(np.abs(differences))
-    observed = ranks[differences > 0].sum()
-    signs = np.array(list(itertools.product([0, 1], repeat=len(ranks))))
-    middle = ranks.sum() / 2
-    return observed, (np.abs(signs @ ranks - middle) >= abs(observed - middle) - TOLERANCE).mean()
-
-
 def main():
     versions = f"Python {platform.python_version()}, numpy {np.__version__}, scipy {scipy.__version__}"
     print(f"# Exact p-values by complete enumeration, scripts/golden_exact.py, {versions}.")
@@ -117,10 +83,6 @@ def main():
         if table.shape[1] > 2:
             assert abs(friedmanchisquare(*table.T).statistic - statistic) < 1e-9, text
         out.writerow(["friedman", text, f"{statistic:.12g}", f"{p:.15g}"])
-    for text in WILCOXON:
-        table = parse(text)
-        statistic, p = wilcoxon(table)
-        out.writerow(["wilcoxon", text, f"{statistic:.12g}", f"{p:.15g}"])
 
 
 if __name__ == "__main__":

@@ -251,11 +251,11 @@ def rank_values():
 
     import krippendorff
     import scipy
-    from scipy.stats import PermutationMethod, friedmanchisquare, wilcoxon
+    from scipy.stats import friedmanchisquare
     from sklearn.metrics import cohen_kappa_score
 
     with (FOLDER / "ranks.csv").open("w", newline="") as file:
-        file.write(f"# SciPy {scipy.__version__} (friedmanchisquare, wilcoxon), krippendorff {version('krippendorff')}, scikit-learn ")
+        file.write(f"# SciPy {scipy.__version__} (friedmanchisquare), krippendorff {version('krippendorff')}, scikit-learn ")
         file.write(f"{version('scikit-learn')} (cohen_kappa_score), by scripts/golden_ordinal.py. alpha_pairs: from its definition, pair by pair.\n")
         out = csv.writer(file, lineterminator="\n")
         out.writerow(["test", "data", "name", "value", "p"])
@@ -267,21 +267,6 @@ def rank_values():
             means = frame.pivot_table(index="subject", columns=factor, values="value", aggfunc="mean")[natural(frame[factor])]
             result = friedmanchisquare(*[means[level] for level in means])
             row("friedman", name, factor, result.statistic, result.pvalue)
-            for a, b in itertools.combinations(means, 2):
-                differences = (means[a] - means[b]).round(12)
-                if (differences != 0).any():
-                    # All 2^n combinations of signs, including ties.
-                    exact = wilcoxon(differences, zero_method="wilcox", method=PermutationMethod(n_resamples=10**9))
-                    nonzero = differences[differences != 0]
-                    v = scipy.stats.rankdata(nonzero.abs())[nonzero > 0].sum()
-                    row("wilcoxon", name, f"{factor} {a} {b}", v, exact.pvalue)
-        differences = np.array([((i * 37) % 101 - 45) / 4 for i in range(70)])
-        approximate = wilcoxon(differences, zero_method="wilcox", correction=True, method="asymptotic")
-        nonzero = differences[differences != 0]
-        row("wilcoxon_normal", "", "", scipy.stats.rankdata(abs(nonzero))[nonzero > 0].sum(), approximate.pvalue)
-        differences = differences[:45] + np.arange(45) / 1000
-        exact = wilcoxon(differences, method="exact")
-        row("wilcoxon_exact", "", "", scipy.stats.rankdata(abs(differences))[differences > 0].sum(), exact.pvalue)
         frame = read("coders")
         table = frame.assign(rating=frame["rating"].astype(float)).pivot(index="subject", columns="unit", values="rating")
         row("alpha", "coders", "unit", krippendorff.alpha(table.to_numpy(), level_of_measurement="ordinal"))

@@ -1,5 +1,4 @@
-//! Tests on the ranks of participants' mean ratings: Friedman's test with Kendall's W, and Wilcoxon's signed-rank test
-//! with Holm's correction.
+//! Participants' mean ratings at the levels of a factor, and Friedman's test with Kendall's W on their ranks.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -11,13 +10,13 @@ use super::{
     summary::category_values,
 };
 use crate::{
-    statistics::{Interval, chi_squared_tail, holm, normal_two_sided, shuffle},
+    statistics::{Interval, chi_squared_tail, shuffle},
     system::checkpoint,
 };
 
 /// Participants' mean ratings at each level of a factor. Each mean is over the cells of the other factors that the
 /// participant rated at every level, so that an unequal number of ratings in the cells cannot look like an effect.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SubjectMeans {
     pub levels: Vec<String>,
     /// Participants with comparable ratings at every level, each with their means in the order of the levels.
@@ -77,6 +76,15 @@ impl SubjectMeans {
             means.rows.push((subject.clone(), used.iter().map(mean).collect()));
         }
         means
+    }
+
+    /// Returns the mean over participants of the difference between two levels, the first minus the second, and its 95 %
+    /// t interval; `None` if a level has no ratings or there are fewer than two participants.
+    pub fn difference(&self, levels: [&str; 2]) -> Option<(f64, Option<Interval>)> {
+        let place = |name| self.levels.iter().position(|level| level == name);
+        let (first, second) = (place(levels[0])?, place(levels[1])?);
+        let own: Vec<f64> = self.rows.iter().map(|(_, row)| row[first] - row[second]).collect();
+        (own.len() > 1).then(|| (own.iter().sum::<f64>() / own.len() as f64, Interval::of_mean(&own)))
     }
 }
 
@@ -249,127 +257,10 @@ pub(crate) fn ranks(values: &[f64], tolerance: f64) -> (Vec<f64>, f64) {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PMethod {
-    /// From all possible assignments of signs, or orders.
+    /// From all possible orders.
     Exact,
     /// From random orders.
     Permutations,
     /// From the χ² distribution.
     ChiSquared,
-    /// From the normal distribution, corrected for ties and continuity.
-    Normal,
-}
-
-/// Wilcoxon's signed-rank test of paired differences.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Wilcoxon {
-    /// Number of differences that are not 0.
-    pub n: usize,
-    /// Number of differences that are 0. They are excluded (Wilcoxon 1945; the default in R and SciPy).
-    pub zeros: usize,
-    /// Sum of the ranks of the positive differences, R's V.
-    pub v: f64,
-    /// Two-sided probability.
-    pub p: f64,
-    /// How the probability was computed.
-    pub method: PMethod,
-}
-
-/// The probability is exact for up to this many differences.
-pub const EXACT_DIFFERENCES: usize = 50;
-
-/// Performs Wilcoxon's signed-rank test. Differences of at most `tolerance` are 0, and sizes that differ by no more are
-/// ties. p is 1 if all differences are 0.
-///
-/// The exact distribution covers all 2ⁿ assignments of signs to the actual ranks, with mid-ranks for ties. It is
-/// computed with the shift algorithm of Streitberg & Röhmel (1986).
-pub fn wilcoxon(differences: &[f64], tolerance: f64) -> Wilcoxon {
-    let kept: Vec<f64> = differences.iter().copied().filter(|d| d.abs() > tolerance).collect();
-    let sizes: Vec<f64> = kept.iter().map(|difference| difference.abs()).collect();
-    let (ranks, ties) = ranks(&sizes, tolerance);
-    let v: f64 = kept.iter().zip(&ranks).filter(|(difference, _)| **difference > 0.0).map(|(_, rank)| rank).sum();
-    let exact = kept.len() <= EXACT_DIFFERENCES;
-    Wilcoxon {
-        n: kept.len(),
-        zeros: differences.len() - kept.len(),
-        v,
-        p: if exact { exact_probability(&ranks, v) } else { normal_probability(kept.len() as f64, ties, v) },
-        method: if exact { PMethod::Exact } else { PMethod::Normal },
-    }
-}
-
-fn exact_probability(ranks: &[f64], v: f64) -> f64 {
-    // Mid-ranks are multiples of ½, so doubling makes them whole numbers.
-    let doubled: Vec<usize> = ranks.iter().map(|rank| (2.0 * rank).round() as usize).collect();
-    let total: usize = doubled.iter().sum();
-    let mut ways = vec![0.0_f64; total + 1];
-    ways[0] = 1.0;
-    for rank in doubled {
-        for sum in (rank..=total).rev() {
-            ways[sum] += ways[sum - rank];
-        }
-    }
-    let all = 2.0_f64.powi(ranks.len() as i32);
-    let at = (2.0 * v).round() as usize;
-    let below: f64 = ways[..=at].iter().sum();
-    let above: f64 = ways[at..].iter().sum();
-    (2.0 * below.min(above) / all).min(1.0)
-}
-
-fn normal_probability(n: f64, ties: f64, v: f64) -> f64 {
-    let variance = n * (n + 1.0) * (2.0 * n + 1.0) / 24.0 - ties / 48.0;
-    let distance = ((v - n * (n + 1.0) / 4.0).abs() - 0.5).max(0.0);
-    normal_two_sided(distance / variance.sqrt())
-}
-
-/// A comparison of two levels.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Pair {
-    pub level: String,
-    pub other: String,
-    /// Mean over participants of the difference in mean rating, first level minus other level.
-    pub difference: f64,
-    /// The 95 % t interval of the mean difference; `None` if all differences are the same.
-    pub interval: Option<Interval>,
-    pub test: Wilcoxon,
-    /// The probability, corrected for all pairs.
-    pub p_holm: f64,
-}
-
-/// All pairs of levels.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Pairs {
-    pub pairs: Vec<Pair>,
-    /// The smallest corrected probability that is possible with this number of participants and pairs.
-    pub least_p: f64,
-}
-
-impl Pairs {
-    /// Returns whether no result could reach a significance level such as 0.05. If so, comparing pairs is pointless.
-    pub fn cannot_reach(&self, alpha: f64) -> bool {
-        !self.pairs.is_empty() && self.least_p > alpha
-    }
-}
-
-/// Compares all pairs of levels by Wilcoxon's test, with Holm's correction.
-pub fn pairs(means: &SubjectMeans) -> Pairs {
-    let mut pairs = Vec::new();
-    for first in 0..means.levels.len() {
-        for second in first + 1..means.levels.len() {
-            let differences: Vec<f64> = means.rows.iter().map(|(_, row)| row[first] - row[second]).collect();
-            pairs.push(Pair {
-                level: means.levels[first].clone(),
-                other: means.levels[second].clone(),
-                difference: differences.iter().sum::<f64>() / differences.len().max(1) as f64,
-                interval: Interval::of_mean(&differences),
-                test: wilcoxon(&differences, means.tolerance),
-                p_holm: 1.0,
-            });
-        }
-    }
-    let corrected = holm(&pairs.iter().map(|pair| Some(pair.test.p)).collect::<Vec<_>>());
-    for (pair, p) in pairs.iter_mut().zip(corrected.into_iter().flatten()) {
-        pair.p_holm = p;
-    }
-    let least = 2.0_f64.powi(1 - means.rows.len().min(1000) as i32);
-    Pairs { least_p: (pairs.len() as f64 * least).min(1.0), pairs }
 }

@@ -9,7 +9,7 @@ use super::{
     agreement::{Alpha, kappa, mean_over_subjects, ordinal_alpha, retests},
     counts::{Counts, Factor, Measured, Quartiles},
     fit_calibrated,
-    rank_tests::{Friedman, PERMUTATIONS, Pairs, SubjectMeans, friedman, pairs},
+    rank_tests::{Friedman, PERMUTATIONS, SubjectMeans, friedman},
     summary::{Group, by_cell, by_factor, by_subject},
     terms::{Term, Terms, Variable},
 };
@@ -94,12 +94,10 @@ pub struct FactorResults {
     pub ordered: bool,
     /// Whether most participants rated several levels.
     pub within: bool,
-    /// Participants without comparable ratings at every level. The tests exclude them.
-    pub incomplete: Vec<String>,
+    /// Each participant's mean at every level, of which the differences and the rank test are.
+    pub matched: SubjectMeans,
     /// Test of whether any level differs; `None` if there is only one participant or level.
     pub friedman: Option<Friedman>,
-    /// Tests of which levels differ; `None` if there is only one participant or level.
-    pub pairs: Option<Pairs>,
     /// Response times for each level.
     pub times: Vec<Option<Quartiles>>,
 }
@@ -129,7 +127,7 @@ impl FactorResults {
         let marginal: Option<Vec<f64>> = self.levels.iter().map(|level| own(level).map(|margin| margin.mean)).collect();
         let with = Self { marginal, ..self.clone() };
         let is_same = (self.course(), self.extremes()) == (with.course(), with.extremes());
-        if self.comparable || is_same && self.incomplete.is_empty() { self.clone() } else { with }
+        if self.comparable || is_same && self.matched.incomplete.is_empty() { self.clone() } else { with }
     }
 
     /// Returns Kendall's τ-a between the means and the positions of the levels, if there is at least a tendency; 1 if the
@@ -291,7 +289,6 @@ fn model_spec(measured: &Measured, covariates: &[usize], options: &Options) -> M
 pub fn factor_results(measured: &Measured, factor: usize) -> FactorResults {
     let counts = &measured.counts;
     let means = SubjectMeans::new(counts, factor);
-    let several = means.rows.len() > 1 && means.levels.len() > 1;
     let level_of = |condition: u32| counts.conditions[condition as usize][factor].map(|level| level as usize);
     let levels = by_factor(counts, factor);
     let people = means.rows.len() as f64;
@@ -305,8 +302,7 @@ pub fn factor_results(measured: &Measured, factor: usize) -> FactorResults {
         ordered: counts.factors[factor].is_ordered(),
         within: counts.is_within(factor),
         friedman: friedman(&means, PERMUTATIONS),
-        pairs: several.then(|| pairs(&means)),
-        incomplete: means.incomplete,
+        matched: means,
         times: measured.times_by(counts.factors[factor].levels.len(), |row| level_of(row.condition)),
     }
 }

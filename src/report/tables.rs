@@ -120,8 +120,8 @@ fn median(times: Option<Quartiles>) -> Cell {
     times.map(|times| times.median).into()
 }
 
-/// Lists Friedman's and Wilcoxon's tests and the likelihood-ratio tests. For a single participant, there are only the
-/// latter, about that participant's trials.
+/// Lists Friedman's tests, the likelihood-ratio tests and the comparisons of levels. For a single participant, Friedman's
+/// tests are missing, and the others are about that participant's trials.
 pub fn tests(results: &Results) -> Table {
     let columns = columns(&[
         ("test", "", "Name of the test."),
@@ -139,7 +139,7 @@ pub fn tests(results: &Results) -> Table {
     ]);
     let mut rows = Vec::new();
     if results.is_inferential() {
-        rows.extend(results.factors.iter().flat_map(rank_rows));
+        rows.extend(results.factors.iter().filter_map(friedman_row));
     }
     let scope = if results.is_inferential() { "" } else { "; about this participant's trials only" };
     if let Ok(report) = &results.model {
@@ -184,37 +184,17 @@ fn method(method: PMethod) -> &'static str {
         PMethod::Exact => "exact",
         PMethod::Permutations => "random orders",
         PMethod::ChiSquared => "chi-squared approximation",
-        PMethod::Normal => "normal approximation",
     }
 }
 
-fn rank_rows(factor: &FactorResults) -> Vec<Vec<Cell>> {
-    let (name, mut rows) = (&factor.name, Vec::new());
-    let left_out = match factor.incomplete.len() {
-        0 => String::new(),
-        n => format!("participants excluded because they did not rate every level: {n}"),
+fn friedman_row(factor: &FactorResults) -> Option<Vec<Cell>> {
+    let test = factor.friedman?;
+    let numbers = [Some(test.chi_squared), Some(test.df as f64), Some(test.p), None, Some(test.w)];
+    let note = match factor.matched.incomplete.len() {
+        0 => method(test.method).to_owned(),
+        n => format!("{}; participants excluded because they did not rate every level: {n}", method(test.method)),
     };
-    if let Some(test) = &factor.friedman {
-        let numbers = [Some(test.chi_squared), Some(test.df as f64), Some(test.p), None, Some(test.w)];
-        let note = [method(test.method), &left_out].into_iter().filter(|note| !note.is_empty()).collect::<Vec<_>>();
-        rows.push(test_row(["friedman", name, "", ""], test.subjects as u64, numbers, "Kendall's W", &note.join("; ")));
-    }
-    let Some(pairs) = &factor.pairs else { return rows };
-    let limit = if pairs.cannot_reach(0.05) {
-        let n = super::document::numbers::count(pairs.pairs.len() as u64, "pair");
-        format!("with so few participants and {n}, p_holm cannot be below {:.3}", pairs.least_p)
-    } else {
-        String::new()
-    };
-    for pair in &pairs.pairs {
-        let method = method(pair.test.method);
-        let note =
-            [method, &limit, &left_out].into_iter().filter(|note| !note.is_empty()).collect::<Vec<_>>().join("; ");
-        let numbers = [Some(pair.test.v), None, Some(pair.test.p), Some(pair.p_holm), Some(pair.difference)];
-        let names = ["wilcoxon", name, &pair.level, &pair.other];
-        rows.push(test_row(names, pair.test.n as u64, numbers, "mean difference", &note));
-    }
-    rows
+    Some(test_row(["friedman", &factor.name, "", ""], test.subjects as u64, numbers, "Kendall's W", &note))
 }
 
 /// Lists the agreement between participants (Krippendorff's α) and within each participant (weighted κ).

@@ -16,20 +16,8 @@ use serde_json::Value;
 const ALPHA: f64 = 0.05;
 
 /// What the columns of the table count: for each statistic, whether it was given, and whether it rejected or covered.
-const COLUMNS: [&str; 12] = [
-    "LR",
-    "Friedman",
-    "Wilcoxon",
-    "interaction",
-    "odds",
-    "comparison",
-    "coefficient",
-    "mean",
-    "cell",
-    "expected",
-    "SD",
-    "alpha",
-];
+const COLUMNS: [&str; 11] =
+    ["LR", "Friedman", "interaction", "odds", "comparison", "coefficient", "mean", "cell", "expected", "SD", "alpha"];
 
 /// Counts of one study: given and successful, by column, and withheld.
 #[derive(Clone, Default)]
@@ -137,8 +125,6 @@ fn tally(results: &Results, truth: &Value) -> Tally {
         let Some(factor) = results.factors.iter().find(|factor| factor.name == *name) else { continue };
         if factor.within && results.is_inferential() {
             tally.add("Friedman", factor.friedman.map(|test| test.p < ALPHA));
-            let pairs = factor.pairs.iter().flat_map(|pairs| &pairs.pairs);
-            tally.add("Wilcoxon", Some(pairs.into_iter().any(|pair| pair.p_holm < ALPHA)));
         }
         let comparisons = report.into_iter().flat_map(|report| &report.comparisons).filter(|c| c.factor == *name);
         let any: Vec<bool> = comparisons.filter_map(|comparison| comparison.p_holm).map(|p| p < ALPHA).collect();

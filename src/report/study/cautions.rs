@@ -8,11 +8,8 @@ use super::{
     sittings,
 };
 use crate::{
-    analysis::{
-        Note, Results,
-        results::{FactorResults, SubjectResults},
-    },
-    report::document::numbers::{count, either, fixed, p_is, percent, probability, short_list, unit},
+    analysis::{Note, Results, results::SubjectResults},
+    report::document::numbers::{count, either, fixed, p_is, percent, short_list, unit},
     store::{FileError, ratings::Source},
 };
 
@@ -38,7 +35,6 @@ pub(super) fn cautions(source: &Source, results: &Results) -> Vec<String> {
     cautions.extend(problems(&source.warnings, "warning", 0));
     cautions.extend(nothing_found(results));
     cautions.extend(about_model(results));
-    cautions.extend(names::varied(results).filter_map(|factor| pairs_without_power(results, factor)));
     cautions.extend(unusual_behavior(results));
     cautions
 }
@@ -152,24 +148,6 @@ pub(super) fn is_serious(note: &Note) -> bool {
             | Note::EmptyCategory { .. }
             | Note::Rebased { .. }
     )
-}
-
-/// Warns if no ratings could ever distinguish any pair of a factor's levels.
-fn pairs_without_power(results: &Results, factor: &FactorResults) -> Option<String> {
-    let pairs = factor.pairs.as_ref().filter(|pairs| results.is_inferential() && pairs.cannot_reach(ALPHA))?;
-    let people = count((results.people() - factor.incomplete.len()) as u64, "participant");
-    let name = names::factor(&factor.name);
-    let least = if pairs.least_p >= 1.0 { "1".into() } else { probability(pairs.least_p) };
-    Some(match pairs.pairs.len() {
-        1 => format!(
-            "Wilcoxon’s test cannot tell the levels of {name} apart: with {people}, the smallest possible p is {least} \
-             regardless of the ratings."
-        ),
-        n => format!(
-            "Wilcoxon’s tests cannot tell which levels of {name} differ: with {people} and {n} pairs, the smallest p that is \
-             possible after Holm’s correction is {least}, regardless of the ratings."
-        ),
-    })
 }
 
 /// Describes behavior of participants that readers should check: use of only one category, low test–retest agreement,

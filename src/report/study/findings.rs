@@ -101,7 +101,7 @@ fn caveat(results: &Results, factor: &FactorResults) -> Option<String> {
     let raw = FactorResults { marginal: None, ..factor.clone() };
     let ([first, second], _) = factor.contrast();
     let difference = |means: &[f64]| means[second] - means[first];
-    let missing = match factor.incomplete.len() {
+    let missing = match factor.matched.incomplete.len() {
         0 => "the conditions of the other factors differ between its levels".to_owned(),
         n if n == results.people() => "no participant rated all of its levels alike".to_owned(),
         n => format!("{} of {} did not rate all of its levels", n, count(results.people() as u64, "participant")),
@@ -357,19 +357,15 @@ pub(super) fn unclear_covariates(results: &Results) -> impl Iterator<Item = &str
 
 /// Describes the mean of the participants' differences between two levels.
 fn difference_of_means(factor: &FactorResults) -> Option<Size> {
-    let ([first, second], _) = factor.contrast();
-    let name = |index: usize| factor.levels[index].names.first().map_or("", String::as_str);
-    let is_pair = |level: &str, other: &str| {
-        (level == name(first) && other == name(second)) || (level == name(second) && other == name(first))
-    };
-    let pair = factor.pairs.as_ref()?.pairs.iter().find(|pair| is_pair(&pair.level, &pair.other))?;
-    let flip = pair.difference < 0.0;
-    let (higher, lower) = if flip { (&pair.other, &pair.level) } else { (&pair.level, &pair.other) };
-    let [higher, lower] = [higher, lower].map(|level| names::level(&factor.name, level));
-    let interval = pair.interval.map(|i| if flip { i.negative() } else { i });
+    let (places, _) = factor.contrast();
+    let levels = places.map(|place| factor.levels[place].names.first().map_or("", String::as_str));
+    let (difference, interval) = factor.matched.difference(levels)?;
+    let flip = difference < 0.0;
+    let [higher, lower] = (if flip { [levels[1], levels[0]] } else { levels }).map(|l| names::level(&factor.name, l));
+    let interval = interval.map(|i| if flip { i.negative() } else { i });
     let text = format!(
         "The mean rating at {higher} is {} higher than at {lower}{}",
-        mean(pair.difference.abs()),
+        mean(difference.abs()),
         with_interval(interval, mean)
     );
     Some(Size { text, has_interval: interval.is_some() })

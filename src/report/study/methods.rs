@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::{exclusions, names, sittings, vision::degrees};
 use crate::{
-    analysis::{Link, Results, rank_tests::PMethod},
+    analysis::{Link, Results},
     experiment::{Protocol, ResponseScale},
     report::{
         document::{
@@ -166,7 +166,10 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
         text += " Proportional odds were tested for each term in the same way and corrected with Holm’s method.";
     }
     if !report.comparisons.is_empty() {
-        text += " Levels were compared in the model, corrected within each factor with Holm’s method.";
+        text += &format!(
+            " Levels were compared in the model, corrected within each factor with Holm’s method ({}).",
+            cited.cite("Holm, 1979")
+        );
     }
     if !results.is_inferential() {
         text += " All inference is about repeated trials of this participant.";
@@ -184,25 +187,12 @@ fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
     if tested.is_empty() {
         return None;
     }
-    let mut text = format!(
+    Some(format!(
         "Participants’ mean ratings at the levels of each factor were compared with Friedman’s test, with exact p values, and \
          Kendall’s coefficient of concordance ({}): {}.",
         cited.cite("Friedman, 1937; Kendall & Babington Smith, 1939"),
         tested.join("; ")
-    );
-    let pairs = || results.factors.iter().filter_map(|factor| factor.pairs.as_ref()).flat_map(|pairs| &pairs.pairs);
-    if pairs().next().is_some() {
-        let exact = pairs().any(|pair| pair.test.method == PMethod::Exact);
-        let how =
-            if exact { format!("; exact p as in {}", cited.cite("Streitberg & Röhmel, 1986")) } else { String::new() };
-        text += &format!(
-            " Pairs of levels were compared with Wilcoxon’s signed-rank test ({}{how}), corrected within each factor with \
-             Holm’s method ({}).",
-            cited.cite("Wilcoxon, 1945"),
-            cited.cite("Holm, 1979")
-        );
-    }
-    Some(text)
+    ))
 }
 
 fn agreement(cited: &mut Cited, results: &Results) -> Option<String> {

@@ -5,12 +5,12 @@ use super::{cautions::LOW_KAPPA, findings::ALPHA, names};
 use crate::{
     analysis::{
         Results,
-        rank_tests::{EXACT_PARTICIPANTS, PERMUTATIONS, PMethod, Pair},
+        rank_tests::{EXACT_PARTICIPANTS, PERMUTATIONS, PMethod},
         results::FactorResults,
     },
     report::document::{
         Section,
-        numbers::{count, fixed, list, mean, probability, range, short_list, unit, whole, with_interval},
+        numbers::{count, fixed, list, probability, short_list, unit, whole, with_interval},
     },
 };
 
@@ -29,11 +29,6 @@ pub(super) fn section(results: &Results) -> Section {
              order the levels, from 0 (not at all) to 1 (identically).",
         );
         friedman(&mut section, &tested);
-        section.text(
-            "Wilcoxon’s signed-rank test compares two levels. Holm’s correction limits the probability of any false \
-             alarm among all pairs of a factor.",
-        );
-        tested.iter().for_each(|factor| pairs(&mut section, factor));
     }
     section
 }
@@ -54,8 +49,8 @@ fn friedman(section: &mut Section, factors: &[&FactorResults]) {
     section.heading("Friedman’s test");
     let numbers = ["Participants", "Levels", "χ²", "df", "p", "Kendall’s W"];
     section.table("Friedman’s test of each factor", &["Factor"], &numbers, factors.iter().map(row).collect());
-    for factor in factors.iter().filter(|factor| !factor.incomplete.is_empty()) {
-        let (name, who) = (names::factor(&factor.name), short_list(&factor.incomplete, 12));
+    for factor in factors.iter().filter(|factor| !factor.matched.incomplete.is_empty()) {
+        let (name, who) = (names::factor(&factor.name), short_list(&factor.matched.incomplete, 12));
         section.note(format!("Excluded from the tests of {name}, because no condition of the other factors was rated at every level: {who}."));
     }
     let between: Vec<&str> = factors.iter().filter(|f| !f.within).map(|factor| names::factor(&factor.name)).collect();
@@ -87,36 +82,6 @@ fn friedman(section: &mut Section, factors: &[&FactorResults]) {
             ));
         }
     }
-}
-
-fn pairs(section: &mut Section, factor: &FactorResults) {
-    let Some(pairs) = factor.pairs.as_ref().filter(|pairs| !pairs.pairs.is_empty()) else { return };
-    let name = names::factor(&factor.name);
-    let level = |level: &str| names::level(&factor.name, level);
-    let row = |pair: &Pair| {
-        vec![
-            format!("{} – {}", level(&pair.level), level(&pair.other)).into(),
-            fixed(pair.difference, 2),
-            range(pair.interval, mean),
-            whole(pair.test.n as u64),
-            fixed(pair.test.v, 1),
-            probability(pair.test.p),
-            probability(pair.p_holm),
-        ]
-    };
-    section.heading(format!("Pairs of levels: {name}"));
-    let numbers = ["Difference of means", "95\u{a0}% t interval", "Nonzero differences", "V", "p", "Holm-corrected p"];
-    let rows = pairs.pairs.iter().map(row).collect();
-    section.table(format!("Wilcoxon’s signed-rank tests of {name}"), &["Pair"], &numbers, rows);
-    let method = if pairs.pairs.iter().any(|pair| pair.test.method == PMethod::Normal) {
-        "The p values use the normal approximation if there are more than 50 differences; otherwise they are exact."
-    } else {
-        "The p values are exact; differences of 0 are excluded."
-    };
-    let least = probability(pairs.least_p);
-    section.note(format!(
-        "{method} If no difference is 0, the smallest possible p of a pair after Holm’s correction is {least}."
-    ));
 }
 
 pub(super) fn agreement(results: &Results) -> Section {
