@@ -174,7 +174,7 @@ impl Analysis {
 
     /// Returns the tables as columns, with the name, unit and description of each column.
     fn tables<'py>(&self, py: Python<'py>) -> PyResult<Vec<DescribedTable<'py>>> {
-        let counts = report::tables::counts(&self.results.measured.counts, &self.study.source.shape);
+        let counts = report::tables::counts(self.results.modeled(), &self.study.source.shape);
         let mut tables = report::tables::all(&self.results);
         tables.push(("counts".to_owned(), counts));
         let described = |(name, table): (String, Table)| {

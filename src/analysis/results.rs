@@ -213,7 +213,9 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
                 own.levels.iter().position(|level| level == name).map(|level| level as u32)
             };
             let ([first, second], _) = factor.with_margins(margins).contrast();
-            Some((factor.name.clone(), [level(first)?, level(second)?]))
+            // The later level minus the earlier one, as in all comparisons.
+            let (later, earlier) = (level(first.max(second))?, level(first.min(second))?);
+            (later != earlier).then(|| (factor.name.clone(), [later, earlier]))
         };
         let varied = factors.iter().enumerate().filter(|(_, factor)| factor.levels.len() > 1);
         varied.filter_map(of_factor).collect()

@@ -1,5 +1,6 @@
 //! The R script that fits the main model again, from `counts.csv` in the same folder, with R's package `ordinal`.
 
+use super::tables::count_columns;
 use crate::{
     analysis::{
         Model, Note, RandomEffect, Results,
@@ -113,19 +114,20 @@ impl<'a> Names<'a> {
         let mut text = "counts <- read.csv(\"counts.csv\", check.names = FALSE, colClasses = \"character\", \
                         na.strings = character(), encoding = \"UTF-8\")\n"
             .to_owned();
-        let column = |name: &str| format!("counts[[{}]]", string(&inert(name)));
-        let (people, ratings, categories) =
-            (column(&shape.subject), column(&shape.response), strings(&model.categories));
+        let columns = count_columns(counts, shape);
+        let column = |index: usize| format!("counts[[{}]]", string(&inert(&columns[index].name)));
+        let [people, ratings, count] = [0, columns.len() - 2, columns.len() - 1].map(column);
+        let categories = strings(&model.categories);
         let mut lines = vec![
             format!("subject = factor({people})"),
             format!("rating = factor({ratings}, levels = {categories}, ordered = TRUE)"),
-            "count = as.numeric(counts[[ncol(counts)]])".to_owned(),
+            format!("count = as.numeric({count})"),
         ];
         let mut centered = String::new();
         for (variable, name) in &self.0 {
             let (index, inverse) = find_factor(counts, variable).unwrap_or_default();
             let factor = &counts.factors[index];
-            let cells = column(&factor.name);
+            let cells = column(1 + index);
             if counts.conditions.iter().any(|levels| levels[index].is_none()) {
                 text += &format!("counts <- counts[{cells} != \"\", ] # rows without a value are not in the model\n");
             }

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::{
     analysis::{
-        Contrast, Link, Model, Prediction, Results,
+        Coefficient, Contrast, Link, Model, Prediction, Results,
         counts::{CountRow, Counts, Factor, Quartiles},
         number_of,
         rank_tests::PMethod,
@@ -24,9 +24,18 @@ fn ends(interval: Option<Interval>) -> [Cell; 2] {
     [interval.map(|interval| interval.low).into(), interval.map(|interval| interval.high).into()]
 }
 
-/// Describes a column with the levels of each factor.
-fn level_columns(counts: &Counts) -> Vec<Column> {
-    counts.factors.iter().map(|factor| Column::new(&factor.name, "", "Level of the factor.")).collect()
+/// Inserts a column with the levels of each factor between other columns, which keep their names: a factor of the same
+/// name gets underscores at its end.
+fn with_levels(first: Vec<Column>, factors: &[Factor], last: Vec<Column>) -> Vec<Column> {
+    let mut names: Vec<String> = factors.iter().map(|factor| factor.name.clone()).collect();
+    for factor in 0..names.len() {
+        let is_fixed = |name: &String| first.iter().chain(&last).any(|column| column.name == *name);
+        while is_fixed(&names[factor]) || names.iter().filter(|name| **name == names[factor]).count() > 1 {
+            names[factor].push('_');
+        }
+    }
+    let level = |name: String| Column::new(name, "", "Level of the factor.");
+    first.into_iter().chain(names.into_iter().map(level)).chain(last).collect()
 }
 
 /// Describes a column for each of these categories.
@@ -46,14 +55,13 @@ fn levels<'a, Name: AsRef<str> + 'a>(factors: &[Factor], names: impl IntoIterato
     factors.iter().zip(names).map(|(factor, name)| level(factor, name.as_ref())).collect()
 }
 
-/// Describes the columns of a summary, between other columns.
-fn summary_columns(first: Vec<Column>, counts: &Counts, last: Vec<Column>) -> Vec<Column> {
-    let mut all = first;
-    all.extend(columns(&[
+/// Describes the columns of a summary, and the last columns.
+fn summary_columns(counts: &Counts, last: Vec<Column>) -> Vec<Column> {
+    let mut all = columns(&[
         ("n", "", "Number of ratings."),
         ("mean", "", "Mean rating, in which each participant counts equally."),
         ("median", "", "Median rating."),
-    ]));
+    ]);
     all.extend(proportions(&counts.categories, "Proportion of the ratings that are in this category."));
     all.extend(columns(&[
         ("ci_low", "", "Lower end of the 95 % interval of the mean."),
@@ -78,7 +86,8 @@ fn summary_row(first: Vec<Cell>, Group { summary, .. }: &Group) -> Vec<Cell> {
 pub fn cells(results: &Results) -> Table {
     let counts = &results.measured.counts;
     let row = |group: &Group| summary_row(levels(&counts.factors, &group.names), group);
-    Table::new(summary_columns(level_columns(counts), counts, Vec::new()), results.cells.iter().map(row))
+    let columns = with_levels(Vec::new(), &counts.factors, summary_columns(counts, Vec::new()));
+    Table::new(columns, results.cells.iter().map(row))
 }
 
 fn median_column() -> Column {
@@ -89,19 +98,17 @@ fn median_column() -> Column {
 pub fn by_factor(results: &Results, factor: &FactorResults) -> Table {
     let counts = &results.measured.counts;
     let factors: Vec<Factor> = counts.factors.iter().filter(|known| known.name == factor.name).cloned().collect();
-    let first = vec![Column::new(&factor.name, "", "Level of the factor.")];
     let row = |(group, times): (&Group, &Option<Quartiles>)| {
         let mut row = summary_row(levels(&factors, &group.names), group);
         row.push(median(*times));
         row
     };
-    let columns = summary_columns(first, counts, vec![median_column()]);
+    let columns = with_levels(Vec::new(), &factors, summary_columns(counts, vec![median_column()]));
     Table::new(columns, factor.levels.iter().zip(&factor.times).map(row))
 }
 
 /// Lists every participant.
 pub fn subjects(results: &Results) -> Table {
-    let first = vec![Column::new("subject_id", "", "Participant.")];
     let mut last = columns(&[
         ("retests", "", "Number of conditions that the participant rated at least twice."),
         ("kappa", "", "Quadratically weighted κ of first and second ratings."),
@@ -113,7 +120,9 @@ pub fn subjects(results: &Results) -> Table {
         row.extend([subject.retests.into(), subject.kappa.into(), median(subject.times)]);
         row
     };
-    Table::new(summary_columns(first, &results.measured.counts, last), results.subjects.iter().map(row))
+    let mut columns = vec![Column::new("subject_id", "", "Participant.")];
+    columns.extend(summary_columns(&results.measured.counts, last));
+    Table::new(columns, results.subjects.iter().map(row))
 }
 
 fn median(times: Option<Quartiles>) -> Cell {
@@ -134,6 +143,9 @@ pub fn tests(results: &Results) -> Table {
         ("p", "", "Probability of such a statistic without an effect."),
         ("p_holm", "", "p with Holm's correction for the tests of the same kind."),
         ("effect", "", "Size of the effect."),
+        ("se", "", "Standard error of the effect."),
+        ("ci_low", "", "Lower end of its 95 % interval."),
+        ("ci_high", "", "Upper end of its 95 % interval."),
         ("effect_is", "", "What the size is."),
         ("note", "", "Where p comes from, and what limits the test."),
     ]);
@@ -145,13 +157,13 @@ pub fn tests(results: &Results) -> Table {
     if let Ok(report) = &results.model {
         let groups = [("likelihood-ratio", &report.terms), ("proportional-odds", &report.proportional_odds)];
         for (name, test) in groups.iter().flat_map(|(name, tests)| tests.iter().map(move |test| (name, test))) {
-            let numbers = [test.lr, Some(test.df as f64), test.p, test.p_holm, None];
+            let numbers = [test.lr, Some(test.df as f64), test.p, test.p_holm];
             let note = match (test.withheld, test.draws) {
                 (Some(reason), _) => format!("no p: {reason}"),
                 (None, Some(draws)) => format!("p from {draws} simulated studies{scope}"),
                 (None, None) => format!("p from the chi-squared distribution{scope}"),
             };
-            rows.push(test_row([name, &test.term, "", ""], report.model.nobs, numbers, "", &note));
+            rows.push(test_row([name, &test.term, "", ""], report.model.nobs, &numbers, "", &note));
         }
         for test in &report.interactions {
             let note = match test.withheld {
@@ -159,23 +171,25 @@ pub fn tests(results: &Results) -> Table {
                 None if test.by_signs => format!("p from {} patterns of the participants' signs{scope}", test.draws),
                 None => format!("p from {} simulated studies{scope}", test.draws),
             };
-            let numbers = [test.chi_squared, Some(test.df as f64), None, test.p, None];
-            rows.push(test_row(["interaction", &test.term, "", ""], report.model.nobs, numbers, "", &note));
+            let numbers = [test.chi_squared, Some(test.df as f64), None, test.p];
+            rows.push(test_row(["interaction", &test.term, "", ""], report.model.nobs, &numbers, "", &note));
         }
         for c in &report.comparisons {
             let note = c.at.as_ref().map_or_else(String::new, |(factor, level)| format!("at {factor} {level}"));
-            let numbers = [None, None, c.p, c.p_holm, Some(c.estimate)];
+            let [low, high] = [c.interval.map(|i| i.low), c.interval.map(|i| i.high)];
+            let numbers = [None, None, c.p, c.p_holm, Some(c.estimate), c.se, low, high];
             let names = ["comparison", &c.factor, &c.level, &c.other];
-            rows.push(test_row(names, report.model.nobs, numbers, "difference on the latent scale", &note));
+            rows.push(test_row(names, report.model.nobs, &numbers, "difference on the latent scale", &note));
         }
     }
     Table::new(columns, rows)
 }
 
-/// Returns a row of the tests: `names` are the test, the term and two levels; `numbers` are the statistic, df, p, the
-/// Holm-corrected p, and the effect; then what the effect is, and a note.
-fn test_row(names: [&str; 4], n: u64, numbers: [Option<f64>; 5], effect_is: &str, note: &str) -> Vec<Cell> {
+/// Returns a row of the tests: `names` are the test, the term and two levels; `numbers` begins with the statistic, df, p,
+/// the Holm-corrected p, the effect, its standard error, and the ends of its interval; then what the effect is, and a note.
+fn test_row(names: [&str; 4], n: u64, numbers: &[Option<f64>], effect_is: &str, note: &str) -> Vec<Cell> {
     let names = names.into_iter().map(Cell::from).chain([n.into()]);
+    let numbers = numbers.iter().copied().chain(std::iter::repeat(None)).take(8);
     names.chain(numbers.map(Cell::from)).chain([effect_is, note].map(Cell::from)).collect()
 }
 
@@ -194,7 +208,7 @@ fn friedman_row(factor: &FactorResults) -> Option<Vec<Cell>> {
         0 => method(test.method).to_owned(),
         n => format!("{}; participants excluded because they did not rate every level: {n}", method(test.method)),
     };
-    Some(test_row(["friedman", &factor.name, "", ""], test.subjects as u64, numbers, "Kendall's W", &note))
+    Some(test_row(["friedman", &factor.name, "", ""], test.subjects as u64, &numbers, "Kendall's W", &note))
 }
 
 /// Lists the agreement between participants (Krippendorff's α) and within each participant (weighted κ).
@@ -225,13 +239,17 @@ pub fn agreement(results: &Results) -> Table {
     Table::new(columns, rows)
 }
 
+/// Describes the columns of the sufficient statistic: the participant, the factors, the response and the count.
+pub(super) fn count_columns(counts: &Counts, shape: &Shape) -> Vec<Column> {
+    let count = if shape.response == "count" || shape.subject == "count" { "count_" } else { "count" };
+    let last = [(shape.response.as_str(), "", "Category of the rating."), (count, "", "Number of equal ratings.")];
+    with_levels(columns(&[(shape.subject.as_str(), "", "Participant.")]), &counts.factors, columns(&last))
+}
+
 /// Returns the columns and the rows of the sufficient statistic: participant, factors, rating and count. `analyze` can
 /// read this table in place of the files, because the columns of the participant and the response keep their names.
 fn count_rows<'a>(counts: &'a Counts, shape: &Shape) -> (Vec<Column>, impl Iterator<Item = Vec<Cell>> + 'a) {
-    let mut columns = vec![Column::new(&shape.subject, "", "Participant.")];
-    columns.extend(level_columns(counts));
-    columns.push(Column::new(&shape.response, "", "Category of the rating."));
-    columns.push(Column::new("count", "", "Number of equal ratings."));
+    let columns = count_columns(counts, shape);
     let conditions: Vec<Vec<Cell>> = (0..counts.conditions.len() as u32)
         .map(|condition| levels(&counts.factors, &counts.level_names(condition)))
         .collect();
@@ -262,8 +280,7 @@ pub fn counts(counts: &Counts, shape: &Shape) -> Table {
 pub fn predictions(results: &Results) -> Option<Table> {
     let report = results.model.as_ref().ok()?;
     let counts = results.modeled();
-    let mut all = level_columns(counts);
-    all.extend(proportions(&report.model.categories, "Expected proportion of ratings in this category."));
+    let mut all = proportions(&report.model.categories, "Expected proportion of ratings in this category.");
     all.extend(columns(&[
         ("mean", "", "Expected rating."),
         ("ci_low", "", "Lower end of its 95 % interval."),
@@ -275,7 +292,36 @@ pub fn predictions(results: &Results) -> Option<Table> {
         cells.extend(ends(prediction.interval));
         cells
     };
-    Some(Table::new(all, report.predictions.iter().map(row)))
+    Some(Table::new(with_levels(Vec::new(), &counts.factors, all), report.predictions.iter().map(row)))
+}
+
+/// Lists the model's coefficients on the scale of the link and, with the logit link, their odds ratios.
+fn coefficients(model: &Model) -> Table {
+    let mut all = columns(&[
+        ("name", "", "Name of the coefficient, as in R."),
+        ("term", "", "Term that it belongs to."),
+        ("estimate", "", "Estimate on the scale of the link."),
+        ("se", "", "Standard error."),
+        ("z", "", "Estimate divided by its standard error."),
+        ("p", "", "Probability of such a z; missing with few participants, for whom it would be too small."),
+        ("ci_low", "", "Lower end of the 95 % interval."),
+        ("ci_high", "", "Upper end of the 95 % interval."),
+    ]);
+    let odds = columns(&[
+        ("odds_ratio", "", "Odds ratio of a higher rating."),
+        ("odds_ratio_low", "", "Lower end of its 95 % interval."),
+        ("odds_ratio_high", "", "Upper end of its 95 % interval."),
+    ]);
+    let has_odds = model.link == Link::Logit;
+    all.extend(odds.into_iter().filter(|_| has_odds));
+    let row = |c: &Coefficient| {
+        let [low, high] = [c.interval.map(|i| i.low), c.interval.map(|i| i.high)];
+        let numbers = [Some(c.estimate), c.se, c.z, c.p, low, high];
+        let odds = [Some(c.estimate), low, high].map(|x| x.map(f64::exp)).into_iter().filter(|_| has_odds);
+        let names = [&c.name, &c.term].map(|name| Cell::from(name.as_str()));
+        names.into_iter().chain(numbers.into_iter().chain(odds).map(Cell::from)).collect()
+    };
+    Table::new(all, model.coefficients.iter().map(row))
 }
 
 /// Returns all tables but the sufficient statistic, with the names of their files without the extension.
@@ -286,10 +332,14 @@ pub fn all(results: &Results) -> Vec<(String, Table)> {
         ("tests".to_owned(), tests(results)),
         ("agreement".to_owned(), agreement(results)),
     ];
+    if let Ok(report) = &results.model {
+        tables.push(("coefficients".to_owned(), coefficients(&report.model)));
+    }
     tables.extend(predictions(results).map(|table| ("predictions".to_owned(), table)));
     for factor in &results.factors {
         let mut name = format!("by_{}", file_part(&factor.name));
-        while tables.iter().any(|(taken, _)| *taken == name) {
+        // Some systems do not distinguish upper from lower case.
+        while tables.iter().any(|(taken, _)| taken.to_lowercase() == name.to_lowercase()) {
             name.push('_');
         }
         tables.push((name, by_factor(results, factor)));

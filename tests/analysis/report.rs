@@ -179,6 +179,28 @@ fn sentences_follow_the_direction_of_the_data() {
     assert!(forwards > 2.0 && (forwards / backwards - 1.0).abs() < 0.02);
 }
 
+/// "level – other" is always the later level minus the earlier one, whichever is rated higher.
+#[test]
+fn later_levels_are_compared_with_earlier_ones() {
+    for reversed in [false, true] {
+        let results = results(8, &DEPTHS, reversed);
+        let report = results.model.as_ref().unwrap();
+        let pairs = (report.comparisons.iter().map(|c| (&c.factor, &c.level, &c.other, c.estimate)))
+            .chain(report.model.contrasts.iter().map(|c| (&c.factor, &c.level, &c.other, c.estimate)));
+        for (factor, level, other, estimate) in pairs {
+            let levels = &results.measured.counts.factor(factor).unwrap().1.levels;
+            let place = |level: &String| levels.iter().position(|known| known == level);
+            assert!(place(level) > place(other), "{factor}: {level} – {other}");
+            let mean = results.factors.iter().find(|known| known.name == *factor).unwrap();
+            let (difference, _) = mean.matched.difference([level, other]).unwrap();
+            assert!(factor == "shader" || estimate * difference > 0.0, "{factor}: {level} – {other}");
+        }
+        let text = text(&page(&source(&FACTORS), &results));
+        assert_parts(&text, &["∞ – 1", "0.4 – 0.1", "depth ∞ – 1"]);
+        assert!(!text.contains("1 – ∞") && !text.contains("0.1 – 0.4"));
+    }
+}
+
 #[test]
 fn what_is_said_of_one_participant_is_not_said_of_people() {
     let page = |people| page(&source(&FACTORS), &results(people, &DEPTHS, false));

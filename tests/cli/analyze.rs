@@ -1,6 +1,11 @@
 //! `machband analyze` and `machband counts`, as a user types them.
 
-use std::{collections::BTreeMap, fs, path::Path, process::Command};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    path::Path,
+    process::Command,
+};
 
 use crate::common::{change_rating, fails, json, machband, session_csv, skip, split, succeeds, table, text};
 
@@ -55,7 +60,24 @@ fn analyze_writes_every_documented_file() {
     let length = |name: &str| model[name].as_array().unwrap().len();
     assert_eq!((length("thresholds"), length("coefficients")), (3, 5 + 4 + 3));
     assert!(model["method"] == "clmm-laplace" && model["random"]["sd"].as_f64().unwrap() >= 0.0);
-    let (_, tests) = table(&out.join("tests.csv"));
+    let (header, coefficients) = table(&out.join("coefficients.csv"));
+    assert_eq!(header.join(","), "name,term,estimate,se,z,p,ci_low,ci_high,odds_ratio,odds_ratio_low,odds_ratio_high");
+    for (row, known) in coefficients.iter().zip(model["coefficients"].as_array().unwrap()) {
+        let number = |i: usize| row[i].parse::<f64>().unwrap();
+        assert!(row[0] == known["name"].as_str().unwrap() && number(2) == known["estimate"].as_f64().unwrap());
+        assert!(number(8) == number(2).exp() && number(6) < number(2) && number(2) < number(7), "{row:?}");
+        assert!(row[5].is_empty() && known["p"].is_null(), "z is not normal with 4 participants");
+    }
+    assert_eq!(coefficients.len(), length("coefficients"));
+    let (header, tests) = table(&out.join("tests.csv"));
+    let column = |name: &str| header.iter().position(|known| known == name).unwrap();
+    let compared = tests.iter().filter(|row| row[0] == "comparison");
+    for (row, known) in compared.zip(model["comparisons"].as_array().unwrap()) {
+        let told = |name: &str| row[column(name)].parse::<f64>().unwrap();
+        let [estimate, se] = ["estimate", "se"].map(|name| known[name].as_f64().unwrap());
+        assert!(told("effect") == estimate && told("se") == se && row[column("df")].is_empty(), "{row:?}");
+        assert!((told("ci_high") - estimate - 1.959_963_984_540_054 * se).abs() < 1e-9, "{row:?}");
+    }
     for kind in ["friedman", "likelihood-ratio", "proportional-odds"] {
         assert!(tests.iter().any(|row| row[0] == kind), "{kind}");
     }
@@ -68,6 +90,53 @@ fn analyze_writes_every_documented_file() {
     }
     assert!(fs::read_to_string(out.join("report.html")).unwrap().to_lowercase().contains("<!doctype html>"));
     assert!(fs::read_to_string(out.join("analysis.R")).unwrap().contains("Rscript analysis.R"));
+}
+
+/// Factors that are named after columns of the tables, or differ only in case, have columns and files of their own, and
+/// the counts can be analyzed again.
+#[test]
+fn no_table_has_two_columns_of_one_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let factors = "n,mean,p0,count,rating,file,subjects,N,n_";
+    let mut rows = format!("who,{factors},answer,times\n");
+    for (person, condition) in (0..5).flat_map(|person| (0..12).map(move |condition| (person, condition))) {
+        let levels: Vec<&str> = (0..9).map(|factor| ["a", "b"][(condition * (factor + 3) / 5) % 2]).collect();
+        for answer in 0..3 {
+            let times = 1 + (person * 5 + condition * 3 + answer * answer) % 4;
+            rows += &format!("{person},{},{answer},{times}\n", levels.join(","));
+        }
+    }
+    fs::write(folder.path().join("rows.csv"), rows).unwrap();
+    let analyze = |input: &str, names: &str, terms: &str, out: &str| {
+        let options = "--subject who --response answer --draws 99 --tables-only";
+        let line = format!("analyze {input} {options} --factors {names} --terms {terms} --out {out}");
+        let output = machband(folder.path(), &split(&line));
+        // A warning says what counts do not tell.
+        assert!(output.status.success(), "{}", text(&output.stderr));
+    };
+    analyze("rows.csv --count times", factors, "n,count", "a");
+    analyze("a/counts.csv", &factors.replace("count", "count_"), "n,count_", "b");
+    let (mut files, mut again) = (BTreeMap::new(), 0);
+    for entry in fs::read_dir(folder.path().join("a")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        assert_eq!(files.insert(name.to_lowercase(), ()), None, "{name}");
+        if !name.ends_with(".csv") {
+            continue;
+        }
+        let (header, rows) = table(&folder.path().join("a").join(&name));
+        let names: BTreeSet<&String> = header.iter().collect();
+        assert_eq!(names.len(), header.len(), "{name}: {header:?}");
+        let second = folder.path().join("b").join(&name);
+        if second.exists() {
+            let plain = |rows: Vec<Vec<String>>| rows.concat().join(" ").replace("count_", "count");
+            assert_eq!(plain(rows), plain(table(&second).1), "{name}");
+            again += 1;
+        }
+    }
+    assert!(again >= 14 && files.contains_key("coefficients.csv"), "{again} {files:?}");
+    let (header, _) = table(&folder.path().join("a/cells.csv"));
+    assert_eq!(header[..9].join(","), "n__,mean_,p0_,count,rating,file,subjects_,N,n_");
+    assert_eq!(header[9..12].join(","), "n,mean,median");
 }
 
 /// The same input and seed give the same bytes; a different seed changes only what simulated studies calibrate.

@@ -38,8 +38,10 @@ pub struct Comparison {
     pub other: String,
     /// The other factor and its level, if the difference depends on it.
     pub at: Option<(String, String)>,
-    /// How much higher `level` is rated than `other`.
+    /// How much higher `level`, which is the later one in natural order, is rated than `other`.
     pub estimate: f64,
+    /// The standard error that p and the interval imply, with the normal distribution.
+    pub se: Option<f64>,
     /// The 95 % interval, with the limit of the term's likelihood ratio; not corrected for the number of comparisons.
     pub interval: Option<Interval>,
     /// Two-sided probability, consistent with the interval.
@@ -185,6 +187,7 @@ fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variab
                         .zip(stratum)
                         .map(|(other, stratum)| (counts.factors[other].name.clone(), name(other, stratum))),
                     estimate,
+                    se,
                     interval: Interval::around(estimate, se, Z_95),
                     p: se.map(|se| normal_two_sided(estimate / se)),
                     p_holm: None,

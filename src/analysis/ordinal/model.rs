@@ -113,8 +113,8 @@ pub struct Contrast {
     pub factor: String,
     pub level: String,
     pub other: String,
-    /// How much higher `level` is rated than `other`, on the scale of the link; infinite if there is no finite
-    /// estimate.
+    /// How much higher `level`, which is the later one in natural order, is rated than `other`, on the scale of the link;
+    /// infinite if there is no finite estimate.
     #[serde(serialize_with = "finite")]
     pub estimate: f64,
     /// The 95 % profile-likelihood interval.
