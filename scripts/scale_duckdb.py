@@ -3,12 +3,13 @@
 
     python3 scripts/scale_duckdb.py [--machband target/release/machband] [--rows 50000000]
 
-Needs duckdb (PyPI). DuckDB draws the ratings from an ordered logit model with known effects. The script prints the true
-effects next to the estimates.
+Needs duckdb (PyPI). DuckDB draws the ratings from an ordered logit model with known effects. The script compares the true
+effects with the estimates.
 """
 
 import argparse
 import json
+import math
 import os
 import subprocess
 import tempfile
@@ -64,11 +65,15 @@ def main():
         model = json.load(open(f"{work}/analysis/model.json"))
         total = duckdb.sql("SELECT count(*) FROM ratings WHERE phase = 'main'").fetchall()[0][0]
         print(f"ratings: {total:,} in Parquet, {model['nobs']:,} in the model")
-        truth = {"width0.1": 0.7, "width0.4": 0.4, "width0.8": -0.5, "depth2": -1.0, "depth3": -1.6, "depthinf": -2.6,
-                 "orientation_deg45": 0, "orientation_deg90": 0, "orientation_deg135": 0}
+        # A level may be written in more than one way: 0.1 is 0.10.
+        truth = {"width": {0.02: 0, 0.1: 0.7, 0.4: 0.4, 0.8: -0.5}, "depth": {1: 0, 2: -1.0, 3: -1.6, math.inf: -2.6},
+                 "orientation_deg": {0: 0, 45: 0, 90: 0, 135: 0}}
+        assert model["nobs"] == total and model["coefficients"]
         for coefficient in model["coefficients"]:
-            print(f"{coefficient['name']:20} true {truth[coefficient['name']]:5.2f}  estimate {coefficient['estimate']:8.4f}"
-                  f" ± {coefficient['se']:.4f}")
+            part, (estimate, se) = coefficient["parts"][0], (coefficient["estimate"], coefficient["se"])
+            true = truth[part["variable"]][float(part["level"])]
+            print(f"{coefficient['name']:20} true {true:5.2f}  estimate {estimate:8.4f} ± {se:.4f}")
+            assert abs(estimate - true) < 5 * se, coefficient
 
 
 def timed(what, work):
