@@ -76,8 +76,24 @@ impl<'a> Frame<'a> {
 
     /// Returns the conditions that occur.
     pub fn conditions(&self) -> Vec<u32> {
-        let conditions: BTreeSet<u32> = self.rows.iter().map(|row| row.condition).collect();
-        conditions.into_iter().collect()
+        let mut occurs = vec![false; self.counts.conditions.len()];
+        self.rows.iter().for_each(|row| occurs[row.condition as usize] = true);
+        (0..).zip(occurs).filter_map(|(condition, occurs)| occurs.then_some(condition)).collect()
+    }
+
+    /// Combines the ratings of all participants: a model without random effects does not tell them apart.
+    pub fn pool(&mut self) {
+        let categories = self.categories.len();
+        let mut counts = vec![0; self.counts.conditions.len() * categories];
+        for row in &self.rows {
+            counts[row.condition as usize * categories + usize::from(row.rating)] += row.count;
+        }
+        let row = |(place, count): (usize, u64)| {
+            let (condition, rating) = ((place / categories) as u32, (place % categories) as u8);
+            (count > 0).then_some(CountRow { subject: 0, condition, rating, count })
+        };
+        self.rows = counts.into_iter().enumerate().filter_map(row).collect();
+        self.subjects.truncate(1);
     }
 
     /// Makes `level`, which must occur, the baseline of a factor.
@@ -137,8 +153,9 @@ fn needed_factors(counts: &Counts, terms: &Terms) -> Result<BTreeSet<usize>, Mod
 
 /// Renumbers an index to the values that occur, and returns those values in order.
 fn renumber<T: Copy + Ord + TryFrom<usize>>(rows: &mut [CountRow], field: impl Fn(&mut CountRow) -> &mut T) -> Vec<T> {
-    let present: BTreeSet<T> = rows.iter_mut().map(|row| *field(row)).collect();
-    let present: Vec<T> = present.into_iter().collect();
+    let mut present: Vec<T> = rows.iter_mut().map(|row| *field(row)).collect();
+    present.sort_unstable();
+    present.dedup();
     for row in rows {
         let value = field(row);
         // A new number is never larger than the old one.

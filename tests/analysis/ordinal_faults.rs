@@ -108,6 +108,9 @@ fn a_separated_baseline_is_replaced_by_another_level() {
         let separated = Note::Separation { coefficient: "width0.1".into(), term: "width".into(), positive: true };
         assert_eq!(report.model.notes, [rebased, separated]);
         assert!(report.terms.iter().all(|test| test.p.is_some_and(|p| p < 1e-6)), "{:?}", report.terms);
+        // Numbers, so that later levels are larger.
+        let number = |level: &str| level.parse::<f64>().unwrap();
+        assert!(report.comparisons.iter().all(|c| number(&c.level) > number(&c.other)), "{:?}", report.comparisons);
         rows.retain(|row| row.1 != "0.1");
         same_finite_part(&report.model, &fit(&counts(&rows), &spec).unwrap());
     }

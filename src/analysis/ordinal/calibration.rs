@@ -67,7 +67,11 @@ pub struct ModelReport {
 /// # Errors
 /// Returns the same errors as [`fit`](super::fit).
 pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, ModelError> {
-    report_with_tests(&fit_counts(counts, spec, true)?)
+    let full = fit_counts(counts, spec, true)?;
+    let mut report = report_with_tests(&full)?;
+    report.comparisons =
+        margins::comparisons(&full, &report.model, &vec![chi_squared_limit(1); full.spec.terms.iter().count()]);
+    Ok(report)
 }
 
 fn report_with_tests(full: &Fitted) -> Result<ModelReport, ModelError> {
@@ -79,7 +83,7 @@ fn report_with_tests(full: &Fitted) -> Result<ModelReport, ModelError> {
         interactions: Vec::new(),
         predictions: predictions(full, &model),
         margins: margins::margins(full, &model),
-        comparisons: margins::comparisons(full, &model, &vec![chi_squared_limit(1); full.spec.terms.iter().count()]),
+        comparisons: Vec::new(),
         checks: None,
         model,
     })

@@ -15,7 +15,7 @@ use super::{
     terms::{Term, Variable},
 };
 use crate::analysis::{
-    counts::Counts,
+    counts::{CountRow, Counts},
     frame::{Frame, find_factor},
 };
 
@@ -115,7 +115,7 @@ pub(super) fn clm_data(frame: &Frame, link: Link, x: &Design, nominal: &Design) 
     let (conditions, row_of) = distinct_rows(frame, &[x, nominal], &RandomPart::default());
     let mut counts = DMatrix::zeros(conditions.len(), frame.categories.len());
     for row in &frame.rows {
-        counts[(row_of[&row.condition], usize::from(row.rating))] += row.count as f64;
+        counts[(row_of[row.condition as usize], usize::from(row.rating))] += row.count as f64;
     }
     let offset = x.offset(&conditions);
     let (x, standard) = Standard::of(x.matrix(&conditions));
@@ -124,19 +124,17 @@ pub(super) fn clm_data(frame: &Frame, link: Link, x: &Design, nominal: &Design) 
 }
 
 /// Returns one condition for each distinct row of some designs and a random part, and the index of each condition's
-/// row.
-fn distinct_rows(frame: &Frame, designs: &[&Design], random: &RandomPart) -> (Vec<u32>, HashMap<u32, usize>) {
+/// row; 0 for a condition that does not occur.
+fn distinct_rows(frame: &Frame, designs: &[&Design], random: &RandomPart) -> (Vec<u32>, Vec<usize>) {
     let mut rows: HashMap<Vec<u64>, usize> = HashMap::new();
     let mut conditions = Vec::new();
-    let mut row_of = HashMap::new();
-    for row in &frame.rows {
-        row_of.entry(row.condition).or_insert_with(|| {
-            let fixed = designs.iter().flat_map(|design| design.key(row.condition));
-            let key = fixed.chain(random.key(row.condition)).collect();
-            *rows.entry(key).or_insert_with(|| {
-                conditions.push(row.condition);
-                conditions.len() - 1
-            })
+    let mut row_of = vec![0; frame.counts.conditions.len()];
+    for condition in frame.conditions() {
+        let fixed = designs.iter().flat_map(|design| design.key(condition));
+        let key = fixed.chain(random.key(condition)).collect();
+        row_of[condition as usize] = *rows.entry(key).or_insert_with(|| {
+            conditions.push(condition);
+            conditions.len() - 1
         });
     }
     (conditions, row_of)
@@ -145,7 +143,7 @@ fn distinct_rows(frame: &Frame, designs: &[&Design], random: &RandomPart) -> (Ve
 /// The data of a mixed model, and the design row of each condition.
 pub(super) struct Layout {
     pub data: ClmmData,
-    pub row_of: HashMap<u32, usize>,
+    pub row_of: Vec<usize>,
 }
 
 /// Lays out the data of the mixed model.
@@ -158,14 +156,14 @@ pub(super) fn layout(fitted: &Fitted) -> Layout {
     let mut subjects = Vec::new();
     // Rows are sorted by participant. Conditions that share a design row are combined.
     for rows in frame.rows.chunk_by(|l, r| l.subject == r.subject) {
-        let mut cells: HashMap<(usize, usize), f64> = HashMap::new();
-        for row in rows {
-            *cells.entry((row_of[&row.condition], usize::from(row.rating))).or_insert(0.0) += row.count as f64;
-        }
-        let mut cells: Vec<_> = cells.into_iter().collect();
-        cells.sort_unstable_by_key(|(key, _)| *key);
+        let own = |row: &CountRow| (row_of[row.condition as usize], usize::from(row.rating), row.count);
+        let mut cells: Vec<_> = rows.iter().map(own).collect();
+        cells.sort_unstable();
         let first = observations.len();
-        observations.extend(cells.into_iter().map(|((row, category), count)| Observation { row, category, count }));
+        observations.extend(cells.chunk_by(|l, r| (l.0, l.1) == (r.0, r.1)).map(|cell| {
+            let count = cell.iter().map(|(.., count)| *count).sum::<u64>() as f64;
+            Observation { row: cell[0].0, category: cell[0].1, count }
+        }));
         subjects.push(first..observations.len());
     }
     let loadings = Loadings::new(&fitted.random, &conditions);

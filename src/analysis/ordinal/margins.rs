@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
@@ -132,7 +133,9 @@ fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variab
     let index = |variable: &Variable| counts.factor(variable.name()).map(|(index, _)| index);
     let (Some(own), other) = (index(factor), at.and_then(index)) else { return Vec::new() };
     let Some(cells) = matched(fitted, &[own].into_iter().chain(other).collect::<Vec<_>>()) else { return Vec::new() };
-    let levels = fitted.frame.levels(own);
+    let mut levels = fitted.frame.levels(own);
+    // The baseline, which comes first, may be a later one.
+    levels.sort_unstable();
     let strata = other.map_or_else(|| vec![None], |other| fitted.frame.levels(other).into_iter().map(Some).collect());
     let pairs = levels.len() * (levels.len() - 1) / 2 * strata.len();
     if pairs > MAX_COMPARISONS {
@@ -161,40 +164,37 @@ fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variab
     let first = model.thresholds.len();
     let size = coefficients.len();
     let covariance: DMatrix<f64> = model.covariance.view((first, first), (size, size)).into_owned();
-    let mut comparisons = Vec::new();
-    for stratum in strata {
-        for (place, &level) in levels.iter().enumerate() {
-            for &lower in &levels[..place] {
-                let Some(difference) = row(level, stratum).zip(row(lower, stratum)).map(|(a, b)| a - b) else {
-                    continue;
-                };
-                let estimate = super::estimates::dot_ignoring_zero_weights(difference.iter(), coefficients.iter());
-                let used: Vec<usize> =
-                    (0..size).filter(|&i| covariance[(i, i)].is_finite() || difference[i].abs() > 1e-12).collect();
-                let pairs = used.iter().flat_map(|i| used.iter().map(move |j| (*i, *j)));
-                let se = pairs.map(|(i, j)| difference[i] * difference[j] * covariance[(i, j)]).sum::<f64>().sqrt();
-                // Where the likelihood ratio is known, the standard error that it implies, so that p and the interval are those of
-                // the ratio.
-                let implied = quantity(level, lower).and_then(|quantity| ratio_at_zero(fitted, quantity));
-                let implied = implied.filter(|ratio| *ratio > 0.01).map(|ratio| estimate.abs() / ratio.sqrt());
-                let se = Some(implied.unwrap_or(se) * widening).filter(|se| se.is_finite() && *se > 0.0);
-                let name = |factor: usize, level: u32| counts.factors[factor].levels[level as usize].clone();
-                comparisons.push(Comparison {
-                    factor: factor.name().to_owned(),
-                    level: name(own, level),
-                    other: name(own, lower),
-                    at: other
-                        .zip(stratum)
-                        .map(|(other, stratum)| (counts.factors[other].name.clone(), name(other, stratum))),
-                    estimate,
-                    se,
-                    interval: Interval::around(estimate, se, Z_95),
-                    p: se.map(|se| normal_two_sided(estimate / se)),
-                    p_holm: None,
-                });
-            }
-        }
-    }
+    let pairs_of = |stratum: Option<u32>| {
+        let pairs = |(place, &level): (usize, &u32)| levels[..place].iter().map(move |&lower| (stratum, level, lower));
+        levels.iter().enumerate().flat_map(pairs).collect::<Vec<_>>()
+    };
+    let pairs: Vec<(Option<u32>, u32, u32)> = strata.into_iter().flat_map(pairs_of).collect();
+    let compare = |(stratum, level, lower): (Option<u32>, u32, u32)| {
+        let difference = row(level, stratum).zip(row(lower, stratum)).map(|(a, b)| a - b)?;
+        let estimate = super::estimates::dot_ignoring_zero_weights(difference.iter(), coefficients.iter());
+        let used: Vec<usize> =
+            (0..size).filter(|&i| covariance[(i, i)].is_finite() || difference[i].abs() > 1e-12).collect();
+        let pairs = used.iter().flat_map(|i| used.iter().map(move |j| (*i, *j)));
+        let se = pairs.map(|(i, j)| difference[i] * difference[j] * covariance[(i, j)]).sum::<f64>().sqrt();
+        // Where the likelihood ratio is known, the standard error that it implies, so that p and the interval are those of
+        // the ratio.
+        let implied = quantity(level, lower).and_then(|quantity| ratio_at_zero(fitted, quantity));
+        let implied = implied.filter(|ratio| *ratio > 0.01).map(|ratio| estimate.abs() / ratio.sqrt());
+        let se = Some(implied.unwrap_or(se) * widening).filter(|se| se.is_finite() && *se > 0.0);
+        let name = |factor: usize, level: u32| counts.factors[factor].levels[level as usize].clone();
+        Some(Comparison {
+            factor: factor.name().to_owned(),
+            level: name(own, level),
+            other: name(own, lower),
+            at: other.zip(stratum).map(|(other, stratum)| (counts.factors[other].name.clone(), name(other, stratum))),
+            estimate,
+            se,
+            interval: Interval::around(estimate, se, Z_95),
+            p: se.map(|se| normal_two_sided(estimate / se)),
+            p_holm: None,
+        })
+    };
+    let mut comparisons: Vec<Comparison> = pairs.into_par_iter().filter_map(compare).collect();
     let corrected = holm(&comparisons.iter().map(|comparison| comparison.p).collect::<Vec<_>>());
     comparisons.iter_mut().zip(corrected).for_each(|(comparison, p)| comparison.p_holm = p);
     comparisons

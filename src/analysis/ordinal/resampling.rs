@@ -6,8 +6,6 @@
 //! its coefficients (Davison & Hinkley 1997, Bootstrap Methods and their Application, ch. 4 and 5; Halekoh & Højsgaard
 //! 2014, J. Stat. Softw. 59(9), for mixed models). Random numbers come from ChaCha8 with one stream per simulated study.
 
-use std::collections::BTreeMap;
-
 use clap::Args;
 use nalgebra::DVector;
 use rand::RngExt;
@@ -110,7 +108,7 @@ pub(super) fn own_coefficients(full: &Fitted, term: &Term) -> Vec<(usize, f64)> 
     own.map(|column| (column, estimates[thresholds + column])).collect()
 }
 
-fn ratios(full: &Fitted, frame: Frame, held: &[Design], what: &Statistics) -> [Vec<f64>; 2] {
+fn ratios(full: &Fitted, mut frame: Frame, held: &[Design], what: &Statistics) -> [Vec<f64>; 2] {
     let how = How {
         random: Some(&full.random),
         x: Some(&full.x),
@@ -124,6 +122,7 @@ fn ratios(full: &Fitted, frame: Frame, held: &[Design], what: &Statistics) -> [V
     let mut spec = full.spec.clone();
     if held.is_empty() {
         spec.random = super::model::Random::None;
+        frame.pool();
     }
     let Ok(free) = fit_terms(frame, spec, Vec::new(), how) else { return none };
     let fixed = |x: &Design| {
@@ -164,9 +163,9 @@ pub(super) struct Simulator<'a> {
     link: Link,
     thresholds: Vec<f64>,
     /// The location of each condition for a participant whose effects are 0.
-    location: BTreeMap<u32, f64>,
+    location: Vec<f64>,
     /// The effects that matter in each condition, with their weights.
-    weights: BTreeMap<u32, Vec<(usize, f64)>>,
+    weights: Vec<Vec<(usize, f64)>>,
     effects: usize,
 }
 
@@ -193,8 +192,8 @@ impl<'a> Simulator<'a> {
             frame: &fitted.frame,
             link: fitted.spec.link,
             thresholds: parameters.as_slice()[..data.thresholds()].to_vec(),
-            location: row_of.iter().map(|(condition, row)| (*condition, location[*row])).collect(),
-            weights: row_of.iter().map(|(condition, row)| (*condition, effects_of(*row))).collect(),
+            location: row_of.iter().map(|row| location[*row]).collect(),
+            weights: row_of.iter().map(|row| effects_of(*row)).collect(),
             effects: data.loadings.effects(),
         }
     }
@@ -215,9 +214,9 @@ impl<'a> Simulator<'a> {
         for of_subject in self.frame.rows.chunk_by(|l, r| l.subject == r.subject) {
             u.iter_mut().for_each(|u: &mut f64| *u = StandardNormal.sample(&mut rng));
             for cell in of_subject.chunk_by(|l, r| l.condition == r.condition) {
-                let condition = cell[0].condition;
-                let effect: f64 = self.weights[&condition].iter().map(|(effect, weight)| weight * u[*effect]).sum();
-                let location = self.location[&condition] + effect;
+                let condition = cell[0].condition as usize;
+                let effect: f64 = self.weights[condition].iter().map(|(effect, weight)| weight * u[*effect]).sum();
+                let location = self.location[condition] + effect;
                 let n = cell.iter().map(|row| row.count).sum();
                 let counts = self.categories(n, location, &mut rng);
                 let given = (0..).zip(counts).filter(|(_, count)| *count > 0);

@@ -4,6 +4,7 @@
 //! best value is 0 arrives there, is then held at exactly 0, and is finally checked by moving it away again.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::{
     clm::positive_definite,
@@ -81,13 +82,13 @@ pub(super) struct Task<'a> {
 pub(super) fn fit(data: &ClmmData, task: Task<'_>) -> Option<MixedFit> {
     let tolerance = task.tolerance;
     let mut search = Search::begin(data, task)?;
-    let (mut iterations, mut end) = search.climb(tolerance, task.information);
+    let (mut iterations, mut end) = search.climb(task, task.information);
     // Each pass holds at least one more deviation at 0, or the search ends.
     for _ in 0..=data.loadings.parameters() {
         if !search.hold_zeros(task.free, task.rough) {
             break;
         }
-        let more = search.climb(tolerance, None);
+        let more = search.climb(task, None);
         (iterations, end) = (iterations + more.0, more.1);
     }
     let is_zero = |parameter: &usize| search.at[data.first_psi() + parameter] == 0.0;
@@ -231,8 +232,10 @@ impl<'a> Search<'a> {
 
     /// Takes quasi-Newton steps (Broyden, Fletcher, Goldfarb, Shanno), starting from the information of a similar fit or from
     /// the approximate one.
-    fn climb(&mut self, tolerance: f64, similar: Option<&DMatrix<f64>>) -> (usize, MixedFitEnd) {
+    fn climb(&mut self, task: Task<'_>, similar: Option<&DMatrix<f64>>) -> (usize, MixedFitEnd) {
         const MAX_ITERATIONS: usize = 300;
+        /// Twice the distance of the log-likelihood from its maximum that is as good as none.
+        const SMALL: f64 = 1e-9;
         let similar = similar.and_then(positive_definite);
         let Some(factor) = similar.or_else(|| positive_definite(&self.rough_information()?)) else {
             return (0, MixedFitEnd::Stalled);
@@ -241,7 +244,7 @@ impl<'a> Search<'a> {
         for iteration in 0..MAX_ITERATIONS {
             checkpoint();
             // Newton's method takes over near the maximum.
-            if self.gradient() <= 1e3 * tolerance {
+            if self.gradient() <= 1e3 * task.tolerance {
                 return (iteration, MixedFitEnd::Converged);
             }
             if self.at.amax() > MAX_PARAMETER {
@@ -249,6 +252,9 @@ impl<'a> Search<'a> {
             }
             let before = self.free_gradient();
             let mut step = &inverse * &before;
+            if !task.errors && iteration > 0 && before.dot(&step) < SMALL {
+                return (iteration, MixedFitEnd::Converged);
+            }
             // Limit how far a parameter can jump: a bound that moves by 3 has crossed most of the scale.
             step *= (3.0 / step.amax()).min(1.0);
             let Some(factor) = self.take(&step) else { return (iteration, MixedFitEnd::Stalled) };
@@ -291,12 +297,12 @@ impl<'a> Search<'a> {
         let factor = positive_definite(&self.rough_information()?)?.unpack();
         let size = self.free.len();
         let directions = factor.transpose().solve_upper_triangular(&DMatrix::identity(size, size))?;
-        let mut changes = DMatrix::zeros(size, size);
-        for (index, direction) in directions.column_iter().enumerate() {
-            let direction = direction.clone_owned();
-            let change = self.change(&direction, 1e-3).or_else(|| self.change(&direction, 1e-6))?;
-            changes.set_column(index, &change);
-        }
+        let change = |index: usize| {
+            let direction = directions.column(index).clone_owned();
+            self.change(&direction, 1e-3).or_else(|| self.change(&direction, 1e-6))
+        };
+        let changes: Vec<DVector<f64>> = (0..size).into_par_iter().map(change).collect::<Option<_>>()?;
+        let changes = DMatrix::from_columns(&changes);
         let alike = factor.solve_lower_triangular(&changes)?;
         let alike = (&alike + alike.transpose()) / 2.0;
         Some(&factor * alike * factor.transpose())
