@@ -51,6 +51,8 @@ pub struct Comparison {
     pub p_holm: Option<f64>,
 }
 
+/// A difference of more standard errors than this needs no likelihood ratio.
+const CLEAR: f64 = 10.0;
 /// Maximum number of comparisons of a factor; more would not be read.
 const MAX_COMPARISONS: usize = 120;
 
@@ -178,7 +180,9 @@ fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variab
         let se = pairs.map(|(i, j)| difference[i] * difference[j] * covariance[(i, j)]).sum::<f64>().sqrt();
         // Where the likelihood ratio is known, the standard error that it implies, so that p and the interval are those of
         // the ratio.
-        let implied = quantity(level, lower).and_then(|quantity| ratio_at_zero(fitted, quantity));
+        // A difference of many standard errors is clear without it.
+        let is_clear = estimate.abs() > CLEAR * se;
+        let implied = quantity(level, lower).filter(|_| !is_clear).and_then(|quantity| ratio_at_zero(fitted, quantity));
         let implied = implied.filter(|ratio| *ratio > 0.01).map(|ratio| estimate.abs() / ratio.sqrt());
         let se = Some(implied.unwrap_or(se) * widening).filter(|se| se.is_finite() && *se > 0.0);
         let name = |factor: usize, level: u32| counts.factors[factor].levels[level as usize].clone();
