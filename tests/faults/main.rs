@@ -116,12 +116,13 @@ fn no_error_while_reading_passes_for_an_absence() {
     withstood("faults while data are read", findings.len(), &[LIES, FILES, PANICS]);
 }
 
-/// Not a test: prints what the window's list of sessions shows.
+/// Not a test: does what the window does.
 #[test]
 #[ignore = "part of the other tests"]
-fn sessions_for_the_other_tests() {
-    if let Some(results) = std::env::var_os("MACHBAND_CHILD_RESULTS") {
-        std::process::exit(reads::list(results.as_ref()));
+fn window_for_the_other_tests() {
+    if let (Ok(part), Some(folder)) = (std::env::var("MACHBAND_CHILD_PART"), std::env::var_os("MACHBAND_CHILD_FOLDER"))
+    {
+        std::process::exit(reads::window(&part, folder.as_ref()));
     }
 }
 

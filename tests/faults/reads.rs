@@ -8,7 +8,14 @@ use std::{
     process::Command,
 };
 
-use machband::store::{dataset::free_participant, session::overview::Overview};
+use machband::store::{
+    StoreError, Writer,
+    dataset::free_participant,
+    definition,
+    draft::{Draft, Typed},
+    session::overview::Overview,
+    settings::{Settings, SettingsFile},
+};
 use rand_chacha::{
     ChaCha8Rng,
     rand_core::{Rng as _, SeedableRng as _},
@@ -43,8 +50,9 @@ struct Reader(&'static str, &'static str, i32, Again);
 const CSV: &str = "./results/small-one/data/subject-S001_session-1_task-smallone_data.csv";
 const IMAGE: &str = "./done/1_width-0.1_tanh_k-5.png";
 
-/// Stands for this test program, which prints what the window's list of sessions shows.
-const LIST: &str = "sessions";
+/// What the window does, for which this test program stands: its list of sessions, what it remembers, and a copy that its
+/// editor saves.
+const WINDOW: [&str; 3] = ["sessions", "settings", "editor"];
 
 /// Where the only link in the data leads.
 const LINK: &str = "../../study.toml";
@@ -76,7 +84,9 @@ const READERS: &[Reader] = &[
     Reader("stimuli, again", "stimuli ./study.toml --size 16 --out ./done", 0, Again::Same),
     Reader("repair", "repair ./broken", 0, Again::Repaired),
     Reader("resume", "simulate ./study.toml --seed 7 --resume --results ./open", 0, Again::Session),
-    Reader("list of sessions", LIST, 0, Again::Same),
+    Reader("list of sessions", WINDOW[0], 0, Again::Same),
+    Reader("settings", WINDOW[1], 0, Again::Files),
+    Reader("saving in the editor", WINDOW[2], 0, Again::Files),
 ];
 
 /// What a command did: its exit status, what it printed, and every file. The name of the folder is replaced, because it
@@ -123,8 +133,33 @@ struct Readings {
     references: Vec<(Outcome, Vec<(String, u64)>)>,
 }
 
+/// Does one of the things that the window does, and returns the exit status.
+pub fn window(part: &str, folder: &Path) -> i32 {
+    let done = match part {
+        "sessions" => return list(&folder.join("results")),
+        "settings" => remember(&folder.join("settings.toml")),
+        _ => save_copy(&folder.join("study.toml"), &folder.join("copy.toml")),
+    };
+    done.inspect_err(|error| eprintln!("error: {error}")).map_or(1, |()| 0)
+}
+
+/// Reads the settings, changes one, and writes them.
+fn remember(path: &Path) -> Result<(), StoreError> {
+    let (mut file, mut settings) = SettingsFile::open(path)?;
+    println!("{settings:?}");
+    settings.zoom = 2.0;
+    file.save(&settings)
+}
+
+/// Saves a copy of a definition with another title, as the editor does.
+fn save_copy(path: &Path, copy: &Path) -> Result<(), StoreError> {
+    let mut draft = Draft::parse(&path.display().to_string(), &definition::text(path)?)?;
+    draft.set("title", "Another title", Typed::Text);
+    Writer::new([path.to_owned()], false).write(copy, draft.text().as_bytes())
+}
+
 /// Prints what the window's list of sessions shows, and returns the exit status.
-pub fn list(results: &Path) -> i32 {
+fn list(results: &Path) -> i32 {
     let overview = Overview::of(results);
     println!("{:#?}", overview.sessions);
     let mut errors = overview.errors;
@@ -170,6 +205,11 @@ fn prepare(folder: &Path) {
             fs::write(folder.join(results).join(foreign).join("#12"), "").unwrap();
         }
     }
+    SettingsFile::open(&folder.join("settings.toml"))
+        .unwrap()
+        .0
+        .save(&Settings { zoom: 1.5, ..Settings::default() })
+        .unwrap();
     machband("stimuli study.toml --size 16 --shard 1/2 --out images");
     machband("stimuli study.toml --size 16 --out done");
 }
@@ -217,10 +257,10 @@ impl Readings {
         let (folder, log) = (scene.path(), sweep::folder());
         let named = format!("{}/", folder.display());
         let mut command = match reader.1 {
-            LIST => {
+            part if WINDOW.contains(&part) => {
                 let mut command = Command::new(std::env::current_exe().unwrap());
-                command.args(["--ignored", "--exact", "sessions_for_the_other_tests", "--nocapture"]);
-                command.env("MACHBAND_CHILD_RESULTS", folder.join("results"));
+                command.args(["--ignored", "--exact", "window_for_the_other_tests", "--nocapture"]);
+                command.env("MACHBAND_CHILD_PART", part).env("MACHBAND_CHILD_FOLDER", folder);
                 command
             }
             line => {
