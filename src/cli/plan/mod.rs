@@ -20,7 +20,7 @@ use findings::Findings;
     one level of any factor of the experiment.\n\n\
     --slope FACTOR=SD lets people differ in the effect of a factor: each deviates at each of its levels by an independent \
     normal value, as in R's (1 | subject:factor). The more they differ, the lower the power.\n\n\
-    Below 12 participants, p values of the model come from simulated studies without the effect: as many as --studies, \
+    Up to 40 participants, p values of the model come from simulated studies without the effect: as many as --studies, \
     but at least 199 and at most 999.\n\n\
     Results depend on the seed but not on the number of threads (ChaCha8, one stream per participant and study).\n\n\
     Examples:\n  machband plan orientation --participants 4,8,12 --effect oblique=0.5\n  \
