@@ -59,7 +59,7 @@ fn a_crossed_interaction_leads() {
             let Summary { findings, cautions, .. } = said(&results);
             let (found, first) = (format!("{people} people, {terms:?}: {findings:?} {cautions:?}"), &findings[0]);
             assert!(first.contains("effects of a and b depend on each other"), "{found}");
-            assert!(first.contains("at b x") && first.contains("at b z"), "{found}");
+            assert!(first.contains("At b x, the mean rating is") && first.contains("; at b z, it is"), "{found}");
             assert!(!findings.iter().chain(&cautions).any(|text| text.contains("no clear effect of a")), "{found}");
             assert!(!findings.iter().any(|text| text.contains("if a made no difference")), "{found}");
             let additive = cautions.iter().any(|text| text.contains("The model is additive"));

@@ -232,11 +232,12 @@ fn fit_mixed(fitted: &Fitted, how: How<'_>) -> Option<MixedFit> {
     };
     let found = search::fit(&data, task);
     let good = |fit: &MixedFit| matches!(fit.end, MixedFitEnd::Converged | MixedFitEnd::Boundary);
-    if how.held.is_some() || start_at.is_none() || found.as_ref().is_some_and(good) {
+    if start_at.is_none() || found.as_ref().is_some_and(good) {
         return found;
     }
-    // The similar fit was not so similar.
-    search::fit(&data, Task { start: None, modes: None, information: None, rough: false, ..task }).or(found)
+    // The similar fit was not so similar. A parameter that is held stands in the start.
+    let start = start_at.filter(|_| how.held.is_some());
+    search::fit(&data, Task { start, modes: None, information: None, rough: false, ..task }).or(found)
 }
 
 impl Fitted<'_> {

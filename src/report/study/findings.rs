@@ -492,17 +492,19 @@ fn simple_effects(results: &Results, of: &FactorResults, at: &FactorResults) -> 
         };
         let level = names::level_of(at, &at.levels[*level]);
         let p = p.filter(|_| results.is_inferential()).map_or_else(String::new, |p| format!(" ({})", p_is(p)));
+        let what = if place == 0 { "the mean rating" } else { "it" };
         is_shown(place).then(|| {
-            format!("at {} {level}, it is {} and {}{p}", names::factor(&at.name), mean_at(first), mean_at(second))
+            format!("at {} {level}, {what} is {} and {}{p}", names::factor(&at.name), mean_at(first), mean_at(second))
         })
     };
     let parts: Vec<String> = strata.iter().zip(corrected).enumerate().filter_map(part).collect();
     let of_all =
-        if last < MAX_SHOWN { String::new() } else { format!(", at {} of {} levels", parts.len(), strata.len()) };
+        if last < MAX_SHOWN { String::new() } else { format!(" ({} of {} levels)", parts.len(), strata.len()) };
     let test = if results.is_inferential() && p.iter().any(Option::is_some) {
-        "; p of each comparison is from Friedman’s test of all levels, corrected with Holm’s method"
+        " Each p is that of Friedman’s test of all levels, corrected with Holm’s method."
     } else {
         ""
     };
-    format!(" The mean rating{of_all}: {}{test}.", parts.join("; "))
+    let text = names::capitalized(&parts.join("; "));
+    format!(" {text}{of_all}.{test}")
 }

@@ -17,11 +17,6 @@ use crate::{
     store::ratings::Source,
 };
 
-/// Krippendorff's α at or above which data are considered reliable.
-const RELIABLE: f64 = 0.8;
-/// Krippendorff's α at or above which tentative conclusions are allowed.
-const TENTATIVE: f64 = 0.667;
-
 /// With fewer participants than this, the summary says that they are few.
 const FEW_PEOPLE: usize = 6;
 
@@ -30,7 +25,7 @@ const FEW_PEOPLE: usize = 6;
 pub struct Summary {
     /// Who rated what.
     pub lead: Vec<String>,
-    /// The findings: an item for each factor, then agreement.
+    /// The findings: an item for each factor, then repetition.
     pub findings: Vec<String>,
     /// Cautions, most serious first.
     pub cautions: Vec<String>,
@@ -63,7 +58,6 @@ pub fn summary(source: &Source, results: &Results) -> Summary {
     findings.extend(results.covariates.iter().filter_map(|name| findings::covariate(results, name)));
     findings.extend(others.iter().filter_map(|found| findings::interaction(results, found)));
     findings.extend(between_participants(results));
-    findings.extend(agreement(results));
     findings.extend(repetition(results));
     Summary { lead: lead(source, results), findings, cautions: cautions(source, results) }
 }
@@ -106,18 +100,6 @@ fn between_participants(results: &Results) -> Option<String> {
     let (least, most) = (results.subjects.iter().min_by(by_mean)?, results.subjects.iter().max_by(by_mean)?);
     let own = |subject: &SubjectResults| format!("{} ({})", mean(subject.group.summary.mean), names::who(subject));
     Some(format!("The mean ratings of individual participants range from {} to {}.", own(least), own(most)))
-}
-
-/// States Krippendorff's α and compares it with his limits.
-fn agreement(results: &Results) -> Option<String> {
-    let alpha = results.alpha?;
-    let verdict = match alpha.alpha {
-        a if a >= RELIABLE => "at or above .800, where Krippendorff considers data reliable",
-        a if a >= TENTATIVE => "between .667 and .800, where Krippendorff allows only tentative conclusions",
-        _ => "below .667, Krippendorff’s limit for even tentative conclusions",
-    };
-    let interval = with_interval(alpha.interval, unit);
-    Some(format!("Agreement between participants is α = {}{interval}: {verdict}.", unit(alpha.alpha)))
 }
 
 fn repetition(results: &Results) -> Option<String> {
