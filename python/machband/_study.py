@@ -222,6 +222,7 @@ def analyze(
     slopes: Literal["none", "independent", "correlated"] = "independent",
     large: bool = False,
     random: Literal["none", "subject"] | None = None,
+    covariate: str | Sequence[str] | None = None,
     draws: int = 999,
     seed: int = 1,
 ) -> Analysis:
@@ -278,8 +279,12 @@ def analyze(
         time grows with their square or cube.
     random
         Random intercept for each participant [default: subject if there are at least two participants].
+    covariate
+        Numbers that describe participants: each has one slope in the model, and no levels [default: numbers that are
+        the same in all ratings of each participant].
     draws
-        Number of simulated studies that calibrate tests and intervals; an analysis of many ratings uses at most 199.
+        Maximum number of simulated studies that calibrate tests and intervals. Simulation ends earlier when more
+        studies would not change a conclusion.
     seed
         Seed of the simulated studies.
 
