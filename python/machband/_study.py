@@ -296,7 +296,7 @@ def analyze(
     Examples
     --------
     >>> ratings = simulate("quick", participants=4, seed=3)
-    >>> analyze(ratings, draws=19).tables["by_width"]["width"].tolist()
+    >>> analyze(ratings, draws=99).tables["by_width"]["width"].tolist()
     [0.02, 0.1, 0.4, 0.8]
     """
     columns = _columns(data)
