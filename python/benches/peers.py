@@ -123,7 +123,7 @@ def statsmodels():
 
 def ours():
     return machband.analyze(
-        frame, subject="subject_id", response="rating", terms=["num:width", "num:inv_n"], random="none", draws=19
+        frame, subject="subject_id", response="rating", terms=["num:width", "num:inv_n"], random="none", draws=99
     )
 
 
