@@ -174,7 +174,7 @@ impl Counts {
     }
 
     /// Returns whether a factor describes the participants and not what they saw: numbers that are the same in all ratings of
-    /// each participant, with at least [`LEAST_COVARIATE`] different ones.
+    /// each participant, with at least four different ones.
     pub fn is_covariate(&self, factor: usize) -> bool {
         let levels = |rows: &[CountRow]| -> BTreeSet<Option<u32>> {
             rows.iter().map(|row| self.conditions[row.condition as usize][factor]).collect()
@@ -304,8 +304,8 @@ impl Measured {
         let shorter = |levels: &Vec<Option<u32>>| kept.iter().map(|&factor| levels[factor]).collect::<Vec<_>>();
         let all: BTreeSet<Vec<Option<u32>>> = counts.conditions.iter().map(shorter).collect();
         let all: Vec<Vec<Option<u32>>> = all.into_iter().collect();
-        let moved: Vec<u32> =
-            counts.conditions.iter().map(|levels| all.partition_point(|own| *own < shorter(levels)) as u32).collect();
+        let place = |own: Vec<Option<u32>>| all.partition_point(|other| *other < own) as u32;
+        let moved: Vec<u32> = counts.conditions.iter().map(|levels| place(shorter(levels))).collect();
         let mut sums: BTreeMap<(u32, u32, u8), u64> = BTreeMap::new();
         for row in &counts.rows {
             *sums.entry((row.subject, moved[row.condition as usize], row.rating)).or_default() += row.count;

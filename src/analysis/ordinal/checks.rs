@@ -30,7 +30,7 @@ pub struct Checks {
     pub alternatives: Vec<Alternative>,
     /// Observed proportions and those in simulated studies, at each level of each factor.
     pub proportions: Vec<Proportion>,
-    /// The same in each condition, if there are at most [`MAX_CELLS`]: `factor` and `level` list all factors and levels.
+    /// The same in each condition, if there are at most 300: `factor` and `level` list all factors and levels.
     pub cells: Vec<Proportion>,
     /// How much participants differ: the observed standard deviation of their mean category, and its range in simulated
     /// studies. `None` for a single participant.

@@ -102,22 +102,25 @@ fn by_signs(full: &Fitted, pairs: Vec<(Interaction, [usize; 2])>, seed: u64) -> 
             .map(|(pair, terms)| residuals.scores(full, *terms).filter(|_| pair.df <= MAX_COLUMNS))
             .collect()
     };
-    let signs = signs(full.frame.subjects.len(), seed);
     // The statistics of each tested interaction, the observed one first; then the share of patterns that reach each one.
-    let reach = |scores: &DMatrix<f64>| {
-        let statistics: Vec<f64> = signs.iter().map(|signs| (scores * signs).norm_squared()).collect();
-        (statistics[0], exceedances(&statistics))
-    };
-    let reached: Vec<Option<(f64, Vec<f64>)>> = scores.par_iter().map(|scores| scores.as_ref().map(reach)).collect();
-    let least =
-        |pattern: usize| reached.iter().flatten().map(|(_, p)| p[pattern]).min_by(f64::total_cmp).unwrap_or(1.0);
-    let least: Vec<f64> = (0..signs.len()).map(least).collect();
+    let mut statistics = vec![Vec::new(); pairs.len()];
+    let patterns = each_block_of_signs(full.frame.subjects.len(), seed, |signs| {
+        statistics.par_iter_mut().zip(&scores).for_each(|(statistics, scores)| {
+            let sums = scores.as_ref().map(|scores| scores * signs);
+            statistics.extend(sums.iter().flat_map(|sums| sums.column_iter().map(|sum| sum.norm_squared())));
+        });
+    });
+    let reached: Vec<Vec<f64>> = statistics.par_iter().map(|statistics| exceedances(statistics)).collect();
+    let least = |pattern: usize| reached.iter().filter_map(|p| p.get(pattern).copied()).fold(1.0, f64::min);
+    let least: Vec<f64> = (0..patterns).map(least).collect();
     let mut tested = Vec::new();
-    for (((mut pair, _), scores), reached) in pairs.into_iter().zip(&scores).zip(reached.iter()) {
-        if let (Some(scores), Some((statistic, p))) = (scores, reached) {
-            let reaching = least.iter().filter(|least| **least <= p[0] + 1e-12).count();
-            (pair.chi_squared, pair.df, pair.draws) = (Some(*statistic), scores.nrows(), signs.len());
-            (pair.p, pair.withheld) = (Some(reaching as f64 / signs.len() as f64), None);
+    for (((mut pair, _), scores), (statistics, p)) in
+        pairs.into_iter().zip(&scores).zip(statistics.iter().zip(&reached))
+    {
+        if let (Some(scores), Some(statistic), Some(own)) = (scores, statistics.first(), p.first()) {
+            let reaching = least.iter().filter(|least| **least <= own + 1e-12).count();
+            (pair.chi_squared, pair.df, pair.draws) = (Some(*statistic), scores.nrows(), patterns);
+            (pair.p, pair.withheld) = (Some(reaching as f64 / patterns as f64), None);
         }
         tested.push(pair);
     }
@@ -132,19 +135,36 @@ fn exceedances(statistics: &[f64]) -> Vec<f64> {
     statistics.iter().map(|statistic| (sorted.len() - below(*statistic)) as f64 / sorted.len() as f64).collect()
 }
 
-/// Returns patterns of signs, one sign for each participant: all patterns that differ by more than a common sign, or random
-/// ones. The first has no negative sign.
-fn signs(people: usize, seed: u64) -> Vec<DVector<f64>> {
-    if people <= MAX_ENUMERATED {
-        let sign = |pattern: usize, person: usize| if pattern >> person & 1 == 1 { -1.0 } else { 1.0 };
-        return (0..1 << (people - 1))
-            .map(|pattern| DVector::from_fn(people, |person, _| sign(pattern, person)))
-            .collect();
-    }
+/// Makes patterns of signs, a sign for each participant in a column, block by block, because all of them would need gigabytes
+/// for thousands of participants; returns their number. They are all patterns that differ by more than a common sign, or
+/// random ones. The first has no negative sign.
+fn each_block_of_signs(people: usize, seed: u64, mut each: impl FnMut(&DMatrix<f64>)) -> usize {
+    const BLOCK: usize = 64;
+    let is_enumerated = people <= MAX_ENUMERATED;
+    let patterns = if is_enumerated { 1 << (people - 1) } else { 1 + SIGNS };
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut sign = || if rng.random::<bool>() { 1.0 } else { -1.0 };
-    let random = (0..SIGNS).map(|_| DVector::from_fn(people, |_, _| sign())).collect::<Vec<_>>();
-    std::iter::once(DVector::from_element(people, 1.0)).chain(random).collect()
+    let mut sign = |pattern: usize, person: usize| match pattern {
+        0 => 1.0,
+        _ if is_enumerated => {
+            if pattern >> person & 1 == 1 {
+                -1.0
+            } else {
+                1.0
+            }
+        }
+        _ => {
+            if rng.random::<bool>() {
+                1.0
+            } else {
+                -1.0
+            }
+        }
+    };
+    for first in (0..patterns).step_by(BLOCK) {
+        let columns = BLOCK.min(patterns - first);
+        each(&DMatrix::from_fn(people, columns, |person, column| sign(first + column, person)));
+    }
+    patterns
 }
 
 /// The residuals of a fit.

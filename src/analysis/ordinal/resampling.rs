@@ -70,12 +70,13 @@ pub(super) fn simulate(
     progress: &(dyn Fn() + Sync),
 ) -> [Vec<Vec<f64>>; 2] {
     let simulator = Simulator::new(full, true);
+    // A term whose columns cannot be found has no ratios.
     let held = |term: &&Term| {
-        let recoded = recoded(full, term).ok().flatten();
+        let recoded = recoded(full, term).ok()?;
         let model = recoded.as_ref().unwrap_or(full);
-        model.x.held(&own_coefficients(model, term))
+        Some(model.x.held(&own_coefficients(model, term)))
     };
-    let held: Vec<Design> = what.terms.iter().map(held).collect();
+    let held: Vec<Option<Design>> = what.terms.iter().map(held).collect();
     let of_study = |study: u32| {
         let frame = simulator.study(settings.seed, study.into());
         let ratios = frame.map(|frame| ratios(full, frame, &held, what));
@@ -108,7 +109,7 @@ pub(super) fn own_coefficients(full: &Fitted, term: &Term) -> Vec<(usize, f64)> 
     own.map(|column| (column, estimates[thresholds + column])).collect()
 }
 
-fn ratios(full: &Fitted, mut frame: Frame, held: &[Design], what: &Statistics) -> [Vec<f64>; 2] {
+fn ratios(full: &Fitted, mut frame: Frame, held: &[Option<Design>], what: &Statistics) -> [Vec<f64>; 2] {
     let how = How {
         random: Some(&full.random),
         x: Some(&full.x),
@@ -133,7 +134,7 @@ fn ratios(full: &Fitted, mut frame: Frame, held: &[Design], what: &Statistics) -
     };
     let or_nan = |ratio: Option<f64>| ratio.unwrap_or(f64::NAN);
     [
-        held.iter().map(|x| or_nan(fixed(x))).collect(),
+        held.iter().map(|x| or_nan(x.as_ref().and_then(fixed))).collect(),
         what.nominal.iter().map(|term| or_nan(nominal_test(&free, term).ok().and_then(|test| test.lr))).collect(),
     ]
 }
