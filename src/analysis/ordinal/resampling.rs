@@ -60,7 +60,7 @@ pub(super) struct Statistics<'a> {
 const BATCH: u32 = 100;
 
 /// Simulates studies from a fit and returns the ratios for each of the terms and of the nominal terms; not finite where a
-/// study allows no fit. The simulation ends when all `observed` ratios are decided (Besag & Clifford 1991, Biometrika 78,
+/// study allows no fit. The ratios of a term end when its `observed` ratio is decided (Besag & Clifford 1991, Biometrika 78,
 /// 301). `progress` is called after each study.
 pub(super) fn simulate(
     full: &Fitted,
@@ -77,23 +77,26 @@ pub(super) fn simulate(
         Some(model.x.held(&own_coefficients(model, term)))
     };
     let held: Vec<Option<Design>> = what.terms.iter().map(held).collect();
-    let of_study = |study: u32| {
+    let of_study = |study: u32, open: &[Vec<bool>; 2]| {
         let frame = simulator.study(settings.seed, study.into());
-        let ratios = frame.map(|frame| ratios(full, frame, &held, what));
+        let ratios = frame.map(|frame| ratios(full, frame, &held, what, open));
         progress();
         ratios.unwrap_or_else(|| [&what.terms, &what.nominal].map(|terms| vec![f64::NAN; terms.len()]))
     };
     let mut all = observed.clone().map(|observed| vec![Vec::new(); observed.len()]);
+    let mut open = observed.clone().map(|observed| vec![true; observed.len()]);
     let mut next = 0;
     while next < settings.draws {
         // With 99, 199, … studies, a quantile at the level 0.05 is one of the ratios.
         let end = settings.draws.min((next + 1) / BATCH * BATCH + BATCH - 1);
-        for study in (next..end).into_par_iter().map(of_study).collect::<Vec<_>>() {
-            let places = all.iter_mut().flatten().zip(study.into_iter().flatten());
-            places.for_each(|(ratios, ratio)| ratios.push(ratio));
+        for study in (next..end).into_par_iter().map(|study| of_study(study, &open)).collect::<Vec<_>>() {
+            let places = all.iter_mut().flatten().zip(study.into_iter().flatten()).zip(open.iter().flatten());
+            places.filter(|(_, open)| **open).for_each(|((ratios, ratio), _)| ratios.push(ratio));
         }
         next = end;
-        if all.iter().flatten().zip(observed.iter().flatten()).all(|(ratios, own)| is_decided(ratios, *own)) {
+        let places = all.iter().flatten().zip(observed.iter().flatten()).zip(open.iter_mut().flatten());
+        places.for_each(|((ratios, own), open)| *open = *open && !is_decided(ratios, *own));
+        if !open.iter().flatten().any(|open| *open) {
             break;
         }
     }
@@ -109,7 +112,14 @@ pub(super) fn own_coefficients(full: &Fitted, term: &Term) -> Vec<(usize, f64)> 
     own.map(|column| (column, estimates[thresholds + column])).collect()
 }
 
-fn ratios(full: &Fitted, mut frame: Frame, held: &[Option<Design>], what: &Statistics) -> [Vec<f64>; 2] {
+/// Returns the ratios of the terms and of the nominal terms that are `open`.
+fn ratios(
+    full: &Fitted,
+    mut frame: Frame,
+    held: &[Option<Design>],
+    what: &Statistics,
+    open: &[Vec<bool>; 2],
+) -> [Vec<f64>; 2] {
     let how = How {
         random: Some(&full.random),
         x: Some(&full.x),
@@ -121,7 +131,7 @@ fn ratios(full: &Fitted, mut frame: Frame, held: &[Option<Design>], what: &Stati
     let none = [&what.terms, &what.nominal].map(|terms| vec![f64::NAN; terms.len()]);
     // Without terms to test, the random effects are not needed.
     let mut spec = full.spec.clone();
-    if held.is_empty() {
+    if !open[0].contains(&true) {
         spec.random = super::model::Random::None;
         frame.pool();
     }
@@ -132,10 +142,11 @@ fn ratios(full: &Fitted, mut frame: Frame, held: &[Option<Design>], what: &Stati
         let fixed = fit_terms(free.frame.clone(), free.spec.clone(), Vec::new(), how).ok()?;
         comparable(&free, &fixed).then(|| (2.0 * (free.loglik() - fixed.loglik())).max(0.0))
     };
+    let nominal = |term: &Term| nominal_test(&free, term).ok()?.lr;
     let or_nan = |ratio: Option<f64>| ratio.unwrap_or(f64::NAN);
     [
-        held.iter().map(|x| or_nan(x.as_ref().and_then(fixed))).collect(),
-        what.nominal.iter().map(|term| or_nan(nominal_test(&free, term).ok().and_then(|test| test.lr))).collect(),
+        held.iter().zip(&open[0]).map(|(x, open)| or_nan(x.as_ref().filter(|_| *open).and_then(fixed))).collect(),
+        what.nominal.iter().zip(&open[1]).map(|(term, open)| or_nan(open.then(|| nominal(term)).flatten())).collect(),
     ]
 }
 

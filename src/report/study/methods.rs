@@ -148,9 +148,9 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
         text += " The two-way interactions that the model leaves out were tested with likelihood ratios, corrected with Holm’s \
                  method.";
     }
-    if let Some(draws) = report.terms.iter().find_map(|test| test.draws) {
+    if let Some(draws) = report.terms.iter().filter_map(|test| test.draws).max() {
         text += &format!(
-            " Their p values come from a parametric bootstrap ({}) with {draws} studies simulated from the model (ChaCha8, \
+            " Their p values come from a parametric bootstrap ({}) with up to {draws} studies simulated from the model (ChaCha8, \
              seed {}).",
             cited.cite("Davison & Hinkley, 1997; Halekoh & Højsgaard, 2014"),
             results.options.resampling.seed

@@ -121,10 +121,10 @@ fn interactions(section: &mut Section, report: &ModelReport) {
 
 /// Says where the probabilities of some tests come from.
 fn source_of_p(tests: &[TermTest]) -> String {
-    match tests.iter().find_map(|test| test.draws) {
+    match tests.iter().filter_map(|test| test.draws).max() {
         Some(draws) => format!(
-            "The χ² distribution is not accurate with few or related ratings, so {draws} studies were simulated from the \
-             model; more would not change a conclusion. p is the proportion of their ratios, computed at the effects that \
+            "The χ² distribution is not accurate with few or related ratings, so up to {draws} studies were simulated from \
+             the model for each row; more would not change a conclusion. p is the proportion of their ratios, computed at the effects that \
              generated them, that are at least as large. If none is, p comes from an exponential tail fitted to the largest \
              fifth. The Monte Carlo standard error of p is at most {}.",
             fixed(tests.iter().filter_map(|test| test.p_error).fold(0.0, f64::max), 4)
