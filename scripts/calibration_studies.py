@@ -3,7 +3,7 @@
     python scripts/calibration_studies.py OUT_DIR [--studies 1000] [--seed 20261124] [--only NAME,NAME]
 
 For each design, OUT_DIR/NAME.csv contains the studies as counts of equal ratings (study, subject_id, the factors, rating,
-count), sorted by study and participant. OUT_DIR/NAME.json contains the parameters and the expected values in the
+count), sorted by study and participant; in the designs "o", also the place of each trial. OUT_DIR/NAME.json contains the parameters and the expected values in the
 population. The random numbers of a study depend only on the seed, the name of the design and the number of the study.
 
 A latent value is x·β + the person's intercept + the person's deviations in the slopes + logistic noise. The rating, from
@@ -57,6 +57,14 @@ class Design:
     slope_sd: float = 0.0
     thresholds: tuple = USUAL
     rough: bool = False
+    # Items, such as pictures, of each level: another sample with an SD of its own. Each person rates every item once.
+    items: int = 0
+    item_sd: float = 0.0
+    # Correlation of the noise of successive trials, whether conditions are shown in blocks, and whether the studies tell the
+    # places of the trials.
+    autoregression: float = 0.3
+    blocked: bool = False
+    placed: bool = False
     # The effects of the first factor also differ between people in a way that depends on the second.
     crossed_sd: float = 0.0
 
@@ -159,6 +167,17 @@ DESIGNS = [
                people, CROSSED, 6, {"level": [0.0, 1.0, 2.0], "side": [0.0, 2.0]}, **(LEVELS | {"slope_sd": 0.5}), rough=True, crossed_sd=0.5)
         for people in (3, 6, 8, 12, 20, 40)
     ],
+    *[
+        Design(f"k{people}x{items}", f"{people} people rate 2 levels of {items} items each once; the mean effect is 0; people differ in it; "
+               "rough.", people, AB, items, **(LEVELS | {"slope_sd": 0.3}), rough=True, items=items, item_sd=0.8)
+        for people, items in ((6, 8), (12, 6), (12, 12), (20, 12))
+    ],
+    *[
+        Design(f"o{people}{'b' * blocked}{'a' * (ar > 0)}", f"{people} {'people' if people > 1 else 'person'} rate 2 levels 24 times, "
+               f"{'in blocks' if blocked else 'in random order'}; no effect; the noise of successive trials is correlated by {ar}; rough.",
+               people, AB, 24, **(LEVELS | {"slope_sd": 0.3}), rough=True, autoregression=ar, blocked=blocked, placed=True)
+        for people, blocked, ar in ((1, False, 0.0), (1, True, 0.0), (8, False, 0.0), (8, True, 0.0), (8, True, 0.3), (16, False, 0.0))
+    ],
     Design("p1", "1 person rates 3 levels 20 times; no effect.", 1, ABC, 20),
 ]
 
@@ -193,22 +212,34 @@ def simulate_rough(design, fixed, random, rng):
     deviations = rng.standard_t(3, (people, random.shape[1])) / np.sqrt(3)
     deviations[:, 0] = rng.standard_normal(people)
     effects = deviations @ random.T + design.crossed_sd * rng.standard_normal((people, len(cells)))
-    counts = np.zeros((people, len(cells), RATINGS), int)
+    items, places = max(design.items, 1), []
+    shifts = design.item_sd * rng.standard_normal((len(cells), items)) if design.items else np.zeros((len(cells), 1))
+    counts = np.zeros((people, len(cells) * items, RATINGS), int)
     for person in range(people):
         thresholds = np.sort(np.asarray(design.thresholds) + 0.4 * rng.standard_normal(RATINGS - 1))
         scale = np.exp(0.3 * rng.standard_normal())
         trials = np.repeat(np.arange(len(cells)), [design.trials_of(cell) for cell in cells])
-        rng.shuffle(trials)
+        if design.blocked:
+            trials = np.concatenate([trials[trials == c] for c in rng.permutation(len(cells))])
+        else:
+            rng.shuffle(trials)
         noise = np.empty(len(trials))
         noise[0] = rng.standard_normal()
         for trial in range(1, len(trials)):
-            noise[trial] = 0.3 * noise[trial - 1] + np.sqrt(1 - 0.3**2) * rng.standard_normal()
-        latent = fixed[trials] + effects[person, trials] + scale * logistic.ppf(norm.cdf(noise))
-        np.add.at(counts, (person, trials, np.searchsorted(thresholds, latent)), 1)
-        missing = rng.random(len(cells)) < 0.1
+            noise[trial] = design.autoregression * noise[trial - 1] + np.sqrt(1 - design.autoregression**2) * rng.standard_normal()
+        item = np.zeros(len(trials), int)
+        for c in range(len(cells) if design.items else 0):
+            item[trials == c] = rng.permutation(items)
+        latent = fixed[trials] + effects[person, trials] + shifts[trials, item] + scale * logistic.ppf(norm.cdf(noise))
+        ratings = np.searchsorted(thresholds, latent)
+        np.add.at(counts, (person, trials * items + item, ratings), 1)
+        if design.placed:
+            places += [(person, c, rating, place) for place, (c, rating) in enumerate(zip(trials, ratings), 1)]
+            continue
+        missing = rng.random(counts.shape[1]) < 0.1
         if not missing.all():
             counts[person, missing] = 0
-    return counts
+    return places if design.placed else counts
 
 
 def probabilities(design, eta):
@@ -256,7 +287,7 @@ def truth(design):
     names = [",".join(str(level) for level in cell) for cell in cells]
     fixed, random = design.fixed(), design.random()
     nodes, weights = normal_nodes(160)
-    spread = np.sqrt((random**2).sum(axis=1))
+    spread = np.sqrt((random**2).sum(axis=1) + design.item_sd**2)
     marginal = np.einsum("n,cni->ci", weights, probabilities(design, fixed[:, None] + spread[:, None] * nodes))
     values = np.arange(RATINGS)
     means, typical = marginal @ values, probabilities(design, fixed) @ values
@@ -274,6 +305,8 @@ def truth(design):
         "design": design.text,
         "people": design.people,
         "factor kinds": {factor: "between" if factor in design.between else "within" for factor in design.factors},
+        "items": "item" if design.items else None,
+        "item_sd": design.item_sd,
         "numeric": [factor for factor in design.factors if design.is_numeric(factor)],
         "trials": {name: int(count) for name, count in zip(names, trials)},
         "coefficients": design.coefficients(),
@@ -293,12 +326,17 @@ def truth(design):
 
 def write(design, folder, studies, seed):
     cells = design.cells()
+    if design.items:
+        cells = [(*cell, f"{c}-{item}") for c, cell in enumerate(cells) for item in range(design.items)]
     with (folder / f"{design.name}.csv").open("w", newline="") as file:
         out = csv.writer(file, lineterminator="\n")
-        out.writerow(["study", "subject_id", *design.factors, "rating", "count"])
+        out.writerow(["study", "subject_id", *design.factors, *(["item"] if design.items else []), "rating", "count", *(["trial"] if design.placed else [])])
         for study in range(1, studies + 1):
             rng = np.random.default_rng(np.random.SeedSequence([seed, zlib.crc32(design.name.encode()), study]))
             counts = simulate(design, rng)
+            if design.placed:
+                out.writerows([study, f"S{person + 1:02}", *cells[c], rating, 1, place] for person, c, rating, place in counts)
+                continue
             for person, c, rating in np.argwhere(counts):
                 out.writerow([study, f"S{person + 1:02}", *cells[c], rating, counts[person, c, rating]])
     (folder / f"{design.name}.json").write_text(json.dumps(truth(design), indent=2) + "\n")

@@ -97,6 +97,24 @@ d$rating <- categories(latent, c(-1.4, 0, 1.3), "logit")
 write_data("slopes8", d[c("subject", "width", "rating")],
            "20 subjects who differ in two contrasts with the first width (SD 0.8 and 1.1), four categories, logit")
 
+# Items crossed with subjects: of one width each, or shown at every width.
+set.seed(19)
+d <- expand.grid(item = sprintf("i%02d", 1:14), subject = people(12), stringsAsFactors = FALSE)
+d$width <- ifelse(as.numeric(substr(d$item, 2, 3)) %% 2 == 1, "a", "b")
+latent <- rnorm(12)[match(d$subject, people(12))] + deviations(d$subject, d$width, 0.8) + 0.8 * rnorm(14)[match(d$item, unique(d$item))] +
+  c(a = 0, b = 1)[d$width]
+d$rating <- categories(latent, c(-1, 0.5, 2), "logit")
+write_data("slopes9", d[c("subject", "width", "item", "rating")], "12 subjects rate 14 items of one width each (SD 0.8), four categories, logit")
+
+set.seed(20)
+d <- expand.grid(trial = 1:2, x = c(0, 1, 2), side = c("l", "r"), item = sprintf("i%02d", 1:8), subject = people(9), stringsAsFactors = FALSE)
+d <- d[runif(nrow(d)) < 0.8, ]
+latent <- 0.9 * rnorm(9)[match(d$subject, people(9))] + deviations(d$subject, d$side, 0.6) + 0.5 * rnorm(9)[match(d$subject, people(9))] * (d$x - 1) +
+  0.6 * rnorm(8)[match(d$item, unique(d$item))] + 0.5 * (d$side == "r") + 0.4 * d$x
+d$rating <- categories(latent, c(-0.8, 0.4, 1.3), "probit")
+write_data("slopes10", d[c("subject", "side", "x", "item", "rating")],
+           "9 subjects rate 8 items on two sides at three x (SD 0.6), a fifth missing, four categories, probit")
+
 close(data_file)
 
 # ---- Models -------------------------------------------------------------------------------------------------------
@@ -130,7 +148,9 @@ read <- function(name) {
 }
 sides <- function(terms) gsub(",", " + ", gsub("num:", "num_", terms))
 tidy <- function(names) gsub("num_|cen_|subject:", "", names)
-random <- function(terms, slopes) {
+random <- function(terms, slopes, items = "") {
+  if (items != "") return(paste(random(terms, slopes), paste0("+ (1 | ", items, ")")))
+  if (slopes == "none") return("(1 | subject)")
   each <- strsplit(terms, ",")[[1]]
   numeric <- startsWith(each, "num:")
   each <- sub("num:", "cen_", each)
@@ -148,8 +168,8 @@ derivatives <- function(likelihood, par, distance) {
 }
 # The inner search for the modes may end at the limits of rounding, which clmm reports; noWarn silences this.
 tight <- clmm.control(gradTol = 1e-8, maxIter = 100, maxLineIter = 40, innerCtrl = "noWarn")
-fit_model <- function(d, link, terms, slopes) {
-  formula <- as.formula(paste("rating ~", sides(terms), "+", random(terms, slopes)))
+fit_model <- function(d, link, terms, slopes, items) {
+  formula <- as.formula(paste("rating ~", sides(terms), "+", random(terms, slopes, items)))
   arguments <- list(formula, data = d, weights = d$count, link = link, control = tight)
   start <- suppressWarnings(do.call(clmm, arguments))
   rho <- do.call(clmm, c(arguments, doFit = FALSE))
@@ -157,7 +177,7 @@ fit_model <- function(d, link, terms, slopes) {
   whole <- stopped
   free <- rep(TRUE, length(whole))
   # A standard deviation that ended at 0, or so close that the likelihood is not lower there.
-  if (slopes == "independent") for (i in (rho$dims$nfepar + 1):length(whole)) {
+  if (slopes != "correlated") for (i in (rho$dims$nfepar + 1):length(whole)) {
     zero <- replace(whole, i, 0)
     if (ordinal:::getNLA(rho, zero) <= ordinal:::getNLA(rho, whole) + 1e-7) {
       whole <- zero
@@ -192,8 +212,8 @@ out <- file(file.path(folder, "slopes.csv"), "w")
 writeLines(c(
   paste0("# R's ordinal ", packageVersion("ordinal"), ", ", R.version.string, ", by scripts/golden_slopes.R. Data *.binary: lme4 ",
          packageVersion("lme4"), "."),
-  "# independent: (1 | subject), for each factor (1 | subject:factor), for each num:x (0 + x - mean(x) | subject). correlated: (1 + term | subject).",
-  "data,link,terms,slopes,quantity,name,value"), out)
+  "# independent: (1 | subject), for each factor (1 | subject:factor), for each num:x (0 + x - mean(x) | subject). correlated: (1 + term | subject). items: (1 | item).",
+  "data,link,terms,slopes,items,quantity,name,value"), out)
 put <- function(out, key, quantity, label, value) {
   # A label with a comma is quoted.
   if (grepl(",", label)) label <- paste0("\"", label, "\"")
@@ -219,10 +239,10 @@ write_fit <- function(out, key, loglik, gradient, thresholds, beta, errors, part
       put(out, key, "correlation", paste(part$names[i], part$names[j], sep = ","), part$correlation[i, j])
   }
 }
-record <- function(name, link, terms, slopes) {
+record <- function(name, link, terms, slopes, items = "") {
   d <- read(name)
   began <- proc.time()[["elapsed"]]
-  m <- fit_model(d, link, terms, slopes)
+  m <- fit_model(d, link, terms, slopes, items)
   n <- m$rho$dims$nfepar
   groups <- names(m$rho$dims$nlev.re)
   ST <- ordinal:::par2ST(m$par[-(1:n)], m$rho$ST)
@@ -246,13 +266,13 @@ record <- function(name, link, terms, slopes) {
     return(invisible())
   }
   sd_errors <- list()
-  if (slopes == "independent") {
+  if (slopes != "correlated") {
     last <- m$errors[-(1:n)]
     for (i in seq_along(parts)) sd_errors[[parts[[i]]$names[1]]] <- last[i]
   }
   thresholds <- setNames(m$par[seq_along(m$start$alpha)], names(m$start$alpha))
   beta <- setNames(m$par[length(thresholds) + seq_along(m$start$beta)], names(m$start$beta))
-  key <- paste0(name, ",", link, ",\"", terms, "\",", slopes)
+  key <- paste0(name, ",", link, ",\"", terms, "\",", slopes, ",", items)
   # The intercept first, then the slopes in the order of the terms.
   place <- sapply(parts, function(part) match(part$names[1], c("(Intercept)", sub("num:", "", strsplit(terms, ",")[[1]]))))
   write_fit(out, key, m$loglik, max(abs(m$gradient)), thresholds, beta, m$errors, parts[order(place)], sd_errors)
@@ -289,7 +309,7 @@ record_binary <- function(name, terms) {
   message(sprintf("%-50s loglik %.6f gradient %.1e, sd %s (lme4)", paste(name, link, terms), -deviance(par) / 2, max(abs(at$gradient)),
                   paste(signif(par[1:k], 3), collapse = " ")))
   threshold <- setNames(-beta[1], paste(levels(d$rating), collapse = "|"))
-  key <- paste0(name, ".binary,", link, ",\"", terms, "\",independent")
+  key <- paste0(name, ".binary,", link, ",\"", terms, "\",independent,")
   write_fit(out, key, -deviance(par) / 2, max(abs(at$gradient)), threshold, beta[-1], errors[-(1:k)], parts[order(place)],
             setNames(as.list(errors[1:k]), labels))
 }
@@ -341,6 +361,13 @@ record("unbalanced", "logit", "num:size", "independent")
 record("spread", "logit", "group,num:x", "independent")
 record("binary", "logit", "num:contrast,side", "independent")
 record("binary", "logit", "side", "independent")
+record("slopes9", "logit", "width", "independent", "item")
+record("slopes9", "probit", "width", "none", "item")
+record("slopes10", "probit", "side,num:x", "independent", "item")
+record("slopes10", "logit", "side,num:x", "independent", "item")
+record("slopes10", "logit", "side,x", "none", "item")
+record("slopes4", "probit", "side", "independent", "x")
+record("unbalanced", "logit", "num:size", "independent", "shader")
 record_binary("slopes6", "width")
 record_binary("binary", "side")
 close(out)

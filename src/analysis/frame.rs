@@ -4,10 +4,7 @@ use std::collections::BTreeSet;
 
 use super::{
     counts::{CountRow, Counts, Factor},
-    ordinal::{
-        ModelError, Note,
-        terms::{Terms, Variable},
-    },
+    ordinal::{ModelError, ModelSpec, Note, terms::Variable},
 };
 
 /// The rows of a table that have all values that the terms need.
@@ -27,12 +24,12 @@ pub(super) struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    /// Selects the complete rows for these terms. Also returns notes on what was excluded.
+    /// Selects the complete rows for these terms and items. Also returns notes on what was excluded.
     ///
     /// # Errors
     /// Returns a [`ModelError`] if a name is unknown, if no rows remain or if all ratings are the same.
-    pub fn new(counts: &'a Counts, terms: &Terms) -> Result<(Self, Vec<Note>), ModelError> {
-        let needed = needed_factors(counts, terms)?;
+    pub fn new(counts: &'a Counts, spec: &ModelSpec) -> Result<(Self, Vec<Note>), ModelError> {
+        let needed = needed_factors(counts, spec)?;
         let mut notes = Vec::new();
         let mut rows = counts.rows.clone();
         rows.retain(|row| row.count > 0);
@@ -146,8 +143,9 @@ pub(crate) fn find_factor(counts: &Counts, variable: &Variable) -> Result<(usize
     Err(ModelError::UnknownFactor { name: variable.name().to_owned(), known })
 }
 
-fn needed_factors(counts: &Counts, terms: &Terms) -> Result<BTreeSet<usize>, ModelError> {
-    let variables = terms.iter().flat_map(|term| &term.variables);
+fn needed_factors(counts: &Counts, spec: &ModelSpec) -> Result<BTreeSet<usize>, ModelError> {
+    let items = spec.items.clone().map(Variable::Factor);
+    let variables = spec.terms.iter().flat_map(|term| &term.variables).chain(&items);
     variables.map(|variable| find_factor(counts, variable).map(|(index, _)| index)).collect()
 }
 

@@ -22,6 +22,8 @@ pub struct Options {
     pub terms: Option<Terms>,
     /// Factors that are covariates. `None` means those that [`Counts::is_covariate`] says, unless a term uses their levels.
     pub covariates: Option<Vec<String>>,
+    /// The factor whose levels are items, each with a random intercept ([`ModelSpec::items`]).
+    pub items: Option<String>,
     pub link: Link,
     /// The random part. `None` means an intercept for each participant; a single participant has none in any case.
     pub random: Option<Random>,
@@ -42,6 +44,7 @@ impl Default for Options {
         Self {
             terms: None,
             covariates: None,
+            items: None,
             link: Link::default(),
             random: None,
             slopes: Slopes::default(),
@@ -55,10 +58,10 @@ impl Default for Options {
 
 #[derive(Clone, Debug)]
 pub struct Results {
-    /// The ratings, without the covariates.
+    /// The ratings, without the covariates and the items.
     pub measured: Measured,
-    /// The ratings with the covariates, on which the model was fitted, if there are any.
-    pub with_covariates: Option<Measured>,
+    /// The ratings with the covariates and the items, on which the model was fitted, if there are any.
+    pub whole: Option<Measured>,
     /// Names of the covariates: each has one slope in the model, and no levels in the descriptions.
     pub covariates: Vec<String>,
     pub options: Options,
@@ -96,7 +99,7 @@ pub struct FactorResults {
     pub within: bool,
     /// Each participant's mean at every level, of which the differences and the rank test are.
     pub matched: SubjectMeans,
-    /// Test of whether any level differs; `None` if there is only one participant or level.
+    /// Test of whether any level differs; `None` if there is only one participant or level, or if there are items.
     pub friedman: Option<Friedman>,
     /// Response times for each level.
     pub times: Vec<Option<Quartiles>>,
@@ -167,7 +170,7 @@ impl FactorResults {
 impl Results {
     /// Returns the ratings on which the model was fitted.
     pub fn modeled(&self) -> &Counts {
-        &self.with_covariates.as_ref().unwrap_or(&self.measured).counts
+        &self.whole.as_ref().unwrap_or(&self.measured).counts
     }
 
     /// Returns the number of participants.
@@ -196,12 +199,15 @@ pub fn analyze(measured: Measured, options: &Options) -> Results {
 /// Analyzes a study. `progress` is called after each simulated study, with the number of those done and of all.
 pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(usize, usize) + Sync)) -> Results {
     let covariates = covariates(&measured.counts, options);
-    let (spec, left_out) = (model_spec(&measured, &covariates, options), &covariates[..]);
-    let names = left_out.iter().map(|&factor| measured.counts.factors[factor].name.clone()).collect();
+    let spec = model_spec(&measured, &covariates, options);
+    let names = covariates.iter().map(|&factor| measured.counts.factors[factor].name.clone()).collect();
+    let items = options.items.as_ref().and_then(|items| measured.counts.factor(items)).map(|(items, _)| items);
+    let left_out: Vec<usize> = covariates.into_iter().chain(items).collect();
     let (measured, whole) =
-        if left_out.is_empty() { (measured, None) } else { (measured.without_factors(left_out), Some(measured)) };
+        if left_out.is_empty() { (measured, None) } else { (measured.without_factors(&left_out), Some(measured)) };
     let counts = &measured.counts;
     let modeled = whole.as_ref().map_or(counts, |whole| &whole.counts);
+    let trials = &whole.as_ref().unwrap_or(&measured).trials;
     let people = counts.subjects.len();
     let factors: Vec<FactorResults> =
         (0..counts.factors.len()).into_par_iter().map(|factor| factor_results(&measured, factor)).collect();
@@ -221,7 +227,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         varied.filter_map(of_factor).collect()
     };
     let Options { resampling, max_minutes, checks, .. } = *options;
-    let calibration = Calibration { resampling, max_minutes, checks, contrasts: &contrasts, progress };
+    let calibration = Calibration { resampling, max_minutes, trials, checks, contrasts: &contrasts, progress };
     let (model, (cells, alpha)) =
         rayon::join(|| fit_calibrated(modeled, &spec, &calibration), || (by_cell(counts), ordinal_alpha(counts)));
     let subjects: Vec<SubjectResults> = (by_subject(counts).into_iter())
@@ -235,7 +241,12 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         })
         .collect();
     let margins = model.as_ref().map_or(&[][..], |report| &report.margins);
-    let factors = factors.iter().map(|factor| factor.with_margins(margins)).collect();
+    let described = |factor: &FactorResults| FactorResults {
+        // Ranks do not know of items.
+        friedman: factor.friedman.filter(|_| options.items.is_none()),
+        ..factor.with_margins(margins)
+    };
+    let factors = factors.iter().map(described).collect();
     let kappas: Vec<f64> = subjects.iter().filter_map(|subject| subject.kappa).collect();
     let times = measured.times_by(counts.categories.len(), |row| Some(row.rating.into()));
     Results {
@@ -248,7 +259,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         kappa: mean_over_subjects(&kappas),
         times,
         options: options.clone(),
-        with_covariates: whole,
+        whole,
         covariates: names,
         measured,
     }
@@ -263,6 +274,7 @@ fn covariates(counts: &Counts, options: &Options) -> Vec<usize> {
     let is_covariate = |&factor: &usize| {
         let name = &counts.factors[factor].name;
         match &options.covariates {
+            _ if options.items.as_ref() == Some(name) => false,
             Some(names) => names.contains(name),
             None => counts.is_covariate(factor) && !by_level(name),
         }
@@ -275,13 +287,15 @@ fn model_spec(measured: &Measured, covariates: &[usize], options: &Options) -> M
     let main = |(index, factor): (usize, &Factor)| {
         let name = factor.name.clone();
         let variable = if covariates.contains(&index) { Variable::Number(name) } else { Variable::Factor(name) };
-        (factor.levels.len() > 1).then(|| Term { variables: vec![variable] })
+        (factor.levels.len() > 1 && options.items.as_ref() != Some(&factor.name))
+            .then(|| Term { variables: vec![variable] })
     };
     let all = || Terms::new(counts.factors.iter().enumerate().filter_map(main));
     ModelSpec {
         link: options.link,
         random: options.random.unwrap_or(Random::Subject),
         slopes: options.slopes,
+        items: options.items.clone(),
         max_coefficients: options.max_coefficients,
         ..ModelSpec::new(options.terms.clone().unwrap_or_else(all))
     }

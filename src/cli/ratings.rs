@@ -74,7 +74,7 @@ pub(super) struct CountsArguments {
 
 pub(super) fn counts(arguments: &CountsArguments, writer: &Writer) -> anyhow::Result<()> {
     let progress = super::Bar::spinner("reading");
-    let study = arguments.ratings.read(Vec::new(), false, true).map_err(explained)?;
+    let study = arguments.ratings.read(Default::default(), false, true).map_err(explained)?;
     let counts = &study.measured.counts;
     writer.write(&arguments.out, &tables::counts_csv(counts, &study.source.shape))?;
     progress.clear();

@@ -306,6 +306,8 @@ pub struct RatingRow<'a> {
     /// Session and repetition. Their natural order distinguishes a condition's first rating from its second. A rating
     /// whose place is unknown (`None`) is not paired.
     pub place: Option<(&'a str, u32)>,
+    /// The session, and the place of the trial in it, if known.
+    pub position: Option<(&'a str, f64)>,
     /// Time from the onset to the rating in seconds, if known.
     pub response_time_s: Option<f64>,
 }

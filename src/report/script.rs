@@ -105,7 +105,8 @@ impl<'a> Names<'a> {
             let group = factors.iter().fold("subject".to_owned(), |group, factor| group + ":" + self.name(factor));
             format!("({left} | {group})")
         };
-        std::iter::once("(1 | subject)".to_owned()).chain(terms.into_iter().map(slope)).collect()
+        let items = random.items.as_ref().map(|_| "(1 | item)".to_owned());
+        std::iter::once("(1 | subject)".to_owned()).chain(terms.into_iter().map(slope)).chain(items).collect()
     }
 
     /// Reads the rows of the model, with its levels and categories in order.
@@ -123,6 +124,9 @@ impl<'a> Names<'a> {
             format!("rating = factor({ratings}, levels = {categories}, ordered = TRUE)"),
             format!("count = as.numeric({count})"),
         ];
+        if let Some((items, _)) = model.random.as_ref().and_then(|random| counts.factor(&random.items.as_ref()?.name)) {
+            lines.push(format!("item = factor({})", column(1 + items)));
+        }
         let mut centered = String::new();
         for (variable, name) in &self.0 {
             let (index, inverse) = find_factor(counts, variable).unwrap_or_default();
@@ -179,9 +183,9 @@ fn string(text: &str) -> String {
 
 /// Makes a name that R accepts without quotes and that is not a column of every study.
 fn syntactic(name: &str) -> String {
-    const RESERVED: [&str; 18] = [
+    const RESERVED: [&str; 19] = [
         "if", "else", "repeat", "while", "function", "for", "next", "break", "in", "TRUE", "FALSE", "NULL", "Inf",
-        "NaN", "NA", "subject", "rating", "count",
+        "NaN", "NA", "subject", "item", "rating", "count",
     ];
     let allowed = |c: char| if c.is_ascii_alphanumeric() || c == '_' || c == '.' { c } else { '.' };
     let name: String = name.chars().map(allowed).collect();

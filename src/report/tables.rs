@@ -174,6 +174,24 @@ pub fn tests(results: &Results) -> Table {
             let numbers = [test.chi_squared, Some(test.df as f64), None, test.p];
             rows.push(test_row(["interaction", &test.term, "", ""], report.model.nobs, &numbers, "", &note));
         }
+        if let Some(order) = &report.order {
+            let note = match order.drift_p {
+                Some(_) => "p from the participants' signs",
+                None => "no p: there are fewer than six participants",
+            };
+            let what = "change of the latent rating over a session";
+            let numbers = [None, None, order.drift_p, None, Some(order.drift)];
+            rows.push(test_row(["drift", "", "", ""], order.ratings, &numbers, what, note));
+            let numbers = [None, None, Some(order.lag_one_p), None, Some(order.lag_one)];
+            let what = "correlation of successive residuals";
+            rows.push(test_row(
+                ["lag-one", "", "", ""],
+                order.ratings,
+                &numbers,
+                what,
+                "p from the normal distribution",
+            ));
+        }
         for c in &report.comparisons {
             let note = c.at.as_ref().map_or_else(String::new, |(factor, level)| format!("at {factor} {level}"));
             let [low, high] = [c.interval.map(|i| i.low), c.interval.map(|i| i.high)];

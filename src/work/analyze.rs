@@ -1,15 +1,18 @@
 //! The analysis of ratings.
 
+use std::collections::HashSet;
+
 use serde::Serialize;
 
 use super::{Model, Ratings, RequestError, Watcher, named, ratings::explained};
 use crate::{
-    analysis::{ModelError, Options, Random, Resampling, Results, analyze_with},
+    analysis::{ModelError, Options, Random, Resampling, Results, analyze_with, counts::Trial},
     report::{Study, StudyError},
     store::{
         Columns,
         table::{List, list},
     },
+    text::names::expected_one_of,
 };
 
 /// What to analyze, and how.
@@ -28,17 +31,27 @@ pub struct Analyze {
     /// in all ratings of each participant].
     #[arg(long, value_name = "COL,…")]
     pub covariate: Option<List>,
+    /// Column that names the stimuli of which the study shows a sample, such as pictures: each has a random intercept, beside
+    /// those of the participants, so that conclusions hold for other stimuli.
+    #[arg(long, value_name = "COL")]
+    pub items: Option<String>,
     #[command(flatten)]
     #[serde(flatten)]
     pub resampling: Resampling,
 }
 
 impl Analyze {
-    /// Returns the names of the columns that the terms use.
-    pub fn columns(&self) -> impl Iterator<Item = &str> {
+    /// Returns the names of the columns that the terms use, and of the covariates and the items.
+    pub fn columns(&self) -> [Vec<String>; 2] {
         let terms = self.model.terms.iter().flat_map(|terms| terms.iter());
-        let variables = terms.flat_map(|term| &term.variables).map(|variable| variable.name());
-        variables.chain(self.covariate.iter().flat_map(|list| &list.0).map(String::as_str))
+        let variables = terms.flat_map(|term| &term.variables).map(|variable| variable.name().to_owned());
+        [variables.collect(), self.roles().map(|(_, name)| name.clone()).collect()]
+    }
+
+    /// Returns the names of the covariates and the items, each with its option.
+    fn roles(&self) -> impl Iterator<Item = (&'static str, &String)> {
+        let covariates = self.covariate.iter().flat_map(|list| &list.0).map(|name| ("covariate", name));
+        covariates.chain(self.items.iter().map(|name| ("items", name)))
     }
 
     /// Reads the ratings, also if the order of their categories is not known.
@@ -46,7 +59,7 @@ impl Analyze {
     /// # Errors
     /// There is nothing to analyze, or the study is too large.
     pub fn read_unordered(&self) -> Result<Study, StudyError> {
-        self.ratings.read(self.columns().map(str::to_owned).collect(), true, self.model.large)
+        self.ratings.read(self.columns(), true, self.model.large)
     }
 
     /// Reads the ratings.
@@ -62,7 +75,7 @@ impl Analyze {
     /// # Errors
     /// The same errors as [`Analyze::read`].
     pub fn read_columns(&self, name: &str, columns: Columns) -> anyhow::Result<Study> {
-        let how = self.ratings.options(self.columns().map(str::to_owned).collect(), true, self.model.large);
+        let how = self.ratings.options(self.columns(), true, self.model.large);
         self.ordered(Study::from_columns(name, columns, &how))
     }
 
@@ -85,6 +98,7 @@ impl Analyze {
         Options {
             terms: self.model.terms.clone(),
             covariates: self.covariate.clone().map(|list| list.0),
+            items: self.items.clone(),
             link: self.model.link,
             random: self.random,
             max_coefficients: self.model.max_coefficients(),
@@ -95,11 +109,30 @@ impl Analyze {
         }
     }
 
+    /// Checks that the columns with a role are there, and that each trial has a place of its own.
+    fn check(&self, study: &Study) -> Result<(), RequestError> {
+        let counts = &study.measured.counts;
+        if let Some((option, name)) = self.roles().find(|(_, name)| counts.factor(name).is_none()) {
+            let names: Vec<&str> = counts.factors.iter().map(|factor| factor.name.as_str()).collect();
+            return Err(RequestError::value(option, format!("{name}: {}", expected_one_of(name, &names))));
+        }
+        let Some(order) = &self.ratings.order else { return Ok(()) };
+        let mut known = HashSet::new();
+        let place = |trial: &Trial| Some((trial.subject, trial.session, trial.position?.to_bits()));
+        let twice = study.measured.trials.iter().find(|trial| place(trial).is_some_and(|place| !known.insert(place)));
+        twice.map_or(Ok(()), |trial| {
+            let (who, position) = (&counts.subjects[trial.subject as usize], trial.position.unwrap_or_default());
+            let message = format!("{order}: several ratings by {who} have the place {position}; expected one");
+            Err(RequestError::value("order", message))
+        })
+    }
+
     /// Analyzes the ratings. The watcher learns the number of simulated studies that are done, and of all.
     ///
     /// # Errors
     /// The requested model is impossible.
     pub fn analyze(&self, study: &Study, watcher: &dyn Watcher) -> Result<Results, RequestError> {
+        self.check(study)?;
         let progress = |done: usize, all: usize| watcher.progress(done as u64, all as u64);
         let results = analyze_with(study.measured.clone(), &self.options(), &progress);
         match results.model.as_ref().err().and_then(refused) {
@@ -118,6 +151,7 @@ pub(super) fn refused(error: &ModelError) -> Option<RequestError> {
         ModelError::TooManyCoefficients { .. } | ModelError::TooMuchWork { .. } => {
             Some(RequestError::new("terms", error).unless("large"))
         }
+        ModelError::Items { .. } => Some(RequestError::value("items", error)),
         ModelError::TooManySlopes { .. } => Some(RequestError::value("slopes", error)),
         _ => None,
     }

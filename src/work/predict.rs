@@ -215,7 +215,7 @@ impl Predict {
     /// Reads the ratings with which the prediction is compared.
     fn study(&self) -> anyhow::Result<Study> {
         let ratings = Ratings { paths: self.fit.clone(), ..Ratings::default() };
-        ratings.read(Vec::new(), false, self.large).map_err(explained)
+        ratings.read(Default::default(), false, self.large).map_err(explained)
     }
 
     /// Returns the criterion from the file, or the default.

@@ -61,6 +61,10 @@ pub struct Ratings {
     /// Exclude sessions with unrated trials.
     #[arg(long)]
     pub complete_only: bool,
+    /// Column with the place of each row in its session: numbers that increase from trial to trial. The report then describes
+    /// drift, and how much successive ratings are related [default: the number of the trial in result files].
+    #[arg(long, value_name = "COL")]
+    pub order: Option<String>,
     /// Column with the response time in seconds [default: response_time_s, if present].
     #[arg(long, value_name = "COL")]
     pub time: Option<String>,
@@ -138,16 +142,16 @@ impl Ratings {
         }
     }
 
-    /// Reads the files; `also` names additional columns that a model needs.
+    /// Reads the files; `also` names additional columns that a model needs: those of its terms, and of covariates and items.
     ///
     /// # Errors
     /// No file can be read, or an exclusion is not possible.
-    pub fn read(&self, also: Vec<String>, details: bool, large: bool) -> Result<Study, StudyError> {
+    pub fn read(&self, also: [Vec<String>; 2], details: bool, large: bool) -> Result<Study, StudyError> {
         Study::read(&self.paths, &self.options(also, details, large))
     }
 
     /// Returns how the ratings are read.
-    pub(super) fn options(&self, also: Vec<String>, details: bool, large: bool) -> ReadOptions {
+    pub(super) fn options(&self, [also, roles]: [Vec<String>; 2], details: bool, large: bool) -> ReadOptions {
         let Exclusions { exclude, only } = self.exclusions();
         ReadOptions {
             subject: self.subject.clone(),
@@ -158,9 +162,11 @@ impl Ratings {
             count: self.count.clone(),
             factors: self.factors.clone().map(|list| list.0),
             also,
+            roles,
             direction: self.direction.clone().unwrap_or_default().0,
             exclude,
             only,
+            order: self.order.clone(),
             time: self.time.clone(),
             time_limits: (self.min_time, self.max_time),
             complete_only: self.complete_only,

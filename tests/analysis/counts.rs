@@ -28,7 +28,7 @@ fn add<'a>(
 ) -> MeasuredBuilder {
     for (subject, values, rating, repetition) in rows {
         let (place, response_time_s) = (Some(("1", *repetition)), Some(0.5 * f64::from(*repetition)));
-        builder.add(&RatingRow { subject, values, rating, count: 1, place, response_time_s }).unwrap();
+        builder.add(&RatingRow { subject, values, rating, count: 1, place, position: None, response_time_s }).unwrap();
     }
     builder
 }
@@ -154,7 +154,15 @@ fn quartiles_of_times_are_exact() {
         let seconds = f64::from(1 + i * 7919 % 10_000) / 1000.0;
         let response_time_s = Some(seconds);
         builder
-            .add(&RatingRow { subject: "S1", values: &["1"], rating: "1", count, place: None, response_time_s })
+            .add(&RatingRow {
+                subject: "S1",
+                values: &["1"],
+                rating: "1",
+                count,
+                place: None,
+                position: None,
+                response_time_s,
+            })
             .unwrap();
     }
     let times = builder.finish().times_by(2, |row| Some(row.subject as usize));

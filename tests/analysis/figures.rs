@@ -88,6 +88,7 @@ fn results(
                     rating: &rating,
                     count: 1,
                     place: Some(("1", repetition)),
+                    position: None,
                     response_time_s: Some(seconds),
                 };
                 builder.add(&observation).unwrap();

@@ -51,6 +51,7 @@ fn spec(record: &Record) -> ModelSpec {
     ModelSpec {
         link: record["link"].parse::<Link>().unwrap(),
         random: if independent && !record.contains_key("slopes") { Random::None } else { Random::Subject },
+        items: record.get("items").filter(|items| !items.is_empty()).cloned(),
         slopes: record.get("slopes").map_or(Slopes::None, |slopes| slopes.parse().unwrap()),
         ..ModelSpec::new(Terms::parse(&record["terms"]).unwrap())
     }
@@ -63,7 +64,10 @@ fn coefficient(coefficients: &[Coefficient], name: &str, se: bool) -> f64 {
 
 fn value(model: &Model, quantity: &str, name: &str) -> f64 {
     let threshold = || model.thresholds.iter().find(|t| t.name == name).unwrap();
-    let slope = || model.random.as_ref().unwrap().slopes.iter().find(|s| s.name.replace("num:", "") == name).unwrap();
+    let slope = || {
+        let random = model.random.as_ref().unwrap();
+        random.slopes.iter().chain(&random.items).find(|slope| slope.name.replace("num:", "") == name).unwrap()
+    };
     let subject = || model.random.as_ref().unwrap().subjects.iter().find(|s| s.subject == name).unwrap();
     match quantity {
         "loglik" => model.loglik,
@@ -94,7 +98,7 @@ fn value(model: &Model, quantity: &str, name: &str) -> f64 {
 /// Groups the records by fit.
 fn fits(records: &[Record]) -> impl Iterator<Item = &[Record]> {
     let key = |record: &Record| {
-        ["data", "link", "terms", "nodes", "slopes"].map(|name| record.get(name).cloned().unwrap_or_default())
+        ["data", "link", "terms", "nodes", "slopes", "items"].map(|name| record.get(name).cloned().unwrap_or_default())
     };
     records.chunk_by(move |l, r| key(l) == key(r))
 }
@@ -133,10 +137,11 @@ fn estimates_errors_and_likelihoods_match_r() {
     compare("models.csv", 450);
 }
 
-/// Random slopes for factors, numbers and both, independent and correlated; `binary` is from `lme4`.
+/// Random slopes for factors, numbers and both, independent and correlated, and items crossed with participants; `binary` is
+/// from `lme4`.
 #[test]
 fn random_slopes_match_r() {
-    compare("slopes.csv", 250);
+    compare("slopes.csv", 320);
 }
 
 #[test]

@@ -60,7 +60,9 @@ fn noise(index: u64) -> f64 {
 /// Adds a rating by a participant at some levels, with the repetition and the response time if they are known.
 fn add(builder: &mut MeasuredBuilder, who: (&str, &[&str]), rating: &str, repetition: Option<u32>, time: Option<f64>) {
     let ((subject, values), place) = (who, repetition.map(|repetition| ("1", repetition)));
-    builder.add(&RatingRow { subject, values, rating, count: 1, place, response_time_s: time }).unwrap();
+    builder
+        .add(&RatingRow { subject, values, rating, count: 1, place, position: None, response_time_s: time })
+        .unwrap();
 }
 
 /// Creates ratings that fall with depth, rise with width and are the same for all shaders, or, if `reversed`, the
@@ -435,6 +437,7 @@ proptest! {
                 rating: categories[*rating],
                 count: *count,
                 place: (index % 3 > 0).then_some(("1", index as u32)),
+                position: None,
                 response_time_s: (index % 4 > 0).then_some(0.1 * index as f64),
             };
             builder.add(&row).unwrap();

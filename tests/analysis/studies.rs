@@ -7,6 +7,7 @@ use machband::{
         counts::{Measured, MeasuredBuilder},
         terms::Terms,
     },
+    experiment::RatingRow,
     report::study::{Summary, summary},
 };
 use rand::{RngExt, SeedableRng};
@@ -212,5 +213,84 @@ fn sentences_agree() {
         for text in findings.iter().chain(&cautions) {
             assert!(!["NaN", "..", "  ", " ,"].iter().any(|wrong| text.contains(wrong)), "{text}");
         }
+    }
+}
+
+/// Eight items of each of two styles, which differ between themselves and not by style: without the items, the style seems to
+/// matter; with them, it does not. Its own effect is found.
+#[test]
+fn items_are_a_sample_too() {
+    let names: Vec<String> = (0..16).map(|item| format!("picture {item}")).collect();
+    let rows: Vec<[&str; 2]> = (0..16).map(|item| [["old", "new"][item % 2], names[item].as_str()]).collect();
+    let rows: Vec<&[&str]> = rows.iter().map(|row| &row[..]).collect();
+    // The items of the second style happen to be rated higher.
+    let own = [-1.4, 1.9, 0.9, -0.6, -0.8, 1.2, 0.4, -0.9, -1.1, -0.3, 0.7, 1.6, -0.2, -0.9, 0.1, 0.4];
+    let with = |effect: f64, items: Option<&str>| {
+        let latent = |_: usize, row: usize| Some(own[row] + effect * (row % 2) as f64);
+        let options = Options { items: items.map(str::to_owned), ..options(Some("style")) };
+        let results = analyze(study(&["style", "item"], &rows, (12, 2, 9), latent), &options);
+        let p = results.model.as_ref().unwrap().terms[0].p.unwrap();
+        (p, results)
+    };
+    let (ignored, _) = with(0.0, None);
+    let (p, results) = with(0.0, Some("item"));
+    assert!(ignored < 0.05 && p > 0.1, "{ignored} {p}");
+    let Summary { lead, findings, .. } = said(&results);
+    assert!(lead.iter().any(|text| text.contains("The 16 levels of item are a sample of items")), "{lead:?}");
+    assert!(findings[0].contains("cannot distinguish"), "{findings:?}");
+    assert_eq!((results.cells.len(), results.factors.len(), results.factors[0].friedman), (2, 1, None));
+    assert!(results.model.as_ref().unwrap().model.random.as_ref().unwrap().items.as_ref().unwrap().sd > 0.5);
+    let (p, _) = with(3.0, Some("item"));
+    assert!(p < 0.05, "{p}");
+    // Two items of a style say nothing about styles.
+    let few: Vec<&[&str]> = rows[..4].to_vec();
+    let few = study(&["style", "item"], &few, (12, 8, 9), |_, row| Some(own[row]));
+    let results = analyze(few, &Options { items: Some("item".to_owned()), ..options(Some("style")) });
+    let finding = &said(&results).findings[0];
+    assert!(finding.contains("could not be tested: a level has fewer than three items"), "{finding}");
+}
+
+/// Ratings that drift and ratings that follow the one before are found, and those in an order that does not matter are not.
+#[test]
+fn the_order_of_trials_is_examined() {
+    const TRIALS: usize = 40;
+    let of = |people: usize, drift: f64, follow: f64| {
+        let mut rng = ChaCha8Rng::seed_from_u64(31);
+        let mut builder = MeasuredBuilder::new(&["level"]).with_categories(&["0", "1", "2", "3"]);
+        for person in 0..people {
+            let mut noise = 0.0;
+            for trial in 0..TRIALS {
+                noise = follow * noise + rng.random_range(-1.5..1.5);
+                let latent = drift * (trial as f64 / (TRIALS - 1) as f64 - 0.5) + noise;
+                builder
+                    .add(&RatingRow {
+                        subject: &format!("S{person:02}"),
+                        values: &[["a", "b"][rng.random_range(0..2)]],
+                        rating: &rate(latent, &mut rng),
+                        count: 1,
+                        place: None,
+                        position: Some(("1", trial as f64)),
+                        response_time_s: None,
+                    })
+                    .unwrap();
+            }
+        }
+        let results = analyze(builder.finish(), &options(None));
+        let order = results.model.as_ref().unwrap().order.clone().unwrap();
+        (order, said(&results).cautions.join(" "))
+    };
+    let (none, cautions) = of(8, 0.0, 0.0);
+    assert!(!none.is_dependent() && !none.is_drifting() && !cautions.contains("Successive"), "{none:?} {cautions}");
+    let (drift, cautions) = of(8, -2.5, 0.0);
+    assert!(
+        drift.is_drifting() && drift.drift < -1.5 && cautions.contains("Ratings fall during a session"),
+        "{drift:?}"
+    );
+    for people in [1, 8] {
+        let (order, cautions) = of(people, 0.0, 0.8);
+        assert!(order.is_dependent() && order.lag_one > 0.2, "{people}: {order:?}");
+        assert!(cautions.contains("Successive ratings are related"), "{cautions}");
+        assert_eq!(order.drift_p.is_some(), people > 5);
+        assert_eq!(order.ratings, (people * TRIALS) as u64);
     }
 }

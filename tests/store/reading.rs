@@ -35,7 +35,7 @@ const MAIN: u64 = 12;
 fn try_read(paths: &[&Path], how: &ReadOptions) -> Result<(Source, Vec<String>), FileErrors> {
     let paths: Vec<PathBuf> = paths.iter().map(|path| path.to_path_buf()).collect();
     let add = |rows: &mut Vec<String>, row: &RatingRow<'_>| {
-        let RatingRow { subject, values, rating, count, place, response_time_s } = row;
+        let RatingRow { subject, values, rating, count, place, response_time_s, .. } = row;
         let details = place.map(|place| format!(" {place:?} {response_time_s:?}")).unwrap_or_default();
         rows.push(format!("{subject} {} {rating} {count}{details}", values.join("|")));
         Ok(())
@@ -301,7 +301,7 @@ mod layouts {
         let how = ReadOptions { factors: with_factors(&["size", "hue"]).factors, details: true, ..how };
         let [points, commas] = [text.to_owned(), text.replace(',', ";").replace('.', ",")]
             .map(|text| Study::read(&[file(&folder, "t.csv", text)], &how).unwrap());
-        assert_eq!((&commas.source.errors[..], &commas.measured.times), (&[][..], &points.measured.times));
+        assert_eq!((&commas.source.errors[..], &commas.measured.trials), (&[][..], &points.measured.trials));
         let (points, commas) = (points.measured.counts, commas.measured.counts);
         assert_eq!((&commas.categories, &commas.factors[0]), (&points.categories, &points.factors[0]));
         assert_eq!(

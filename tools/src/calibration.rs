@@ -8,7 +8,7 @@ use machband::analysis::{
     counts::{Measured, MeasuredBuilder},
     terms::Terms,
 };
-use machband::statistics::Interval;
+use machband::{experiment::RatingRow, statistics::Interval};
 use rayon::prelude::*;
 use serde_json::Value;
 
@@ -16,8 +16,22 @@ use serde_json::Value;
 const ALPHA: f64 = 0.05;
 
 /// What the columns of the table count: for each statistic, whether it was given, and whether it rejected or covered.
-const COLUMNS: [&str; 11] =
-    ["LR", "Friedman", "interaction", "odds", "comparison", "coefficient", "mean", "cell", "expected", "SD", "alpha"];
+const COLUMNS: [&str; 14] = [
+    "LR",
+    "Friedman",
+    "interaction",
+    "odds",
+    "comparison",
+    "coefficient",
+    "mean",
+    "cell",
+    "expected",
+    "SD",
+    "item SD",
+    "alpha",
+    "drift",
+    "lag-one",
+];
 
 /// Counts of one study: given and successful, by column, and withheld.
 #[derive(Clone, Default)]
@@ -81,7 +95,8 @@ pub fn run(folder: &Path, designs: &[String], studies: usize, draws: u32) -> Res
 fn read(file: &Path, most: usize) -> Result<Vec<Measured>, Box<dyn Error>> {
     let mut reader = csv::Reader::from_path(file)?;
     let header: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
-    let last = header.len() - 2;
+    let is_placed = header.last().is_some_and(|name| name == "trial");
+    let last = header.len() - 2 - usize::from(is_placed);
     let mut builders: BTreeMap<usize, MeasuredBuilder> = BTreeMap::new();
     for record in reader.records() {
         let record = record?;
@@ -93,20 +108,30 @@ fn read(file: &Path, most: usize) -> Result<Vec<Measured>, Box<dyn Error>> {
         let builder = builders
             .entry(study)
             .or_insert_with(|| MeasuredBuilder::new(&header[2..last]).with_categories(&["0", "1", "2", "3"]));
-        builder.add_counts(cells[1], &cells[2..last], cells[last], cells[last + 1].parse()?)?;
+        builder.add(&RatingRow {
+            subject: cells[1],
+            values: &cells[2..last],
+            rating: cells[last],
+            count: cells[last + 1].parse()?,
+            place: None,
+            position: if is_placed { Some(("", cells[last + 2].parse()?)) } else { None },
+            response_time_s: None,
+        })?;
     }
     Ok(builders.into_values().map(MeasuredBuilder::finish).collect())
 }
 
 fn study(measured: Measured, truth: &Value, draws: u32) -> Tally {
     let numeric: Vec<&str> = truth["numeric"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
-    let names = measured.counts.factors.iter().map(|factor| match numeric.contains(&factor.name.as_str()) {
+    let items = truth["items"].as_str().map(str::to_owned);
+    let factors = measured.counts.factors.iter().filter(|factor| Some(&factor.name) != items.as_ref());
+    let names = factors.map(|factor| match numeric.contains(&factor.name.as_str()) {
         true => format!("num:{}", factor.name),
         false => factor.name.clone(),
     });
     let terms = Terms::parse(&names.collect::<Vec<_>>().join(",")).ok();
     let resampling = Resampling { draws, ..Resampling::default() };
-    let results = analyze(measured, &Options { terms, resampling, checks: false, ..Options::default() });
+    let results = analyze(measured, &Options { terms, items, resampling, checks: false, ..Options::default() });
     tally(&results, truth)
 }
 
@@ -137,6 +162,10 @@ fn tally(results: &Results, truth: &Value) -> Tally {
         if !report.interactions.is_empty() {
             tally.add("interaction", (!interactions.is_empty()).then(|| interactions.iter().any(|p| *p < ALPHA)));
         }
+        if let Some(order) = &report.order {
+            tally.add("drift", order.drift_p.map(|p| p < ALPHA));
+            tally.add("lag-one", Some(order.lag_one_p < ALPHA));
+        }
         let odds: Vec<f64> = report.proportional_odds.iter().filter_map(|test| test.p_holm).collect();
         tally.add("odds", (!odds.is_empty()).then(|| odds.iter().any(|p| *p < ALPHA)));
         for coefficient in &report.model.coefficients {
@@ -147,6 +176,9 @@ fn tally(results: &Results, truth: &Value) -> Tally {
         }
         if let Some(random) = &report.model.random {
             tally.add("SD", covers(random.interval, &truth["subject_sd"]));
+            if let Some(items) = &random.items {
+                tally.add("item SD", covers(items.interval, &truth["item_sd"]));
+            }
         }
     }
     for factor in &results.factors {

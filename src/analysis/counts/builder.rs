@@ -5,7 +5,7 @@ use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
 };
 
-use super::table::{CountError, CountRow, Counts, Factor, Measured, RetestPair, Timed};
+use super::table::{CountError, CountRow, Counts, Factor, Measured, RetestPair, Trial};
 use crate::{analysis::levels, experiment::RatingRow};
 
 /// Collects trials, which can come in any order, into [`Measured`].
@@ -21,6 +21,8 @@ pub struct MeasuredBuilder {
     ratings: Vec<String>,
     index: HashMap<Box<[u8]>, u32>,
     cells: Vec<Cell>,
+    /// The number of each session, by name.
+    sessions: HashMap<Box<str>, u32>,
     key: Vec<u8>,
 }
 
@@ -31,8 +33,8 @@ struct Cell {
     key: Box<[u8]>,
     /// Number of ratings, by index into [`MeasuredBuilder::ratings`].
     counts: Vec<u64>,
-    /// Response times: seconds and rating.
-    times: Vec<(f64, u8)>,
+    /// Trials that are known one by one: seconds, session, position and rating.
+    trials: Vec<(Option<f64>, u32, Option<f64>, u8)>,
     earliest: Earliest,
 }
 
@@ -62,6 +64,7 @@ impl MeasuredBuilder {
             ratings: Vec::new(),
             index: HashMap::new(),
             cells: Vec::new(),
+            sessions: HashMap::new(),
             key: Vec::new(),
         }
     }
@@ -95,7 +98,7 @@ impl MeasuredBuilder {
     /// Returns a [`CountError`] if the number of values is wrong, if the participant or the rating is empty, if the
     /// rating is not a declared category, or if there are too many different ratings.
     pub fn add(&mut self, observation: &RatingRow<'_>) -> Result<(), CountError> {
-        let RatingRow { subject, values, rating, count, place, response_time_s } = *observation;
+        let RatingRow { subject, values, rating, count, place, position, response_time_s } = *observation;
         if values.len() != self.factors.len() {
             return Err(CountError::Width { expected: self.factors.len(), found: values.len() });
         }
@@ -111,10 +114,12 @@ impl MeasuredBuilder {
             self.key.extend_from_slice(text.as_bytes());
             self.key.push(END);
         }
+        let is_one = count == 1 && (response_time_s.is_some() || position.is_some());
+        let (session, position) = position.map_or((0, None), |(session, at)| (self.session(session), Some(at)));
         let cell = self.cell();
         cell.count(rating, count);
-        if let Some(seconds) = response_time_s.filter(|_| count == 1) {
-            cell.times.push((seconds, rating));
+        if is_one {
+            cell.trials.push((response_time_s, session, position, rating));
         }
         if let Some((session, repetition)) = place {
             cell.earliest.place(session, repetition, rating);
@@ -134,7 +139,15 @@ impl MeasuredBuilder {
         count: u64,
     ) -> Result<(), CountError> {
         let values: Vec<&str> = values.iter().map(AsRef::as_ref).collect();
-        self.add(&RatingRow { subject, values: &values, rating, count, place: None, response_time_s: None })
+        self.add(&RatingRow {
+            subject,
+            values: &values,
+            rating,
+            count,
+            place: None,
+            position: None,
+            response_time_s: None,
+        })
     }
 
     /// Returns the cell for `self.key`, and creates it if necessary.
@@ -144,10 +157,16 @@ impl MeasuredBuilder {
             let number = cells.len() as u32;
             let key: Box<[u8]> = key.as_slice().into();
             index.insert(key.clone(), number);
-            cells.push(Cell { key, counts: Vec::new(), times: Vec::new(), earliest: Earliest::default() });
+            cells.push(Cell { key, counts: Vec::new(), trials: Vec::new(), earliest: Earliest::default() });
             number
         });
         &mut cells[number as usize]
+    }
+
+    /// Returns the number of a session.
+    fn session(&mut self, name: &str) -> u32 {
+        let number = self.sessions.len() as u32;
+        self.sessions.get(name).copied().unwrap_or_else(|| *self.sessions.entry(name.into()).or_insert(number))
     }
 
     fn rating_index(&mut self, text: &str) -> Result<u8, CountError> {
@@ -211,7 +230,11 @@ impl MeasuredBuilder {
         let category = |rating: usize| category_of[rating].unwrap_or_default() as u8;
         // Two spellings of a level, such as 0.4 and 0.40, are two cells here but one condition.
         let mut counts: BTreeMap<(u32, u32, u8), u64> = BTreeMap::new();
-        let mut times = Vec::new();
+        let mut sessions: Vec<(&Box<str>, u32)> = self.sessions.iter().map(|(name, number)| (name, *number)).collect();
+        sessions.sort_by(|l, r| levels::compare_mixed(l.0, r.0));
+        let mut session_of = vec![0; sessions.len().max(1)];
+        (0..).zip(sessions).for_each(|(place, (_, number))| session_of[number as usize] = place);
+        let mut trials = Vec::new();
         let mut earliest: BTreeMap<(u32, u32), Earliest> = BTreeMap::new();
         // Each cell is dropped as soon as it is counted.
         for ((cell, subject), levels) in std::mem::take(&mut self.cells).into_iter().zip(subject_of).zip(&condition_of)
@@ -221,9 +244,9 @@ impl MeasuredBuilder {
             for (rating, &count) in cell.counts.iter().enumerate().filter(|(_, count)| **count > 0) {
                 *counts.entry((subject, condition, category(rating))).or_insert(0) += count;
             }
-            times.extend(cell.times.into_iter().map(|(seconds, rating)| {
+            trials.extend(cell.trials.into_iter().map(|(seconds, session, position, rating)| {
                 let rating = category(rating.into());
-                Timed { subject, condition, rating, seconds }
+                Trial { subject, condition, rating, seconds, session: session_of[session as usize], position }
             }));
             let known = earliest.entry((subject, condition)).or_default();
             for placed in cell.earliest.0.iter().flatten() {
@@ -237,9 +260,11 @@ impl MeasuredBuilder {
             count,
         });
         // Not in the order in which they were added.
-        times.sort_unstable_by(|l: &Timed, r| {
-            let cell = |timed: &Timed| (timed.subject, timed.condition, timed.rating);
-            cell(l).cmp(&cell(r)).then(l.seconds.total_cmp(&r.seconds))
+        trials.sort_unstable_by(|l: &Trial, r| {
+            let cell = |trial: &Trial| (trial.subject, trial.condition, trial.rating);
+            let rest = |trial: &Trial| (trial.seconds, trial.session, trial.position);
+            // No time and no place is NaN.
+            cell(l).cmp(&cell(r)).then(rest(l).partial_cmp(&rest(r)).unwrap_or(Ordering::Equal))
         });
         let retests = earliest.into_iter().filter_map(|((subject, condition), earliest)| {
             let [Some(first), Some(second)] = earliest.0 else { return None };
@@ -248,7 +273,7 @@ impl MeasuredBuilder {
         });
         Measured {
             retests: retests.collect(),
-            times,
+            trials,
             excluded: Vec::new(),
             counts: Counts { subjects, factors, conditions, categories, rows: rows.collect() },
         }

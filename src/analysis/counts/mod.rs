@@ -9,4 +9,4 @@ mod table;
 pub use builder::MeasuredBuilder;
 pub use exclusions::{ExclusionError, Exclusions, MISSING};
 pub(super) use table::varies_within;
-pub use table::{CountError, CountRow, Counts, Excluded, Factor, Measured, Quartiles, RetestPair, Role, Timed};
+pub use table::{CountError, CountRow, Counts, Excluded, Factor, Measured, Quartiles, RetestPair, Role, Trial};

@@ -243,8 +243,8 @@ pub struct Measured {
     pub counts: Counts,
     /// The first and the second rating of each condition that a participant rated more than once.
     pub retests: Vec<RetestPair>,
-    /// The known response times. A row that stands for several ratings has none.
-    pub times: Vec<Timed>,
+    /// The trials whose response time or place is known. A row that stands for several ratings has none.
+    pub trials: Vec<Trial>,
     /// What was excluded on request from the ratings that were read; nothing of it is in the other fields.
     pub excluded: Vec<Excluded>,
 }
@@ -262,16 +262,21 @@ pub struct RetestPair {
     pub second: u8,
 }
 
-/// The response time of a rating.
+/// The response time and the place of a rating.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Timed {
+pub struct Trial {
     /// Index into [`Counts::subjects`].
     pub subject: u32,
     /// Index into [`Counts::conditions`].
     pub condition: u32,
     /// Index into [`Counts::categories`].
     pub rating: u8,
-    pub seconds: f64,
+    /// The response time, if it is known.
+    pub seconds: Option<f64>,
+    /// Number of the session; only trials of one participant with the same number follow each other.
+    pub session: u32,
+    /// Place in the session, if it is known.
+    pub position: Option<f64>,
 }
 
 impl Measured {
@@ -286,11 +291,11 @@ impl Measured {
 
     /// Returns the quartiles of the response times in each group. Each time goes into the group that `group_of` returns, if
     /// any.
-    pub fn times_by(&self, groups: usize, group_of: impl Fn(&Timed) -> Option<usize>) -> Vec<Option<Quartiles>> {
+    pub fn times_by(&self, groups: usize, group_of: impl Fn(&Trial) -> Option<usize>) -> Vec<Option<Quartiles>> {
         let mut times = vec![Vec::new(); groups];
-        for row in &self.times {
-            if let Some(group) = group_of(row) {
-                times[group].push(row.seconds);
+        for row in &self.trials {
+            if let Some((group, seconds)) = group_of(row).zip(row.seconds) {
+                times[group].push(seconds);
             }
         }
         times.into_iter().map(quartiles).collect()
@@ -321,7 +326,7 @@ impl Measured {
                 categories: counts.categories.clone(),
             },
             retests: self.retests.iter().map(|pair| RetestPair { condition: moved(pair.condition), ..*pair }).collect(),
-            times: self.times.iter().map(|row| Timed { condition: moved(row.condition), ..*row }).collect(),
+            trials: self.trials.iter().map(|row| Trial { condition: moved(row.condition), ..*row }).collect(),
             excluded: self.excluded.clone(),
         }
     }
@@ -366,10 +371,10 @@ impl Measured {
                     RetestPair { subject, condition, ..*pair }
                 })
                 .collect(),
-            times: (self.times.iter().filter(|row| keep(row.subject, row.condition)))
+            trials: (self.trials.iter().filter(|row| keep(row.subject, row.condition)))
                 .map(|row| {
                     let (subject, condition) = moved(row.subject, row.condition);
-                    Timed { subject, condition, ..*row }
+                    Trial { subject, condition, ..*row }
                 })
                 .collect(),
             excluded: self.excluded.clone(),

@@ -13,13 +13,14 @@ use super::{
     likelihood_ratios::{LEAST_PER_PARAMETER, MAX_NOMINAL, TermTest, Withheld, nominal_tests, quantile, without_terms},
     margins::{self, Comparison, Margin},
     model::{Contrast, Model, ModelError, ModelSpec, Random, RandomEffect},
+    order::{Order, order},
     profile::{self, Quantity, chi_squared_limit},
     resampling::{Resampling, Statistics, simulate},
     terms::Term,
 };
 use crate::{
     analysis::{
-        counts::Counts,
+        counts::{Counts, Trial},
         frame::{Frame, find_factor},
     },
     statistics::{Interval, holm},
@@ -31,7 +32,7 @@ pub const FEW_FOR_LIKELIHOOD_RATIOS: usize = 41;
 const FEW_BETWEEN: usize = 100;
 /// Maximum number of coefficients with profile intervals; the others have Wald intervals.
 const MAX_PROFILES: usize = 60;
-/// Smallest number of participants at each level of a factor that varies only between them.
+/// Smallest number of participants or items at each level of a factor that varies only between them.
 const LEAST_PER_LEVEL: usize = 3;
 /// Number of ratings for each parameter of the wider model from which the ratio of a test without random effects has a χ²
 /// distribution.
@@ -58,6 +59,8 @@ pub struct ModelReport {
     pub margins: Vec<Margin>,
     /// Differences between levels.
     pub comparisons: Vec<Comparison>,
+    /// How ratings depend on the order of the trials, if it is known.
+    pub order: Option<Order>,
     /// How well the model describes the data; only for the main analysis.
     pub checks: Option<Checks>,
 }
@@ -84,6 +87,7 @@ fn report_with_tests(full: &Fitted) -> Result<ModelReport, ModelError> {
         predictions: predictions(full, &model),
         margins: margins::margins(full, &model),
         comparisons: Vec::new(),
+        order: None,
         checks: None,
         model,
     })
@@ -98,6 +102,8 @@ pub struct Calibration<'a> {
     pub resampling: Resampling,
     /// Maximum time of the simulated studies, minutes of one processor.
     pub max_minutes: u64,
+    /// The trials that are known one by one.
+    pub trials: &'a [Trial],
     /// Whether to compute [`ModelReport::checks`].
     pub checks: bool,
     /// Returns the pairs of levels whose contrast is of interest, given the marginal means.
@@ -115,7 +121,7 @@ pub fn fit_calibrated(
     spec: &ModelSpec,
     calibration: &Calibration<'_>,
 ) -> Result<ModelReport, ModelError> {
-    let (frame, _) = Frame::new(counts, &spec.terms)?;
+    let (frame, _) = Frame::new(counts, spec)?;
     let (minutes, most) = (minutes(&frame, spec, calibration.resampling.draws), calibration.max_minutes);
     if minutes > most {
         return Err(ModelError::TooMuchWork { minutes, most });
@@ -127,6 +133,7 @@ pub fn fit_calibrated(
     calibrate_tests(&full, &mut report, &mut limits, calibration);
     correct(&mut report.proportional_odds);
     report.interactions = interactions(&full, calibration.resampling);
+    report.order = order(&full, calibration.trials, calibration.resampling.seed);
     if full.mixed.is_some() && full.frame.subjects.len() < FEW_FOR_LIKELIHOOD_RATIOS {
         // Wald's test rejects too often.
         report.model.coefficients.iter_mut().for_each(|coefficient| coefficient.p = None);
@@ -162,11 +169,15 @@ fn withhold(full: &Fitted, report: &mut ModelReport, limits: &mut [f64]) {
         }
     }
     for (term, limit) in full.spec.terms.iter().zip(limits) {
-        if full.mixed.is_some() && full.is_between(term) && full.least_people(term) < LEAST_PER_LEVEL {
-            *limit = f64::NAN;
-            for test in report.terms.iter_mut().filter(|test| test.term == term.to_string()) {
-                (test.p, test.withheld) = (None, Some(Withheld::FewPerLevel));
-            }
+        let [people, items] = full.least_at_level(term);
+        let reason = match full.mixed.is_some() {
+            true if full.is_between(term) && people < LEAST_PER_LEVEL => Withheld::FewPerLevel,
+            true if full.is_between_items(term) && items < LEAST_PER_LEVEL => Withheld::FewItems,
+            _ => continue,
+        };
+        *limit = f64::NAN;
+        for test in report.terms.iter_mut().filter(|test| test.term == term.to_string()) {
+            (test.p, test.withheld) = (None, Some(reason));
         }
     }
 }
@@ -286,10 +297,8 @@ fn profile_deviations(full: &Fitted, random: &mut RandomEffect) {
     if full.random.correlated {
         return;
     }
-    let people = full.frame.subjects.len();
-    let between = full.between_columns();
     let interval = |component: usize, sd: f64, se: Option<f64>| {
-        let (all, df) = full.random.degrees(component, people, between);
+        let (all, df) = full.degrees(component);
         let se = se.unwrap_or(0.3 / full.random.components[component].unit);
         profile::interval(full, Quantity::Deviation(component), sd, se, profile::deviation_limits(all, df))
     };
@@ -297,6 +306,9 @@ fn profile_deviations(full: &Fitted, random: &mut RandomEffect) {
     random.slopes.par_iter_mut().enumerate().for_each(|(slope, one)| {
         one.interval = interval(1 + slope, one.sd, one.se);
     });
+    if let Some(items) = &mut random.items {
+        items.interval = interval(full.random.components.len() - 1, items.sd, items.se);
+    }
 }
 
 /// Returns the differences between two levels with their profile intervals.

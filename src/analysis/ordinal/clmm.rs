@@ -8,9 +8,10 @@
 
 use std::ops::Range;
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{DMatrix, DVector};
 
 use super::{
+    arrow::Factor,
     clm::{add_product, category_bounds},
     link::{Category, Link, Shift},
     random::Loadings,
@@ -119,7 +120,7 @@ impl Subject<'_> {
     }
 
     /// Returns the gradient of the log-integrand and the factor of its negative Hessian.
-    fn slope_and_curvature(&self, u: &DVector<f64>, point: &Point) -> Option<(DVector<f64>, Cholesky<f64, Dyn>)> {
+    fn slope_and_curvature(&self, u: &DVector<f64>, point: &Point) -> Option<(DVector<f64>, Factor)> {
         let mut slope = -u;
         let mut curvature = DMatrix::identity(u.len(), u.len());
         for sums in &point.rows {
@@ -131,7 +132,7 @@ impl Subject<'_> {
                 }
             }
         }
-        Some((slope, curvature.cholesky()?))
+        Some((slope, Factor::new(curvature, self.loadings.blocks)?))
     }
 
     /// Finds the mode of the log-integrand, which is concave, by Newton's method. A step is halved until it raises the
@@ -244,7 +245,7 @@ impl ClmmData {
     fn add(&self, subject: &Subject, u: &DVector<f64>, sum: &mut Evaluation, by_row: &mut DVector<f64>) -> Option<()> {
         let point = subject.at(u);
         let (_, factor) = subject.slope_and_curvature(u, &point)?;
-        let log_determinant = 2.0 * factor.l_dirty().diagonal().iter().map(|pivot| pivot.ln()).sum::<f64>();
+        let log_determinant = factor.log_determinant();
         let inverse = factor.inverse();
         // With C = inverse curvature: Ca in the slots of each row, and aᵀCa.
         let slots = self.loadings.slots_per_row();

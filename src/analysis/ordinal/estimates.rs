@@ -112,31 +112,38 @@ fn random_effect(fitted: &Fitted, mixed: &MixedFit, covariance: Option<(&DMatrix
         let variance: f64 = pairs.map(|(i, j)| slope(i) * slope(j) * covariance[(first + i, first + j)]).sum();
         Some(variance.sqrt()).filter(|se| se.is_finite())
     };
-    let slopes = (1..size).map(|row| RandomSlope {
+    let effect = |row: usize| RandomSlope {
         name: part.components[row].name.clone(),
         term: part.components[row].term.clone(),
         sd: sd(row),
         se: se(row),
         interval: None,
-    });
+    };
     let correlation = |i: usize, j: usize| variances[(i, j)] / (sd(i) * sd(j));
     let correlations =
         part.correlated.then(|| (0..size).map(|i| (0..size).map(|j| correlation(i, j)).collect()).collect());
     let conditional = layout(fitted).data.conditional_covariances(&mixed.parameters, &mixed.modes).unwrap_or_default();
-    let subjects = fitted.frame.subjects.iter().zip(mixed.modes.iter().zip(conditional));
+    // With items, the effects of all participants stand one after the other.
+    let (own, _) = part.effects();
+    let place = |person: usize| if part.is_crossed() { (0, person * own) } else { (person, 0) };
+    let intercept = |(person, subject): (usize, &String)| {
+        let (block, effect) = place(person);
+        let variance = conditional.get(block)?[(effect, effect)];
+        Some(SubjectMode {
+            subject: subject.clone(),
+            mode: psi[0] * mixed.modes[block][effect],
+            sd: psi[0] * variance.sqrt(),
+        })
+    };
+    let slopes = size - usize::from(part.is_crossed());
     RandomEffect {
         sd: sd(0),
         se: se(0),
         interval: None,
-        slopes: slopes.collect(),
+        slopes: (1..slopes).map(effect).collect(),
+        items: (slopes..size).map(effect).next(),
         correlations,
-        subjects: subjects
-            .map(|(subject, (u, covariance))| SubjectMode {
-                subject: subject.clone(),
-                mode: psi[0] * u[0],
-                sd: psi[0] * covariance[(0, 0)].sqrt(),
-            })
-            .collect(),
+        subjects: fitted.frame.subjects.iter().enumerate().filter_map(intercept).collect(),
     }
 }
 
@@ -299,6 +306,7 @@ fn note_mixed(fitted: &Fitted, notes: &mut Vec<Note>) {
         let zeros = part.components.iter().zip(psi).filter(|(_, psi)| **psi == 0.0).map(|(component, _)| component);
         notes.extend(zeros.map(|component| match component.term.variables.is_empty() {
             true => Note::NoSubjectVariance,
+            false if component.shared => Note::NoItemVariance { items: component.name.clone() },
             false => Note::NoSlopeVariance { term: component.name.clone() },
         }));
     }
@@ -399,7 +407,9 @@ impl Model {
 /// `estimated` are estimated: those of maximum likelihood are too small with few participants, as in a normal sample whose
 /// variance is divided by n instead of n minus `estimated`.
 pub(super) fn reach(fitted: &Fitted, estimated: usize) -> f64 {
-    let people = fitted.frame.subjects.len() as f64;
+    // With items, the mean is over them as well.
+    let (_, items) = fitted.random.effects();
+    let people = (if items > 0 { items } else { usize::MAX }).min(fitted.frame.subjects.len()) as f64;
     let df = people - estimated as f64;
     if fitted.mixed.is_none() || df < 1.0 { Z_95 } else { (people / df).sqrt() * t_quantile(df) }
 }

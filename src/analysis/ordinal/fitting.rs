@@ -56,7 +56,7 @@ pub(super) struct How<'a> {
 /// model take as long as its estimates and are computed only if `errors` is true.
 pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool) -> Result<Fitted<'a>, ModelError> {
     let mut spec = spec.clone();
-    let (frame, mut notes) = Frame::new(counts, &spec.terms)?;
+    let (frame, mut notes) = Frame::new(counts, &spec)?;
     check_size(&frame, &spec.terms, spec.max_coefficients)?;
     if spec.random == Random::Subject && frame.subjects.len() < 2 {
         notes.push(Note::OneSubject);
@@ -64,6 +64,10 @@ pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool)
     }
     if spec.random == Random::None {
         spec.slopes = Slopes::None;
+        if let Some(items) = spec.items {
+            let expected = "random intercepts of at least two participants";
+            return Err(ModelError::Items { items, expected });
+        }
     }
     let how = How { errors, ..How::default() };
     let first_notes = notes.clone();
@@ -140,33 +144,58 @@ fn distinct_rows(frame: &Frame, designs: &[&Design], random: &RandomPart) -> (Ve
     (conditions, row_of)
 }
 
-/// The data of a mixed model, and the design row of each condition.
+/// The data of a mixed model, and the design row of each condition. If participants share effects, each design row belongs
+/// to one participant, and there is a single range of observations.
 pub(super) struct Layout {
     pub data: ClmmData,
+    /// The design row of each condition; of no use if participants share effects.
     pub row_of: Vec<usize>,
 }
 
 /// Lays out the data of the mixed model.
 pub(super) fn layout(fitted: &Fitted) -> Layout {
+    lay_out(fitted, fitted.random.is_crossed())
+}
+
+/// Lays out the data of the mixed model; as if each participant had effects of their own if not `crossed`.
+pub(super) fn lay_out(fitted: &Fitted, crossed: bool) -> Layout {
     let frame = &fitted.frame;
     let (conditions, row_of) = distinct_rows(frame, &[&fitted.x], &fitted.random);
-    let offset = fitted.x.offset(&conditions);
-    let x = fitted.standard.apply(fitted.x.matrix(&conditions));
-    let mut observations = Vec::new();
+    let mut design: Vec<(usize, u32)> = conditions.iter().map(|condition| (0, *condition)).collect();
+    if crossed {
+        design.clear();
+    }
+    let mut observations: Vec<Observation> = Vec::new();
     let mut subjects = Vec::new();
     // Rows are sorted by participant. Conditions that share a design row are combined.
-    for rows in frame.rows.chunk_by(|l, r| l.subject == r.subject) {
+    for (person, rows) in frame.rows.chunk_by(|l, r| l.subject == r.subject).enumerate() {
         let own = |row: &CountRow| (row_of[row.condition as usize], usize::from(row.rating), row.count);
         let mut cells: Vec<_> = rows.iter().map(own).collect();
         cells.sort_unstable();
         let first = observations.len();
+        let mut last = None;
         observations.extend(cells.chunk_by(|l, r| (l.0, l.1) == (r.0, r.1)).map(|cell| {
             let count = cell.iter().map(|(.., count)| *count).sum::<u64>() as f64;
-            Observation { row: cell[0].0, category: cell[0].1, count }
+            let (mut row, category, _) = cell[0];
+            if crossed {
+                if last.replace(row) != Some(row) {
+                    design.push((person, conditions[row]));
+                }
+                row = design.len() - 1;
+            }
+            Observation { row, category, count }
         }));
         subjects.push(first..observations.len());
     }
-    let loadings = Loadings::new(&fitted.random, &conditions);
+    let mut people = 1;
+    if crossed {
+        people = subjects.len();
+        subjects = vec![0..observations.len()];
+    }
+    let conditions: Vec<u32> = design.iter().map(|(_, condition)| *condition).collect();
+    let offset = fitted.x.offset(&conditions);
+    let x = fitted.standard.apply(fitted.x.matrix(&conditions));
+    let loadings = Loadings::new(&fitted.random, &design, people);
     let (link, categories) = (fitted.spec.link, frame.categories.len());
     Layout { data: ClmmData { link, categories, x, offset, loadings, observations, subjects }, row_of }
 }
@@ -290,16 +319,23 @@ impl Fitted<'_> {
         term.variables.iter().any(between)
     }
 
-    /// Returns the smallest number of participants at a level of a term's factors.
-    pub fn least_people(&self, term: &Term) -> usize {
+    /// Returns the smallest number of participants, and of items, at a level of a term's factors.
+    pub fn least_at_level(&self, term: &Term) -> [usize; 2] {
+        let counts = self.frame.counts;
+        let items = self.spec.items.as_ref().and_then(|items| counts.factor(items)).map(|(items, _)| items);
+        let item = |row: &CountRow| items.and_then(|items| counts.conditions[row.condition as usize][items]);
+        [self.least(term, |row| Some(row.subject)), self.least(term, item)]
+    }
+
+    fn least(&self, term: &Term, one: impl Fn(&CountRow) -> Option<u32>) -> usize {
         let counts = self.frame.counts;
         let is_factor = |variable: &&Variable| matches!(variable, Variable::Factor(_));
         let factors = term.variables.iter().filter(is_factor).filter_map(|variable| find_factor(counts, variable).ok());
         let of_factor = |(factor, _): (usize, bool)| {
-            let mut people: HashMap<u32, HashSet<u32>> = HashMap::new();
+            let mut people: HashMap<u32, HashSet<Option<u32>>> = HashMap::new();
             for row in &self.frame.rows {
                 if let Some(level) = counts.conditions[row.condition as usize][factor] {
-                    people.entry(level).or_default().insert(row.subject);
+                    people.entry(level).or_default().insert(one(row));
                 }
             }
             people.values().map(HashSet::len).min()
@@ -307,10 +343,28 @@ impl Fitted<'_> {
         factors.filter_map(of_factor).min().unwrap_or(usize::MAX)
     }
 
-    /// Returns the number of coefficients of terms that do not vary within participants.
-    pub fn between_columns(&self) -> usize {
-        let between: Vec<bool> = self.spec.terms.iter().map(|term| self.is_between(term)).collect();
-        self.x.columns.iter().filter(|column| between.get(column.term) == Some(&true)).count()
+    /// Returns whether a variable of a term does not vary within items.
+    pub fn is_between_items(&self, term: &Term) -> bool {
+        let counts = self.frame.counts;
+        let Some((items, _)) = self.spec.items.as_ref().and_then(|items| counts.factor(items)) else { return false };
+        let between = |variable: &Variable| {
+            let Ok((factor, _)) = find_factor(counts, variable) else { return false };
+            let mut level_of = HashMap::new();
+            let levels = self.frame.conditions().into_iter().map(|c| &counts.conditions[c as usize]);
+            levels.into_iter().all(|own| *level_of.entry(own[items]).or_insert(own[factor]) == own[factor])
+        };
+        term.variables.iter().any(between)
+    }
+
+    /// Returns the number of effects of a component of the random part, and how many of them are free, given that the means
+    /// over participants or items and the coefficients of terms that vary only between them are estimated.
+    pub fn degrees(&self, component: usize) -> (f64, f64) {
+        let columns = |is_between: &dyn Fn(&Term) -> bool| {
+            let between: Vec<bool> = self.spec.terms.iter().map(is_between).collect();
+            self.x.columns.iter().filter(|column| between.get(column.term) == Some(&true)).count()
+        };
+        let between = [columns(&|term| self.is_between(term)), columns(&|term| self.is_between_items(term))];
+        self.random.degrees(component, self.frame.subjects.len(), between)
     }
 
     /// Returns the number of coefficients that can be estimated.

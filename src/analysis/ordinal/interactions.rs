@@ -5,8 +5,8 @@
 //! opposite sign, however participants differ. The statistic is the squared sum of the scores in units of their
 //! information, and its distribution that over these signs (a score bootstrap: Kline & Santos 2012, J. Econom. Methods 1).
 //! The same signs for all interactions give the distribution of the smallest p, which corrects for their number (Westfall &
-//! Young 1993). Fewer than [`LEAST_FOR_SIGNS`] participants have too few signs: likelihood ratios of wider models in
-//! simulated studies take their place.
+//! Young 1993). Fewer than [`LEAST_FOR_SIGNS`] participants have too few signs, and items are shared by participants:
+//! likelihood ratios of wider models in simulated studies take their place.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand::RngExt;
@@ -24,7 +24,7 @@ use super::{
 use crate::{analysis::frame::find_factor, statistics::holm};
 
 /// With five participants, no p could be below 1/16.
-const LEAST_FOR_SIGNS: usize = 6;
+pub(super) const LEAST_FOR_SIGNS: usize = 6;
 /// Up to this number of participants, all signs are enumerated.
 const MAX_ENUMERATED: usize = 14;
 /// Number of random signs of more participants.
@@ -59,7 +59,8 @@ pub struct Interaction {
 /// Tests every pair of factors whose main effects, but not their interaction, are in the model.
 pub(super) fn interactions(full: &Fitted, settings: Resampling) -> Vec<Interaction> {
     let pairs = pairs(full);
-    if full.frame.subjects.len() >= LEAST_FOR_SIGNS {
+    // Effects of items have no signs that could be changed by participant.
+    if full.frame.subjects.len() >= LEAST_FOR_SIGNS && !full.random.is_crossed() {
         by_signs(full, pairs, settings.seed)
     } else {
         by_ratios(full, pairs, settings)
@@ -128,7 +129,7 @@ fn by_signs(full: &Fitted, pairs: Vec<(Interaction, [usize; 2])>, seed: u64) -> 
 }
 
 /// Returns the share of the statistics that are at least as large as each of them.
-fn exceedances(statistics: &[f64]) -> Vec<f64> {
+pub(super) fn exceedances(statistics: &[f64]) -> Vec<f64> {
     let mut sorted = statistics.to_vec();
     sorted.sort_by(f64::total_cmp);
     let below = |statistic: f64| sorted.partition_point(|other| *other < statistic * (1.0 - 1e-9));
@@ -138,7 +139,7 @@ fn exceedances(statistics: &[f64]) -> Vec<f64> {
 /// Makes patterns of signs, a sign for each participant in a column, block by block, because all of them would need gigabytes
 /// for thousands of participants; returns their number. They are all patterns that differ by more than a common sign, or
 /// random ones. The first has no negative sign.
-fn each_block_of_signs(people: usize, seed: u64, mut each: impl FnMut(&DMatrix<f64>)) -> usize {
+pub(super) fn each_block_of_signs(people: usize, seed: u64, mut each: impl FnMut(&DMatrix<f64>)) -> usize {
     const BLOCK: usize = 64;
     let is_enumerated = people <= MAX_ENUMERATED;
     let patterns = if is_enumerated { 1 << (people - 1) } else { 1 + SIGNS };

@@ -48,6 +48,9 @@ pub enum Withheld {
     /// A level of a factor that varies only between participants has too few of them.
     #[error("a level has fewer than three participants")]
     FewPerLevel,
+    /// A level of a factor that varies only between items has too few of them.
+    #[error("a level has fewer than three items")]
+    FewItems,
     /// There are too few ratings for the parameters of the wider model.
     #[error("there are fewer than five ratings for each parameter of the model")]
     FewRatings,

@@ -60,11 +60,14 @@ const MAX_COMPARISONS: usize = 120;
 /// were rated in every combination; none if there is no such cell.
 fn matched(fitted: &Fitted, factors: &[usize]) -> Option<BTreeMap<Vec<u32>, Vec<u32>>> {
     let counts: &Counts = fitted.frame.counts;
+    // The model is the same for all items.
+    let items = fitted.spec.items.as_ref().and_then(|items| counts.factor(items)).map(|(index, _)| index);
     let mut by_cell: BTreeMap<Vec<Option<u32>>, BTreeMap<Vec<u32>, u32>> = BTreeMap::new();
     for condition in fitted.frame.conditions() {
         let levels = &counts.conditions[condition as usize];
         let Some(own) = factors.iter().map(|&factor| levels[factor]).collect::<Option<Vec<u32>>>() else { continue };
-        let other = (0..levels.len()).filter(|factor| !factors.contains(factor)).map(|factor| levels[factor]).collect();
+        let is_other = |factor: &usize| !factors.contains(factor) && Some(*factor) != items;
+        let other = (0..levels.len()).filter(is_other).map(|factor| levels[factor]).collect();
         by_cell.entry(other).or_default().insert(own, condition);
     }
     let all: BTreeSet<&Vec<u32>> = by_cell.values().flat_map(BTreeMap::keys).collect();

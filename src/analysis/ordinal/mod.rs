@@ -13,6 +13,7 @@
 //! | `calibration` | the whole report on a model, with tests and intervals that hold for few participants |
 //! | `model` | fitted models, their notes, and the errors if there is no model |
 
+mod arrow;
 mod calibration;
 mod checks;
 mod clm;
@@ -25,6 +26,7 @@ mod likelihood_ratios;
 mod link;
 mod margins;
 mod model;
+mod order;
 mod profile;
 mod random;
 mod resampling;
@@ -45,6 +47,7 @@ pub use model::{
     Slopes, SubjectMode, Threshold,
 };
 
+pub use order::Order;
 pub use resampling::Resampling;
 
 pub(super) use design::{Design, Span, check_size};

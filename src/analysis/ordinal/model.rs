@@ -51,6 +51,9 @@ pub struct ModelSpec {
     pub random: Random,
     /// Random slopes; they need a random intercept.
     pub slopes: Slopes,
+    /// The factor whose levels are items, such as pictures: a sample, like the participants. Each item has a random intercept,
+    /// which all participants share: R's `(1 | item)`.
+    pub items: Option<String>,
     /// Maximum number of coefficients; a specification with more is refused.
     pub max_coefficients: usize,
 }
@@ -67,6 +70,7 @@ impl ModelSpec {
             link: Link::Logit,
             random: Random::None,
             slopes: Slopes::None,
+            items: None,
             max_coefficients: MAX_COEFFICIENTS,
         }
     }
@@ -132,22 +136,23 @@ pub struct RandomEffect {
     pub interval: Option<Interval>,
     /// The random slopes, in the order of the terms.
     pub slopes: Vec<RandomSlope>,
+    /// The random intercept of the items, if there are any.
+    pub items: Option<RandomSlope>,
     /// Correlations of the intercept and the slopes, in this order; `None` if they are independent.
     pub correlations: Option<Vec<Vec<f64>>>,
     /// Each participant's intercept.
     pub subjects: Vec<SubjectMode>,
 }
 
-/// How much participants differ in an effect.
+/// How much participants differ in an effect, or items in their ratings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RandomSlope {
     /// The term, or the name of the contrast if the effects are correlated.
     pub name: String,
-    /// The term whose effect differs between participants.
+    /// The term whose effect differs between participants, or the factor whose levels are items.
     #[serde(skip)]
     pub term: Term,
-    /// Standard deviation between participants, on the scale of the link: of the deviation at each level, or per unit
-    /// of a number.
+    /// Standard deviation on the scale of the link: of the deviation at each level, or per unit of a number.
     pub sd: f64,
     /// Standard error of `sd`; `None` if `sd` is 0.
     pub se: Option<f64>,
@@ -210,7 +215,7 @@ impl Model {
         // A slope on a number has another unit; a deviation at a level belongs to the rating's own variance.
         let is_factor = |variable: &Variable| matches!(variable, Variable::Factor(_));
         let levels = random.slopes.iter().filter(|slope| slope.term.variables.iter().all(is_factor));
-        let rest = self.link.sd().powi(2) + levels.map(|slope| slope.sd * slope.sd).sum::<f64>();
+        let rest = self.link.sd().powi(2) + levels.chain(&random.items).map(|slope| slope.sd * slope.sd).sum::<f64>();
         let share = |sd: f64| if sd.is_finite() { sd * sd / (sd * sd + rest) } else { 1.0 };
         let interval = random.interval.map(|i| Interval { low: share(i.low), high: share(i.high) });
         if random.correlations.is_some() { (None, None) } else { (Some(share(random.sd)), interval) }
@@ -299,6 +304,9 @@ pub enum Note {
         "the design does not support a random slope of {term}: expected at least two ratings per random effect on average"
     )]
     NoSlope { term: String },
+    /// Items do not differ, as far as the ratings show.
+    #[error("the estimated variance between the levels of {items} is 0")]
+    NoItemVariance { items: String },
     /// The correlated random effects have a variance of 0 in some direction.
     #[error("the covariance matrix of the random effects is singular, so their correlations are not reliable")]
     SingularCovariance,
@@ -351,6 +359,9 @@ pub enum ModelError {
         /// Name of the factor.
         name: String,
     },
+    /// The items, or the random effects beside theirs, allow no crossed random effects.
+    #[error("{items}: expected {expected}")]
+    Items { items: String, expected: &'static str },
     /// The terms need too many coefficients.
     #[error(
         "the model has {coefficients} coefficients; expected at most {most}: use num:FACTOR for a factor with many levels"

@@ -2,12 +2,10 @@
 //!
 //! The independent form is R's `(1 | subject) + (1 | subject:width) + (0 + x | subject)`: an intercept, a deviation of
 //! each participant at each level of a factor, and a slope on a number about its mean. The correlated form is
-//! `(1 + width | subject)`: an intercept and the contrasts of the factors, with all their covariances.
+//! `(1 + width | subject)`: an intercept and the contrasts of the factors, with all their covariances. Items add `(1 | item)`
+//! to the independent form: effects that all participants share.
 
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    ops::Range,
-};
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{
     design::Design,
@@ -26,6 +24,8 @@ const INTERCEPT: &str = "(Intercept)";
 const RATINGS_PER_EFFECT: u64 = 2;
 /// Maximum number of random effects per participant: the time for a fit grows with the cube.
 const MAX_EFFECTS: usize = 150;
+/// Maximum number of random effects of all participants and items together, if there are items.
+const MAX_CROSSED: usize = 1000;
 /// Maximum number of correlated effects; 10 have 55 variances and covariances.
 const MAX_CORRELATED: usize = 10;
 
@@ -43,6 +43,8 @@ pub(super) struct Component {
     values: Vec<f64>,
     /// Size of the values on the scale of the data.
     pub unit: f64,
+    /// True for items: all participants share the effects.
+    pub shared: bool,
 }
 
 /// The random part of a model.
@@ -62,7 +64,18 @@ impl Component {
             number_of_groups: 1,
             values: vec![1.0; conditions],
             unit: 1.0,
+            shared: false,
         }
+    }
+
+    /// Creates the intercepts of the items: the levels of a factor that occur.
+    fn items(frame: &Frame, factor: &str) -> Result<Self, ModelError> {
+        let (index, _) = find_factor(frame.counts, &Variable::Factor(factor.to_owned()))?;
+        let levels = frame.levels(index);
+        let group = |condition: &Vec<Option<u32>>| levels.iter().position(|level| Some(*level) == condition[index]);
+        let groups = frame.counts.conditions.iter().map(|condition| group(condition).unwrap_or(0)).collect();
+        let values = vec![1.0; frame.counts.conditions.len()];
+        Ok(Self { shared: true, ..Self::new(factor.to_owned(), Term::factor(factor), values, groups, levels.len()) })
     }
 
     /// Creates a component with the given values, scaled to at most 1.
@@ -70,7 +83,7 @@ impl Component {
         let unit = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let unit = if unit > 0.0 { unit } else { 1.0 };
         values.iter_mut().for_each(|value| *value /= unit);
-        Self { name, term, groups, number_of_groups, values, unit }
+        Self { name, term, groups, number_of_groups, values, unit, shared: false }
     }
 }
 
@@ -87,6 +100,10 @@ impl RandomPart {
             Slopes::None => {}
             Slopes::Independent => part.add_independent(frame, &spec.terms, notes)?,
             Slopes::Correlated => part.add_correlated(frame, &spec.terms)?,
+        }
+        if let Some(items) = &spec.items {
+            part.components.push(Component::items(frame, items)?);
+            part.check_items(spec, items, frame.subjects.len())?;
         }
         Ok(part)
     }
@@ -151,8 +168,31 @@ impl RandomPart {
         Ok(())
     }
 
-    fn effects(&self) -> usize {
-        self.components.iter().map(|component| component.number_of_groups).sum()
+    fn check_items(&self, spec: &ModelSpec, items: &str, people: usize) -> Result<(), ModelError> {
+        let error = |expected: &'static str| Err(ModelError::Items { items: items.to_owned(), expected });
+        let mut variables = spec.terms.iter().flat_map(|term| &term.variables);
+        match self.effects() {
+            _ if variables.any(|variable| variable.name() == items) => error("a column that no term uses"),
+            _ if self.correlated => error("independent random slopes"),
+            (_, 0 | 1) => error("at least two items"),
+            (own, items) if own * people + items > MAX_CROSSED => error(
+                "at most 1000 random effects of participants and items together; without random slopes, there are fewer",
+            ),
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns whether participants share effects.
+    pub fn is_crossed(&self) -> bool {
+        self.components.iter().any(|component| component.shared)
+    }
+
+    /// Returns the number of effects of each participant, and that of those that all participants share.
+    pub fn effects(&self) -> (usize, usize) {
+        let groups = |shared: bool| {
+            self.components.iter().filter(move |c| c.shared == shared).map(|c| c.number_of_groups).sum::<usize>()
+        };
+        (groups(false), groups(true))
     }
 
     /// Returns the number of parameters ψ.
@@ -176,11 +216,13 @@ impl RandomPart {
     }
 
     /// Returns the number of effects of a component among `people` participants, and how many of them are free, given
-    /// that `between` coefficients and the means over participants are estimated.
-    pub fn degrees(&self, component: usize, people: usize, between: usize) -> (f64, f64) {
-        let [groups, people, between] =
-            [self.components[component].number_of_groups, people, between].map(|n| n as f64);
+    /// that `between` coefficients of terms that vary only between participants, or only between items, and the means over
+    /// participants or items are estimated.
+    pub fn degrees(&self, component: usize, people: usize, between: [usize; 2]) -> (f64, f64) {
+        let [groups, people, between, between_items] =
+            [self.components[component].number_of_groups, people, between[0], between[1]].map(|n| n as f64);
         match component {
+            _ if self.components[component].shared => (groups, groups - 1.0 - between_items),
             0 => (people, people - 1.0 - between),
             _ if groups < 2.0 => (people, people - 1.0),
             _ => (people * (groups - 1.0), (people - 1.0) * (groups - 1.0)),
@@ -261,10 +303,12 @@ fn center(frame: &Frame, values: &mut [f64]) {
 }
 
 /// How the standardized effects of a participant enter each design row: each row has a fixed number of slots, each slot
-/// belongs to one effect, and its weight is a sum of parameters times values.
+/// belongs to one effect, and its weight is a sum of parameters times values. If participants share effects, these are the
+/// effects of all participants, one after the other, followed by the shared ones, and each row belongs to one participant.
 #[derive(Clone, Debug)]
 pub(super) struct Loadings {
-    effects: usize,
+    /// The number of participants, the number of effects of each, and that of shared effects.
+    pub blocks: (usize, usize, usize),
     parameters: usize,
     slots_per_row: usize,
     /// The effect of each slot, row by row.
@@ -286,11 +330,12 @@ pub(super) struct Entry {
 }
 
 impl Loadings {
-    /// Lays out the effects for the conditions of the design rows.
-    pub fn new(part: &RandomPart, conditions: &[u32]) -> Self {
+    /// Lays out the effects of `people` participants for the design rows: the index of the participant, and the condition.
+    pub fn new(part: &RandomPart, rows: &[(usize, u32)], people: usize) -> Self {
         let components = &part.components;
+        let (own, shared) = part.effects();
         let (mut slots, mut entries) = (Vec::new(), Vec::new());
-        for condition in conditions.iter().map(|condition| *condition as usize) {
+        for (person, condition) in rows.iter().map(|(person, condition)| (*person, *condition as usize)) {
             if part.correlated {
                 slots.extend(0..components.len());
                 entries.extend(part.triangle().enumerate().map(|(parameter, (row, column))| Entry {
@@ -299,9 +344,10 @@ impl Loadings {
                     value: components[row].values[condition],
                 }));
             } else {
-                let mut first = 0;
+                let mut first = person * own;
                 for (slot, component) in components.iter().enumerate() {
-                    slots.push(first + component.groups[condition]);
+                    let first_of_all = if component.shared { people * own } else { first };
+                    slots.push(first_of_all + component.groups[condition]);
                     entries.push(Entry { slot, parameter: slot, value: component.values[condition] });
                     first += component.number_of_groups;
                 }
@@ -309,7 +355,7 @@ impl Loadings {
         }
         let diagonal = part.triangle().enumerate().filter(|(_, (row, column))| row == column).map(|(index, _)| index);
         Self {
-            effects: part.effects(),
+            blocks: (people, own, shared),
             parameters: part.parameters(),
             slots_per_row: components.len(),
             slots,
@@ -321,7 +367,8 @@ impl Loadings {
     }
 
     pub fn effects(&self) -> usize {
-        self.effects
+        let (people, own, shared) = self.blocks;
+        people * own + shared
     }
 
     pub fn parameters(&self) -> usize {
@@ -343,13 +390,13 @@ impl Loadings {
 
     /// Returns the parameters and the effects that change sign together with a standard deviation: its column of the
     /// Cholesky factor, or itself and its groups.
-    pub fn sign_partners(&self, deviation: usize) -> (Vec<usize>, Range<usize>) {
+    pub fn sign_partners(&self, deviation: usize) -> (Vec<usize>, BTreeSet<usize>) {
         if self.independent {
-            let effects = || (self.slots.iter().skip(deviation).step_by(self.slots_per_row)).copied();
-            return (vec![deviation], effects().min().unwrap_or(0)..effects().max().map_or(0, |last| last + 1));
+            let effects = self.slots.iter().skip(deviation).step_by(self.slots_per_row);
+            return (vec![deviation], effects.copied().collect());
         }
         let column = self.deviations.iter().position(|other| *other == deviation).unwrap_or(0);
-        ((deviation..deviation + self.effects - column).collect(), column..column + 1)
+        ((deviation..deviation + self.effects() - column).collect(), [column].into())
     }
 
     /// Returns the weight of each slot, row by row.

@@ -18,7 +18,7 @@ use super::{
     clmm::ClmmData,
     design::Design,
     estimates::finite_estimates,
-    fitting::{Fitted, How, Layout, fit_terms, layout},
+    fitting::{Fitted, How, Layout, fit_terms, lay_out, layout},
     likelihood_ratios::{comparable, is_decided, nominal_test, recoded},
     link::Link,
     search::MixedFit,
@@ -159,10 +159,9 @@ fn correct_deviations(fitted: &Fitted, data: &ClmmData, mixed: &MixedFit, parame
     if fitted.random.correlated {
         return;
     }
-    let between = fitted.between_columns();
     let sampling = data.sampling_variances(&mixed.parameters, &mixed.modes);
     for (component, sampling) in sampling.into_iter().enumerate() {
-        let (all, free) = fitted.random.degrees(component, fitted.frame.subjects.len(), between);
+        let (all, free) = fitted.degrees(component);
         let deviation = &mut parameters[data.first_psi() + component];
         let factor = all / (free - 2.0 / 3.0).max(0.5);
         *deviation = ((*deviation * *deviation + sampling) * factor - sampling).max(0.0).sqrt();
@@ -178,23 +177,23 @@ pub(super) struct Simulator<'a> {
     location: Vec<f64>,
     /// The effects that matter in each condition, with their weights.
     weights: Vec<Vec<(usize, f64)>>,
-    effects: usize,
+    /// The number of effects of each participant, and that of those that all participants share.
+    effects: (usize, usize),
 }
 
 impl<'a> Simulator<'a> {
     /// Lays out a fit. If `corrected`, standard deviations are corrected for the means that are estimated.
     pub fn new(fitted: &'a Fitted<'a>, corrected: bool) -> Self {
-        let Layout { data, row_of } = layout(fitted);
-        let parameters = match &fitted.mixed {
+        let Layout { data, .. } = layout(fitted);
+        let mut parameters = match &fitted.mixed {
             Some(mixed) => mixed.parameters.clone(),
             None => fitted.clm.parameters.clone().resize_vertically(data.parameters(), 0.0),
         };
-        let location = data.location(&parameters);
-        let mut parameters = parameters;
         if let Some(mixed) = fitted.mixed.as_ref().filter(|_| corrected) {
             correct_deviations(fitted, &data, mixed, &mut parameters);
         }
-        let weights = data.weights(&parameters);
+        let Layout { data, row_of } = lay_out(fitted, false);
+        let (location, weights) = (data.location(&parameters), data.weights(&parameters));
         let slots = data.loadings.slots_per_row();
         let effects_of = |row: usize| {
             let own = &weights[row * slots..(row + 1) * slots];
@@ -206,7 +205,7 @@ impl<'a> Simulator<'a> {
             thresholds: parameters.as_slice()[..data.thresholds()].to_vec(),
             location: row_of.iter().map(|row| location[*row]).collect(),
             weights: row_of.iter().map(|row| effects_of(*row)).collect(),
-            effects: data.loadings.effects(),
+            effects: fitted.random.effects(),
         }
     }
 
@@ -222,9 +221,11 @@ impl<'a> Simulator<'a> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(study);
         let mut rows = Vec::with_capacity(self.frame.rows.len());
-        let mut u = DVector::zeros(self.effects);
+        let (own, shared) = self.effects;
+        let mut u: Vec<f64> = vec![0.0; own];
+        u.extend((0..shared).map(|_| rng.sample::<f64, _>(StandardNormal)));
         for of_subject in self.frame.rows.chunk_by(|l, r| l.subject == r.subject) {
-            u.iter_mut().for_each(|u: &mut f64| *u = StandardNormal.sample(&mut rng));
+            u[..own].iter_mut().for_each(|u| *u = StandardNormal.sample(&mut rng));
             for cell in of_subject.chunk_by(|l, r| l.condition == r.condition) {
                 let condition = cell[0].condition as usize;
                 let effect: f64 = self.weights[condition].iter().map(|(effect, weight)| weight * u[*effect]).sum();

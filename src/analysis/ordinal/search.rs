@@ -343,7 +343,7 @@ impl<'a> Search<'a> {
             let (parameters, effects) = loadings.sign_partners(deviation);
             parameters.into_iter().for_each(|parameter| self.at[first + parameter] *= -1.0);
             for mode in &mut self.modes {
-                effects.clone().for_each(|effect| mode[effect] *= -1.0);
+                effects.iter().for_each(|effect| mode[*effect] *= -1.0);
             }
         }
     }

@@ -119,9 +119,6 @@ impl Plan {
             outline.check_size().map_err(PlanError::TooLarge)?;
         }
         let max_coefficients = if model.large { usize::MAX } else { MAX_COEFFICIENTS };
-        let (frame, _) = Frame::new(&outline, &terms)?;
-        check_size(&frame, &terms, max_coefficients)?;
-        let hypotheses = Layout::new(&scenario, &frame, &terms).hypotheses()?;
         let spec = ModelSpec {
             link: model.link,
             random: Random::Subject,
@@ -129,6 +126,9 @@ impl Plan {
             max_coefficients,
             ..ModelSpec::new(terms)
         };
+        let (frame, _) = Frame::new(&outline, &spec)?;
+        check_size(&frame, &spec.terms, max_coefficients)?;
+        let hypotheses = Layout::new(&scenario, &frame, &spec.terms).hypotheses()?;
         let allowed = terms_with_slopes(&frame, &spec)?;
         let allows = |slope: &&Slope| {
             allowed.iter().flat_map(|term| &term.variables).any(|variable| {

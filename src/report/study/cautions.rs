@@ -125,6 +125,28 @@ fn about_model(results: &Results) -> Vec<String> {
         );
     }
     cautions.extend(notes.iter().filter(|note| is_serious(note)).map(|note| format!("About the model: {note}.")));
+    cautions.extend(report.order.as_ref().filter(|order| order.is_dependent()).map(|order| {
+        let so = if results.is_inferential() {
+            "If conditions were shown in blocks, differences between participants in the effects are not told from this, and \
+             effects may seem clearer than they are."
+        } else {
+            "The tests of this participant’s trials assume that they are independent, and find effects too often."
+        };
+        format!(
+            "Successive ratings are related beyond what the model explains (correlation of residuals {}, {}). {so}",
+            unit(order.lag_one),
+            p_is(order.lag_one_p)
+        )
+    }));
+    cautions.extend(report.order.as_ref().filter(|order| order.is_drifting()).map(|order| {
+        let verb = if order.drift > 0.0 { "rise" } else { "fall" };
+        format!(
+            "Ratings {verb} during a session: by an estimated {} on the latent scale from its first to its last trial ({}). \
+             Conditions that come early or late are not compared fairly.",
+            fixed(order.drift.abs(), 2),
+            order.drift_p.map(p_is).unwrap_or_default()
+        )
+    }));
     cautions.extend(report.proportional_odds.iter().filter_map(|test| {
         let p = p_is(test.p_holm.filter(|p| *p < ALPHA)?);
         let term = names::factor(&test.term);

@@ -7,7 +7,7 @@
 use super::names;
 use crate::{
     analysis::{
-        Link, ModelReport, Results, TermTest, Withheld, find_factor, number_of,
+        Link, ModelReport, Order, Results, TermTest, Withheld, find_factor, number_of,
         rank_tests::PMethod,
         results::{FactorResults, factor_results},
         terms::{Term, Variable},
@@ -128,6 +128,10 @@ fn untested(results: &Results, factor: &FactorResults) -> String {
             .map(|reason| reason.to_string())
             .or_else(|| {
                 main_effect(results, &factor.name).is_none().then(|| "it is not a term of the model".to_owned())
+            })
+            .or_else(|| {
+                let reason = "the model has no random slope for it, and rank tests ignore items";
+                results.spec.items.is_some().then(|| reason.to_owned())
             }),
     };
     let name = names::factor(&factor.name);
@@ -137,7 +141,12 @@ fn untested(results: &Results, factor: &FactorResults) -> String {
 
 /// Says that participants differ in the effect, if the interval of the deviations excludes 0.
 fn people_differ(results: &Results, factor: &FactorResults, found: bool) -> Option<String> {
-    let random = results.model.as_ref().ok()?.model.random.as_ref()?;
+    let report = results.model.as_ref().ok()?;
+    // Trials in blocks that are related look like participants who differ.
+    if report.order.as_ref().is_some_and(Order::is_dependent) {
+        return None;
+    }
+    let random = report.model.random.as_ref()?;
     let slope = random.slopes.iter().find(|slope| slope.term == Term::factor(&factor.name))?;
     let interval = slope.interval.filter(|interval| interval.low > 0.0)?;
     let (name, interval) = (names::factor(&factor.name), with_interval(Some(interval), |sd| fixed(sd, 2)));

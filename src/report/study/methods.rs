@@ -120,7 +120,10 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
             } else {
                 format!("a random intercept for participants and {form} random slopes of {}", list(&slopes))
             };
-            ("mixed ", format!(" and {effects}, fitted by maximum likelihood with Laplace’s approximation"))
+            let items = random.items.as_ref().map_or_else(String::new, |items| {
+                format!(", crossed with a random intercept for each {}", names::factor(&items.name))
+            });
+            ("mixed ", format!(" and {effects}{items}, fitted by maximum likelihood with Laplace’s approximation"))
         }
     };
     let mut text = format!(

@@ -9,7 +9,9 @@ use crate::{
     report::{
         document::{
             Section,
-            numbers::{count, fixed, mean, percent, probability, range, ratio, short_list, unit, whole, with_interval},
+            numbers::{
+                count, fixed, mean, p_is, percent, probability, range, ratio, short_list, unit, whole, with_interval,
+            },
         },
         figures::Figure,
         script,
@@ -81,6 +83,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
             "No term shows a violation at {level}. With few participants or ratings, tests have little power."
         ));
     }
+    order(&mut section, report);
     if let Some(checks) = &report.checks {
         fit_of_model(&mut section, results, model, checks, figures);
     }
@@ -119,6 +122,25 @@ fn interactions(section: &mut Section, report: &ModelReport) {
     }
 }
 
+/// Describes how ratings depend on the order of the trials.
+fn order(section: &mut Section, report: &ModelReport) {
+    let Some(order) = &report.order else { return };
+    section.heading("Do ratings depend on the order of the trials?");
+    let drift_p = order.drift_p.map_or_else(
+        || " (without a test: there are fewer than six participants)".to_owned(),
+        |p| format!(" ({}, from the signs of the participants)", p_is(p)),
+    );
+    section.text(format!(
+        "From the first to the last trial of a session, the latent rating changes by an estimated {}{drift_p}. The residuals of \
+         successive trials correlate by {} ({}, if any order of a session’s residuals is equally likely). Both are about {} with \
+         a known place.",
+        fixed(order.drift, 2),
+        unit(order.lag_one),
+        p_is(order.lag_one_p),
+        count(order.ratings, "rating")
+    ));
+}
+
 /// Says where the probabilities of some tests come from.
 fn source_of_p(tests: &[TermTest]) -> String {
     match tests.iter().filter_map(|test| test.draws).max() {
@@ -139,16 +161,23 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
     section.heading("Differences between participants");
     let mut rows = vec![("Intercept", random.sd, random.se, random.interval)];
     rows.extend(random.slopes.iter().map(|slope| (slope.name.as_str(), slope.sd, slope.se, slope.interval)));
+    let items = random.items.as_ref().map(|items| format!("Intercept of {}", names::factor(&items.name)));
+    let of_items = items.iter().zip(&random.items);
+    rows.extend(of_items.map(|(name, items)| (name.as_str(), items.sd, items.se, items.interval)));
     let row = |(name, sd, se, interval): (&str, f64, Option<f64>, Option<Interval>)| {
         vec![names::factor(name).into(), fixed(sd, 3), fixed(se, 3), range(interval, |sd| fixed(sd, 2))]
     };
-    let caption = "Standard deviations between participants, on the latent scale";
+    let caption = if random.items.is_some() {
+        "Standard deviations between participants and between items, on the latent scale"
+    } else {
+        "Standard deviations between participants, on the latent scale"
+    };
     let numbers = ["SD", "SE", "95\u{a0}% interval"];
     section.table(caption, &["Of"], &numbers, rows.into_iter().map(row).collect());
     let (share, interval) = model.share_between();
     if let Some(share) = share {
         section.text(format!(
-            "The intercepts account for {} of the latent variance{} (intraclass correlation).",
+            "The intercepts of participants account for {} of the latent variance{} (intraclass correlation).",
             percent((100.0 * share).round() / 100.0),
             with_interval(interval, |share| percent((100.0 * share).round() / 100.0))
         ));

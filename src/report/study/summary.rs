@@ -87,6 +87,14 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
         let are = if names.len() == 1 { "is a covariate that describes" } else { "are covariates that describe" };
         lead.push(format!("{} {are} participants: a number with one slope, not a condition.", list(&names)));
     }
+    if let Some((_, items)) = results.spec.items.as_ref().and_then(|items| results.modeled().factor(items)) {
+        lead.push(format!(
+            "The {} of {} are a sample of items: each has a random intercept in the model, so its tests and intervals hold for \
+             other items as well. Raw means and their intervals hold for these items.",
+            count(items.levels.len() as u64, "level"),
+            names::factor(&items.name)
+        ));
+    }
     lead.extend(exclusions::sentences(source, results));
     lead.extend(health::finished_sentence(source, results));
     lead

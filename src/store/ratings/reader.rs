@@ -410,6 +410,8 @@ fn add_rows(
         .collect();
     let places = columns.session.zip(columns.repetition);
     let places = places.map(|(session, column)| (texts(session), column, texts(column).map(values::repetition)));
+    let orders = columns.order.map(|column| (column, texts(column).map(values::position)));
+    let sessions = columns.session.map(texts);
     let mut levels = Vec::new();
     let mut rating = |row: usize, which: usize, errors: &mut RowErrors| -> Result<Result<u64, Reason>, RowError> {
         let (subject, response) = (subjects.get(row), columns.responses[which]);
@@ -444,6 +446,13 @@ fn add_rows(
                 None
             }
         });
+        let position = orders.as_ref().and_then(|(column, orders)| match orders.get(row) {
+            Ok(position) => position.map(|position| (sessions.map_or("", |sessions| sessions.get(row)), position)),
+            Err(expected) => {
+                report(errors, RowError::new(row, *column, *expected));
+                None
+            }
+        });
         let response_time_s = columns.time.zip(rows.times.get(row)).and_then(|(column, &seconds)| {
             if seconds < 0.0 || seconds.is_infinite() {
                 report(errors, RowError::new(row, column, "seconds, 0 or more"));
@@ -458,7 +467,7 @@ fn add_rows(
         levels.clear();
         levels.extend(factors.iter().map(|levels| *levels.get(row)));
         levels.extend(selection.wide.get(which).map(String::as_str));
-        add(&RatingRow { subject, values: &levels, rating, count, place, response_time_s })
+        add(&RatingRow { subject, values: &levels, rating, count, place, position, response_time_s })
             .map_err(|message| RowError { row, cell: Some(response), what: What::Said(message) })?;
         Ok(Ok(count))
     };

@@ -63,6 +63,8 @@ pub(super) struct Columns {
     pub session: Option<usize>,
     pub repetition: Option<usize>,
     pub time: Option<usize>,
+    /// The place of a row in its session.
+    pub order: Option<usize>,
     /// The columns that only a result file has.
     pub record: Option<RecordColumns>,
 }
@@ -147,7 +149,8 @@ impl Selection {
         let wide = options.wide.clone().unwrap_or_default().1;
         let is_empty = inputs.is_empty();
         let is_guess = options.factors.is_none() && protocol.is_none();
-        let is_guessed = |name| is_guess && !options.also.contains(name) && options.wide_factor() != Some(name);
+        let is_guessed =
+            |name| is_guess && !options.also().any(|other| other == name) && options.wide_factor() != Some(name);
         let guessed = shape.factors.iter().map(is_guessed).collect();
         let selection =
             Self { inputs, shape, protocol, definition_sha256, experiment, own_scale, wide, levels, guessed };
@@ -185,7 +188,9 @@ impl Columns {
     pub fn texts(&self) -> BTreeSet<usize> {
         let mut all = BTreeSet::from([self.subject]);
         all.extend(&self.responses);
-        all.extend(self.factors.iter().copied().chain(self.count).chain(self.session).chain(self.repetition));
+        all.extend(
+            self.factors.iter().copied().chain(self.count).chain(self.session).chain(self.repetition).chain(self.order),
+        );
         if let Some(own) = self.record {
             all.extend([own.session, own.phase, own.trial, own.attempt]);
             all.extend(own.experiment.into_iter().chain(own.dropped));
@@ -495,7 +500,7 @@ fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &
         }
     };
     // `inv_n` is 1/n for the depth n; it is a term and not a column.
-    let also = options.also.iter().map(|name| if !has(name) && name == "inv_n" { "depth" } else { name });
+    let also = options.also().map(|name| if !has(name) && name == "inv_n" { "depth" } else { name });
     factors.extend(also.filter(|name| has(name)).map(str::to_owned));
     // A name may occur several times in a request such as `--terms a,b,a:b`.
     let mut known = HashSet::new();
@@ -539,6 +544,10 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
         let must = name == options.time() && (options.time.is_some() || options.time_limits != (None, None));
         (must || details && header.position(name).is_some()).then(|| needed(name))
     });
+    let order = match &options.order {
+        Some(order) => Some(needed(order)),
+        None => (is_results && details).then(|| needed("trial")),
+    };
     let columns = Columns {
         subject: needed(file.subject(options)),
         responses: match &options.wide {
@@ -565,6 +574,7 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
         session,
         repetition,
         time,
+        order,
     };
     let mut taken = HashSet::new();
     let places = [Some(columns.subject), columns.count].into_iter().flatten();

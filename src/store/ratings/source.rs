@@ -34,8 +34,13 @@ pub struct ReadOptions {
     /// Additional columns to read as factors, such as the ones in a model's terms. A column that no file has is
     /// ignored, except that `inv_n` then means `depth`.
     pub also: Vec<String>,
+    /// Columns of covariates and items: read as factors beside those that are declared.
+    pub roles: Vec<String>,
     /// Column with the response time in seconds; `response_time_s` by default.
     pub time: Option<String>,
+    /// Column with the place of each row in its session: numbers that increase from trial to trial. In result files, it is
+    /// the number of the trial.
+    pub order: Option<String>,
     /// Rows answered faster or slower than this, in seconds, are left out. A row without a time stays.
     pub time_limits: TimeLimits,
     /// True if sessions with unrated trials are excluded.
@@ -53,6 +58,11 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
+    /// Returns the names of the columns that are read as factors beside those that are declared.
+    pub(super) fn also(&self) -> impl Iterator<Item = &String> {
+        self.also.iter().chain(&self.roles)
+    }
+
     /// Returns the name of the column with the response.
     pub(super) fn response(&self) -> &str {
         self.response.as_deref().unwrap_or("rating")

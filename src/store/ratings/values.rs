@@ -154,6 +154,18 @@ pub(super) fn repetition(text: &str) -> Result<Option<u32>, &'static str> {
     }
 }
 
+/// Returns the place of a trial in its session, or `None` if it is missing.
+///
+/// # Errors
+/// Says what was expected.
+pub(super) fn position(text: &str) -> Result<Option<f64>, &'static str> {
+    match text.parse() {
+        _ if is_missing(text, true) => Ok(None),
+        Ok(position) if f64::is_finite(position) => Ok(Some(position)),
+        _ => Err("a number that increases from trial to trial"),
+    }
+}
+
 /// Returns a response time in seconds: NaN if it is missing, and negative if it is not a time.
 pub(super) fn seconds(text: &str) -> f64 {
     match text.parse() {

@@ -1,0 +1,184 @@
+//! Whether ratings depend on the order of the trials, from the residuals of a model: a drift over a session, and the
+//! correlation of successive trials.
+//!
+//! The residual of a rating is the derivative of its log-probability with respect to the location, given the participant's
+//! effects. One Newton step from these gives the drift (a score test), whose distribution comes from the signs of the
+//! participants. If the order does not matter, the residuals of a session can be exchanged; the mean and the variance of
+//! the sum of the products of neighbors follow (Wald & Wolfowitz 1943, Ann. Math. Stat. 14, 378).
+
+use std::collections::HashMap;
+
+use serde::Serialize;
+
+use super::{
+    clm::category_bounds,
+    clmm::Modes,
+    fitting::{Fitted, Layout, lay_out},
+    interactions::{LEAST_FOR_SIGNS, each_block_of_signs, exceedances},
+    search::MixedFitEnd,
+};
+use crate::{analysis::counts::Trial, statistics::normal_two_sided};
+
+/// How ratings depend on the order of the trials.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Order {
+    /// Number of ratings with a known place.
+    pub ratings: u64,
+    /// Change of the latent rating from the first to the last trial of a session, on the scale of the link.
+    pub drift: f64,
+    /// Probability of a drift at least as large if the mean drift of participants is 0; `None` with fewer than six of them.
+    pub drift_p: Option<f64>,
+    /// Correlation of the residuals of successive trials of a session.
+    pub lag_one: f64,
+    /// Two-sided probability of such a correlation if the order of the trials does not matter.
+    pub lag_one_p: f64,
+}
+
+impl Order {
+    /// Returns whether successive ratings are clearly related.
+    pub fn is_dependent(&self) -> bool {
+        self.lag_one_p < 0.05 && self.lag_one.abs() >= 0.1
+    }
+
+    /// Returns whether ratings clearly drift.
+    pub fn is_drifting(&self) -> bool {
+        self.drift_p.is_some_and(|p| p < 0.05) && self.drift.abs() >= 0.5
+    }
+}
+
+/// The residual of a rating.
+#[derive(Clone, Copy, Default)]
+struct Residual {
+    score: f64,
+    /// The information of the rating on the location.
+    information: f64,
+    /// The score in units of its standard deviation.
+    standard: f64,
+}
+
+/// The residuals of the ratings that a participant may give in a condition.
+struct Residuals<'a> {
+    fitted: &'a Fitted<'a>,
+    layout: Layout,
+    location: Vec<f64>,
+    weights: Vec<f64>,
+    modes: Option<&'a Modes>,
+    known: HashMap<(u32, u32), Vec<Residual>>,
+}
+
+impl<'a> Residuals<'a> {
+    fn new(fitted: &'a Fitted<'a>) -> Self {
+        let layout = lay_out(fitted, false);
+        let mixed = fitted.mixed.as_ref().filter(|mixed| mixed.end != MixedFitEnd::Diverged);
+        let parameters = match mixed {
+            Some(mixed) => mixed.parameters.clone(),
+            None => fitted.clm.parameters.clone().resize_vertically(layout.data.parameters(), 0.0),
+        };
+        let location = layout.data.location(&parameters).iter().copied().collect();
+        let weights = layout.data.weights(&parameters);
+        Self { fitted, layout, location, weights, modes: mixed.map(|mixed| &mixed.modes), known: HashMap::new() }
+    }
+
+    /// Returns the residual of each category for a participant, given as in the frame, in a condition.
+    fn of(&mut self, subject: u32, condition: u32) -> &[Residual] {
+        let Self { fitted, layout, location, weights, modes, .. } = self;
+        self.known.entry((subject, condition)).or_insert_with(|| {
+            let (row, loadings) = (layout.row_of[condition as usize], &layout.data.loadings);
+            let (own, _) = fitted.random.effects();
+            let people = fitted.frame.subjects.len();
+            // With items, the effects of all participants stand one after the other, and then those of the items.
+            let mode = |modes: &Modes, slot: usize| match fitted.random.is_crossed() {
+                false => modes[subject as usize][slot],
+                true if slot < own => modes[0][subject as usize * own + slot],
+                true => modes[0][people * own + slot - own],
+            };
+            let slots = loadings.slots(row).iter().zip(&weights[row * loadings.slots_per_row()..]);
+            let effect: f64 = modes.map_or(0.0, |modes| slots.map(|(slot, weight)| weight * mode(modes, *slot)).sum());
+            let thresholds = &fitted.clm.parameters.as_slice()[..layout.data.thresholds()];
+            let thresholds = fitted
+                .mixed
+                .as_ref()
+                .filter(|_| modes.is_some())
+                .map_or(thresholds, |mixed| &mixed.parameters.as_slice()[..layout.data.thresholds()]);
+            let link = fitted.spec.link;
+            let at = location[row] + effect;
+            let categories = (0..layout.data.categories).map(|category| {
+                let (a, b) = category_bounds(thresholds, category);
+                let shift = link.shift(&link.category(a - at, b - at), 0.0, 1.0);
+                (shift.log_p.exp(), -shift.g1, -shift.g2)
+            });
+            let categories: Vec<(f64, f64, f64)> = categories.collect();
+            let sd = categories.iter().map(|(p, score, _)| p * score * score).sum::<f64>().sqrt();
+            let residual = |(_, score, information)| Residual { score, information, standard: score / sd };
+            categories.into_iter().map(residual).collect()
+        })
+    }
+}
+
+/// Measures how ratings depend on the order of the trials; `None` if no session has several trials with known places.
+pub(super) fn order(fitted: &Fitted, trials: &[Trial], seed: u64) -> Option<Order> {
+    let counts = fitted.frame.counts;
+    let place = |names: &[String], name: &String| names.iter().position(|own| own == name);
+    let subjects: Vec<Option<usize>> = counts.subjects.iter().map(|name| place(&fitted.frame.subjects, name)).collect();
+    let categories: Vec<Option<usize>> =
+        counts.categories.iter().map(|name| place(&fitted.frame.categories, name)).collect();
+    let mut occurs = vec![false; counts.conditions.len()];
+    fitted.frame.conditions().into_iter().for_each(|condition| occurs[condition as usize] = true);
+    let mut placed: Vec<(f64, &Trial)> = (trials.iter().filter(|trial| occurs[trial.condition as usize]))
+        .filter_map(|trial| Some((trial.position?, trial)))
+        .collect();
+    let session = |(_, trial): &(f64, &Trial)| (trial.subject, trial.session);
+    placed.sort_by(|l, r| session(l).cmp(&session(r)).then(l.0.total_cmp(&r.0)));
+    let mut residuals = Residuals::new(fitted);
+    let mut scores = vec![0.0; fitted.frame.subjects.len()];
+    let (mut information, mut ratings) = (0.0, 0);
+    let (mut products, mut expected, mut variance, mut squares) = (0.0, 0.0, 0.0, 0.0);
+    for session in placed.chunk_by(|l, r| session(l) == session(r)) {
+        let Some(subject) = subjects[session[0].1.subject as usize] else { continue };
+        let own = |(_, trial): &(f64, &Trial)| {
+            let category = categories[usize::from(trial.rating)]?;
+            Some(residuals.of(subject as u32, trial.condition)[category])
+        };
+        let own: Vec<Residual> = session.iter().filter_map(own).collect();
+        // The variance below needs four trials.
+        if own.len() < 4 {
+            continue;
+        }
+        let n = own.len() as f64;
+        ratings += own.len() as u64;
+        for (index, residual) in own.iter().enumerate() {
+            let x = index as f64 / (n - 1.0) - 0.5;
+            scores[subject] += residual.score * x;
+            information += residual.information * x * x;
+        }
+        let mean = own.iter().map(|residual| residual.standard).sum::<f64>() / n;
+        let centered: Vec<f64> = own.iter().map(|residual| residual.standard - mean).collect();
+        let sum = |power: i32| centered.iter().map(|e| e.powi(power)).sum::<f64>();
+        let (s2, s4) = (sum(2), sum(4));
+        let own_expected = -s2 / n;
+        let second = (s2 * s2 - s4) / n
+            + 2.0 * (2.0 * s4 - s2 * s2) / (n * (n - 1.0))
+            + (3.0 * s2 * s2 - 6.0 * s4) / (n * (n - 1.0));
+        products += centered.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
+        expected += own_expected;
+        variance += second - own_expected * own_expected;
+        squares += s2;
+    }
+    if ratings == 0 || variance <= 0.0 || information <= 0.0 {
+        return None;
+    }
+    Some(Order {
+        ratings,
+        drift: scores.iter().sum::<f64>() / information,
+        drift_p: (scores.len() >= LEAST_FOR_SIGNS).then(|| {
+            let mut statistics = Vec::new();
+            each_block_of_signs(scores.len(), seed, |signs| {
+                let sums = signs.column_iter().map(|signs| signs.iter().zip(&scores).map(|(a, b)| a * b).sum::<f64>());
+                statistics.extend(sums.map(|sum| sum * sum));
+            });
+            exceedances(&statistics)[0]
+        }),
+        lag_one: (products - expected) / squares,
+        lag_one_p: normal_two_sided((products - expected) / variance.sqrt()),
+    })
+}
