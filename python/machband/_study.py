@@ -214,6 +214,7 @@ def analyze(
     exclude: str | Sequence[str] | None = None,
     only: Mapping[str, Sequence[Any]] | None = None,
     complete_only: bool = False,
+    order: str | None = None,
     time: str | None = None,
     min_time: float | None = None,
     max_time: float | None = None,
@@ -223,6 +224,7 @@ def analyze(
     large: bool = False,
     random: Literal["none", "subject"] | None = None,
     covariate: str | Sequence[str] | None = None,
+    items: str | None = None,
     draws: int = 999,
     seed: int = 1,
 ) -> Analysis:
@@ -259,6 +261,9 @@ def analyze(
         Analyze only these levels of a factor; NA means a missing value. Several factors can be given.
     complete_only
         Exclude sessions with unrated trials.
+    order
+        Column with the place of each row in its session: numbers that increase from trial to trial. The report then
+        describes drift, and how much successive ratings are related [default: the number of the trial in result files].
     time
         Column with the response time in seconds [default: response_time_s, if present].
     min_time
@@ -282,6 +287,9 @@ def analyze(
     covariate
         Numbers that describe participants: each has one slope in the model, and no levels [default: numbers that are
         the same in all ratings of each participant].
+    items
+        Column that names the stimuli of which the study shows a sample, such as pictures: each has a random intercept,
+        beside those of the participants, so that conclusions hold for other stimuli.
     draws
         Maximum number of simulated studies that calibrate tests and intervals. Simulation ends earlier when more
         studies would not change a conclusion.

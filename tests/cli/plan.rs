@@ -319,3 +319,29 @@ fn wrong_usage_is_reported() {
     let errors = fails(folder.path(), &split("plan quick --participants 2 --observer-file bad.toml"), 1);
     assert!(errors.starts_with("error: bad.toml:2:"), "{errors}");
 }
+
+/// The preregistration says what the plan found, and ends with the commands that plan and analyze.
+#[test]
+fn a_preregistration_says_what_was_planned() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = "quick --participants 2,6 --effect width:0.1=1 --studies 100 --preregistration plan.md";
+    succeeds(folder.path(), line, "2");
+    let text = std::fs::read_to_string(folder.path().join("plan.md")).unwrap();
+    for expected in [
+        "- width: ratings at 0.1 are higher than at 0.8. The effect planned for is 3.10 logits.",
+        "- orientation_deg: no direction is predicted",
+        "24 conditions, each once, which makes 24 ratings",
+        "participants will be tested: the smallest number tried (2 and 6) with a power of at least 80 %",
+        "p below 0.05 with a higher estimate at 0.1 than at 0.8 supports the hypothesis",
+        "    machband plan quick --participants 2,6 --effect width:0.1=1 --studies 100\n",
+        "    machband analyze results/quick --terms width,depth,orientation_deg --link logit --slopes independent --out analysis",
+    ] {
+        assert!(text.contains(expected), "{expected}: {text}");
+    }
+    // Without an effect, no number of participants is enough.
+    let line = "quick --participants 2 --studies 100 --terms orientation_deg --preregistration none.md";
+    succeeds(folder.path(), line, "2");
+    let text = std::fs::read_to_string(folder.path().join("none.md")).unwrap();
+    assert!(text.contains("[N] participants will be tested. No number tried (2) has"), "{text}");
+    fails(folder.path(), &split(&format!("plan {line}")), 2);
+}

@@ -1,90 +1,18 @@
-//! The findings of a plan: a table and sentences for the terminal.
-
-use std::ops::Deref;
+//! The findings of a plan in sentences.
 
 use crate::{
     analysis::{
-        FEW_FOR_LIKELIHOOD_RATIOS, Slopes,
-        power::{Effect, Hypothesis, Power, Sampling, Slope, Test},
+        FEW_FOR_LIKELIHOOD_RATIOS,
+        power::{Effect, Hypothesis, Power, Slope, Test},
     },
-    cli::columns,
-    report::document::{Shown, numbers::count},
+    report::document::numbers::count,
     work::plan::Planned,
 };
 
-/// The findings, as a person reads them.
-pub(super) struct Findings<'a>(pub &'a Planned);
-
-impl Deref for Findings<'_> {
-    type Target = Planned;
-
-    fn deref(&self) -> &Planned {
-        self.0
-    }
-}
-
-impl Findings<'_> {
-    /// Returns the lines to print.
-    pub fn lines(&self) -> Vec<String> {
-        let (spec, Sampling { studies, alpha, seed }) = (self.plan.spec(), self.sampling);
-        let heading = format!(
-            "{}, observer {}: {} ratings from each participant, {studies} studies per number of participants, seed {seed}; \
-             {} model of {} with {}, alpha {alpha}",
-            self.protocol.name,
-            self.observer,
-            self.plan.ratings(),
-            spec.link,
-            spec.terms,
-            match spec.slopes {
-                Slopes::None => "random intercepts only",
-                Slopes::Independent => "independent random slopes",
-                Slopes::Correlated => "correlated random slopes",
-            }
-        );
-        [vec![heading, String::new()], self.table(), vec![String::new()], self.sentences()].concat()
-    }
-
-    /// Formats one line for each number of participants and each test.
-    fn table(&self) -> Vec<String> {
-        const HEADER: [&str; 8] = [
-            "participants",
-            "term",
-            "test",
-            "true effect, logits",
-            "power",
-            "false alarms",
-            "95 % interval",
-            "median estimate",
-        ];
-        columns(&HEADER, &self.powers.iter().map(|power| self.cells(power)).collect::<Vec<_>>())
-    }
-
-    fn cells(&self, power: &Power) -> Vec<Shown> {
-        let Hypothesis { term, effect, .. } = self.hypothesis(power);
-        let interval = power.interval();
-        let share = Shown::new(power.share(), format!("{:.1} %", 100.0 * power.share()));
-        let none = || Shown::from("");
-        let [found, false_alarms] = if effect.is_some() { [share, none()] } else { [none(), share] };
-        let truth = |effect: &Effect| {
-            let levels = format!("{} over {}", effect.above, effect.below);
-            effect.logits.map_or_else(
-                || Shown::from(levels.as_str()),
-                |logits| Shown::new(logits, format!("{logits:.2}: {levels}")),
-            )
-        };
-        vec![
-            Shown::new(power.participants, power.participants.to_string()),
-            term.as_str().into(),
-            self.test(power).into(),
-            effect.as_ref().map_or("none".into(), truth),
-            found,
-            false_alarms,
-            Shown::new(interval.low, format!("{:.1}–{:.1} %", 100.0 * interval.low, 100.0 * interval.high)),
-            Shown::new(power.estimate, power.estimate.map_or_else(String::new, |estimate| format!("{estimate:.2}"))),
-        ]
-    }
-
-    fn test(&self, power: &Power) -> &'static str {
+impl Planned {
+    /// Returns the name of a test in a sentence.
+    #[must_use]
+    pub fn test(&self, power: &Power) -> &'static str {
         match self.hypothesis(power).test {
             Test::Friedman => "Friedman's test",
             Test::LikelihoodRatio if power.participants == 1 => "the ordinal model",
@@ -93,7 +21,8 @@ impl Findings<'_> {
     }
 
     /// Returns a sentence for each term and factor, followed by remarks.
-    fn sentences(&self) -> Vec<String> {
+    #[must_use]
+    pub fn sentences(&self) -> Vec<String> {
         let indices: Vec<usize> = (0..self.plan.hypotheses().len()).collect();
         let term = |index: usize| &self.plan.hypotheses()[index].term;
         let mut sentences: Vec<String> =
