@@ -1,7 +1,21 @@
-//! The factor of the curvature of random effects: that of one participant or, if participants share effects, that of all
-//! participants, whose effects are related only through the shared ones.
+//! The factor of the curvature of random effects. It is zero between some of them: the deviations of a participant at
+//! different levels of a factor, or the effects of different participants, who are related only through those of items.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+/// A dense factor is faster up to this size.
+const SMALL: usize = 16;
+
+/// The size of the parts of a matrix [D C; Cᵀ E], in which D consists of blocks on its diagonal.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Blocks {
+    /// Number of blocks.
+    pub number: usize,
+    /// Number of rows of each.
+    pub size: usize,
+    /// Number of rows of E.
+    pub rest: usize,
+}
 
 /// A factor of a positive definite matrix.
 pub(super) enum Factor {
@@ -9,52 +23,77 @@ pub(super) enum Factor {
     Arrow(Arrow),
 }
 
-/// The factor of a matrix [D C; Cᵀ E] with a block diagonal D.
+/// The factor of a matrix [D C; Cᵀ E].
 pub(super) struct Arrow {
-    /// The factors of the blocks of D.
-    blocks: Vec<Cholesky<f64, Dyn>>,
+    of_blocks: OfBlocks,
     /// D⁻¹C.
     solved: DMatrix<f64>,
     /// The factor of the Schur complement E − CᵀD⁻¹C.
     corner: Cholesky<f64, Dyn>,
 }
 
+/// The factors of the blocks of D.
+enum OfBlocks {
+    /// The inverse of a diagonal D.
+    Diagonal(Vec<f64>),
+    Square(Vec<Cholesky<f64, Dyn>>),
+}
+
+impl OfBlocks {
+    fn new(matrix: &DMatrix<f64>, Blocks { number, size, .. }: Blocks) -> Option<Self> {
+        if size == 1 {
+            let inverse = |i: usize| Some(matrix[(i, i)].recip()).filter(|inverse| *inverse > 0.0);
+            return (0..number).map(inverse).collect::<Option<_>>().map(Self::Diagonal);
+        }
+        let block = |i: usize| matrix.view((i * size, i * size), (size, size)).into_owned().cholesky();
+        (0..number).map(block).collect::<Option<_>>().map(Self::Square)
+    }
+
+    /// Multiplies the first rows of a matrix by D⁻¹.
+    fn solve(&self, matrix: &mut DMatrix<f64>) {
+        match self {
+            Self::Diagonal(inverse) => {
+                for mut column in matrix.column_iter_mut() {
+                    column.iter_mut().zip(inverse).for_each(|(value, inverse)| *value *= inverse);
+                }
+            }
+            Self::Square(factors) => {
+                for (i, factor) in factors.iter().enumerate() {
+                    let size = factor.l_dirty().nrows();
+                    factor.solve_mut(&mut matrix.rows_mut(i * size, size));
+                }
+            }
+        }
+    }
+}
+
 impl Factor {
-    /// Factors a matrix that has `people` blocks of size `own` on its diagonal, with zeros between them, before the last
-    /// `shared` rows and columns. `None` if it is not positive definite.
-    pub fn new(matrix: DMatrix<f64>, (people, own, shared): (usize, usize, usize)) -> Option<Self> {
-        if people == 1 {
+    /// Factors a matrix. `None` if it is not positive definite.
+    pub fn new(matrix: DMatrix<f64>, blocks: Blocks) -> Option<Self> {
+        let Blocks { number, size, rest } = blocks;
+        if number <= 1 || matrix.nrows() < SMALL {
             return matrix.cholesky().map(Self::Dense);
         }
-        let split = people * own;
-        let block = |person: usize| matrix.view((person * own, person * own), (own, own)).into_owned().cholesky();
-        let blocks = (0..people).map(block).collect::<Option<Vec<_>>>()?;
-        let cross = matrix.view((0, split), (split, shared));
+        let split = number * size;
+        let of_blocks = OfBlocks::new(&matrix, blocks)?;
+        let cross = matrix.view((0, split), (split, rest));
         let mut solved = cross.into_owned();
-        for (person, block) in blocks.iter().enumerate() {
-            block.solve_mut(&mut solved.rows_mut(person * own, own));
-        }
-        let corner = matrix.view((split, split), (shared, shared)) - cross.tr_mul(&solved);
-        Some(Self::Arrow(Arrow { blocks, solved, corner: corner.cholesky()? }))
+        of_blocks.solve(&mut solved);
+        let corner = matrix.view((split, split), (rest, rest)) - cross.tr_mul(&solved);
+        Some(Self::Arrow(Arrow { of_blocks, solved, corner: corner.cholesky()? }))
     }
 
     /// Returns the solution of a system of equations.
     pub fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
         match self {
             Self::Dense(factor) => factor.solve(right),
-            Self::Arrow(Arrow { blocks, solved, corner }) => {
-                let (split, shared) = solved.shape();
-                let mut all = right.clone();
-                let below = right.rows(split, shared) - solved.tr_mul(&right.rows(0, split));
-                all.rows_mut(split, shared).copy_from(&corner.solve(&below));
-                let own = split / blocks.len();
-                for (person, block) in blocks.iter().enumerate() {
-                    block.solve_mut(&mut all.rows_mut(person * own, own));
-                }
-                let correction = solved * all.rows(split, shared);
-                let mut above = all.rows_mut(0, split);
-                above -= correction;
-                all
+            Self::Arrow(Arrow { of_blocks, solved, corner }) => {
+                let (split, rest) = solved.shape();
+                let below = corner.solve(&(right.rows(split, rest) - solved.tr_mul(&right.rows(0, split))));
+                let mut above = DMatrix::from_column_slice(split, 1, &right.as_slice()[..split]);
+                of_blocks.solve(&mut above);
+                above -= solved * &below;
+                DVector::from_iterator(split + rest, above.iter().chain(below.iter()).copied())
             }
         }
     }
@@ -65,7 +104,13 @@ impl Factor {
             |factor: &Cholesky<f64, Dyn>| 2.0 * factor.l_dirty().diagonal().iter().map(|pivot| pivot.ln()).sum::<f64>();
         match self {
             Self::Dense(factor) => of(factor),
-            Self::Arrow(Arrow { blocks, corner, .. }) => of(corner) + blocks.iter().map(of).sum::<f64>(),
+            Self::Arrow(Arrow { of_blocks, corner, .. }) => {
+                of(corner)
+                    + match of_blocks {
+                        OfBlocks::Diagonal(inverse) => -inverse.iter().map(|inverse| inverse.ln()).sum::<f64>(),
+                        OfBlocks::Square(factors) => factors.iter().map(of).sum::<f64>(),
+                    }
+            }
         }
     }
 
@@ -73,20 +118,25 @@ impl Factor {
     pub fn inverse(&self) -> DMatrix<f64> {
         match self {
             Self::Dense(factor) => factor.inverse(),
-            Self::Arrow(Arrow { blocks, solved, corner }) => {
-                let (split, shared) = solved.shape();
+            Self::Arrow(Arrow { of_blocks, solved, corner }) => {
+                let (split, rest) = solved.shape();
                 let corner = corner.inverse();
                 let cross = solved * &corner;
-                let mut all = DMatrix::zeros(split + shared, split + shared);
+                let mut all = DMatrix::zeros(split + rest, split + rest);
                 all.view_mut((0, 0), (split, split)).gemm(1.0, &cross, &solved.transpose(), 0.0);
-                let own = split / blocks.len();
-                for (person, block) in blocks.iter().enumerate() {
-                    let mut view = all.view_mut((person * own, person * own), (own, own));
-                    view += block.inverse();
+                match of_blocks {
+                    OfBlocks::Diagonal(inverse) => (0..split).for_each(|i| all[(i, i)] += inverse[i]),
+                    OfBlocks::Square(factors) => {
+                        for (i, factor) in factors.iter().enumerate() {
+                            let size = split / factors.len();
+                            let mut view = all.view_mut((i * size, i * size), (size, size));
+                            view += factor.inverse();
+                        }
+                    }
                 }
-                all.view_mut((0, split), (split, shared)).copy_from(&-&cross);
-                all.view_mut((split, 0), (shared, split)).tr_copy_from(&-cross);
-                all.view_mut((split, split), (shared, shared)).copy_from(&corner);
+                all.view_mut((split, 0), (rest, split)).tr_copy_from(&-&cross);
+                all.view_mut((0, split), (split, rest)).copy_from(&-cross);
+                all.view_mut((split, split), (rest, rest)).copy_from(&corner);
                 all
             }
         }

@@ -122,10 +122,12 @@ fn random_effect(fitted: &Fitted, mixed: &MixedFit, covariance: Option<(&DMatrix
     let correlation = |i: usize, j: usize| variances[(i, j)] / (sd(i) * sd(j));
     let correlations =
         part.correlated.then(|| (0..size).map(|i| (0..size).map(|j| correlation(i, j)).collect()).collect());
-    let conditional = layout(fitted).data.conditional_covariances(&mixed.parameters, &mixed.modes).unwrap_or_default();
+    let data = layout(fitted).data;
+    let conditional = data.conditional_covariances(&mixed.parameters, &mixed.modes).unwrap_or_default();
     // With items, the effects of all participants stand one after the other.
     let (own, _) = part.effects();
-    let place = |person: usize| if part.is_crossed() { (0, person * own) } else { (person, 0) };
+    let first = data.loadings.intercept;
+    let place = |person: usize| if part.is_crossed() { (0, person * own + first) } else { (person, first) };
     let intercept = |(person, subject): (usize, &String)| {
         let (block, effect) = place(person);
         let variance = conditional.get(block)?[(effect, effect)];

@@ -190,7 +190,8 @@ pub(super) fn lay_out(fitted: &Fitted, crossed: bool) -> Layout {
     let mut people = 1;
     if crossed {
         people = subjects.len();
-        subjects = vec![0..observations.len()];
+        subjects.clear();
+        subjects.push(0..observations.len());
     }
     let conditions: Vec<u32> = design.iter().map(|(_, condition)| *condition).collect();
     let offset = fitted.x.offset(&conditions);

@@ -8,6 +8,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{
+    arrow::Blocks,
     design::Design,
     model::{ModelError, ModelSpec, Note, Random, Slopes},
     terms::{Term, Terms, Variable},
@@ -307,8 +308,11 @@ fn center(frame: &Frame, values: &mut [f64]) {
 /// effects of all participants, one after the other, followed by the shared ones, and each row belongs to one participant.
 #[derive(Clone, Debug)]
 pub(super) struct Loadings {
-    /// The number of participants, the number of effects of each, and that of shared effects.
-    pub blocks: (usize, usize, usize),
+    /// Effects that are related only through the others: those of different participants, or those of a participant at
+    /// different levels of the component with the most of them, which come first.
+    pub blocks: Blocks,
+    /// Index of a participant's intercept among the participant's effects.
+    pub intercept: usize,
     parameters: usize,
     slots_per_row: usize,
     /// The effect of each slot, row by row.
@@ -335,6 +339,19 @@ impl Loadings {
         let components = &part.components;
         let (own, shared) = part.effects();
         let (mut slots, mut entries) = (Vec::new(), Vec::new());
+        let largest = (0..components.len()).max_by_key(|&place| components[place].number_of_groups).unwrap_or(0);
+        let is_first = |place: usize| place == largest && !part.is_crossed() && !part.correlated;
+        // Where the effects of each component begin.
+        let mut firsts = vec![0; components.len()];
+        let mut next = 0;
+        for first in [true, false] {
+            for (place, component) in components.iter().enumerate() {
+                if is_first(place) == first && !component.shared {
+                    firsts[place] = next;
+                    next += component.number_of_groups;
+                }
+            }
+        }
         for (person, condition) in rows.iter().map(|(person, condition)| (*person, *condition as usize)) {
             if part.correlated {
                 slots.extend(0..components.len());
@@ -344,18 +361,24 @@ impl Loadings {
                     value: components[row].values[condition],
                 }));
             } else {
-                let mut first = person * own;
                 for (slot, component) in components.iter().enumerate() {
-                    let first_of_all = if component.shared { people * own } else { first };
-                    slots.push(first_of_all + component.groups[condition]);
+                    let first = if component.shared { people * own } else { person * own + firsts[slot] };
+                    slots.push(first + component.groups[condition]);
                     entries.push(Entry { slot, parameter: slot, value: component.values[condition] });
-                    first += component.number_of_groups;
                 }
             }
         }
+        let blocks = match components.get(largest).filter(|_| is_first(largest)) {
+            Some(component) => {
+                let number = component.number_of_groups;
+                Blocks { number, size: 1, rest: own - number }
+            }
+            None => Blocks { number: people, size: own, rest: shared },
+        };
         let diagonal = part.triangle().enumerate().filter(|(_, (row, column))| row == column).map(|(index, _)| index);
         Self {
-            blocks: (people, own, shared),
+            blocks,
+            intercept: if part.correlated { 0 } else { firsts.first().copied().unwrap_or(0) },
             parameters: part.parameters(),
             slots_per_row: components.len(),
             slots,
@@ -367,8 +390,7 @@ impl Loadings {
     }
 
     pub fn effects(&self) -> usize {
-        let (people, own, shared) = self.blocks;
-        people * own + shared
+        self.blocks.number * self.blocks.size + self.blocks.rest
     }
 
     pub fn parameters(&self) -> usize {
