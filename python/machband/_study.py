@@ -238,7 +238,8 @@ def analyze(
         rows of `read_results` or `simulate`, the factors are the parameters of the stimulus that vary, and every column
         that you added.
     subject
-        Column with the participant ID [default: subject_id, or the only column with another usual name].
+        Column with the participant ID [default: subject_id, or the only column participant, participant_id, subject or
+        subject_nr].
     response
         Column with the ordered response [default: rating, 0–3].
     wide

@@ -105,6 +105,25 @@ pub(super) fn write_whole(path: &Path, content: &[u8], durable: bool) -> Result<
     if durable { sync_folder(path) } else { Ok(()) }
 }
 
+/// Writes a file atomically and durably if there is none. A file that another program makes at the same time stays: it may
+/// be locked by now.
+///
+/// # Errors
+/// I/O errors.
+pub(super) fn write_missing(path: &Path, content: &[u8]) -> Result<(), StoreError> {
+    if exists(path)? {
+        return Ok(());
+    }
+    let written = temporary(path, content, true).and_then(|temporary| match temporary.persist_noclobber(path) {
+        Err(error) if error.error.kind() == ErrorKind::AlreadyExists => Ok(()),
+        // Some file systems can only rename.
+        Err(error) => fs::rename(error.file.path(), path),
+        Ok(_) => Ok(()),
+    });
+    written.map_err(io(path, "write"))?;
+    sync_folder(path)
+}
+
 /// Writes a temporary file next to `path` and renames it. The temporary file is removed if anything fails.
 fn write_beside(path: &Path, content: &[u8], durable: bool) -> std::io::Result<()> {
     let temporary = temporary(path, content, durable)?;

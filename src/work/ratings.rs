@@ -25,7 +25,7 @@ pub struct Ratings {
     #[arg(required = true, value_name = "FILE|DIR")]
     #[serde(serialize_with = "paths")]
     pub paths: Vec<PathBuf>,
-    /// Column with the participant ID [default: subject_id, or the only column with another usual name].
+    /// Column with the participant ID [default: subject_id, or the only column participant, participant_id, subject or subject_nr].
     #[arg(long, value_name = "COL")]
     pub subject: Option<String>,
     /// Column with the ordered response [default: rating, 0–3].

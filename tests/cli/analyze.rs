@@ -453,7 +453,7 @@ fn what_is_left_out_is_told_and_too_many_errors_stop_the_analysis() {
     };
     let rows: String = (0..240).map(row).collect();
     fs::write(folder.path().join("d.csv"), format!("subj,group,answer,rt\n{rows}")).unwrap();
-    let line = "analyze d.csv --response answer --terms group --time rt --min-time 0.2 --only group=a,b --exclude p3 \
+    let line = "analyze d.csv --subject subj --response answer --terms group --time rt --min-time 0.2 --only group=a,b --exclude p3 \
                 --draws 99 --out";
     let error = fails(folder.path(), &split(&format!("{line} x")), 2);
     assert!(

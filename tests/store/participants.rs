@@ -75,15 +75,32 @@ fn answers_are_checked_in_the_form_in_which_people_give_them() {
 
 #[test]
 fn no_participant_is_lost_among_sessions_that_run_at_the_same_time() {
-    let folder = tempfile::tempdir().unwrap();
-    let results = folder.path();
-    let one = |i: i32| {
+    let one = |results: &Path, i: i32| {
         let hobby = if i == 3 { json!("chess\tand go") } else { Value::Null };
         let given = [("age", json!(20 + i)), ("consent", json!("2026-01-31")), ("hobby", hobby)];
         let given = given.into_iter().filter(|(_, answer)| !answer.is_null());
         session(results, &format!("S{i:03}"), "1", answers(&given.collect::<Vec<_>>()));
     };
-    std::thread::scope(|scope| (1..=8).for_each(|i| drop(scope.spawn(move || one(i)))));
+    // The first sessions also make the data set, and with it the file whose lock the others wait for.
+    let rounds = || {
+        let folder = tempfile::tempdir().unwrap();
+        let start = std::sync::Barrier::new(8);
+        std::thread::scope(|scope| {
+            for i in 1..=8_u8 {
+                let (one, start, results) = (&one, &start, folder.path());
+                scope.spawn(move || {
+                    start.wait();
+                    std::thread::sleep(std::time::Duration::from_micros(200 * u64::from(i)));
+                    one(results, i.into());
+                });
+            }
+        });
+        let rows = table(&folder.path().join("small-one/participants.tsv")).len();
+        assert_eq!(rows, 9);
+        folder
+    };
+    let folder = (0..15).map(|_| rounds()).last().unwrap();
+    let results = folder.path();
     let dataset = results.join("small-one");
     let path = dataset.join("participants.tsv");
     let mut rows = table(&path);

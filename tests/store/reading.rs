@@ -548,7 +548,7 @@ mod elsewhere {
     #[test]
     fn a_column_that_is_not_used_drops_no_row() {
         let folder = tempfile::tempdir().unwrap();
-        let text = b"id,cond,note,y\nA,a,\0,1\nA,b,\xff\xfe\x81,2\nB,a,\0\xe4,3\nB,b,two,cells,2\n".to_vec();
+        let text = b"subject,cond,note,y\nA,a,\0,1\nA,b,\xff\xfe\x81,2\nB,a,\0\xe4,3\nB,b,two,cells,2\n".to_vec();
         let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["cond"]) };
         let path = file(&folder, "t.csv", text);
         assert_eq!(try_read(&[&path], &how).unwrap().1, ["A a 1 1", "A b 2 1", "B a 3 1"]);
@@ -585,8 +585,8 @@ mod elsewhere {
             ("sep=,\n", ",", "\n"),
         ] {
             let point = if separator == "," { "." } else { "," };
-            let text =
-                format!("{start}id;c;y{end}A;0{point}5;1{end}A;1;2{point}5{end}B;2;x;{end}").replace(';', separator);
+            let text = format!("{start}subject;c;y{end}A;0{point}5;1{end}A;1;2{point}5{end}B;2;x;{end}")
+                .replace(';', separator);
             let path = file(&folder, "t.csv", text);
             let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["c"]) };
             assert_eq!(
@@ -596,7 +596,10 @@ mod elsewhere {
             );
             assert_eq!(errors(&[&path], &how), ["t.csv:5:1: the row has 4 cells; expected 3, as in the header"]);
             let how = ReadOptions { response: Some("answer".to_owned()), ..how };
-            assert_eq!(errors(&[&path], &how), ["t.csv:2:1: the column answer is missing; expected one of id, c, y"]);
+            assert_eq!(
+                errors(&[&path], &how),
+                ["t.csv:2:1: the column answer is missing; expected one of subject, c, y"]
+            );
         }
     }
 
@@ -643,9 +646,9 @@ mod elsewhere {
             Ok(number) => format!("<c r=\"{place}\"><v>{number}</v></c>"),
             Err(_) => format!("<c r=\"{place}\" t=\"inlineStr\"><is><t>{text}</t></is></c>"),
         };
-        let text = "id,note,c,y\nA,\"x, y\",0.5,1\n\nB,,2,2\n";
+        let text = "subject,note,c,y\nA,\"x, y\",0.5,1\n\nB,,2,2\n";
         let sheet = "<row r=\"1\">".to_owned()
-            + &[cell("A1", "id"), cell("B1", "note"), cell("C1", "c"), cell("D1", "y")].concat()
+            + &[cell("A1", "subject"), cell("B1", "note"), cell("C1", "c"), cell("D1", "y")].concat()
             + "</row><row r=\"2\">"
             + &[cell("A2", "A"), cell("B2", "x, y"), cell("C2", "0.5"), cell("D2", "1")].concat()
             + "</row><row r=\"4\">"
@@ -728,7 +731,7 @@ mod elsewhere {
     #[test]
     fn trials_with_extreme_times_are_left_out_on_request() {
         let folder = tempfile::tempdir().unwrap();
-        let path = file(&folder, "t.csv", "id,c,y,rt\nA,a,1,0.1\nA,b,2,0.2\nB,a,3,0.3\nB,b,4,9\nB,b,5,\n");
+        let path = file(&folder, "t.csv", "subject,c,y,rt\nA,a,1,0.1\nA,b,2,0.2\nB,a,3,0.3\nB,b,4,9\nB,b,5,\n");
         let how =
             ReadOptions { time: Some("rt".to_owned()), time_limits: (Some(0.2), Some(8.5)), ..ReadOptions::default() };
         let read = study(&path, "y", "c", how.clone());
@@ -737,7 +740,7 @@ mod elsewhere {
         let how =
             ReadOptions { time: None, response: Some("y".to_owned()), factors: with_factors(&["c"]).factors, ..how };
         let said = errors(&[&path], &how);
-        assert_eq!(said, ["t.csv:1:1: the column response_time_s is missing; expected one of id, c, y, rt"]);
+        assert_eq!(said, ["t.csv:1:1: the column response_time_s is missing; expected one of subject, c, y, rt"]);
     }
 
     /// Columns that are levels, and answers in JSON.
@@ -747,7 +750,7 @@ mod elsewhere {
         let path = file(
             &folder,
             "t.csv",
-            "id,group,low,high\nA,x,1,\"{\"\"Q0\"\":2}\"\nB,y,{\"Q0\":null},\"{\"\"Q1\"\":\"\"3\"\"}\"\n",
+            "subject,group,low,high\nA,x,1,\"{\"\"Q0\"\":2}\"\nB,y,{\"Q0\":null},\"{\"\"Q1\"\":\"\"3\"\"}\"\n",
         );
         let how = ReadOptions {
             wide: Some(("level".to_owned(), ["low", "high"].map(String::from).to_vec())),
@@ -758,10 +761,10 @@ mod elsewhere {
             [("A", vec!["x", "high"], "2", 1), ("A", vec!["x", "low"], "1", 1), ("B", vec!["y", "high"], "3", 1)];
         assert_eq!((counts(&read), read.source.left_out(Reason::NoResponse)), (expected.to_vec(), (1, 1)));
         assert_eq!((read.source.files[0].rows, read.source.files[0].counted), (4, 3));
-        let count = file(&folder, "c.csv", "id,group,low,high,count\nA,x,1,2,1\nB,y,.,3,1\n");
+        let count = file(&folder, "c.csv", "subject,group,low,high,count\nA,x,1,2,1\nB,y,.,3,1\n");
         let of_counts = ReadOptions { factors: None, ..how };
         assert_eq!(Study::read(&[count], &of_counts).unwrap().measured.counts, read.measured.counts);
-        let long = file(&folder, "l.csv", "id,group,level,y\nA,x,low,1\nA,x,high,2\nB,y,high,3\n");
+        let long = file(&folder, "l.csv", "subject,group,level,y\nA,x,low,1\nA,x,high,2\nB,y,high,3\n");
         let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["group", "level"]) };
         assert_eq!(Study::read(&[long], &how).unwrap().measured, read.measured);
     }
@@ -771,8 +774,12 @@ mod elsewhere {
         let folder = tempfile::tempdir().unwrap();
         let ids = [" MAR1", "mar1", "MAR1 ", "01", "1", "1.0", "001", "10", "1.05", "1.5", "S1", "S01", "S10", "0"];
         let rows: String = ids.iter().map(|id| format!("{id},a,1\n")).collect();
-        let read =
-            study(&file(&folder, "ids.csv", format!("id,cond,score\n{rows}")), "score", "cond", ReadOptions::default());
+        let read = study(
+            &file(&folder, "ids.csv", format!("subject,cond,score\n{rows}")),
+            "score",
+            "cond",
+            ReadOptions::default(),
+        );
         let expected = "the IDs 01, 1, 1.0, 001; MAR1, mar1; S1, S01 differ only in capitals or in the form of a number, and are different participants; expected one ID for each participant";
         assert_eq!((warnings(&read), read.measured.counts.subjects.len()), (vec![expected.to_owned()], 13));
     }
@@ -798,10 +805,15 @@ mod elsewhere {
         }
         // Several columns with usual names, or none: the column must be named.
         let folder = tempfile::tempdir().unwrap();
-        let path = file(&folder, "t.csv", "id,Participant,y,c\n1,A,1,a\n");
+        let path = file(&folder, "t.csv", "id,subject,Participant,y,c\n1,A,A,1,a\n");
         let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["c"]) };
         let said = errors(&[&path], &how);
-        assert_eq!(said, ["t.csv:1:1: the column subject_id is missing; expected one of id, Participant, y, c"]);
+        assert_eq!(
+            said,
+            [
+                "t.csv:1:1: the column subject_id is missing; expected one of id, subject, Participant, y, c; did you mean subject?"
+            ]
+        );
     }
 }
 

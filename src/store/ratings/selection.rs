@@ -29,8 +29,9 @@ const STIMULUS: [&str; 7] = ["stimulus", "width", "depth", "orientation_deg", "l
 
 /// The column with the participant ID in result files.
 pub(super) const SUBJECT: &str = "subject_id";
-/// The usual names of this column in other tables.
-const SUBJECTS: [&str; 7] = ["participant", "participant_id", "subject", "subject_nr", "subj", "id", "ppt"];
+/// The names of this column in the tables of PsychoPy, BIDS, jsPsych and E-Prime, and OpenSesame. A name such as `id` may stand
+/// for a trial or a stimulus.
+const SUBJECTS: [&str; 4] = ["participant", "participant_id", "subject", "subject_nr"];
 
 /// A file to read.
 #[derive(Debug)]

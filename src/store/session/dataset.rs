@@ -15,7 +15,7 @@ use crate::{
     store::{
         StoreError,
         error::io,
-        file::{exists, make_folder, remove_temporary, write_json, write_whole},
+        file::{exists, make_folder, remove_temporary, write_json, write_missing},
         open::read_regular,
     },
     system::{entries, link_target, unless_missing},
@@ -176,10 +176,7 @@ pub(crate) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<Str
         (by_text, ignored()),
         (by_validator, ignored()),
     ] {
-        let path = dataset.join(name);
-        if !exists(&path)? {
-            write_whole(&path, text.as_bytes(), true)?;
-        }
+        write_missing(&dataset.join(name), text.as_bytes())?;
     }
     let path = dataset.join(DESCRIPTION);
     if !exists(&path)? {
