@@ -9,6 +9,7 @@
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::{
     arrow::Factor,
@@ -42,6 +43,9 @@ pub(super) struct ClmmData {
     /// The range of each participant's observations.
     pub subjects: Vec<Range<usize>>,
 }
+
+/// Number of participants that are evaluated in one thread.
+const TOGETHER: usize = 48;
 
 /// The mode of each participant's integrand, kept from one evaluation to the next as starting values.
 pub(super) type Modes = Vec<DVector<f64>>;
@@ -229,12 +233,24 @@ impl ClmmData {
             return None;
         }
         let (location, weights) = (self.location(parameters), self.weights(parameters));
-        let mut value = Evaluation { loglik: 0.0, gradient: DVector::zeros(self.parameters()) };
-        let mut by_row = DVector::zeros(self.x.nrows());
-        for (range, mode) in self.subjects.iter().zip(modes) {
-            let subject = self.subject(range, thresholds, &location, &weights);
-            *mode = subject.mode(mode)?;
-            self.add(&subject, mode, &mut value, &mut by_row)?;
+        let of_people = |(ranges, modes): (&[Range<usize>], &mut [DVector<f64>])| {
+            let mut value = Evaluation { loglik: 0.0, gradient: DVector::zeros(self.parameters()) };
+            let mut by_row = DVector::zeros(self.x.nrows());
+            for (range, mode) in ranges.iter().zip(modes) {
+                let subject = self.subject(range, thresholds, &location, &weights);
+                *mode = subject.mode(mode)?;
+                self.add(&subject, mode, &mut value, &mut by_row)?;
+            }
+            Some((value, by_row))
+        };
+        // The sums do not depend on the number of threads.
+        let parts = self.subjects.par_chunks(TOGETHER).zip(modes.par_chunks_mut(TOGETHER)).map(of_people);
+        let mut parts = parts.collect::<Option<Vec<_>>>()?.into_iter();
+        let (mut value, mut by_row) = parts.next()?;
+        for (part, rows) in parts {
+            value.loglik += part.loglik;
+            value.gradient += part.gradient;
+            by_row += rows;
         }
         value.gradient.rows_mut(thresholds.len(), self.x.ncols()).copy_from(&self.x.tr_mul(&by_row));
         (value.loglik.is_finite() && value.gradient.iter().all(|g| g.is_finite())).then_some(value)

@@ -13,6 +13,14 @@ pub(super) const LEVEL: f64 = 0.95;
 /// A shift of the most extreme condition by this much on the scale of the link is as good as infinite.
 const FAR: f64 = 40.0;
 
+/// With this number of ratings for each parameter and [`MANY_PEOPLE`], the profile is that of a normal distribution, to the
+/// digits that are shown.
+const MANY_PER_PARAMETER: u64 = 10_000;
+/// Number of participants from which the profile may be normal.
+const MANY_PEOPLE: usize = 100;
+/// A standard deviation with a smaller relative error than this has a normal logarithm.
+const CERTAIN: f64 = 0.1;
+
 /// A quantity whose profile is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Quantity {
@@ -44,6 +52,18 @@ pub(super) fn interval(
     se: f64,
     limits: [f64; 2],
 ) -> Option<Interval> {
+    let is_large = full.frame.total() >= MANY_PER_PARAMETER * full.parameters() as u64;
+    if is_large && full.frame.subjects.len() >= MANY_PEOPLE {
+        let [below, above] = limits.map(|limit| limit.sqrt() * se);
+        match quantity {
+            Quantity::Deviation(_) if se >= CERTAIN * estimate => {}
+            Quantity::Deviation(_) => {
+                let end = |distance: f64| estimate * (distance / estimate).exp();
+                return Some(Interval { low: end(-below), high: end(above) });
+            }
+            _ => return Some(Interval { low: estimate - below, high: estimate + above }),
+        }
+    }
     let ratio = |value: f64| {
         let fitted = hold(full, quantity, value)?;
         comparable(full, &fitted).then(|| 2.0 * (full.loglik() - fitted.loglik()))

@@ -185,7 +185,15 @@ impl ModelControls {
                 .width(130.0)
                 .choice(ui, &mut request.model.slopes, &slopes, |slopes| slopes.to_string())
                 .on_hover_text("How much the effects of the terms may differ between participants.");
+            let items: Vec<Option<String>> =
+                std::iter::once(None).chain(counts.factors.iter().map(|factor| Some(factor.name.clone()))).collect();
+            Field::new("Items")
+                .column(LABELS)
+                .width(130.0)
+                .choice(ui, &mut request.items, &items, |items| items.clone().unwrap_or_else(|| "none".to_owned()))
+                .on_hover_text("The factor whose levels are a sample of stimuli, such as pictures.");
         });
+        request.items.take_if(|items| !random || counts.factor(items).is_none());
     }
 
     fn terms_field(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters, is_column: &dyn Fn(&str) -> bool) {
