@@ -37,6 +37,8 @@ pub struct Options {
     pub resampling: Resampling,
     /// Whether to compute how well the model describes the data.
     pub checks: bool,
+    /// Whether the ratings are of this program’s stimuli, so that its names of factors mean their parameters.
+    pub is_ours: bool,
 }
 
 impl Default for Options {
@@ -52,6 +54,7 @@ impl Default for Options {
             max_minutes: MAX_MINUTES,
             resampling: Resampling::default(),
             checks: true,
+            is_ours: false,
         }
     }
 }
@@ -173,6 +176,15 @@ impl Results {
         &self.whole.as_ref().unwrap_or(&self.measured).counts
     }
 
+    /// Returns the ratings of what agreement is about: conditions, or items if there are any.
+    pub fn units(&self) -> Measured {
+        let whole = self.whole.as_ref().filter(|_| self.spec.items.is_some()).unwrap_or(&self.measured);
+        let covariates: Vec<usize> = (0..whole.counts.factors.len())
+            .filter(|f| self.covariates.contains(&whole.counts.factors[*f].name))
+            .collect();
+        whole.without_factors(&covariates)
+    }
+
     /// Returns the number of participants.
     pub fn people(&self) -> usize {
         self.measured.counts.subjects.len()
@@ -202,6 +214,8 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     let spec = model_spec(&measured, &covariates, options);
     let names = covariates.iter().map(|&factor| measured.counts.factors[factor].name.clone()).collect();
     let items = options.items.as_ref().and_then(|items| measured.counts.factor(items)).map(|(items, _)| items);
+    // Agreement is about items, if there are any.
+    let agreed = items.map(|_| measured.without_factors(&covariates).counts);
     let left_out: Vec<usize> = covariates.into_iter().chain(items).collect();
     let (measured, whole) =
         if left_out.is_empty() { (measured, None) } else { (measured.without_factors(&left_out), Some(measured)) };
@@ -228,8 +242,10 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     };
     let Options { resampling, max_minutes, checks, .. } = *options;
     let calibration = Calibration { resampling, max_minutes, trials, checks, contrasts: &contrasts, progress };
-    let (model, (cells, alpha)) =
-        rayon::join(|| fit_calibrated(modeled, &spec, &calibration), || (by_cell(counts), ordinal_alpha(counts)));
+    let (model, (cells, alpha)) = rayon::join(
+        || fit_calibrated(modeled, &spec, &calibration),
+        || (by_cell(counts), ordinal_alpha(agreed.as_ref().unwrap_or(counts))),
+    );
     let subjects: Vec<SubjectResults> = (by_subject(counts).into_iter())
         .zip(retests(&measured))
         .zip(measured.times_by(people, |row| Some(row.subject as usize)))

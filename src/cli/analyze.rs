@@ -58,8 +58,10 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         let terms = if terms.is_empty() { "without terms" } else { &terms };
         let model = &report.model;
         super::print_line(&format!(
-            "model {terms} ({} {}): log-likelihood {:.3}",
-            model.link, model.method, model.loglik
+            "cumulative-link {}model {terms} ({} link): log-likelihood {:.3}",
+            if model.random.is_some() { "mixed " } else { "" },
+            model.link,
+            model.loglik
         ))?;
     }
     if let Some(predicted) = &prediction {

@@ -39,7 +39,12 @@ pub(super) fn script(shape: &Shape, results: &Results) -> String {
     }
     let call = call(results, model).replace(", link", ",\n  data = data, weights = count, link");
     let data = Names::new(results).data(shape, results, model);
-    format!("{introduction}\nlibrary(ordinal)\n\n{data}\nfit <- {call}\nprint(summary(fit))\n")
+    let about = if call.contains("_c ") || call.contains("_c,") {
+        "# Numbers are about their means, so the thresholds differ from those of the report.\n"
+    } else {
+        ""
+    };
+    format!("{introduction}\nlibrary(ordinal)\n\n{data}\n{about}fit <- {call}\nprint(summary(fit))\n")
 }
 
 /// The names of the variables in R.
@@ -65,6 +70,15 @@ impl<'a> Names<'a> {
         self.0.iter().find(|(known, _)| *known == variable).map_or("", |(_, name)| name)
     }
 
+    /// Returns a term of the fixed effects. A number alone is about its mean, because clmm fails with numbers that are far
+    /// from 0; only the thresholds depend on this.
+    fn fixed(&self, results: &Results, term: &Term) -> String {
+        match &term.variables[..] {
+            [variable] if !results.spec.terms.is_marginal(term) => self.centered(variable),
+            _ => self.term(term),
+        }
+    }
+
     fn term(&self, term: &Term) -> String {
         term.variables.iter().map(|variable| self.name(variable)).collect::<Vec<_>>().join(":")
     }
@@ -76,7 +90,7 @@ impl<'a> Names<'a> {
     }
 
     fn formula(&self, results: &Results, model: &Model) -> String {
-        let mut parts: Vec<String> = results.spec.terms.iter().map(|term| self.term(term)).collect();
+        let mut parts: Vec<String> = results.spec.terms.iter().map(|term| self.fixed(results, term)).collect();
         if parts.is_empty() {
             parts.push("1".to_owned());
         }

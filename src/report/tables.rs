@@ -394,6 +394,7 @@ pub fn model(results: &Results) -> Value {
             value["likelihood_ratio"] = json!(report.terms);
             value["proportional_odds"] = json!(report.proportional_odds);
             value["interactions"] = json!(report.interactions);
+            value["order"] = json!(report.order);
             value["effect_sizes"] = effect_sizes(&report.model);
             value["comparisons"] = json!(report.comparisons);
             value["margins"] = json!(report.margins);

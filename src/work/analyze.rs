@@ -10,6 +10,7 @@ use crate::{
     report::{Study, StudyError},
     store::{
         Columns,
+        ratings::Source,
         table::{List, list},
     },
     text::names::expected_one_of,
@@ -93,8 +94,8 @@ impl Analyze {
         Err(RequestError::value("response", message).such_as("categories", "LOWEST,…,HIGHEST").into())
     }
 
-    /// Returns the options of the analysis.
-    pub fn options(&self) -> Options {
+    /// Returns the options of the analysis of ratings from this source.
+    pub fn options(&self, source: &Source) -> Options {
         Options {
             terms: self.model.terms.clone(),
             covariates: self.covariate.clone().map(|list| list.0),
@@ -105,6 +106,7 @@ impl Analyze {
             max_minutes: self.model.max_minutes(),
             slopes: self.model.slopes,
             resampling: self.resampling,
+            is_ours: source.protocol.is_some() || !source.sessions.is_empty(),
             ..Options::default()
         }
     }
@@ -134,7 +136,7 @@ impl Analyze {
     pub fn analyze(&self, study: &Study, watcher: &dyn Watcher) -> Result<Results, RequestError> {
         self.check(study)?;
         let progress = |done: usize, all: usize| watcher.progress(done as u64, all as u64);
-        let results = analyze_with(study.measured.clone(), &self.options(), &progress);
+        let results = analyze_with(study.measured.clone(), &self.options(&study.source), &progress);
         match results.model.as_ref().err().and_then(refused) {
             Some(error) => Err(error),
             None => Ok(results),

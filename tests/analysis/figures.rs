@@ -106,7 +106,7 @@ fn noise(seed: usize) -> usize {
 }
 
 fn quick() -> Options {
-    Options { resampling: Resampling { draws: 19, seed: 1 }, ..Options::default() }
+    Options { resampling: Resampling { draws: 19, seed: 1 }, is_ours: true, ..Options::default() }
 }
 
 fn no_model() -> Options {

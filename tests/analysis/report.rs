@@ -90,7 +90,7 @@ fn ratings(people: usize, depths: &[&str], reversed: bool) -> Measured {
 }
 
 fn options() -> Options {
-    Options { resampling: Resampling { draws: 39, seed: 1 }, ..Options::default() }
+    Options { resampling: Resampling { draws: 39, seed: 1 }, is_ours: true, ..Options::default() }
 }
 
 fn results(people: usize, depths: &[&str], reversed: bool) -> Results {
@@ -174,8 +174,8 @@ fn sentences_follow_the_direction_of_the_data() {
     }
     let odds = |summary: &Summary, higher: &str, lower: &str| -> f64 {
         let text = finding(summary, "with depth");
-        assert_parts(text, &[&format!("at {higher} are estimated as"), &format!("times those at {lower}")]);
-        text.split("estimated as ").nth(1).unwrap().split(' ').next().unwrap().replace(',', "").parse().unwrap()
+        assert_parts(text, &[&format!("at {higher} are an estimated"), &format!("times those at {lower}")]);
+        text.split("an estimated ").nth(1).unwrap().split(' ').next().unwrap().replace(',', "").parse().unwrap()
     };
     let (forwards, backwards) = (odds(&forwards, "1", "∞"), odds(&backwards, "∞", "1"));
     assert!(forwards > 2.0 && (forwards / backwards - 1.0).abs() < 0.02);
@@ -296,8 +296,8 @@ fn problems_with_the_data_are_reported() {
     let left = analyze(results.measured.narrowed(&exclusions).unwrap(), &options());
     let [total, n] = [&results, &left].map(|results| results.measured.counts.total());
     let left = text(&page(&source, &left));
-    let excluded = format!("On request, the participant S002 ({}) was excluded.", count(total - n, "rating"));
-    let rest = format!("This leaves {} by 1 participant.", count(n, "rating"));
+    let excluded = format!("The participant S002 ({}) was left out on request.", count(total - n, "rating"));
+    let rest = format!("The analysis is of the remaining {} by 1 participant.", count(n, "rating"));
     assert_eq!((left.matches(&excluded).count(), left.matches(&rest).count()), (3, 3), "{left}");
     assert_parts(&left, &["1 simulated observer gave", "all ratings come from a program"]);
     assert!(!left.contains("the folder was moved"));
@@ -317,7 +317,7 @@ fn participants_with_unusual_answers_are_named() {
     let cautions = study::summary(&source(&["width"]), &analyze(builder.finish(), &options())).cautions.join("\n");
     // At every width, the first rating is 1 and the second is 2, so the agreement is no better than chance.
     let alike = "\nann, cyd and dot showed little agreement between their first and second ratings: κ = .00.\n";
-    let (ben, slow) = ("\nben used only one category: all 30 ratings are 2.\n", "dot answered unusually slowly");
+    let (ben, slow) = ("\nben used only one category: all their ratings are 2.\n", "dot answered unusually slowly");
     assert_parts(&cautions, &[ben, alike, "cyd gave half of the answers within 0.2", slow]);
     assert!(!cautions.contains("answered unusually quickly"), "a second sentence: {cautions:?}");
 }
@@ -336,7 +336,7 @@ fn the_limits_of_a_model_are_stated() {
     assert!(is_independent(&independent) && !is_independent(&mixed));
     // In that case, the sentence uses the test that does not treat ratings as independent.
     assert_parts(finding(&independent, "with depth"), &["exact Friedman test: χ²", "mean rating at 1 is"]);
-    assert_parts(finding(&mixed, "with depth"), &["likelihood-ratio test in 39 simulated studies: χ²"]);
+    assert_parts(finding(&mixed, "with depth"), &["likelihood-ratio test, p from 39 simulated studies: χ²"]);
     let crossed = with(&Options { terms: Some(Terms::parse("width*depth").unwrap()), ..options() });
     finding(&crossed, "effects of width and depth depend on each other");
     assert!(!crossed.findings.concat().contains("odds"), "an effect in an interaction has no single size");

@@ -97,7 +97,7 @@ fn words_and_numbers_have_one_direction() {
     let finding = &said(&results).findings[0];
     assert!(finding.starts_with("The raw means by l mislead"), "{finding}");
     assert!(finding.contains("falls with l at every step") && !finding.contains("rises"), "{finding}");
-    assert!(finding.contains("at 1 are estimated as"), "{finding}");
+    assert!(finding.contains("at 1 are an estimated"), "{finding}");
 }
 
 /// Nothing depends on the unit of a number: the same z and p, and intervals that scale.

@@ -43,10 +43,11 @@ struct Cell {
 struct Earliest([Option<Placed>; 2]);
 
 /// A rating and its place in the study.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 struct Placed {
     session: Box<str>,
-    repetition: u32,
+    /// Number of the repetition, or the place in the session.
+    repetition: f64,
     rating: u8,
 }
 
@@ -115,13 +116,14 @@ impl MeasuredBuilder {
             self.key.push(END);
         }
         let is_one = count == 1 && (response_time_s.is_some() || position.is_some());
+        let placed = position;
         let (session, position) = position.map_or((0, None), |(session, at)| (self.session(session), Some(at)));
         let cell = self.cell();
         cell.count(rating, count);
         if is_one {
             cell.trials.push((response_time_s, session, position, rating));
         }
-        if let Some((session, repetition)) = place {
+        if let Some((session, repetition)) = place.map(|(session, n)| (session, f64::from(n))).or(placed) {
             cell.earliest.place(session, repetition, rating);
         }
         Ok(())
@@ -301,12 +303,12 @@ impl Cell {
 impl Earliest {
     /// Adds a rating if it is one of the two earliest. At the same place, a lower rating counts as earlier, so the
     /// result does not depend on the order of the calls.
-    fn place(&mut self, session: &str, repetition: u32, rating: u8) {
+    fn place(&mut self, session: &str, repetition: f64, rating: u8) {
         let before = |placed: &Option<Placed>| match placed {
             None => true,
             Some(placed) => {
                 let order = levels::compare_mixed(session, &placed.session)
-                    .then(repetition.cmp(&placed.repetition))
+                    .then(repetition.total_cmp(&placed.repetition))
                     .then(rating.cmp(&placed.rating));
                 order == Ordering::Less
             }

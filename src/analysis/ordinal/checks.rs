@@ -8,7 +8,7 @@ use super::{
     estimates::difference,
     fitting::{Fitted, How, fit_counts, fit_terms},
     link::Link,
-    model::{Contrast, ModelSpec, Random, Slopes},
+    model::{Contrast, ModelSpec, Slopes},
     resampling::Simulator,
 };
 use crate::{
@@ -81,13 +81,16 @@ pub(super) fn checks(full: &Fitted, contrasts: &[Contrast], seed: u64) -> Checks
 }
 
 fn alternatives(full: &Fitted) -> Vec<Alternative> {
-    let own = &full.spec;
+    // The slopes that the design supports.
+    let has_slopes = !full.random.components.is_empty() && full.random.effects().0 > 1;
+    let slopes = if has_slopes { full.spec.slopes } else { Slopes::None };
+    let own = &ModelSpec { slopes, ..full.spec.clone() };
     let mut specs = vec![own.clone()];
     let other = if own.link == Link::Logit { Link::Probit } else { Link::Logit };
     for link in [own.link, other] {
         for slopes in [Slopes::Independent, Slopes::None] {
             let spec = ModelSpec { link, slopes, ..own.clone() };
-            let possible = slopes == Slopes::None || own.random == Random::Subject;
+            let possible = slopes == Slopes::None || has_slopes;
             let same = |other: &ModelSpec| (other.link, other.slopes) == (link, slopes);
             if possible && !specs.iter().any(same) {
                 specs.push(spec);

@@ -27,7 +27,7 @@ pub struct TermTest {
     pub p: Option<f64>,
     /// Number of simulated studies that gave the probability.
     pub draws: Option<usize>,
-    /// The Monte Carlo standard error of that probability.
+    /// The Monte Carlo standard error of that probability; `None` if it is extrapolated.
     pub p_error: Option<f64>,
     /// The probability corrected for the number of tests of the same kind (Holm); only for checks of assumptions.
     pub p_holm: Option<f64>,
@@ -58,7 +58,9 @@ pub enum Withheld {
     #[error("the interaction has more than six coefficients, which are too many for fewer than six participants")]
     FewPeople,
     /// Participants with thresholds of their own look like groups with other effects at each threshold.
-    #[error("participants may have their own thresholds, which would look the same between groups")]
+    #[error(
+        "it varies only between participants, and differences in how they use the scale would look like a violation"
+    )]
     OwnThresholds,
     /// More than a tenth of the simulated studies allowed no fit.
     #[error("the data are too few: more than a tenth of the simulated studies allowed no fit")]
@@ -176,7 +178,8 @@ impl TermTest {
         let simulated = probability(ratios, lr);
         self.p = simulated.map(|(p, _)| p);
         self.draws = simulated.map(|(_, draws)| draws);
-        self.p_error = simulated.map(|(p, draws)| (p * (1.0 - p) / draws as f64).sqrt());
+        let counted = simulated.filter(|(p, draws)| p * (*draws + 1) as f64 >= 1.0 - 1e-9);
+        self.p_error = counted.map(|(p, draws)| (p * (1.0 - p) / draws as f64).sqrt());
         self.withheld = simulated.is_none().then_some(Withheld::TooFew);
     }
 }

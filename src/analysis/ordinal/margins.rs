@@ -82,9 +82,12 @@ pub(super) fn margins(fitted: &Fitted, model: &Model) -> Vec<Margin> {
     let mut margins = Vec::new();
     for factor in factors(fitted) {
         let Some(levels) = matched(fitted, &[factor]) else { continue };
-        let between = usize::from(!is_within(&fitted.frame, factor)) * (levels.len() - 1);
-        let reach = reach(fitted, 1 + between);
         let description = &fitted.frame.counts.factors[factor];
+        // A number has one slope, whatever the number of its values.
+        let is_factor = |term: &Term| term.variables.contains(&Variable::Factor(description.name.clone()));
+        let own = if fitted.spec.terms.iter().any(is_factor) { levels.len() - 1 } else { 1 };
+        let between = usize::from(!is_within(&fitted.frame, factor)) * own;
+        let reach = reach(fitted, 1 + between);
         for (level, conditions) in levels {
             let x = fitted.x.matrix(&conditions);
             let (mut mean, mut gradient) = (0.0, DVector::zeros(model.thresholds.len() + x.ncols()));

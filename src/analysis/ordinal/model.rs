@@ -249,7 +249,7 @@ pub enum Note {
         ratings: u64,
     },
     /// Nobody used this category, so its probability cannot be estimated and it is excluded.
-    #[error("no rating is {category}, so this category is excluded from the scale")]
+    #[error("no rating is {category}, so the model has no such category")]
     EmptyCategory { category: String },
     /// A column is a combination of other columns, so it is dropped, as in R.
     #[error("{column} is determined by the preceding terms and is dropped")]
@@ -301,7 +301,7 @@ pub enum Note {
     NoSlopeVariance { term: String },
     /// There are too few ratings per participant and level for a random slope.
     #[error(
-        "the design does not support a random slope of {term}: expected at least two ratings per random effect on average"
+        "the design does not support differences between participants in the effect of {term}: there are fewer than two ratings per random effect"
     )]
     NoSlope { term: String },
     /// Items do not differ, as far as the ratings show.

@@ -409,7 +409,8 @@ impl Outcome {
         if measured.counts.total() == 0 {
             return None;
         }
-        let results = Arc::new(analyze_with(measured, &request.options(), &|done, all| simulated.set(done, all)));
+        let results =
+            Arc::new(analyze_with(measured, &request.options(&study.source), &|done, all| simulated.set(done, all)));
         let figures = figures::all(&results);
         let document = document(&study.source, &results, Parts { figures: &figures, ..Parts::default() });
         Some((Self { request, results, figures, filter }, document))

@@ -71,6 +71,7 @@ pub fn ratio(number: f64) -> Shown {
         n if n >= 99.95 => decimals(0),
         n if n >= 9.995 => decimals(1),
         n if n >= 0.0995 => decimals(2),
+        n if n >= 0.00995 => decimals(3),
         n if n >= 0.001 => decimals(4),
         0.0 => decimals(0),
         n => Shown::new(n, "< 0.001"),

@@ -63,10 +63,10 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
 
 fn caption(results: &Results, model: &Model) -> String {
     let mut text = format!(
-        "Coefficients of the cumulative {} model ({}), with 95\u{a0}% profile-likelihood intervals. Positive \
-         values mean higher ratings than at the level in parentheses; {}.",
+        "Coefficients of the cumulative-link {}model ({} link), with 95\u{a0}% profile-likelihood intervals. Positive \
+         values mean higher ratings than at the level in parentheses, or with a larger number; {}.",
+        if model.random.is_some() { "mixed " } else { "" },
         model.link,
-        model.method,
         labels::sample(results)
     );
     if model.coefficients.iter().any(|coefficient| !coefficient.estimate.is_finite()) {
@@ -93,7 +93,7 @@ fn rows<'a>(results: &Results, model: &'a Model) -> Vec<(String, Option<&'a Coef
         // The names of factors are in the heading.
         let part = |part: &TermPart| match &part.level {
             Some(level) => labels::level(level),
-            None => labels::heading(part.variable.name()).to_owned(),
+            None => labels::heading(part.variable.name(), results.options.is_ours).to_owned(),
         };
         let parts: Vec<String> = coefficient.parts.iter().map(part).collect();
         rows.push((labels::clean(&parts.join(" × ")), Some(coefficient)));
@@ -105,7 +105,11 @@ fn rows<'a>(results: &Results, model: &'a Model) -> Vec<(String, Option<&'a Coef
 /// Returns the heading of a term, with the baseline level of its factor.
 fn heading(results: &Results, model: &Model, variables: &[&Variable]) -> String {
     let [Variable::Factor(name)] = variables else {
-        return variables.iter().map(|variable| labels::heading(variable.name())).collect::<Vec<_>>().join(" × ");
+        return variables
+            .iter()
+            .map(|variable| labels::heading(variable.name(), results.options.is_ours))
+            .collect::<Vec<_>>()
+            .join(" × ");
     };
     let rebased = model.notes.iter().find_map(|note| match note {
         Note::Rebased { factor, baseline, .. } if factor == name => Some(baseline),
@@ -113,7 +117,7 @@ fn heading(results: &Results, model: &Model, variables: &[&Variable]) -> String 
     });
     let baseline = results.modeled().factor(name).and_then(|(_, factor)| rebased.or(factor.levels.first()));
     let against = baseline.map_or_else(String::new, |level| format!(" (against {})", labels::level(level)));
-    format!("{}{against}", labels::heading(name))
+    format!("{}{against}", labels::heading(name, results.options.is_ours))
 }
 
 /// Returns the interval of a coefficient or, if there is none, only the estimate.

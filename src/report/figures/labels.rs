@@ -48,9 +48,11 @@ pub(super) fn level(name: &str) -> String {
     }
 }
 
-/// Returns a factor's name as an axis title with its unit, as a legend heading, and as used within a sentence.
-fn names(factor: &str) -> [&str; 3] {
+/// Returns a factor's name as an axis title with its unit, as a legend heading, and as used within a sentence. A factor
+/// from elsewhere may mean anything.
+fn names(factor: &str, is_ours: bool) -> [&str; 3] {
     match factor {
+        other if !is_ours => [other; 3],
         "width" => ["Ramp width (proportion of the window)", "Width", "ramp width"],
         "depth" => ["Continuity depth n", "Depth n", "continuity depth"],
         "orientation_deg" => ["Orientation (degrees)", "Angle (°)", "orientation"],
@@ -59,28 +61,34 @@ fn names(factor: &str) -> [&str; 3] {
 }
 
 /// Returns a factor's name as an axis title, with its unit.
-pub(super) fn axis(factor: &str) -> &str {
-    names(factor)[0]
+pub(super) fn axis(factor: &str, is_ours: bool) -> &str {
+    names(factor, is_ours)[0]
 }
 
 /// Returns a factor's name as a legend heading.
-pub(super) fn heading(factor: &str) -> &str {
-    names(factor)[1]
+pub(super) fn heading(factor: &str, is_ours: bool) -> &str {
+    names(factor, is_ours)[1]
 }
 
 /// Returns a factor's name as used within a sentence.
-pub(super) fn in_sentence(factor: &str) -> String {
-    clean(names(factor)[2])
+pub(super) fn in_sentence(factor: &str, is_ours: bool) -> String {
+    clean(names(factor, is_ours)[2])
 }
 
 /// Names what the ratings measure, which is visibility if any factor is a parameter of our stimuli.
 pub(super) fn rating(results: &Results) -> &'static str {
     let is_ours = |name: &str| ["width", "depth", "orientation_deg"].contains(&name);
-    if results.measured.counts.factors.iter().any(|factor| is_ours(&factor.name)) {
+    if results.options.is_ours && results.measured.counts.factors.iter().any(|factor| is_ours(&factor.name)) {
         "Mean visibility rating"
     } else {
         "Mean rating"
     }
+}
+
+/// Returns a caption: it begins with a capital letter and ends with a period.
+pub(super) fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).chain(['.']).collect())
 }
 
 /// States the size of the sample: `8 participants, 1,920 ratings`.

@@ -44,7 +44,7 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
     let counts = project(&results.measured.counts, &factors);
     let names = ["figure4a", "figure4b"];
     let means = of_groups(by_levels(&results.measured.counts, &factors));
-    charts(&counts, &means, names, labels::rating(results), &labels::bars(results))
+    charts(&counts, &means, names, (labels::rating(results), results.options.is_ours), &labels::bars(results))
 }
 
 /// Draws Figure 4 as predicted by the vision model: `figure4a_predicted` and `figure4b_predicted`. `expected` contains
@@ -71,7 +71,7 @@ pub fn predicted(results: &Results, expected: &[Option<f64>]) -> Vec<Figure> {
     let means = sums.into_iter().map(|(levels, people)| (levels, (mean(people), None))).collect();
     let names = ["figure4a_predicted", "figure4b_predicted"];
     let source = "by the vision model, with its criterion fitted to the ratings";
-    charts(&project(counts, &factors), &means, names, "Predicted mean rating", source)
+    charts(&project(counts, &factors), &means, names, ("Predicted mean rating", true), source)
 }
 
 /// Chooses the two most interesting factors.
@@ -84,12 +84,19 @@ fn of_groups(groups: Vec<Group>) -> Means {
 }
 
 /// Draws one chart by each factor, with one line for each level of the other.
-fn charts(counts: &Counts, means: &Means, names: [&'static str; 2], what: &str, source: &str) -> Vec<Figure> {
+fn charts(counts: &Counts, means: &Means, names: [&'static str; 2], what: (&str, bool), source: &str) -> Vec<Figure> {
     let chart = |(x, name)| chart(counts, means, x, name, what, source);
     (0..counts.factors.len()).zip(names).map(chart).collect()
 }
 
-fn chart(counts: &Counts, means: &Means, x: usize, name: &'static str, what: &str, source: &str) -> Figure {
+fn chart(
+    counts: &Counts,
+    means: &Means,
+    x: usize,
+    name: &'static str,
+    (what, is_ours): (&str, bool),
+    source: &str,
+) -> Figure {
     let (across, by) = (&counts.factors[x], counts.factors.get(1 - x));
     let shown = evenly(by.map_or(1, |by| by.levels.len()), MAX_SERIES);
     let line = |(index, &level): (usize, &usize)| {
@@ -109,18 +116,18 @@ fn chart(counts: &Counts, means: &Means, x: usize, name: &'static str, what: &st
     };
     let lines: Vec<Line> = shown.iter().enumerate().map(line).collect();
     let levels = Levels::of(across);
-    let mut title = format!("{what} by {}", labels::in_sentence(&across.name));
-    let mut caption = title.clone();
+    let mut title = format!("{what} by {}", labels::in_sentence(&across.name, is_ours));
+    let mut caption = String::new();
     if let Some(by) = by {
         let thing = if levels.ordered { "line" } else { "marker" };
-        let (by_name, some) = (labels::in_sentence(&by.name), labels::some_of(lines.len(), by.levels.len()));
+        let (by_name, some) = (labels::in_sentence(&by.name, is_ours), labels::some_of(lines.len(), by.levels.len()));
         title += &format!(" and {by_name}");
-        caption += &format!(", one {thing} for each level of {by_name}{some}");
+        caption = format!("one {thing} for each level of {by_name}{some}; ");
     }
-    caption += &format!("; {source}.");
+    let caption = labels::sentence(&format!("{caption}{source}"));
     // A single line needs no legend.
     let by = by.filter(|_| lines.len() > 1);
-    let heading = by.map(|by| labels::fit(labels::heading(&by.name), 56.0 + MAX_NAME, TEXT));
+    let heading = by.map(|by| labels::fit(labels::heading(&by.name, is_ours), 56.0 + MAX_NAME, TEXT));
     let legend_width = heading.as_ref().map_or(0.0, |heading| {
         let names = lines.iter().map(|line| labels::width(&line.name, TEXT).min(MAX_NAME));
         24.0 + names.fold(0.0, f64::max).max(1.2 * labels::width(heading, TEXT) - 56.0) + 56.0
@@ -129,7 +136,7 @@ fn chart(counts: &Counts, means: &Means, x: usize, name: &'static str, what: &st
     let panel = values.panel(values.margin(), WIDTH - EDGE - legend_width, EDGE, PANEL);
     Figure::draw(name, title, caption, panel.bottom + levels.below(panel.width()), |svg| {
         values.draw(svg, &panel, Some(what));
-        levels.draw(svg, &panel, labels::axis(&across.name));
+        levels.draw(svg, &panel, labels::axis(&across.name, is_ours));
         draw(svg, &panel, &levels, &lines);
         if let Some(heading) = &heading {
             legend(svg, &panel, heading, &lines, levels.ordered);
@@ -176,7 +183,7 @@ fn legend(svg: &mut Svg, panel: &Panel, heading: &str, lines: &[Line], lined: bo
 pub(super) fn orientation(results: &Results) -> Option<Figure> {
     let factors = &results.measured.counts.factors;
     let index = factors.iter().position(|factor| factor.role == Role::Direction && factor.levels.len() > 1)?;
-    let (factor, name) = (&factors[index], labels::in_sentence(&factors[index].name));
+    let (factor, name) = (&factors[index], labels::in_sentence(&factors[index].name, results.options.is_ours));
     let angles = factor.numbers.as_ref().filter(|angles| angles.len() > 1 && angles.iter().all(|a| a.is_finite()))?;
     let by_angle = project(&results.measured.counts, &[index]);
     let mut distances: Vec<f64> = angles.iter().map(|&angle| distance_to_axis(angle)).collect();
@@ -198,7 +205,12 @@ pub(super) fn orientation(results: &Results) -> Option<Figure> {
     let (left, right) = (values.margin(), WIDTH - EDGE);
     let middle = if is_folded { left + 0.62 * (right - left) } else { right };
     let all = [
-        (by_angle, values.panel(left, middle, EDGE, PANEL), Some(what), labels::axis(&factor.name)),
+        (
+            by_angle,
+            values.panel(left, middle, EDGE, PANEL),
+            Some(what),
+            labels::axis(&factor.name, results.options.is_ours),
+        ),
         (by_distance, values.panel(middle + 46.0, right, EDGE, PANEL), None, "Off axis (°)"),
     ];
     let parts: Vec<_> = all.into_iter().take(1 + usize::from(is_folded)).collect();
@@ -226,18 +238,17 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
     let counts = &results.measured.counts;
     let factor = *by_interest(counts).first()?;
     let by = &counts.factors[factor];
-    let (what, name, sample) = (labels::rating(results), labels::in_sentence(&by.name), labels::sample(results));
+    let (what, name, sample) =
+        (labels::rating(results), labels::in_sentence(&by.name, results.options.is_ours), labels::sample(results));
     let several = results.is_inferential();
     let shown = evenly(results.people(), MAX_LINES);
     let title = format!("{what} of every participant by {name}");
-    let caption = if several {
-        format!(
-            "{what} by {name}: each gray line is one participant{}, and the thick line is the mean of all ratings; {sample}.",
-            labels::some_of(shown.len(), results.people())
-        )
+    let caption = labels::sentence(&if several {
+        let some = labels::some_of(shown.len(), results.people());
+        format!("each gray line is one participant{some}, and the thick line is the mean over participants; {sample}")
     } else {
-        format!("{what} of the only participant by {name}; {sample}.")
-    };
+        sample
+    });
     let (values, levels) = (Values::ratings(counts), Levels::of(by));
     let top = if several { EDGE + 1.5 * TEXT } else { EDGE };
     let panel = values.panel(values.margin(), WIDTH - EDGE, top, PANEL);
@@ -252,7 +263,7 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
     };
     Some(Figure::draw("subjects", title, caption, panel.bottom + levels.below(panel.width()), |svg| {
         values.draw(svg, &panel, Some(what));
-        levels.draw(svg, &panel, labels::axis(&by.name));
+        levels.draw(svg, &panel, labels::axis(&by.name, results.options.is_ours));
         if several {
             let means = participant_means(counts, factor);
             shown.iter().for_each(|person| svg.path(&points(&means[*person]), thin));
@@ -263,7 +274,7 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
             svg.text(ONE, (left + 56.0, y), Font::new(TEXT, Anchor::Start));
             let x = left + 56.0 + labels::width(ONE, TEXT) + 30.0;
             svg.line(&[(x, y), (x + 46.0, y)], thick);
-            svg.legend_entry((x, y), Series::only(), false, "all ratings", TEXT);
+            svg.legend_entry((x, y), Series::only(), false, "mean", TEXT);
         }
         let groups = &results.factors[factor].levels;
         let mean = |level: &String| Some(groups.iter().find(|group| group.names[0] == *level)?.summary.mean);

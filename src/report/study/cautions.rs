@@ -176,7 +176,7 @@ pub(super) fn is_serious(note: &Note) -> bool {
 /// and unusual response times.
 pub(super) fn unusual_behavior(results: &Results) -> Vec<String> {
     let subjects = &results.subjects;
-    let mut sentences: Vec<String> = subjects.iter().filter_map(|subject| one_category(results, subject)).collect();
+    let mut sentences = one_category(results);
     // Participants with the same peculiarity are named in one sentence.
     if let Some((who, least, most)) = odd(subjects, |s| s.kappa, |kappa| kappa <= LOW_KAPPA) {
         let (least, most) = (unit(least), unit(most));
@@ -191,20 +191,44 @@ pub(super) fn unusual_behavior(results: &Results) -> Vec<String> {
     sentences
 }
 
-fn one_category(results: &Results, subject: &SubjectResults) -> Option<String> {
-    let (who, summary) = (first_word(who(subject)), &subject.group.summary);
-    let (category, &share) = summary.proportions.iter().enumerate().max_by(|l, r| l.1.total_cmp(r.1))?;
-    if share < NEARLY_ALL || summary.n < FEW_RATINGS {
-        return None;
+/// Names the participants who used one category always, or nearly always.
+fn one_category(results: &Results) -> Vec<String> {
+    let most_used = |subject: &SubjectResults| {
+        let summary = &subject.group.summary;
+        let shares = summary.proportions.iter().enumerate();
+        let (category, share) = shares.max_by(|l, r| l.1.total_cmp(r.1)).filter(|_| summary.n >= FEW_RATINGS)?;
+        (*share >= NEARLY_ALL).then_some((category, *share))
+    };
+    let category = |subject: &&SubjectResults| most_used(subject).map(|(category, _)| category);
+    let mut sentences = Vec::new();
+    for (index, name) in results.measured.counts.categories.iter().enumerate() {
+        let own: Vec<&SubjectResults> = results.subjects.iter().filter(|s| category(s) == Some(index)).collect();
+        for is_all in [true, false] {
+            let share = |subject: &&&SubjectResults| most_used(subject).map_or(0.0, |(_, share)| share);
+            let own: Vec<&&SubjectResults> = own.iter().filter(|s| (share(s) >= 1.0) == is_all).collect();
+            let people: Vec<String> = own.iter().map(|subject| who(subject)).collect();
+            if people.is_empty() {
+                continue;
+            }
+            // Not 100 %, because some ratings are others.
+            let percents = own.iter().map(|subject| percent(((100.0 * share(subject)).round() / 100.0).min(0.99)));
+            let percents: Vec<String> = percents.map(|percent| percent.to_string()).collect();
+            let (least, most) = (percents.iter().min(), percents.iter().max());
+            let whose = first_word(short_list(&people, MAX_NAMES));
+            sentences.push(match (is_all, least == most) {
+                (true, _) => format!("{whose} used only one category: all their ratings are {name}."),
+                (false, true) => {
+                    format!("{whose} hardly used more than one category: {} of their ratings are {name}.", percents[0])
+                }
+                (false, false) => format!(
+                    "{whose} hardly used more than one category: {} to {} of their ratings are {name}.",
+                    least.map_or("", String::as_str),
+                    most.map_or("", String::as_str)
+                ),
+            });
+        }
     }
-    let category = &results.measured.counts.categories[category];
-    let ratings = count(summary.n, "rating");
-    Some(if share >= 1.0 {
-        format!("{who} used only one category: all {ratings} are {category}.")
-    } else {
-        let share = percent((share * 100.0).floor() / 100.0);
-        format!("{who} hardly used more than one category: {share} of {ratings} are {category}.")
-    })
+    sentences
 }
 
 /// Returns the names of the participants with an unusual value, and the smallest and the largest such value.

@@ -214,9 +214,11 @@ pub(super) fn times(results: &Results, figures: &[Figure]) -> Section {
         section.text("The files contain no response times, or they were not read.");
         return section;
     }
-    section.text(
-        "Times are measured from the onset of the stimulus to the rating, in seconds. They are described, but not tested.",
-    );
+    section.text(if results.options.is_ours {
+        "Times are from the onset of the stimulus to the rating, in seconds. They are described, but not tested."
+    } else {
+        "Times are those in the table, taken to be in seconds; it does not say from when. They are described, but not tested."
+    });
     section.figures(figures, &["times"]);
     let counts = &results.measured.counts;
     quartiles(

@@ -23,7 +23,7 @@ pub(super) fn sentences(source: &Source, results: &Results) -> Vec<String> {
                 let kept: Vec<Shown> = kept.iter().map(|level| names::level(factor, level)).collect();
                 let kept: Vec<&str> = kept.iter().map(|level| &**level).collect();
                 sentences.push(format!(
-                    "On request, only ratings at {} {} were analyzed; {} at other levels {} excluded.",
+                    "Only ratings at {} {} were analyzed, on request; {} at other levels {} left out.",
                     names::factor(factor),
                     list(&kept),
                     count(*ratings, "rating"),
@@ -33,21 +33,21 @@ pub(super) fn sentences(source: &Source, results: &Results) -> Vec<String> {
         }
     }
     if !people.is_empty() {
-        let who = if people.len() == 1 { "the participant" } else { "the participants" };
+        let who = if people.len() == 1 { "The participant" } else { "The participants" };
         let people: Vec<&str> = people.iter().map(String::as_str).collect();
-        sentences.insert(0, format!("On request, {who} {} excluded.", was(&people)));
+        sentences.insert(0, format!("{who} {} left out on request.", was(&people)));
     }
     let (least, most) = source.shape.time_limits;
     for (limit, reason, than) in [(least, Reason::TooFast, "less"), (most, Reason::TooSlow, "more")] {
         sentences.extend(limit.map(|limit| {
             let (rows, people) = source.left_out(reason);
             let (rows, people) = (count(rows, "trial"), count(people as u64, "participant"));
-            format!("On request, trials answered in {than} than {limit} s were excluded ({rows} of {people}).")
+            format!("Trials answered in {than} than {limit} s were left out on request ({rows} by {people}).")
         }));
     }
     if !sentences.is_empty() {
         sentences.push(format!(
-            "This leaves {} by {}.",
+            "The analysis is of the remaining {} by {}.",
             count(measured.counts.total(), "rating"),
             count(results.people() as u64, "participant")
         ));

@@ -27,7 +27,7 @@ pub(super) struct Evidence {
     /// The test and its statistic, such as `likelihood-ratio test: χ²(2) = 7.1`.
     test: String,
     pub p: f64,
-    is_rank_test: bool,
+    pub is_rank_test: bool,
 }
 
 /// The size of an effect.
@@ -66,7 +66,11 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
             format!(
                 "{}; if {name} made no difference{whose}, {} would {how} occur ({}, {p}).",
                 means(results, factor),
-                if evidence.is_rank_test { "orders this consistent" } else { "differences this large" },
+                match (evidence.is_rank_test, factor.levels.len()) {
+                    (true, _) => "orders this consistent",
+                    (false, 2) => "a difference this large",
+                    (false, _) => "differences this large",
+                },
                 evidence.test
             )
         } else {
@@ -75,7 +79,10 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
             let span = if least == most {
                 format!("{ratings} are {least} at all levels")
             } else {
-                format!("{ratings} lie between {least} at {low} and {most} at {high}")
+                format!(
+                    "{ratings} {} {least} at {low} and {most} at {high}",
+                    if factor.levels.len() == 2 { "are" } else { "lie between" }
+                )
             };
             let what = if results.is_inferential() { "this study" } else { "these trials" };
             format!("By {name}, {span}, and {what} cannot distinguish the levels ({}, {p}).", evidence.test)
@@ -103,7 +110,10 @@ fn caveat(results: &Results, factor: &FactorResults) -> Option<String> {
     let difference = |means: &[f64]| means[second] - means[first];
     let missing = match factor.matched.incomplete.len() {
         0 => "the conditions of the other factors differ between its levels".to_owned(),
-        n if n == results.people() => "no participant rated all of its levels alike".to_owned(),
+        n if n == results.people() && results.measured.counts.factors.len() == 1 => {
+            "no participant rated all of its levels".to_owned()
+        }
+        n if n == results.people() => "no participant rated all of its levels in the same conditions".to_owned(),
         n => format!("{} of {} did not rate all of its levels", n, count(results.people() as u64, "participant")),
     };
     let at =
@@ -195,6 +205,9 @@ fn means(results: &Results, factor: &FactorResults) -> String {
         None if (&least, &low) == (&most, &high) => {
             format!("{the_mean} is {least}: the same at all levels of {name}")
         }
+        None if factor.levels.len() == 2 => {
+            format!("By {name}, {of_these} is higher at {high} ({most}) than at {low} ({least})")
+        }
         None => format!("By {name}, {of_these} is highest ({most}) at {high} and lowest ({least}) at {low}"),
     }
 }
@@ -247,7 +260,7 @@ pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evid
 
 /// Returns the test with its statistic.
 fn ratio_test(test: &TermTest) -> String {
-    let simulated = test.draws.map_or_else(String::new, |draws| format!(" in {draws} simulated studies"));
+    let simulated = test.draws.map_or_else(String::new, |draws| format!(", p from {draws} simulated studies"));
     format!("likelihood-ratio test{simulated}: χ²({}) = {}", test.df, fixed(test.lr, 1))
 }
 
@@ -302,11 +315,11 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
     let (size, interval_text) = (value(estimate), with_interval(interval, value));
     let text = if odds {
         format!(
-            "The odds of a higher rating at {higher} are estimated as {size} times those at {lower}{interval_text}; {of_pairs}"
+            "The odds of a higher rating at {higher} are an estimated {size} times those at {lower}{interval_text}; {of_pairs}"
         )
     } else {
         format!(
-            "On the latent scale, {higher} is estimated as {size} standard deviations above {lower}{interval_text}; {of_pairs}"
+            "On the latent scale, {higher} is an estimated {size} standard deviations above {lower}{interval_text}; {of_pairs}"
         )
     };
     Some(Size { text, has_interval: interval.is_some() })

@@ -73,7 +73,8 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         looked_at.extend(results.times.iter().any(Option::is_some).then_some("response times"));
         looked_at.extend(results.kappa.is_some().then_some("repeated ratings"));
         section.text(if looked_at.is_empty() {
-            "Every participant used several categories. There are no response times or repeated ratings to check."
+            "Every participant used several categories. There are no response times, and no repeated ratings in a known \
+             order, to check."
                 .to_owned()
         } else {
             format!("Every participant used several categories, and no {} are unusual.", looked_at.join(" or "))

@@ -2,9 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use super::{exclusions, names, sittings, vision::degrees};
+use super::{exclusions, findings, names, sittings, vision::degrees};
 use crate::{
-    analysis::{Link, Results},
+    analysis::{
+        Link, RandomSlope, Results,
+        rank_tests::PMethod,
+        terms::{Term, Variable},
+    },
     experiment::{Protocol, ResponseScale},
     report::{
         document::{
@@ -103,7 +107,8 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     let model = &report.model;
     let terms: Vec<String> =
         results.spec.terms.iter().map(|term| names::factor(&term.to_string()).to_owned()).collect();
-    let terms = if terms.is_empty() { "no terms".to_owned() } else { format!("the terms {}", list(&terms)) };
+    let terms =
+        if terms.is_empty() { "no fixed effects".to_owned() } else { format!("fixed effects of {}", list(&terms)) };
     let link = match model.link {
         Link::Logit => "logit",
         Link::Probit => "probit",
@@ -113,22 +118,20 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     let (mixed, how) = match &model.random {
         None => ("", ", fitted by maximum likelihood".to_owned()),
         Some(random) => {
-            let slopes: Vec<&str> = random.slopes.iter().map(|slope| names::factor(&slope.name)).collect();
-            let form = if random.correlations.is_some() { "correlated" } else { "independent" };
-            let effects = if slopes.is_empty() {
-                "a random intercept for participants".to_owned()
-            } else {
-                format!("a random intercept for participants and {form} random slopes of {}", list(&slopes))
+            let slope = |slope: &RandomSlope| match (names::factor(&slope.name), random.correlations.is_some()) {
+                (name, true) => format!("correlated random slopes of {name}"),
+                (name, false) if is_number(&slope.term) => format!("an independent random slope of {name}"),
+                (name, false) => format!("for each combination of participant and {name}"),
             };
-            let items = random.items.as_ref().map_or_else(String::new, |items| {
-                format!(", crossed with a random intercept for each {}", names::factor(&items.name))
-            });
-            ("mixed ", format!(" and {effects}{items}, fitted by maximum likelihood with Laplace’s approximation"))
+            let mut effects = vec!["random intercepts for participants".to_owned()];
+            effects.extend(random.slopes.iter().map(slope));
+            effects.extend(random.items.as_ref().map(|items| format!("for each {}", names::factor(&items.name))));
+            ("mixed ", format!(", and {}, fitted by maximum likelihood with Laplace’s approximation", list(&effects)))
         }
     };
     let mut text = format!(
         "Because ratings are ordered categories ({ordinal}), they were modeled with a cumulative-link {mixed}model ({family}) \
-         with {link} link and {terms}{how} to {} (log-likelihood {}, AIC {}).",
+         with a {link} link, {terms}{how} to {} (log-likelihood {}, AIC {}).",
         count(model.nobs, "rating"),
         fixed(model.loglik, 2),
         fixed(model.aic(), 2)
@@ -142,31 +145,55 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
             .collect();
         text += &format!(" Terms were tested with likelihood-ratio tests: {}.", tests.join("; "));
     }
+    if let Some(draws) = report.terms.iter().filter_map(|test| test.draws).max() {
+        text += &format!(
+            " Their p values come from a parametric bootstrap ({}): up to {draws} studies were simulated from the fitted model \
+             (ChaCha8, seed {}){}, and their ratios were computed at the coefficients that generated them. p is (k + 1)/(n + 1); \
+             if no ratio was as large, p was extrapolated with an exponential tail. Simulation ended early when p was clear.",
+            cited.cite("Davison & Hinkley, 1997; Halekoh & Højsgaard, 2014"),
+            results.options.resampling.seed,
+            if model.random.is_some() {
+                ", with variances of the random effects corrected for the estimated means"
+            } else {
+                ""
+            }
+        );
+    }
+    let tested: Vec<String> = (report.interactions.iter())
+        .filter_map(|test| {
+            let (name, statistic) = (list_of(&test.factors), fixed(test.chi_squared, 2));
+            Some(format!("{name}, χ²({}) = {statistic}, {}", test.df, p_is(test.p?)))
+        })
+        .collect();
     let left_out =
         |by_signs: bool| report.interactions.iter().any(|test| test.p.is_some() && test.by_signs == by_signs);
     if left_out(true) {
-        text += " The two-way interactions that the model leaves out were tested with score tests over the signs of the \
-                 participants’ residuals, corrected for their number by the smallest p (Westfall & Young).";
-    } else if left_out(false) {
-        text += " The two-way interactions that the model leaves out were tested with likelihood ratios, corrected with Holm’s \
-                 method.";
-    }
-    if let Some(draws) = report.terms.iter().filter_map(|test| test.draws).max() {
+        let corrected = match tested.len() {
+            1 => String::new(),
+            _ => format!(", corrected with the minimum-p method ({})", cited.cite("Westfall & Young, 1993")),
+        };
         text += &format!(
-            " Their p values come from a parametric bootstrap ({}) with up to {draws} studies simulated from the model (ChaCha8, \
-             seed {}).",
-            cited.cite("Davison & Hinkley, 1997; Halekoh & Højsgaard, 2014"),
-            results.options.resampling.seed
+            " The two-way interactions left out of the model were tested with score tests: p is the proportion of patterns of \
+             the signs of the participants’ residual scores with a statistic at least as large{corrected} ({}).",
+            tested.join("; ")
+        );
+    } else if left_out(false) {
+        text += &format!(
+            " The two-way interactions left out of the model were tested with likelihood ratios in studies simulated from the \
+             wider models, corrected with Holm’s method ({}).",
+            tested.join("; ")
         );
     }
-    text += " Intervals of coefficients are profile-likelihood intervals";
+    text += " Intervals of coefficients and of standard deviations are profile-likelihood intervals";
     text += if report.terms.iter().any(|test| test.draws.is_some()) {
-        ", with the limit of the likelihood ratio from the same studies."
+        ", with limits from the same studies for coefficients, and adjusted for the number of participants for standard \
+         deviations."
     } else {
         "."
     };
     if report.proportional_odds.iter().any(|test| test.p.is_some()) {
-        text += " Proportional odds were tested for each term in the same way and corrected with Holm’s method.";
+        text += " Proportional odds were tested with likelihood ratios of models without random effects in simulated studies, or \
+                 with the χ² distribution where ratings are many, and corrected with Holm’s method.";
     }
     if !report.comparisons.is_empty() {
         text += &format!(
@@ -180,6 +207,14 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     Some(text)
 }
 
+fn is_number(term: &Term) -> bool {
+    term.variables.iter().all(|variable| matches!(variable, Variable::Number(_)))
+}
+
+fn list_of(factors: &[String; 2]) -> String {
+    factors.each_ref().map(|name| names::factor(name)).join(" × ")
+}
+
 fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
     let tested: Vec<String> = (results.factors.iter())
         .filter_map(|factor| {
@@ -190,9 +225,32 @@ fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
     if tested.is_empty() {
         return None;
     }
+    let mut methods: Vec<&str> = (results.factors.iter().filter_map(|factor| factor.friedman))
+        .map(|test| match test.method {
+            PMethod::Exact => "exact",
+            PMethod::Permutations => "random-permutation",
+            PMethod::ChiSquared => "χ²",
+        })
+        .collect();
+    methods.sort_unstable();
+    methods.dedup();
+    let methods = list(&methods);
+    let leads: Vec<&str> = (results.factors.iter())
+        .filter(|factor| findings::evidence(results, factor).is_some_and(|evidence| evidence.is_rank_test))
+        .map(|factor| names::factor(&factor.name))
+        .collect();
+    let rest = match leads.is_empty() || !findings::is_clustered(results) {
+        true => String::new(),
+        false => format!(
+            " The design does not support random effects for the differences between participants in the effect of {}, so \
+             conclusions about it rest on Friedman’s test.",
+            list(&leads)
+        ),
+    };
     Some(format!(
-        "Participants’ mean ratings at the levels of each factor were compared with Friedman’s test, with exact p values, and \
-         Kendall’s coefficient of concordance ({}): {}.",
+        "Participants’ mean ratings at the levels of each factor were compared with Friedman’s test, with {} p values, and \
+         Kendall’s coefficient of concordance ({}): {}.{rest}",
+        methods,
         cited.cite("Friedman, 1937; Kendall & Babington Smith, 1939"),
         tested.join("; ")
     ))
@@ -224,8 +282,9 @@ fn agreement(cited: &mut Cited, results: &Results) -> Option<String> {
 fn intervals(cited: &mut Cited, results: &Results) -> Option<String> {
     results.is_inferential().then(|| {
         format!(
-            "Intervals are 95\u{a0}% intervals. Those of means treat each participant as one observation (t distribution with \
-             the score of {}), and those of agreement use the jackknife over participants.",
+            "Intervals are 95\u{a0}% intervals. Those of means are score intervals ({}) with t quantiles over participants, those \
+             of differences of means are t intervals over participants, and those of agreement use the jackknife over \
+             participants.",
             cited.cite("Wilson, 1927")
         )
     })

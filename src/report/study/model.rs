@@ -10,7 +10,8 @@ use crate::{
         document::{
             Section,
             numbers::{
-                count, fixed, mean, p_is, percent, probability, range, ratio, short_list, unit, whole, with_interval,
+                count, fixed, list, mean, p_is, percent, probability, range, ratio, short_list, unit, whole,
+                with_interval,
             },
         },
         figures::Figure,
@@ -45,10 +46,13 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         between_people(&mut section, results, model, random);
     }
     effect_sizes(&mut section, results, model);
-    comparisons(&mut section, results, report);
+    comparisons(&mut section, report);
     margins(&mut section, report);
-    let scope =
-        if results.is_inferential() { "" } else { " They are about this participant’s trials, not about people." };
+    let scope = if results.is_inferential() {
+        ""
+    } else {
+        " The p values are about this participant’s trials, not about people."
+    };
     tests(
         &mut section,
         "Does each term matter?",
@@ -69,7 +73,8 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         "Is one coefficient per effect enough?",
         &format!(
             "The model assumes that a term has the same effect at every threshold (proportional odds). Each row tests this \
-             against a separate effect at each threshold. {} They are corrected for the number of terms with Holm’s method.",
+             against a separate effect at each threshold{}. {} The last column corrects p for the number of terms (Holm).",
+            if model.random.is_some() { ", in models without random effects" } else { "" },
             source_of_p(&report.proportional_odds)
         ),
         "Tests of proportional odds",
@@ -80,7 +85,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     if !odds.is_empty() && odds.iter().all(|p| *p >= ALPHA) {
         let level = percent(ALPHA);
         section.text(format!(
-            "No term shows a violation at {level}. With few participants or ratings, tests have little power."
+            "None of the tested terms shows a violation at {level}. With few participants or ratings, tests have little power."
         ));
     }
     order(&mut section, report);
@@ -117,7 +122,7 @@ fn interactions(section: &mut Section, report: &ModelReport) {
     );
     for test in &report.interactions {
         if let Some(reason) = test.withheld {
-            section.note(format!("No p for {}: {reason}.", test.term));
+            section.note(format!("No p for {}: {reason}.", names::factor(&test.term)));
         }
     }
 }
@@ -132,8 +137,8 @@ fn order(section: &mut Section, report: &ModelReport) {
     );
     section.text(format!(
         "From the first to the last trial of a session, the latent rating changes by an estimated {}{drift_p}. The residuals of \
-         successive trials correlate by {} ({}, if any order of a session’s residuals is equally likely). Both are about {} with \
-         a known place.",
+         successive trials correlate by {} ({}, if any order of a session’s residuals is equally likely). Both use the {} whose \
+         order is known.",
         fixed(order.drift, 2),
         unit(order.lag_one),
         p_is(order.lag_one_p),
@@ -145,11 +150,13 @@ fn order(section: &mut Section, report: &ModelReport) {
 fn source_of_p(tests: &[TermTest]) -> String {
     match tests.iter().filter_map(|test| test.draws).max() {
         Some(draws) => format!(
-            "The χ² distribution is not accurate with few or related ratings, so up to {draws} studies were simulated from \
-             the model for each row; more would not change a conclusion. p is the proportion of their ratios, computed at the effects that \
-             generated them, that are at least as large. If none is, p comes from an exponential tail fitted to the largest \
-             fifth. The Monte Carlo standard error of p is at most {}.",
-            fixed(tests.iter().filter_map(|test| test.p_error).fold(0.0, f64::max), 4)
+            "The χ² distribution is not accurate with few or related ratings, so p comes from up to {draws} studies that were \
+             simulated from the model; simulation for a row ended when p was clear, or at the maximum (--draws). p is \
+             (k + 1)/(n + 1) if k of n simulated ratios are at least as large. If none is, p comes from an exponential tail \
+             fitted to the largest fifth and should be read only as small.{}",
+            tests.iter().filter_map(|test| test.p_error).reduce(f64::max).map_or_else(String::new, |error| {
+                format!(" The Monte Carlo standard error of the other p values is at most {}.", fixed(error, 4))
+            })
         ),
         None if tests.iter().all(|test| test.p.is_none()) => "There are no p values, for the reasons below.".to_owned(),
         None => "The p values come from the χ² distribution.".to_owned(),
@@ -177,9 +184,10 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
     let (share, interval) = model.share_between();
     if let Some(share) = share {
         section.text(format!(
-            "The intercepts of participants account for {} of the latent variance{} (intraclass correlation).",
+            "The intercepts of participants account for {} of the latent variance: the intraclass correlation is {}{}.",
             percent((100.0 * share).round() / 100.0),
-            with_interval(interval, |share| percent((100.0 * share).round() / 100.0))
+            unit(share),
+            with_interval(interval, unit)
         ));
     }
     if let Some(correlations) = &random.correlations {
@@ -195,7 +203,7 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
             names.iter().zip(correlations).map(row).collect(),
         );
     }
-    if results.is_inferential() {
+    if results.is_inferential() && random.sd > 0.0 {
         let rows =
             random.subjects.iter().map(|s| vec![(&s.subject).into(), fixed(s.mode, 2), fixed(s.sd, 2)]).collect();
         let caption = "Shift of each participant; positive values mean higher ratings";
@@ -213,11 +221,11 @@ fn effect_sizes(section: &mut Section, results: &Results, model: &Model) {
     section.text(format!(
         "Each row compares two levels: the only two, the ends of a trend, or else those with the highest and the lowest mean, \
          whose difference is then probably overestimated. {}The probability of superiority is the probability that a rating at \
-         the first level is higher on the latent scale, where there are no ties. d is the difference in standard deviations of a \
-         participant’s ratings on that scale.",
+         the first level is higher on the latent scale, where there are no ties. d is the difference divided by the residual standard \
+         deviation, that of ratings by the same participant in the same condition.",
         if odds { "The odds ratio is that of a higher rating. " } else { "" }
     ));
-    let mut numbers = vec!["Superiority", "95\u{a0}% interval of it", "d", "95\u{a0}% interval of d"];
+    let mut numbers = vec!["Superiority", "95\u{a0}% interval of superiority", "d", "95\u{a0}% interval of d"];
     if odds {
         numbers.splice(0..0, ["Odds ratio", "95\u{a0}% interval of the odds ratio"]);
     }
@@ -243,16 +251,28 @@ fn effect_sizes(section: &mut Section, results: &Results, model: &Model) {
     }
 }
 
-fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
+fn comparisons(section: &mut Section, report: &ModelReport) {
     if report.comparisons.is_empty() {
         return;
     }
     section.heading("Comparisons of levels");
     section.text(format!(
-        "Differences on the latent scale, in the model; those of factors in an interaction are given at each level of the \
-         other factor (simple effects). The p values and intervals use standard errors{}; Holm’s method corrects p for all \
-         comparisons of a factor, but the intervals are not corrected.",
-        if results.is_inferential() { ", widened like the limit of the term’s likelihood-ratio test below" } else { "" }
+        "Differences on the latent scale, in the model{}. Their p values and intervals come from the likelihood ratio of each \
+         difference{}. The intervals are symmetric, so they can differ from the profile intervals above, which should be \
+         reported where there are both. Holm’s method corrects p for all comparisons of a factor; the intervals are not \
+         corrected.",
+        if report.comparisons.iter().any(|c| c.at.is_some()) {
+            "; those of factors in an interaction are at each level of the other factor (simple effects)"
+        } else if report.model.coefficients.iter().any(|c| c.parts.len() > 1) || report.interactions.is_empty() {
+            ""
+        } else {
+            ", which is additive: each difference is an average over the other factors"
+        },
+        if report.terms.iter().any(|test| test.draws.is_some()) {
+            ", scaled by the limit that simulated studies give for its term"
+        } else {
+            ""
+        }
     ));
     let row = |c: &Comparison| {
         let level = |level: &str| names::level(&c.factor, level);
@@ -316,13 +336,14 @@ fn fit_of_model(section: &mut Section, results: &Results, model: &Model, checks:
         const MANY: f64 = 0.1;
         let all = checks.cells.len();
         section.text(format!(
-            "Of {} in the single conditions, {} outside{}.",
+            "Of {} in the single combinations of {}, {} outside{}.",
             count(all as u64, "proportion"),
+            list(&results.modeled().factors.iter().map(|factor| names::factor(&factor.name)).collect::<Vec<_>>()),
             lie(far),
             if far as f64 > MANY * all as f64 {
-                ": more than chance allows, so the model does not describe the conditions, for example because effects depend on each other"
+                ": more than chance allows, so the model does not describe them, for example because effects depend on each other"
             } else {
-                ", about as many as chance allows"
+                ": no more than chance allows"
             }
         ));
     }
@@ -336,7 +357,10 @@ fn fit_of_model(section: &mut Section, results: &Results, model: &Model, checks:
             range(Some(p.range), unit),
         ]
     };
-    let rows = outside.iter().map(row).collect::<Vec<_>>();
+    /// More rows would not be read.
+    const MOST: usize = 24;
+    let cells = checks.cells.iter().filter(is_outside).filter(|_| far <= MOST);
+    let rows = outside.iter().copied().chain(cells).map(|p| row(&p)).collect::<Vec<_>>();
     if !rows.is_empty() {
         let numbers = ["Observed", "Expected", "Middle 95\u{a0}%"];
         section.table("Proportions that the model does not describe", &["Factor", "Level", "Rating"], &numbers, rows);
@@ -401,16 +425,14 @@ fn influence(section: &mut Section, results: &Results, model: &Model, checks: &C
         })
         .collect();
     let mut rows = vec![
-        std::iter::once("nobody".into())
-            .chain(model.contrasts.iter().map(|c| fixed(c.estimate, 2)))
-            .collect::<Vec<_>>(),
+        std::iter::once("none".into()).chain(model.contrasts.iter().map(|c| fixed(c.estimate, 2))).collect::<Vec<_>>(),
     ];
     rows.extend(checks.influence.iter().map(|one| {
         std::iter::once((&one.subject).into()).chain(one.estimates.iter().map(|estimate| fixed(*estimate, 2))).collect()
     }));
     section.table(
-        "Contrasts on the latent scale without each participant",
-        &["Without"],
+        "Contrasts on the latent scale with one participant left out",
+        &["Left out"],
         &heads.iter().map(String::as_str).collect::<Vec<_>>(),
         rows,
     );
@@ -438,7 +460,8 @@ fn sentence(results: &Results, model: &Model) -> String {
         None => "cumulative-link model",
         Some(_) => "cumulative-link mixed model (Laplace)",
     };
-    let terms: Vec<String> = results.spec.terms.iter().map(ToString::to_string).collect();
+    let terms: Vec<String> =
+        results.spec.terms.iter().map(|term| names::factor(&term.to_string()).to_owned()).collect();
     let terms = if terms.is_empty() { "no terms".to_owned() } else { format!("terms {}", terms.join(", ")) };
     let converged = if model.converged() {
         format!("converged in {}", count(model.iterations as u64, "iteration"))
@@ -461,6 +484,11 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
         Link::Logit => "logistic",
         Link::Probit => "normal",
     };
+    let items = model.random.as_ref().and_then(|random| random.items.as_ref());
+    let (of_item, shift_of_item, normal_item) = match items {
+        Some(_) => (" to item k", " − w[k]", ", w[k] ~ N(0, τ²)"),
+        None => ("", "", ""),
+    };
     let (who, by, shift, normal) = if mixed {
         match model.random.as_ref().map_or(0, |random| random.slopes.len()) {
             0 => (" and every participant", " by participant s", " − u[s]", ",   u[s] ~ N(0, σ²)"),
@@ -479,7 +507,9 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
          average ratings: it places thresholds on a latent scale, and every condition{who} shifts the ratings along this \
          scale. A positive shift means higher ratings."
     ));
-    section.code(format!("P(rating of condition i{by} ≤ j) = F(θ[j] − x[i]·β{shift}){normal}"));
+    section.code(format!(
+        "P(rating of condition i{by}{of_item} ≤ j) = F(θ[j] − x[i]·β{shift}{shift_of_item}){normal}{normal_item}"
+    ));
     section.text(format!(
         "F is the {cdf} distribution function, θ are the thresholds and β the coefficients. In R’s notation:"
     ));
@@ -487,11 +517,14 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
     section.text(sentence(results, model));
     let slopes = model.random.as_ref().map_or(0, |random| random.slopes.len());
     if slopes > 0 {
-        section.text(
-            "The model also lets participants differ in the effects: each has a deviation v at every level of a factor, or in \
-             the slope on a number, with a standard deviation for each term. Tests and intervals of these effects therefore \
-             allow for differences between people.",
-        );
+        let names: Vec<&str> =
+            model.random.iter().flat_map(|random| &random.slopes).map(|slope| names::factor(&slope.name)).collect();
+        section.text(format!(
+            "The model also lets participants differ in the effect of {}: each has a deviation v at every level of a factor, \
+             or in the slope on a number, with a standard deviation for each term. Tests and intervals of these effects \
+             therefore allow for differences between people.",
+            list(&names)
+        ));
     } else if mixed && results.is_inferential() {
         section.text(
             "In this model, participants differ only in how high they rate; every effect is the same for all. Its tests of \
@@ -520,7 +553,7 @@ fn coefficient_table(section: &mut Section, caption: &str, all: &[Coefficient], 
             names::coefficient(&c.parts).into(),
             fixed(c.estimate, 3),
             fixed(c.se, 3),
-            range(c.interval, |x| fixed(x, 2)),
+            range(c.interval, |x| fixed(x, if c.estimate.abs() < 0.1 { 3 } else { 2 })),
         ];
         cells.extend(
             odds.then(|| [ratio(c.estimate.exp()), range(c.interval, |x| ratio(x.exp()))]).into_iter().flatten(),
@@ -553,7 +586,8 @@ fn tests(section: &mut Section, heading: &str, about: &str, caption: &str, tests
         return;
     }
     let row = |test: &TermTest| {
-        let mut cells = vec![(&test.term).into(), fixed(test.lr, 2), whole(test.df as u64), probability(test.p)];
+        let mut cells =
+            vec![names::factor(&test.term).into(), fixed(test.lr, 2), whole(test.df as u64), probability(test.p)];
         cells.extend(corrected.then(|| probability(test.p_holm)));
         cells
     };
@@ -564,7 +598,7 @@ fn tests(section: &mut Section, heading: &str, about: &str, caption: &str, tests
     section.table(caption, &["Term"], &numbers, tests.iter().map(row).collect());
     for test in tests {
         if let Some(reason) = test.withheld {
-            section.note(format!("No p for {}: {reason}.", test.term));
+            section.note(format!("No p for {}: {reason}.", names::factor(&test.term)));
         }
     }
 }

@@ -20,8 +20,10 @@ use crate::{
 /// The suffix of a column with values in degrees.
 const DEGREES: &str = "_deg";
 
-/// Returns the factor's name; `orientation` for `orientation_deg`, because its levels are shown with their unit.
+/// Returns the name of a factor or a term; `orientation` for `orientation_deg`, because its levels are shown with their
+/// unit, and `age` for `num:age`.
 pub(super) fn factor(name: &str) -> &str {
+    let name = name.strip_prefix("num:").filter(|name| !name.contains(':')).unwrap_or(name);
     name.strip_suffix(DEGREES).filter(|name| !name.is_empty()).unwrap_or(name)
 }
 

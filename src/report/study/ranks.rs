@@ -47,11 +47,16 @@ fn friedman(section: &mut Section, factors: &[&FactorResults]) {
         ]
     };
     section.heading("Friedman’s test");
+    if factors.iter().all(|factor| factor.friedman.is_none()) {
+        section
+            .text("No factor could be tested: ranks ignore items, and need participants who rated every level alike.");
+        return;
+    }
     let numbers = ["Participants", "Levels", "χ²", "df", "p", "Kendall’s W"];
     section.table("Friedman’s test of each factor", &["Factor"], &numbers, factors.iter().map(row).collect());
     for factor in factors.iter().filter(|factor| !factor.matched.incomplete.is_empty()) {
         let (name, who) = (names::factor(&factor.name), short_list(&factor.matched.incomplete, 12));
-        section.note(format!("Excluded from the tests of {name}, because no condition of the other factors was rated at every level: {who}."));
+        section.note(format!("Excluded from the tests of {name}, because they did not rate every level of it in the same conditions: {who}."));
     }
     let between: Vec<&str> = factors.iter().filter(|f| !f.within).map(|factor| names::factor(&factor.name)).collect();
     if !between.is_empty() {
@@ -65,8 +70,8 @@ fn friedman(section: &mut Section, factors: &[&FactorResults]) {
             "With more than {EXACT_PARTICIPANTS} participants, p comes from the χ² distribution, which is then accurate."
         ),
         (false, true) => format!(
-            "The p values are exact: over all orders in which participants could rank the levels or, if there are too many, \
-             over at most {} random orders.",
+            "The p values are over all orders in which participants could rank the levels or, if there are too many, over {} \
+             random orders.",
             whole(PERMUTATIONS as u64)
         ),
         (false, false) => "The p values are exact: over all orders in which participants could rank the levels.".to_owned(),
@@ -95,7 +100,7 @@ pub(super) fn agreement(results: &Results) -> Section {
                 unit(alpha.alpha),
                 with_interval(alpha.interval, unit),
                 count(alpha.ratings, "rating"),
-                count(alpha.units as u64, "condition"),
+                count(alpha.units as u64, if results.spec.items.is_some() { "item" } else { "condition" }),
             ));
             section.note(
                 "Krippendorff’s limits of .800 and .667 are meant for coders who apply a rule. Participants may differ \
@@ -110,7 +115,7 @@ pub(super) fn agreement(results: &Results) -> Section {
     }
     section.heading("Within participants");
     let Some((kappa, interval)) = results.kappa else {
-        section.text(match results.measured.repeats_without_order() {
+        section.text(match results.units().repeats_without_order() {
             0 => "No participant rated a condition twice, so test–retest agreement cannot be computed.",
             _ => {
                 "Conditions were rated repeatedly, but the files do not say which rating came first, so test–retest agreement \

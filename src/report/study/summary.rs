@@ -70,7 +70,16 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
     if let Some((low, high)) = names::ends(counts, source.protocol.as_ref()) {
         let positions =
             if names::categories_are_texts(counts) { "; means use their positions, counted from 0" } else { "" };
-        lead.push(format!("Ratings range from {low} to {high}{positions}."));
+        let used = |category: usize| counts.rows.iter().any(|row| usize::from(row.rating) == category);
+        let all = 0..counts.categories.len();
+        let (first, last) = (all.clone().find(|c| used(*c)), all.clone().rev().find(|c| used(*c)));
+        lead.push(match (first, last) {
+            (Some(first), Some(last)) if first > 0 || last + 1 < all.len() => format!(
+                "The scale is from {low} to {high}{positions}; ratings range from {} to {}.",
+                counts.categories[first], counts.categories[last]
+            ),
+            _ => format!("Ratings range from {low} to {high}{positions}."),
+        });
     }
     if counts.total() > 0 {
         let values = category_values(counts);
@@ -85,7 +94,7 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
     if !results.covariates.is_empty() {
         let names: Vec<&str> = results.covariates.iter().map(|name| names::factor(name)).collect();
         let are = if names.len() == 1 { "is a covariate that describes" } else { "are covariates that describe" };
-        lead.push(format!("{} {are} participants: a number with one slope, not a condition.", list(&names)));
+        lead.push(format!("{} {are} participants: a number with a linear effect, not a condition.", list(&names)));
     }
     if let Some((_, items)) = results.spec.items.as_ref().and_then(|items| results.modeled().factor(items)) {
         lead.push(format!(

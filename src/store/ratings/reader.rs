@@ -128,7 +128,7 @@ fn read_inputs<T>(
     }
     let errors = in_order(errors, files).0;
     let mut warnings = warnings(&selection.inputs)?;
-    warnings.extend(measurements.into_iter().chain(notes).chain(missing(&reports)));
+    warnings.extend(measurements.into_iter().chain(notes).chain(missing(&reports, &options.missing)));
     sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;
     Ok((Source { shape, protocol, definition_sha256, files: reports, sessions, errors, warnings }, all))
@@ -159,18 +159,21 @@ fn about_participants(selection: &Selection, options: &ReadOptions, tables: &[Ro
 }
 
 /// Returns a warning for each kind of missing value.
-fn missing(reports: &[FileRead]) -> impl Iterator<Item = FileError> {
+fn missing(reports: &[FileRead], named: &[String]) -> impl Iterator<Item = FileError> {
+    let texts = [&["an empty cell".to_owned(), "NA".to_owned()], named].concat().join(", ");
     let rows: u64 = reports.iter().map(|report| report.rows).sum();
-    [(Reason::NoResponse, "response"), (Reason::NoParticipant, "participant")].into_iter().filter_map(move |(why, what)| {
-        let of = |report: &FileRead| report.left_out.get(&why).map_or(0, |people| people.values().sum());
-        let (first, found) = (reports.iter().find(|report| of(report) > 0)?, reports.iter().map(of).sum::<u64>());
-        let have = if found == 1 { "has" } else { "have" };
-        let message = format!(
-            "{found} of {rows} rows {have} no {what} (an empty cell, NA, or another text that means so) and are left out; \
+    [(Reason::NoResponse, "response"), (Reason::NoParticipant, "participant")].into_iter().filter_map(
+        move |(why, what)| {
+            let of = |report: &FileRead| report.left_out.get(&why).map_or(0, |people| people.values().sum());
+            let (first, found) = (reports.iter().find(|report| of(report) > 0)?, reports.iter().map(of).sum::<u64>());
+            let have = if found == 1 { "has" } else { "have" };
+            let message = format!(
+                "{found} of {rows} rows {have} no {what} ({texts} or a text that means so) and are left out; \
              expected a {what} in every row"
-        );
-        Some(FileError::whole(&first.path, message))
-    })
+            );
+            Some(FileError::whole(&first.path, message))
+        },
+    )
 }
 
 /// Says how a file was read if it is not plain text in UTF-8.
