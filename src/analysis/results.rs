@@ -129,7 +129,9 @@ impl FactorResults {
 
     /// Returns the same results with the marginal means, if the raw means of the levels cannot be compared.
     fn with_margins(&self, margins: &[Margin]) -> Self {
-        let own = |level: &Group| margins.iter().find(|m| m.factor == self.name && m.level == level.names[0]);
+        let is_own = |m: &&Margin, level: &Group| m.factor == self.name && m.level == level.names[0];
+        // If the ratings are separated, there may be no expected rating.
+        let own = |level: &Group| margins.iter().find(|m| is_own(m, level)).filter(|m| m.mean.is_finite());
         let marginal: Option<Vec<f64>> = self.levels.iter().map(|level| own(level).map(|margin| margin.mean)).collect();
         let with = Self { marginal, ..self.clone() };
         let is_same = (self.course(), self.extremes()) == (with.course(), with.extremes());

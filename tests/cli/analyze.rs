@@ -410,6 +410,30 @@ fn the_script_finds_the_same_numbers_in_r() {
             assert!(printed.contains(expected) && numbers.any(|number| (number - loglik).abs() < 0.02), "{printed}");
         }
     }
+    // Pictures crossed with participants, and an age, which R's fit would not survive if it were not about its mean.
+    let mut rows = String::from("subject_id,age,picture,style,rating\n");
+    let mut state = 7_u32;
+    let mut random = |below: u32| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) % below
+    };
+    for (person, picture) in (0..16).flat_map(|person| (0..12).map(move |picture| (person, picture))) {
+        let latent = person % 4 + [0, 5, 2, 4, 1, 3, 6, 2, 0, 4, 3, 1][picture as usize] + random(8);
+        let style = ["old", "new"][picture as usize % 2];
+        rows += &format!("p{person},{},photo {picture},{style},{}\n", 20 + 3 * person, (latent / 4).min(3));
+    }
+    fs::write(folder.path().join("pictures.csv"), rows).unwrap();
+    let line = "analyze pictures.csv --factors style,age --items picture --out pictures --tables-only --draws 99";
+    succeeds(folder.path(), &split(line));
+    let out = folder.path().join("pictures");
+    let script = fs::read_to_string(out.join("analysis.R")).unwrap();
+    let call = "clmm(rating ~ style + num_age_c + (1 | subject) + (1 | subject:style) + (1 | item),";
+    assert!(script.contains(call), "{script}");
+    if let Some(printed) = run_script(&out) {
+        let loglik = json(&out.join("model.json"))["loglik"].as_f64().unwrap();
+        let mut numbers = printed.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
+        assert!(numbers.any(|number| (number - loglik).abs() < 0.02), "{loglik}: {printed}");
+    }
     // Without a model, there is nothing to fit.
     fs::write(folder.path().join("same.csv"), "subject_id,width,rating\na,1,2\nb,2,2\n").unwrap();
     succeeds(folder.path(), &split("analyze same.csv --out none --terms width --tables-only"));

@@ -103,7 +103,10 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
 
 /// Says that the raw means cannot be compared, if so.
 fn caveat(results: &Results, factor: &FactorResults) -> Option<String> {
-    factor.marginal.as_ref()?;
+    let is_unknown = factor.marginal.is_none() && !factor.comparable && !factor.matched.incomplete.is_empty();
+    if factor.marginal.is_none() && !is_unknown {
+        return None;
+    }
     let name = names::factor(&factor.name);
     let raw = FactorResults { marginal: None, ..factor.clone() };
     let ([first, second], _) = factor.contrast();
