@@ -40,7 +40,7 @@ fn study(participants: usize) -> (tempfile::TempDir, PathBuf) {
 
 fn read(data_set: &Path) -> (Study, Results) {
     let study = Study::read(&[data_set.to_owned()], &ReadOptions { details: true, ..ReadOptions::default() }).unwrap();
-    let results = analyze(study.measured.clone(), &Options::default());
+    let results = analyze(study.measured.clone(), &Options { is_ours: true, ..Options::default() });
     (study, results)
 }
 
@@ -222,7 +222,7 @@ fn filters_narrow_the_analysis_and_its_export() {
     window.get_by_label("36 ratings by 3 participants. Filtered: 3 of 4 participants; width 0.1, 0.8.");
     let only = vec![("width".to_owned(), vec!["0.1".to_owned(), "0.8".to_owned()])];
     let left = study.measured.narrowed(&Exclusions { exclude: vec!["S002".to_owned()], only }).unwrap();
-    let results = analyze(left, &Options::default());
+    let results = analyze(left, &Options { is_ours: true, ..Options::default() });
     assert_document(&mut window, &study, &results);
 
     let out = folder.path().join("out");
@@ -251,7 +251,7 @@ fn filters_narrow_the_analysis_and_its_export() {
     click(&mut window, "Save");
     assert_has(&window, "end the name in .svg or .png");
     let report = std::fs::read_to_string(out.join("report.html")).unwrap();
-    assert!(report.contains("the participant S002 (18 ratings) was excluded"));
+    assert!(report.contains("The participant S002 (18 ratings) was left out on request"));
     // The command that repeats it gives the same files; only the report says when it was made, and into which folder.
     click(&mut window, "Copy as command");
     let shown = texts(&window);

@@ -26,7 +26,8 @@ pub(super) fn section(results: &Results) -> Section {
         section.text(
             "For these tests, each participant’s ratings at a level are averaged over those conditions of the other factors \
              that the participant rated at every level. Friedman’s test uses only the order of each participant’s means. It asks whether any level is rated differently; Kendall’s W measures how consistently participants \
-             order the levels, from 0 (not at all) to 1 (identically).",
+             order the levels, from 0 (not at all) to 1 (identically). The summary follows this test only where the model has no random effects for the \
+             differences between participants; the two may disagree, because they ask different questions.",
         );
         friedman(&mut section, &tested);
     }

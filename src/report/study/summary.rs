@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     analysis::{
-        Results,
+        ModelReport, Results,
         results::{FactorResults, SubjectResults},
         summary::category_values,
     },
@@ -97,11 +97,17 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
         lead.push(format!("{} {are} participants: a number with a linear effect, not a condition.", list(&names)));
     }
     if let Some((_, items)) = results.spec.items.as_ref().and_then(|items| results.modeled().factor(items)) {
+        let is_modeled =
+            |report: &ModelReport| report.model.random.as_ref().is_some_and(|random| random.items.is_some());
         lead.push(format!(
-            "The {} of {} are a sample of items: each has a random intercept in the model, so its tests and intervals hold for \
-             other items as well. Raw means and their intervals hold for these items.",
+            "The {} of {} are a sample of items{} Raw means and their intervals hold for these items.",
             count(items.levels.len() as u64, "level"),
-            names::factor(&items.name)
+            names::factor(&items.name),
+            if results.model.as_ref().is_ok_and(is_modeled) {
+                ": each has a random intercept in the model, so its tests and intervals hold for other items as well."
+            } else {
+                ", but there is no model with random effects of them, so nothing is concluded about other items."
+            }
         ));
     }
     lead.extend(exclusions::sentences(source, results));
