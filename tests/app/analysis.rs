@@ -183,7 +183,7 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     for (terms, expected) in [
         ("width,nothing", "There is no factor nothing. Enter some of width, depth."),
         ("width,,depth", "an empty name"),
-        ("num:width", "probit link, terms num:width"),
+        ("num:width", "probit link, terms width as a number"),
     ] {
         enter_terms(&mut window, terms);
         assert_has(&window, expected);
@@ -194,10 +194,10 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     type_into(&mut window, "Terms", "wid");
     assert_has(&window, "There is no factor wid.");
     window.run_steps(60);
-    assert_has(&window, "probit link, terms num:width");
+    assert_has(&window, "probit link, terms width as a number");
     type_into(&mut window, "Terms", "width");
     assert!(window.query_by_label_contains("There is no factor").is_none());
-    assert_has(&window, "probit link, terms num:width");
+    assert_has(&window, "probit link, terms width as a number");
     window.run_steps(40);
     wait_until_idle(&mut window);
     assert_has(&window, "probit link, terms width");

@@ -460,8 +460,12 @@ fn sentence(results: &Results, model: &Model) -> String {
         None => "cumulative-link model",
         Some(_) => "cumulative-link mixed model (Laplace)",
     };
-    let terms: Vec<String> =
-        results.spec.terms.iter().map(|term| names::factor(&term.to_string()).to_owned()).collect();
+    let terms: Vec<String> = (results.spec.terms.iter().map(ToString::to_string))
+        .map(|term| match names::factor(&term) {
+            name if term.starts_with("num:") && !name.contains(':') => format!("{name} as a number"),
+            name => name.to_owned(),
+        })
+        .collect();
     let terms = if terms.is_empty() { "no terms".to_owned() } else { format!("terms {}", terms.join(", ")) };
     let converged = if model.converged() {
         format!("converged in {}", count(model.iterations as u64, "iteration"))
