@@ -116,12 +116,20 @@ pub(super) fn write_missing(path: &Path, content: &[u8]) -> Result<(), StoreErro
     }
     let written = temporary(path, content, true).and_then(|temporary| match temporary.persist_noclobber(path) {
         Err(error) if error.error.kind() == ErrorKind::AlreadyExists => Ok(()),
-        // Some file systems can only rename.
-        Err(error) => fs::rename(error.file.path(), path),
+        // Some file systems can only replace.
+        Err(error) if can_only_replace(&error.error) => fs::rename(error.file.path(), path),
+        Err(error) => Err(error.error),
         Ok(_) => Ok(()),
     });
     written.map_err(io(path, "write"))?;
     sync_folder(path)
+}
+
+/// True if a file system can neither rename without replacing nor link.
+fn can_only_replace(error: &Error) -> bool {
+    /// What Linux says of links on file systems without them.
+    const EPERM: i32 = 1;
+    matches!(error.kind(), ErrorKind::Unsupported | ErrorKind::InvalidInput) || error.raw_os_error() == Some(EPERM)
 }
 
 /// Writes a temporary file next to `path` and renames it. The temporary file is removed if anything fails.
