@@ -160,7 +160,7 @@ fn about_participants(selection: &Selection, options: &ReadOptions, tables: &[Ro
 
 /// Returns a warning for each kind of missing value.
 fn missing(reports: &[FileRead], named: &[String]) -> impl Iterator<Item = FileError> {
-    let texts = [&["an empty cell".to_owned(), "NA".to_owned()], named].concat().join(", ");
+    let named: String = named.iter().map(|text| format!("{text}, ")).collect();
     let rows: u64 = reports.iter().map(|report| report.rows).sum();
     [(Reason::NoResponse, "response"), (Reason::NoParticipant, "participant")].into_iter().filter_map(
         move |(why, what)| {
@@ -168,7 +168,7 @@ fn missing(reports: &[FileRead], named: &[String]) -> impl Iterator<Item = FileE
             let (first, found) = (reports.iter().find(|report| of(report) > 0)?, reports.iter().map(of).sum::<u64>());
             let have = if found == 1 { "has" } else { "have" };
             let message = format!(
-                "{found} of {rows} rows {have} no {what} ({texts} or a text that means so) and are left out; \
+                "{found} of {rows} rows {have} no {what} (an empty cell, NA, {named}or another text that means so) and are left out; \
              expected a {what} in every row"
             );
             Some(FileError::whole(&first.path, message))
