@@ -297,7 +297,7 @@ fn problems_with_the_data_are_reported() {
     let [total, n] = [&results, &left].map(|results| results.measured.counts.total());
     let left = text(&page(&source, &left));
     let excluded = format!("The participant S002 ({}) was left out on request.", count(total - n, "rating"));
-    let rest = format!("The analysis is of the remaining {} by 1 participant.", count(n, "rating"));
+    let rest = format!("All numbers are about the remaining {} by 1 participant.", count(n, "rating"));
     assert_eq!((left.matches(&excluded).count(), left.matches(&rest).count()), (3, 3), "{left}");
     assert_parts(&left, &["1 simulated observer gave", "all ratings come from a program"]);
     assert!(!left.contains("the folder was moved"));

@@ -24,7 +24,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     let several = results.is_inferential();
     let by = if several { "by rating and by participant" } else { "by rating" };
     let caption = format!(
-        "Time from the onset of the stimulus to the rating, {by}: median, with bars from the lower to the upper quartile; {}, {}.",
+        "Response times {by}: median, with bars from the lower to the upper quartile; {}, {}.",
         count(results.people() as u64, "participant"),
         count(n, "response time"),
     );

@@ -146,7 +146,7 @@ fn done(section: &mut Section, source: &Source, results: &Results) {
         let few = short_list(&few.collect::<Vec<_>>(), 12);
         let (least, most) = (whole(least), whole(most));
         section.text(format!(
-            "Participants gave {least} to {most} ratings each. The following gave fewer than the maximum: {few}."
+            "Each participant has {least} to {most} ratings. The following gave fewer than the maximum: {few}."
         ));
     }
 }
@@ -161,8 +161,8 @@ fn least_and_most<'a>(groups: impl Iterator<Item = &'a Group> + Clone) -> Option
 pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     let mut section = Section::new("description", "Description");
     let intervals = if results.is_inferential() {
-        "The 95\u{a0}% intervals show how much a mean might differ with other participants. They are t intervals of the \
-         participants’ means that stay on the scale; there is none where all participants have the same mean."
+        "The 95\u{a0}% intervals show how much a mean might differ with other participants. They are score \
+         intervals (Wilson) with t quantiles over the participants’ means, so they stay on the scale; there is none where all participants have the same mean."
     } else {
         "The 95\u{a0}% intervals show how much a mean might differ in other trials of this participant; they say nothing \
          about other people."
@@ -217,7 +217,7 @@ pub(super) fn times(results: &Results, figures: &[Figure]) -> Section {
     section.text(if results.options.is_ours {
         "Times are from the onset of the stimulus to the rating, in seconds. They are described, but not tested."
     } else {
-        "Times are those in the table, taken to be in seconds; it does not say from when. They are described, but not tested."
+        "Times are those in the table, taken to be in seconds; the table does not say from which moment. They are described, but not tested."
     });
     section.figures(figures, &["times"]);
     let counts = &results.measured.counts;

@@ -47,7 +47,7 @@ pub(super) fn sentences(source: &Source, results: &Results) -> Vec<String> {
     }
     if !sentences.is_empty() {
         sentences.push(format!(
-            "The analysis is of the remaining {} by {}.",
+            "All numbers are about the remaining {} by {}.",
             count(measured.counts.total(), "rating"),
             count(results.people() as u64, "participant")
         ));

@@ -109,6 +109,7 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
         results.spec.terms.iter().map(|term| names::factor(&term.to_string()).to_owned()).collect();
     let terms =
         if terms.is_empty() { "no fixed effects".to_owned() } else { format!("fixed effects of {}", list(&terms)) };
+    let terms = if model.random.is_some() { format!(", {terms}") } else { format!(" and {terms}") };
     let link = match model.link {
         Link::Logit => "logit",
         Link::Probit => "probit",
@@ -131,7 +132,7 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     };
     let mut text = format!(
         "Because ratings are ordered categories ({ordinal}), they were modeled with a cumulative-link {mixed}model ({family}) \
-         with a {link} link, {terms}{how} to {} (log-likelihood {}, AIC {}).",
+         with a {link} link{terms}{how} to {} (log-likelihood {}, AIC {}).",
         count(model.nobs, "rating"),
         fixed(model.loglik, 2),
         fixed(model.aic(), 2)
@@ -184,8 +185,14 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
             tested.join("; ")
         );
     }
-    text += " Intervals of coefficients and of standard deviations are profile-likelihood intervals";
-    text += if report.terms.iter().any(|test| test.draws.is_some()) {
+    text += if model.random.is_some() {
+        " Intervals of coefficients and of standard deviations are profile-likelihood intervals"
+    } else {
+        " Intervals of coefficients are profile-likelihood intervals"
+    };
+    text += if model.random.is_none() && report.terms.iter().any(|test| test.draws.is_some()) {
+        ", with limits from the same studies."
+    } else if report.terms.iter().any(|test| test.draws.is_some()) {
         ", with limits from the same studies for coefficients, and adjusted for the number of participants for standard \
          deviations."
     } else {
@@ -242,8 +249,8 @@ fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
     let rest = match leads.is_empty() || !findings::is_clustered(results) {
         true => String::new(),
         false => format!(
-            " The design does not support random effects for the differences between participants in the effect of {}, so \
-             conclusions about it rest on Friedman’s test.",
+            " The design does not support random effects for differences between participants in some effects ({}), so \
+             conclusions about these rest on Friedman’s test.",
             list(&leads)
         ),
     };

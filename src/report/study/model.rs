@@ -57,10 +57,11 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         &mut section,
         "Does each term matter?",
         &format!(
-            "Each row compares the model with a model without the term and the same random effects; for a main effect in an \
-             interaction, that is its mean over the levels of the other factor (sum contrasts). A small p means that \
+            "Each row compares the model with one that lacks the term{}. For a main effect that is part of an interaction, \
+             its mean over the levels of the other factor is tested (sum contrasts). A small p means that \
              ratings like these would be rare if the term had no effect. The p values are not corrected for the number of \
              terms. {}{scope}",
+            if model.random.is_some() { " but has the same random effects" } else { "" },
             source_of_p(&report.terms)
         ),
         "Likelihood-ratio tests against the model without each term",
@@ -100,7 +101,7 @@ fn interactions(section: &mut Section, report: &ModelReport) {
     let Some(first) = report.interactions.first() else { return };
     section.heading("Do the effects depend on each other?");
     let how = if first.by_signs {
-        "A score test: without an interaction, the residuals of each participant might as well point the other way, so p is the \
+        "It is a score test: without an interaction, the residuals of each participant might as well point the other way, so p is the \
          proportion of all (or 9,999 random) patterns of the participants’ signs with a statistic at least as large."
     } else {
         "A likelihood-ratio test against the model with the interaction, in simulated studies."
@@ -151,7 +152,7 @@ fn source_of_p(tests: &[TermTest]) -> String {
     match tests.iter().filter_map(|test| test.draws).max() {
         Some(draws) => format!(
             "The χ² distribution is not accurate with few or related ratings, so p comes from up to {draws} studies that were \
-             simulated from the model; simulation for a row ended when p was clear, or at the maximum (--draws). p is \
+             simulated from the model; simulation for a row ended when p was clear, or at the maximum (--draws), and studies that allowed no fit are left out. p is \
              (k + 1)/(n + 1) if k of n simulated ratios are at least as large. If none is, p comes from an exponential tail \
              fitted to the largest fifth and should be read only as small.{}",
             tests.iter().filter_map(|test| test.p_error).reduce(f64::max).map_or_else(String::new, |error| {
@@ -222,7 +223,7 @@ fn effect_sizes(section: &mut Section, results: &Results, model: &Model) {
         "Each row compares two levels: the only two, the ends of a trend, or else those with the highest and the lowest mean, \
          whose difference is then probably overestimated. {}The probability of superiority is the probability that a rating at \
          the first level is higher on the latent scale, where there are no ties. d is the difference divided by the residual standard \
-         deviation, that of ratings by the same participant in the same condition.",
+         deviation, that of ratings of the same stimulus by the same participant.",
         if odds { "The odds ratio is that of a higher rating. " } else { "" }
     ));
     let mut numbers = vec!["Superiority", "95\u{a0}% interval of superiority", "d", "95\u{a0}% interval of d"];
@@ -298,10 +299,11 @@ fn margins(section: &mut Section, report: &ModelReport) {
         return;
     }
     section.heading("Estimated marginal means");
-    section.text(
-        "The rating that the model expects of a participant with average random effects, averaged over the conditions of \
-         the other factors. Unequal numbers of ratings do not matter.",
-    );
+    section.text(format!(
+        "The rating that the model expects{}, averaged over the conditions of the other factors. Unequal numbers of ratings \
+         do not matter.",
+        if report.model.random.is_some() { " of a participant with average random effects" } else { "" }
+    ));
     let row = |m: &Margin| {
         let interval = range(m.interval, mean);
         vec![names::factor(&m.factor).into(), names::level(&m.factor, &m.level), mean(m.mean), interval]
@@ -363,7 +365,7 @@ fn fit_of_model(section: &mut Section, results: &Results, model: &Model, checks:
     let rows = outside.iter().copied().chain(cells).map(|p| row(&p)).collect::<Vec<_>>();
     if !rows.is_empty() {
         let numbers = ["Observed", "Expected", "Middle 95\u{a0}%"];
-        section.table("Proportions that the model does not describe", &["Factor", "Level", "Rating"], &numbers, rows);
+        section.table("Proportions outside the middle 95\u{a0}%", &["Factor", "Level", "Rating"], &numbers, rows);
     }
     if let Some((observed, range_of_spread)) = checks.spread {
         let fits = observed >= range_of_spread.low && observed <= range_of_spread.high;
@@ -490,7 +492,7 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
     };
     let items = model.random.as_ref().and_then(|random| random.items.as_ref());
     let (of_item, shift_of_item, normal_item) = match items {
-        Some(_) => (" to item k", " − w[k]", ", w[k] ~ N(0, τ²)"),
+        Some(_) => (" item k in", " − w[k]", ", w[k] ~ N(0, τ²)"),
         None => ("", "", ""),
     };
     let (who, by, shift, normal) = if mixed {
@@ -512,7 +514,7 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
          scale. A positive shift means higher ratings."
     ));
     section.code(format!(
-        "P(rating of condition i{by}{of_item} ≤ j) = F(θ[j] − x[i]·β{shift}{shift_of_item}){normal}{normal_item}"
+        "P(rating of{of_item} condition i{by} ≤ j) = F(θ[j] − x[i]·β{shift}{shift_of_item}){normal}{normal_item}"
     ));
     section.text(format!(
         "F is the {cdf} distribution function, θ are the thresholds and β the coefficients. In R’s notation:"
@@ -524,7 +526,7 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
         let names: Vec<&str> =
             model.random.iter().flat_map(|random| &random.slopes).map(|slope| names::factor(&slope.name)).collect();
         section.text(format!(
-            "The model also lets participants differ in the effect of {}: each has a deviation v at every level of a factor, \
+            "The model also lets participants differ in their effects ({}): each has a deviation v at every level of a factor, \
              or in the slope on a number, with a standard deviation for each term. Tests and intervals of these effects \
              therefore allow for differences between people.",
             list(&names)

@@ -26,8 +26,8 @@ pub(super) fn section(results: &Results) -> Section {
         section.text(
             "For these tests, each participant’s ratings at a level are averaged over those conditions of the other factors \
              that the participant rated at every level. Friedman’s test uses only the order of each participant’s means. It asks whether any level is rated differently; Kendall’s W measures how consistently participants \
-             order the levels, from 0 (not at all) to 1 (identically). The summary follows this test only where the model has no random effects for the \
-             differences between participants; the two may disagree, because they ask different questions.",
+             order the levels, from 0 (not at all) to 1 (identically). The summary follows this test for a factor only if the model has no random effects for differences between \
+             participants in its effect, and for the simple effects of an interaction that the model leaves out.",
         );
         friedman(&mut section, &tested);
     }
@@ -50,7 +50,7 @@ fn friedman(section: &mut Section, factors: &[&FactorResults]) {
     section.heading("Friedman’s test");
     if factors.iter().all(|factor| factor.friedman.is_none()) {
         section
-            .text("No factor could be tested: ranks ignore items, and need participants who rated every level alike.");
+            .text("No factor could be tested: the test needs participants who rated every level in the same conditions, and it ignores items.");
         return;
     }
     let numbers = ["Participants", "Levels", "χ²", "df", "p", "Kendall’s W"];
@@ -117,6 +117,9 @@ pub(super) fn agreement(results: &Results) -> Section {
     section.heading("Within participants");
     let Some((kappa, interval)) = results.kappa else {
         section.text(match results.units().repeats_without_order() {
+            0 if results.spec.items.is_some() => {
+                "No participant rated an item twice, so test–retest agreement cannot be computed."
+            }
             0 => "No participant rated a condition twice, so test–retest agreement cannot be computed.",
             _ => {
                 "Conditions were rated repeatedly, but the files do not say which rating came first, so test–retest agreement \
