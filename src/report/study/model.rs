@@ -519,7 +519,19 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
     section.text(format!(
         "F is the {cdf} distribution function, θ are the thresholds and β the coefficients. In R’s notation:"
     ));
-    section.code(script::call(results, model));
+    let call = script::call(results, model);
+    let is_centered = results
+        .spec
+        .terms
+        .iter()
+        .flat_map(|term| &term.variables)
+        .any(|variable| matches!(variable, Variable::Number(_)) && call.contains("_c"));
+    section.code(call);
+    if is_centered {
+        section.note(
+            "In this call, numbers ending in _c are about their means, so R’s thresholds differ from those below.",
+        );
+    }
     section.text(sentence(results, model));
     let slopes = model.random.as_ref().map_or(0, |random| random.slopes.len());
     if slopes > 0 {
