@@ -39,12 +39,21 @@ pub(super) fn script(shape: &Shape, results: &Results) -> String {
     }
     let call = call(results, model).replace(", link", ",\n  data = data, weights = count, link");
     let data = Names::new(results).data(shape, results, model);
-    let about = if call.contains("_c ") || call.contains("_c,") {
+    let about = if has_centered(results) {
         "# Numbers are about their means, so the thresholds differ from those of the report.\n"
     } else {
         ""
     };
     format!("{introduction}\nlibrary(ordinal)\n\n{data}\n{about}fit <- {call}\nprint(summary(fit))\n")
+}
+
+/// Returns whether a number is about its mean in the fixed effects of the call, so that R has other thresholds.
+pub(super) fn has_centered(results: &Results) -> bool {
+    results.spec.terms.iter().any(|term| is_centered(results, term))
+}
+
+fn is_centered(results: &Results, term: &Term) -> bool {
+    matches!(term.variables[..], [Variable::Number(_)]) && !results.spec.terms.is_marginal(term)
 }
 
 /// The names of the variables in R.
@@ -74,7 +83,7 @@ impl<'a> Names<'a> {
     /// from 0; only the thresholds depend on this.
     fn fixed(&self, results: &Results, term: &Term) -> String {
         match &term.variables[..] {
-            [variable] if !results.spec.terms.is_marginal(term) => self.centered(variable),
+            [variable] if is_centered(results, term) => self.centered(variable),
             _ => self.term(term),
         }
     }

@@ -265,7 +265,7 @@ impl MeasuredBuilder {
         trials.sort_unstable_by(|l: &Trial, r| {
             let cell = |trial: &Trial| (trial.subject, trial.condition, trial.rating);
             let rest = |trial: &Trial| (trial.seconds, trial.session, trial.position);
-            // No time and no place is NaN.
+            // Times and places are never NaN.
             cell(l).cmp(&cell(r)).then(rest(l).partial_cmp(&rest(r)).unwrap_or(Ordering::Equal))
         });
         let retests = earliest.into_iter().filter_map(|((subject, condition), earliest)| {

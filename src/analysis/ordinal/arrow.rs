@@ -1,5 +1,5 @@
 //! The factor of the curvature of random effects. It is zero between some of them: the deviations of a participant at
-//! different levels of a factor, or the effects of different participants, who are related only through those of items.
+//! different levels of a factor, or the effects of different participants, which are related only through those of items.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 

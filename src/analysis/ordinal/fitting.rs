@@ -322,8 +322,7 @@ impl Fitted<'_> {
 
     /// Returns the smallest number of participants, and of items, at a level of a term's factors.
     pub fn least_at_level(&self, term: &Term) -> [usize; 2] {
-        let counts = self.frame.counts;
-        let items = self.spec.items.as_ref().and_then(|items| counts.factor(items)).map(|(items, _)| items);
+        let (counts, items) = (self.frame.counts, self.items());
         let item = |row: &CountRow| items.and_then(|items| counts.conditions[row.condition as usize][items]);
         [self.least(term, |row| Some(row.subject)), self.least(term, item)]
     }
@@ -344,15 +343,20 @@ impl Fitted<'_> {
         factors.filter_map(of_factor).min().unwrap_or(usize::MAX)
     }
 
+    /// Returns the index of the factor whose levels are items.
+    pub fn items(&self) -> Option<usize> {
+        self.frame.counts.factor(self.spec.items.as_ref()?).map(|(items, _)| items)
+    }
+
     /// Returns whether a variable of a term does not vary within items.
     pub fn is_between_items(&self, term: &Term) -> bool {
         let counts = self.frame.counts;
-        let Some((items, _)) = self.spec.items.as_ref().and_then(|items| counts.factor(items)) else { return false };
+        let Some(items) = self.items() else { return false };
         let between = |variable: &Variable| {
             let Ok((factor, _)) = find_factor(counts, variable) else { return false };
             let mut level_of = HashMap::new();
-            let levels = self.frame.conditions().into_iter().map(|c| &counts.conditions[c as usize]);
-            levels.into_iter().all(|own| *level_of.entry(own[items]).or_insert(own[factor]) == own[factor])
+            let mut levels = self.frame.conditions().into_iter().map(|c| &counts.conditions[c as usize]);
+            levels.all(|own| *level_of.entry(own[items]).or_insert(own[factor]) == own[factor])
         };
         term.variables.iter().any(between)
     }

@@ -144,22 +144,13 @@ pub(super) fn each_block_of_signs(people: usize, seed: u64, mut each: impl FnMut
     let is_enumerated = people <= MAX_ENUMERATED;
     let patterns = if is_enumerated { 1 << (people - 1) } else { 1 + SIGNS };
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut sign = |pattern: usize, person: usize| match pattern {
-        0 => 1.0,
-        _ if is_enumerated => {
-            if pattern >> person & 1 == 1 {
-                -1.0
-            } else {
-                1.0
-            }
-        }
-        _ => {
-            if rng.random::<bool>() {
-                1.0
-            } else {
-                -1.0
-            }
-        }
+    let mut sign = |pattern: usize, person: usize| {
+        let is_positive = match pattern {
+            0 => true,
+            _ if is_enumerated => pattern >> person & 1 == 0,
+            _ => rng.random(),
+        };
+        if is_positive { 1.0 } else { -1.0 }
     };
     for first in (0..patterns).step_by(BLOCK) {
         let columns = BLOCK.min(patterns - first);

@@ -61,7 +61,7 @@ const MAX_COMPARISONS: usize = 120;
 fn matched(fitted: &Fitted, factors: &[usize]) -> Option<BTreeMap<Vec<u32>, Vec<u32>>> {
     let counts: &Counts = fitted.frame.counts;
     // The model is the same for all items.
-    let items = fitted.spec.items.as_ref().and_then(|items| counts.factor(items)).map(|(index, _)| index);
+    let items = fitted.items();
     let mut by_cell: BTreeMap<Vec<Option<u32>>, BTreeMap<Vec<u32>, u32>> = BTreeMap::new();
     for condition in fitted.frame.conditions() {
         let levels = &counts.conditions[condition as usize];

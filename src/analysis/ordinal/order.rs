@@ -60,6 +60,7 @@ struct Residual {
 struct Residuals<'a> {
     fitted: &'a Fitted<'a>,
     layout: Layout,
+    thresholds: Vec<f64>,
     location: Vec<f64>,
     weights: Vec<f64>,
     modes: Option<&'a Modes>,
@@ -76,12 +77,21 @@ impl<'a> Residuals<'a> {
         };
         let location = layout.data.location(&parameters).iter().copied().collect();
         let weights = layout.data.weights(&parameters);
-        Self { fitted, layout, location, weights, modes: mixed.map(|mixed| &mixed.modes), known: HashMap::new() }
+        let thresholds = parameters.as_slice()[..layout.data.thresholds()].to_vec();
+        Self {
+            fitted,
+            layout,
+            thresholds,
+            location,
+            weights,
+            modes: mixed.map(|mixed| &mixed.modes),
+            known: HashMap::new(),
+        }
     }
 
     /// Returns the residual of each category for a participant, given as in the frame, in a condition.
     fn of(&mut self, subject: u32, condition: u32) -> &[Residual] {
-        let Self { fitted, layout, location, weights, modes, .. } = self;
+        let Self { fitted, layout, thresholds, location, weights, modes, .. } = self;
         self.known.entry((subject, condition)).or_insert_with(|| {
             let (row, loadings) = (layout.row_of[condition as usize], &layout.data.loadings);
             let (own, _) = fitted.random.effects();
@@ -94,12 +104,6 @@ impl<'a> Residuals<'a> {
             };
             let slots = loadings.slots(row).iter().zip(&weights[row * loadings.slots_per_row()..]);
             let effect: f64 = modes.map_or(0.0, |modes| slots.map(|(slot, weight)| weight * mode(modes, *slot)).sum());
-            let thresholds = &fitted.clm.parameters.as_slice()[..layout.data.thresholds()];
-            let thresholds = fitted
-                .mixed
-                .as_ref()
-                .filter(|_| modes.is_some())
-                .map_or(thresholds, |mixed| &mixed.parameters.as_slice()[..layout.data.thresholds()]);
             let link = fitted.spec.link;
             let at = location[row] + effect;
             let categories = (0..layout.data.categories).map(|category| {

@@ -9,6 +9,7 @@ mod description;
 mod document;
 mod exclusions;
 mod findings;
+mod fit;
 mod health;
 mod methods;
 mod model;

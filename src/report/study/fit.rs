@@ -1,0 +1,162 @@
+//! How well the model describes the ratings: simulated studies, other models, and the influence of each participant.
+
+use super::names;
+use crate::{
+    analysis::{Alternative, Checks, Contrast, Influence, Model, Proportion, Results, Slopes},
+    report::{
+        document::{
+            Section,
+            numbers::{count, fixed, list, range, short_list, unit, whole},
+        },
+        figures::Figure,
+    },
+};
+
+/// Says how well the model describes the data.
+pub(super) fn fit_of_model(
+    section: &mut Section,
+    results: &Results,
+    model: &Model,
+    checks: &Checks,
+    figures: &[Figure],
+) {
+    section.heading("Does the model describe the ratings?");
+    section.text(
+        "Studies were simulated from the model. An observed proportion outside the middle 95\u{a0}% of them suggests that the \
+         model does not describe these ratings. Because it was fitted to them, few should lie outside.",
+    );
+    section.figures(figures, &["predictive"]);
+    let is_outside = |p: &&Proportion| p.observed < p.range.low - 1e-9 || p.observed > p.range.high + 1e-9;
+    let outside: Vec<&Proportion> = checks.proportions.iter().filter(is_outside).collect();
+    let far = checks.cells.iter().filter(is_outside).count();
+    let lie = |number: usize| match number {
+        0 => "none lies".to_owned(),
+        1 => "one lies".to_owned(),
+        n => format!("{} lie", whole(n as u64)),
+    };
+    section.text(format!(
+        "Of {} at the levels of the factors, {} outside.",
+        count(checks.proportions.len() as u64, "proportion"),
+        lie(outside.len())
+    ));
+    if !checks.cells.is_empty() {
+        /// With more than this share outside, chance alone is not a likely cause.
+        const MANY: f64 = 0.1;
+        let all = checks.cells.len();
+        section.text(format!(
+            "Of {} in the single combinations of {}, {} outside{}.",
+            count(all as u64, "proportion"),
+            list(&results.modeled().factors.iter().map(|factor| names::factor(&factor.name)).collect::<Vec<_>>()),
+            lie(far),
+            if far as f64 > MANY * all as f64 {
+                ": more than chance allows, so the model does not describe them, for example because effects depend on each other"
+            } else {
+                ": no more than chance allows"
+            }
+        ));
+    }
+    let row = |p: &&Proportion| {
+        vec![
+            names::factor(&p.factor).into(),
+            names::level(&p.factor, &p.level),
+            (&p.category).into(),
+            unit(p.observed),
+            unit(p.expected),
+            range(Some(p.range), unit),
+        ]
+    };
+    /// More rows would not be read.
+    const MOST: usize = 24;
+    let cells = checks.cells.iter().filter(is_outside).filter(|_| far <= MOST);
+    let rows = outside.iter().copied().chain(cells).map(|p| row(&p)).collect::<Vec<_>>();
+    if !rows.is_empty() {
+        let numbers = ["Observed", "Expected", "Middle 95\u{a0}%"];
+        section.table("Proportions outside the middle 95\u{a0}%", &["Factor", "Level", "Rating"], &numbers, rows);
+    }
+    if let Some((observed, range_of_spread)) = checks.spread {
+        let fits = observed >= range_of_spread.low && observed <= range_of_spread.high;
+        section.text(format!(
+            "The participants’ mean ratings have a standard deviation of {} categories; simulated studies have {}, which \
+             is {} with the model.",
+            fixed(observed, 2),
+            range(Some(range_of_spread), |x| fixed(x, 2)),
+            if fits { "consistent" } else { "not consistent" }
+        ));
+    }
+    alternatives(section, model, checks);
+    influence(section, results, model, checks);
+}
+
+fn alternatives(section: &mut Section, model: &Model, checks: &Checks) {
+    let row = |a: &Alternative| {
+        let slopes = match a.slopes {
+            Slopes::None => "no",
+            Slopes::Independent => "independent",
+            Slopes::Correlated => "correlated",
+        };
+        let numbers = [a.loglik, a.aic, a.bic].map(|value| fixed(value, 2));
+        let cells = [a.link.to_string().into(), slopes.into(), whole(a.parameters as u64)];
+        cells.into_iter().chain(numbers).collect()
+    };
+    let numbers = ["Parameters", "Log-likelihood", "AIC", "BIC"];
+    let rows = checks.alternatives.iter().map(row).collect();
+    section.table("Models of the same ratings; the first is the one above", &["Link", "Random slopes"], &numbers, rows);
+    let aic = |a: &Alternative| a.aic.unwrap_or(f64::INFINITY);
+    let Some(best) = checks.alternatives.iter().min_by(|l, r| aic(l).total_cmp(&aic(r))) else { return };
+    let own = checks.alternatives.first().map_or(f64::NAN, aic);
+    /// A smaller difference in AIC is not evidence for either model (Burnham & Anderson 2002, p. 70).
+    const CLEAR: f64 = 4.0;
+    section.text(if own - aic(best) > CLEAR {
+        format!(
+            "The {} model {} has a lower AIC, by {}.",
+            best.link,
+            if best.slopes == Slopes::None { "without random slopes" } else { "with random slopes" },
+            fixed(own - aic(best), 1)
+        )
+    } else {
+        format!("By AIC, none of these models is clearly better than the {} model above.", model.link)
+    });
+}
+
+fn influence(section: &mut Section, results: &Results, model: &Model, checks: &Checks) {
+    if checks.influence.is_empty() || model.contrasts.is_empty() {
+        return;
+    }
+    let heads: Vec<String> = (model.contrasts.iter())
+        .map(|c| {
+            format!(
+                "{} {} – {}",
+                names::factor(&c.factor),
+                names::level(&c.factor, &c.level),
+                names::level(&c.factor, &c.other)
+            )
+        })
+        .collect();
+    let mut rows = vec![
+        std::iter::once("none".into()).chain(model.contrasts.iter().map(|c| fixed(c.estimate, 2))).collect::<Vec<_>>(),
+    ];
+    rows.extend(checks.influence.iter().map(|one| {
+        std::iter::once((&one.subject).into()).chain(one.estimates.iter().map(|estimate| fixed(*estimate, 2))).collect()
+    }));
+    section.table(
+        "Contrasts on the latent scale with one participant left out",
+        &["Left out"],
+        &heads.iter().map(String::as_str).collect::<Vec<_>>(),
+        rows,
+    );
+    let changes = |contrast: &Contrast, place: usize| -> Vec<String> {
+        let flips = |one: &&Influence| one.estimates[place].is_some_and(|estimate| estimate * contrast.estimate < 0.0);
+        checks.influence.iter().filter(flips).map(|one| one.subject.clone()).collect()
+    };
+    for (place, contrast) in model.contrasts.iter().enumerate() {
+        let clear = contrast.interval.is_some_and(|interval| interval.low > 0.0 || interval.high < 0.0);
+        let who = changes(contrast, place);
+        if clear && !who.is_empty() {
+            let name = names::factor(&contrast.factor);
+            section.text(format!("Without {}, the effect of {name} changes its direction.", short_list(&who, 6)));
+        }
+    }
+    if results.people() > checks.influence.len() {
+        section.note("Participants are left out only in studies with up to 60 of them.");
+    }
+}
