@@ -1,60 +1,43 @@
-//! Cost of the vision model for images, and for ramps that vary in one direction.
+//! Cost of comparing two pictures, and of the bands of a definition's ramps.
 //!
 //! `cargo bench --bench vision`
 
 use divan::{Bencher, black_box};
 use machband::{
-    light::Depth,
-    shading::{Reference, Scene, Shade, Shader, Surface, coverage, shapes},
-    stimulus::{MachBand, Stimulus, ViewingConditions},
-    vision::{Border, Eye, Line, LuminanceImage, luminance, luminances},
+    stimulus::{Stimulus, ViewingConditions},
+    store::definition,
+    vision::{Eye, Judge},
 };
 
 fn main() {
     divan::main();
 }
 
-/// A ramp across a picture of 512 × 512 pixels, 10° wide.
-#[divan::bench(sample_count = 20)]
-fn picture_of_a_ramp(bencher: Bencher) {
-    let light = luminances(&Stimulus::from(MachBand { orientation_deg: 30.0, ..MachBand::default() }).linear(512));
-    see(bencher, &light, None);
+/// A picture with waves, in cd/m², and the same with noise.
+fn pictures([width, height]: [usize; 2]) -> [Vec<f64>; 2] {
+    let waves = |i: usize| 50.0 + 30.0 * ((i % width) as f64 / 40.0).sin() * ((i / width) as f64 / 60.0).cos();
+    let noise = |i: usize| (i * 7919 % 1000) as f64 / 500.0 - 1.0;
+    let reference: Vec<f64> = (0..width * height).map(waves).collect();
+    [reference.iter().enumerate().map(|(i, light)| light + noise(i)).collect(), reference]
 }
 
-/// Gouraud shading of a blob, without outlines.
-#[divan::bench(sample_count = 20)]
-fn picture_of_a_mesh(bencher: Bencher) {
-    let surface = Surface::new(shapes::mesh(shapes::Shape::Blob, 313).expect("a blob"));
-    let frame = Scene::default().frame(&surface, 512, 512);
-    let light = luminances(&Reference::new(&frame, &Shade::new(Shader::Gouraud)).image());
-    see(bencher, &light, Some(&coverage::interior_mask(&frame)));
+/// A pair of pictures of 512 × 512 pixels, 10° wide, and one of 3840 × 2160, 60° wide; all threads.
+#[divan::bench(args = [512, 3840], sample_count = 5, sample_size = 1)]
+fn pair(bencher: Bencher, width: usize) {
+    let (size, px_per_deg) = if width == 512 { ([512; 2], 51.2) } else { ([3840, 2160], 64.0) };
+    let [shown, reference] = pictures(size);
+    bencher.bench_local(|| {
+        let judge = Judge::of_pictures(size, px_per_deg, Eye::default()).expect("a judge");
+        let difference = judge.difference(black_box(&shown), &reference, None).expect("a difference");
+        difference.map().largest()
+    });
 }
 
-fn see(bencher: Bencher, light: &[f64], mask: Option<&[bool]>) {
-    let picture = LuminanceImage { light, width: 512, height: 512, px_per_deg: 51.2, mask };
-    bencher.bench_local(|| black_box(&picture).predict(&Eye::default()).expect("a picture"));
-}
-
-/// A thousand ramps of different widths, each for its own eye, as in `machband predict`; one thread.
-#[divan::bench(sample_count = 5)]
-fn thousand_conditions(bencher: Bencher) {
-    let ramp = |i: u32| {
-        let width = 0.01 + 0.00095 * f64::from(i);
-        Stimulus::MachBand(MachBand { width, depth: Depth::Finite(1), ..MachBand::default() })
-    };
-    let ramps: Vec<Stimulus> = (0..1000).map(ramp).collect();
+/// The bands of the 120 conditions of bangay2003; all threads.
+#[divan::bench(sample_count = 5, sample_size = 1)]
+fn bangay2003(bencher: Bencher) {
+    let protocol = definition::open(std::path::Path::new("bangay2003")).expect("a definition");
+    let stimuli: Vec<&Stimulus> = protocol.conditions().iter().map(|condition| &condition.stimulus).collect();
     let viewing = ViewingConditions::new(10.0);
-    bencher.bench_local(|| {
-        ramps.iter().map(|ramp| viewing.predict(ramp, 512).expect("a ramp").visibility().max()).fold(0.0, f64::max)
-    });
-}
-
-/// A thousand profiles of 512 pixels; one thread.
-#[divan::bench(sample_count = 5)]
-fn thousand_profiles(bencher: Bencher) {
-    let profile: Vec<f64> = Stimulus::MachBand(MachBand::default()).profile(512).into_iter().map(luminance).collect();
-    let line = Line { light: &profile, px_per_deg: 51.2, border: Border::Continues };
-    bencher.bench_local(|| {
-        (0..1000).map(|_| black_box(&line).predict(&Eye::default()).expect("a view").visibility.max()).sum::<f64>()
-    });
+    bencher.bench_local(|| viewing.visible(black_box(&stimuli), None).expect("bands"));
 }

@@ -109,11 +109,11 @@ pub fn obj(content: &[u8]) {
     assert!(mesh.triangles.iter().flatten().all(|corner| (*corner as usize) < corners));
 }
 
-/// An image, as `check` verifies it and as `predict` reads it.
+/// An image, as `check` verifies it and as `compare` reads it.
 pub fn png(content: &[u8]) {
     checked(image::verify_content("fuzz.png", content, image::MAX_PIXELS).map_err(of_file));
-    if let Some(image) = checked(image::parse_light("fuzz.png", content).map_err(of_file)) {
-        assert_eq!(image.data.len(), 3 * image.width as usize * image.height as usize);
+    if let Some(image) = checked(image::parse_picture("fuzz.png", content, None, image::MAX_PIXELS).map_err(of_file)) {
+        assert_eq!(image.luminances().len(), image.codes.width as usize * image.codes.height as usize);
     }
 }
 

@@ -18,7 +18,7 @@
 //! | 0 | [`light`] | interpolation I_n, transfer functions, conversion of light to codes, images |
 //! | 1 | [`display`] | visual angle, cm and pixels; the properties of a screen |
 //! | 1 | [`shading`] | meshes, illumination, shaders, and jumps in the slope of their light |
-//! | 1 | [`vision`] | predicts how visible the bands in an image or a profile are |
+//! | 1 | [`vision`] | predicts whether people can tell one picture from another |
 //! | 2 | [`stimulus`] | validated descriptions of stimuli, their images, and predictions for them |
 //! | 3 | [`experiment`] | experiment definitions, trial order, sessions, records, observers |
 //! | 4 | [`analysis`] | ordinal models and tests, computed from counts of ratings |

@@ -1,6 +1,6 @@
 """Times machband's functions next to other packages', in pairs, one thread each.
 
-    pip install machband-*.whl pandas statsmodels stimupy git+https://github.com/computational-psychology/multyscale
+    pip install machband-*.whl pandas statsmodels stimupy flip-evaluator
     RAYON_NUM_THREADS=1 OMP_NUM_THREADS=1 python python/benches/peers.py
 
 Prints the median time of each and their ratio.
@@ -14,9 +14,9 @@ import warnings
 os.environ.setdefault("RAYON_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+import flip_evaluator
 import numpy as np
 import pandas as pd
-from multyscale.models import ODOG_RHS2007
 from statsmodels.miscmodels.ordinal_model import OrderedModel
 from stimupy.components import edges
 
@@ -36,24 +36,6 @@ def pair(name, ours, theirs, rounds):
     times = [(timed(ours), timed(theirs)) for _ in range(rounds)]
     mine, other = (statistics.median(column) for column in zip(*times, strict=True))
     print(f"{name:48} {mine * 1e3:10.2f} ms {other * 1e3:10.1f} ms  {other / mine:8.1f} x", flush=True)
-
-
-def log_gabor_bank(image, ppd):
-    """Filter an image with log-Gabors of 7 scales and 6 orientations, as models of brightness do (FLODOG: 7 x 6)."""
-    height, width = image.shape
-    fy, fx = np.meshgrid(np.fft.fftfreq(height) * ppd, np.fft.fftfreq(width) * ppd, indexing="ij")
-    frequency, angle = np.hypot(fx, fy), np.arctan2(fy, fx)
-    frequency[0, 0] = 1
-    spectrum = np.fft.fft2(image)
-    energy = np.zeros_like(image)
-    for center in 0.25 * 2.0 ** np.arange(7):
-        radial = np.exp(-(np.log(frequency / center) ** 2) / (2 * np.log(0.65) ** 2))
-        radial[0, 0] = 0
-        for preferred in np.arange(6) * np.pi / 6:
-            away = np.arctan2(np.sin(angle - preferred), np.cos(angle - preferred))
-            band = spectrum * radial * np.exp(-(away**2) / (2 * (np.pi / 6) ** 2))
-            energy += np.abs(np.fft.ifft2(band))
-    return energy
 
 
 shape = {"shape": (SIZE, SIZE), "visual_size": (10, 10)}
@@ -84,20 +66,12 @@ pair(
 )
 pair("step, linear light", lambda: machband.light(width=0, **given), lambda: edges.step(**shape), 41)
 
-picture = machband.light("kanizsa", size=512)
-gray = picture.mean(axis=2, dtype=np.float64)
+# The same pair of pictures, as FLIP takes them.
+pictures = [machband.light(width=0.1, depth=depth, size=512) for depth in (1, 3)]
 pair(
-    "predict, 512 x 512, against 7 x 6 log-Gabors",
-    lambda: machband.predict(picture, window_deg=10),
-    lambda: log_gabor_bank(gray, 51.2),
-    7,
-)
-# Its filters are made once, before the time is taken.
-odog = ODOG_RHS2007(gray.shape, (-5, 5, -5, 5))
-pair(
-    "predict, against ODOG of multyscale",
-    lambda: machband.predict(picture, window_deg=10),
-    lambda: odog.apply(gray),
+    "compare, 512 x 512, against FLIP",
+    lambda: machband.compare(*pictures, window_deg=10),
+    lambda: flip_evaluator.evaluate(*pictures, "LDR", inputsRGB=False, applyMagma=False, parameters={"ppd": 51.2}),
     7,
 )
 

@@ -1,4 +1,4 @@
-"""machband: measure, analyze, generate and predict the visibility of Mach bands.
+"""machband: measure, analyze, generate and predict Mach bands.
 
 Mach bands are the bright and dark lines that people see where the slope of luminance changes. This package contains the
 whole program, as the command ``machband``, and its parts as functions on NumPy arrays:
@@ -10,7 +10,8 @@ whole program, as the command ``machband``, and its parts as functions on NumPy 
 `interpolate`,            the functions behind the stimuli
 `transfer`,
 `visual_angle`
-`predict`                 how visible the bands in a stimulus or an image are
+`predict`                 how visible the bands of a stimulus are
+`compare`, `steps`        how visible the difference between pictures is, and the steps of a picture's codes
 `mesh`, `shade`           shaded meshes, and how smooth they are
 `Definition`,             experiments: their conditions and trials, and simulated sessions
 `simulate`
@@ -41,23 +42,26 @@ from ._stimulus import (
     visual_angle,
 )
 from ._study import Analysis, Exported, Figure, Verification, analyze, export, read_results, verify
-from ._vision import Band, Prediction, predict
+from ._vision import Comparison, Place, Prediction, Steps, compare, predict, steps
 
 __all__ = [
     "Analysis",
-    "Band",
+    "Comparison",
     "Definition",
     "Error",
     "Exported",
     "Figure",
     "Mesh",
     "Parameter",
+    "Place",
     "Prediction",
     "Shaded",
+    "Steps",
     "Verification",
     "VisualAngle",
     "__version__",
     "analyze",
+    "compare",
     "export",
     "interpolate",
     "kinds",
@@ -69,6 +73,7 @@ __all__ = [
     "read_results",
     "shade",
     "simulate",
+    "steps",
     "stimulus",
     "transfer",
     "verify",

@@ -13,6 +13,7 @@ __all__ = [
     "Error",
     "__version__",
     "analyze",
+    "compare",
     "encode",
     "export",
     "interpolate",
@@ -26,6 +27,7 @@ __all__ = [
     "read_results",
     "shade",
     "simulate",
+    "steps",
     "stimulus",
     "verify",
     "visual_angle",
@@ -41,7 +43,7 @@ _Columns = dict[str, npt.NDArray[Any]]
 _Progress = Callable[[int, int], None] | None
 _Arrays = tuple[_Floats, npt.NDArray[np.uint32], _Floats | None, float]
 _Image = npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | npt.NDArray[np.float32]
-_Shown = tuple[str, _Given] | tuple[_Image, tuple[int, int]]
+_Shown = tuple[_Image, tuple[int, int]]
 
 class Error(ValueError): ...
 
@@ -58,7 +60,9 @@ def encode(values: _Floats, transfer: str, inverse: bool) -> _Floats: ...
 def visual_angle(
     values: _Floats, unit: str, screen: tuple[int, float], distance_cm: float
 ) -> tuple[list[_Floats], float]: ...
-def predict(fields: _Fields, given: _Shown | None) -> dict[str, Any]: ...
+def predict(fields: _Fields, kind: str, parameters: _Given) -> dict[str, Any]: ...
+def compare(fields: _Fields, given: tuple[_Shown, _Shown] | None) -> dict[str, Any]: ...
+def steps(fields: _Fields, given: _Shown | None) -> dict[str, Any]: ...
 def mesh(fields: _Fields) -> tuple[_Floats, npt.NDArray[np.uint32], _Floats]: ...
 def shade(
     fields: _Fields, mesh: _Arrays | None, measure: bool

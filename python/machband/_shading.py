@@ -34,8 +34,8 @@ class Shaded(NamedTuple):
     """A shaded mesh.
 
     `image` has codes of shape (size, size, 3), uint8 or uint16. `metrics` has what ``machband shade --metrics`` writes:
-    the change of slope across the edges (``crease_rms``, …), the visibility of the bands (``visibility``, …), and the
-    difference from the smooth surface (``residual``), each also relative to Gouraud's; `None` if it was not wanted.
+    the change of slope across the edges (``crease_rms``, …), and the difference from the smooth surface in times
+    threshold (``difference``) and in light (``residual``), each also relative to Gouraud's; `None` if it was not wanted.
     """
 
     image: Codes
@@ -110,11 +110,14 @@ def shade(
     distance: float = float("inf"),
     naive: bool = False,
     window_deg: float = 10,
-    white: float | None = None,
     size: int = 1024,
     transfer: str | None = None,
     display: str | PathLike[str] | None = None,
     bits: int = 8,
+    dither: str = "none",
+    seed: int = 1,
+    white: float | None = None,
+    black: float | None = None,
     shader: str | None = "c1-phong",
     truth: bool | str | PathLike[str] = False,
     n_vertices: int = 313,
@@ -167,9 +170,7 @@ def shade(
     naive
         Interpolate encoded values, like a renderer that ignores gamma.
     window_deg
-        Width of the image in degrees of visual angle, for the visibility of bands, 0.5 to 170.
-    white
-        Luminance of white in cd/m², for the visibility of bands [default: the display profile's, or 100].
+        Width of the image in degrees of visual angle, for the difference from the smooth surface, 0.5 to 170.
     size
         Side of the image in pixels.
     transfer
@@ -179,6 +180,15 @@ def shade(
         Display profile written by `machband calibrate`.
     bits
         Bits per channel.
+    dither
+        Dither: none, ordered, blue-noise or random; for a specific matrix, ordered:bayer2, 4, 8 or 16, or
+        ordered:clustered2 or 3.
+    seed
+        Seed of the random dither.
+    white
+        Luminance of white in cd/m², without that of black [default: the display profile's, or 100].
+    black
+        Luminance of black in cd/m², with what the screen reflects [default: the display profile's, or 0.2].
     shader
         A shader that ``machband shade --help`` lists, such as ``gouraud`` or ``patch``; `None`, with `truth`, for the
         smooth surface alone.
@@ -193,7 +203,7 @@ def shade(
     --------
     >>> gouraud = shade("blob", shader="gouraud", size=256).metrics
     >>> ours = shade("blob", shader="c1-phong", size=256).metrics
-    >>> ours["visibility"] < gouraud["visibility"]
+    >>> ours["difference"]["largest"] < gouraud["difference"]["largest"]
     True
     """
     if isinstance(vertices, Mesh):

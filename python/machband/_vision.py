@@ -1,9 +1,7 @@
-"""Predicted visibility of bands."""
+"""How visible the bands of a stimulus are, and the difference between two pictures."""
 
 from __future__ import annotations
 
-import difflib
-import re
 from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any, NamedTuple
@@ -12,162 +10,285 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Fields, options, path
+from ._common import options, path, suggests
 from ._stimulus import _parameters
 
-Floats = npt.NDArray[np.float64]
 
-
-class Band(NamedTuple):
-    """A band of a stimulus that varies in one direction.
-
-    `at_deg` is its position in degrees along the orientation, from the center; `visibility` is 1 if it is just visible;
-    `bright` says whether it is bright or dark.
-    """
-
-    at_deg: float
-    visibility: float
-    bright: bool
-
-
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Prediction:
-    """What the model of vision predicts.
+    """What the model of vision predicts, in times threshold: at 1, people just see the difference.
 
     Attributes
     ----------
-    visibility
-        Visibility of the strongest band: 0 means no band, 1 a band that is just visible, like a thin line at its
-        threshold.
+    band_bright, band_dark
+        The ramp's difference from the nearest smooth edge, on its light and on its dark side; `None` for other kinds.
     detection
-        Contrast of the whole picture, in multiples of the threshold of an average person.
+        Contrast of the whole picture.
+    difference
+        For a shaded mesh: the largest difference from the smooth surface behind it, if that is known. Otherwise `None`.
     predicted_rating
-        Mean rating on the scale from 0 to 3 that an average observer would give.
-    bands
-        Visibility of the strongest bright band, and of the strongest dark band.
-    lines
-        Visibility of the strongest bright line and of the strongest dark line that are in the light itself.
-    along
-        For a stimulus that varies in one direction: its bands with a visibility of at least 0.01, the strongest first.
-        Otherwise `None`.
-    map
-        For any other picture: the visibility of bright bands, and of dark bands, at each pixel. Otherwise `None`.
+        Mean rating by the criterion; `None` without one.
+    blur_deg
+        For a ramp: the Gaussian blur, σ in degrees, of the nearest smooth edge. Otherwise `None`.
+    at_deg
+        For a ramp: the places of the bright and of the dark band, in degrees along the orientation from the middle of the
+        stimulus. Otherwise `None`.
     """
 
-    visibility: float
+    band_bright: float | None
+    band_dark: float | None
     detection: float
-    predicted_rating: float
-    bands: tuple[float, float]
-    lines: tuple[float, float]
-    along: list[Band] | None
-    map: tuple[Floats, Floats] | None = field(repr=False)
-
-
-def _prediction(found: dict[str, Any]) -> Prediction:
-    along = found["along"]
-    return Prediction(**{**found, "along": along if along is None else [Band(*band) for band in along]})
+    difference: float | None
+    predicted_rating: float | None
+    blur_deg: float | None
+    at_deg: tuple[float, float] | None
 
 
 def predict(
-    image_or_kind: npt.ArrayLike | str | PathLike[str] = "mach-band",
+    kind: str = "mach-band",
     *,
     large: bool = False,
-    transfer: str | None = None,
     display: str | PathLike[str] | None = None,
     size: int | None = None,
     window_deg: float | None = None,
     ppd: float | None = None,
     white: float | None = None,
+    black: float | None = None,
+    criterion: str | PathLike[str] | None = None,
     **parameters: Any,
 ) -> Prediction:
-    """Predict how visible the Mach bands in a stimulus or an image are, as ``machband predict`` does.
+    """Predict how visible the Mach bands of a stimulus are, as ``machband predict`` does.
 
     Parameters
     ----------
-    image_or_kind
-        One of `kinds`; or an image: the path of an opaque PNG file, or an array of shape (height, width) or (height,
-        width, 3) with codes as uint8 or uint16, or with linear light relative to the screen's maximum, 0 to 1, as
-        floats.
+    kind
+        One of `kinds`.
     large
-        Also accept more than 500 conditions (100 if each has a rendered picture), an image of more than 3840 × 2160
-        pixels, and ratings beyond the limits of `analyze`. This needs more time and memory.
-    transfer
-        Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; for separate functions for
-        red, green and blue, join three with /.
+        Also accept more than 500 conditions (100 if each has a rendered picture), and ratings beyond the limits of
+        `analyze`. This needs more time and memory.
     display
         Display profile written by `machband calibrate`.
     size
         Side of the stimulus in pixels [default: 512, or 1024 if it varies in one direction only].
     window_deg
-        Width of the stimulus or image in degrees of visual angle [default: the width in the rated sessions, otherwise
-        in the definition, otherwise 10].
+        Width of the stimulus in degrees of visual angle [default: the width in the rated sessions, otherwise in the
+        definition, otherwise 10].
     ppd
         Pixels per degree of visual angle, in place of the width.
     white
-        Luminance of white in cd/m² [default: the display profile's, or 100].
+        Luminance of white in cd/m², without that of black [default: the display profile's, or 100].
+    black
+        Luminance of black in cd/m², with what the screen reflects [default: the display profile's, or 0.2].
+    criterion
+        File with the thresholds between ratings, fitted to people; written if the prediction is compared with ratings,
+        otherwise read to predict ratings.
     **parameters
         The parameters of the stimulus, as in `stimulus`.
 
-    Returns
-    -------
-    A `Prediction`: the visibility of the bands, their map or their positions, detection, and a mean rating.
-
     Notes
     -----
-    A kind that varies in one direction is predicted as if it continued beyond the picture: its orientation does not
-    matter. An image ends at its border, near which the coarse channels do not count, so bands that are wide for the size
-    of the image are predicted weaker than those of the kind.
-
-    ``docs/models.md`` of the project describes the model and compares it with human thresholds.
+    ``docs/models.md`` of the project describes the model and what it was held against.
 
     Examples
     --------
-    >>> predict(width=0.1).visibility > predict(width=0.1, depth=3).visibility
+    >>> predict(width=0.1).band_bright > predict(width=0.1, depth=3).band_bright
     True
     """
     if window_deg is not None and ppd is not None:
         raise TypeError("predict() got window_deg and ppd; expected one of them")
-    for name, number in [("window_deg", window_deg), ("ppd", ppd), ("white", white)]:
-        if not (number is None or isinstance(number, (int, float, np.number))):
-            raise TypeError(f"{name} is {number!r}; expected a number")
-    view = options(predict, locals())
-    pixels: Fields = {"size": view.pop("size")} if "size" in view else {}
-    codes_mean: Fields = {"transfer": view.pop("transfer")} if "transfer" in view else {}
-    is_file = isinstance(image_or_kind, PathLike) or (
-        isinstance(image_or_kind, str) and bool(re.search(r"[/\\]|\.\w+$", image_or_kind))
-    )
-    if isinstance(image_or_kind, str) and not is_file:
-        if transfer is not None:
-            raise TypeError("predict() got transfer, which means something only for the codes of an image")
-        return _prediction(_machband.predict({**view, **pixels}, (image_or_kind, _parameters(parameters))))
-    if parameters or size is not None:
-        name = next(iter(parameters), "size")
-        near = difflib.get_close_matches(name, ["window_deg", "ppd", "white", "display", "transfer", "large"], 1)
-        question = f"; did you mean {near[0]!r}?" if near else ""
-        raise TypeError(f"predict() got {name!r}, which an image does not have{question}")
-    coded = {**view, **codes_mean}
-    if is_file:
-        return _prediction(_machband.predict({**coded, "image": path("image", image_or_kind)}, None))
-    if isinstance(image_or_kind, np.ma.MaskedArray):
-        raise TypeError("the image is a masked array, and every pixel counts; expected an array without a mask")
-    image = np.asarray(image_or_kind)
+    return Prediction(**_machband.predict(options(predict, locals()), kind, _parameters(parameters)))
+
+
+class Place(NamedTuple):
+    """A place where the difference between two pictures is visible: the column and the row of the pixel, from 0, and the
+    difference for a gaze there, in times threshold."""
+
+    x: int
+    y: int
+    times_threshold: float
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """How visible the difference between two pictures is, in times threshold: at 1, people just tell them apart.
+
+    Attributes
+    ----------
+    times_threshold
+        For a gaze at the place where the difference is most visible.
+    center
+        For a gaze at the middle of the picture.
+    places
+        Up to ten places where it is most visible, the most visible first.
+    light
+        What the codes of the pictures mean, and where that is said.
+    map
+        Times threshold for a gaze at each pixel, shape (height, width).
+    """
+
+    times_threshold: float
+    center: float
+    places: list[Place]
+    light: str
+    map: npt.NDArray[np.float64] = field(repr=False)
+
+
+@suggests
+def compare(
+    picture: npt.ArrayLike | PathLike[str] | str,
+    reference: npt.ArrayLike | PathLike[str] | str,
+    *,
+    window_deg: float | None = None,
+    ppd: float | None = None,
+    white: float | None = None,
+    black: float | None = None,
+    transfer: str | None = None,
+    display: str | PathLike[str] | None = None,
+    mask: str | PathLike[str] | None = None,
+    large: bool = False,
+) -> Comparison:
+    """Judge how visible the difference of a picture from a reference is, as ``machband compare`` does.
+
+    Parameters
+    ----------
+    picture, reference
+        Two paths of opaque PNG files; or two arrays of shape (height, width) or (height, width, 3) with codes as uint8 or
+        uint16, or with linear light relative to the screen's maximum, 0 to 1, as floats.
+    window_deg
+        Width of the picture in degrees of visual angle.
+    ppd
+        Pixels per degree of visual angle, in place of the width.
+    white
+        Luminance of white in cd/m², without that of black [default: the display profile's, or 100].
+    black
+        Luminance of black in cd/m², with what the screen reflects [default: the display profile's, or 0.2].
+    transfer
+        Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; for separate functions for
+        red, green and blue, join three with /.
+    display
+        Display profile written by `machband calibrate`.
+    mask
+        Picture of the same size that is white where differences count, and black where they do not.
+    large
+        Also accept pictures of more than 4096 × 4096 pixels. This needs more time and memory.
+
+    Notes
+    -----
+    Only luminance is judged. The pictures must be registered: a shift by one pixel is a visible difference.
+
+    Examples
+    --------
+    >>> ramp = stimulus(width=0.1, size=256)
+    >>> compare(ramp, ramp, window_deg=5).times_threshold
+    0.0
+    """
+    fields = options(compare, locals())
+    if window_deg is None and ppd is None:
+        raise TypeError("compare() got neither window_deg nor ppd; expected one of them")
+    given = None
+    if _is_path(picture) and _is_path(reference):
+        fields.update(picture=path("picture", picture), reference=path("reference", reference))
+    else:
+        fields.update(picture="picture", reference="reference")
+        given = (_pixels("picture", picture), _pixels("reference", reference))
+    found = _machband.compare(fields, given)
+    return Comparison(**{**found, "places": [Place(*place) for place in found["places"]]})
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """How visible the steps between the codes of a picture are, in times threshold.
+
+    Attributes
+    ----------
+    steps
+        The visible difference from the smoothest picture with these codes.
+    dithered
+        The same for 8 bits with blue-noise dither, whose grain is a visible difference too.
+    light
+        What the codes of the picture mean, and where that is said.
+    picture
+        The dithered picture, shape (height, width, 3), uint8. A picture of 8 bits is smoothed first.
+    """
+
+    steps: float
+    dithered: float
+    light: str
+    picture: npt.NDArray[np.uint8] = field(repr=False)
+
+
+@suggests
+def steps(
+    picture: npt.ArrayLike | PathLike[str] | str,
+    *,
+    window_deg: float | None = None,
+    ppd: float | None = None,
+    white: float | None = None,
+    black: float | None = None,
+    transfer: str | None = None,
+    display: str | PathLike[str] | None = None,
+    large: bool = False,
+) -> Steps:
+    """Judge how visible the steps between a picture's own codes are, as ``machband compare --steps`` does.
+
+    Parameters
+    ----------
+    picture
+        The path of an opaque PNG file, or an array of codes as in `compare`.
+    window_deg
+        Width of the picture in degrees of visual angle.
+    ppd
+        Pixels per degree of visual angle, in place of the width.
+    white
+        Luminance of white in cd/m², without that of black [default: the display profile's, or 100].
+    black
+        Luminance of black in cd/m², with what the screen reflects [default: the display profile's, or 0.2].
+    transfer
+        Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; for separate functions for
+        red, green and blue, join three with /.
+    display
+        Display profile written by `machband calibrate`.
+    large
+        Also accept pictures of more than 4096 × 4096 pixels. This needs more time and memory.
+
+    Examples
+    --------
+    >>> found = steps(stimulus(width=0.9, low=0.1, high=0.11, size=256), window_deg=10)
+    >>> found.steps > 0
+    True
+    """
+    fields = {**options(steps, locals()), "steps": True}
+    if window_deg is None and ppd is None:
+        raise TypeError("steps() got neither window_deg nor ppd; expected one of them")
+    if _is_path(picture):
+        return Steps(**_machband.steps({**fields, "picture": path("picture", picture)}, None))
+    return Steps(**_machband.steps({**fields, "picture": "picture"}, _pixels("picture", picture)))
+
+
+def _is_path(given: object) -> bool:
+    return isinstance(given, (str, PathLike))
+
+
+def _pixels(name: str, given: npt.ArrayLike) -> tuple[npt.NDArray[Any], tuple[int, int]]:
+    """Return an image as a flat array of red, green and blue, with its height and width."""
+    if _is_path(given):
+        raise TypeError(f"{name} is a path, and the other is not; expected two paths or two arrays")
+    if isinstance(given, np.ma.MaskedArray):
+        raise TypeError(f"{name} is a masked array, and every pixel counts; expected an array without a mask")
+    image = np.asarray(given)
     if image.ndim == 0:
-        raise TypeError(f"{type(image_or_kind).__name__} is no picture; expected a kind, a path or an array")
+        raise TypeError(f"{name} is {type(given).__name__}; expected a path or an array")
     if image.ndim == 2:
         image = np.repeat(image[:, :, np.newaxis], 3, axis=2)
     if image.ndim != 3 or image.shape[2] != 3:
-        raise _machband.Error(f"the image has shape {image.shape}; expected (height, width) or (height, width, 3)")
+        raise _machband.Error(f"{name} has shape {image.shape}; expected (height, width) or (height, width, 3)")
     height, width = image.shape[:2]
     if width == 0 or height == 0:
-        raise _machband.Error(f"the image has shape {image.shape}; expected at least one pixel")
+        raise _machband.Error(f"{name} has shape {image.shape}; expected at least one pixel")
     if image.dtype.kind == "u" and image.dtype.itemsize <= 2:
-        codes = np.ascontiguousarray(image, image.dtype.newbyteorder("=")).ravel()
-        return _prediction(_machband.predict(coded, (codes, (height, width))))
+        return np.ascontiguousarray(image, image.dtype.newbyteorder("=")).ravel(), (height, width)
     if image.dtype.kind != "f":
-        raise TypeError(f"the image has dtype {image.dtype}; expected uint8, uint16 or floats")
-    if transfer is not None:
-        raise TypeError("predict() got transfer, but floats are linear light; expected codes")
-    if image.max() > 1:
-        raise _machband.Error(f"the light goes up to {image.max()}; expected 0 to 1, such as codes / 255 decoded by transfer")
-    linear = np.ascontiguousarray(image, dtype=np.float32).ravel()
-    return _prediction(_machband.predict(view, (linear, (height, width))))
+        raise TypeError(f"{name} has dtype {image.dtype}; expected uint8, uint16 or floats")
+    if not np.all(image <= 1):
+        raise _machband.Error(f"{name} has light up to {image.max()}; expected 0 to 1, such as codes / 255 decoded by transfer")
+    return np.ascontiguousarray(image, dtype=np.float32).ravel(), (height, width)

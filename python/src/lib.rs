@@ -67,7 +67,7 @@ mod _machband {
         main,
         mesh::{mesh, shade},
         study::{Analysis, analyze, export, read_results, verify},
-        vision::predict,
+        vision::{compare, predict, steps},
     };
 
     /// Loads NumPy now, so that nothing can interrupt it later.

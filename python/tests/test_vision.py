@@ -1,4 +1,4 @@
-"""Predictions equal the command's."""
+"""Predictions and comparisons equal the command's."""
 
 import json
 
@@ -8,61 +8,75 @@ import pytest
 import machband
 
 
-@pytest.mark.parametrize("given", [{}, {"width": 0.1, "depth": 3}, {"kind": "kanizsa"}, {"orientation_deg": 45}])
+@pytest.mark.parametrize(
+    "given", [{}, {"width": 0.1, "depth": 3}, {"kind": "kanizsa"}, {"orientation_deg": 45}, {"kind": "shaded-mesh"}]
+)
 def test_a_stimulus_has_the_commands_prediction(command, given):
     kind = given.get("kind", "mach-band")
     rest = {name: value for name, value in given.items() if name != "kind"}
     words = [f"--{name.removesuffix('_deg')}={value}" for name, value in rest.items()]
     told = json.loads(command("predict", "--kind", kind, *words, "--window", 8, "--json"))
     found = machband.predict(kind, window_deg=8, **rest)
-    for name in ["visibility", "detection", "predicted_rating"]:
-        assert getattr(found, name) == pytest.approx(told[name], abs=6e-5)
-    assert (found.along is None) == (found.map is not None)
-    if found.along:
-        assert found.along[0].visibility == pytest.approx(found.visibility) and "map" not in repr(found)
+    for name in ["band_bright", "band_dark", "detection", "difference"]:
+        expected = told.get(name)
+        assert getattr(found, name) == (expected if expected is None else pytest.approx(expected, abs=6e-5))
+    assert found.predicted_rating is None
+    if kind == "mach-band":
+        bright, dark = found.at_deg
+        assert dark < 0 < bright and found.blur_deg > 0
+
+
+def test_a_criterion_predicts_ratings(tmp_path):
+    (tmp_path / "lab.toml").write_text("schema = 1\nthresholds = [0.5, 1.0, 2.0]\nspread = 0.5\n")
+    ratings = [machband.predict(width=0.1, depth=n, criterion=tmp_path / "lab.toml").predicted_rating for n in (1, 2, 3)]
+    assert 3 > ratings[0] > ratings[1] > ratings[2] > 0
 
 
 @pytest.mark.parametrize("bits", [8, 16])
-def test_an_image_has_the_commands_prediction(command, tmp_path, bits):
-    codes = machband.stimulus("vasarely", size=200, bits=bits)
-    command("stimulus", "--kind", "vasarely", "--size", 200, "--bits", bits, "--out", "image.png")
-    told = json.loads(command("predict", "--image", "image.png", "--window", 5, "--json"))
-    of_file = machband.predict(tmp_path / "image.png", window_deg=5)
-    assert of_file.visibility == machband.predict(str(tmp_path / "image.png"), ppd=40).visibility
-    found = machband.predict(codes, window_deg=5)
-    assert found.visibility == pytest.approx(told["visibility"], abs=6e-5)
-    assert found.bands == pytest.approx((told["visibility_bright"], told["visibility_dark"]), abs=6e-5)
-    assert found.lines == pytest.approx((told["lines_bright"], told["lines_dark"]), abs=6e-5)
-    # The map's strongest places are the visibility, apart from the interpolation between pixels.
-    assert found.map[0].shape == (200, 200)
-    assert found.map[0].max() == pytest.approx(found.bands[0], rel=0.1)
-    assert machband.predict(codes, ppd=40).visibility == found.visibility
+def test_pictures_have_the_commands_difference(command, tmp_path, bits):
+    codes = [machband.stimulus(width=0.1, depth=depth, size=200, bits=bits) for depth in (1, 3)]
+    for name, depth in [("a.png", 1), ("b.png", 3)]:
+        command("stimulus", "--width", 0.1, "--depth", depth, "--size", 200, "--bits", bits, "--out", name)
+    told = json.loads(command("compare", "a.png", "b.png", "--window", 5, "--json"))
+    of_files = machband.compare(tmp_path / "a.png", str(tmp_path / "b.png"), window_deg=5)
+    found = machband.compare(*codes, ppd=40)
+    for one in [of_files, found]:
+        assert one.times_threshold == pytest.approx(told["times_threshold"], rel=1e-9)
+        assert one.center == pytest.approx(told["center"], rel=1e-9)
+        assert [list(place) for place in one.places] == [list(place.values()) for place in told["places"]]
+    assert found.map.shape == (200, 200) and found.map.max() <= found.times_threshold
+    place = found.places[0]
+    assert found.map[place.y, place.x] == pytest.approx(found.times_threshold, rel=0.05)
+    assert "map" not in repr(found) and "sRGB" in of_files.light
 
 
-def test_light_gray_and_strided_images():
+def test_light_gray_and_strided_pictures():
     codes = machband.stimulus("kanizsa", size=128, color="gray", bits=16)
-    expected = machband.predict(codes).visibility
-    assert machband.predict(codes[:, :, 0]).visibility == expected
+    dim = codes // 2
+    expected = machband.compare(codes, dim, window_deg=5).times_threshold
+    assert machband.compare(codes[:, :, 0], dim[:, :, 0], window_deg=5).times_threshold == expected
     wide = np.zeros((128, 256, 3), np.uint16)
     wide[:, ::2] = codes
-    assert machband.predict(wide[:, ::2]).visibility == expected
-    assert machband.predict(codes.astype(">u2")).visibility == expected
-    light = machband.transfer(codes / 65535, inverse=True)
-    assert machband.predict(light).visibility == pytest.approx(expected, rel=1e-5)
-    assert machband.predict(np.asfortranarray(light.astype(np.float32))).visibility == pytest.approx(expected, rel=1e-5)
+    assert machband.compare(wide[:, ::2], dim.astype(">u2"), window_deg=5).times_threshold == expected
+    light, other = (machband.transfer(image / 65535, inverse=True) for image in (codes, dim))
+    of_light = machband.compare(np.asfortranarray(light.astype(np.float32)), other, window_deg=5)
+    assert of_light.times_threshold == pytest.approx(expected, rel=1e-4)
+    assert machband.compare(codes, codes, window_deg=5).times_threshold == 0
 
 
-def test_a_display_profile_says_what_codes_mean(command, tmp_path):
-    levels = [0, 0.2, 0.4, 0.6, 0.8, 1]
-    lines = [f"gray,{level},{0.3 + 250 * level**1.8}" for level in levels]
-    (tmp_path / "readings.csv").write_text("\n".join(["channel,level,luminance_cd_m2", *lines]) + "\n")
-    command("calibrate", "readings.csv", "--out", "profile.toml")
-    codes = machband.stimulus("vasarely", size=128)
-    command("stimulus", "--kind", "vasarely", "--size", 128, "--out", "image.png")
-    told = json.loads(command("predict", "--image", "image.png", "--display", "profile.toml", "--json"))
-    found = machband.predict(codes, display=tmp_path / "profile.toml")
-    assert found.visibility == pytest.approx(told["visibility"], abs=6e-5)
-    assert found.visibility != machband.predict(codes).visibility
+def test_steps_are_those_of_the_command(command, tmp_path):
+    codes = np.repeat(np.linspace(118, 128, 400).astype(np.uint8)[np.newaxis, :], 60, axis=0)
+    found = machband.steps(codes, window_deg=16)
+    assert found.steps > found.dithered > 0 and found.picture.shape == (60, 400, 3)
+    command("stimulus", "--width", 0.9, "--low", 0.2, "--high", 0.22, "--size", 200, "--out", "slow.png")
+    told = json.loads(command("compare", "slow.png", "--steps", "--window", 20, "--json"))
+    of_file = machband.steps(tmp_path / "slow.png", window_deg=20)
+    assert [of_file.steps, of_file.dithered] == pytest.approx([told["steps"], told["dithered"]])
+    with pytest.raises(ValueError, match="light has no codes"):
+        machband.steps(codes / 255, window_deg=16)
+
+
+OK = np.ones((64, 64), np.uint8)
 
 
 @pytest.mark.parametrize(
@@ -72,26 +86,41 @@ def test_a_display_profile_says_what_codes_mean(command, tmp_path):
         (np.zeros(8), {}, ValueError, "shape"),
         (np.zeros((0, 8, 3)), {}, ValueError, "at least one pixel"),
         (np.zeros((64, 64), int), {}, TypeError, "dtype int64"),
-        (np.zeros((64, 64)), {}, machband.Error, "black"),
-        (np.full((64, 64), np.nan), {}, machband.Error, "NaN"),
-        (np.full((64, 64), -0.5), {}, machband.Error, "negative"),
-        (np.ones((64, 64)), {"window_deg": 0}, machband.Error, "window_deg 0"),
-        (np.ones((64, 64)), {"ppd": np.inf}, machband.Error, "ppd inf"),
-        (np.ones((64, 64)), {"ppd": 1, "window_deg": 1}, TypeError, "one of them"),
-        (np.ones((64, 64)), {"width": 1}, TypeError, "width"),
-        (np.ones((64, 64)), {"pdd": 32}, TypeError, "did you mean 'ppd'"),
-        (np.ones((64, 64)), {"ppd": (32, 32)}, TypeError, "ppd is"),
+        (np.zeros((64, 64)), {"black": 0}, machband.Error, "no light"),
+        (np.full((64, 64), np.nan), {}, machband.Error, "nan"),
+        (np.full((64, 64), -0.5), {}, machband.Error, "-49.8"),
+        (np.ones((32, 64)), {}, machband.Error, "64 × 32 pixels"),
+        (OK, {"window_deg": 0}, machband.Error, "window_deg 0"),
+        (OK, {"window_deg": None}, TypeError, "neither window_deg nor ppd"),
+        (OK, {"ppd": 1}, ValueError, "ppd|window_deg"),
+        (OK, {"pdd": 32}, TypeError, "did you mean 'ppd'"),
         (np.full((64, 64), 255.0), {}, ValueError, "0 to 1"),
-        ("missing.png", {}, machband.Error, "missing.png"),
-        ("photo.jpg", {}, machband.Error, "photo.jpg: cannot be opened"),
+        ("missing.png", {}, TypeError, "two paths or two arrays"),
         (np.ma.masked_less(np.ones((64, 64)), 0.5), {}, TypeError, "masked"),
-        ({"img": 1}, {}, TypeError, "dict is no picture"),
-        (np.ones((64, 64)), {"transfer": "srgb"}, TypeError, "linear light"),
-        (np.ones((4000, 4000), np.uint8), {}, ValueError, "the option large"),
-        ("mach-band", {"widht": 1}, machband.Error, "did you mean width"),
-        ("mach-band", {"size": 4}, machband.Error, "size 4"),
+        ({"img": 1}, {}, TypeError, "picture is dict"),
     ],
 )
-def test_wrong_images_are_refused(image, given, error, words):
+def test_wrong_pictures_are_refused(image, given, error, words):
     with pytest.raises(error, match=words):
-        machband.predict(image, **given)
+        machband.compare(image, OK, **{"window_deg": 4, **given})
+
+
+@pytest.mark.parametrize(
+    ("given", "error", "words"),
+    [
+        ({"widht": 1}, machband.Error, "did you mean width"),
+        ({"size": 4}, machband.Error, "size 4"),
+        ({"ppd": 1, "window_deg": 1}, TypeError, "one of them"),
+        ({"ppd": np.inf}, machband.Error, "ppd inf"),
+        ({"ppd": (32, 32)}, machband.Error, "ppd"),
+        ({"criterion": "missing.toml"}, machband.Error, "missing.toml"),
+    ],
+)
+def test_wrong_predictions_are_refused(given, error, words):
+    with pytest.raises(error, match=words):
+        machband.predict(**given)
+
+
+def test_missing_files_are_named():
+    with pytest.raises(machband.Error, match="missing.png"):
+        machband.compare("missing.png", "photo.jpg", window_deg=4)

@@ -7,6 +7,7 @@ mod analyze;
 mod bar;
 mod calibrate;
 mod check;
+mod compare;
 mod export;
 mod outputs;
 mod plan;
@@ -65,6 +66,7 @@ enum Command {
     Run(run::Arguments),
     Simulate(work::simulate::Simulate),
     Check(work::Check),
+    Compare(compare::Arguments),
     Plan(plan::Arguments),
     Predict(predict::Arguments),
     Analyze(analyze::Arguments),
@@ -100,7 +102,8 @@ pub fn run_with(arguments: Vec<OsString>) -> u8 {
     let writer = called.map_or_else(|| Ok(Writer::default()), |(command, matches)| outputs::writer(command, matches));
     let started = start_threads().map_err(Into::into).and_then(|()| Ok(writer?));
     let status = match started.and_then(|writer| run(parsed, &writer)) {
-        Ok(()) => 0,
+        Ok(true) => 0,
+        Ok(false) => 1,
         Err(error) => {
             let option = |field: &str| called.map_or_else(|| field.to_owned(), |(command, _)| option(command, field));
             // Each line is an error with its cause.
@@ -119,9 +122,9 @@ fn option(command: &clap::Command, field: &str) -> String {
     argument.and_then(clap::Arg::get_long).map_or_else(|| field.to_owned(), |long| format!("--{long}"))
 }
 
-/// Runs a command; `writer` writes its outputs.
-fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<()> {
-    match arguments.command {
+/// Runs a command; `writer` writes its outputs. Returns false if it found what it was asked to refuse.
+fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<bool> {
+    let done = match arguments.command {
         #[cfg(feature = "window")]
         None => {
             let settings = arguments.config.or_else(crate::store::settings::SettingsFile::default_path);
@@ -135,6 +138,7 @@ fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<()> {
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Check(arguments)) => check::check(&arguments),
+        Some(Command::Compare(arguments)) => return compare::run(&arguments, writer),
         Some(Command::Plan(arguments)) => plan::run(&arguments, writer),
         Some(Command::Predict(arguments)) => predict::run(&arguments, writer),
         Some(Command::Analyze(arguments)) => analyze::run(&arguments, writer),
@@ -148,7 +152,8 @@ fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<()> {
         #[cfg(feature = "window")]
         Some(Command::Timing(arguments)) => timing::run(&arguments, writer),
         Some(Command::Verify(arguments)) => check::verify(&arguments),
-    }
+    };
+    done.map(|()| true)
 }
 
 /// Ends the program with clap's message: help, or the error in the arguments. The error repeats arguments, which may

@@ -3,49 +3,44 @@
 use super::{Bar, OutPath, count, print_data, print_line};
 use crate::{
     report::prediction::Comparison,
-    store::{self, Writer, observer},
+    store::{Writer, observer},
     text::Table,
     work::predict::{Predict, Predictions},
 };
 
-/// Predict the visibility of Mach bands in one stimulus, in every condition of a definition, or in any image.
+/// Predict how visible the Mach bands of one stimulus are, or those of every condition of a definition.
 ///
-/// Visibility 0 means no band; 1 means a band that is just visible, like a thin line at its threshold. Detection is
-/// the contrast of the whole picture in multiples of an average person's threshold. No observer is needed; --fit compares
-/// the prediction with ratings and estimates the thresholds between ratings.
+/// The bands of a ramp are its difference from the nearest smooth edge, on the light and on the dark side, in times
+/// threshold: at 1, people just tell the two apart. Detection is the contrast of the whole picture in the same unit. No
+/// observer is needed; --fit compares the prediction with ratings and estimates the thresholds between ratings. To judge
+/// any picture against another, use `machband compare`.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples: machband predict --width 0.1 --depth 3\n          machband predict bangay2003 --out predicted.csv\n          machband predict --image render.png --window 20 --map bands.png\n          machband predict bangay2003 --fit results --criterion lab.toml"
+    after_help = "Examples: machband predict --width 0.1 --depth 3\n          machband predict bangay2003 --out predicted.csv\n          machband predict bangay2003 --fit results --criterion lab.toml"
 )]
 pub(super) struct Arguments {
     #[command(flatten)]
     request: Predict,
-    /// Where to write a map of the image's bands: bright bands are white, dark bands are black.
-    #[arg(long, value_name = "FILE.png", requires = "image")]
-    map: Option<OutPath>,
     /// Where to write the table [default: standard output].
     #[arg(long, value_name = "FILE.csv")]
     out: Option<OutPath>,
-    /// Write JSON instead: an object for one stimulus or image, otherwise a list with an object per condition; with
+    /// Write JSON instead: an object for one stimulus, otherwise a list with an object per condition; with
     /// --fit, the comparison.
     #[arg(long)]
     json: bool,
 }
 
 pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
-    let Arguments { request, map, json, .. } = arguments;
+    let Arguments { request, json, .. } = arguments;
     let bar = Bar::new("conditions");
     let Some(experiment) = &request.experiment else {
         let found = request.one(None, &bar)?;
-        if let Some((path, codes)) = map.as_ref().zip(found.map()) {
-            store::image::write_codes(writer, path, &codes)?;
-        }
         let table = &found.table;
         return put(arguments, writer, &if *json { as_json(&table.json().first())? } else { table.csv() });
     };
     let Predictions { table, fit } = request.all(experiment, &bar)?;
     if let (Some(path), Some((comparison, _))) = (&request.criterion, &fit) {
-        observer::write_criterion(writer, path, &comparison.criterion)?;
+        observer::write_criterion(writer, path, &told(comparison), &comparison.criterion)?;
     }
     if fit.is_none() || arguments.out.is_some() {
         put(arguments, writer, &all(&table, *json)?)?;
@@ -55,7 +50,9 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         print_data(&as_json(&serde_json::json!({
             "ratings": found.ratings,
             "conditions": found.conditions,
+            "participants": found.participants,
             "criterion": found.criterion,
+            "criterion_intervals": found.intervals,
             "rank_correlation": found.rank_correlation,
             "rank_correlation_with_participants": found.with_subjects,
             "noise_ceiling": found.ceiling,
@@ -75,15 +72,30 @@ fn print_comparison(found: &Comparison) -> anyhow::Result<()> {
     print_line(&format!("{} of {}", count(found.ratings, "rating"), count(found.conditions as u64, "condition")))?;
     let [a, b, c] = found.criterion.thresholds;
     print_line(&format!(
-        "criterion: half of the ratings are above 0, 1, 2 at a visibility of {a:.3}, {b:.3}, {c:.3}; spread {:.3}",
+        "criterion: half of the ratings are above 0, 1, 2 at {a:.3}, {b:.3}, {c:.3} times threshold; spread {:.3}",
         found.criterion.spread
     ))?;
-    print_line(&format!("rank correlation between visibility and mean rating: {}", number(found.rank_correlation)))?;
+    print_line(&told(found))?;
+    print_line(&format!("rank correlation between prediction and mean rating: {}", number(found.rank_correlation)))?;
     let ceiling = found.ceiling.map_or_else(
         || "noise ceiling unknown: only one participant".to_owned(),
         |[low, high]| format!("noise ceiling from agreement between participants: {low:.3} to {high:.3}"),
     );
     print_line(&format!("mean for individual participants: {}; {ceiling}", number(found.with_subjects)))
+}
+
+/// Says how certain the criterion is, and what it rests on.
+fn told(found: &Comparison) -> String {
+    let interval = |interval: &Option<[f64; 2]>| {
+        interval.map_or_else(|| "unknown".to_owned(), |[low, high]| format!("{low:.3} to {high:.3}"))
+    };
+    let intervals: Vec<String> = found.intervals.iter().map(interval).collect();
+    format!(
+        "approximate 95 % intervals of the thresholds: {}; fitted to {} of {}",
+        intervals.join(", "),
+        count(found.ratings, "rating"),
+        count(found.participants as u64, "participant")
+    )
 }
 
 fn as_json(value: &impl serde::Serialize) -> anyhow::Result<Vec<u8>> {

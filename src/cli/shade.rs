@@ -11,11 +11,11 @@ use crate::{
     },
 };
 
-/// Shade a mesh: write its image, measure how smooth its edges are, and predict how visible its bands are.
+/// Shade a mesh: write its image, measure how smooth its edges are, and how visibly it differs from the smooth surface.
 ///
-/// Bands are predicted as in `machband predict`, on the surface within its outlines, from light that is not rounded to
-/// codes: 0 means no band, 1 means a band that is just visible. The prediction always uses an image of 512 × 512 pixels
-/// that is --window degrees wide, regardless of --size; the eye is assumed to be adapted to its mean luminance.
+/// The difference is judged as in `machband compare`, on the surface within its outlines, from light that is not rounded
+/// to codes: at 1, people just see it. It always uses an image of 512 × 512 pixels that is --window degrees wide,
+/// regardless of --size.
 #[derive(clap::Args)]
 #[command(
     allow_negative_numbers = true,
@@ -27,8 +27,8 @@ pub(super) struct Arguments {
     /// Where to write the image.
     #[arg(long, value_name = "FILE.png")]
     out: Option<OutPath>,
-    /// Where to write the measurements: the change of slope across the edges, in linear light per pixel, the visibility
-    /// and density of the bands, and the visible difference from the smooth surface, each also relative to Gouraud's.
+    /// Where to write the measurements: the change of slope across the edges, in linear light per pixel, and the
+    /// difference from the smooth surface, in times threshold and in light, each also relative to Gouraud's.
     #[arg(long, value_name = "FILE.json", conflicts_with = "scene")]
     metrics: Option<OutPath>,
     /// Where to write an image of the change of slope at each edge.
@@ -69,20 +69,16 @@ fn summarize(shader: Shader, found: &Metrics) -> anyhow::Result<()> {
     };
     let (edges, over) = (count(found.edges as u64, "edge"), relative(found.crease_rms_over_gouraud));
     print_line(&format!("{shader}: crease rms {:.3e} per pixel over {edges}, {over}", found.crease_rms))?;
-    let Metrics { visibility, visibility_bright: bright, visibility_dark: dark, window_deg: deg, .. } = found;
-    let over = relative(found.visibility_over_gouraud);
-    print_line(&format!(
-        "{shader}: visibility of bands {visibility:.2} (bright {bright:.2}, dark {dark:.2}) in a {deg}° window, {over}"
-    ))?;
-    print_line(&match &found.residual {
-        Some(residual) => format!(
-            "{shader}: visible difference from the smooth surface rms {:.2e}, 99.9 % {:.2e}, {}",
-            residual.rms,
-            residual.p999,
-            relative(residual.over_gouraud.rms)
+    print_line(&match &found.difference {
+        Some(difference) => format!(
+            "{shader}: differs from the smooth surface by {:.2} times what people can just see in a {}° window (95 % of the surface: at most {:.2}), {}",
+            difference.largest,
+            found.window_deg,
+            difference.p95,
+            relative(difference.over_gouraud.largest)
         ),
         None => format!(
-            "{shader}: the bands include those of the surface itself, which is not known; --truth FILE names a finer mesh"
+            "{shader}: the smooth surface is not known, so only the creases are measured; --truth FILE names a finer mesh"
         ),
     })
 }

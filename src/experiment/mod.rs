@@ -25,7 +25,7 @@ pub use definition::{
 pub use faults::{DefinitionError, DefinitionErrors};
 pub use frame_log::{FrameRun, Shown};
 pub use identity::{Identity, IdentityError};
-pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, simulate, visibilities};
+pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, judged, simulate};
 pub use participant::{AnswerError, Answers, FieldKind, FieldSpec, MAX_ANSWER, ParticipantField, ParticipantFields};
 pub use protocol::{Protocol, name_error};
 pub use record::{Column, Rating, RatingRow, RowContext, Seconds, TrialRecord, columns, columns_by_header};

@@ -7,7 +7,6 @@ use rand_chacha::{
     rand_core::{Rng, SeedableRng as _},
 };
 use rand_distr::{Distribution as _, StandardNormal};
-use rayon::prelude::*;
 
 use super::{
     condition::Condition,
@@ -17,9 +16,9 @@ use super::{
 };
 use crate::{
     light::interpolation::Depth,
-    stimulus::{Stimulus, ViewingConditions},
+    stimulus::{Stimulus, ViewingConditions, Visible},
     text::Cell,
-    vision::{Criterion, Visibility, VisionError},
+    vision::{Criterion, VisionError},
 };
 
 /// An observer that rates stimuli.
@@ -139,7 +138,8 @@ impl Observer for OrderedLogit {
     }
 }
 
-/// An observer that rates the visibility predicted by the vision model.
+/// An invented observer that rates what the vision model predicts: the bright band of a ramp, or the difference of a
+/// shaded mesh from the smooth surface, in times threshold. Its criterion was not fitted to people.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct VisionRater {
@@ -147,7 +147,7 @@ pub struct VisionRater {
     pub thresholds: [f64; 3],
     /// See [`Criterion::spread`].
     pub spread: f64,
-    /// Standard deviation between participants, in units of ln visibility.
+    /// Standard deviation between participants, in units of ln times threshold.
     pub subject_sd: f64,
     /// Probability of pressing a random key.
     pub lapse: f64,
@@ -156,8 +156,7 @@ pub struct VisionRater {
 impl Default for VisionRater {
     /// The same values as in `experiments/observers/vision.toml`.
     fn default() -> Self {
-        let Criterion { thresholds, spread } = Criterion::default();
-        Self { thresholds, spread, subject_sd: 0.4, lapse: 0.01 }
+        Self { thresholds: [0.25, 1.0, 4.0], spread: 0.8, subject_sd: 0.4, lapse: 0.01 }
     }
 }
 
@@ -168,50 +167,58 @@ impl VisionRater {
     }
 }
 
-/// Returns how visible the bands of each condition are according to the vision model. The stimuli are drawn with
-/// `px` pixels per side, or by default with [`ViewingConditions::px`].
+/// Returns what the raters of each condition are asked about, in times threshold; see [`Visible::rated`]. The stimuli
+/// are drawn with `px` pixels per side, or by default with [`ViewingConditions::px`].
 ///
 /// # Errors
-/// Returns a [`VisionError`] if a condition cannot be seen, for example because it is all black.
-pub fn visibilities(
+/// Returns a [`VisionError`] if a condition cannot be judged, for example because it has no light.
+pub fn judged(
     conditions: &[Condition],
     viewing: &ViewingConditions,
     px: Option<u32>,
-) -> Result<Vec<Visibility>, VisionError> {
-    let see = |condition: &Condition| {
-        let stimulus = &condition.stimulus;
-        Ok(viewing.predict(stimulus, px.unwrap_or_else(|| ViewingConditions::px(stimulus)))?.visibility())
-    };
-    // A single picture keeps all threads busy and needs much memory, so pictures are predicted one at a time.
-    if conditions.iter().any(|condition| !condition.stimulus.is_line()) {
-        return conditions.iter().map(see).collect();
-    }
-    conditions.par_iter().map(see).collect()
+) -> Result<Vec<Visible>, VisionError> {
+    viewing.visible(&conditions.iter().map(|condition| &condition.stimulus).collect::<Vec<_>>(), px)
 }
 
-/// A [`VisionRater`] with the visibilities of an experiment's conditions, each computed once.
+/// A [`VisionRater`] with what it sees in an experiment's conditions, each computed once.
 #[derive(Clone, Debug)]
 pub struct VisionObserver {
     rater: VisionRater,
-    visibilities: Vec<(Stimulus, f64)>,
+    seen: Vec<(Stimulus, f64)>,
+}
+
+/// The reason why the vision observer cannot rate an experiment.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Unrated {
+    /// The model cannot process a stimulus.
+    #[error(transparent)]
+    Vision(#[from] VisionError),
+    /// A stimulus has no smooth reference.
+    #[error(
+        "the vision model does not say how visible the bands of {0} are; expected a mach-band, or a mesh whose smooth surface is known"
+    )]
+    NoReference(&'static str),
 }
 
 impl VisionObserver {
-    /// Computes the visibility of every condition of `protocol` at its window size.
+    /// Judges every condition of `protocol` at its window size.
     ///
     /// # Errors
-    /// Returns a [`VisionError`] if a stimulus cannot be seen, for example because it is all black.
-    pub fn new(rater: VisionRater, protocol: &Protocol) -> Result<Self, VisionError> {
+    /// Returns the reason why a stimulus cannot be rated.
+    pub fn new(rater: VisionRater, protocol: &Protocol) -> Result<Self, Unrated> {
         let conditions = protocol.conditions();
-        let found = visibilities(conditions, &ViewingConditions::new(protocol.viewing.window_deg), None)?;
-        let stimuli = conditions.iter().map(|condition| condition.stimulus.clone());
-        Ok(Self { rater, visibilities: stimuli.zip(found.iter().map(Visibility::max)).collect() })
+        let found = judged(conditions, &ViewingConditions::new(protocol.viewing.window_deg), None)?;
+        let seen = conditions.iter().zip(found).map(|(condition, visible)| {
+            let rated = visible.rated().ok_or(Unrated::NoReference(condition.stimulus.kind()))?;
+            Ok((condition.stimulus.clone(), rated))
+        });
+        Ok(Self { rater, seen: seen.collect::<Result<_, Unrated>>()? })
     }
 
-    /// Returns how visible the bands in a stimulus of the experiment are, or 0 for any other stimulus.
+    /// Returns what the observer sees in a stimulus of the experiment, in times threshold; 0 for any other stimulus.
     #[must_use]
-    pub fn visibility(&self, stimulus: &Stimulus) -> f64 {
-        self.visibilities.iter().find(|(known, _)| known == stimulus).map_or(0.0, |(_, visibility)| *visibility)
+    pub fn seen(&self, stimulus: &Stimulus) -> f64 {
+        self.seen.iter().find(|(known, _)| known == stimulus).map_or(0.0, |(_, times)| *times)
     }
 }
 
@@ -222,7 +229,7 @@ impl Observer for VisionObserver {
             return any_key(rng);
         }
         let u = unit(rng);
-        self.rater.criterion().rate(self.visibility(stimulus) * (subject_sd * subject).exp(), (u / (1.0 - u)).ln())
+        self.rater.criterion().rate(self.seen(stimulus) * (subject_sd * subject).exp(), (u / (1.0 - u)).ln())
     }
 }
 

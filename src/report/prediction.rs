@@ -1,4 +1,4 @@
-//! Compares predicted visibility with ratings: fits the criterion, and measures the agreement in rank order.
+//! Compares the vision model's prediction with ratings: fits the criterion, and measures the agreement in rank order.
 
 use std::collections::HashMap;
 
@@ -11,15 +11,15 @@ use crate::{
         summary::category_values,
         terms::Terms,
     },
-    experiment::{Condition, Protocol, visibilities},
-    stimulus::ViewingConditions,
+    experiment::{Condition, Protocol, judged},
+    stimulus::{ViewingConditions, Visible},
     store::ratings::Source,
-    vision::{Criterion, Visibility, VisionError},
+    vision::{Criterion, VisionError},
 };
 
-/// Lower visibilities are raised to this value before they are compared with ratings. Below a tenth of the visibility
-/// threshold, there is nothing to distinguish, and some participants press a key other than 0 even if they see no band.
-pub const MIN_VISIBILITY: f64 = 0.1;
+/// Lower values are raised to this one before they are compared with ratings. Below a tenth of the threshold, there is
+/// nothing to distinguish, and some participants press a key other than 0 even if they see no band.
+pub const LEAST: f64 = 0.1;
 
 /// Maximum number of conditions that a report predicts; each takes about a millisecond.
 const MAX_CONDITIONS: usize = 5000;
@@ -31,11 +31,16 @@ pub const MAX_PICTURES: usize = 100;
 pub struct Comparison {
     /// The thresholds between ratings, estimated by maximum likelihood.
     pub criterion: Criterion,
+    /// The approximate 95 % interval of each threshold, from the curvature of the likelihood; `None` if that is not
+    /// known.
+    pub intervals: [Option<[f64; 2]>; 3],
+    /// Number of participants whose ratings it rests on.
+    pub participants: usize,
     /// Number of conditions with both a prediction and ratings.
     pub conditions: usize,
     /// Number of ratings in these conditions.
     pub ratings: u64,
-    /// Spearman's correlation between visibility and mean rating, over conditions.
+    /// Spearman's correlation between the prediction and the mean rating, over conditions.
     pub rank_correlation: Option<f64>,
     /// The same correlation computed for each participant separately and averaged over participants.
     pub with_subjects: Option<f64>,
@@ -66,6 +71,11 @@ pub enum PredictionError {
     /// The model cannot process a stimulus.
     #[error("the model cannot process the stimuli: {0}")]
     Invisible(#[from] VisionError),
+    /// The stimuli have no smooth reference.
+    #[error(
+        "the vision model says how visible the bands of a ramp or of a mesh whose smooth surface is known are; these stimuli are neither"
+    )]
+    NoReference,
     /// The prediction and the ratings share no condition.
     #[error("the ratings contain none of the predicted conditions; expected ratings from this experiment")]
     NoCondition,
@@ -76,7 +86,7 @@ pub enum PredictionError {
     #[error("the scale has {0} {noun}; expected the four categories of the scale 0–3", noun = if *.0 == 1 { "category" } else { "categories" })]
     Categories(usize),
     /// The thresholds cannot be estimated.
-    #[error("{0}; expected ratings that increase with visibility and use the whole scale")]
+    #[error("{0}; expected ratings that increase with the prediction and use the whole scale")]
     NoFit(String),
 }
 
@@ -107,15 +117,15 @@ impl StudyPrediction {
             return Err(PredictionError::TooMany { conditions: conditions.len(), most, name });
         }
         let viewing = ViewingConditions::new(window_deg(source, protocol));
-        let predicted = visibilities(conditions, &viewing, None)?;
+        let predicted = judged(conditions, &viewing, None)?;
         let predicted = by_condition(counts, protocol, conditions, &predicted)?;
         let comparison = compare(counts, &predicted)?;
         let values = category_values(counts);
-        let expected = |visibility: f64| {
-            let shares = comparison.criterion.probabilities(visibility.max(MIN_VISIBILITY));
+        let expected = |times: f64| {
+            let shares = comparison.criterion.probabilities(times.max(LEAST));
             shares.iter().zip(&values).map(|(share, value)| share * value).sum()
         };
-        let ratings = predicted.iter().map(|visibility| visibility.map(expected)).collect();
+        let ratings = predicted.iter().map(|times| times.map(expected)).collect();
         Ok(Self { viewing, comparison, ratings })
     }
 }
@@ -129,7 +139,7 @@ pub fn compare_conditions(
     counts: &Counts,
     protocol: &Protocol,
     conditions: &[Condition],
-    predicted: &[Visibility],
+    predicted: &[Visible],
 ) -> Result<Comparison, PredictionError> {
     compare(counts, &by_condition(counts, protocol, conditions, predicted)?)
 }
@@ -143,13 +153,13 @@ pub fn window_deg(source: &Source, protocol: &Protocol) -> f64 {
     mean(widths.filter(|deg| deg.is_finite() && *deg > 0.0)).unwrap_or(protocol.viewing.window_deg)
 }
 
-/// Returns the greatest visibility in each condition of the counts, in their order; `None` for a condition that is not
+/// Returns what was rated in each condition of the counts, in times threshold, in their order; `None` for a condition that is not
 /// in the definition. Columns that are not parameters of the stimulus are ignored.
 fn by_condition(
     counts: &Counts,
     protocol: &Protocol,
     conditions: &[Condition],
-    predicted: &[Visibility],
+    predicted: &[Visible],
 ) -> Result<Vec<Option<f64>>, PredictionError> {
     let is_missing = |name: &str, levels: usize| levels > 1 && counts.factor(name).is_none();
     if let Some(factor) = protocol.factors.iter().find(|factor| is_missing(&factor.name, factor.levels.len())) {
@@ -160,8 +170,11 @@ fn by_condition(
     let shown = |condition: &Condition| -> Option<Vec<String>> {
         columns.iter().map(|(_, name)| Some(canonical(&condition.stimulus.get(name)?.to_string()))).collect()
     };
+    if predicted.iter().all(|visible| visible.rated().is_none()) {
+        return Err(PredictionError::NoReference);
+    }
     let known: HashMap<Vec<String>, f64> = (conditions.iter().zip(predicted))
-        .filter_map(|(condition, visibility)| Some((shown(condition)?, visibility.max())))
+        .filter_map(|(condition, visible)| Some((shown(condition)?, visible.rated()?)))
         .collect();
     let rated = |condition: u32| -> Vec<String> {
         let levels = counts.level_names(condition);
@@ -193,8 +206,11 @@ fn compare(counts: &Counts, predicted: &[Option<f64>]) -> Result<Comparison, Pre
     // The mean over the other participants, and the mean over all.
     let others = |i: usize| pooled(&[&everyone[..i], &everyone[i + 1..]].concat());
     let ceiling = with(&others).zip(with(&|_| pooled_means.clone())).filter(|_| everyone.len() > 1);
+    let (criterion, intervals) = criterion(counts, predicted)?;
     Ok(Comparison {
-        criterion: criterion(counts, predicted)?,
+        criterion,
+        intervals,
+        participants: counts.subjects.len(),
         conditions: places.len(),
         ratings: ratings.sum(),
         rank_correlation: rank_correlation(&pooled_means, &model),
@@ -211,28 +227,37 @@ fn check_categories(counts: &Counts) -> Result<(), PredictionError> {
     }
 }
 
-fn criterion(counts: &Counts, predicted: &[Option<f64>]) -> Result<Criterion, PredictionError> {
+/// A criterion, and the 95 % interval of each of its thresholds.
+type Fitted = (Criterion, [Option<[f64; 2]>; 3]);
+
+fn criterion(counts: &Counts, predicted: &[Option<f64>]) -> Result<Fitted, PredictionError> {
     let fail = |error: &dyn std::fmt::Display| PredictionError::NoFit(error.to_string());
-    let mut builder = MeasuredBuilder::new(&["visibility"]).with_categories(&counts.categories);
+    let mut builder = MeasuredBuilder::new(&["times"]).with_categories(&counts.categories);
     for row in &counts.rows {
-        let Some(visibility) = predicted[row.condition as usize] else { continue };
-        let log = visibility.max(MIN_VISIBILITY).ln().to_string();
+        let Some(times) = predicted[row.condition as usize] else { continue };
+        let log = times.max(LEAST).ln().to_string();
         let (subject, rating) = (&counts.subjects[row.subject as usize], &counts.categories[row.rating as usize]);
         builder.add_counts(subject, &[log], rating, row.count).map_err(|error| fail(&error))?;
     }
-    let terms = Terms::parse("num:visibility").map_err(|error| fail(&error))?;
+    let terms = Terms::parse("num:times").map_err(|error| fail(&error))?;
     let model = fit(&builder.finish().counts, &ModelSpec::new(terms)).map_err(|error| fail(&error))?;
     let slope = model.coefficients.first().map_or(f64::NAN, |coefficient| coefficient.estimate);
     if !(slope.is_finite() && slope > 0.0) {
-        return Err(PredictionError::NoFit(format!("ratings change by {slope:.3} per unit of log visibility")));
+        return Err(PredictionError::NoFit(format!("ratings change by {slope:.3} per unit of the log prediction")));
     }
-    let thresholds: Vec<f64> = model.thresholds.iter().map(|threshold| (threshold.estimate / slope).exp()).collect();
-    match <[f64; 3]>::try_from(thresholds) {
-        Ok(thresholds) if thresholds.iter().all(|t| t.is_finite() && *t > 0.0) => {
-            Ok(Criterion { thresholds, spread: 1.0 / slope })
-        }
-        _ => Err(PredictionError::NoFit("at least one rating was never used".to_owned())),
-    }
+    let logs: Vec<f64> = model.thresholds.iter().map(|threshold| threshold.estimate / slope).collect();
+    let Some(logs) = <[f64; 3]>::try_from(logs).ok().filter(|logs| logs.iter().all(|log| log.exp().is_finite())) else {
+        return Err(PredictionError::NoFit("at least one rating was never used".to_owned()));
+    };
+    // The slope follows the thresholds. The variance of a ratio, by its derivatives.
+    let variance = |a: usize, b: usize| model.covariance[(a, b)];
+    let intervals = [0, 1, 2].map(|k| {
+        let log: f64 = logs[k];
+        let square = variance(k, k) - 2.0 * log * variance(k, 3) + log * log * variance(3, 3);
+        let half = 1.96 * square.sqrt() / slope;
+        half.is_finite().then(|| [(log - half).exp(), (log + half).exp()])
+    });
+    Ok((Criterion { thresholds: logs.map(f64::exp), spread: 1.0 / slope }, intervals))
 }
 
 /// Computes the mean rating of every participant in each of these conditions; NaN if there is none.

@@ -1,91 +1,120 @@
 //! Applies the vision model to stimuli and images in a window on a screen.
 
+use std::collections::HashMap;
+
+use rayon::prelude::*;
+
 use super::{catalog::Stimulus, smooth::Judged, viewing::ViewingConditions};
 use crate::{
     light::LinearImage,
-    vision::{
-        self, Border, Line, LinePrediction, LuminanceImage, PicturePrediction, Visibility, VisionError, luminance,
-        luminances,
-    },
+    vision::{self, Eye, Judge, RampBands, VisionError, next_fast_length},
 };
 
 /// Pixels per degree of the pictures whose detection is predicted: as fine as an average person sees with ease.
 const DETECTION_PX_PER_DEG: f64 = 25.0;
+/// A ramp's plateaus continue at least this far beyond each side of the window, degrees; the model's picture ends there.
+const PLATEAU_DEG: f64 = 2.0;
+/// Places in each pixel of a line at which its light is averaged.
+const IN_PIXEL: u32 = 8;
 
-/// The prediction for a stimulus.
-#[derive(Clone, Debug)]
-pub enum StimulusPrediction {
-    /// For a stimulus that varies in one direction only.
-    Line(LinePrediction),
-    /// For any other stimulus.
-    Picture(Box<PicturePrediction>),
+/// How visible the Mach bands of a stimulus are.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Visible {
+    /// The bands of a ramp: the difference from the nearest smooth edge.
+    Ramp(RampBands),
+    /// The largest difference of a shaded mesh from the smooth surface behind it, in times threshold.
+    Surface(f64),
+    /// There is no smooth reference with which the stimulus could be compared.
+    Unknown,
 }
 
-impl StimulusPrediction {
-    /// Returns the visibility of the stimulus's bands.
+impl Visible {
+    /// Returns what raters are asked about, in times threshold: the bright band of a ramp, or the bands on a surface.
     #[must_use]
-    pub fn visibility(&self) -> Visibility {
+    pub fn rated(&self) -> Option<f64> {
         match self {
-            Self::Line(view) => view.visibility,
-            Self::Picture(view) => view.visibility,
+            Self::Ramp(bands) => Some(bands.bright),
+            Self::Surface(difference) => Some(*difference),
+            Self::Unknown => None,
         }
     }
+}
 
-    /// Returns the visibility of the lines that are in the light itself.
-    #[must_use]
-    pub fn lines(&self) -> Visibility {
-        match self {
-            Self::Line(view) => view.lines,
-            Self::Picture(view) => view.lines,
-        }
-    }
+/// What determines the bands of a ramp: its light, and how oblique it is.
+struct Ramp {
+    light: Vec<f64>,
+    orientation_deg: f64,
+    eye: Eye,
 }
 
 impl ViewingConditions {
-    /// Predicts the bands in a stimulus that fills the window with `size` pixels per side. A stimulus that varies in
-    /// one direction keeps its end values beyond the window. For a mesh, only the surface counts; see
-    /// [`ViewingConditions::predict_surface`].
+    /// Judges stimuli that fill the window with `size` pixels per side, or otherwise with [`ViewingConditions::px`]. The
+    /// plateaus of a ramp continue beyond the window.
     ///
     /// # Errors
-    /// Returns a [`VisionError`] if the window is too small or all black.
-    pub fn predict(&self, stimulus: &Stimulus, size: u32) -> Result<StimulusPrediction, VisionError> {
-        if stimulus.is_line() {
-            let light: Vec<f64> = stimulus.profile(size).into_iter().map(luminance).collect();
-            let line = Line { light: &light, px_per_deg: self.px_per_deg(size), border: Border::Continues };
-            return Ok(StimulusPrediction::Line(line.predict(&self.eye(&light))?));
-        }
-        let surface = match stimulus {
-            Stimulus::ShadedMesh(shaded) => shaded.frame(size).map(|frame| (frame, shaded)),
-            _ => None,
-        };
-        let view = match surface {
-            Some((frame, shaded)) => {
-                self.predict_surface(&Judged::known(self, &frame)?, &shaded.shot(&frame).emitted())?
+    /// Returns a [`VisionError`] if a window is too small, or has no light somewhere.
+    pub fn visible(&self, stimuli: &[&Stimulus], size: Option<u32>) -> Result<Vec<Visible>, VisionError> {
+        let px = |stimulus: &Stimulus| size.unwrap_or_else(|| ViewingConditions::px(stimulus));
+        let ramps: Vec<Option<Ramp>> = stimuli.par_iter().map(|stimulus| self.ramp(stimulus, px(stimulus))).collect();
+        // A judge takes longer than a ramp, and many ramps have the same.
+        let key = |ramp: &Ramp| (ramp.light.len(), ramp.orientation_deg.to_bits(), ramp.eye.luminance.to_bits());
+        let mut judges = HashMap::new();
+        for (ramp, stimulus) in ramps.iter().zip(stimuli) {
+            let Some(ramp) = ramp else { continue };
+            if let std::collections::hash_map::Entry::Vacant(place) = judges.entry(key(ramp)) {
+                let px_per_deg = self.px_per_deg(px(stimulus));
+                place.insert(Judge::of_lines(ramp.light.len(), px_per_deg, ramp.orientation_deg, ramp.eye)?);
             }
-            None => self.predict_image(&stimulus.linear(size))?,
+        }
+        // Orientations that are equally oblique have the same bands.
+        let same = |ramp: &Ramp| (key(ramp), ramp.light.iter().map(|light| light.to_bits()).collect::<Vec<_>>());
+        let mut distinct: HashMap<_, usize> = HashMap::new();
+        let mut found: Vec<&Ramp> = Vec::new();
+        let places: Vec<Option<usize>> = ramps
+            .iter()
+            .map(|ramp| {
+                let ramp = ramp.as_ref()?;
+                Some(*distinct.entry(same(ramp)).or_insert_with(|| {
+                    found.push(ramp);
+                    found.len() - 1
+                }))
+            })
+            .collect();
+        let bands = found.par_iter().map(|ramp| RampBands::of(&judges[&key(ramp)], &ramp.light));
+        let bands = bands.collect::<Result<Vec<_>, _>>()?;
+        let of = |(place, stimulus): (Option<usize>, &&Stimulus)| match (place, *stimulus) {
+            (Some(place), _) => Ok(Visible::Ramp(bands[place].clone())),
+            (None, Stimulus::ShadedMesh(shaded)) => {
+                let Some(frame) = shaded.frame(px(stimulus)) else { return Ok(Visible::Unknown) };
+                let difference = Judged::known(&frame).difference(self, &shaded.shot(&frame).emitted())?;
+                Ok(difference.map_or(Visible::Unknown, |difference| Visible::Surface(difference.largest)))
+            }
+            _ => Ok(Visible::Unknown),
         };
-        Ok(StimulusPrediction::Picture(Box::new(view)))
+        places.into_iter().zip(stimuli).map(of).collect()
     }
 
-    /// Predicts the bands in an image that fills the window's width.
-    ///
-    /// # Errors
-    /// Returns a [`VisionError`] if the image is too small or all black.
-    pub fn predict_image(&self, image: &LinearImage) -> Result<PicturePrediction, VisionError> {
-        self.predict_within(image, None)
-    }
-
-    /// Predicts the bands in the picture of a surface, only where they count; see [`Judged::new`].
-    ///
-    /// # Errors
-    /// Returns a [`VisionError`] if the picture does not have the size of the frame, is too small or is all black.
-    pub fn predict_surface(&self, judged: &Judged, image: &LinearImage) -> Result<PicturePrediction, VisionError> {
-        self.predict_within(image, Some(judged.bands()))
-    }
-
-    fn predict_within(&self, image: &LinearImage, mask: Option<&[bool]>) -> Result<PicturePrediction, VisionError> {
-        let light = luminances(image);
-        LuminanceImage { mask, ..self.luminance_image(image, &light) }.predict(&self.eye(&light))
+    /// Returns the line of a ramp in cd/m², with its plateaus beyond the window; `None` for other stimuli.
+    fn ramp(&self, stimulus: &Stimulus, size: u32) -> Option<Ramp> {
+        let Stimulus::MachBand(_) = stimulus else { return None };
+        let fine = stimulus.profile(size.saturating_mul(IN_PIXEL));
+        let mean =
+            |pixel: &[[f32; 3]]| pixel.iter().map(|light| vision::luminance(*light)).sum::<f64>() / pixel.len() as f64;
+        let window: Vec<f64> = fine.chunks_exact(IN_PIXEL as usize).map(|pixel| self.cd_m2(mean(pixel))).collect();
+        let (first, last) = (*window.first()?, *window.last()?);
+        let least = (PLATEAU_DEG * self.px_per_deg(size)).ceil() as usize;
+        let length = next_fast_length(window.len() + 2 * least);
+        let before = (length - window.len()) / 2;
+        // Without the rounding error of the sum, so that ramps between the same plateaus share a judge.
+        let mean = window.iter().sum::<f64>() / window.len() as f64;
+        let eye = Eye::adapted_to((mean * 1e6).round() / 1e6);
+        let mut light = vec![first; before];
+        light.extend(window);
+        light.resize(length, last);
+        let orientation = stimulus.get("orientation_deg").and_then(|value| value.to_string().parse::<f64>().ok());
+        // Folded to 0…45°: how oblique it is.
+        let turned = orientation.unwrap_or(0.0).rem_euclid(90.0);
+        Some(Ramp { light, orientation_deg: turned.min(90.0 - turned), eye })
     }
 
     /// Returns the contrast of a stimulus that fills the window, in multiples of the threshold of an average person who
@@ -103,7 +132,18 @@ impl ViewingConditions {
     /// # Errors
     /// Returns a [`VisionError`] if the image is all black.
     pub fn detection_of_image(&self, image: &LinearImage) -> Result<f64, VisionError> {
-        let light = luminances(image);
+        let light = self.luminances(image);
         vision::detection(&self.luminance_image(image, &light), &self.eye(&light))
+    }
+
+    /// Prepares to judge pictures that fill the window's width, of the size of `reference`, by an eye that is adapted to
+    /// its mean light.
+    ///
+    /// # Errors
+    /// Returns a [`VisionError`] if the picture is too small or too wide.
+    pub fn judge(&self, reference: &LinearImage) -> Result<Judge, VisionError> {
+        let eye = self.eye(&self.luminances(reference));
+        let size = [reference.width, reference.height].map(|side| side as usize);
+        Judge::of_pictures(size, self.px_per_deg(reference.width), eye)
     }
 }

@@ -5,7 +5,7 @@ use super::viewing::ViewingConditions;
 use crate::{
     light::LinearImage,
     shading::{Frame, Truth, coverage},
-    vision::{ContrastSpectrum, LuminanceImage, VisionError, luminances},
+    vision::{ContrastSpectrum, DifferenceMap, VisionError, luminances},
 };
 
 /// Where a shader's pictures of a frame are judged, and the smooth surface if it is known.
@@ -13,80 +13,79 @@ use crate::{
 pub struct Judged {
     /// The pixels that show the mesh.
     shown: Vec<bool>,
-    /// The picture of the smooth surface, and the pixels where it can be compared; see [`Truth::mask`].
-    truth: Option<(LinearImage, Vec<bool>)>,
-    /// The pixels where bands count.
-    bands: Vec<bool>,
+    truth: Option<Smooth>,
 }
 
-/// The visibility from which a band or line of the smooth surface itself counts as seen.
-const SEEN: f64 = 0.05;
+/// The picture of the smooth surface.
+#[derive(Clone, Debug)]
+struct Smooth {
+    picture: LinearImage,
+    /// Where light is compared; see [`Truth::mask`].
+    mask: Vec<bool>,
+    /// Where a difference is visible as one; see [`Truth::common`].
+    common: Vec<bool>,
+}
 
-/// The distance from such a band within which a shader's bands do not count, degrees.
-const BESIDE_DEG: f64 = 0.1;
+/// Differences count in full from this distance from the pixels where pictures are not compared, degrees, and less
+/// nearer by: an abrupt end would be an edge of its own.
+const TAPER_DEG: f64 = 0.2;
 
 impl Judged {
-    /// Prepares to judge pictures of `frame`, whose mesh approximates `truth`.
-    ///
-    /// Bands do not count at outlines and at edges that are meant to be creases. If the smooth surface is known, they
-    /// also do not count at its terminators, where it turns away by more than 72.5°, and beside bands that it has
-    /// itself, such as the bends around a highlight.
-    ///
-    /// # Errors
-    /// Returns a [`VisionError`] if the frame is too small.
-    pub fn new(viewing: &ViewingConditions, frame: &Frame, truth: Option<&Truth>) -> Result<Judged, VisionError> {
+    /// Prepares to judge pictures of `frame`, whose mesh approximates `truth`. Outlines and edges that are meant to be
+    /// creases do not count; in the residual, terminators and what turns away by more than 72.5° do not, either.
+    #[must_use]
+    pub fn new(frame: &Frame, truth: Option<&Truth>) -> Judged {
         let shown = coverage::visible(frame).into_iter().map(|triangle| triangle != coverage::NONE).collect();
-        let Some(truth) = truth else {
-            return Ok(Judged { shown, truth: None, bands: coverage::interior_mask(frame) });
+        let smooth = |truth: &Truth| Smooth {
+            picture: truth.picture(frame),
+            mask: truth.mask(frame),
+            common: truth.common(frame),
         };
-        let (picture, mask) = (truth.picture(frame), truth.mask(frame));
-        let light = luminances(&picture);
-        let mut bands = mask.clone();
-        let image = LuminanceImage { mask: Some(&mask), ..viewing.luminance_image(&picture, &light) };
-        match image.predict(&viewing.eye(&light)) {
-            Ok(own) => {
-                let seen = own.map.bright.iter().zip(&own.map.dark).map(|(bright, dark)| bright.max(*dark) >= SEEN);
-                let reach = (BESIDE_DEG * viewing.px_per_deg(frame.width)).ceil() as usize;
-                for (band, own) in bands.iter_mut().zip(dilated(seen.collect(), frame.width as usize, reach)) {
-                    *band &= !own;
-                }
-            }
-            Err(VisionError::AllBlack) => {}
-            Err(error) => return Err(error),
-        }
-        Ok(Judged { shown, truth: Some((picture, mask)), bands })
+        Judged { shown, truth: truth.map(smooth) }
     }
 
     /// Prepares to judge pictures of `frame` against the surface that its mesh is known to approximate, if any.
-    ///
-    /// # Errors
-    /// As for [`Judged::new`].
-    pub fn known(viewing: &ViewingConditions, frame: &Frame) -> Result<Judged, VisionError> {
-        Judged::new(viewing, frame, Truth::traced(frame).as_ref())
-    }
-
-    /// The pixels where bands count.
-    pub(super) fn bands(&self) -> &[bool] {
-        &self.bands
-    }
-
-    /// Returns the share of the mesh's pixels where bands do not count, 0…1.
     #[must_use]
-    pub fn masked(&self) -> f64 {
-        self.share(&self.bands)
+    pub fn known(frame: &Frame) -> Judged {
+        Judged::new(frame, Truth::traced(frame).as_ref())
     }
 
     /// Returns the share of the mesh's pixels where pictures are not compared with the smooth surface, 0…1; `None` if
     /// the surface is not known.
     #[must_use]
     pub fn not_compared(&self) -> Option<f64> {
-        self.truth.as_ref().map(|(_, mask)| self.share(mask))
+        self.truth.as_ref().map(|truth| self.share(&truth.common))
     }
 
     fn share(&self, mask: &[bool]) -> f64 {
         let count = |mask: &mut dyn Iterator<Item = bool>| mask.filter(|is| *is).count() as f64;
         let shown = count(&mut self.shown.iter().copied());
         1.0 - count(&mut self.shown.iter().zip(mask).map(|(shown, counts)| *shown && *counts)) / shown.max(1.0)
+    }
+
+    /// Returns how visible the difference between `picture` and the smooth surface is; `None` if the surface is not
+    /// known.
+    ///
+    /// # Errors
+    /// Returns a [`VisionError`] if the picture does not have the size of the frame, is too small, or has no light at a
+    /// place.
+    pub fn difference(
+        &self,
+        viewing: &ViewingConditions,
+        picture: &LinearImage,
+    ) -> Result<Option<SurfaceDifference>, VisionError> {
+        let Some(Smooth { picture: truth, common: mask, .. }) = &self.truth else { return Ok(None) };
+        let judge = viewing.judge(truth)?;
+        let (width, height) = (truth.width as usize, truth.height as usize);
+        let px = TAPER_DEG * viewing.px_per_deg(truth.width);
+        let share: Vec<f64> = distances(mask, width, height).iter().map(|away| (away / px).min(1.0)).collect();
+        let difference = judge.difference(&viewing.luminances(picture), &viewing.luminances(truth), Some(&share))?;
+        let map = difference.map();
+        let mut inside: Vec<f64> = map.enlarged();
+        inside = inside.into_iter().zip(mask).filter(|(_, counts)| **counts).map(|(times, _)| times).collect();
+        inside.sort_by(f64::total_cmp);
+        let p95 = inside.get(inside.len().saturating_sub(1) * 95 / 100).copied().unwrap_or_default();
+        Ok(Some(SurfaceDifference { largest: inside.last().copied().unwrap_or_default(), p95, map }))
     }
 
     /// Returns how far `picture` is from the smooth surface; `None` if the surface is not known. 0 if no pixel can be
@@ -96,13 +95,13 @@ impl Judged {
     /// Panics if the picture does not have the size of the frame.
     #[must_use]
     pub fn residual(&self, viewing: &ViewingConditions, picture: &LinearImage) -> Option<Residual> {
-        let (truth, mask) = self.truth.as_ref()?;
+        let Smooth { picture: truth, mask, .. } = self.truth.as_ref()?;
         let light = luminances(truth);
         let own = luminances(picture);
         assert_eq!(own.len(), light.len(), "pictures of one frame have one size");
         let difference =
             own.iter().zip(&light).zip(mask).map(|((own, light), counts)| if *counts { own - light } else { 0.0 });
-        let eye = viewing.eye(&light);
+        let eye = viewing.eye(&viewing.luminances(truth));
         let size = [truth.width, truth.height].map(|side| side as usize);
         let spectrum = ContrastSpectrum::of(&difference.collect::<Vec<_>>(), size, viewing.px_per_deg(truth.width));
         let peak = eye.sensitivity.peak(eye.luminance);
@@ -129,17 +128,66 @@ pub struct Residual {
     pub p999: f64,
 }
 
-/// Adds all pixels within `reach` rows and columns of a pixel that is set.
-fn dilated(set: Vec<bool>, width: usize, reach: usize) -> Vec<bool> {
-    let along = |set: &[bool], stride: usize, line: &dyn Fn(usize) -> usize| -> Vec<bool> {
-        let near = |i: usize| {
-            (1..=reach).any(|step| {
-                let [before, after] = [i.checked_sub(step * stride), Some(i + step * stride)];
-                [before, after].into_iter().flatten().any(|j| j < set.len() && line(j) == line(i) && set[j])
-            })
+/// How visible a picture's difference from the smooth surface is, in times threshold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceDifference {
+    /// The largest value on the surface.
+    pub largest: f64,
+    /// The value that one place in twenty exceeds.
+    pub p95: f64,
+    pub map: DifferenceMap,
+}
+
+/// Returns the distance of each pixel from the nearest pixel that does not count, in pixels. It is computed first along
+/// the columns, and then along the rows as the lower envelope of parabolas (Felzenszwalb & Huttenlocher 2012, Theory of
+/// Computing 8:415).
+fn distances(mask: &[bool], width: usize, height: usize) -> Vec<f64> {
+    let far = (width + height) as f64;
+    let mut squares = vec![0.0; mask.len()];
+    for x in 0..width {
+        let mut distance = far;
+        for y in 0..height {
+            distance = if mask[y * width + x] { distance + 1.0 } else { 0.0 };
+            squares[y * width + x] = distance;
+        }
+        distance = far;
+        for y in (0..height).rev() {
+            distance = if mask[y * width + x] { distance + 1.0 } else { 0.0 };
+            let both: f64 = distance.min(squares[y * width + x]);
+            squares[y * width + x] = both * both;
+        }
+    }
+    let mut row = vec![0.0; width];
+    for squares in squares.chunks_exact_mut(width) {
+        row.copy_from_slice(squares);
+        envelope(&row, squares);
+    }
+    squares.iter().map(|square: &f64| square.sqrt()).collect()
+}
+
+fn envelope(row: &[f64], lowest: &mut [f64]) {
+    let mut apexes: Vec<(usize, f64)> = Vec::with_capacity(row.len());
+    for (x, value) in row.iter().enumerate() {
+        let meets = |apex: usize| {
+            let square = |x: usize| (x * x) as f64;
+            (value + square(x) - row[apex] - square(apex)) / (2 * (x - apex)) as f64
         };
-        (0..set.len()).map(|i| set[i] || near(i)).collect()
-    };
-    let rows = along(&set, 1, &|i| i / width);
-    along(&rows, width, &|i| i % width)
+        while let Some((apex, from)) = apexes.last().copied() {
+            if meets(apex) > from {
+                break;
+            }
+            apexes.pop();
+        }
+        let from = apexes.last().map_or(f64::NEG_INFINITY, |(apex, _)| meets(*apex));
+        apexes.push((x, from));
+    }
+    let mut k = 0;
+    for (x, lowest) in lowest.iter_mut().enumerate() {
+        while apexes.get(k + 1).is_some_and(|(_, from)| *from < x as f64) {
+            k += 1;
+        }
+        let apex = apexes[k].0;
+        let away = x as f64 - apex as f64;
+        *lowest = away * away + row[apex];
+    }
 }

@@ -60,20 +60,21 @@ pub fn open_vision(path: &Path) -> Result<VisionRater, FileErrors> {
 /// Reports every error, with its line and column.
 pub fn parse_vision(file: &str, text: &str) -> Result<VisionRater, FileErrors> {
     let (rater, mut document) = toml::read::<VisionRater>(file, text)?;
-    check_thresholds(&mut document, rater.thresholds, 0.0, "[3.0, 8.0, 28.0]");
+    check_thresholds(&mut document, rater.thresholds, 0.0, "[0.25, 1.0, 4.0]");
     document.check_range("spread", rater.spread, 1e-6, 1000.0);
     document.check_range("subject_sd", rater.subject_sd, 0.0, 100.0);
     document.check_range("lapse", rater.lapse, 0.0, 1.0);
     document.finish(rater)
 }
 
-/// Writes a criterion as a file for a vision observer.
+/// Writes a criterion as a file for a vision observer. `origin` is a line that says what it rests on.
 ///
 /// # Errors
 /// The same errors as [`Writer::write`].
-pub fn write_criterion(writer: &Writer, path: &Path, criterion: &Criterion) -> Result<(), StoreError> {
+pub fn write_criterion(writer: &Writer, path: &Path, origin: &str, criterion: &Criterion) -> Result<(), StoreError> {
     let [a, b, c] = criterion.thresholds;
-    let text = format!("schema = 1\nthresholds = [{a:.6}, {b:.6}, {c:.6}]\nspread = {:.6}\n", criterion.spread);
+    let text =
+        format!("# {origin}\nschema = 1\nthresholds = [{a:.6}, {b:.6}, {c:.6}]\nspread = {:.6}\n", criterion.spread);
     writer.write(path, text.as_bytes())
 }
 

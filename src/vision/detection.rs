@@ -7,7 +7,6 @@ use super::{
     error::{VisionError, check},
     eye::Eye,
     fft::{next_fast_length, transform},
-    image::LuminanceImage,
     sensitivity::Sensitivity,
 };
 use crate::system::checkpoint;
@@ -18,15 +17,26 @@ const FIELD_DEG: f64 = 2.0;
 /// sees nothing finer.
 const ENOUGH_PX_PER_DEG: f64 = 120.0;
 
+/// An image in linear light.
+#[derive(Clone, Copy, Debug)]
+pub struct LuminanceImage<'a> {
+    /// Luminance, row by row, starting at the upper left corner; its unit does not matter.
+    pub light: &'a [f64],
+    pub width: usize,
+    pub height: usize,
+    /// Pixels per degree.
+    pub px_per_deg: f64,
+}
+
 /// Returns the contrast of `picture`, in multiples of the threshold at which `eye` tells it from a uniform field of its
 /// mean light: 1 is just visible (84 % correct in a choice between two), 0 is a uniform field. The eye
-/// looks at the middle of the picture. A mask is ignored.
+/// looks at the middle of the picture.
 ///
 /// # Errors
 /// Returns a [`VisionError`] if the light has the wrong length, if the number of pixels per degree is not above 0, if a
 /// light value is negative or not finite, or if the picture is all black.
 pub fn detection(picture: &LuminanceImage, eye: &Eye) -> Result<f64, VisionError> {
-    Ok(ContrastSpectrum::new(picture)?.detection(eye, |_| 0.0))
+    Ok(ContrastSpectrum::new(picture)?.detection(eye))
 }
 
 /// The spectrum of a picture's contrast: light divided by mean light, minus 1.
@@ -73,14 +83,10 @@ impl ContrastSpectrum {
         ContrastSpectrum { values, columns, rows, px_per_deg, size, first: [left, top], block }
     }
 
-    /// Returns the detection of the picture in noise that is drawn anew for each presentation. `noise` returns its power
-    /// density for each frequency in cycles per degree, in contrast² per (cycle/degree)².
-    pub fn detection(&self, eye: &Eye, noise: impl Fn(f64) -> f64) -> f64 {
-        let sensitivity = &eye.sensitivity;
-        self.pooled(sensitivity, |frequency| {
-            let own = sensitivity.at(frequency, eye.luminance);
-            own * sensitivity.masked(own, frequency, noise(frequency))
-        })
+    /// Returns the contrast in multiples of the threshold of `eye`, which looks at the middle of the picture.
+    #[must_use]
+    pub fn detection(&self, eye: &Eye) -> f64 {
+        self.pooled(&eye.sensitivity, |frequency| eye.sensitivity.at(frequency, eye.luminance))
     }
 
     /// Returns the response of the filter `gain`, with the oblique effect, all over the field.
@@ -149,21 +155,21 @@ impl ContrastSpectrum {
 }
 
 /// A function of a number that is not negative, interpolated between values that lie densest near 0.
-struct Lookup {
+pub(super) struct Lookup {
     values: Vec<f64>,
     per_root: f64,
 }
 
 /// Number of values in a table; the error is below a millionth.
-const TABLE: usize = 4096;
+const TABLE: usize = 8192;
 
 impl Lookup {
-    fn new(most: f64, value: impl Fn(f64) -> f64) -> Lookup {
+    pub(super) fn new(most: f64, value: impl Fn(f64) -> f64) -> Lookup {
         let per_root = (TABLE - 2) as f64 / most.sqrt();
         Lookup { values: (0..TABLE).map(|i| value((i as f64 / per_root).powi(2))).collect(), per_root }
     }
 
-    fn at(&self, of: f64) -> f64 {
+    pub(super) fn at(&self, of: f64) -> f64 {
         let at = of.sqrt() * self.per_root;
         let i = (at as usize).min(TABLE - 2);
         self.values[i] + (self.values[i + 1] - self.values[i]) * (at - i as f64)

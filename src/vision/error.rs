@@ -42,6 +42,14 @@ pub enum VisionError {
         /// Row, from 0.
         y: usize,
     },
+    /// A picture that is compared has no light at a place.
+    #[error("no light in column {x}, row {y}; expected a display whose black is above 0 cd/m²")]
+    Black {
+        /// Column, from 0.
+        x: usize,
+        /// Row, from 0.
+        y: usize,
+    },
     /// The image is black everywhere.
     #[error("all black; expected some light")]
     AllBlack,
@@ -50,13 +58,7 @@ pub enum VisionError {
 /// Checks that `light` holds `width` × `height` valid values, that some of them are above 0, and that `px_per_deg` is
 /// positive.
 pub(super) fn check(light: &[f64], width: usize, height: usize, px_per_deg: f64) -> Result<(), VisionError> {
-    if !(px_per_deg > 0.0 && px_per_deg <= MAX_PX_PER_DEG) {
-        return Err(VisionError::Sampling(px_per_deg));
-    }
-    let extent = width.max(height) as f64 / px_per_deg;
-    if extent > MAX_DEG {
-        return Err(VisionError::Extent(extent));
-    }
+    check_extent(width, height, px_per_deg)?;
     if light.len() != width * height {
         return Err(VisionError::Count { found: light.len(), expected: width * height });
     }
@@ -64,4 +66,16 @@ pub(super) fn check(light: &[f64], width: usize, height: usize, px_per_deg: f64)
         return Err(VisionError::Light { value: light[i], x: i % width, y: i / width });
     }
     if light.iter().all(|value| *value == 0.0) { Err(VisionError::AllBlack) } else { Ok(()) }
+}
+
+/// Checks that `px_per_deg` is positive, and that the picture fits into the field around the eye.
+pub(super) fn check_extent(width: usize, height: usize, px_per_deg: f64) -> Result<(), VisionError> {
+    if !(px_per_deg > 0.0 && px_per_deg <= MAX_PX_PER_DEG) {
+        return Err(VisionError::Sampling(px_per_deg));
+    }
+    let extent = width.max(height) as f64 / px_per_deg;
+    if extent > MAX_DEG {
+        return Err(VisionError::Extent(extent));
+    }
+    Ok(())
 }

@@ -1,4 +1,4 @@
-//! The eye that looks at a picture, and how it treats the borders of the picture.
+//! The eye that looks at a picture.
 
 use super::sensitivity::Sensitivity;
 use crate::light::LinearImage;
@@ -10,6 +10,27 @@ pub struct Eye {
     pub luminance: f64,
     /// Contrast sensitivity.
     pub sensitivity: Sensitivity,
+    pub masking: Masking,
+}
+
+/// To what a difference is relative, and how a reference masks it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Masking {
+    /// σ of the Gaussian window in which the eye averages light, degrees: it adapts to the light nearby.
+    pub adaptation_deg: f64,
+    /// σ of a band's Gaussian, given as a ratio of frequencies.
+    pub ratio: f64,
+    /// The reference's response at which it masks a band to 1/√2.
+    pub half: f64,
+}
+
+impl Default for Masking {
+    /// The bands have 1.5 octaves at half height, close to the median of cells in V1 (1.4 in De Valois, Albrecht &
+    /// Thorell 1982, Vis. Res. 22:545). `half` is the peak response to ModelFest's Gabor of 4 cycles per degree at its
+    /// measured threshold, which `cargo run --release -p tools -- thresholds` derives.
+    fn default() -> Self {
+        Self { adaptation_deg: 0.5, ratio: 0.65, half: 1.83 }
+    }
 }
 
 impl Default for Eye {
@@ -23,12 +44,9 @@ impl Eye {
     /// Creates an average eye that is adapted to `luminance` cd/m².
     #[must_use]
     pub fn adapted_to(luminance: f64) -> Self {
-        Self { luminance, sensitivity: Sensitivity::default() }
+        Self { luminance, sensitivity: Sensitivity::default(), masking: Masking::default() }
     }
 }
-
-/// σ of the Gaussian window in which the eye averages light, degrees: the eye adapts locally, not to the whole field.
-pub(super) const ADAPTATION_DEG: f64 = 0.5;
 
 /// Returns the luminance of a linear sRGB color, 1 for white (IEC 61966-2-1).
 #[must_use]
@@ -40,27 +58,4 @@ pub fn luminance([red, green, blue]: [f32; 3]) -> f64 {
 #[must_use]
 pub fn luminances(image: &LinearImage) -> Vec<f64> {
     image.data.chunks_exact(3).map(|pixel| luminance([pixel[0], pixel[1], pixel[2]])).collect()
-}
-
-/// What lies beyond the ends of a profile or the edges of an image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Border {
-    /// The end values continue, as for a ramp between endless plateaus.
-    Continues,
-    /// The image is cut off: nobody knows what would lie beyond, so a channel ignores what is close to the border.
-    Cut,
-}
-
-/// A channel ignores anything closer to the border than this, in its periods, and counts in full at twice this distance.
-/// With less, the border changes the response to gratings; with more, pictures lack the coarse channels of their middle.
-const MARGIN_PERIODS: f64 = 0.7;
-
-impl Border {
-    /// Returns the weight, 0…1, of a place at a distance from the border, given in periods of the channel.
-    pub(super) fn weight(self, periods: f64) -> f64 {
-        match self {
-            Border::Continues => 1.0,
-            Border::Cut => (periods / MARGIN_PERIODS - 1.0).clamp(0.0, 1.0),
-        }
-    }
 }

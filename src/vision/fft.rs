@@ -12,15 +12,8 @@ thread_local! {
 }
 
 /// Returns the forward transform for `length` values.
-#[must_use]
-pub fn forward(length: usize) -> Arc<dyn Fft<f64>> {
+fn forward(length: usize) -> Arc<dyn Fft<f64>> {
     PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length))
-}
-
-/// Returns the inverse transform for `length` values, without the factor 1/`length`.
-#[must_use]
-pub fn inverse(length: usize) -> Arc<dyn Fft<f64>> {
-    PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(length))
 }
 
 /// Returns the smallest number that is at least `least` and has no prime factor above 5. Transforms of such lengths are
@@ -46,29 +39,22 @@ pub(super) fn transform(values: &mut [Complex64], columns: usize, rows: usize) {
         across.process(row);
     });
     let mut turned = vec![Complex64::default(); values.len()];
-    transpose(values, &mut turned, columns, 0, [columns, rows]);
+    transpose(values, &mut turned, [columns, rows]);
     turned.par_chunks_exact_mut(rows).for_each(|column| {
         checkpoint();
         down.process(column);
     });
-    transpose(&turned, values, rows, 0, [rows, columns]);
+    transpose(&turned, values, [rows, columns]);
 }
 
-/// Turns columns into rows. It takes the `columns` that start at `left` from rows that are `stride` long, and works in
-/// tiles that fit in the processor's cache.
-pub(super) fn transpose(
-    from: &[Complex64],
-    to: &mut [Complex64],
-    stride: usize,
-    left: usize,
-    [columns, rows]: [usize; 2],
-) {
+/// Turns rows of `columns` values into columns, in tiles that fit in the processor's cache.
+fn transpose(from: &[Complex64], to: &mut [Complex64], [columns, rows]: [usize; 2]) {
     const TILE: usize = 16;
     for top in (0..rows).step_by(TILE) {
         for first in (0..columns).step_by(TILE) {
             for y in top..(top + TILE).min(rows) {
                 for x in first..(first + TILE).min(columns) {
-                    to[x * rows + y] = from[y * stride + left + x];
+                    to[x * rows + y] = from[y * columns + x];
                 }
             }
         }

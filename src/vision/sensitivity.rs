@@ -31,22 +31,19 @@ pub struct Sensitivity {
     pub fovea_power: f64,
     /// Exponent of the effect that more light, up to 200 cd/m², makes finer detail visible.
     pub bright_power: f64,
-    /// Bandwidth within which noise masks, cycles per degree.
-    pub masking_cpd: f64,
 }
 
 impl Default for Sensitivity {
     fn default() -> Self {
         Self {
-            gain: 280.8,
-            fine_cpd: 0.4761,
-            fine_power: 0.5661,
-            coarse_power: 1.776,
-            pooling: 2.261,
-            fovea_deg: 0.1828,
-            fovea_power: 0.3182,
-            bright_power: 0.1311,
-            masking_cpd: 2.333,
+            gain: 220.8,
+            fine_cpd: 0.7202,
+            fine_power: 0.6047,
+            coarse_power: 1.582,
+            pooling: 2.257,
+            fovea_deg: 0.1752,
+            fovea_power: 0.3196,
+            bright_power: 0.1453,
         }
     }
 }
@@ -72,20 +69,17 @@ impl Sensitivity {
     /// Returns the factor for an oblique grating. `across` is the unit vector across its bars.
     #[must_use]
     pub fn oblique(frequency: f64, across: [f64; 2]) -> f64 {
-        let most = -(-(frequency - OBLIQUE_ABOVE).max(0.0) / OBLIQUE_SCALE).exp_m1();
-        1.0 - most * (2.0 * across[0] * across[1]).powi(2)
+        1.0 - Self::obliqueness(frequency) * (2.0 * across[0] * across[1]).powi(2)
+    }
+
+    /// Returns the share of the gain that a grating loses at 45°.
+    pub(super) fn obliqueness(frequency: f64) -> f64 {
+        -(-(frequency - OBLIQUE_ABOVE).max(0.0) / OBLIQUE_SCALE).exp_m1()
     }
 
     /// Returns the factor for a place at `deg` degrees from the center of gaze.
     #[must_use]
     pub fn eccentric(&self, deg: f64) -> f64 {
         (1.0 + (deg / self.fovea_deg).powi(2)).powf(-0.5 * self.fovea_power)
-    }
-
-    /// Returns the factor by which noise reduces `sensitivity` at `frequency`. `power` is the noise's power density at
-    /// that frequency, in contrast² per (cycle/degree)².
-    #[must_use]
-    pub fn masked(&self, sensitivity: f64, frequency: f64, power: f64) -> f64 {
-        (1.0 + power * sensitivity * sensitivity * self.masking_cpd * frequency).powf(-0.5)
     }
 }

@@ -4,7 +4,10 @@ use std::path::{Path, PathBuf};
 
 use serde::{Serialize, Serializer};
 
-use super::{RequestError, Watcher, named, request::paths};
+use super::{
+    RequestError, Watcher, named,
+    request::{paths, positive},
+};
 use crate::{
     display::DisplayProfile,
     light::{Bits, Dither, Transfer, Transfers},
@@ -30,6 +33,25 @@ pub struct Encoding {
     pub display: Option<PathBuf>,
 }
 
+/// How bright the display is.
+#[derive(Clone, Debug, Default, PartialEq, clap::Args, Serialize)]
+pub struct Luminances {
+    /// Luminance of white in cd/m², without that of black [default: the display profile's, or 100].
+    #[arg(long, value_name = "CD_M2", value_parser = positive)]
+    pub white: Option<f64>,
+    /// Luminance of black in cd/m², with what the screen reflects [default: the display profile's, or 0.2].
+    #[arg(long, value_name = "CD_M2", value_parser = not_negative)]
+    pub black: Option<f64>,
+}
+
+/// Parses a number that is at least 0.
+fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() && number >= 0.0 => Ok(number),
+        _ => Err("not a number of at least 0; expected one".to_owned()),
+    }
+}
+
 /// Writes a value as its text.
 pub(super) fn as_text<T: ToString, S: Serializer>(value: &Option<T>, serializer: S) -> Result<S::Ok, S::Error> {
     value.as_ref().map(ToString::to_string).serialize(serializer)
@@ -47,11 +69,19 @@ pub struct Encoded {
 }
 
 impl Encoded {
-    /// Returns the luminance of white in cd/m²: the one that was asked for, otherwise the profile's, otherwise 100.
+    /// Returns how a window of this width looks: on a screen of the luminances that were asked for, otherwise of the
+    /// profile's, otherwise of a typical one.
     #[must_use]
-    pub fn white_cd_m2(&self, asked: Option<f64>) -> f64 {
+    pub fn viewing(&self, window_deg: f64, asked: &Luminances) -> ViewingConditions {
+        let typical = ViewingConditions::new(window_deg);
         let of_profile = self.profile.as_ref().and_then(|(profile, _)| profile.luminance);
-        asked.or(of_profile.map(|range| range.white_cd_m2)).unwrap_or(ViewingConditions::WHITE_CD_M2)
+        let black = of_profile.map_or(typical.black_cd_m2, |range| range.black_cd_m2);
+        let white = of_profile.map_or(typical.white_cd_m2, |range| range.white_cd_m2 - range.black_cd_m2);
+        ViewingConditions {
+            white_cd_m2: asked.white.unwrap_or(white),
+            black_cd_m2: asked.black.unwrap_or(black),
+            window_deg,
+        }
     }
 }
 
@@ -128,6 +158,12 @@ pub struct Image {
 }
 
 impl Image {
+    /// Returns the dither with its seed.
+    #[must_use]
+    pub fn dither(&self) -> Dither {
+        self.dither.with_seed(self.seed)
+    }
+
     /// Returns the complete description of an image of this stimulus.
     ///
     /// # Errors

@@ -8,6 +8,7 @@
 mod analyze;
 pub mod calibrate;
 mod check;
+pub mod compare;
 mod drawn;
 mod export;
 mod findings;
@@ -31,7 +32,7 @@ pub use analyze::Analyze;
 pub use check::Check;
 pub use drawn::Drawn;
 pub use export::Export;
-pub use image::{Encoded, Encoding, Image, Pixels, outdated, today};
+pub use image::{Encoded, Encoding, Image, Luminances, Pixels, outdated, today};
 pub use model::Model;
 pub use paths::{FittedPath, NewFolder, OutPath};
 pub use ratings::{Only, Ratings, explained};

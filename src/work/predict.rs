@@ -1,4 +1,4 @@
-//! The predicted visibility of bands: in one stimulus or image, or in every condition of a definition.
+//! How visible the bands of a ramp are, and the whole picture: of one stimulus, or in every condition of a definition.
 
 use std::path::{Path, PathBuf};
 
@@ -6,30 +6,25 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    Drawn, Encoded, Encoding, FittedPath, Ratings, RequestError, Watcher, explained,
+    Drawn, Encoded, Encoding, FittedPath, Luminances, Ratings, RequestError, Watcher, explained,
     image::side,
     request::{paths, positive},
 };
 use crate::{
-    experiment::{Condition, Protocol, visibilities},
-    light::{Bits, CodeImage, LinearImage, Quantizer, Transfer},
+    experiment::{Condition, Protocol, judged},
     report::{
         Study,
         prediction::{self, Comparison, MAX_PICTURES, window_deg},
-        terminal::printable,
     },
-    stimulus::{Parameter, Stimulus, StimulusPrediction, ViewingConditions},
-    store::{self, definition, observer, ratings::Source},
+    stimulus::{Parameter, Stimulus, ViewingConditions, Visible},
+    store::{definition, observer, ratings::Source},
     text::{Cell, Column, Table},
-    vision::{Criterion, Visibility, VisionError},
+    vision::{Criterion, VisionError},
 };
 
 /// Maximum number of conditions of a definition, unless the user allows more. A prediction takes milliseconds; a study
 /// has a hundred conditions.
 const MAX_CONDITIONS: usize = 500;
-
-/// Maximum number of pixels of an image, unless the user allows more: those of a 4K screen. Each takes about 110 bytes.
-const MAX_PIXELS: u64 = 3840 * 2160;
 
 /// What to predict, how it is seen, and what the prediction is compared with.
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
@@ -37,13 +32,8 @@ pub struct Predict {
     /// Built-in definition or path to a .toml file; all its conditions are predicted.
     #[serde(serialize_with = "paths")]
     pub experiment: Option<PathBuf>,
-    /// Predict the bands in this image, which can be any opaque PNG. Without a transfer function or a display profile,
-    /// the codes mean what the file's sRGB or gAMA chunk says, or sRGB.
-    #[arg(long, value_name = "FILE.png", conflicts_with = "experiment")]
-    #[serde(serialize_with = "paths")]
-    pub image: Option<PathBuf>,
-    /// Also accept more than 500 conditions (100 if each has a rendered picture), an image of more than 3840 × 2160
-    /// pixels, and ratings beyond the limits of `analyze`. This needs more time and memory.
+    /// Also accept more than 500 conditions (100 if each has a rendered picture), and ratings beyond the limits of
+    /// `analyze`. This needs more time and memory.
     #[arg(long)]
     pub large: bool,
     #[command(flatten)]
@@ -55,45 +45,34 @@ pub struct Predict {
     /// Side of the stimulus in pixels [default: 512, or 1024 if it varies in one direction only].
     #[arg(long, value_name = "PX", value_parser = side(16))]
     pub size: Option<u32>,
-    /// Width of the stimulus or image in degrees of visual angle [default: the width in the rated sessions, otherwise
+    /// Width of the stimulus in degrees of visual angle [default: the width in the rated sessions, otherwise
     /// in the definition, otherwise 10].
     #[arg(long = "window", value_name = "DEG", value_parser = positive)]
     pub window_deg: Option<f64>,
     /// Pixels per degree of visual angle, in place of the width.
     #[arg(long, value_name = "PX", value_parser = positive, conflicts_with = "window_deg")]
     pub ppd: Option<f64>,
-    /// Luminance of white in cd/m² [default: the display profile's, or 100].
-    #[arg(long, value_name = "CD_M2", value_parser = positive)]
-    pub white: Option<f64>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub luminances: Luminances,
     /// Compare the prediction with ratings from these result files or folders.
     #[arg(long, value_name = "FILE|DIR", num_args = 1.., requires = "experiment")]
     #[serde(serialize_with = "paths")]
     pub fit: Vec<PathBuf>,
-    /// File with the thresholds between ratings; written if the prediction is compared with ratings,
-    /// otherwise read.
+    /// File with the thresholds between ratings, fitted to people; written if the prediction is compared with ratings,
+    /// otherwise read to predict ratings.
     #[arg(long, value_name = "FILE.toml")]
     pub criterion: Option<FittedPath>,
 }
 
-/// What a caller shows in place of what the request names.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Shown {
-    Stimulus(Stimulus),
-    /// An image whose codes mean what the request says, by default sRGB.
-    Codes(CodeImage),
-    Light(LinearImage),
-}
-
-/// What is predicted for one stimulus or image.
+/// What is predicted for one stimulus.
 #[derive(Clone, Debug)]
 pub struct Prediction {
-    pub view: StimulusPrediction,
-    /// Width and height in pixels.
-    pub size: [u32; 2],
+    pub visible: Visible,
     /// Contrast of the picture, in multiples of an average person's threshold.
     pub detection: f64,
-    /// Expected rating of the strongest band.
-    pub rating: f64,
+    /// The mean rating, if there is a criterion.
+    pub rating: Option<f64>,
     /// All of it in one row, with what was predicted.
     pub table: Table,
 }
@@ -108,67 +87,33 @@ pub struct Predictions {
 }
 
 impl Predict {
-    /// Predicts the bands in `shown`, or otherwise in the image or stimulus that the request names.
+    /// Predicts the bands of `given`, or otherwise of the stimulus that the request names.
     ///
     /// # Errors
     /// A value is impossible, a file cannot be read, or the picture is too large, too small or all black.
-    pub fn one(&self, shown: Option<Shown>, watcher: &dyn Watcher) -> anyhow::Result<Prediction> {
+    pub fn one(&self, given: Option<&Stimulus>, watcher: &dyn Watcher) -> anyhow::Result<Prediction> {
         let (encoded, criterion) = (self.encoding.read(watcher)?, self.criterion()?);
-        let image = match shown {
-            Some(Shown::Stimulus(stimulus)) => return self.stimulus(&stimulus, &encoded, &criterion),
-            Some(Shown::Codes(codes)) => {
-                self.check_pixels(codes.width, codes.height)?;
-                codes.light(&encoded.transfers)
-            }
-            Some(Shown::Light(light)) => {
-                self.check_pixels(light.width, light.height)?;
-                light
-            }
-            None => match &self.image {
-                None => return self.stimulus(&self.drawn.stimulus()?, &encoded, &criterion),
-                Some(path) => {
-                    let transfers = encoded.is_given.then_some(&encoded.transfers);
-                    store::image::read_light(path, transfers, self.pixels())?
-                }
-            },
-        };
-        let name = self
-            .image
-            .as_ref()
-            .map_or_else(|| "image".to_owned(), |path| printable(&path.display().to_string()).into_owned());
-        let viewing = self.viewing(&encoded, image.width, ViewingConditions::WINDOW_DEG);
-        let wrong = |error| anyhow::anyhow!("{name}: {error}");
-        let view = viewing.predict_image(&image).map_err(wrong)?;
-        let lines = view.lines;
-        let (view, detection) =
-            (StimulusPrediction::Picture(Box::new(view)), viewing.detection_of_image(&image).map_err(wrong)?);
-        let columns = vec![Column::new("image", "", "The file.")];
-        let size = [image.width, image.height];
-        let mut found = Prediction::new(view, size, detection, columns, vec![name.into()], &criterion);
-        found.table.columns.extend([("bright", lines.bright), ("dark", lines.dark)].map(|(which, visibility)| {
-            Column {
-                cells: vec![decimals(visibility)],
-                ..Column::new(
-                    format!("lines_{which}"),
-                    TIMES,
-                    format!("Visibility of the strongest {which} line in the image."),
-                )
-            }
-        }));
-        Ok(found)
-    }
-
-    fn stimulus(&self, stimulus: &Stimulus, encoded: &Encoded, criterion: &Criterion) -> anyhow::Result<Prediction> {
+        let drawn = given.map_or_else(
+            || self.drawn.stimulus().map(std::borrow::Cow::Owned),
+            |it| Ok(std::borrow::Cow::Borrowed(it)),
+        )?;
+        let stimulus = drawn.as_ref();
         let size = self.size_of(stimulus)?;
-        let viewing = self.viewing(encoded, size, ViewingConditions::WINDOW_DEG);
+        let viewing = self.viewing(&encoded, size, ViewingConditions::WINDOW_DEG);
         let wrong = |error| anyhow::anyhow!("{}: {error}", stimulus.kind());
-        let view = viewing.predict(stimulus, size).map_err(wrong)?;
+        let visible = viewing.visible(&[stimulus], Some(size)).map_err(wrong)?.remove(0);
         let detection = viewing.detection(stimulus).map_err(wrong)?;
+        let rating = criterion.as_ref().and_then(|criterion| Some(criterion.mean(visible.rated()?)));
         let kind = Column::new("stimulus", "", "Kind of stimulus.");
-        let columns = std::iter::once(kind).chain(stimulus.parameters().iter().map(column)).collect();
+        let columns = std::iter::once(kind).chain(stimulus.parameters().iter().map(column));
         let values = stimulus.parameters().iter().map(|parameter| Cell::from(stimulus.get(parameter.name)));
-        let cells = std::iter::once(Cell::from(stimulus.kind())).chain(values).collect();
-        Ok(Prediction::new(view, [size; 2], detection, columns, cells, criterion))
+        let row = std::iter::once(Cell::from(stimulus.kind())).chain(values);
+        let asked = Asked { rating: criterion.is_some(), surface: !stimulus.is_line() };
+        let table = Table::new(
+            columns.chain(asked.columns()).collect(),
+            [row.chain(asked.cells(&visible, detection, rating)).collect()],
+        );
+        Ok(Prediction { visible, detection, rating, table })
     }
 
     /// Predicts every condition of `experiment`, and compares the predictions with the ratings, if there are any.
@@ -186,7 +131,7 @@ impl Predict {
         let planned = study.as_ref().map_or(protocol.viewing.window_deg, |study| window_deg(&study.source, &protocol));
         let viewing = self.viewing(&encoded, self.size_of(&protocol.stimulus)?, planned);
         let wrong = |error: VisionError| anyhow::anyhow!("{}: {error}", protocol.stimulus.kind());
-        let found = visibilities(conditions, &viewing, self.size).map_err(wrong)?;
+        let found = judged(conditions, &viewing, self.size).map_err(wrong)?;
         let compared = |study: Study| {
             prediction::compare_conditions(&study.measured.counts, &protocol, conditions, &found)
                 .map(|comparison| (comparison, study.source))
@@ -194,19 +139,20 @@ impl Predict {
         };
         let fit = study.map(compared).transpose()?;
         let (criterion, least) = match &fit {
-            Some((comparison, _)) => (comparison.criterion.clone(), prediction::MIN_VISIBILITY),
+            Some((comparison, _)) => (Some(comparison.criterion.clone()), prediction::LEAST),
             None => (self.criterion()?, 0.0),
         };
         let detections = conditions.par_iter().map(|condition| viewing.detection(&condition.stimulus));
         let detections = detections.collect::<Result<Vec<f64>, _>>().map_err(wrong)?;
         let known = protocol.stimulus.parameters();
         let named = |name: &str| known.iter().find(|parameter| parameter.name == name).map(column);
-        let columns = protocol.factors.iter().filter_map(|factor| named(&factor.name)).chain(columns()).collect();
-        let row = |((condition, visibility), detection): ((&Condition, &Visibility), f64)| {
+        let asked = Asked { rating: criterion.is_some(), surface: !protocol.stimulus.is_line() };
+        let columns = protocol.factors.iter().filter_map(|factor| named(&factor.name)).chain(asked.columns()).collect();
+        let row = |((condition, visible), detection): ((&Condition, &Visible), f64)| {
             let levels = protocol.factors.iter().zip(&condition.levels);
             let levels = levels.map(|(factor, level)| Cell::from(factor.levels[*level].clone()));
-            let rating = criterion.mean(visibility.max().max(least));
-            levels.chain(cells(*visibility, detection, rating)).collect()
+            let rating = criterion.as_ref().and_then(|criterion| Some(criterion.mean(visible.rated()?.max(least))));
+            levels.chain(asked.cells(visible, detection, rating)).collect()
         };
         let table = Table::new(columns, conditions.iter().zip(&found).zip(detections).map(row));
         Ok(Predictions { table, fit })
@@ -218,17 +164,17 @@ impl Predict {
         ratings.read(Default::default(), false, self.large).map_err(explained)
     }
 
-    /// Returns the criterion from the file, or the default.
-    fn criterion(&self) -> anyhow::Result<Criterion> {
-        let read = |path: &FittedPath| Ok(observer::open_vision(path)?.criterion());
-        self.criterion.as_ref().map_or_else(|| Ok(Criterion::default()), read)
+    /// Returns the criterion from the file, if there is one.
+    fn criterion(&self) -> anyhow::Result<Option<Criterion>> {
+        let path = self.criterion.as_ref().filter(|_| self.fit.is_empty());
+        path.map(|path| Ok(observer::open_vision(path)?.criterion())).transpose()
     }
 
     /// Returns the conditions under which a picture of this width is seen; its window has by default `planned` degrees.
     fn viewing(&self, encoded: &Encoded, width_px: u32, planned: f64) -> ViewingConditions {
         let of_ppd = self.ppd.map(|ppd| f64::from(width_px) / ppd);
         let window_deg = self.window_deg.or(of_ppd).unwrap_or(planned);
-        ViewingConditions { window_deg, white_cd_m2: encoded.white_cd_m2(self.white) }
+        encoded.viewing(window_deg, &self.luminances)
     }
 
     /// Returns the side of this stimulus, of which a picture fits into memory.
@@ -254,48 +200,6 @@ impl Predict {
         let message = format!("{name}: the number of conditions{kind} is {found}; expected at most {most}");
         Err(RequestError::whole(message).unless("large"))
     }
-
-    /// Returns the maximum number of pixels of an image.
-    fn pixels(&self) -> u64 {
-        if self.large { u64::MAX } else { MAX_PIXELS }
-    }
-
-    fn check_pixels(&self, width: u32, height: u32) -> Result<(), RequestError> {
-        if u64::from(width) * u64::from(height) <= self.pixels() {
-            return Ok(());
-        }
-        let message = format!("the image has {width} × {height} pixels; expected at most {MAX_PIXELS} pixels");
-        Err(RequestError::whole(message).unless("large"))
-    }
-}
-
-impl Prediction {
-    fn new(
-        view: StimulusPrediction,
-        size: [u32; 2],
-        detection: f64,
-        mut named: Vec<Column>,
-        mut row: Vec<Cell>,
-        criterion: &Criterion,
-    ) -> Self {
-        let visibility = view.visibility();
-        let rating = criterion.mean(visibility.max());
-        named.extend(columns());
-        row.extend(cells(visibility, detection, rating));
-        Self { view, size, detection, rating, table: Table::new(named, [row]) }
-    }
-
-    /// Draws the bands of a picture: the strongest is white or black, and medium gray means no band. A stimulus that
-    /// varies in one direction has no such map.
-    #[must_use]
-    pub fn map(&self) -> Option<CodeImage> {
-        let StimulusPrediction::Picture(view) = &self.view else { return None };
-        let ([width, height], map) = (self.size, &view.map);
-        let most = map.bright.iter().chain(&map.dark).copied().fold(1e-9, f64::max);
-        let gray = |i: usize| (0.5 + 0.5 * (map.bright[i] - map.dark[i]) / most) as f32;
-        let drawn = LinearImage::from_fn(width, height, |x, y| [gray(y as usize * width as usize + x as usize); 3]);
-        Some(Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&drawn))
-    }
 }
 
 /// Describes the column of a parameter.
@@ -303,25 +207,47 @@ fn column(parameter: &Parameter) -> Column {
     Column::new(parameter.name, parameter.unit, format!("{}.", parameter.description))
 }
 
-/// The unit of visibility.
+/// The unit of what the model predicts.
 const TIMES: &str = "times threshold";
 
-/// Describes the columns of a prediction.
-fn columns() -> [Column; 5] {
-    [
-        Column::new("visibility", TIMES, "Visibility of the strongest band."),
-        Column::new("detection", TIMES, "Contrast of the whole picture, for an average person."),
-        Column::new("predicted_rating", "", "Expected rating of the strongest band."),
-        Column::new("visibility_bright", TIMES, "Visibility of the bright band."),
-        Column::new("visibility_dark", TIMES, "Visibility of the dark band."),
-    ]
+/// What is asked besides the bands of a ramp and detection.
+#[derive(Clone, Copy)]
+struct Asked {
+    rating: bool,
+    surface: bool,
 }
 
-fn cells(visibility: Visibility, detection: f64, rating: f64) -> [Cell; 5] {
-    [visibility.max(), detection, rating, visibility.bright, visibility.dark].map(decimals)
-}
+impl Asked {
+    /// Describes the columns of a prediction.
+    fn columns(self) -> Vec<Column> {
+        let times = |name, description| Column::new(name, TIMES, description);
+        let mut columns = vec![
+            times("band_bright", "The ramp's difference from the nearest smooth edge, on its light side."),
+            times("band_dark", "The same on its dark side."),
+            times("detection", "Contrast of the whole picture, for an average person."),
+        ];
+        if self.surface {
+            columns.push(times("difference", "The largest difference of a shaded mesh from the smooth surface."));
+        }
+        if self.rating {
+            columns.push(Column::new("predicted_rating", "", "Mean rating by the criterion."));
+        }
+        columns
+    }
 
-/// Returns a prediction with four decimals; more would mean nothing.
-fn decimals(value: f64) -> Cell {
-    Cell::from((value * 1e4).round() / 1e4)
+    fn cells(self, visible: &Visible, detection: f64, rating: Option<f64>) -> Vec<Cell> {
+        let (bands, difference) = match visible {
+            Visible::Ramp(bands) => ([Some(bands.bright), Some(bands.dark)], None),
+            Visible::Surface(difference) => ([None; 2], Some(*difference)),
+            Visible::Unknown => ([None; 2], None),
+        };
+        let mut values = vec![bands[0], bands[1], Some(detection)];
+        values.extend(self.surface.then_some(difference));
+        values.extend(self.rating.then_some(rating));
+        // Four decimals; more would mean nothing.
+        values
+            .into_iter()
+            .map(|value| value.map_or(Cell::Missing, |value| Cell::from((value * 1e4).round() / 1e4)))
+            .collect()
+    }
 }

@@ -9,7 +9,7 @@ use glam::DVec3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{Pixels, RequestError, Watcher, named, request::paths};
+use super::{Image, Luminances, RequestError, Watcher, named, request::paths};
 use crate::{
     light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Transfer, Transfers},
     report::document::numbers::count,
@@ -19,11 +19,12 @@ use crate::{
         shapes::{self, Shape},
     },
     stimulus::{
-        Judged, Renderer, Residual, Shot, StimulusColor, Triple, Undershoot, ViewingConditions, describe_scene,
+        Judged, Renderer, Residual, Shot, StimulusColor, SurfaceDifference, Triple, Undershoot, ViewingConditions,
+        describe_scene,
     },
     store::{self, scene::SceneFile},
     system::found,
-    vision::{PicturePrediction, Visibility, VisionError},
+    vision::VisionError,
 };
 
 /// A mesh or a scene, and how it is shaded.
@@ -38,7 +39,10 @@ pub struct Shade {
     pub one: OneMesh,
     #[command(flatten)]
     #[serde(flatten)]
-    pub pixels: Pixels,
+    pub image: Image,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub luminances: Luminances,
 }
 
 /// One mesh, and how it is shaded and seen.
@@ -113,12 +117,9 @@ pub struct OneMesh {
     /// Interpolate encoded values, like a renderer that ignores gamma.
     #[arg(long)]
     pub naive: bool,
-    /// Width of the image in degrees of visual angle, for the visibility of bands, 0.5 to 170.
+    /// Width of the image in degrees of visual angle, for the difference from the smooth surface, 0.5 to 170.
     #[arg(long = "window", value_name = "DEG", default_value_t = ViewingConditions::WINDOW_DEG, value_parser = within(0.5, 170.0))]
     pub window_deg: f64,
-    /// Luminance of white in cd/m², for the visibility of bands [default: the display profile's, or 100].
-    #[arg(long, value_name = "CD_M2", value_parser = within(1e-3, 1e6))]
-    pub white: Option<f64>,
 }
 
 /// What the request's `truth` stands for without a file: the surface that the built-in shape approximates.
@@ -171,7 +172,7 @@ pub struct Shaded {
     pub notes: Vec<String>,
 }
 
-/// How smooth the edges of a shaded mesh are, how visible its bands, and how far it is from the smooth surface. What is
+/// How smooth the edges of a shaded mesh are, and how far and how visibly it differs from the smooth surface. What is
 /// `over_gouraud` is relative to Gouraud shading, and missing if that has only rounding error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Metrics {
@@ -199,48 +200,54 @@ pub struct Metrics {
     pub crease_unit: &'static str,
     pub window_deg: f64,
     pub white_cd_m2: f64,
-    /// Visibility of the strongest band, in times threshold.
-    pub visibility: f64,
-    pub visibility_bright: f64,
-    pub visibility_dark: f64,
-    pub visibility_gouraud: f64,
-    pub visibility_over_gouraud: Option<f64>,
-    pub visibility_unit: &'static str,
-    pub band_density: f64,
-    pub band_density_gouraud: f64,
-    pub band_density_over_gouraud: Option<f64>,
-    pub band_density_unit: &'static str,
-    /// The visible difference from the smooth surface; `None` if that is not known.
-    pub residual: Option<Difference>,
+    pub black_cd_m2: f64,
+    /// How visible the difference from the smooth surface is; `None` if that is not known.
+    pub difference: Option<DifferenceMetrics>,
+    pub difference_unit: &'static str,
+    /// The difference from the smooth surface in light; `None` if that is not known.
+    pub residual: Option<ResidualMetrics>,
     pub residual_unit: &'static str,
-    /// The share of the surface that does not count for the visibility, 0…1.
-    pub masked: f64,
+    /// The share of the surface that is not compared, 0…1; `None` if nothing is.
+    pub masked: Option<f64>,
     pub undershoot: Undershoot,
 }
 
-/// The visible difference from the smooth surface, in linear light.
+/// How visible the difference from the smooth surface is, in times threshold: the largest value, and the one that a
+/// place in twenty exceeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Difference {
-    pub rms: f64,
-    pub p999: f64,
-    pub over_gouraud: OverGouraud,
-    /// The share of the surface that is not compared, 0…1.
-    pub masked: Option<f64>,
+pub struct DifferenceMetrics {
+    pub largest: f64,
+    pub p95: f64,
+    pub over_gouraud: DifferenceOverGouraud,
 }
 
-/// A difference relative to Gouraud's.
+/// A visible difference relative to Gouraud's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct OverGouraud {
+pub struct DifferenceOverGouraud {
+    pub largest: Option<f64>,
+    pub p95: Option<f64>,
+}
+
+/// The difference from the smooth surface, in linear light.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ResidualMetrics {
+    pub rms: f64,
+    pub p999: f64,
+    pub over_gouraud: ResidualOverGouraud,
+}
+
+/// A difference in light relative to Gouraud's.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ResidualOverGouraud {
     pub rms: Option<f64>,
     pub p999: Option<f64>,
 }
 
-/// The measurements and predictions for one renderer.
+/// The measurements of one renderer.
 #[derive(Clone)]
 struct Measured {
     creases: Creases,
-    visibility: Visibility,
-    density: f64,
+    difference: Option<SurfaceDifference>,
     residual: Option<Residual>,
     undershoot: Undershoot,
 }
@@ -253,7 +260,7 @@ impl Shade {
     /// A value is impossible, a file cannot be read, no triangle faces the viewer, or the picture is too small for a
     /// prediction.
     pub fn shade(&self, given: Option<FoundMesh>, wanted: Wanted, watcher: &dyn Watcher) -> anyhow::Result<Shaded> {
-        let encoded = self.pixels.encoding.read(watcher)?;
+        let encoded = self.image.pixels.encoding.read(watcher)?;
         if let Some(scene) = &self.scene {
             return self.scene(scene, encoded.transfers);
         }
@@ -263,27 +270,29 @@ impl Shade {
             return Err(RequestError::value("shader", message).into());
         }
         let FoundMesh { mesh, note } = given.map_or_else(|| one.mesh(), Ok)?;
-        let viewing = ViewingConditions { window_deg: one.window_deg, white_cd_m2: encoded.white_cd_m2(one.white) };
-        let drawing = one.drawing(mesh, self.pixels.size, encoded.transfers, viewing)?;
+        let viewing = encoded.viewing(one.window_deg, &self.luminances);
+        let drawing = one.drawing(mesh, self.image.pixels.size, encoded.transfers, viewing)?;
         let mut notes: Vec<String> = [note, drawing.non_manifold()].into_iter().flatten().collect();
         let picture = wanted.picture.then(|| {
             let image = drawing.image();
             notes.extend(clipped(&image));
-            Quantizer::new(drawing.transfers.clone(), self.pixels.bits).quantize(&image)
+            let quantizer = Quantizer::new(drawing.transfers.clone(), self.image.pixels.bits);
+            quantizer.quantize_with(&image, &self.image.dither())
         });
         let metrics = wanted.metrics.then(|| drawing.metrics()).transpose()?;
         let creases = wanted.creases.then(|| drawing.creases());
-        let Drawing { transfers, description, .. } = drawing;
+        let Drawing { transfers, mut description, .. } = drawing;
+        append(&mut description, json!({ "dither": self.image.dither, "seed": self.image.seed }));
         Ok(Shaded { picture, metrics, creases, transfers, description, notes })
     }
 
     /// Draws a scene of several meshes.
     fn scene(&self, scene: &Path, transfers: Transfers) -> anyhow::Result<Shaded> {
         let SceneFile { composition, text, mut notes } = store::scene::read(scene)?;
-        let (size, bits) = (self.pixels.size, self.pixels.bits);
+        let (size, bits) = (self.image.pixels.size, self.image.pixels.bits);
         let image = composition.image(size, size);
         notes.extend(clipped(&image));
-        let picture = Quantizer::new(&transfers, bits).quantize(&image);
+        let picture = Quantizer::new(&transfers, bits).quantize_with(&image, &self.image.dither());
         let description = json!({ "scene": scene.display().to_string(), "size": size, "toml": text });
         Ok(Shaded { picture: Some(picture), metrics: None, creases: None, transfers, description, notes })
     }
@@ -344,8 +353,7 @@ impl Drawing<'_> {
         let Self { one, renderer, viewing, transfers, surface, frame, .. } = self;
         let (plain, side) = (frame.clone().unpainted(), ViewingConditions::PICTURE_PX);
         let seen = self.scene.frame(surface, side, side).unpainted();
-        let judged = Judged::new(viewing, &seen, one.truth(&seen, self.fine.as_ref()).as_ref())
-            .map_err(|error| one.unseen(&error))?;
+        let judged = Judged::new(&seen, one.truth(&seen, self.fine.as_ref()).as_ref());
         let measured = |renderer: &Renderer| {
             let creases = renderer.shoot(&plain, transfers).creases();
             one.measured(creases, &renderer.shoot(&seen, transfers), &judged, viewing)
@@ -354,11 +362,19 @@ impl Drawing<'_> {
         let gouraud = if renderer.is_gouraud() { own.clone() } else { measured(&Renderer::gouraud())? };
         let sites: HashSet<_> = surface.mesh.vertices.iter().map(|vertex| vertex.site).collect();
         let over_gouraud = |of: fn(&Measured) -> f64| over(of(&own), of(&gouraud));
-        let residual = own.residual.zip(gouraud.residual).map(|(own, gouraud)| Difference {
+        let residual = own.residual.zip(gouraud.residual).map(|(own, gouraud)| ResidualMetrics {
             rms: own.rms,
             p999: own.p999,
-            over_gouraud: OverGouraud { rms: over(own.rms, gouraud.rms), p999: over(own.p999, gouraud.p999) },
-            masked: judged.not_compared(),
+            over_gouraud: ResidualOverGouraud { rms: over(own.rms, gouraud.rms), p999: over(own.p999, gouraud.p999) },
+        });
+        let difference = own.difference.as_ref().zip(gouraud.difference.as_ref());
+        let difference = difference.map(|(own, gouraud)| DifferenceMetrics {
+            largest: own.largest,
+            p95: own.p95,
+            over_gouraud: DifferenceOverGouraud {
+                largest: over(own.largest, gouraud.largest),
+                p95: over(own.p95, gouraud.p95),
+            },
         });
         Ok(Metrics {
             description: self.description.clone(),
@@ -378,19 +394,12 @@ impl Drawing<'_> {
             crease_unit: "linear light per pixel",
             window_deg: viewing.window_deg,
             white_cd_m2: viewing.white_cd_m2,
-            visibility: own.visibility.max(),
-            visibility_bright: own.visibility.bright,
-            visibility_dark: own.visibility.dark,
-            visibility_gouraud: gouraud.visibility.max(),
-            visibility_over_gouraud: over_gouraud(|of| of.visibility.max()),
-            visibility_unit: "1 is just visible, like a thin line at its threshold",
-            band_density: own.density,
-            band_density_gouraud: gouraud.density,
-            band_density_over_gouraud: over_gouraud(|of| of.density),
-            band_density_unit: "root mean square of the visibility over the surface",
+            black_cd_m2: viewing.black_cd_m2,
+            difference,
+            difference_unit: "times threshold, against the smooth surface",
             residual,
             residual_unit: "linear light, filtered by contrast sensitivity, against the smooth surface",
-            masked: judged.masked(),
+            masked: judged.not_compared(),
             undershoot: own.undershoot,
         })
     }
@@ -473,7 +482,7 @@ impl OneMesh {
         })
     }
 
-    /// Combines the measurements with the prediction. An all-black picture has no bands.
+    /// Combines the measurements with the difference from the smooth surface.
     fn measured(
         &self,
         creases: Creases,
@@ -482,17 +491,16 @@ impl OneMesh {
         viewing: &ViewingConditions,
     ) -> Result<Measured, RequestError> {
         let emitted = shot.emitted();
-        let view = match viewing.predict_surface(judged, &emitted) {
-            Ok(view) => view,
-            Err(VisionError::AllBlack) => PicturePrediction::default(),
-            Err(error) => return Err(self.unseen(&error)),
-        };
-        let residual = judged.residual(viewing, &emitted);
-        let undershoot = shot.undershoot();
-        Ok(Measured { creases, visibility: view.visibility, density: view.density, residual, undershoot })
+        let difference = judged.difference(viewing, &emitted).map_err(|error| self.unseen(&error))?;
+        Ok(Measured {
+            creases,
+            difference,
+            residual: judged.residual(viewing, &emitted),
+            undershoot: shot.undershoot(),
+        })
     }
 
-    /// Says why nothing can be predicted.
+    /// Says why nothing can be judged.
     fn unseen(&self, error: &VisionError) -> RequestError {
         RequestError::value("window_deg", format!("{}: {error}", self.window_deg))
     }

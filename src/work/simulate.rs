@@ -72,7 +72,7 @@ pub enum ObserverKind {
     Paper,
     /// Presses keys at random
     Random,
-    /// Rates the visibility that the vision model predicts
+    /// Invented: rates what the vision model predicts, in times threshold
     Vision,
 }
 

@@ -172,7 +172,7 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     assert_document(&mut window, &study, &results);
     // The prediction of the vision model is computed only when its section is opened.
     click(&mut window, "What the vision model predicts");
-    wait_for(&mut window, "the rank correlation between visibility and mean rating");
+    wait_for(&mut window, "the rank correlation between the prediction and the mean rating");
     assert_has(&window, "Predicted mean rating by ramp width");
 
     // Another link function gives another model.

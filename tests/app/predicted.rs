@@ -3,10 +3,7 @@
 
 use eframe::egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::{By, NodeT as _, Queryable as _};
-use machband::{
-    stimulus::{MachBand, Stimulus, ViewingConditions, catalog},
-    vision::{Criterion, Visibility},
-};
+use machband::stimulus::{MachBand, Stimulus, ViewingConditions, Visible, catalog};
 
 use crate::{
     shading::await_numbers,
@@ -28,20 +25,17 @@ fn text(window: &Window, beginning: &str) -> String {
 
 /// The expected sentence for a stimulus in a window of 10°.
 fn sentence(stimulus: &Stimulus, size: u32) -> String {
-    let view = ViewingConditions::new(10.0).predict(stimulus, size).unwrap();
-    let Visibility { bright, dark } = view.visibility();
-    let most = view.visibility().max();
-    format!(
-        "Predicted visibility {most:.1} (bright {bright:.1}, dark {dark:.1}), rating {:.1}",
-        Criterion::default().mean(most)
-    )
+    let Visible::Ramp(bands) = ViewingConditions::new(10.0).visible(&[stimulus], Some(size)).unwrap().remove(0) else {
+        panic!("no ramp")
+    };
+    format!("Bright band {:.1}, dark band {:.1} times threshold", bands.bright, bands.dark)
 }
 
 #[test]
 fn the_gallery_marks_both_ends_of_a_ramp_and_none_of_a_step() {
     let mut window = open("Stimuli", [1100.0, 860.0]);
     let ramp = |width| Stimulus::MachBand(MachBand { width, ..MachBand::default() });
-    assert_eq!(text(&window, "Predicted visibility"), sentence(&ramp(0.4), 512));
+    assert!(text(&window, "Bright band").starts_with(&sentence(&ramp(0.4), 512)));
     let set_width = |window: &mut Window, width: f64| {
         window.query_all_by_label("width").find(|node| node.value().is_some()).unwrap().set_value_accesskit(width);
         window.run_steps(3);
@@ -59,7 +53,7 @@ fn the_gallery_marks_both_ends_of_a_ramp_and_none_of_a_step() {
     }
     set_width(&mut window, 0.0);
     assert_eq!(text(&window, "Plot: light, "), "Plot: light, no predicted band");
-    assert_eq!(text(&window, "Predicted visibility"), sentence(&ramp(0.0), 512));
+    assert!(text(&window, "Bright band").starts_with(&sentence(&ramp(0.0), 512)));
 }
 
 /// The plot has the same left and right edge as the image, and Undo, Redo and Reset restore the settings. Each kind keeps
@@ -88,7 +82,7 @@ fn settings_of_the_gallery_are_undone_and_kept_for_each_kind() {
     for entry in catalog::all().iter().filter_map(|entry| entry.no_bands.map(|why| (entry.title, why))) {
         choose(&mut window, "Stimulus", entry.0);
         window.get_by_label(&format!("No Mach bands. {}", entry.1));
-        assert!(window.query_by_label_contains("Predicted visibility").is_none());
+        assert!(window.query_by_label_contains("times threshold").is_none());
     }
     choose(&mut window, "Stimulus", "Mach band");
     assert_eq!(settings(&window), ["3", "ordered"]);
@@ -98,9 +92,9 @@ fn settings_of_the_gallery_are_undone_and_kept_for_each_kind() {
     assert_eq!(settings(&window), ["3", "ordered"]);
 }
 
-/// The left and right cells of the row `predicted visibility`.
-fn visibilities(window: &Window) -> Vec<String> {
-    let head = window.get_by_label("predicted visibility").rect();
+/// The left and right cells of the row of the visible difference.
+fn differences(window: &Window) -> Vec<String> {
+    let head = window.get_by_label("difference from the smooth surface, times threshold").rect();
     let mut cells: Vec<_> = window
         .query_all(By::new().predicate(|node| node.role() == Role::Label))
         .map(|node| (node.rect(), node.accesskit_node().value().or_else(|| node.accesskit_node().label())))
@@ -113,7 +107,7 @@ fn visibilities(window: &Window) -> Vec<String> {
 
 fn predicted(window: &mut Window) -> [f64; 2] {
     await_numbers(window);
-    let numbers: Vec<f64> = visibilities(window).iter().map(|text| text.parse().unwrap()).collect();
+    let numbers: Vec<f64> = differences(window).iter().map(|text| text.parse().unwrap()).collect();
     numbers.try_into().unwrap()
 }
 
@@ -121,13 +115,13 @@ fn predicted(window: &mut Window) -> [f64; 2] {
 fn the_demo_predicts_without_waiting() {
     let mut window = open("Shading", [760.0, 600.0]);
     // The page has been drawn several times without waiting for the prediction.
-    assert_eq!(visibilities(&window), ["…", "…"]);
+    assert_eq!(differences(&window), ["…", "…"]);
     let [gouraud, c1] = predicted(&mut window);
     assert!(c1 < gouraud, "{c1} {gouraud}");
-    // Ignoring gamma on the left changes the light and thus the visibility.
+    // Ignoring gamma on the left changes the light and thus the difference.
     window.get_by_label("Left ignores gamma").click();
     window.run_steps(2);
-    assert_eq!(visibilities(&window), ["…", "…"], "numbers of the previous picture");
+    assert_eq!(differences(&window), ["…", "…"], "numbers of the previous picture");
     let [naive, _] = predicted(&mut window);
     assert!((naive - gouraud).abs() > 0.1);
 }

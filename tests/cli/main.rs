@@ -6,6 +6,7 @@ mod common;
 mod analyze;
 mod basics;
 mod calibrate;
+mod compare;
 #[cfg(target_os = "linux")]
 mod limits;
 mod outputs;

@@ -179,7 +179,7 @@ fn no_command_writes_over_its_inputs() {
     for known in [
         "counts paths out",
         "predict experiment out",
-        "predict image map",
+        "compare picture map",
         "plan experiment out",
         "calibrate readings report",
     ] {

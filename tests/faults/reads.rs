@@ -70,7 +70,7 @@ const READERS: &[Reader] = &[
         0,
         Again::Same,
     ),
-    Reader("predict an image", "predict --image IMAGE --window 5", 0, Again::Same),
+    Reader("compare pictures", "compare IMAGE IMAGE --window 5", 0, Again::Same),
     Reader(
         "plan",
         "plan ./study.toml --participants 3 --studies 2 --effect width:0.4=1 --observer-file ./observer.toml",

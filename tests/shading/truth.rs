@@ -41,7 +41,7 @@ fn drawn(frame: &Frame, shader: Shader) -> LinearImage {
 /// The residuals of the shaders over Gouraud's.
 fn residuals<const N: usize>(frame: &Frame, shaders: [Shader; N]) -> [f64; N] {
     let viewing = ViewingConditions::new(10.0);
-    let judged = Judged::known(&viewing, frame).unwrap();
+    let judged = Judged::known(frame);
     assert!(judged.not_compared().unwrap() < 0.25, "{:?}", judged.not_compared());
     let rms = |shader| judged.residual(&viewing, &drawn(frame, shader)).unwrap().rms;
     let gouraud = rms(Shader::Gouraud);
@@ -59,6 +59,23 @@ fn c1_phong_is_closest_to_the_smooth_surface() {
             let most = if shape == Shape::UvSphere { 0.1 } else { 0.3 };
             assert!(which > 0 || c1 <= most, "{shape}: {c1}");
         }
+    }
+}
+
+/// People see flat shading's difference from the surface more than Gouraud's, Gouraud's more than that of Phong or
+/// `patch`, and that of `c1-phong` least.
+#[test]
+fn the_visible_difference_orders_the_shaders() {
+    let viewing = ViewingConditions::new(10.0);
+    // On the cylinder, whose light bends only along its axis, `patch` and Gouraud are about alike.
+    for (shape, vertices, _) in SHAPES.into_iter().filter(|(shape, ..)| *shape != Shape::Cylinder) {
+        let surface = Surface::new(shapes::mesh(shape, vertices).unwrap());
+        let frame = Scene::default().frame(&surface, SIDE, SIDE);
+        let judged = Judged::known(&frame);
+        let shaders = [Shader::Flat, Shader::Gouraud, Shader::Phong, Shader::Patch, Shader::C1Phong];
+        let seen = shaders.map(|shader| judged.difference(&viewing, &drawn(&frame, shader)).unwrap().unwrap().largest);
+        let [flat, gouraud, phong, patch, c1] = seen;
+        assert!(flat > gouraud && gouraud > phong && gouraud > patch && phong > c1 && patch > c1, "{shape}: {seen:?}");
     }
 }
 
@@ -105,10 +122,10 @@ fn traced_surface_looks_like_a_fine_mesh() {
 fn unknown_surfaces_have_no_residual() {
     let viewing = ViewingConditions::new(10.0);
     let frame = Scene::default().frame(&Surface::new(shapes::cube()), SIDE, SIDE);
-    assert!(Judged::known(&viewing, &frame).unwrap().residual(&viewing, &drawn(&frame, Shader::Phong)).is_none());
+    assert!(Judged::known(&frame).residual(&viewing, &drawn(&frame, Shader::Phong)).is_none());
     let surface = Surface::new(shapes::blob(2000));
     let frame = Scene::default().frame(&surface, SIDE, SIDE);
-    let judged = Judged::new(&viewing, &frame, Some(&Truth::of_mesh(&frame, &surface))).unwrap();
+    let judged = Judged::new(&frame, Some(&Truth::of_mesh(&frame, &surface)));
     let rms = |shader| judged.residual(&viewing, &drawn(&frame, shader)).unwrap().rms;
     assert!(rms(Shader::Phong) < 1e-6 && rms(Shader::Gouraud) > 1e-4, "{}", rms(Shader::Phong));
 }

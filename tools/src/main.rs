@@ -21,7 +21,8 @@ enum Tool {
     Residuals,
     /// Print the table of docs/shading.md: the slope jumps that each shader leaves, relative to Gouraud's.
     Creases,
-    /// Print the table of docs/models.md: which known facts about Mach bands each model reproduces.
+    /// Print the table of docs/models.md: what the model says about ramps, edges and kinks, and how far it depends on each
+    /// constant.
     Facts,
     /// Print the tables of docs/models.md that hold the detection model against measured thresholds of people.
     Thresholds {
@@ -53,25 +54,6 @@ enum Tool {
         /// Number of simulated studies that calibrate each analysis.
         #[arg(long, default_value_t = 199)]
         draws: u32,
-    },
-    /// Time ODOG for benches/odog_peers.py and write its response to FILE as float32, row by row.
-    Odog {
-        /// Pixels per side.
-        #[arg(default_value_t = 512)]
-        size: usize,
-        /// Pixels per degree.
-        #[arg(default_value_t = 32.0)]
-        px_per_deg: f64,
-        file: Option<PathBuf>,
-    },
-    /// Time the vision model on an image, for benches/odog_peers.py.
-    Picture {
-        /// Pixels per side.
-        #[arg(default_value_t = 512)]
-        size: usize,
-        /// Pixels per degree.
-        #[arg(default_value_t = 32.0)]
-        px_per_deg: f64,
     },
     /// Run a session of 20,000 trials through the real store and print time and memory per thousand trials.
     LongSession {
@@ -105,15 +87,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     match Tool::parse() {
         Tool::Residuals => residuals::residuals(),
         Tool::Creases => shaders::creases(),
-        Tool::Facts => {
-            facts::run();
-            Ok(())
-        }
+        Tool::Facts => facts::run(),
         Tool::Thresholds { fit, verbose } => tools::thresholds::run(fit, verbose),
         Tool::Coverage { studies, seed } => tools::coverage::run(studies, seed).map_err(|fault| fault as _),
         Tool::Calibration { folder, designs, studies, draws } => calibration::run(&folder, &designs, studies, draws),
-        Tool::Odog { size, px_per_deg, file } => peers::odog(size, px_per_deg, file.as_deref()),
-        Tool::Picture { size, px_per_deg } => peers::picture(size, px_per_deg),
         Tool::LongSession { folder } => sessions::long(&folder.unwrap_or_else(std::env::temp_dir)),
         Tool::SampleStudy { results } => sessions::sample(&results),
         Tool::Package { folder } => package::write(&folder),

@@ -6,7 +6,7 @@ use std::{any::TypeId, collections::BTreeMap, fmt::Write as _};
 use clap::{Arg, ArgAction, Args, Command};
 use machband::{
     stimulus::StimulusColor,
-    work::{Analyze, Export, Image, predict::Predict, shade::Shade, simulate::Simulate},
+    work::{Analyze, Export, Image, compare::Compare, predict::Predict, shade::Shade, simulate::Simulate},
 };
 
 /// Number of characters in a line of Python.
@@ -30,7 +30,9 @@ fn functions() -> Vec<Function> {
     let parameters: Vec<String> = Predict::augment_args(Command::new("predict"))
         .get_arguments()
         .map(|argument| argument.get_id().to_string())
-        .filter(|name| !["large", "transfer", "display", "size", "window_deg", "ppd", "white"].contains(&name.as_str()))
+        .filter(|name| {
+            !["large", "display", "size", "window_deg", "ppd", "white", "black", "criterion"].contains(&name.as_str())
+        })
         .collect();
     let parameters: Vec<&str> = parameters.iter().map(String::as_str).collect();
     vec![
@@ -41,6 +43,8 @@ fn functions() -> Vec<Function> {
         function::<Analyze>("_study.py", "analyze", &[]),
         function::<Export>("_study.py", "export", &["format", "out"]),
         function::<Predict>("_vision.py", "predict", &parameters),
+        function::<Compare>("_vision.py", "compare", &["steps", "max"]),
+        function::<Compare>("_vision.py", "steps", &["steps", "max", "mask"]),
     ]
 }
 

@@ -152,7 +152,7 @@ impl Subject {
     fn new(name: &'static str, scene: &Scene, shape: Shape, vertices: usize) -> Result<Subject, Box<dyn Error>> {
         let mesh = shapes::mesh(shape, vertices)?;
         let frame = scene.frame(&Surface::new(mesh.clone()), SIDE, SIDE);
-        let judged = Judged::known(&viewing(), &frame)?;
+        let judged = Judged::known(&frame);
         let mut subject = Subject { name, shape, mesh, frame, judged, gouraud: Default::default() };
         subject.gouraud = subject.judge(&subject.frame, &Shade::new(Shader::Gouraud))?;
         Ok(subject)
@@ -164,15 +164,16 @@ impl Subject {
         Frame::within(*sphere, &Surface::new(mesh), view, lighting, *background)
     }
 
-    /// Returns the residual and the visibility of the strongest band.
+    /// Returns the residual, and the largest visible difference from the smooth surface.
     fn judge(&self, frame: &Frame, shade: &Shade) -> Result<(Residual, f64), Box<dyn Error>> {
         let image: LinearImage = Renderer::new(*shade).shoot(frame, &Transfer::Linear.into()).emitted();
         let residual = self.judged.residual(&viewing(), &image).ok_or("the surface is not known")?;
-        Ok((residual, viewing().predict_surface(&self.judged, &image)?.visibility.max()))
+        let difference = self.judged.difference(&viewing(), &image)?.ok_or("the surface is not known")?;
+        Ok((residual, difference.largest))
     }
 
     fn cell(&self, drawn: &Drawn) -> Result<String, Box<dyn Error>> {
-        let (residual, bands) = match drawn {
+        let (residual, visible) = match drawn {
             Drawn::Shade(shade) => self.judge(&self.frame, shade)?,
             Drawn::Finer(factor) => {
                 let finer = shapes::mesh(self.shape, self.mesh.vertices.len() * factor)?;
@@ -187,8 +188,8 @@ impl Subject {
             }
         };
         let (gouraud, own) = self.gouraud;
-        let bands = if own > 0.0 { format!("{:.2}", bands / own) } else { "–".to_owned() };
-        Ok(format!("{:.3}, {:.3}, {bands}", residual.rms / gouraud.rms, residual.p999 / gouraud.p999))
+        let visible = if own > 0.0 { format!("{:.2}", visible / own) } else { "–".to_owned() };
+        Ok(format!("{:.3}, {:.3}, {visible}", residual.rms / gouraud.rms, residual.p999 / gouraud.p999))
     }
 }
 

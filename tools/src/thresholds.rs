@@ -7,13 +7,13 @@ use std::{
     path::Path,
 };
 
-use machband::vision::{Border, ContrastSpectrum, Eye, Line, Sensitivity};
+use machband::vision::{ContrastSpectrum, Eye, Judge, Masking, Sensitivity};
 use nalgebra::{DMatrix, DVector};
+use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
+use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
-
-use crate::baselines::LateralInhibition;
 
 /// Names, as in [`Sensitivity`], of the parameters that are fitted without noise.
 pub const NAMES: [&str; 8] =
@@ -22,8 +22,9 @@ pub const NAMES: [&str; 8] =
 const MODELFEST_WEIGHT: f64 = 1.5;
 /// Weight of the two edges without noise.
 const EDGE_WEIGHT: f64 = 3.0;
-/// Weight of the trapezoidal gratings: people's thresholds double with the width of wide ramps.
-const TRAPEZOID_WEIGHT: f64 = 4.0;
+/// Weight of the trapezoidal gratings: people's thresholds double with the width of wide ramps. With more weight, coarse
+/// gratings are predicted too hard to see.
+const TRAPEZOID_WEIGHT: f64 = 2.5;
 /// Widths of the ramps that enter the fit, degrees.
 const FITTED_WIDTHS: [f64; 3] = [0.5, 1.0, 2.0];
 /// Luminances and areas that the model covers, cd/m² and degrees².
@@ -39,6 +40,11 @@ const EDGE_CD_M2: f64 = 100.0;
 /// Pixels per degree, and side in degrees, of the pictures of edges.
 const EDGE_PX_PER_DEG: f64 = 44.0;
 const EDGE_DEG: f64 = 4.0;
+const EDGE_SIDE: usize = (EDGE_DEG * EDGE_PX_PER_DEG) as usize;
+/// Samples of noise for each edge.
+const SAMPLES: u64 = 8;
+/// A contrast so small that the response is proportional to it.
+const FAINT: f64 = 1e-3;
 
 /// A stimulus whose threshold was measured.
 pub struct Measured {
@@ -48,6 +54,8 @@ pub struct Measured {
     pub label: String,
     /// log10 of the measured contrast sensitivity.
     pub log_sensitivity: f64,
+    /// Its frequency, if it is a stimulus of contrast sensitivity that has one.
+    frequency_cpd: Option<f64>,
     luminance: f64,
     spectrum: ContrastSpectrum,
 }
@@ -60,6 +68,8 @@ pub struct Edge {
     pub width_deg: f64,
     /// Contrast, number of correct responses and number of trials.
     pub counts: Vec<[f64; 3]>,
+    /// The edge with a root mean square contrast of 1, row by row, and its spectrum.
+    contrast: Vec<f64>,
     spectrum: ContrastSpectrum,
 }
 
@@ -73,17 +83,17 @@ pub struct People {
     trapezoids: Vec<ContrastSpectrum>,
 }
 
-/// Predicts the detection of a spectrum of contrast on a field of a luminance, cd/m², in noise of a power density.
-type Detect<'a> = dyn Fn(&ContrastSpectrum, f64, &dyn Fn(f64) -> f64) -> f64 + 'a;
+/// Predicts the detection of a spectrum of contrast on a field of a luminance, cd/m².
+type Detect<'a> = dyn Fn(&ContrastSpectrum, f64) -> f64 + 'a;
 
 /// The model that machband holds, with these parameters.
-fn ours(sensitivity: &Sensitivity) -> impl Fn(&ContrastSpectrum, f64, &dyn Fn(f64) -> f64) -> f64 {
-    move |spectrum, luminance, noise| spectrum.detection(&Eye { luminance, sensitivity: *sensitivity }, noise)
+fn ours(sensitivity: &Sensitivity) -> impl Fn(&ContrastSpectrum, f64) -> f64 {
+    move |spectrum, luminance| spectrum.detection(&Eye { sensitivity: *sensitivity, ..Eye::adapted_to(luminance) })
 }
 
 /// A filter whose response is pooled as in our model. Noise has no effect.
-fn filter(gain: impl Fn(f64, f64) -> f64) -> impl Fn(&ContrastSpectrum, f64, &dyn Fn(f64) -> f64) -> f64 {
-    move |spectrum, luminance, _| spectrum.pooled(&Sensitivity::default(), |frequency| gain(frequency, luminance))
+fn filter(gain: impl Fn(f64, f64) -> f64) -> impl Fn(&ContrastSpectrum, f64) -> f64 {
+    move |spectrum, luminance| spectrum.pooled(&Sensitivity::default(), |frequency| gain(frequency, luminance))
 }
 
 #[derive(Deserialize)]
@@ -177,6 +187,7 @@ fn modelfest(row: &ModelFestRow) -> Result<Measured, Box<dyn Error>> {
         set: "modelfest".into(),
         label: format!("{} {}", row.id, row.kind),
         log_sensitivity: row.mean_log10_sensitivity,
+        frequency_cpd: None,
         luminance: 30.0,
         spectrum: ContrastSpectrum::of(&contrast, [side; 2], px_per_deg),
     })
@@ -211,33 +222,61 @@ fn csf(row: &CsfRow) -> Measured {
         set: row.dataset.clone(),
         label: format!("{f} c/°, {} cd/m², {area_deg2} deg²", row.luminance_cd_m2),
         log_sensitivity: row.log10_sensitivity,
+        frequency_cpd: Some(f).filter(|f| *f > 0.0),
         luminance: row.luminance_cd_m2,
         spectrum: ContrastSpectrum::of(&sampled(side, px_per_deg, pattern), [side; 2], px_per_deg),
     }
 }
 
-/// The spectrum of an edge of this width, half a degree above the middle, with a root mean square contrast of 1.
-fn edge(width_deg: f64) -> ContrastSpectrum {
-    let side = (EDGE_DEG * EDGE_PX_PER_DEG) as usize;
-    let mut contrast = sampled(side, EDGE_PX_PER_DEG, |_, y| {
+/// An edge of this width, half a degree above the middle, with a root mean square contrast of 1.
+fn edge(width_deg: f64) -> Vec<f64> {
+    let mut contrast = sampled(EDGE_SIDE, EDGE_PX_PER_DEG, |_, y| {
         let y = y - 0.5 / EDGE_PX_PER_DEG - 0.5;
         if y.abs() < width_deg { y.signum() * (1.0 - y.abs() / width_deg) } else { 0.0 }
     });
     let rms = (contrast.iter().map(|value| value * value).sum::<f64>() / contrast.len() as f64).sqrt();
     contrast.iter_mut().for_each(|value| *value /= rms);
-    ContrastSpectrum::of(&contrast, [side; 2], EDGE_PX_PER_DEG)
+    contrast
+}
+
+fn edge_spectrum(contrast: &[f64]) -> ContrastSpectrum {
+    ContrastSpectrum::of(contrast, [EDGE_SIDE; 2], EDGE_PX_PER_DEG)
+}
+
+/// Noise of this name: `white`, or `pink`, whose amplitude falls with the frequency; row by row.
+fn noise(name: &str, seed: u64) -> Vec<f64> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut values: Vec<f64> = (0..EDGE_SIDE * EDGE_SIDE).map(|_| StandardNormal.sample(&mut rng)).collect();
+    if name == "pink" {
+        let white = ContrastSpectrum::of(&values, [EDGE_SIDE; 2], EDGE_PX_PER_DEG);
+        values = white.filtered(|frequency| 1.0 / frequency.max(1.0 / EDGE_DEG));
+    }
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let rms = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt();
+    // Light is not negative.
+    values.iter().map(|value| ((value - mean) / rms * NOISE_RMS).max(-0.95)).collect()
 }
 
 impl Edge {
-    /// Power density of the noise at a frequency, contrast² per (cycle/degree)².
-    fn power(&self, frequency: f64) -> f64 {
-        let white = (NOISE_RMS / EDGE_PX_PER_DEG).powi(2);
-        match self.noise.as_str() {
-            "white" => white,
-            // The amplitude is that of the nearest frequency of the picture, so the power has no pole.
-            "pink" => pink(white) / frequency.max(1.0 / EDGE_DEG).powi(2),
-            _ => 0.0,
+    /// The threshold of our model: in noise, the mean of its logarithm over samples.
+    fn threshold(&self, sensitivity: &Sensitivity, masking: &Masking) -> f64 {
+        let eye = Eye { sensitivity: *sensitivity, masking: *masking, ..Eye::adapted_to(EDGE_CD_M2) };
+        if self.noise == "none" {
+            return 1.0 / self.spectrum.detection(&eye);
         }
+        let judge = Judge::of_pictures([EDGE_SIDE; 2], EDGE_PX_PER_DEG, eye);
+        let log = |seed: u64| {
+            let noise = noise(&self.noise, seed);
+            let light = |contrast: f64| -> Vec<f64> {
+                let sum = noise.iter().zip(&self.contrast).map(|(noise, edge)| 1.0 + noise + contrast * edge);
+                sum.map(|light| EDGE_CD_M2 * light.max(0.01)).collect()
+            };
+            // The response to a difference of this contrast; the threshold is proportional.
+            let shown = judge.as_ref().ok().and_then(|judge| judge.difference(&light(FAINT), &light(0.0), None).ok());
+            shown.map_or(f64::NAN, |shown| (FAINT / shown.map().largest()).ln())
+        };
+        let logs: Vec<f64> = (0..SAMPLES).into_par_iter().map(log).collect();
+        (logs.iter().sum::<f64>() / SAMPLES as f64).exp()
     }
 
     /// Twice the difference in log likelihood between the best curve for the measured shares and the curve for this
@@ -261,15 +300,6 @@ impl Edge {
         let deviance = |(threshold, slope): &(f64, f64)| self.deviance(*threshold, *slope);
         all.min_by(|a, b| deviance(a).total_cmp(&deviance(b))).unwrap_or((1.0, 3.0))
     }
-}
-
-/// The power density of pink noise at 1 cycle per degree, where that of white noise of the same total is `white`.
-fn pink(white: f64) -> f64 {
-    let side = (EDGE_DEG * EDGE_PX_PER_DEG) as i32;
-    let frequencies = (0..side * side)
-        .map(|i| [i % side, i / side].map(|k| f64::from(if 2 * k > side { k - side } else { k }) / EDGE_DEG));
-    let squares = frequencies.map(|[x, y]| x * x + y * y).filter(|square| *square > 0.0);
-    white * f64::from(side * side) / squares.map(|square| 1.0 / square).sum::<f64>()
 }
 
 /// The share of correct responses in a choice between two: a Weibull function.
@@ -298,7 +328,8 @@ impl People {
                     noise: row.noise,
                     width_deg: row.ramp_width_deg,
                     counts: vec![counts],
-                    spectrum: edge(row.ramp_width_deg),
+                    spectrum: edge_spectrum(&edge(row.ramp_width_deg)),
+                    contrast: edge(row.ramp_width_deg),
                 }),
             }
         }
@@ -307,8 +338,9 @@ impl People {
                 set: "edges".into(),
                 label: format!("edge of {}°", edge.width_deg),
                 log_sensitivity: -edge.observed().0.log10(),
+                frequency_cpd: None,
                 luminance: EDGE_CD_M2,
-                spectrum: self::edge(edge.width_deg),
+                spectrum: edge_spectrum(&edge.contrast),
             });
         }
         let trapezoids = FITTED_WIDTHS.into_iter().map(trapezoid).collect();
@@ -323,7 +355,7 @@ impl People {
     }
 
     fn errors_of(&self, detect: &Detect) -> Vec<f64> {
-        let error = |of: &Measured| detect(&of.spectrum, of.luminance, &|_| 0.0).log10() - of.log_sensitivity;
+        let error = |of: &Measured| detect(&of.spectrum, of.luminance).log10() - of.log_sensitivity;
         let mut errors: Vec<f64> = self.measured.iter().map(error).collect();
         for set in CSF {
             let gain = self.mean(&errors, set);
@@ -372,7 +404,7 @@ impl People {
         let column = |k: usize| {
             let mut moved = parameters(sensitivity);
             moved[k] *= STEP.exp();
-            (self.weighted(&with(sensitivity, &moved)) - &before) / STEP
+            (self.weighted(&with(&moved)) - &before) / STEP
         };
         DMatrix::from_columns(&(0..NAMES.len()).map(column).collect::<Vec<_>>())
     }
@@ -391,7 +423,7 @@ impl People {
                 let Some(step) = damped.lu().solve(&slope) else { break };
                 let moved: Vec<f64> =
                     parameters(&best).iter().zip(step.iter()).map(|(value, step)| value * (-step).exp()).collect();
-                let tried = with(&best, &moved);
+                let tried = with(&moved);
                 let found = self.weighted(&tried);
                 if found.norm_squared() < before {
                     (best, errors, damping) = (tried, found, damping * 0.1);
@@ -422,32 +454,17 @@ impl People {
 
     /// log10 of the predicted threshold divided by the observers', and the deviance, for each edge.
     #[must_use]
-    pub fn edges(&self, sensitivity: &Sensitivity) -> Vec<(f64, f64)> {
-        self.edges_of(&ours(sensitivity))
+    pub fn edges(&self, sensitivity: &Sensitivity, masking: &Masking) -> Vec<(f64, f64)> {
+        self.edges_of(&|edge| edge.threshold(sensitivity, masking))
     }
 
-    fn edges_of(&self, detect: &Detect) -> Vec<(f64, f64)> {
+    fn edges_of(&self, threshold: &dyn Fn(&Edge) -> f64) -> Vec<(f64, f64)> {
         let each = self.edges.iter().map(|edge| {
             let (observed, slope) = edge.observed();
-            let threshold = 1.0 / detect(&edge.spectrum, EDGE_CD_M2, &|frequency| edge.power(frequency));
+            let threshold = threshold(edge);
             ((threshold / observed).log10(), edge.deviance(threshold, slope))
         });
         each.collect()
-    }
-
-    /// Fits the masking by noise, the one parameter that the edges in noise determine.
-    #[must_use]
-    pub fn fit_masking(&self, sensitivity: &Sensitivity) -> f64 {
-        let error = |masking_cpd: f64| {
-            let errors = self.edges(&Sensitivity { masking_cpd, ..*sensitivity });
-            errors.iter().map(|(error, _)| error * error).sum::<f64>()
-        };
-        let (mut low, mut high) = (0.1_f64.ln(), 10_f64.ln());
-        while high - low > 1e-3 {
-            let [a, b] = [1.0, 2.0].map(|k: f64| low + (high - low) * k / 3.0);
-            if error(a.exp()) < error(b.exp()) { high = b } else { low = a }
-        }
-        (0.5 * (low + high)).exp()
     }
 }
 
@@ -460,7 +477,12 @@ pub fn parameters(of: &Sensitivity) -> [f64; NAMES.len()] {
     [of.gain, of.fine_cpd, of.fine_power, of.coarse_power, of.pooling, of.fovea_deg, of.fovea_power, of.bright_power]
 }
 
-fn with(of: &Sensitivity, values: &[f64]) -> Sensitivity {
+/// The parameters with these values, in the order of [`NAMES`].
+///
+/// # Panics
+/// Panics if there are too few.
+#[must_use]
+pub fn with(values: &[f64]) -> Sensitivity {
     Sensitivity {
         gain: values[0],
         fine_cpd: values[1],
@@ -470,7 +492,6 @@ fn with(of: &Sensitivity, values: &[f64]) -> Sensitivity {
         fovea_deg: values[5],
         fovea_power: values[6],
         bright_power: values[7],
-        ..*of
     }
 }
 
@@ -484,23 +505,32 @@ const START: Sensitivity = Sensitivity {
     fovea_deg: 0.3,
     fovea_power: 0.5,
     bright_power: 0.2,
-    masking_cpd: 1.0,
 };
 
-/// The visibility of a thin line at its threshold, which is 1 by definition: ModelFest's line, in the response of the
-/// model of bands to lines that are in the light.
+/// The response at which masking is 1/√2: the peak response to ModelFest's Gabor of 4 cycles per degree at its measured
+/// threshold, with the fall-off and the pooling left out.
 ///
 /// # Errors
-/// Returns an error if the measurements have no line.
-pub fn unit(people: &People, sensitivity: &Sensitivity) -> Result<f64, Box<dyn Error>> {
-    let line = people.measured.iter().find(|of| of.label.ends_with(" line")).ok_or("no line")?;
-    let px_per_deg = MODELFEST.1;
-    let mut light = vec![0.5; (8.0 * px_per_deg) as usize];
-    let middle = light.len() / 2;
-    light[middle] *= 1.0 + 10_f64.powf(-line.log_sensitivity);
-    let line = Line { light: &light, px_per_deg, border: Border::Continues };
-    let eye = Eye { luminance: 30.0, sensitivity: *sensitivity };
-    Ok(line.predict(&eye)?.lines.bright)
+/// Returns an error if the measurements have no such Gabor.
+pub fn unit(sensitivity: &Sensitivity) -> Result<f64, Box<dyn Error>> {
+    let row =
+        rows::<ModelFestRow>(FILES[0])?.into_iter().find(|row| row.kind == "gabor" && row.frequency_cpd == Some(4.0));
+    let gabor = modelfest(&row.ok_or("no Gabor of 4 cycles per degree")?)?;
+    let response = gabor.spectrum.filtered(|frequency| sensitivity.at(frequency, gabor.luminance));
+    Ok(response.into_iter().fold(0.0, f64::max) * 10_f64.powf(-gabor.log_sensitivity))
+}
+
+/// The mean error of the three data sets of contrast sensitivity in each octave of frequency from ¼ to 16 cycles per
+/// degree, with the center of the octave and the number of stimuli.
+#[must_use]
+pub fn octaves(people: &People, errors: &[f64]) -> Vec<(f64, f64, usize)> {
+    let of = |k: i32| {
+        let center = 2_f64.powi(k);
+        let is_in = |of: &Measured| of.frequency_cpd.is_some_and(|f| (f / center).log2().abs() <= 0.5);
+        let own: Vec<f64> = people.measured.iter().zip(errors).filter(|(of, _)| is_in(of)).map(|(_, e)| *e).collect();
+        (center, own.iter().sum::<f64>() / own.len() as f64, own.len())
+    };
+    (-2..=4).map(of).collect()
 }
 
 /// Widths of the ramps of the trapezoidal gratings, degrees, 15 % apart.
@@ -525,7 +555,7 @@ fn trapezoid(width: f64) -> ContrastSpectrum {
 
 /// log10 of the threshold contrast at 100 cd/m².
 fn log_threshold(spectrum: &ContrastSpectrum, detect: &Detect) -> f64 {
-    -detect(spectrum, 100.0, &|_| 0.0).log10()
+    -detect(spectrum, 100.0).log10()
 }
 
 /// Ramp width in degrees and log10 of the threshold contrast of trapezoidal gratings at 100 cd/m².
@@ -571,11 +601,17 @@ impl People {
         sets.chain(csf).chain(edges).chain(trapezoids.map(String::from)).collect()
     }
 
-    fn column(&self, name: &'static str, errors: &[f64], leave_one_out: f64, detect: &Detect) -> Column {
+    fn column(
+        &self,
+        name: &'static str,
+        errors: &[f64],
+        leave_one_out: f64,
+        detect: &Detect,
+        edges: &[(f64, f64)],
+    ) -> Column {
         let [slope, range] = trapezoid_summary(&trapezoids_of(detect));
         let csf = CSF.iter().map(|set| self.rms(errors, &[set])).chain([self.rms(errors, &CSF)]);
         let rms = [self.rms(errors, &["modelfest"]), leave_one_out].into_iter().chain(csf);
-        let edges = self.edges_of(detect);
         let edges = edges.iter().map(|(ratio, deviance)| format!("{ratio:+.3} ({deviance:.0})"));
         let cells = rms.map(|rms| format!("{rms:.3}")).chain(edges);
         Column { name, cells: cells.chain([format!("{slope:.2}"), format!("{range:.2}")]).collect() }
@@ -583,7 +619,8 @@ impl People {
 
     /// Our model.
     fn held(&self, name: &'static str, sensitivity: &Sensitivity) -> Column {
-        self.column(name, &self.errors(sensitivity), self.linearized(sensitivity).0, &ours(sensitivity))
+        let (errors, edges) = (self.errors(sensitivity), self.edges(sensitivity, &Masking::default()));
+        self.column(name, &errors, self.linearized(sensitivity).0, &ours(sensitivity), &edges)
     }
 
     /// A filter with a gain that fits ModelFest, its only free parameter.
@@ -593,7 +630,8 @@ impl People {
         let factor = 10_f64.powf(-self.mean(&self.errors_of(&of(1.0)), "modelfest"));
         let errors = self.errors_of(&of(factor));
         let count = self.measured.iter().filter(|of| of.set == "modelfest").count() as f64;
-        self.column(name, &errors, self.rms(&errors, &["modelfest"]) * count / (count - 1.0), &of(factor))
+        let edges = self.edges_of(&|edge| 1.0 / of(factor)(&edge.spectrum, EDGE_CD_M2));
+        self.column(name, &errors, self.rms(&errors, &["modelfest"]) * count / (count - 1.0), &of(factor), &edges)
     }
 }
 
@@ -610,7 +648,6 @@ pub fn run(fit: bool, verbose: bool) -> Result<(), Box<dyn Error>> {
     }
     let held = Sensitivity::default();
     let fitted = fit.then(|| people.fit(&START));
-    let fitted = fitted.map(|fitted| Sensitivity { masking_cpd: people.fit_masking(&fitted), ..fitted });
     println!("\n| parameter | in the code |{}", if fit { " fitted from round numbers |" } else { "" });
     println!("|---|---|{}", if fit { "---|" } else { "" });
     let row = |name: &str, of: &dyn Fn(&Sensitivity) -> f64| {
@@ -618,16 +655,23 @@ pub fn run(fit: bool, verbose: bool) -> Result<(), Box<dyn Error>> {
         println!("| {name} | {} |{fitted}", of(&held));
     };
     NAMES.iter().enumerate().for_each(|(k, name)| row(name, &|of| parameters(of)[k]));
-    row("masking_cpd", &|of| of.masking_cpd);
-    println!("\nVisibility of ModelFest's line at its threshold: {:.3}\n", unit(&people, &held)?);
+    println!("\nResponse at which masking is 1/√2: {:.3}", unit(&held)?);
+    for (center, bias, number) in octaves(&people, &people.errors(&held)) {
+        println!("contrast sensitivity near {center} c/°: bias {bias:+.3} ({number} stimuli)");
+    }
+    println!();
     let mut columns = vec![people.held("ours", &held)];
     if let Some(fitted) = &fitted {
-        println!("The same for the fitted parameters: {:.3}\n", unit(&people, fitted)?);
+        println!("The same for the fitted parameters: {:.3}", unit(fitted)?);
+        for (center, bias, number) in octaves(&people, &people.errors(fitted)) {
+            println!("contrast sensitivity near {center} c/°: bias {bias:+.3} ({number} stimuli)");
+        }
+        println!();
         columns.push(people.held("ours, as fitted", fitted));
     }
     columns.push(people.rival("Barten 2003", |frequency, luminance| barten(frequency, luminance, 10.0)));
-    let surround = LateralInhibition::default();
-    columns.push(people.rival("lateral inhibition", |frequency, _| surround.gain(frequency)));
+    // Plain root mean square contrast, without a filter.
+    columns.push(people.rival("contrast alone", |_, _| 1.0));
     println!("| data | {} |", columns.iter().map(|column| column.name).collect::<Vec<_>>().join(" | "));
     println!("|---|{}", "---|".repeat(columns.len()));
     for (k, row) in people.rows().iter().enumerate() {

@@ -14,9 +14,7 @@ use crate::{
     display::DisplayProfile,
     light::{Bits, Dither, Quantizer},
     stimulus::{Parameter, ParameterError, ParameterValue, Stimulus, catalog, place, recipe::Recipe},
-    store,
-    vision::Polarity,
-    work,
+    store, work,
 };
 
 /// Number of samples of the plotted profile.
@@ -331,7 +329,6 @@ impl Gallery {
                 "The image is larger than its place here. Scroll to see all of it; its pixels are not scaled.",
             );
         }
-        let map = if is_predicted { self.prediction.texture(ui.ctx(), stimulus, *size) } else { None };
         let beside = room - AXIS - side - 2.0 * ui.spacing().item_spacing.x;
         let mut numbers = |ui: &mut Ui, width: f32| {
             ui.vertical(|ui| {
@@ -345,7 +342,7 @@ impl Gallery {
         ui.horizontal_top(|ui| {
             let gap = std::mem::take(&mut ui.spacing_mut().item_spacing.x);
             ui.add_space(AXIS);
-            pixels::picture(ui, map.as_ref().unwrap_or(&shown.texture), kind.title);
+            pixels::picture(ui, &shown.texture, kind.title);
             ui.spacing_mut().item_spacing.x = gap;
             if beside >= BESIDE {
                 ui.add_space(gap);
@@ -396,10 +393,8 @@ fn draw_mark(plot: &mut PlotUi<'_>, mark: &Mark, curve: &[[f64; 2]], color: Colo
     let length = (most - least).max(0.02) * (MARKS[0] + (MARKS[1] - MARKS[0]) * share);
     let nearest = curve.partition_point(|point| point[0] < mark.place).min(curve.len().saturating_sub(1));
     let Some([_, light]) = curve.get(nearest) else { return };
-    let (tip, shape) = match mark.polarity {
-        Polarity::Bright => (light + length, MarkerShape::Up),
-        Polarity::Dark => (light - length, MarkerShape::Down),
-    };
+    let (tip, shape) =
+        if mark.is_bright { (light + length, MarkerShape::Up) } else { (light - length, MarkerShape::Down) };
     let name = "predicted band";
     plot.line(Line::new(name, vec![[mark.place, *light], [mark.place, tip]]).color(color).width(2.0));
     plot.points(Points::new(name, vec![[mark.place, tip]]).color(color).shape(shape).radius(5.0).filled(true));

@@ -2,7 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use super::{exclusions, findings, names, sittings, vision::degrees};
+use super::{
+    exclusions, findings, names, sittings,
+    vision::{degrees, what},
+};
 use crate::{
     analysis::{
         Link, RandomSlope, Results,
@@ -45,7 +48,7 @@ pub(super) fn sections(source: &Source, results: &Results, predicted: Option<&St
         tests(&mut cited, results),
         agreement(&mut cited, results),
         intervals(&mut cited, results),
-        predicted.map(|predicted| vision(&mut cited, predicted)),
+        predicted.map(|predicted| vision(&mut cited, source, predicted)),
         Some(format!("The analysis was performed with machband {}.", env!("CARGO_PKG_VERSION"))),
     ];
     paragraphs.into_iter().flatten().for_each(|paragraph| section.text(paragraph));
@@ -297,16 +300,15 @@ fn intervals(cited: &mut Cited, results: &Results) -> Option<String> {
     })
 }
 
-fn vision(cited: &mut Cited, predicted: &StudyPrediction) -> String {
+fn vision(cited: &mut Cited, source: &Source, predicted: &StudyPrediction) -> String {
     let comparison = &predicted.comparison;
     let mut text = format!(
-        "The visibility of the bands in every condition was predicted, for a window of {} and a white of {} cd/m², with a \
-         multi-channel model that compares even and odd responses ({}). Its contrast sensitivity has the form of {} and \
-         was fitted to measured thresholds ({}, among others); a visibility of 1 is the response of a thin line at its \
-         threshold.",
+        "For every condition, in a window of {} with a white of {} cd/m², a model of vision computed {}, in units of \
+         the threshold at which people see a difference. Its contrast sensitivity has the form of {} and was fitted to \
+         measured thresholds ({}, among others); each band of an octave is masked by the reference's response in it.",
         degrees(predicted),
         fixed(predicted.viewing.white_cd_m2, 0),
-        cited.cite("Morrone & Burr, 1988"),
+        what(source),
         cited.cite("Watson & Ahumada, 2005"),
         cited.cite("Carney et al., 1999")
     );

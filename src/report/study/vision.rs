@@ -36,10 +36,12 @@ pub(super) fn section(
     let (counts, comparison) = (&results.measured.counts, &prediction.comparison);
     section.text(format!(
         "A model of early vision receives the stimulus of every condition, in a window {} wide on a screen with a \
-         white of {} cd/m². It predicts how visible the bands are: 0 for no bands, 1 for bands that are just visible. \
-         It does not use the ratings; only the criterion is fitted to them: {}.",
+         white of {} cd/m². It computes {}, in times threshold: at 1, people just see the difference in a choice \
+         between the two. It does not use the ratings; only the criterion is fitted to them: {}. The model was fitted \
+         to thresholds, not to ratings of bands; that it orders bands as people do is what this section examines.",
         degrees(prediction),
         fixed(prediction.viewing.white_cd_m2, 0),
+        what(source),
         criterion(comparison, counts)
     ));
     section.figures(figures, &["figure4a", "figure4a_predicted", "figure4b", "figure4b_predicted"]);
@@ -56,6 +58,16 @@ pub(super) fn section(
     section
 }
 
+/// Says what the model computes for the stimuli of this study.
+pub(super) fn what(source: &Source) -> &'static str {
+    let is_ramp = source.protocol.as_ref().is_some_and(|protocol| protocol.stimulus.is_line());
+    if is_ramp {
+        "how different the bright side of the ramp is from the nearest smooth edge"
+    } else {
+        "how different the picture is from that of the smooth surface"
+    }
+}
+
 /// Formats the width of the window with its unit.
 pub(super) fn degrees(prediction: &StudyPrediction) -> String {
     let text = fixed(prediction.viewing.window_deg, 2);
@@ -64,18 +76,18 @@ pub(super) fn degrees(prediction: &StudyPrediction) -> String {
 
 fn criterion(comparison: &Comparison, counts: &Counts) -> String {
     let below: Vec<Shown> = counts.categories.iter().take(3).map(|category| names::level("", category)).collect();
-    let thresholds: Vec<Shown> = comparison.criterion.thresholds.iter().map(|t| visibility(*t)).collect();
+    let thresholds: Vec<Shown> = comparison.criterion.thresholds.iter().map(|t| times(*t)).collect();
     format!(
-        "half of the ratings are above {} at a visibility of {}, with a spread of {} in log visibility",
+        "half of the ratings are above {} at {} times threshold, with a spread of {} in the logarithm",
         list(&below),
         list(&thresholds),
         fixed(comparison.criterion.spread, 2)
     )
 }
 
-/// Formats a visibility with about three digits and no thousands separators. A threshold far from all stimuli can be
+/// Formats a multiple of the threshold with about three digits and no thousands separators. A threshold far from all stimuli can be
 /// arbitrarily large or small.
-fn visibility(value: f64) -> Shown {
+fn times(value: f64) -> Shown {
     if (0.01..10_000.0).contains(&value) {
         fixed(value, if value < 10.0 { 2 } else { 1 })
     } else {
@@ -91,7 +103,7 @@ fn order(comparison: &Comparison, counts: &Counts) -> String {
     let all = counts.conditions.len();
     let of = if comparison.conditions < all { format!(" of {}", whole(all as u64)) } else { String::new() };
     format!(
-        "Across {}{of} {} and {}, the rank correlation between visibility and mean rating (Spearman) is {}.",
+        "Across {}{of} {} and {}, the rank correlation between the prediction and the mean rating (Spearman) is {}.",
         whole(comparison.conditions as u64),
         if all == 1 { "condition" } else { "conditions" },
         count(comparison.ratings, "rating"),

@@ -95,11 +95,23 @@ impl Truth {
     /// within two pixels.
     #[must_use]
     pub fn mask(&self, frame: &Frame) -> Vec<bool> {
+        self.inside(frame, LEAST_FACING, true, MARGIN)
+    }
+
+    /// For each pixel, returns true if both `frame` and this picture show the surface there, and no outline or meant
+    /// crease is within three pixels.
+    #[must_use]
+    pub fn common(&self, frame: &Frame) -> Vec<bool> {
+        self.inside(frame, f64::NEG_INFINITY, false, MARGIN + 1)
+    }
+
+    /// Returns the pixels that are at least `margin` pixels from outlines, meant creases and, with `lamps`, terminators,
+    /// and where the surface faces the eye by at least the cosine `least`.
+    fn inside(&self, frame: &Frame, least: f64, lamps: bool, margin: usize) -> Vec<bool> {
         let (width, height) = (frame.width as usize, frame.height as usize);
         let meshed = coverage::interior_mask(frame);
-        let faces = |point: &Option<Point>| {
-            point.as_ref().is_some_and(|p| p.normal.dot(frame.view.to_viewer(p.eye)) >= LEAST_FACING)
-        };
+        let faces =
+            |point: &Option<Point>| point.as_ref().is_some_and(|p| p.normal.dot(frame.view.to_viewer(p.eye)) >= least);
         let mut inside: Vec<bool> =
             self.points.iter().zip(meshed).map(|(point, meshed)| faces(point) && meshed).collect();
         for y in 0..height {
@@ -107,21 +119,21 @@ impl Truth {
                 let here = y * width + x;
                 for (there, step) in [(here + 1, DVec2::X), (here + width, DVec2::NEG_Y)] {
                     let is_inside = if step.x > 0.0 { x + 1 < width } else { y + 1 < height };
-                    if is_inside && !self.is_joined(frame, here, there, step) {
+                    if is_inside && !self.is_joined(frame, lamps, here, there, step) {
                         (inside[here], inside[there]) = (false, false);
                     }
                 }
             }
         }
-        for _ in 0..MARGIN {
+        for _ in 0..margin {
             inside = eroded(&inside, width);
         }
         inside
     }
 
-    /// True if the surface continues from one pixel to its neighbor, which is `step` pixels away with y up, and every
-    /// lamp lights both or neither.
-    fn is_joined(&self, frame: &Frame, here: usize, there: usize, step: DVec2) -> bool {
+    /// True if the surface continues from one pixel to its neighbor, which is `step` pixels away with y up, and, with
+    /// `lamps`, every lamp lights both or neither.
+    fn is_joined(&self, frame: &Frame, lamps: bool, here: usize, there: usize, step: DVec2) -> bool {
         let (Some(a), Some(b)) = (&self.points[here], &self.points[there]) else { return false };
         // A plane with the point's normal rises by this per step toward the eye, in a parallel projection.
         let rise = |point: &Point| (point.normal.truncate().dot(step) / point.normal.z.max(1e-3)).abs();
@@ -129,7 +141,8 @@ impl Truth {
         let is_continuous = (a.eye.z - b.eye.z).abs() <= 2.0 * pixel * (rise(a).max(rise(b)) + 1.0);
         let is_smooth = a.normal.dot(b.normal) > MEANT_CREASE;
         let is_lit = |point: &Point, lamp: usize| frame.lighting.lamps[lamp].toward(point.eye).dot(point.normal) > 0.0;
-        is_continuous && is_smooth && (0..frame.lighting.lamps.len()).all(|lamp| is_lit(a, lamp) == is_lit(b, lamp))
+        let same = |lamp| is_lit(a, lamp) == is_lit(b, lamp);
+        is_continuous && is_smooth && (!lamps || (0..frame.lighting.lamps.len()).all(same))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Reads PNG files: any image as light, and this program's own images to compare them with their recipes.
+//! Reads PNG files, and compares this program's own images with their recipes.
 
 use std::{
     io::{BufReader, Cursor, ErrorKind},
@@ -11,7 +11,7 @@ use png::{BitDepth, ColorType, Decoder, DecodingError, Info, Limits, Transformat
 use super::write::{HALFTONE_KEYWORD, KEYWORD, PALETTE_KEYWORD, SHADED_KEYWORD};
 use crate::{
     light::{
-        CodeImage, LinearImage, Samples, Transfer, Transfers,
+        CodeImage, Samples, Transfer,
         halftone::{Halftone, Screen},
         palette::{Reduction, reduce},
     },
@@ -20,71 +20,32 @@ use crate::{
     system::unless_missing,
 };
 
-/// Maximum number of pixels of an image, unless the user allows more. A 4K screen has 8.3 million.
-pub const MAX_PIXELS: u64 = 4096 * 4096;
 /// Maximum file size in bytes; more than the largest stimulus needs without compression.
 const MAX_FILE: u64 = 2 << 30;
 /// Maximum number of bytes that one byte of PNG data can expand to; DEFLATE reaches 1032.
 const MAX_EXPANSION: usize = 1040;
 
-/// Reads any PNG (gray, color or palette) of at most `pixels` pixels as the light that a screen with these transfer
-/// functions emits. Without them, the codes mean what the file says (its `sRGB` or `gAMA` chunk), and sRGB if it says
-/// nothing.
-///
-/// # Errors
-/// The file is not readable, not a complete PNG, too large, or has an alpha channel, whose background is unknown.
-pub fn read_light(path: &Path, transfers: Option<&Transfers>, pixels: u64) -> Result<LinearImage, StoreError> {
-    light(&path.display().to_string(), &content(path)?, transfers, pixels)
-}
-
-/// Reads the content of a PNG of at most [`MAX_PIXELS`] as light; `name` identifies it in messages.
-///
-/// # Errors
-/// The same errors as [`read_light`].
-pub fn parse_light(name: &str, content: &[u8]) -> Result<LinearImage, StoreError> {
-    light(name, content, None, MAX_PIXELS)
-}
-
-fn light(name: &str, content: &[u8], transfers: Option<&Transfers>, pixels: u64) -> Result<LinearImage, StoreError> {
-    let (image, info) = decode(name, content, pixels, |_| Ok(MAX_SIZE))?;
-    let transfers = match transfers {
-        Some(transfers) => transfers.clone(),
-        None => declared(name, &info)?.into(),
-    };
-    Ok(image.light(&transfers))
-}
-
-/// Returns the transfer function that a file declares. An `sRGB` chunk has precedence over `gAMA` (PNG, 3rd edition).
-fn declared(name: &str, info: &Info<'_>) -> Result<Transfer, FileErrors> {
-    match info.gama_chunk {
-        Some(gamma) if info.srgb.is_none() => match gamma.into_scaled() {
-            100_000 => Ok(Transfer::Linear),
-            scaled => Transfer::gamma(100_000.0 / f64::from(scaled))
-                .map_err(|error| FileErrors::whole(name, format!("has a gAMA chunk of {scaled}: {error}"))),
-        },
-        _ => Ok(Transfer::Srgb),
-    }
-}
-
 /// Reads the content of an image file.
-fn content(path: &Path) -> Result<Vec<u8>, FileErrors> {
+pub(super) fn content(path: &Path) -> Result<Vec<u8>, FileErrors> {
     read_bytes(path, MAX_FILE, "an image")
 }
 
-/// Decodes an opaque PNG of at most `pixels` pixels into its codes and its other chunks. `accept` sees the header
+/// Decodes an opaque PNG of at most `pixels` pixels into its codes and its other chunks, with its color profile if
+/// `profile` is true. `accept` sees the header
 /// before any pixel is decoded; it returns the largest allowed side length, or the reason why the image is refused.
-fn decode(
+pub(super) fn decode(
     name: &str,
     content: &[u8],
     pixels: u64,
+    profile: bool,
     accept: impl Fn(&Info<'_>) -> Result<u32, String>,
 ) -> Result<(CodeImage, Info<'static>), StoreError> {
     let fail = |message: String| StoreError::from(FileErrors::whole(name, message));
     let broken = |error: DecodingError| fail(format!("is not a complete PNG: {error}; expected an image"));
     let mut decoder = Decoder::new_with_limits(Cursor::new(content), Limits { bytes: 512 << 20 });
     decoder.set_transformations(Transformations::EXPAND);
-    // The color profile is not used, and it may expand a thousandfold when it is decompressed.
-    decoder.set_ignore_iccp_chunk(true);
+    // A color profile may expand a thousandfold when it is decompressed.
+    decoder.set_ignore_iccp_chunk(!profile);
     let mut reader = decoder.read_info().map_err(broken)?;
     let info = reader.info().clone();
     let (width, height, side_max) = (info.width, info.height, accept(&info).map_err(fail)?);
@@ -96,14 +57,12 @@ fn decode(
         return Err(StoreError::LargeImage(FileErrors::whole(name, message)));
     }
     let (color, depth) = reader.output_color_type();
-    let copies = match color {
-        ColorType::Grayscale => 3,
-        ColorType::Rgb => 1,
-        _ => {
-            return Err(fail(
-                "has an alpha channel, and its background is not known; expected an opaque image".to_owned(),
-            ));
-        }
+    // Samples per pixel, and how often the first of them is repeated.
+    let (channels, copies, is_opaque) = match color {
+        ColorType::Grayscale => (1, 3, true),
+        ColorType::GrayscaleAlpha => (2, 3, false),
+        ColorType::Rgba => (4, 1, false),
+        _ => (3, 1, true),
     };
     // Without this check, a small file that claims to contain a huge image would exhaust the memory.
     let size = reader.output_buffer_size().filter(|size| *size <= content.len().saturating_mul(MAX_EXPANSION));
@@ -112,15 +71,34 @@ fn decode(
     };
     let mut raw = vec![0; size];
     reader.next_frame(&mut raw).map_err(broken)?;
+    let transparent =
+        || fail("has transparent pixels, and their background is not known; expected an opaque image".to_owned());
     let samples = if depth == BitDepth::Sixteen {
-        let codes = raw.as_chunks::<2>().0.iter().map(|pair| u16::from_be_bytes(*pair));
-        Samples::Sixteen(codes.flat_map(|code| std::iter::repeat_n(code, copies)).collect())
-    } else if copies == 1 {
-        Samples::Eight(raw)
+        let codes = raw.as_chunks::<2>().0.iter().map(|pair| u16::from_be_bytes(*pair)).collect();
+        Samples::Sixteen(colors(codes, channels, copies, is_opaque, u16::MAX).ok_or_else(transparent)?)
     } else {
-        Samples::Eight(raw.iter().flat_map(|code| std::iter::repeat_n(*code, copies)).collect())
+        Samples::Eight(colors(raw, channels, copies, is_opaque, u8::MAX).ok_or_else(transparent)?)
     };
     Ok((CodeImage { width, height, samples }, info))
+}
+
+/// Returns red, green and blue of each pixel without its alpha; `None` if a pixel is not opaque.
+fn colors<T: Copy + PartialEq>(
+    samples: Vec<T>,
+    channels: usize,
+    copies: usize,
+    is_opaque: bool,
+    opaque: T,
+) -> Option<Vec<T>> {
+    let colors = channels - usize::from(!is_opaque);
+    if !is_opaque && samples.chunks_exact(channels).any(|pixel| pixel[colors] != opaque) {
+        return None;
+    }
+    if channels == 3 {
+        return Some(samples);
+    }
+    let pixels = samples.chunks_exact(channels);
+    Some(pixels.flat_map(|pixel| &pixel[..colors]).flat_map(|code| std::iter::repeat_n(*code, copies)).collect())
 }
 
 /// An image that this program wrote.
@@ -165,7 +143,7 @@ pub fn read(path: &Path) -> Result<ReadBack, StoreError> {
 
 fn parse(name: &str, content: &[u8], pixels: u64) -> Result<ReadBack, StoreError> {
     let fail = |message: String| StoreError::from(FileErrors::whole(name, message));
-    let (image, info) = decode(name, content, pixels, |info| {
+    let (image, info) = decode(name, content, pixels, false, |info| {
         if let Some(parameters) = text(info, SHADED_KEYWORD) {
             return Err(format!(
                 "is a shaded mesh, which cannot be verified; expected an image written by `stimulus` or `stimuli`. It was made with {parameters}"

@@ -20,8 +20,8 @@ pub enum Layer {
     Difference,
     /// The creases, each image on its side of the divider.
     Creases,
-    /// The bands that the vision model predicts, each image on its side of the divider.
-    Bands,
+    /// How visible the difference from the smooth surface is, each image on its side of the divider.
+    Visible,
 }
 
 /// What dragging on the image changes.

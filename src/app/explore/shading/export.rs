@@ -54,8 +54,8 @@ impl Export {
     }
 }
 
-/// Returns the parameters of the view, for the exported file. `full_scale` is the strength that is drawn lightest or
-/// darkest in a map of predicted bands.
+/// Returns the parameters of the view, for the exported file. `full_scale` is the difference, in times threshold, with
+/// the last color of the map.
 pub fn parameters(compared: &Comparison, settings: &ViewSettings, size: [u32; 2], full_scale: Option<f64>) -> Value {
     let mut all = compared.describe();
     all["size"] = json!(size);
@@ -64,11 +64,11 @@ pub fn parameters(compared: &Comparison, settings: &ViewSettings, size: [u32; 2]
         Layer::Split => json!({"show": "split", "right_from_column": column}),
         Layer::Difference => json!({"show": "difference of codes", "factor": settings.factor}),
         Layer::Creases => json!({"show": "creases", "right_from_column": column}),
-        Layer::Bands => json!({
-            "show": "predicted bands",
+        Layer::Visible => json!({
+            "show": "visible difference from the smooth surface",
             "right_from_column": column,
             "shorter_side_deg": SHORTER_SIDE_DEG,
-            "predicted_from_px": predicted_size(size),
+            "judged_from_px": predicted_size(size),
             "full_scale": full_scale,
         }),
     };

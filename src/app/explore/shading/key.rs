@@ -3,10 +3,7 @@
 use eframe::egui::{self, Color32, Label, Rect, Sense, Vec2};
 
 use crate::{
-    app::{
-        explore::prediction::BandMapImage,
-        ui::{describe, secondary},
-    },
+    app::ui::{describe, secondary},
     shading::crease,
 };
 
@@ -22,20 +19,20 @@ pub fn difference(ui: &mut egui::Ui, factor: u8) {
 
 /// Draws the key to the creases. `full_scale` is the jump of slope with the last color, once it is known.
 pub fn creases(ui: &mut egui::Ui, full_scale: Option<f64>) {
-    let color = |share| {
-        let [r, g, b] = crease::color(share).map(|encoded| (encoded * 255.0).round() as u8);
-        Color32::from_rgb(r, g, b)
-    };
     let most = full_scale.map_or_else(String::new, |most| format!("{most:.1e} light per pixel or more: "));
-    key(ui, "no jump of slope", color, &format!("{most}the steepest 5 % of Gouraud's"));
+    key(ui, "no jump of slope", heat, &format!("{most}the steepest 5 % of Gouraud's"));
 }
 
-/// Draws the key to the predicted bands. `full_scale` is the strength of the lightest and darkest bands, once it is
-/// known.
-pub fn bands(ui: &mut egui::Ui, full_scale: Option<f64>) {
-    let strength = full_scale.map_or_else(String::new, |most| format!(", visibility {most:.1}"));
-    let color = |share: f64| Color32::from_gray(BandMapImage::scale(share * 2.0 - 1.0));
-    key(ui, &format!("dark band{strength}"), color, &format!("bright band{strength}"));
+/// Draws the key to the visible difference from the smooth surface. `full_scale` is the difference with the last color,
+/// once it is known.
+pub fn visible(ui: &mut egui::Ui, full_scale: Option<f64>) {
+    let most = full_scale.map_or_else(String::new, |most| format!("{most:.1} "));
+    key(ui, "as the smooth surface", heat, &format!("{most}times what people can just see"));
+}
+
+fn heat(share: f64) -> Color32 {
+    let [r, g, b] = crease::color(share).map(|encoded| (encoded * 255.0).round() as u8);
+    Color32::from_rgb(r, g, b)
 }
 
 fn gray(share: f64) -> Color32 {

@@ -1,5 +1,5 @@
-//! Measures both sides. Creases and the bands that the vision model predicts are computed on a separate thread while
-//! nothing is dragged. Light and its slope along a line are computed by the shaders rather than from pixels.
+//! Measures both sides. Creases and the visible difference from the smooth surface are computed on a separate thread
+//! while nothing is dragged. Light and its slope along a line are computed by the shaders rather than from pixels.
 
 use std::sync::Arc;
 
@@ -10,16 +10,13 @@ use glam::{DVec2, DVec3};
 use super::{comparison::Comparison, pictures::Pictures};
 use crate::{
     app::{
-        explore::{
-            gallery::slopes,
-            prediction::{self, BandMapImage},
-        },
+        explore::gallery::slopes,
         ui::{describe, hint, pixels, still_plot, theme::ink, work::Latest},
     },
-    light::{Bits, CodeImage, Quantizer, Transfer},
+    light::{Bits, CodeImage, Quantizer, Samples, Transfer},
     shading::{Creases, Surface, crease},
     stimulus::{Judged, Renderer, ViewingConditions},
-    vision::{Visibility, luminance, luminances},
+    vision::luminance,
 };
 
 /// Maximum length of the shorter side of the image used for predictions, pixels. A larger image would take longer and
@@ -32,10 +29,11 @@ pub const SHORTER_SIDE_DEG: f64 = 10.0;
 pub struct Measured {
     /// The cells of the table for each side.
     cells: [Vec<String>; 2],
-    details: [String; 2],
     pub maps: [CodeImage; 2],
-    /// The value that is drawn lightest or darkest in the maps.
+    /// The value with the last color of the maps.
     pub full_scale: f64,
+    /// The largest value of each side.
+    pub largest: [f64; 2],
 }
 
 /// A function that measures a comparison of this surface at this size in pixels.
@@ -81,16 +79,16 @@ impl Measurement {
         }
     }
 
-    /// Draws the cell at `place` for one side, with details on hover.
+    /// Draws the cell at `place` for one side; why there is none is said on hover.
     pub fn cell(&self, ui: &mut egui::Ui, which: usize, place: usize, edition: u64) {
-        let (cell, details) = match self.latest.get(&edition) {
-            Some(Ok(measured)) => (measured.cells[which][place].as_str(), measured.details[which].as_str()),
+        let (cell, why) = match self.latest.get(&edition) {
+            Some(Ok(measured)) => (measured.cells[which][place].as_str(), ""),
             Some(Err(error)) => ("—", error.as_str()),
             None => ("…", ""),
         };
         let label = ui.label(RichText::new(cell).small().color(ink(ui).sides[which]));
-        if !details.is_empty() {
-            label.on_hover_text(details);
+        if !why.is_empty() {
+            label.on_hover_text(why);
         }
     }
 }
@@ -109,9 +107,9 @@ pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 
     };
     Ok(Measured {
         cells: sides.each_ref().map(cells),
-        details: Default::default(),
         maps: sides.each_ref().map(map),
         full_scale: gouraud.p95,
+        largest: sides.each_ref().map(|creases| creases.max),
     })
 }
 
@@ -126,37 +124,37 @@ pub fn predicted_size(size: [u32; 2]) -> [u32; 2] {
     size.map(|side| (f64::from(side) * f64::from(MAX_SIDE_PX) / f64::from(shorter)).round() as u32)
 }
 
-/// Predicts the visibility of the bands, also relative to Gouraud's.
-pub fn bands(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<Measured, String> {
+/// Judges how visible the difference from the smooth surface is, also relative to Gouraud's.
+pub fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<Measured, String> {
     let [width, height] = predicted_size(size);
     let frame = compared.scene.frame(surface, width, height).unpainted();
     let viewing = ViewingConditions::new(SHORTER_SIDE_DEG * f64::from(width) / f64::from(width.min(height)));
-    let judged = Judged::known(&viewing, &frame).map_err(|error| error.to_string())?;
-    let predict = |side: &Renderer| {
-        let image = compared.shot(side, &frame).emitted();
-        let view = viewing.predict_surface(&judged, &image).map_err(|error| error.to_string())?;
-        Ok::<_, String>((view, luminances(&image)))
+    let judged = Judged::known(&frame);
+    let judge = |side: &Renderer| {
+        let found = judged.difference(&viewing, &compared.shot(side, &frame).emitted());
+        found.map_err(|error| error.to_string())?.ok_or_else(|| "the smooth surface is not known".to_owned())
     };
-    let sides = [predict(&compared.sides[0])?, predict(&compared.sides[1])?];
+    let sides = [judge(&compared.sides[0])?, judge(&compared.sides[1])?];
     let gouraud = match compared.sides.iter().position(Renderer::is_gouraud) {
-        Some(which) => sides[which].0.visibility.max(),
-        None => predict(&Renderer::gouraud())?.0.visibility.max(),
+        Some(which) => sides[which].largest,
+        None => judge(&Renderer::gouraud())?.largest,
     };
-    let full_scale = sides.iter().map(|(view, _)| prediction::strongest(&view.map)).fold(0.0, f64::max);
-    let maps = sides.each_ref().map(|(view, light)| {
-        let drawing = BandMapImage { map: &view.map, light, size: [width as usize, height as usize], full_scale };
-        drawing.codes(size[0], size[1])
+    let full_scale = sides.iter().map(|side| side.largest).fold(1.0, f64::max);
+    let maps = sides.each_ref().map(|side| {
+        let (times, (across, down)) = (side.map.enlarged(), (size[0], size[1]));
+        let from = |place: u32, side: u32, values: u32| (place * values / side.max(1)).min(values - 1) as usize;
+        let color = |x: u32, y: u32| {
+            let times = times[from(y, down, height) * width as usize + from(x, across, width)];
+            crease::color(times / full_scale).map(|encoded| (encoded * 255.0).round() as u8)
+        };
+        let codes = (0..down).flat_map(|y| (0..across).map(move |x| (x, y))).flat_map(|(x, y)| color(x, y));
+        CodeImage { width: across, height: down, samples: Samples::Eight(codes.collect()) }
     });
-    let cells = sides.each_ref().map(|(view, _)| {
-        let visibility = view.visibility.max();
-        let over = (gouraud > 0.0).then(|| format!("{:.2}", visibility / gouraud));
-        vec![format!("{visibility:.1}"), over.unwrap_or_else(|| "—".to_owned())]
+    let cells = sides.each_ref().map(|side| {
+        let over = (gouraud > 0.0).then(|| format!("{:.2}", side.largest / gouraud));
+        vec![format!("{:.1}", side.largest), format!("{:.1}", side.p95), over.unwrap_or_else(|| "—".to_owned())]
     });
-    let details = sides.each_ref().map(|(view, _)| {
-        let Visibility { bright, dark } = view.visibility;
-        format!("bright {bright:.1}, dark {dark:.1}; root mean square {:.2}", view.density)
-    });
-    Ok(Measured { cells, details, maps, full_scale })
+    Ok(Measured { cells, maps, full_scale, largest: sides.each_ref().map(|side| side.largest) })
 }
 
 /// Samples per pixel of the scan line, and the maximum number of samples.

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `comparison` | the comparison; presets |
 //! | `pictures` | drawing, only if something has changed |
-//! | `measures` | creases and predicted bands of both sides; light along a line |
+//! | `measures` | creases and visible differences of both sides; light along a line |
 //! | `canvas` | the image and dragging on it |
 //! | `key` | keys to the colors of the layers |
 //! | `controls`, `export` | the panel of controls |

@@ -49,7 +49,7 @@ pub struct ShadingPage {
     canvases: [Canvas; 2],
     pictures: Option<Pictures>,
     creases: Measurement,
-    bands: Measurement,
+    visible: Measurement,
     scan: Option<Scan>,
     difference: Option<Difference>,
     file: FileField,
@@ -231,7 +231,7 @@ impl ShadingPage {
                 (Layer::Split, "Split"),
                 (Layer::Difference, "Difference"),
                 (Layer::Creases, "Creases"),
-                (Layer::Bands, "Predicted bands"),
+                (Layer::Visible, "Visible difference"),
             ] {
                 ui.selectable_value(&mut settings.layer, layer, name);
             }
@@ -267,7 +267,7 @@ impl ShadingPage {
             Layer::Split => _ = ui.add(Label::new(secondary(drag)).truncate()),
             Layer::Difference => key::difference(ui, self.settings.factor),
             Layer::Creases => key::creases(ui, self.creases.get(edition).map(|creases| creases.full_scale)),
-            Layer::Bands => key::bands(ui, self.bands.get(edition).map(|bands| bands.full_scale)),
+            Layer::Visible => key::visible(ui, self.visible.get(edition).map(|visible| visible.full_scale)),
         });
     }
 
@@ -311,7 +311,7 @@ impl ShadingPage {
         let pictures = Pictures::updated(ctx, self.pictures.take(), &mut self.canvases, surface, &self.compared, size);
         if !self.dragging {
             self.creases.want(ctx, &pictures, measures::creases);
-            self.bands.want(ctx, &pictures, measures::bands);
+            self.visible.want(ctx, &pictures, measures::visible);
         }
         if self.settings.scan {
             self.scan = Some(Scan::updated(self.scan.take(), &pictures, self.settings.line));
@@ -327,7 +327,7 @@ impl ShadingPage {
         match self.settings.layer {
             Layer::Split | Layer::Difference => None,
             Layer::Creases => Some(&self.creases),
-            Layer::Bands => Some(&self.bands),
+            Layer::Visible => Some(&self.visible),
         }
     }
 
@@ -336,7 +336,7 @@ impl ShadingPage {
         let maps = match self.settings.layer {
             Layer::Split | Layer::Difference => None,
             Layer::Creases => self.creases.textures(ui.ctx(), pictures.edition),
-            Layer::Bands => self.bands.textures(ui.ctx(), pictures.edition),
+            Layer::Visible => self.visible.textures(ui.ctx(), pictures.edition),
         };
         let textures = match (self.settings.layer, &self.difference, maps) {
             (Layer::Difference, Some(difference), _) => [difference.texture.id(); 2],
@@ -351,7 +351,7 @@ impl ShadingPage {
         }
     }
 
-    /// Draws the table of creases and predicted bands, and the drawing times.
+    /// Draws the table of creases and visible differences, and the drawing times.
     fn numbers(&self, ui: &mut egui::Ui) {
         let Some(pictures) = &self.pictures else { return };
         ui.spacing_mut().interact_size.y = 14.0;
@@ -365,8 +365,9 @@ impl ShadingPage {
                 ("creases, rms, light per pixel", &self.creases, 0),
                 ("creases, p95, light per pixel", &self.creases, 1),
                 ("creases, rms relative to Gouraud", &self.creases, 2),
-                ("predicted visibility", &self.bands, 0),
-                ("visibility relative to Gouraud", &self.bands, 1),
+                ("difference from the smooth surface, times threshold", &self.visible, 0),
+                ("at most, on 95 % of the surface", &self.visible, 1),
+                ("difference relative to Gouraud", &self.visible, 2),
             ] {
                 ui.label(secondary(name));
                 for which in 0..2 {
@@ -375,13 +376,15 @@ impl ShadingPage {
                 ui.end_row();
             }
         });
-        hint(
-            ui,
-            format!(
-                "A visibility of 1 means just visible if the shorter side of the picture subtends \
-                    {SHORTER_SIDE_DEG}° of visual angle."
-            ),
-        );
+        if let Some(visible) = self.visible.get(pictures.edition) {
+            let [a, b] = self.compared.sides.each_ref().map(title);
+            let [left, right] = visible.largest;
+            let sentence = format!(
+                "{a} differs from the smooth surface by {left:.1} times what people can just see; {b} by {right:.1}."
+            );
+            ui.label(secondary(&sentence));
+        }
+        hint(ui, format!("The shorter side of the picture is assumed to subtend {SHORTER_SIDE_DEG}° of visual angle."));
         let [left, right] = pictures.sides.each_ref().map(|picture| picture.ms);
         let (triangles, vertices) = (pictures.frame.triangles.len(), pictures.frame_ms);
         hint(
@@ -411,7 +414,7 @@ impl ShadingPage {
             let compared = &pictures.compared;
             export.show(ui, compared, || {
                 let image = self.pixels()?;
-                let full_scale = self.bands.get(pictures.edition).map(|bands| bands.full_scale);
+                let full_scale = self.visible.get(pictures.edition).map(|visible| visible.full_scale);
                 let size = [image.width, image.height];
                 let parameters = export::parameters(compared, &self.settings, size, full_scale);
                 Some((image, parameters))

@@ -1,0 +1,183 @@
+//! `machband compare`
+
+use maud::{PreEscaped, html};
+
+use super::{Bar, OutPath, print_data, print_line};
+use crate::{
+    report::terminal::{message, printable},
+    store::{self, Writer},
+    work::{
+        RequestError,
+        compare::{Compare, Compared, Steps},
+    },
+};
+
+/// Judge how visible the difference between two pictures is, in times threshold.
+///
+/// At 1, people just tell the pictures apart in a choice between two (84 % correct) if they look at the place where the
+/// difference is most visible. The pictures must be registered: a shift by one pixel is a visible difference. Only
+/// luminance is judged; colors of equal luminance look alike to the model. With --steps, no reference is needed.
+///
+/// The exit status is 1 if the difference is larger than --max. Folders are compared in pairs by name.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples: machband compare render.png truth.png --window 20 --max 1 --map difference.png\n          machband compare new/ approved/ --window 20 --max 1 --junit compare.xml\n          machband compare sky.png --steps --window 30 --dither-out dithered.png"
+)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    request: Compare,
+    /// Where to write a map of the difference.
+    #[arg(long, value_name = "FILE.png", conflicts_with = "steps")]
+    map: Option<OutPath>,
+    /// Where to write the picture in 8 bits with blue-noise dither. A picture of 8 bits is smoothed first.
+    #[arg(long, value_name = "FILE.png", requires = "steps")]
+    dither_out: Option<OutPath>,
+    /// Write JSON: an object, or for folders a list of objects.
+    #[arg(long)]
+    json: bool,
+    /// Where to write the results as JUnit XML, for continuous integration.
+    #[arg(long, value_name = "FILE.xml")]
+    junit: Option<OutPath>,
+}
+
+/// One comparison: its name, the number that is held against the maximum or the error, and what else there is to say.
+struct Case {
+    name: String,
+    times: Result<f64, String>,
+    line: String,
+    json: serde_json::Value,
+}
+
+/// Compares, and returns true if everything is within the maximum.
+pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool> {
+    let Arguments { request, map, dither_out, json, junit } = arguments;
+    let is_folder = request.is_folder()?;
+    let bar = if is_folder { Bar::new("pairs") } else { Bar::spinner("comparing") };
+    let cases = if is_folder {
+        if request.steps || map.is_some() {
+            let option = if request.steps { "steps" } else { "map" };
+            return Err(RequestError::value(option, "is for one picture; expected no folders").into());
+        }
+        let found = request.folders(&bar)?;
+        found.into_iter().map(|(name, found)| Case::of_pair(name, found)).collect()
+    } else if request.steps {
+        let found = request.steps(None, &bar)?;
+        if let Some(path) = dither_out {
+            store::image::write_codes(writer, path, &found.picture_dithered)?;
+        }
+        vec![Case::of_steps(&found)?]
+    } else {
+        let found = request.pair(None, &bar)?;
+        if let Some(path) = map {
+            store::image::write_codes(writer, path, &found.picture_of_map())?;
+        }
+        vec![Case::of_pair(found.picture.clone(), Ok(found))]
+    };
+    bar.clear();
+    if let Some(path) = junit {
+        writer.write(path, document(&cases, request.max).as_bytes())?;
+    }
+    if *json {
+        let all: Vec<&serde_json::Value> = cases.iter().map(|case| &case.json).collect();
+        let text = match all.as_slice() {
+            [one] if !is_folder => serde_json::to_string_pretty(one)?,
+            all => serde_json::to_string_pretty(all)?,
+        };
+        print_data(format!("{text}\n").as_bytes())?;
+    }
+    let mut is_within = true;
+    for case in &cases {
+        match &case.times {
+            Ok(times) => {
+                if !*json {
+                    print_line(&case.line)?;
+                }
+                if let Some(max) = request.max.filter(|max| times > max) {
+                    is_within = false;
+                    let name = printable(&case.name);
+                    message("error", &format!("{name}: {times:.3} times threshold; expected at most {max}"));
+                }
+            }
+            Err(error) => {
+                is_within = false;
+                message("error", error);
+            }
+        }
+    }
+    Ok(is_within)
+}
+
+impl Case {
+    fn of_pair(name: String, found: anyhow::Result<Compared>) -> Self {
+        let found = match found {
+            Ok(found) => found,
+            Err(error) => {
+                let text = format!("{error:#}");
+                let json = serde_json::json!({ "picture": name, "error": text });
+                return Self { name, times: Err(text), line: String::new(), json };
+            }
+        };
+        let place =
+            found.places.first().map_or_else(String::new, |place| format!(", most at ({}, {})", place.x, place.y));
+        let line = format!(
+            "{}: {:.3} times threshold{place}; {:.3} for a gaze at the middle ({}; white {} cd/m², black {} cd/m²; {})",
+            printable(&found.picture),
+            found.times_threshold,
+            found.center,
+            degrees(found.window_deg),
+            found.white_cd_m2,
+            found.black_cd_m2,
+            found.light
+        );
+        let json = serde_json::to_value(&found).unwrap_or_default();
+        Self { name, times: Ok(found.times_threshold), line, json }
+    }
+
+    fn of_steps(found: &Steps) -> anyhow::Result<Self> {
+        let remedy = if found.steps < 1.0 {
+            "the steps are below threshold: no dither is needed"
+        } else if found.dithered < found.steps {
+            "write 16 bits, or dither to 8 (--dither-out)"
+        } else {
+            "dither would be as visible as the steps: write 16 bits"
+        };
+        let line = format!(
+            "{}: steps {:.3} times threshold; with blue-noise dither {:.3}, which is grain; {remedy} ({}; white {} cd/m², black {} cd/m²; {})",
+            printable(&found.picture),
+            found.steps,
+            found.dithered,
+            degrees(found.window_deg),
+            found.white_cd_m2,
+            found.black_cd_m2,
+            found.light
+        );
+        Ok(Self { name: found.picture.clone(), times: Ok(found.steps), line, json: serde_json::to_value(found)? })
+    }
+}
+
+fn degrees(window_deg: f64) -> String {
+    format!("{window_deg}° wide")
+}
+
+/// Writes the cases as JUnit XML.
+fn document(cases: &[Case], max: Option<f64>) -> String {
+    let is_above = |times: f64| max.is_some_and(|max| times > max);
+    let errors = cases.iter().filter(|case| case.times.is_err()).count();
+    let failures = cases.iter().filter(|case| case.times.as_ref().is_ok_and(|times| is_above(*times))).count();
+    let body = html! {
+        testsuites {
+            testsuite name="machband compare" tests=(cases.len()) failures=(failures) errors=(errors) {
+                @for case in cases {
+                    testcase classname="machband.compare" name=(printable(&case.name)) {
+                        @match &case.times {
+                            Ok(times) if is_above(*times) => failure message=(format!("{times:.3} times threshold; expected at most {}", max.unwrap_or_default())) {},
+                            Ok(_) => system-out { (case.line) },
+                            Err(error) => error message=(printable(error)) {},
+                        }
+                    }
+                }
+            }
+        }
+    };
+    html! { (PreEscaped("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n")) (body) "\n" }.into_string()
+}

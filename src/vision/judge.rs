@@ -1,0 +1,454 @@
+//! How visible the difference between two pictures is, in units of people's threshold.
+
+use rayon::prelude::*;
+use rustfft::num_complex::Complex64;
+
+use super::{
+    cosine::{Axis, Cosines},
+    detection::Lookup,
+    error::{VisionError, check},
+    eye::Eye,
+    fft::{next_fast_length, transform},
+    sensitivity::Sensitivity,
+};
+use crate::system::checkpoint;
+
+/// Pictures with at least twice this number of pixels per degree are averaged down to it, or a little more: the eye
+/// sees nothing finer.
+const ENOUGH_PX_PER_DEG: f64 = 120.0;
+/// The same for responses before they are pooled, whose weight falls to half within a third of a degree.
+const ENOUGH_TO_POOL: f64 = 30.0;
+/// How far a line extends to each side along its bars, degrees.
+const HALF_LINE_DEG: f64 = 4.0;
+
+/// Frequency of the lowest band, cycles per degree. Bands are an octave apart.
+const LOWEST: f64 = 0.125;
+/// Number of bands.
+const BANDS: i32 = 9;
+/// A band is sampled finely enough for frequencies up to this multiple of its own.
+const SAMPLED: f64 = 8.0;
+
+/// An eye, and all it needs to judge pictures of one size.
+pub struct Judge {
+    eye: Eye,
+    /// Size of the pictures `[across, down]`, pixels.
+    given: [usize; 2],
+    /// The same in degrees.
+    extent: [f64; 2],
+    /// Number of the judge's own pixels, which may be coarser.
+    size: [usize; 2],
+    /// For lines, the unit vector across their bars.
+    across: Option<[f64; 2]>,
+    /// Functions of a frequency in cycles per degree: what is left of it in the light to which the eye adapts, the
+    /// eye's gain, the share of it that is lost for oblique structure, and the part of each band.
+    adaptation: Lookup,
+    gain: Lookup,
+    obliqueness: Lookup,
+    shares: Vec<Lookup>,
+    /// The weight of a response at a distance in degrees from the gaze, to the power of the pooling.
+    weight: Lookup,
+    /// Number of places at which responses are pooled, and the transform of the weights over `padded` places.
+    places: [usize; 2],
+    padded: [usize; 2],
+    weights: Vec<f64>,
+}
+
+impl Judge {
+    /// Prepares to judge pictures of `size` pixels `[across, down]`.
+    ///
+    /// # Errors
+    /// Returns a [`VisionError`] if there are no pixels, or if the number of pixels per degree is not above 0 or makes
+    /// the picture wider than the whole field around the eye.
+    pub fn of_pictures(size: [usize; 2], px_per_deg: f64, eye: Eye) -> Result<Judge, VisionError> {
+        Judge::new(size, px_per_deg, eye, None)
+    }
+
+    /// Prepares to judge lines of `length` pixels: pictures that vary in one direction, of which the judge sees 8°
+    /// along the bars. `orientation_deg` is the direction in which they vary, from the horizontal.
+    ///
+    /// # Errors
+    /// As for [`Judge::of_pictures`].
+    pub fn of_lines(length: usize, px_per_deg: f64, orientation_deg: f64, eye: Eye) -> Result<Judge, VisionError> {
+        let (sine, cosine) = orientation_deg.to_radians().sin_cos();
+        Judge::new([length, 1], px_per_deg, eye, Some([cosine, sine]))
+    }
+
+    fn new(given: [usize; 2], px_per_deg: f64, eye: Eye, across: Option<[f64; 2]>) -> Result<Judge, VisionError> {
+        check_size(given, px_per_deg)?;
+        let Eye { sensitivity, masking, .. } = eye;
+        let extent = given.map(|side| side as f64 / px_per_deg);
+        let size = coarser(given, px_per_deg / ENOUGH_PX_PER_DEG);
+        let places = coarser(size, size[0] as f64 / extent[0] / ENOUGH_TO_POOL);
+        let padded = places.map(|side| next_fast_length(2 * side - 1));
+        let step = [0, 1].map(|axis| extent[axis] / places[axis] as f64);
+        let farthest = (padded[0] as f64 * step[0]).hypot(padded[1] as f64 * step[1]);
+        let power = |away: f64| sensitivity.eccentric(away).powf(sensitivity.pooling);
+        // Along a line, the weight is the integral over its bars, with places that lie densest near the gaze (Simpson).
+        let most = (HALF_LINE_DEG / sensitivity.fovea_deg).asinh() / 32.0;
+        let places_along = (0..=32).map(|i| {
+            let (sinh, cosh) = ((f64::from(i) * most).sinh(), (f64::from(i) * most).cosh());
+            let part = if i % 32 == 0 { 1.0 } else { f64::from(2 + 2 * (i % 2)) };
+            (sensitivity.fovea_deg * sinh, 2.0 * sensitivity.fovea_deg * cosh * part * most / 3.0)
+        });
+        let along: Vec<(f64, f64)> = places_along.collect();
+        let summed = |x: f64| along.iter().map(|(y, length)| power(x.hypot(*y)) * length).sum::<f64>();
+        let weight = match across {
+            Some(_) => Lookup::new(farthest, summed),
+            None => Lookup::new(farthest, power),
+        };
+        let mut weights: Vec<Complex64> = (0..padded[0] * padded[1])
+            .map(|i| {
+                let away = [i % padded[0], i / padded[0]];
+                let away = [0, 1].map(|axis| away[axis].min(padded[axis] - away[axis]) as f64 * step[axis]);
+                weight.at(away[0].hypot(away[1])).into()
+            })
+            .collect();
+        transform(&mut weights, padded[0], padded[1]);
+        // The weights are symmetric, so their transform is real. It includes what makes a sum an integral, and what the
+        // transform back needs.
+        let scale = area(step, across.is_some()) / weights.len() as f64;
+        let weights = weights.into_iter().map(|weight| weight.re * scale).collect();
+        let finest = [0, 1].map(|axis| size[axis] as f64 / extent[axis]).into_iter().fold(0.0, f64::max);
+        let of = |value: &dyn Fn(f64) -> f64| Lookup::new(finest, value);
+        Ok(Judge {
+            eye,
+            given,
+            extent,
+            size,
+            across,
+            adaptation: of(&|f| (-2.0 * (std::f64::consts::PI * masking.adaptation_deg * f).powi(2)).exp()),
+            gain: of(&|f| if f > 0.0 { sensitivity.at(f, eye.luminance) } else { 0.0 }),
+            obliqueness: of(&Sensitivity::obliqueness),
+            shares: (0..BANDS).map(|band| of(&|f| share(band, f, masking.ratio))).collect(),
+            weight,
+            places,
+            padded,
+            weights,
+        })
+    }
+
+    /// Judges the difference of the picture `shown` from `reference`, both in cd/m², row by row. `share`, 0…1, is how
+    /// far a difference counts at each pixel; without it, it counts everywhere.
+    ///
+    /// # Errors
+    /// Returns a [`VisionError`] if the pictures do not have the judge's size, or if their light is not a positive
+    /// number.
+    pub fn difference(
+        &self,
+        shown: &[f64],
+        reference: &[f64],
+        share: Option<&[f64]>,
+    ) -> Result<Difference<'_>, VisionError> {
+        let (contrast, reference) = self.contrasts(shown, reference, share)?;
+        Ok(self.judged(contrast, Some(reference)))
+    }
+
+    /// Judges the same difference as if the reference masked nothing.
+    ///
+    /// # Errors
+    /// As for [`Judge::difference`].
+    pub fn unmasked(&self, shown: &[f64], reference: &[f64]) -> Result<Difference<'_>, VisionError> {
+        let (contrast, _) = self.contrasts(shown, reference, None)?;
+        Ok(self.judged(contrast, None))
+    }
+
+    /// Returns the difference and the reference in units of the light to which the eye adapts, through the eye's filter.
+    fn contrasts(
+        &self,
+        shown: &[f64],
+        reference: &[f64],
+        share: Option<&[f64]>,
+    ) -> Result<(Cosines, Cosines), VisionError> {
+        let [width, height] = self.given;
+        for light in [shown, reference] {
+            if let Some(i) = light.iter().position(|value| *value == 0.0) {
+                return Err(VisionError::Black { x: i % width, y: i / width });
+            }
+            check(light, width, height, width as f64 / self.extent[0])?;
+        }
+        if let Some(share) = share.filter(|share| share.len() != width * height) {
+            return Err(VisionError::Count { found: share.len(), expected: width * height });
+        }
+        let (mut shown, mut reference) = (self.averaged(shown), self.averaged(reference));
+        let both = shown.par_iter().zip(&reference).map(|(a, b)| 0.5 * (a + b)).collect();
+        let adapted = Cosines::of(both, self.size).at(self.size, None, |x, y| self.adaptation.at(self.frequency(x, y)));
+        let share = share.map(|share| self.averaged(share));
+        let each = shown.par_iter_mut().zip(&mut reference).zip(&adapted).enumerate();
+        each.for_each(|(i, ((a, b), light))| {
+            *a = (*a - *b) / light * share.as_ref().map_or(1.0, |share| share[i]);
+            *b /= light;
+        });
+        drop((adapted, share));
+        let filtered = |picture| {
+            let mut cosines = Cosines::of(picture, self.size);
+            cosines.filter(|x, y| {
+                let f = self.frequency(x, y);
+                let across = self.across.unwrap_or_else(|| {
+                    let [right, down] = self.frequencies(x, y);
+                    [right / f.max(f64::MIN_POSITIVE), down / f.max(f64::MIN_POSITIVE)]
+                });
+                self.gain.at(f) * (1.0 - self.obliqueness.at(f) * (2.0 * across[0] * across[1]).powi(2))
+            });
+            cosines
+        };
+        Ok((filtered(shown), filtered(reference)))
+    }
+
+    fn averaged(&self, picture: &[f64]) -> Vec<f64> {
+        averaged(picture.to_vec(), self.given, self.size)
+    }
+
+    /// Returns the width of the pictures, degrees.
+    pub(super) fn extent_deg(&self) -> f64 {
+        self.extent[0]
+    }
+
+    /// Returns the two parts of the frequency of a cosine, cycles per degree.
+    fn frequencies(&self, x: usize, y: usize) -> [f64; 2] {
+        [0.5 * x as f64 / self.extent[0], 0.5 * y as f64 / self.extent[1]]
+    }
+
+    /// Returns the frequency of a cosine, cycles per degree.
+    fn frequency(&self, x: usize, y: usize) -> f64 {
+        let [right, down] = self.frequencies(x, y);
+        (right * right + down * down).sqrt()
+    }
+
+    /// Masks the difference by the reference, band by band, if there is one.
+    fn judged(&self, contrast: Cosines, reference: Option<Cosines>) -> Difference<'_> {
+        let Some(reference) = reference else {
+            return Difference { judge: self, response: contrast.at(self.size, None, |_, _| 1.0) };
+        };
+        let mut masked = Cosines::none(self.size);
+        let mut finest = vec![0.0; self.size[0] * self.size[1]];
+        for (band, share) in self.shares.iter().enumerate() {
+            let share = |x: usize, y: usize| share.at(self.frequency(x, y));
+            let per_deg = 2.0 * SAMPLED * LOWEST * f64::from(1 << band);
+            let enough = |axis: usize| next_fast_length(((self.extent[axis] * per_deg).ceil() as usize).max(8));
+            let places = [0, 1].map(|axis| enough(axis).min(self.size[axis]));
+            let mut mask = reference.at(places, None, share);
+            mask.par_iter_mut().for_each(|value| *value *= *value);
+            for axis in [Axis::Across, Axis::Down] {
+                if places[axis as usize] == 1 {
+                    continue;
+                }
+                // The Riesz transform: odd responses in all orientations alike.
+                let odd = reference.at(places, Some(axis), |x, y| {
+                    let (part, f) = (self.frequencies(x, y)[axis as usize], self.frequency(x, y));
+                    share(x, y) * part / f.max(f64::MIN_POSITIVE)
+                });
+                mask.par_iter_mut().zip(odd).for_each(|(sum, odd)| *sum += odd * odd);
+            }
+            let mut own = contrast.at(places, None, share);
+            let scale = 1.0 / (self.eye.masking.half * self.eye.masking.half);
+            own.par_iter_mut().zip(mask).for_each(|(own, mask)| *own /= (1.0 + mask * scale).sqrt());
+            if places == self.size {
+                finest.par_iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+            } else {
+                masked.add(&Cosines::of(own, places));
+            }
+        }
+        drop((contrast, reference));
+        let coarse = masked.at(self.size, None, |_, _| 1.0);
+        finest.par_iter_mut().zip(coarse).for_each(|(sum, coarse)| *sum += coarse);
+        Difference { judge: self, response: finest }
+    }
+}
+
+/// Returns the part of a response at `frequency` that belongs to a band whose Gaussian has this `ratio`. The parts of all
+/// bands add up to 1.
+fn share(band: i32, frequency: f64, ratio: f64) -> f64 {
+    let octaves = (frequency.max(f64::MIN_POSITIVE) / LOWEST).log2();
+    let of = |band: i32| {
+        let away = octaves - f64::from(band);
+        let is_beyond = (band == 0 && away < 0.0) || (band == BANDS - 1 && away > 0.0);
+        if is_beyond { 1.0 } else { (-0.5 * (away / ratio.log2()).powi(2)).exp() }
+    };
+    of(band) / (0..BANDS).map(of).sum::<f64>()
+}
+
+/// Returns a size that is smaller by about the factor `ratio`, but never too small; the same size below a factor of 2.
+fn coarser(size: [usize; 2], ratio: f64) -> [usize; 2] {
+    size.map(|side| side.div_ceil((ratio as usize).max(1)))
+}
+
+/// Returns the area of a place of this size in degrees; for a line, whose weights are sums along its bars, its length.
+fn area([right, down]: [f64; 2], is_line: bool) -> f64 {
+    if is_line { right } else { right * down }
+}
+
+/// Averages a picture of `size` over fewer pixels that divide it equally.
+fn averaged(picture: Vec<f64>, size: [usize; 2], to: [usize; 2]) -> Vec<f64> {
+    if size == to {
+        return picture;
+    }
+    let taps = |axis: usize| -> Vec<Vec<(usize, f64)>> {
+        let (from, to) = (size[axis], to[axis]);
+        let tap = |i: usize| {
+            // In units of 1 / `to` pixels, so that all ends are whole numbers.
+            let (start, end) = (i * from, (i + 1) * from);
+            let part = |pixel: usize| (end.min((pixel + 1) * to) - start.max(pixel * to)) as f64 / from as f64;
+            (start / to..end.div_ceil(to)).map(|pixel| (pixel, part(pixel))).collect()
+        };
+        (0..to).map(tap).collect()
+    };
+    let (across, down) = (taps(0), taps(1));
+    let row = |rows: &Vec<(usize, f64)>| {
+        let mut sum = vec![0.0; size[0]];
+        for (row, part) in rows {
+            sum.iter_mut().zip(&picture[row * size[0]..]).for_each(|(sum, value)| *sum += part * value);
+        }
+        across.iter().map(|taps| taps.iter().map(|(x, part)| part * sum[*x]).sum()).collect::<Vec<f64>>()
+    };
+    down.par_iter().flat_map_iter(row).collect()
+}
+
+/// The visible difference between two pictures.
+pub struct Difference<'a> {
+    judge: &'a Judge,
+    /// The response of the eye to the difference at each of the judge's pixels, after masking.
+    response: Vec<f64>,
+}
+
+/// How visible a difference is for a gaze at each place, in times threshold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DifferenceMap {
+    /// Times threshold, row by row.
+    pub times: Vec<f64>,
+    /// Number of places `[across, down]`.
+    pub places: [usize; 2],
+    /// Size of the picture `[across, down]`, pixels.
+    pub size: [usize; 2],
+}
+
+/// One of the places at which a difference is most visible.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Place {
+    /// Column and row of the pixel, from 0.
+    pub x: usize,
+    pub y: usize,
+    /// Times threshold for a gaze there.
+    pub times_threshold: f64,
+}
+
+impl Difference<'_> {
+    /// Returns the map of the difference.
+    #[must_use]
+    pub fn map(&self) -> DifferenceMap {
+        self.map_of(|_, response| response.abs())
+    }
+
+    /// Returns the map of a part of the response: `part` gets the place across the picture, 0…1, and the
+    /// response there; it returns a number that is not negative.
+    #[must_use]
+    pub fn map_of(&self, part: impl Fn(f64, f64) -> f64 + Sync) -> DifferenceMap {
+        let Judge { eye, given, size, places, padded, .. } = self.judge;
+        let power = eye.sensitivity.pooling;
+        let across = |i: usize| ((i % size[0]) as f64 + 0.5) / size[0] as f64;
+        let powers: Vec<f64> =
+            self.response.par_iter().enumerate().map(|(i, value)| part(across(i), *value).powf(power)).collect();
+        let powers = averaged(powers, *size, *places);
+        let mut values = vec![Complex64::default(); padded[0] * padded[1]];
+        for (to, from) in values.chunks_exact_mut(padded[0]).zip(powers.chunks_exact(places[0])) {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to = (*from).into());
+        }
+        transform(&mut values, padded[0], padded[1]);
+        // The conjugate makes the forward transform an inverse one.
+        values.par_iter_mut().zip(&self.judge.weights).for_each(|(value, weight)| *value = value.conj() * weight);
+        checkpoint();
+        transform(&mut values, padded[0], padded[1]);
+        let rows = values.chunks_exact(padded[0]).take(places[1]);
+        let times = rows.flat_map(|row| &row[..places[0]]).map(|value| value.re.max(0.0).powf(1.0 / power)).collect();
+        DifferenceMap { times, places: *places, size: *given }
+    }
+
+    /// Returns how visible the difference is for a gaze at the middle of the picture, in times threshold.
+    #[must_use]
+    pub fn center(&self) -> f64 {
+        let Judge { eye, extent, size: [columns, rows], weight, across, .. } = self.judge;
+        let power = eye.sensitivity.pooling;
+        let middle = [*columns, *rows].map(|n| 0.5 * n as f64 - 0.5);
+        let step = [extent[0] / *columns as f64, extent[1] / *rows as f64];
+        let of = |(row, values): (usize, &[f64])| {
+            let down = row as f64 - middle[1];
+            let each = values.iter().enumerate().map(|(column, value)| {
+                let away = ((column as f64 - middle[0]) * step[0]).hypot(down * step[1]);
+                value.abs().powf(power) * weight.at(away)
+            });
+            each.sum::<f64>()
+        };
+        let rows: Vec<f64> = self.response.par_chunks(*columns).enumerate().map(of).collect();
+        (rows.iter().sum::<f64>() * area(step, across.is_some())).powf(1.0 / power)
+    }
+}
+
+impl DifferenceMap {
+    /// Returns the largest value.
+    #[must_use]
+    pub fn largest(&self) -> f64 {
+        self.times.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Returns the pixel at the middle of a place.
+    fn pixel(&self, i: usize) -> [usize; 2] {
+        let place = [i % self.places[0], i / self.places[0]];
+        [0, 1].map(|axis| (2 * place[axis] + 1) * self.size[axis] / (2 * self.places[axis]))
+    }
+
+    /// Returns up to `number` peaks, the highest first, that are at least `apart` pixels from each other.
+    #[must_use]
+    pub fn peaks(&self, number: usize, apart: f64) -> Vec<Place> {
+        let [columns, rows] = self.places;
+        let is_peak = |i: usize| {
+            let (x, y, own) = (i % columns, i / columns, self.times[i]);
+            let near = |at: usize, n: usize| at.saturating_sub(1)..(at + 2).min(n);
+            own > 0.0 && near(y, rows).all(|y| near(x, columns).all(|x| self.times[y * columns + x] <= own))
+        };
+        let mut all: Vec<usize> = (0..self.times.len()).filter(|i| is_peak(*i)).collect();
+        all.sort_by(|a, b| self.times[*b].total_cmp(&self.times[*a]));
+        let mut found: Vec<Place> = Vec::new();
+        for i in all {
+            let [x, y] = self.pixel(i);
+            let is_far = |other: &Place| (x as f64 - other.x as f64).hypot(y as f64 - other.y as f64) >= apart;
+            if found.iter().all(is_far) {
+                found.push(Place { x, y, times_threshold: self.times[i] });
+            }
+            if found.len() == number {
+                break;
+            }
+        }
+        found
+    }
+
+    /// Returns the map with one value for each pixel of the picture, row by row.
+    #[must_use]
+    pub fn enlarged(&self) -> Vec<f64> {
+        let ([columns, rows], [width, height]) = (self.places, self.size);
+        let near = |pixel: usize, side: usize, n: usize| {
+            let at = ((pixel as f64 + 0.5) * n as f64 / side as f64 - 0.5).clamp(0.0, (n - 1) as f64);
+            (at as usize, (at as usize + 1).min(n - 1), at.fract())
+        };
+        let mut values = vec![0.0; width * height];
+        values.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+            let (top, bottom, down) = near(y, height, rows);
+            for (x, value) in row.iter_mut().enumerate() {
+                let (left, right, part) = near(x, width, columns);
+                let at = |row: usize| {
+                    let row = &self.times[row * columns..][..columns];
+                    row[left] + (row[right] - row[left]) * part
+                };
+                *value = at(top) + (at(bottom) - at(top)) * down;
+            }
+        });
+        values
+    }
+}
+
+/// Checks the size of pictures to be judged.
+fn check_size(size: [usize; 2], px_per_deg: f64) -> Result<(), VisionError> {
+    let [width, height] = size;
+    if width == 0 || height == 0 {
+        return Err(VisionError::TooSmall { width, height, least: 1 });
+    }
+    super::error::check_extent(width, height, px_per_deg)
+}

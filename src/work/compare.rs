@@ -1,0 +1,419 @@
+//! How visible the difference between two pictures is, and that between a picture and what its codes were rounded from.
+
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{
+    Encoded, Encoding, Luminances, RequestError, Watcher,
+    request::{paths, positive},
+};
+use crate::{
+    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Samples, Transfer},
+    report::terminal::printable,
+    shading::crease,
+    stimulus::ViewingConditions,
+    store::{
+        self, StoreError,
+        image::{MAX_PIXELS, Origin, Picture},
+    },
+    system::{checkpoint, entries, found},
+    vision::{Eye, Judge, Place, VisionError, unrounded},
+};
+
+/// Number of places that are named.
+const PLACES: usize = 10;
+/// How far apart these are at least, degrees.
+const APART_DEG: f64 = 0.5;
+/// Pairs of pictures that are larger than this are compared one after another, since each keeps all threads busy and
+/// needs 80 bytes for each of its pixels.
+const SMALL_PX: u64 = 1024 * 1024;
+
+/// Which pictures are compared, and how they are seen.
+#[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
+pub struct Compare {
+    /// The picture to judge: an opaque PNG, or a folder of them.
+    #[arg(value_name = "FILE.png|DIR")]
+    #[serde(serialize_with = "paths")]
+    pub picture: PathBuf,
+    /// The picture that it should look like, of the same size; or a folder of pictures of the same names.
+    #[arg(value_name = "REFERENCE.png|DIR", required_unless_present = "steps", conflicts_with = "steps")]
+    #[serde(serialize_with = "paths")]
+    pub reference: Option<PathBuf>,
+    /// Judge the steps between the picture's own codes, without a reference: how visible it is that they are not the
+    /// smooth picture that they were rounded from.
+    #[arg(long)]
+    pub steps: bool,
+    /// Width of the picture in degrees of visual angle.
+    #[arg(long = "window", value_name = "DEG", value_parser = positive, required_unless_present = "ppd")]
+    pub window_deg: Option<f64>,
+    /// Pixels per degree of visual angle, in place of the width.
+    #[arg(long, value_name = "PX", value_parser = positive, conflicts_with = "window_deg")]
+    pub ppd: Option<f64>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub luminances: Luminances,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub encoding: Encoding,
+    /// Picture of the same size that is white where differences count, and black where they do not.
+    #[arg(long, value_name = "FILE.png")]
+    #[serde(serialize_with = "paths")]
+    pub mask: Option<PathBuf>,
+    /// The largest difference that is accepted, in times threshold; with more, the exit status is 1.
+    #[arg(long, value_name = "V", value_parser = positive)]
+    pub max: Option<f64>,
+    /// Also accept pictures of more than 4096 × 4096 pixels. This needs more time and memory.
+    #[arg(long)]
+    pub large: bool,
+}
+
+/// A picture that a caller has in memory.
+#[derive(Clone, Debug)]
+pub enum Given {
+    /// Codes that mean what the request says, by default sRGB.
+    Codes(CodeImage),
+    Light(LinearImage),
+}
+
+/// How visible the difference between two pictures is.
+#[derive(Clone, Debug, Serialize)]
+pub struct Compared {
+    pub picture: String,
+    pub reference: String,
+    /// For a gaze at the place where the difference is most visible, in times threshold.
+    pub times_threshold: f64,
+    /// For a gaze at the middle of the picture.
+    pub center: f64,
+    /// The places where it is most visible, the most visible first.
+    pub places: Vec<Place>,
+    pub window_deg: f64,
+    pub white_cd_m2: f64,
+    pub black_cd_m2: f64,
+    /// What the codes mean, and where that is said.
+    pub light: String,
+    /// Times threshold for a gaze at each pixel, row by row.
+    #[serde(skip)]
+    pub map: Vec<f64>,
+    /// Size of the picture `[across, down]`, pixels.
+    #[serde(skip)]
+    pub size: [usize; 2],
+}
+
+/// How visible the steps between a picture's codes are.
+#[derive(Clone, Debug, Serialize)]
+pub struct Steps {
+    pub picture: String,
+    /// The visible difference from the smoothest picture with these codes, in times threshold.
+    pub steps: f64,
+    /// The same for that picture in 8 bits with blue-noise dither, whose grain is a visible difference too.
+    pub dithered: f64,
+    pub window_deg: f64,
+    pub white_cd_m2: f64,
+    pub black_cd_m2: f64,
+    /// What the codes mean, and where that is said.
+    pub light: String,
+    /// The picture in 8 bits with blue-noise dither.
+    #[serde(skip)]
+    pub picture_dithered: CodeImage,
+}
+
+/// A picture as light.
+struct Lit {
+    name: String,
+    /// Relative luminance, 1 for white.
+    luminances: Vec<f64>,
+    size: [u32; 2],
+    light: String,
+}
+
+impl Compare {
+    /// Compares two pictures: those given, or otherwise those of the request.
+    ///
+    /// # Errors
+    /// A picture cannot be read, they differ in size, or they cannot be judged, for example because a place has no
+    /// light.
+    pub fn pair(&self, given: Option<[Given; 2]>, watcher: &dyn Watcher) -> anyhow::Result<Compared> {
+        let encoded = self.encoding.read(watcher)?;
+        let [shown, reference] = match given {
+            Some([shown, reference]) => {
+                [(shown, "picture"), (reference, "reference")].map(|(it, name)| lit(it, name, &encoded))
+            }
+            None => {
+                let reference = self.reference()?;
+                let read = |path| self.read(path, &encoded);
+                let (shown, reference) = rayon::join(|| read(&self.picture), || read(reference));
+                [shown?, reference?]
+            }
+        };
+        self.compared(shown, reference, &encoded)
+    }
+
+    /// True if the request names folders.
+    ///
+    /// # Errors
+    /// The file system does not say.
+    pub fn is_folder(&self) -> std::io::Result<bool> {
+        Ok(found(&self.picture)?.is_some_and(|found| found.is_dir()))
+    }
+
+    /// Compares the pictures in two folders in pairs by name; the watcher learns the number of pairs. Each pair has its
+    /// own result or error, in the order of their names.
+    ///
+    /// # Errors
+    /// A folder cannot be read, or a picture has no counterpart.
+    pub fn folders(&self, watcher: &dyn Watcher) -> anyhow::Result<Vec<(String, anyhow::Result<Compared>)>> {
+        let encoded = self.encoding.read(watcher)?;
+        let (folder, others) = (&self.picture, self.reference()?);
+        let [names, counterparts] = [pictures(folder)?, pictures(others)?];
+        for (of, all, wanted) in [(others, &counterparts, &names), (folder, &names, &counterparts)] {
+            let missing: Vec<&str> = wanted.iter().filter(|name| !all.contains(name)).map(String::as_str).collect();
+            if let [first, ..] = missing.as_slice() {
+                let (of, number) = (of.display(), missing.len());
+                anyhow::bail!("{of}: lacks {first}{}; expected the same names in both folders", more(number));
+            }
+        }
+        if names.is_empty() {
+            anyhow::bail!("{}: contains no PNG; expected pictures", folder.display());
+        }
+        let done = std::sync::atomic::AtomicU64::new(0);
+        let one = |name: &String| {
+            let compare = || {
+                let shown = self.read(&folder.join(name), &encoded)?;
+                self.compared(shown, self.read(&others.join(name), &encoded)?, &encoded)
+            };
+            // A map for every pair would not fit into memory.
+            let found = compare().map(|found| Compared { map: Vec::new(), ..found });
+            let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
+            watcher.progress(done, names.len() as u64);
+            (name.clone(), found)
+        };
+        let sizes = names.iter().map(|name| store::image::pixels(&folder.join(name))).collect::<Result<Vec<_>, _>>()?;
+        if sizes.iter().all(|pixels| *pixels <= SMALL_PX) {
+            return Ok(names.par_iter().with_max_len(1).map(one).collect());
+        }
+        Ok(names.iter().map(one).collect())
+    }
+
+    /// Judges the steps between the codes of a picture: the one given, or otherwise that of the request.
+    ///
+    /// # Errors
+    /// As for [`Compare::pair`].
+    pub fn steps(&self, given: Option<CodeImage>, watcher: &dyn Watcher) -> anyhow::Result<Steps> {
+        let encoded = self.encoding.read(watcher)?;
+        let (name, picture) = match given {
+            Some(codes) => ("picture".to_owned(), Picture::given(codes, encoded.transfers.clone())),
+            None => (self.picture.display().to_string(), self.picture(&self.picture, &encoded)?),
+        };
+        watcher.stage("smoothing");
+        let CodeImage { width, height, .. } = picture.codes;
+        let size = [width as usize, height as usize];
+        let smooth = smooth(&picture);
+        let weigh = |image: &LinearImage| -> Vec<f64> {
+            let of = |pixel: &[f32]| {
+                pixel.iter().zip(picture.weights).map(|(light, weight)| f64::from(*light) * weight).sum()
+            };
+            image.data.chunks_exact(3).map(of).collect()
+        };
+        let quantizer = Quantizer::new(&picture.transfers, Bits::Eight);
+        // A picture of 16 bits is what it is; its steps in 8 bits are what dither would hide.
+        let source = if matches!(picture.codes.samples, Samples::Sixteen(_)) {
+            picture.codes.light(&picture.transfers)
+        } else {
+            smooth.clone()
+        };
+        let dithered = quantizer.quantize_with(&source, &Dither::BlueNoise);
+        let viewing = self.viewing(&encoded, width);
+        let cd_m2 = |light: Vec<f64>| light.into_iter().map(|light| viewing.cd_m2(light)).collect::<Vec<f64>>();
+        let (shown, reference) = (cd_m2(picture.luminances()), cd_m2(weigh(&smooth)));
+        let grain = cd_m2(Picture { codes: dithered.clone(), ..picture.clone() }.luminances());
+        let target = cd_m2(weigh(&source));
+        watcher.stage("comparing");
+        let judge = judge(&viewing, size, &reference).map_err(|error| wrong(&name, &error))?;
+        let largest = |shown: &[f64], reference: &[f64]| {
+            let difference = judge.difference(shown, reference, None).map_err(|error| wrong(&name, &error))?;
+            Ok::<f64, anyhow::Error>(difference.map().largest())
+        };
+        Ok(Steps {
+            steps: largest(&shown, &reference)?,
+            dithered: largest(&grain, &target)?,
+            window_deg: viewing.window_deg,
+            white_cd_m2: viewing.white_cd_m2,
+            black_cd_m2: viewing.black_cd_m2,
+            light: said(&picture),
+            picture: name,
+            picture_dithered: dithered,
+        })
+    }
+
+    fn reference(&self) -> Result<&Path, RequestError> {
+        let missing = || RequestError::value("reference", "is missing; expected a picture or a folder");
+        self.reference.as_deref().ok_or_else(missing)
+    }
+
+    fn pixels(&self) -> u64 {
+        if self.large { u64::MAX } else { MAX_PIXELS }
+    }
+
+    fn picture(&self, path: &Path, encoded: &Encoded) -> Result<Picture, StoreError> {
+        let transfers = encoded.is_given.then_some(&encoded.transfers);
+        store::image::read_picture(path, transfers, self.pixels())
+    }
+
+    fn read(&self, path: &Path, encoded: &Encoded) -> anyhow::Result<Lit> {
+        let picture = self.picture(path, encoded)?;
+        Ok(Lit {
+            name: path.display().to_string(),
+            luminances: picture.luminances(),
+            size: [picture.codes.width, picture.codes.height],
+            light: said(&picture),
+        })
+    }
+
+    fn viewing(&self, encoded: &Encoded, width_px: u32) -> ViewingConditions {
+        let of_ppd = self.ppd.map(|ppd| f64::from(width_px) / ppd);
+        let window_deg = self.window_deg.or(of_ppd).unwrap_or(ViewingConditions::WINDOW_DEG);
+        encoded.viewing(window_deg, &self.luminances)
+    }
+
+    fn compared(&self, shown: Lit, reference: Lit, encoded: &Encoded) -> anyhow::Result<Compared> {
+        checkpoint();
+        if shown.size != reference.size {
+            let [a, b] = [&shown, &reference].map(|lit| format!("{} × {}", lit.size[0], lit.size[1]));
+            let (name, other) = (printable(&shown.name), printable(&reference.name));
+            anyhow::bail!("{name}: has {a} pixels, but {other} has {b}; expected pictures of one size");
+        }
+        let viewing = self.viewing(encoded, shown.size[0]);
+        let size = shown.size.map(|side| side as usize);
+        let share = self.mask.as_deref().map(|path| self.share(path, shown.size, encoded)).transpose()?;
+        let light = if shown.light == reference.light {
+            shown.light
+        } else {
+            format!("{}; reference: {}", shown.light, reference.light)
+        };
+        let cd_m2 = |light: Vec<f64>| light.into_iter().map(|light| viewing.cd_m2(light)).collect::<Vec<f64>>();
+        let (mine, theirs) = (cd_m2(shown.luminances), cd_m2(reference.luminances));
+        let judged = || {
+            let judge = judge(&viewing, size, &theirs)?;
+            let difference = judge.difference(&mine, &theirs, share.as_deref())?;
+            Ok((difference.map(), difference.center()))
+        };
+        let (map, center) = judged().map_err(|error| wrong(&shown.name, &error))?;
+        Ok(Compared {
+            picture: shown.name,
+            reference: reference.name,
+            times_threshold: map.largest(),
+            center,
+            places: map.peaks(PLACES, APART_DEG * size[0] as f64 / viewing.window_deg),
+            window_deg: viewing.window_deg,
+            white_cd_m2: viewing.white_cd_m2,
+            black_cd_m2: viewing.black_cd_m2,
+            light,
+            map: map.enlarged(),
+            size,
+        })
+    }
+
+    /// Reads how far differences count at each pixel, 0…1.
+    fn share(&self, path: &Path, [width, height]: [u32; 2], encoded: &Encoded) -> anyhow::Result<Vec<f64>> {
+        let mask = self.picture(path, encoded)?;
+        let CodeImage { width: across, height: down, .. } = mask.codes;
+        if (across, down) != (width, height) {
+            let message = format!("{} has {across} × {down} pixels; expected {width} × {height}", path.display());
+            return Err(RequestError::new("mask", message).into());
+        }
+        let most = f64::from(match mask.codes.samples {
+            Samples::Eight(_) => u16::from(u8::MAX),
+            Samples::Sixteen(_) => u16::MAX,
+        });
+        let of = |i: u32| f64::from(mask.codes.pixel(i % width, i / width)[1]) / most;
+        Ok((0..width * height).map(of).collect())
+    }
+}
+
+impl Compared {
+    /// Draws the map; `crease::color` goes from no difference to the largest one, or to the threshold if that is larger.
+    #[must_use]
+    pub fn picture_of_map(&self) -> CodeImage {
+        let most = self.times_threshold.max(1.0);
+        let code = |times: &f64| crease::color(times / most).map(|encoded| (encoded * 255.0).round() as u8);
+        let [width, height] = self.size.map(|side| side as u32);
+        CodeImage { width, height, samples: Samples::Eight(self.map.iter().flat_map(code).collect()) }
+    }
+}
+
+/// Prepares the eye that looks at a reference.
+fn judge(viewing: &ViewingConditions, size: [usize; 2], reference: &[f64]) -> Result<Judge, VisionError> {
+    let mean = reference.iter().sum::<f64>() / reference.len().max(1) as f64;
+    Judge::of_pictures(size, size[0] as f64 / viewing.window_deg, Eye::adapted_to(mean))
+}
+
+fn wrong(name: &str, error: &VisionError) -> anyhow::Error {
+    anyhow::anyhow!("{}: {error}", printable(name))
+}
+
+/// Says what the codes of a picture mean.
+fn said(picture: &Picture) -> String {
+    match picture.origin {
+        Origin::Given => "as asked".to_owned(),
+        Origin::Chunk(name) => format!("by the file's {name} chunk"),
+        Origin::Assumed => "sRGB is assumed, because the file does not say what its codes mean".to_owned(),
+    }
+}
+
+/// Returns a picture in memory as light.
+fn lit(given: Given, name: &str, encoded: &Encoded) -> Lit {
+    let (luminances, size, light) = match given {
+        Given::Codes(codes) => {
+            let (size, is_given) = ([codes.width, codes.height], encoded.is_given);
+            let light = if is_given { "as asked" } else { "sRGB is assumed" };
+            (Picture::given(codes, encoded.transfers.clone()).luminances(), size, light)
+        }
+        Given::Light(image) => (crate::vision::luminances(&image), [image.width, image.height], "given as light"),
+    };
+    Lit { name: name.to_owned(), luminances, size, light: light.to_owned() }
+}
+
+/// Returns the light of the smoothest picture that has the codes of this one.
+fn smooth(picture: &Picture) -> LinearImage {
+    let CodeImage { width, height, samples } = &picture.codes;
+    let size = [*width as usize, *height as usize];
+    let (codes, most): (Vec<f64>, f64) = match samples {
+        Samples::Eight(codes) => (codes.iter().map(|code| f64::from(*code)).collect(), 255.0),
+        Samples::Sixteen(codes) => (codes.iter().map(|code| f64::from(*code)).collect(), 65535.0),
+    };
+    let channel = |channel: usize| codes.iter().skip(channel).step_by(3).copied().collect::<Vec<f64>>();
+    let first = channel(0);
+    let smooth_first = unrounded(&first, size);
+    let others = [1, 2].map(|k| {
+        let own = channel(k);
+        if own == first { smooth_first.clone() } else { unrounded(&own, size) }
+    });
+    let transfers: &[Transfer; 3] = picture.transfers.channels();
+    let light = |k: usize, value: f64| transfers[k].linear_from_encoded((value / most).clamp(0.0, 1.0)) as f32;
+    let data = (0..first.len())
+        .flat_map(|i| [light(0, smooth_first[i]), light(1, others[0][i]), light(2, others[1][i])])
+        .collect();
+    LinearImage { width: *width, height: *height, data }
+}
+
+/// Returns the names of the PNG files in a folder, in order.
+fn pictures(folder: &Path) -> anyhow::Result<Vec<String>> {
+    let found = entries(folder).map_err(|error| anyhow::anyhow!("{}: {error}; expected a folder", folder.display()))?;
+    let mut names: Vec<String> = Vec::new();
+    for path in found {
+        let is_png = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+        match path.file_name().and_then(|name| name.to_str()) {
+            Some(name) if is_png => names.push(name.to_owned()),
+            None if is_png => anyhow::bail!("{}: the name is not Unicode; expected one that is", path.display()),
+            _ => {}
+        }
+    }
+    names.sort();
+    Ok(names)
+}
+
+fn more(number: usize) -> String {
+    if number > 1 { format!(" and {} more", number - 1) } else { String::new() }
+}

@@ -1,0 +1,215 @@
+//! `machband compare`, run as a user runs it: what it prints, what it refuses, and what pictures of other programs mean.
+
+use std::{fs, path::Path};
+
+use serde_json::Value;
+
+use crate::common::{fails, machband, split, succeeds, text};
+
+/// Writes a PNG as another program would; `prepare` adds chunks.
+fn png(
+    path: &Path,
+    [width, height]: [u32; 2],
+    color: png::ColorType,
+    codes: &[u8],
+    prepare: impl FnOnce(&mut png::Info),
+) {
+    let mut info = png::Info::with_size(width, height);
+    info.color_type = color;
+    info.bit_depth = png::BitDepth::Eight;
+    prepare(&mut info);
+    let encoder = png::Encoder::with_info(fs::File::create(path).unwrap(), info).unwrap();
+    encoder.write_header().unwrap().write_image_data(codes).unwrap();
+}
+
+/// Codes of a gray picture with soft waves; `change` is added to the pixels of a square in the middle.
+fn waves(side: u32, change: i16) -> Vec<u8> {
+    let code = |i: u32| {
+        let (x, y) = (f64::from(i % side), f64::from(i / side));
+        let wave = 120.0 + 40.0 * (x / 17.0).sin() * (y / 23.0).cos();
+        let near = |at: f64| (at - 0.5 * f64::from(side)).abs() < 0.1 * f64::from(side);
+        wave as i16 + if near(x) && near(y) { change } else { 0 }
+    };
+    (0..side * side).map(|i| code(i) as u8).collect()
+}
+
+#[test]
+fn the_difference_decides_about_the_exit_status() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let gray = |name: &str, change: i16| {
+        png(&at(name), [128; 2], png::ColorType::Grayscale, &waves(128, change), |_| {});
+    };
+    for (name, change) in [("same.png", 0), ("truth.png", 0), ("small.png", 2), ("large.png", 12)] {
+        gray(name, change);
+    }
+    let run = |line: &str| succeeds(folder.path(), &split(line));
+    let json = |line: &str| -> Value { serde_json::from_str(&run(line)).unwrap() };
+    let same = json("compare same.png truth.png --window 4 --max 0.001 --json");
+    assert_eq!((same["times_threshold"].as_f64(), same["places"].as_array().unwrap().len()), (Some(0.0), 0), "{same}");
+    let [small, large] =
+        ["small", "large"].map(|name| json(&format!("compare {name}.png truth.png --window 4 --json")));
+    let times = |of: &Value| of["times_threshold"].as_f64().unwrap();
+    assert!(times(&large) > 3.0 * times(&small) && times(&small) > 0.0, "{small} {large}");
+    let place = &large["places"][0];
+    for axis in ["x", "y"] {
+        assert!((45..83).contains(&place[axis].as_i64().unwrap()), "{large}");
+    }
+    assert_eq!(large["times_threshold"], place["times_threshold"]);
+    assert!(large["light"].as_str().unwrap().contains("sRGB is assumed"), "{large}");
+    for name in ["center", "window_deg", "white_cd_m2", "black_cd_m2", "picture", "reference"] {
+        assert!(!large[name].is_null(), "{name}: {large}");
+    }
+    // A map with the size of the picture; pixels per degree instead of a width; the maximum.
+    let line = run("compare large.png truth.png --ppd 32 --map map.png");
+    assert!(line.starts_with(&format!("large.png: {:.3} times threshold", times(&large))), "{line}");
+    let map = png::Decoder::new(std::io::BufReader::new(fs::File::open(at("map.png")).unwrap())).read_info().unwrap();
+    assert_eq!((map.info().width, map.info().height), (128, 128));
+    let status = |words: &str| machband(folder.path(), &split(words)).status.code();
+    assert_eq!(status("compare large.png truth.png --window 4 --max 0.5"), Some(1));
+    assert_eq!(status(&format!("compare large.png truth.png --window 4 --max {}", times(&large) + 0.01)), Some(0));
+    // What a mask leaves out does not count.
+    let mask: Vec<u8> = (0..128 * 128).map(|i| if i % 128 < 20 { 255 } else { 0 }).collect();
+    png(&at("mask.png"), [128; 2], png::ColorType::Grayscale, &mask, |_| {});
+    let masked = json("compare large.png truth.png --window 4 --mask mask.png --json");
+    assert_eq!(times(&masked), 0.0, "{masked}");
+}
+
+#[test]
+fn folders_are_compared_in_pairs() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, change) in [("new/a.png", 0), ("new/b & c.png", 9), ("old/a.png", 0), ("old/b & c.png", 0)] {
+        fs::create_dir_all(folder.path().join(name).parent().unwrap()).unwrap();
+        png(&folder.path().join(name), [96; 2], png::ColorType::Grayscale, &waves(96, change), |_| {});
+    }
+    let all: Value =
+        serde_json::from_str(&succeeds(folder.path(), &split("compare new old --window 3 --json"))).unwrap();
+    assert_eq!(all.as_array().unwrap().len(), 2);
+    assert_eq!(all[0]["times_threshold"], 0.0);
+    let one: Value = serde_json::from_str(&succeeds(
+        folder.path(),
+        &["compare", "new/b & c.png", "old/b & c.png", "--window", "3", "--json"],
+    ))
+    .unwrap();
+    assert_eq!(all[1]["times_threshold"], one["times_threshold"]);
+    let above = machband(folder.path(), &split("compare new old --window 3 --max 0.1 --junit out.xml"));
+    let errors = text(&above.stderr);
+    assert_eq!(above.status.code(), Some(1));
+    assert!(errors.starts_with("error: b & c.png: ") && errors.contains("expected at most 0.1"), "{errors}");
+    let xml = fs::read_to_string(folder.path().join("out.xml")).unwrap();
+    assert!(xml.contains("tests=\"2\" failures=\"1\" errors=\"0\"") && xml.contains("b &amp; c.png"), "{xml}");
+    // A picture without a counterpart, and one that cannot be read, are no successes.
+    png(&folder.path().join("new/d.png"), [96; 2], png::ColorType::Grayscale, &waves(96, 0), |_| {});
+    let error = fails(folder.path(), &split("compare new old --window 3"), 1);
+    assert!(error.contains("old: lacks d.png"), "{error}");
+    fs::write(folder.path().join("old/d.png"), "no picture").unwrap();
+    let mixed = machband(folder.path(), &split("compare new old --window 3"));
+    let errors = text(&mixed.stderr);
+    assert_eq!(mixed.status.code(), Some(1));
+    assert!(errors.contains("old/d.png: is not a complete PNG"), "{errors}");
+    assert_eq!(text(&mixed.stdout).lines().count(), 2, "the other pairs are compared");
+}
+
+/// The light of a file is what its chunks say: profiles that machband writes, gray and colored, opaque alpha.
+#[test]
+fn pictures_mean_what_they_say() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |line: &str| succeeds(folder.path(), &split(line));
+    let json = |line: &str| -> Value { serde_json::from_str(&run(line)).unwrap() };
+    let readings: String = (0..=10)
+        .map(|k| {
+            format!(
+                "gray,{},{}\n",
+                f64::from(k) / 10.0,
+                0.3 + 80.0 * (f64::from(k) / 10.0).powf(1.5) + 40.0 * (f64::from(k) / 10.0).powi(5)
+            )
+        })
+        .collect();
+    fs::write(folder.path().join("readings.csv"), format!("channel,level,luminance_cd_m2\n{readings}")).unwrap();
+    run("calibrate readings.csv --out profile.toml");
+    for color in ["gray", "yellow"] {
+        for (name, options) in [
+            ("srgb", ""),
+            ("linear", "--transfer linear"),
+            ("gamma", "--transfer gamma:2.4"),
+            ("icc", "--display profile.toml"),
+        ] {
+            run(&format!(
+                "stimulus --width 0.1 --size 256 --bits 16 --color {color} {options} --out {color}-{name}.png"
+            ));
+        }
+        // The same light in other codes is the same picture.
+        for name in ["linear", "gamma", "icc"] {
+            let found = json(&format!("compare {color}-{name}.png {color}-srgb.png --window 5 --json"));
+            assert!(found["times_threshold"].as_f64().unwrap() < 0.1, "{color} {name}: {found}");
+        }
+        let light = json(&format!("compare {color}-icc.png {color}-icc.png --window 5 --json"));
+        assert_eq!(light["light"], "by the file's iCCP chunk");
+    }
+    let found = json("compare gray-linear.png gray-srgb.png --window 5 --transfer gamma:3 --json");
+    assert!(found["times_threshold"].as_f64().unwrap() > 3.0, "an option has precedence: {found}");
+    let gray = waves(64, 0);
+    let rgba: Vec<u8> = gray.iter().flat_map(|code| [*code, *code, *code, 255]).collect();
+    png(&folder.path().join("rgba.png"), [64; 2], png::ColorType::Rgba, &rgba, |_| {});
+    png(&folder.path().join("gray.png"), [64; 2], png::ColorType::Grayscale, &gray, |_| {});
+    let found = json("compare rgba.png gray.png --window 2 --json");
+    assert_eq!(found["times_threshold"], 0.0);
+}
+
+#[test]
+fn steps_are_judged_without_a_reference() {
+    let folder = tempfile::tempdir().unwrap();
+    let codes =
+        |codes: f64| -> Vec<u8> { (0..512 * 64).map(|i| (118.0 + codes * f64::from(i % 512) / 512.0) as u8).collect() };
+    for (name, range) in [("slow.png", 10.0), ("flat.png", 0.0)] {
+        png(&folder.path().join(name), [512, 64], png::ColorType::Grayscale, &codes(range), |_| {});
+    }
+    let run = |line: &str| succeeds(folder.path(), &split(line));
+    let json = |line: &str| -> Value { serde_json::from_str(&run(line)).unwrap() };
+    let [wide, narrow] = [16, 1].map(|deg| json(&format!("compare slow.png --steps --window {deg} --json")));
+    let number = |of: &Value, name: &str| of[name].as_f64().unwrap();
+    assert!(number(&wide, "steps") > 1.0 && number(&wide, "steps") > 1.5 * number(&narrow, "steps"), "{wide} {narrow}");
+    assert!(number(&wide, "dithered") < number(&wide, "steps"), "{wide}");
+    assert_eq!(number(&json("compare flat.png --steps --window 8 --json"), "steps"), 0.0);
+    // What is written is what was judged: its steps are gone.
+    let line = run("compare slow.png --steps --window 16 --dither-out out.png");
+    assert!(line.contains("or dither to 8"), "{line}");
+    let out = json("compare out.png slow.png --window 16 --json");
+    assert!(number(&out, "times_threshold") > 0.5, "{out}");
+}
+
+#[test]
+fn impossible_comparisons_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    png(&at("gray.png"), [64; 2], png::ColorType::Grayscale, &waves(64, 0), |_| {});
+    png(&at("wide.png"), [65, 64], png::ColorType::Grayscale, &[9; 65 * 64], |_| {});
+    png(&at("black.png"), [64; 2], png::ColorType::Grayscale, &[0; 64 * 64], |_| {});
+    png(&at("alpha.png"), [64; 2], png::ColorType::Rgba, &[128; 64 * 64 * 4], |_| {});
+    png(&at("profile.png"), [64; 2], png::ColorType::Grayscale, &waves(64, 0), |info| {
+        info.icc_profile = Some(b"no profile".as_slice().into());
+    });
+    fs::write(at("text.png"), "no picture").unwrap();
+    fs::create_dir(at("empty")).unwrap();
+    for (line, status, part) in [
+        ("compare gray.png wide.png --window 2", 1, "gray.png: has 64 × 64 pixels, but wide.png has 65 × 64"),
+        ("compare black.png gray.png --window 2 --black 0", 1, "black.png: no light in column 0, row 0"),
+        ("compare alpha.png gray.png --window 2", 1, "transparent pixels"),
+        ("compare profile.png gray.png --window 2", 1, "has a color profile that is damaged"),
+        ("compare text.png gray.png --window 2", 1, "text.png: is not a complete PNG"),
+        ("compare none.png gray.png --window 2", 1, "none.png: cannot be opened"),
+        ("compare empty empty --window 2", 1, "contains no PNG"),
+        ("compare gray.png gray.png", 2, "--window"),
+        ("compare gray.png --window 2", 2, "REFERENCE"),
+        ("compare gray.png gray.png --steps --window 2", 2, "--steps"),
+        ("compare gray.png gray.png --window=-1", 2, "--window"),
+        ("compare gray.png gray.png --window 400", 1, "degrees"),
+        ("compare gray.png gray.png --window 2 --mask wide.png", 2, "--mask"),
+        ("compare empty empty --window 2 --map map.png", 2, "--map"),
+    ] {
+        let error = fails(folder.path(), &split(line), status);
+        assert!(error.contains(part), "{line}: {error}");
+    }
+    // The transfer function that the user gives makes a broken profile harmless.
+    succeeds(folder.path(), &split("compare profile.png gray.png --window 2 --transfer srgb"));
+}
