@@ -25,7 +25,7 @@ def test_eight_threads_at_once():
     work = [
         lambda: machband.stimulus(size=256, dither="random").tobytes(),
         lambda: machband.stimulus("shaded-mesh", size=96).tobytes(),
-        lambda: machband.predict("kanizsa", size=128).visibility,
+        lambda: machband.predict("kanizsa", size=128).detection,
         lambda: machband.shade("torus", size=64).metrics["crease_rms"],
         lambda: machband.simulate("quick", seed=2).rating.tolist(),
         lambda: machband.Definition("bangay2003").schedule(seed=4).condition.tolist(),
@@ -40,7 +40,7 @@ def test_eight_threads_at_once():
 
 
 def test_other_threads_run_meanwhile():
-    thread = threading.Thread(target=lambda: machband.predict("kanizsa", size=1024))
+    thread = threading.Thread(target=lambda: machband.steps(machband.stimulus(size=1024), window_deg=20))
     longest, last = 0.0, time.perf_counter()
     thread.start()
     while thread.is_alive():
@@ -56,7 +56,7 @@ def test_a_forked_process_works():
         pytest.skip("this system cannot fork")
     child = os.fork()
     if child == 0:
-        found = machband.predict("kanizsa", size=64).visibility >= 0 and len(machband.simulate("quick")) == 28
+        found = machband.predict("kanizsa", size=64).detection >= 0 and len(machband.simulate("quick")) == 28
         os._exit(0 if found else 1)
     deadline = time.monotonic() + 60
     while time.monotonic() < deadline:
@@ -76,7 +76,7 @@ def test_a_forked_process_works():
     [
         "machband.analyze(machband.simulate('bangay2003', participants=8), draws=1_000_000)",
         "machband.simulate('bangay2003', participants=1_000_000)",
-        "machband.predict('kanizsa', size=4096)",
+        "[machband.steps(machband.stimulus(size=2048), window_deg=30) for _ in range(100)]",
         "[machband.stimulus('kanizsa', size=16384) for _ in range(100)]",
         "[machband.shade('blob', n_vertices=20000, size=4096) for _ in range(100)]",
     ],
@@ -118,7 +118,8 @@ def test_ten_thousand_calls_leak_nothing():
         machband.light(size=32)
         machband.profile(size=64)
         machband.interpolate(np.zeros(1000), 3)
-        machband.predict(codes)
+        machband.compare(codes, codes, window_deg=2)
+        machband.predict(width=0.1)
         machband.shade(*mesh, size=32, metrics=False)
         definition.schedule()
         with pytest.raises(machband.Error):

@@ -4,9 +4,10 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use super::{catalog::Stimulus, smooth::Judged, viewing::ViewingConditions};
+use super::{catalog::Stimulus, parameter::ParameterValue, smooth::Judged, viewing::ViewingConditions};
 use crate::{
     light::LinearImage,
+    text::Cell,
     vision::{self, Eye, Judge, RampBands, VisionError, next_fast_length},
 };
 
@@ -45,6 +46,13 @@ struct Ramp {
     light: Vec<f64>,
     orientation_deg: f64,
     eye: Eye,
+}
+
+/// Returns how far the orientation of a stimulus is from the nearest of horizontal and vertical, 0…45°.
+fn oblique_deg(stimulus: &Stimulus) -> f64 {
+    let orientation = stimulus.get("orientation_deg").and_then(|value| Cell::from(value).as_number());
+    let turned = orientation.unwrap_or(0.0).rem_euclid(90.0);
+    turned.min(90.0 - turned)
 }
 
 impl ViewingConditions {
@@ -111,10 +119,35 @@ impl ViewingConditions {
         let mut light = vec![first; before];
         light.extend(window);
         light.resize(length, last);
-        let orientation = stimulus.get("orientation_deg").and_then(|value| value.to_string().parse::<f64>().ok());
-        // Folded to 0…45°: how oblique it is.
-        let turned = orientation.unwrap_or(0.0).rem_euclid(90.0);
-        Some(Ramp { light, orientation_deg: turned.min(90.0 - turned), eye })
+        Some(Ramp { light, orientation_deg: oblique_deg(stimulus), eye })
+    }
+
+    /// Returns the [detection](Self::detection) of each of these stimuli.
+    ///
+    /// # Errors
+    /// Returns a [`VisionError`] if a window is all black.
+    pub fn detections(&self, stimuli: &[&Stimulus]) -> Result<Vec<f64>, VisionError> {
+        // Turned by a right angle or mirrored, a line is as easy to see.
+        let folded = |stimulus: &&Stimulus| {
+            let mut folded = (*stimulus).clone();
+            if folded.is_line() {
+                // A kind without an orientation keeps what it has.
+                let _ = folded.set("orientation_deg", &ParameterValue::Number(oblique_deg(stimulus)));
+            }
+            folded
+        };
+        let all: Vec<Stimulus> = stimuli.iter().map(folded).collect();
+        let mut distinct: Vec<&Stimulus> = Vec::new();
+        let mut place = |stimulus| {
+            let known = distinct.iter().position(|other| *other == stimulus);
+            known.unwrap_or_else(|| {
+                distinct.push(stimulus);
+                distinct.len() - 1
+            })
+        };
+        let places: Vec<usize> = all.iter().map(&mut place).collect();
+        let found = distinct.par_iter().map(|stimulus| self.detection(stimulus)).collect::<Result<Vec<f64>, _>>()?;
+        Ok(places.into_iter().map(|place| found[place]).collect())
     }
 
     /// Returns the contrast of a stimulus that fills the window, in multiples of the threshold of an average person who

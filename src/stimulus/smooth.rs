@@ -50,6 +50,12 @@ impl Judged {
         Judged::new(frame, Truth::traced(frame).as_ref())
     }
 
+    /// Returns true for the pixels that show the mesh, row by row.
+    #[must_use]
+    pub fn shown(&self) -> &[bool] {
+        &self.shown
+    }
+
     /// Returns the share of the mesh's pixels where pictures are not compared with the smooth surface, 0…1; `None` if
     /// the surface is not known.
     #[must_use]

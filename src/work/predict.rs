@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
@@ -142,8 +141,8 @@ impl Predict {
             Some((comparison, _)) => (Some(comparison.criterion.clone()), prediction::LEAST),
             None => (self.criterion()?, 0.0),
         };
-        let detections = conditions.par_iter().map(|condition| viewing.detection(&condition.stimulus));
-        let detections = detections.collect::<Result<Vec<f64>, _>>().map_err(wrong)?;
+        let stimuli: Vec<&Stimulus> = conditions.iter().map(|condition| &condition.stimulus).collect();
+        let detections = viewing.detections(&stimuli).map_err(wrong)?;
         let known = protocol.stimulus.parameters();
         let named = |name: &str| known.iter().find(|parameter| parameter.name == name).map(column);
         let asked = Asked { rating: criterion.is_some(), surface: !protocol.stimulus.is_line() };

@@ -94,7 +94,7 @@ fn settings_of_the_gallery_are_undone_and_kept_for_each_kind() {
 
 /// The left and right cells of the row of the visible difference.
 fn differences(window: &Window) -> Vec<String> {
-    let head = window.get_by_label("difference from the smooth surface, times threshold").rect();
+    let head = window.get_by_label("visible difference, times threshold").rect();
     let mut cells: Vec<_> = window
         .query_all(By::new().predicate(|node| node.role() == Role::Label))
         .map(|node| (node.rect(), node.accesskit_node().value().or_else(|| node.accesskit_node().label())))

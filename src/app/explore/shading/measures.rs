@@ -124,6 +124,9 @@ pub fn predicted_size(size: [u32; 2]) -> [u32; 2] {
     size.map(|side| (f64::from(side) * f64::from(MAX_SIDE_PX) / f64::from(shorter)).round() as u32)
 }
 
+/// The color of a map beside the mesh, encoded.
+const BESIDE: [f64; 3] = [0.2; 3];
+
 /// Judges how visible the difference from the smooth surface is, also relative to Gouraud's.
 pub fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<Measured, String> {
     let [width, height] = predicted_size(size);
@@ -144,8 +147,9 @@ pub fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Resu
         let (times, (across, down)) = (side.map.enlarged(), (size[0], size[1]));
         let from = |place: u32, side: u32, values: u32| (place * values / side.max(1)).min(values - 1) as usize;
         let color = |x: u32, y: u32| {
-            let times = times[from(y, down, height) * width as usize + from(x, across, width)];
-            crease::color(times / full_scale).map(|encoded| (encoded * 255.0).round() as u8)
+            let pixel = from(y, down, height) * width as usize + from(x, across, width);
+            let color = if judged.shown()[pixel] { crease::color(times[pixel] / full_scale) } else { BESIDE };
+            color.map(|encoded| (encoded * 255.0).round() as u8)
         };
         let codes = (0..down).flat_map(|y| (0..across).map(move |x| (x, y))).flat_map(|(x, y)| color(x, y));
         CodeImage { width: across, height: down, samples: Samples::Eight(codes.collect()) }

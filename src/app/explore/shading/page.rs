@@ -34,7 +34,7 @@ const PLOTS: f32 = 190.0;
 const NARROW: f32 = 640.0;
 const NARROW_VIEW: f32 = 560.0;
 /// Height of the numbers below the picture, points.
-const NUMBERS: f32 = 156.0;
+const NUMBERS: f32 = 172.0;
 
 /// The shading demo: two renderers side by side.
 #[derive(Default)]
@@ -231,7 +231,7 @@ impl ShadingPage {
                 (Layer::Split, "Split"),
                 (Layer::Difference, "Difference"),
                 (Layer::Creases, "Creases"),
-                (Layer::Visible, "Visible difference"),
+                (Layer::Visible, "Visibility"),
             ] {
                 ui.selectable_value(&mut settings.layer, layer, name);
             }
@@ -355,6 +355,7 @@ impl ShadingPage {
     fn numbers(&self, ui: &mut egui::Ui) {
         let Some(pictures) = &self.pictures else { return };
         ui.spacing_mut().interact_size.y = 14.0;
+        ui.add(Label::new(secondary(self.sentence(pictures))).truncate());
         egui::Grid::new("numbers").spacing([16.0, 2.0]).show(ui, |ui| {
             ui.label("");
             for (side, color) in ["left", "right"].into_iter().zip(ink(ui).sides) {
@@ -365,9 +366,9 @@ impl ShadingPage {
                 ("creases, rms, light per pixel", &self.creases, 0),
                 ("creases, p95, light per pixel", &self.creases, 1),
                 ("creases, rms relative to Gouraud", &self.creases, 2),
-                ("difference from the smooth surface, times threshold", &self.visible, 0),
+                ("visible difference, times threshold", &self.visible, 0),
                 ("at most, on 95 % of the surface", &self.visible, 1),
-                ("difference relative to Gouraud", &self.visible, 2),
+                ("visible difference relative to Gouraud", &self.visible, 2),
             ] {
                 ui.label(secondary(name));
                 for which in 0..2 {
@@ -376,23 +377,24 @@ impl ShadingPage {
                 ui.end_row();
             }
         });
-        if let Some(visible) = self.visible.get(pictures.edition) {
-            let [a, b] = self.compared.sides.each_ref().map(title);
-            let [left, right] = visible.largest;
-            let sentence = format!(
-                "{a} differs from the smooth surface by {left:.1} times what people can just see; {b} by {right:.1}."
-            );
-            ui.label(secondary(&sentence));
-        }
-        hint(ui, format!("The shorter side of the picture is assumed to subtend {SHORTER_SIDE_DEG}° of visual angle."));
         let [left, right] = pictures.sides.each_ref().map(|picture| picture.ms);
         let (triangles, vertices) = (pictures.frame.triangles.len(), pictures.frame_ms);
         hint(
             ui,
             format!(
-                "Triangles facing the viewer: {triangles}. Vertices {vertices:.1} ms, left {left:.1} ms, right {right:.1} ms."
+                "Triangles facing the viewer: {triangles}. Vertices {vertices:.1} ms, left {left:.1} ms, right {right:.1} ms. The shorter side counts as {SHORTER_SIDE_DEG}°."
             ),
         );
+    }
+
+    /// Says how visible the differences from the smooth surface are.
+    fn sentence(&self, pictures: &Pictures) -> String {
+        let Some(visible) = self.visible.get(pictures.edition) else {
+            let status = self.visible.status(pictures.edition).unwrap_or_default();
+            return format!("Difference from the smooth surface: {status}");
+        };
+        let ([a, b], [left, right]) = (self.compared.sides.each_ref().map(title), visible.largest);
+        format!("{a} differs from the smooth surface by {left:.1} times what people can just see; {b} by {right:.1}.")
     }
 
     /// Returns the pixels of the view as on the screen, but without overlays.
