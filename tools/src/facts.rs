@@ -72,7 +72,7 @@ const ROWS: [&str; 15] = [
     "bright band at n = 3",
     "bright band of a step (people: none)",
     "of blurred edges, σ 0.05 to 1° (people: none)",
-    "of an edge more pointed than a Gaussian, e^(−|x|/0.2°) (people: none)",
+    "of an edge more pointed than a Gaussian, exponential with 0.2° (people: none)",
     "width of the strongest bright band, degrees (Bangay's people: 0.5 to 1)",
     "contrast from 20 % to 80 %: bright band × (Wallis & Georgeson 2012: little)",
     "rank correlation of the widths 0.2 to 4° with twice the size (the same: little)",
