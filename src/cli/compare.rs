@@ -4,6 +4,7 @@ use maud::{PreEscaped, html};
 
 use super::{Bar, OutPath, print_data, print_line};
 use crate::{
+    light::Transfer,
     report::terminal::{message, printable},
     store::{self, Writer},
     work::{
@@ -46,6 +47,8 @@ struct Case {
     times: Result<f64, String>,
     line: String,
     json: serde_json::Value,
+    /// What the number does not say.
+    note: Option<String>,
 }
 
 /// Compares, and returns true if everything is within the maximum.
@@ -63,13 +66,13 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
     } else if request.steps {
         let found = request.steps(None, &bar)?;
         if let Some(path) = dither_out {
-            store::image::write_codes(writer, path, &found.picture_dithered)?;
+            store::image::write_codes(writer, path, &found.picture_dithered, &found.transfers)?;
         }
         vec![Case::of_steps(&found)?]
     } else {
         let found = request.pair(None, &bar)?;
         if let Some(path) = map {
-            store::image::write_codes(writer, path, &found.picture_of_map())?;
+            store::image::write_codes(writer, path, &found.picture_of_map(), &Transfer::Srgb.into())?;
         }
         vec![Case::of_pair(found.picture.clone(), Ok(found))]
     };
@@ -91,6 +94,9 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
             Ok(times) => {
                 if !*json {
                     print_line(&case.line)?;
+                }
+                if let Some(note) = &case.note {
+                    message("warning", &format!("{}: {note}", printable(&case.name)));
                 }
                 if let Some(max) = request.max.filter(|max| times > max) {
                     is_within = false;
@@ -114,7 +120,7 @@ impl Case {
             Err(error) => {
                 let text = format!("{error:#}");
                 let json = serde_json::json!({ "picture": name, "error": text });
-                return Self { name, times: Err(text), line: String::new(), json };
+                return Self { name, times: Err(text), line: String::new(), json, note: None };
             }
         };
         let place =
@@ -130,7 +136,7 @@ impl Case {
             found.light
         );
         let json = serde_json::to_value(&found).unwrap_or_default();
-        Self { name, times: Ok(found.times_threshold), line, json }
+        Self { name, times: Ok(found.times_threshold), line, json, note: found.note() }
     }
 
     fn of_steps(found: &Steps) -> anyhow::Result<Self> {
@@ -151,12 +157,23 @@ impl Case {
             found.black_cd_m2,
             found.light
         );
-        Ok(Self { name: found.picture.clone(), times: Ok(found.steps), line, json: serde_json::to_value(found)? })
+        Ok(Self {
+            name: found.picture.clone(),
+            times: Ok(found.steps),
+            line,
+            json: serde_json::to_value(found)?,
+            note: None,
+        })
     }
 }
 
 fn degrees(window_deg: f64) -> String {
     format!("{window_deg}° wide")
+}
+
+/// Returns text without the characters that XML cannot contain; [`printable`] escapes the others.
+fn plain(text: &str) -> String {
+    printable(text).replace(['\u{fffe}', '\u{ffff}'], "\u{fffd}")
 }
 
 /// Writes the cases as JUnit XML.
@@ -168,11 +185,11 @@ fn document(cases: &[Case], max: Option<f64>) -> String {
         testsuites {
             testsuite name="machband compare" tests=(cases.len()) failures=(failures) errors=(errors) {
                 @for case in cases {
-                    testcase classname="machband.compare" name=(printable(&case.name)) {
+                    testcase classname="machband.compare" name=(plain(&case.name)) {
                         @match &case.times {
                             Ok(times) if is_above(*times) => failure message=(format!("{times:.3} times threshold; expected at most {}", max.unwrap_or_default())) {},
-                            Ok(_) => system-out { (case.line) },
-                            Err(error) => error message=(printable(error)) {},
+                            Ok(_) => system-out { (plain(&case.line)) },
+                            Err(error) => error message=(plain(error)) {},
                         }
                     }
                 }

@@ -6,7 +6,7 @@ use std::{any::TypeId, path::PathBuf};
 use clap::{Arg, ArgAction, ArgMatches, Command, ValueHint};
 
 use crate::{
-    store::{StoreError, Writer, ratings::with_files},
+    store::{self, StoreError, Writer, ratings::with_files},
     system::found,
     work::{FittedPath, NewFolder, OutPath},
 };
@@ -56,10 +56,18 @@ pub(super) fn writer(command: &Command, matches: &ArgMatches) -> Result<Writer, 
     }
     let force = matches!(matches.try_get_one::<bool>(FORCE), Ok(Some(true)));
     // Without `--force`, no existing file is replaced anyway.
-    let writer = Writer::new(if force { with_files(inputs)? } else { inputs }, force);
+    let writer = Writer::new(if force { with_pictures(with_files(inputs)?)? } else { inputs }, force);
     folders.iter().try_for_each(|folder| writer.check_folder(folder))?;
     writer.check(files.iter().map(PathBuf::as_path))?;
     Ok(writer)
+}
+
+/// Returns these paths and the pictures in each one that is a folder.
+fn with_pictures(mut paths: Vec<PathBuf>) -> Result<Vec<PathBuf>, StoreError> {
+    for path in paths.clone() {
+        paths.extend(store::image::listed(&path)?);
+    }
+    Ok(paths)
 }
 
 /// Returns the paths in the values of an argument, if they have this type.

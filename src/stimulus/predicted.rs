@@ -1,6 +1,9 @@
 //! Applies the vision model to stimuli and images in a window on a screen.
 
-use std::collections::HashMap;
+use std::{
+    collections::{HashMap, hash_map::Entry},
+    sync::{Arc, Mutex, PoisonError},
+};
 
 use rayon::prelude::*;
 
@@ -55,6 +58,33 @@ fn oblique_deg(stimulus: &Stimulus) -> f64 {
     turned.min(90.0 - turned)
 }
 
+/// Computes something for each stimulus, once for lines that are alike if one is turned by a right angle or mirrored.
+fn each_once<T: Clone + Send>(
+    stimuli: &[&Stimulus],
+    of: impl Fn(&Stimulus) -> Result<T, VisionError> + Sync,
+) -> Result<Vec<T>, VisionError> {
+    let mut distinct: Vec<Stimulus> = Vec::new();
+    let mut place = |stimulus: &&Stimulus| {
+        let mut folded = (*stimulus).clone();
+        if folded.is_line() {
+            // A kind without an orientation stays as it is.
+            let _ = folded.set("orientation_deg", &ParameterValue::Number(oblique_deg(stimulus)));
+        }
+        distinct.iter().position(|known| *known == folded).unwrap_or_else(|| {
+            distinct.push(folded);
+            distinct.len() - 1
+        })
+    };
+    let places: Vec<usize> = stimuli.iter().map(&mut place).collect();
+    let found: Vec<T> = if distinct.iter().all(Stimulus::is_line) {
+        distinct.par_iter().map(&of).collect::<Result<_, _>>()?
+    } else {
+        // A single picture keeps all threads busy and needs much memory.
+        distinct.iter().map(&of).collect::<Result<_, _>>()?
+    };
+    Ok(places.into_iter().map(|place| found[place].clone()).collect())
+}
+
 impl ViewingConditions {
     /// Judges stimuli that fill the window with `size` pixels per side, or otherwise with [`ViewingConditions::px`]. The
     /// plateaus of a ramp continue beyond the window.
@@ -62,44 +92,29 @@ impl ViewingConditions {
     /// # Errors
     /// Returns a [`VisionError`] if a window is too small, or has no light somewhere.
     pub fn visible(&self, stimuli: &[&Stimulus], size: Option<u32>) -> Result<Vec<Visible>, VisionError> {
-        let px = |stimulus: &Stimulus| size.unwrap_or_else(|| ViewingConditions::px(stimulus));
-        let ramps: Vec<Option<Ramp>> = stimuli.par_iter().map(|stimulus| self.ramp(stimulus, px(stimulus))).collect();
         // A judge takes longer than a ramp, and many ramps have the same.
-        let key = |ramp: &Ramp| (ramp.light.len(), ramp.orientation_deg.to_bits(), ramp.eye.luminance.to_bits());
-        let mut judges = HashMap::new();
-        for (ramp, stimulus) in ramps.iter().zip(stimuli) {
-            let Some(ramp) = ramp else { continue };
-            if let std::collections::hash_map::Entry::Vacant(place) = judges.entry(key(ramp)) {
-                let px_per_deg = self.px_per_deg(px(stimulus));
-                place.insert(Judge::of_lines(ramp.light.len(), px_per_deg, ramp.orientation_deg, ramp.eye)?);
-            }
-        }
-        // Orientations that are equally oblique have the same bands.
-        let same = |ramp: &Ramp| (key(ramp), ramp.light.iter().map(|light| light.to_bits()).collect::<Vec<_>>());
-        let mut distinct: HashMap<_, usize> = HashMap::new();
-        let mut found: Vec<&Ramp> = Vec::new();
-        let places: Vec<Option<usize>> = ramps
-            .iter()
-            .map(|ramp| {
-                let ramp = ramp.as_ref()?;
-                Some(*distinct.entry(same(ramp)).or_insert_with(|| {
-                    found.push(ramp);
-                    found.len() - 1
-                }))
+        let judges = Mutex::new(HashMap::new());
+        let judge = |ramp: &Ramp, px: u32| {
+            let (length, degrees) = (ramp.light.len(), ramp.orientation_deg);
+            let mut judges = judges.lock().unwrap_or_else(PoisonError::into_inner);
+            Ok::<_, VisionError>(match judges.entry((length, degrees.to_bits(), ramp.eye.luminance.to_bits())) {
+                Entry::Occupied(place) => Arc::clone(place.get()),
+                Entry::Vacant(place) => {
+                    let judge = Judge::of_lines(length, self.px_per_deg(px), degrees, ramp.eye)?;
+                    Arc::clone(place.insert(Arc::new(judge)))
+                }
             })
-            .collect();
-        let bands = found.par_iter().map(|ramp| RampBands::of(&judges[&key(ramp)], &ramp.light));
-        let bands = bands.collect::<Result<Vec<_>, _>>()?;
-        let of = |(place, stimulus): (Option<usize>, &&Stimulus)| match (place, *stimulus) {
-            (Some(place), _) => Ok(Visible::Ramp(bands[place].clone())),
-            (None, Stimulus::ShadedMesh(shaded)) => {
-                let Some(frame) = shaded.frame(px(stimulus)) else { return Ok(Visible::Unknown) };
-                let difference = Judged::known(&frame).difference(self, &shaded.shot(&frame).emitted())?;
-                Ok(difference.map_or(Visible::Unknown, |difference| Visible::Surface(difference.largest)))
-            }
-            _ => Ok(Visible::Unknown),
         };
-        places.into_iter().zip(stimuli).map(of).collect()
+        each_once(stimuli, |stimulus| {
+            let px = size.unwrap_or_else(|| ViewingConditions::px(stimulus));
+            if let Some(ramp) = self.ramp(stimulus, px) {
+                return Ok(Visible::Ramp(RampBands::of(&*judge(&ramp, px)?, &ramp.light)?));
+            }
+            let Stimulus::ShadedMesh(shaded) = stimulus else { return Ok(Visible::Unknown) };
+            let Some(frame) = shaded.frame(px) else { return Ok(Visible::Unknown) };
+            let difference = Judged::known(&frame).difference(self, &shaded.shot(&frame).emitted())?;
+            Ok(difference.map_or(Visible::Unknown, |difference| Visible::Surface(difference.largest)))
+        })
     }
 
     /// Returns the line of a ramp in cd/m², with its plateaus beyond the window; `None` for other stimuli.
@@ -127,27 +142,7 @@ impl ViewingConditions {
     /// # Errors
     /// Returns a [`VisionError`] if a window is all black.
     pub fn detections(&self, stimuli: &[&Stimulus]) -> Result<Vec<f64>, VisionError> {
-        // Turned by a right angle or mirrored, a line is as easy to see.
-        let folded = |stimulus: &&Stimulus| {
-            let mut folded = (*stimulus).clone();
-            if folded.is_line() {
-                // A kind without an orientation keeps what it has.
-                let _ = folded.set("orientation_deg", &ParameterValue::Number(oblique_deg(stimulus)));
-            }
-            folded
-        };
-        let all: Vec<Stimulus> = stimuli.iter().map(folded).collect();
-        let mut distinct: Vec<&Stimulus> = Vec::new();
-        let mut place = |stimulus| {
-            let known = distinct.iter().position(|other| *other == stimulus);
-            known.unwrap_or_else(|| {
-                distinct.push(stimulus);
-                distinct.len() - 1
-            })
-        };
-        let places: Vec<usize> = all.iter().map(&mut place).collect();
-        let found = distinct.par_iter().map(|stimulus| self.detection(stimulus)).collect::<Result<Vec<f64>, _>>()?;
-        Ok(places.into_iter().map(|place| found[place]).collect())
+        each_once(stimuli, |stimulus| self.detection(stimulus))
     }
 
     /// Returns the contrast of a stimulus that fills the window, in multiples of the threshold of an average person who

@@ -1,22 +1,16 @@
 //! Whether an average observer detects a picture at all: its contrast relative to the threshold.
 
-use rayon::prelude::*;
-use rustfft::num_complex::Complex64;
-
 use super::{
+    cosine::Cosines,
     error::{VisionError, check},
     eye::Eye,
-    fft::{next_fast_length, transform},
+    fft::next_fast_length,
+    grid::{ENOUGH_PX_PER_DEG, Grid, Lookup, averaged, coarser},
     sensitivity::Sensitivity,
 };
-use crate::system::checkpoint;
 
 /// The picture stands on an endless field of its mean light. This is how much of that field is computed, degrees.
 const FIELD_DEG: f64 = 2.0;
-/// Pictures with at least twice this number of pixels per degree are averaged down to it, or a little more: the eye
-/// sees nothing finer.
-const ENOUGH_PX_PER_DEG: f64 = 120.0;
-
 /// An image in linear light.
 #[derive(Clone, Copy, Debug)]
 pub struct LuminanceImage<'a> {
@@ -41,14 +35,13 @@ pub fn detection(picture: &LuminanceImage, eye: &Eye) -> Result<f64, VisionError
 
 /// The spectrum of a picture's contrast: light divided by mean light, minus 1.
 pub struct ContrastSpectrum {
-    values: Vec<Complex64>,
-    columns: usize,
-    rows: usize,
-    px_per_deg: f64,
-    /// The size of the picture and its first place in the field, `[across, down]`, and the pixels per value.
+    cosines: Cosines,
+    /// The field that is computed.
+    field: Grid,
+    /// The size of the picture, pixels; the number of its places in the field; and the first of them: `[across, down]`.
+    given: [usize; 2],
     size: [usize; 2],
     first: [usize; 2],
-    block: usize,
 }
 
 impl ContrastSpectrum {
@@ -65,22 +58,18 @@ impl ContrastSpectrum {
 
     /// Computes the spectrum of the contrast with a field, row by row, for `size` pixels `[across, down]`.
     #[must_use]
-    pub fn of(contrast: &[f64], size: [usize; 2], px_per_deg: f64) -> ContrastSpectrum {
-        let block = ((px_per_deg / ENOUGH_PX_PER_DEG) as usize).max(1);
-        let px_per_deg = px_per_deg / block as f64;
-        let [width, height] = size.map(|side| side.div_ceil(block));
-        let field = (FIELD_DEG * px_per_deg).ceil() as usize;
-        let [columns, rows] = [width, height].map(|side| next_fast_length(side + field));
-        let [left, top] = [(columns - width) / 2, (rows - height) / 2];
-        let mut values = vec![Complex64::default(); columns * rows];
-        let share = 1.0 / (block * block) as f64;
-        for (y, row) in contrast.chunks_exact(size[0]).enumerate() {
-            for (x, contrast) in row.iter().enumerate() {
-                values[(top + y / block) * columns + left + x / block].re += contrast * share;
-            }
+    pub fn of(contrast: &[f64], given: [usize; 2], px_per_deg: f64) -> ContrastSpectrum {
+        let size = coarser(given, px_per_deg / ENOUGH_PX_PER_DEG);
+        let contrast = averaged(contrast.to_vec(), given, size);
+        let per_deg = [0, 1].map(|axis| px_per_deg * size[axis] as f64 / given[axis] as f64);
+        let whole = [0, 1].map(|axis| next_fast_length(size[axis] + (FIELD_DEG * per_deg[axis]).ceil() as usize));
+        let first = [0, 1].map(|axis| (whole[axis] - size[axis]) / 2);
+        let mut values = vec![0.0; whole[0] * whole[1]];
+        for (row, contrast) in contrast.chunks_exact(size[0]).enumerate() {
+            values[(first[1] + row) * whole[0] + first[0]..][..size[0]].copy_from_slice(contrast);
         }
-        transform(&mut values, columns, rows);
-        ContrastSpectrum { values, columns, rows, px_per_deg, size, first: [left, top], block }
+        let field = Grid { size: whole, extent: [0, 1].map(|axis| whole[axis] as f64 / per_deg[axis]) };
+        ContrastSpectrum { cosines: Cosines::of(values, whole), field, given, size, first }
     }
 
     /// Returns the contrast in multiples of the threshold of `eye`, which looks at the middle of the picture.
@@ -90,88 +79,33 @@ impl ContrastSpectrum {
     }
 
     /// Returns the response of the filter `gain`, with the oblique effect, all over the field.
-    fn response(&self, gain: impl Fn(f64) -> f64) -> Vec<Complex64> {
-        let (columns, rows) = (self.columns, self.rows);
-        let signed = |k: usize, n: usize| {
-            let k = if 2 * k > n { k as f64 - n as f64 } else { k as f64 };
-            k * self.px_per_deg / n as f64
-        };
-        let scale = 1.0 / self.values.len() as f64;
-        let gain = Lookup::new(self.px_per_deg, |frequency| gain(frequency) * scale);
-        let mut response = vec![Complex64::default(); self.values.len()];
-        let filtered = response.par_chunks_mut(columns).zip(self.values.par_chunks(columns)).enumerate();
-        filtered.for_each(|(row, (response, values))| {
-            checkpoint();
-            let down = signed(row, rows);
-            for (column, (response, value)) in response.iter_mut().zip(values).enumerate() {
-                let right = signed(column, columns);
-                let frequency = (right * right + down * down).sqrt();
-                if frequency > 0.0 {
-                    let oblique = Sensitivity::oblique(frequency, [right / frequency, down / frequency]);
-                    // The conjugate makes the forward transform an inverse one.
-                    *response = (value * (gain.at(frequency) * oblique)).conj();
-                }
+    fn response(&self, gain: impl Fn(f64) -> f64) -> Vec<f64> {
+        let gain = Lookup::new(self.field.finest(), gain);
+        self.cosines.at(self.field.size, None, |x, y| {
+            let ([right, down], frequency) = (self.field.frequencies(x, y), self.field.frequency(x, y));
+            if frequency == 0.0 {
+                return 0.0;
             }
-        });
-        transform(&mut response, columns, rows);
-        response
+            gain.at(frequency) * Sensitivity::oblique(frequency, [right / frequency, down / frequency])
+        })
     }
 
     /// Returns the picture as the filter `gain`, a function of the frequency in cycles per degree, leaves it: each pixel's
     /// value, row by row.
     #[must_use]
     pub fn filtered(&self, gain: impl Fn(f64) -> f64) -> Vec<f64> {
-        let (response, [width, height]) = (self.response(gain), self.size);
-        let place =
-            |x: usize, y: usize| (self.first[1] + y / self.block) * self.columns + self.first[0] + x / self.block;
-        (0..width * height).map(|i| response[place(i % width, i / width)].re).collect()
+        let (response, [width, height]) = (self.response(gain), self.given);
+        let place = |axis: usize, pixel: usize| self.first[axis] + pixel * self.size[axis] / self.given[axis];
+        let at = |i: usize| response[place(1, i / width) * self.field.size[0] + place(0, i % width)];
+        (0..width * height).map(at).collect()
     }
 
     /// Returns the response of the filter `gain`, pooled over space and with the fall-off with eccentricity of
     /// `sensitivity`.
     pub fn pooled(&self, sensitivity: &Sensitivity, gain: impl Fn(f64) -> f64) -> f64 {
-        let (columns, rows, response) = (self.columns, self.rows, self.response(gain));
-        let area = 1.0 / (self.px_per_deg * self.px_per_deg);
-        let middle = [columns, rows].map(|n| 0.5 * n as f64 - 0.5);
-        let farthest = middle[0].hypot(middle[1]) / self.px_per_deg;
+        let farthest = self.field.extent[0].hypot(self.field.extent[1]);
         let weight = Lookup::new(farthest, |away| sensitivity.eccentric(away).powf(sensitivity.pooling));
-        let total: f64 = response
-            .par_chunks(columns)
-            .enumerate()
-            .map(|(row, values)| {
-                let down = row as f64 - middle[1];
-                let each = values.iter().enumerate().map(|(column, value)| {
-                    let right = column as f64 - middle[0];
-                    let away = (right * right + down * down).sqrt() / self.px_per_deg;
-                    value.re.abs().powf(sensitivity.pooling) * weight.at(away)
-                });
-                each.sum::<f64>()
-            })
-            .collect::<Vec<f64>>()
-            .iter()
-            .sum();
-        (total * area).powf(1.0 / sensitivity.pooling)
-    }
-}
-
-/// A function of a number that is not negative, interpolated between values that lie densest near 0.
-pub(super) struct Lookup {
-    values: Vec<f64>,
-    per_root: f64,
-}
-
-/// Number of values in a table; the error is below a millionth.
-const TABLE: usize = 8192;
-
-impl Lookup {
-    pub(super) fn new(most: f64, value: impl Fn(f64) -> f64) -> Lookup {
-        let per_root = (TABLE - 2) as f64 / most.sqrt();
-        Lookup { values: (0..TABLE).map(|i| value((i as f64 / per_root).powi(2))).collect(), per_root }
-    }
-
-    pub(super) fn at(&self, of: f64) -> f64 {
-        let at = of.sqrt() * self.per_root;
-        let i = (at as usize).min(TABLE - 2);
-        self.values[i] + (self.values[i + 1] - self.values[i]) * (at - i as f64)
+        let shown = [self.first, self.size];
+        self.field.pooled(&self.response(gain), shown, sensitivity.pooling, &weight, false)
     }
 }

@@ -5,18 +5,15 @@ use rustfft::num_complex::Complex64;
 
 use super::{
     cosine::{Axis, Cosines},
-    detection::Lookup,
     error::{VisionError, check},
     eye::Eye,
     fft::{next_fast_length, transform},
+    grid::{ENOUGH_PX_PER_DEG, Grid, Lookup, averaged, coarser},
     sensitivity::Sensitivity,
 };
 use crate::system::checkpoint;
 
-/// Pictures with at least twice this number of pixels per degree are averaged down to it, or a little more: the eye
-/// sees nothing finer.
-const ENOUGH_PX_PER_DEG: f64 = 120.0;
-/// The same for responses before they are pooled, whose weight falls to half within a third of a degree.
+/// Responses with at least twice this number of places per degree are averaged before they are pooled, since the weight falls to half only within a third of a degree.
 const ENOUGH_TO_POOL: f64 = 30.0;
 /// How far a line extends to each side along its bars, degrees.
 const HALF_LINE_DEG: f64 = 4.0;
@@ -33,10 +30,8 @@ pub struct Judge {
     eye: Eye,
     /// Size of the pictures `[across, down]`, pixels.
     given: [usize; 2],
-    /// The same in degrees.
-    extent: [f64; 2],
-    /// Number of the judge's own pixels, which may be coarser.
-    size: [usize; 2],
+    /// The judge's own pixels, which may be coarser.
+    grid: Grid,
     /// For lines, the unit vector across their bars.
     across: Option<[f64; 2]>,
     /// Functions of a frequency in cycles per degree: what is left of it in the light to which the eye adapts, the
@@ -77,10 +72,10 @@ impl Judge {
         check_size(given, px_per_deg)?;
         let Eye { sensitivity, masking, .. } = eye;
         let extent = given.map(|side| side as f64 / px_per_deg);
-        let size = coarser(given, px_per_deg / ENOUGH_PX_PER_DEG);
-        let places = coarser(size, size[0] as f64 / extent[0] / ENOUGH_TO_POOL);
+        let grid = Grid { size: coarser(given, px_per_deg / ENOUGH_PX_PER_DEG), extent };
+        let places = coarser(grid.size, 1.0 / grid.step()[0] / ENOUGH_TO_POOL);
         let padded = places.map(|side| next_fast_length(2 * side - 1));
-        let step = [0, 1].map(|axis| extent[axis] / places[axis] as f64);
+        let step = Grid { size: places, extent }.step();
         let farthest = (padded[0] as f64 * step[0]).hypot(padded[1] as f64 * step[1]);
         let power = |away: f64| sensitivity.eccentric(away).powf(sensitivity.pooling);
         // Along a line, the weight is the integral over its bars, with places that lie densest near the gaze (Simpson).
@@ -106,15 +101,13 @@ impl Judge {
         transform(&mut weights, padded[0], padded[1]);
         // The weights are symmetric, so their transform is real. It includes what makes a sum an integral, and what the
         // transform back needs.
-        let scale = area(step, across.is_some()) / weights.len() as f64;
+        let scale = if across.is_some() { step[0] } else { step[0] * step[1] } / weights.len() as f64;
         let weights = weights.into_iter().map(|weight| weight.re * scale).collect();
-        let finest = [0, 1].map(|axis| size[axis] as f64 / extent[axis]).into_iter().fold(0.0, f64::max);
-        let of = |value: &dyn Fn(f64) -> f64| Lookup::new(finest, value);
+        let of = |value: &dyn Fn(f64) -> f64| Lookup::new(grid.finest(), value);
         Ok(Judge {
             eye,
             given,
-            extent,
-            size,
+            grid,
             across,
             adaptation: of(&|f| (-2.0 * (std::f64::consts::PI * masking.adaptation_deg * f).powi(2)).exp()),
             gain: of(&|f| if f > 0.0 { sensitivity.at(f, eye.luminance) } else { 0.0 }),
@@ -164,14 +157,15 @@ impl Judge {
             if let Some(i) = light.iter().position(|value| *value == 0.0) {
                 return Err(VisionError::Black { x: i % width, y: i / width });
             }
-            check(light, width, height, width as f64 / self.extent[0])?;
+            check(light, width, height, width as f64 / self.grid.extent[0])?;
         }
         if let Some(share) = share.filter(|share| share.len() != width * height) {
             return Err(VisionError::Count { found: share.len(), expected: width * height });
         }
         let (mut shown, mut reference) = (self.averaged(shown), self.averaged(reference));
         let both = shown.par_iter().zip(&reference).map(|(a, b)| 0.5 * (a + b)).collect();
-        let adapted = Cosines::of(both, self.size).at(self.size, None, |x, y| self.adaptation.at(self.frequency(x, y)));
+        let adapted = Cosines::of(both, self.grid.size)
+            .at(self.grid.size, None, |x, y| self.adaptation.at(self.grid.frequency(x, y)));
         let share = share.map(|share| self.averaged(share));
         let each = shown.par_iter_mut().zip(&mut reference).zip(&adapted).enumerate();
         each.for_each(|(i, ((a, b), light))| {
@@ -180,11 +174,11 @@ impl Judge {
         });
         drop((adapted, share));
         let filtered = |picture| {
-            let mut cosines = Cosines::of(picture, self.size);
+            let mut cosines = Cosines::of(picture, self.grid.size);
             cosines.filter(|x, y| {
-                let f = self.frequency(x, y);
+                let f = self.grid.frequency(x, y);
                 let across = self.across.unwrap_or_else(|| {
-                    let [right, down] = self.frequencies(x, y);
+                    let [right, down] = self.grid.frequencies(x, y);
                     [right / f.max(f64::MIN_POSITIVE), down / f.max(f64::MIN_POSITIVE)]
                 });
                 self.gain.at(f) * (1.0 - self.obliqueness.at(f) * (2.0 * across[0] * across[1]).powi(2))
@@ -195,37 +189,26 @@ impl Judge {
     }
 
     fn averaged(&self, picture: &[f64]) -> Vec<f64> {
-        averaged(picture.to_vec(), self.given, self.size)
+        averaged(picture.to_vec(), self.given, self.grid.size)
     }
 
     /// Returns the width of the pictures, degrees.
     pub(super) fn extent_deg(&self) -> f64 {
-        self.extent[0]
-    }
-
-    /// Returns the two parts of the frequency of a cosine, cycles per degree.
-    fn frequencies(&self, x: usize, y: usize) -> [f64; 2] {
-        [0.5 * x as f64 / self.extent[0], 0.5 * y as f64 / self.extent[1]]
-    }
-
-    /// Returns the frequency of a cosine, cycles per degree.
-    fn frequency(&self, x: usize, y: usize) -> f64 {
-        let [right, down] = self.frequencies(x, y);
-        (right * right + down * down).sqrt()
+        self.grid.extent[0]
     }
 
     /// Masks the difference by the reference, band by band, if there is one.
     fn judged(&self, contrast: Cosines, reference: Option<Cosines>) -> Difference<'_> {
         let Some(reference) = reference else {
-            return Difference { judge: self, response: contrast.at(self.size, None, |_, _| 1.0) };
+            return Difference { judge: self, response: contrast.at(self.grid.size, None, |_, _| 1.0) };
         };
-        let mut masked = Cosines::none(self.size);
-        let mut finest = vec![0.0; self.size[0] * self.size[1]];
+        let mut masked = Cosines::none(self.grid.size);
+        let mut finest = vec![0.0; self.grid.size[0] * self.grid.size[1]];
         for (band, share) in self.shares.iter().enumerate() {
-            let share = |x: usize, y: usize| share.at(self.frequency(x, y));
+            let share = |x: usize, y: usize| share.at(self.grid.frequency(x, y));
             let per_deg = 2.0 * SAMPLED * LOWEST * f64::from(1 << band);
-            let enough = |axis: usize| next_fast_length(((self.extent[axis] * per_deg).ceil() as usize).max(8));
-            let places = [0, 1].map(|axis| enough(axis).min(self.size[axis]));
+            let enough = |axis: usize| next_fast_length(((self.grid.extent[axis] * per_deg).ceil() as usize).max(8));
+            let places = [0, 1].map(|axis| enough(axis).min(self.grid.size[axis]));
             let mut mask = reference.at(places, None, share);
             mask.par_iter_mut().for_each(|value| *value *= *value);
             for axis in [Axis::Across, Axis::Down] {
@@ -234,7 +217,7 @@ impl Judge {
                 }
                 // The Riesz transform: odd responses in all orientations alike.
                 let odd = reference.at(places, Some(axis), |x, y| {
-                    let (part, f) = (self.frequencies(x, y)[axis as usize], self.frequency(x, y));
+                    let (part, f) = (self.grid.frequencies(x, y)[axis as usize], self.grid.frequency(x, y));
                     share(x, y) * part / f.max(f64::MIN_POSITIVE)
                 });
                 mask.par_iter_mut().zip(odd).for_each(|(sum, odd)| *sum += odd * odd);
@@ -242,14 +225,14 @@ impl Judge {
             let mut own = contrast.at(places, None, share);
             let scale = 1.0 / (self.eye.masking.half * self.eye.masking.half);
             own.par_iter_mut().zip(mask).for_each(|(own, mask)| *own /= (1.0 + mask * scale).sqrt());
-            if places == self.size {
+            if places == self.grid.size {
                 finest.par_iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
             } else {
                 masked.add(&Cosines::of(own, places));
             }
         }
         drop((contrast, reference));
-        let coarse = masked.at(self.size, None, |_, _| 1.0);
+        let coarse = masked.at(self.grid.size, None, |_, _| 1.0);
         finest.par_iter_mut().zip(coarse).for_each(|(sum, coarse)| *sum += coarse);
         Difference { judge: self, response: finest }
     }
@@ -265,42 +248,6 @@ fn share(band: i32, frequency: f64, ratio: f64) -> f64 {
         if is_beyond { 1.0 } else { (-0.5 * (away / ratio.log2()).powi(2)).exp() }
     };
     of(band) / (0..BANDS).map(of).sum::<f64>()
-}
-
-/// Returns a size that is smaller by about the factor `ratio`, but never too small; the same size below a factor of 2.
-fn coarser(size: [usize; 2], ratio: f64) -> [usize; 2] {
-    size.map(|side| side.div_ceil((ratio as usize).max(1)))
-}
-
-/// Returns the area of a place of this size in degrees; for a line, whose weights are sums along its bars, its length.
-fn area([right, down]: [f64; 2], is_line: bool) -> f64 {
-    if is_line { right } else { right * down }
-}
-
-/// Averages a picture of `size` over fewer pixels that divide it equally.
-fn averaged(picture: Vec<f64>, size: [usize; 2], to: [usize; 2]) -> Vec<f64> {
-    if size == to {
-        return picture;
-    }
-    let taps = |axis: usize| -> Vec<Vec<(usize, f64)>> {
-        let (from, to) = (size[axis], to[axis]);
-        let tap = |i: usize| {
-            // In units of 1 / `to` pixels, so that all ends are whole numbers.
-            let (start, end) = (i * from, (i + 1) * from);
-            let part = |pixel: usize| (end.min((pixel + 1) * to) - start.max(pixel * to)) as f64 / from as f64;
-            (start / to..end.div_ceil(to)).map(|pixel| (pixel, part(pixel))).collect()
-        };
-        (0..to).map(tap).collect()
-    };
-    let (across, down) = (taps(0), taps(1));
-    let row = |rows: &Vec<(usize, f64)>| {
-        let mut sum = vec![0.0; size[0]];
-        for (row, part) in rows {
-            sum.iter_mut().zip(&picture[row * size[0]..]).for_each(|(sum, value)| *sum += part * value);
-        }
-        across.iter().map(|taps| taps.iter().map(|(x, part)| part * sum[*x]).sum()).collect::<Vec<f64>>()
-    };
-    down.par_iter().flat_map_iter(row).collect()
 }
 
 /// The visible difference between two pictures.
@@ -342,7 +289,7 @@ impl Difference<'_> {
     /// response there; it returns a number that is not negative.
     #[must_use]
     pub fn map_of(&self, part: impl Fn(f64, f64) -> f64 + Sync) -> DifferenceMap {
-        let Judge { eye, given, size, places, padded, .. } = self.judge;
+        let Judge { eye, given, grid: Grid { size, .. }, places, padded, .. } = self.judge;
         let power = eye.sensitivity.pooling;
         let across = |i: usize| ((i % size[0]) as f64 + 0.5) / size[0] as f64;
         let powers: Vec<f64> =
@@ -365,20 +312,8 @@ impl Difference<'_> {
     /// Returns how visible the difference is for a gaze at the middle of the picture, in times threshold.
     #[must_use]
     pub fn center(&self) -> f64 {
-        let Judge { eye, extent, size: [columns, rows], weight, across, .. } = self.judge;
-        let power = eye.sensitivity.pooling;
-        let middle = [*columns, *rows].map(|n| 0.5 * n as f64 - 0.5);
-        let step = [extent[0] / *columns as f64, extent[1] / *rows as f64];
-        let of = |(row, values): (usize, &[f64])| {
-            let down = row as f64 - middle[1];
-            let each = values.iter().enumerate().map(|(column, value)| {
-                let away = ((column as f64 - middle[0]) * step[0]).hypot(down * step[1]);
-                value.abs().powf(power) * weight.at(away)
-            });
-            each.sum::<f64>()
-        };
-        let rows: Vec<f64> = self.response.par_chunks(*columns).enumerate().map(of).collect();
-        (rows.iter().sum::<f64>() * area(step, across.is_some())).powf(1.0 / power)
+        let Judge { eye, grid, weight, across, .. } = self.judge;
+        grid.pooled(&self.response, [[0; 2], grid.size], eye.sensitivity.pooling, weight, across.is_some())
     }
 }
 

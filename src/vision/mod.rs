@@ -19,6 +19,7 @@ mod detection;
 mod error;
 mod eye;
 mod fft;
+mod grid;
 mod judge;
 mod ramp;
 mod sensitivity;

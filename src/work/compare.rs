@@ -10,7 +10,7 @@ use super::{
     request::{paths, positive},
 };
 use crate::{
-    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Samples, Transfer},
+    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Samples, Transfer, Transfers},
     report::terminal::printable,
     shading::crease,
     stimulus::ViewingConditions,
@@ -18,7 +18,7 @@ use crate::{
         self, StoreError,
         image::{MAX_PIXELS, Origin, Picture},
     },
-    system::{checkpoint, entries, found},
+    system::{checkpoint, found},
     vision::{Eye, Judge, Place, VisionError, unrounded},
 };
 
@@ -26,6 +26,8 @@ use crate::{
 const PLACES: usize = 10;
 /// How far apart these are at least, degrees.
 const APART_DEG: f64 = 0.5;
+/// From this difference between their mean luminances on, a caller is told about it, percent.
+const BRIGHTER_PERCENT: f64 = 5.0;
 /// Pairs of pictures that are larger than this are compared one after another, since each keeps all threads busy and
 /// needs 80 bytes for each of its pixels.
 const SMALL_PX: u64 = 1024 * 1024;
@@ -58,7 +60,7 @@ pub struct Compare {
     #[serde(flatten)]
     pub encoding: Encoding,
     /// Picture of the same size that is white where differences count, and black where they do not.
-    #[arg(long, value_name = "FILE.png")]
+    #[arg(long, value_name = "FILE.png", conflicts_with = "steps")]
     #[serde(serialize_with = "paths")]
     pub mask: Option<PathBuf>,
     /// The largest difference that is accepted, in times threshold; with more, the exit status is 1.
@@ -91,6 +93,9 @@ pub struct Compared {
     pub window_deg: f64,
     pub white_cd_m2: f64,
     pub black_cd_m2: f64,
+    /// Mean luminance of the picture over that of the reference. The eye adapts to it, so it is not part of the
+    /// difference.
+    pub mean_ratio: f64,
     /// What the codes mean, and where that is said.
     pub light: String,
     /// Times threshold for a gaze at each pixel, row by row.
@@ -114,9 +119,11 @@ pub struct Steps {
     pub black_cd_m2: f64,
     /// What the codes mean, and where that is said.
     pub light: String,
-    /// The picture in 8 bits with blue-noise dither.
+    /// The picture in 8 bits with blue-noise dither, and what its codes mean.
     #[serde(skip)]
     pub picture_dithered: CodeImage,
+    #[serde(skip)]
+    pub transfers: Transfers,
 }
 
 /// A picture as light.
@@ -189,8 +196,9 @@ impl Compare {
             watcher.progress(done, names.len() as u64);
             (name.clone(), found)
         };
-        let sizes = names.iter().map(|name| store::image::pixels(&folder.join(name))).collect::<Result<Vec<_>, _>>()?;
-        if sizes.iter().all(|pixels| *pixels <= SMALL_PX) {
+        let is_small =
+            |name: &String| matches!(store::image::pixels(&folder.join(name)), Ok(pixels) if pixels <= SMALL_PX);
+        if names.iter().all(is_small) {
             return Ok(names.par_iter().with_max_len(1).map(one).collect());
         }
         Ok(names.iter().map(one).collect())
@@ -244,6 +252,7 @@ impl Compare {
             light: said(&picture),
             picture: name,
             picture_dithered: dithered,
+            transfers: picture.transfers,
         })
     }
 
@@ -294,6 +303,8 @@ impl Compare {
         };
         let cd_m2 = |light: Vec<f64>| light.into_iter().map(|light| viewing.cd_m2(light)).collect::<Vec<f64>>();
         let (mine, theirs) = (cd_m2(shown.luminances), cd_m2(reference.luminances));
+        let sum = |light: &[f64]| light.iter().sum::<f64>();
+        let mean_ratio = sum(&mine) / sum(&theirs);
         let judged = || {
             let judge = judge(&viewing, size, &theirs)?;
             let difference = judge.difference(&mine, &theirs, share.as_deref())?;
@@ -309,6 +320,7 @@ impl Compare {
             window_deg: viewing.window_deg,
             white_cd_m2: viewing.white_cd_m2,
             black_cd_m2: viewing.black_cd_m2,
+            mean_ratio,
             light,
             map: map.enlarged(),
             size,
@@ -333,6 +345,15 @@ impl Compare {
 }
 
 impl Compared {
+    /// Says that one picture is brighter as a whole, if so.
+    #[must_use]
+    pub fn note(&self) -> Option<String> {
+        let percent = 100.0 * (self.mean_ratio - 1.0);
+        (percent.abs() > BRIGHTER_PERCENT).then(|| {
+            format!("mean luminance {percent:+.0} %: the eye adapts to the mean, which is no part of the difference")
+        })
+    }
+
     /// Draws the map; `crease::color` goes from no difference to the largest one, or to the threshold if that is larger.
     #[must_use]
     pub fn picture_of_map(&self) -> CodeImage {
@@ -400,18 +421,14 @@ fn smooth(picture: &Picture) -> LinearImage {
 
 /// Returns the names of the PNG files in a folder, in order.
 fn pictures(folder: &Path) -> anyhow::Result<Vec<String>> {
-    let found = entries(folder).map_err(|error| anyhow::anyhow!("{}: {error}; expected a folder", folder.display()))?;
-    let mut names: Vec<String> = Vec::new();
-    for path in found {
-        let is_png = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
-        match path.file_name().and_then(|name| name.to_str()) {
-            Some(name) if is_png => names.push(name.to_owned()),
-            None if is_png => anyhow::bail!("{}: the name is not Unicode; expected one that is", path.display()),
-            _ => {}
-        }
+    if !found(folder)?.is_some_and(|found| found.is_dir()) {
+        anyhow::bail!("{}: is not a folder, but the other one is; expected two folders", folder.display());
     }
-    names.sort();
-    Ok(names)
+    let name = |path: PathBuf| match path.file_name().and_then(|name| name.to_str()) {
+        Some(name) => Ok(name.to_owned()),
+        None => Err(anyhow::anyhow!("{}: the name is not Unicode; expected one that is", path.display())),
+    };
+    store::image::listed(folder)?.into_iter().map(name).collect()
 }
 
 fn more(number: usize) -> String {

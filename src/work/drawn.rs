@@ -30,6 +30,11 @@ impl Drawn {
         Self { kind: stimulus.kind().to_owned(), given }
     }
 
+    /// True if nothing was asked for.
+    pub(super) fn is_default(&self) -> bool {
+        self.kind == KINDS[0] && self.given.is_empty()
+    }
+
     /// Builds the stimulus.
     ///
     /// # Errors

@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 
 use super::{
     RequestError, Watcher, named,
-    request::{paths, positive},
+    request::{paths, within},
 };
 use crate::{
     display::DisplayProfile,
@@ -37,19 +37,11 @@ pub struct Encoding {
 #[derive(Clone, Debug, Default, PartialEq, clap::Args, Serialize)]
 pub struct Luminances {
     /// Luminance of white in cd/m², without that of black [default: the display profile's, or 100].
-    #[arg(long, value_name = "CD_M2", value_parser = positive)]
+    #[arg(long, value_name = "CD_M2", value_parser = within(1e-3, 1e6))]
     pub white: Option<f64>,
     /// Luminance of black in cd/m², with what the screen reflects [default: the display profile's, or 0.2].
-    #[arg(long, value_name = "CD_M2", value_parser = not_negative)]
+    #[arg(long, value_name = "CD_M2", value_parser = within(0.0, 1e6))]
     pub black: Option<f64>,
-}
-
-/// Parses a number that is at least 0.
-fn not_negative(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if number.is_finite() && number >= 0.0 => Ok(number),
-        _ => Err("not a number of at least 0; expected one".to_owned()),
-    }
 }
 
 /// Writes a value as its text.

@@ -121,6 +121,10 @@ impl Predict {
     /// A file cannot be read, there are too many conditions, a condition cannot be seen, or the ratings cannot be
     /// compared with the prediction.
     pub fn all(&self, experiment: &Path, watcher: &dyn Watcher) -> anyhow::Result<Predictions> {
+        if !self.drawn.is_default() {
+            let message = "the definition says what its stimuli are; expected no options of a stimulus beside it";
+            return Err(RequestError::whole(message).into());
+        }
         let encoded = self.encoding.read(watcher)?;
         let protocol = definition::open(experiment)?;
         let conditions = protocol.conditions();

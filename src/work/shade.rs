@@ -9,7 +9,10 @@ use glam::DVec3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{Image, Luminances, RequestError, Watcher, named, request::paths};
+use super::{
+    Image, Luminances, RequestError, Watcher, named,
+    request::{paths, within},
+};
 use crate::{
     light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Transfer, Transfers},
     report::document::numbers::count,
@@ -128,15 +131,6 @@ const KNOWN: &str = "known";
 /// Says which meshes there are.
 fn mesh_help() -> String {
     format!("Mesh: {}, or the path to an OBJ, PLY, glTF or GLB file", Shape::NAMES.join(", "))
-}
-
-/// Returns a parser that accepts only numbers from `least` to `most`.
-fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {
-    move |text| match text.parse() {
-        Ok(number) if (least..=most).contains(&number) => Ok(number),
-        Ok(_) => Err(format!("outside {least}…{most}; expected a number in this range")),
-        Err(_) => Err(format!("not a number; expected one from {least} to {most}")),
-    }
 }
 
 /// Parses the distance of the eye, in mesh radii.

@@ -146,8 +146,10 @@ fn pictures_mean_what_they_say() {
         let light = json(&format!("compare {color}-icc.png {color}-icc.png --window 5 --json"));
         assert_eq!(light["light"], "by the file's iCCP chunk");
     }
-    let found = json("compare gray-linear.png gray-srgb.png --window 5 --transfer gamma:3 --json");
-    assert!(found["times_threshold"].as_f64().unwrap() > 3.0, "an option has precedence: {found}");
+    // An option has precedence.
+    let line = "compare gray-linear.png gray-srgb.png --window 5 --transfer gamma:3 --json";
+    let other: Value = serde_json::from_str(&text(&machband(folder.path(), &split(line)).stdout)).unwrap();
+    assert!(other["times_threshold"].as_f64().unwrap() > 3.0, "{other}");
     let gray = waves(64, 0);
     let rgba: Vec<u8> = gray.iter().flat_map(|code| [*code, *code, *code, 255]).collect();
     png(&folder.path().join("rgba.png"), [64; 2], png::ColorType::Rgba, &rgba, |_| {});
@@ -212,4 +214,68 @@ fn impossible_comparisons_are_refused() {
     }
     // The transfer function that the user gives makes a broken profile harmless.
     succeeds(folder.path(), &split("compare profile.png gray.png --window 2 --transfer srgb"));
+}
+
+/// What a color profile says is not repaired, and a damaged chunk is no absent one; outputs keep what codes mean, and no
+/// picture in a folder is an output.
+#[test]
+fn what_codes_mean_is_kept_and_never_guessed() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let profile = |change: &dyn Fn(&mut moxcms::ColorProfile)| {
+        let mut profile = moxcms::ColorProfile::new_srgb();
+        profile.cicp = None;
+        change(&mut profile);
+        profile.encode().unwrap()
+    };
+    let curve = |points: &[u16]| Some(moxcms::ToneReprCurve::Lut(points.to_vec()));
+    let colors: Vec<u8> =
+        (0..64 * 64).flat_map(|i| [(i * 7 % 256) as u8, (i * 13 % 256) as u8, (i / 16) as u8]).collect();
+    let with = |name: &str, icc: Option<Vec<u8>>| {
+        png(&at(name), [64; 2], png::ColorType::Rgb, &colors, |info| info.icc_profile = icc.map(Into::into));
+    };
+    with("none.png", None);
+    with("srgb.png", Some(profile(&|_| {})));
+    with("falling.png", Some(profile(&|of| of.green_trc = curve(&[65535, 30000, 0]))));
+    with("dark.png", Some(profile(&|of| of.red_trc = curve(&[0, 10000, 30000]))));
+    // The profile of sRGB means what sRGB means, in blue too.
+    let found = succeeds(folder.path(), &split("compare srgb.png none.png --window 4 --json"));
+    let found: Value = serde_json::from_str(&found).unwrap();
+    assert!(found["times_threshold"].as_f64().unwrap() < 0.1, "{found}");
+    for name in ["falling.png", "dark.png"] {
+        let error = fails(folder.path(), &["compare", name, "none.png", "--window", "4"], 1);
+        assert!(error.contains("whose curve does not rise from 0 to 1"), "{name}: {error}");
+    }
+    let mut bytes = fs::read(at("srgb.png")).unwrap();
+    let place = bytes.windows(4).position(|window| window == b"iCCP").unwrap();
+    bytes[place + 20] ^= 0xff;
+    fs::write(at("damaged.png"), bytes).unwrap();
+    let error = fails(folder.path(), &split("compare damaged.png none.png --window 4"), 1);
+    assert!(error.contains("damaged iCCP chunk") || error.contains("not a complete PNG"), "{error}");
+    // Dither for linear codes writes linear codes.
+    let slow: Vec<u8> = (0..96 * 96).map(|i| 40 + (i % 96 / 12) as u8).collect();
+    png(&at("linear.png"), [96; 2], png::ColorType::Grayscale, &slow, |info| {
+        info.source_gamma = Some(png::ScaledFloat::from_scaled(100_000));
+    });
+    succeeds(folder.path(), &split("compare linear.png --steps --window 8 --dither-out out.png"));
+    let found = succeeds(folder.path(), &split("compare out.png linear.png --window 8 --json"));
+    let found: Value = serde_json::from_str(&found).unwrap();
+    let ratio = found["mean_ratio"].as_f64().unwrap();
+    assert!((ratio - 1.0).abs() < 0.02 && found["light"] == "by the file's gAMA chunk", "{found}");
+    // The pictures of a folder are inputs; a brighter picture is said to be one.
+    fs::create_dir_all(at("a")).unwrap();
+    fs::copy(at("none.png"), at("a/none.png")).unwrap();
+    let error = fails(folder.path(), &split("compare a a --window 4 --junit a/none.png --force"), 2);
+    assert!(error.contains("is an input of this command"), "{error}");
+    png(&at("bright.png"), [64; 2], png::ColorType::Grayscale, &[200; 64 * 64], |_| {});
+    png(&at("dim.png"), [64; 2], png::ColorType::Grayscale, &[100; 64 * 64], |_| {});
+    let said = machband(folder.path(), &split("compare bright.png dim.png --window 4"));
+    assert!(said.status.success() && text(&said.stderr).starts_with("warning: bright.png: mean luminance +"));
+    for (line, part) in [
+        ("compare none.png --steps --window 4 --mask dim.png", "--mask"),
+        ("compare none.png none.png --window 4 --white 1e306", "--white"),
+        ("predict quick --low 0.1", "the definition says what its stimuli are"),
+    ] {
+        assert!(fails(folder.path(), &split(line), 2).contains(part), "{line}");
+    }
 }

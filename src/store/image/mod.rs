@@ -5,7 +5,7 @@ mod picture;
 mod read;
 mod write;
 
-pub use picture::{MAX_PIXELS, Origin, Picture, parse_picture, pixels, read_picture};
+pub use picture::{MAX_PIXELS, Origin, Picture, listed, parse_picture, pixels, read_picture};
 pub(super) use read::recipe_text;
 pub use read::{ReadBack, read, verify, verify_content};
 pub(super) use write::recipe_png;

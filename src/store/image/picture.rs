@@ -1,7 +1,11 @@
 //! Reads any PNG as light: what its codes mean, and where that is said.
 
-use std::{io::BufReader, path::Path};
+use std::{
+    io::BufReader,
+    path::{Path, PathBuf},
+};
 
+use nalgebra::{Matrix3, Vector3};
 use png::{ColorType, Decoder, Info};
 
 use super::read::{content, decode};
@@ -9,6 +13,7 @@ use crate::{
     light::{CodeImage, Transfer, TransferTable, Transfers},
     stimulus::recipe::MAX_SIZE,
     store::{FileErrors, StoreError, error::io, open::open_regular},
+    system::{entries, found},
     vision,
 };
 
@@ -16,6 +21,8 @@ use crate::{
 pub const MAX_PIXELS: u64 = 4096 * 4096;
 /// Points at which the tone curve of a color profile is read.
 const CURVE_POINTS: u16 = 1024;
+/// How far the ends of a tone curve may be from 0 and 1.
+const ENDS: f64 = 0.01;
 /// Maximum size of a color profile, bytes; those that screens and printers have are smaller.
 const MAX_PROFILE: usize = 8 << 20;
 
@@ -58,6 +65,19 @@ impl Picture {
     }
 }
 
+/// The chromatic adaptation from D65 to D50 (Bradford).
+const BRADFORD: Matrix3<f64> = Matrix3::new(
+    1.047_929_8,
+    0.022_946_8,
+    -0.050_192_2,
+    0.029_627_8,
+    0.990_434_5,
+    -0.017_073_8,
+    -0.009_243_1,
+    0.015_055_2,
+    0.751_874_3,
+);
+
 /// Full red, green and blue.
 const SRGB: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
@@ -85,8 +105,31 @@ pub fn parse_picture(
     if let Some(transfers) = transfers {
         return Ok(Picture::given(codes, transfers.clone()));
     }
+    undamaged(content, &info).map_err(|message| FileErrors::whole(name, message))?;
     let (transfers, weights, origin) = declared(&info).map_err(|message| FileErrors::whole(name, message))?;
     Ok(Picture { codes, transfers, weights, origin })
+}
+
+/// Refuses a file with a chunk about its codes that could not be read: what is damaged is not absent.
+fn undamaged(content: &[u8], info: &Info<'_>) -> Result<(), String> {
+    let mut rest = content.get(8..).unwrap_or_default();
+    while let Some((length, after)) = rest.split_first_chunk::<4>() {
+        let Some((kind, after)) = after.split_first_chunk::<4>() else { break };
+        let is_read = match kind {
+            b"iCCP" => info.icc_profile.is_some(),
+            b"sRGB" => info.srgb.is_some(),
+            b"gAMA" => info.gama_chunk.is_some(),
+            b"cICP" => info.coding_independent_code_points.is_some(),
+            _ => true,
+        };
+        if !is_read {
+            let name = String::from_utf8_lossy(kind);
+            return Err(format!("has a damaged {name} chunk; expected what its codes mean, or --transfer"));
+        }
+        // The data is followed by its checksum.
+        rest = after.get(u32::from_be_bytes(*length) as usize + 4..).unwrap_or_default();
+    }
+    Ok(())
 }
 
 /// Returns what a file says about its codes.
@@ -128,14 +171,19 @@ fn of_profile(profile: &[u8], is_gray: bool) -> Result<(Transfers, [f64; 3]), St
     let curve = |curve: &Option<moxcms::ToneReprCurve>| -> Result<Transfer, String> {
         let curve = curve.as_ref().ok_or_else(|| fail("without curves"))?;
         let curve = curve.make_linear_evaluator().map_err(|error| fail(&format!("with a damaged curve ({error})")))?;
+        let at = |i: u16| f64::from(curve.evaluate_value(f32::from(i) / f32::from(CURVE_POINTS - 1)));
+        let values: Vec<f64> = (0..CURVE_POINTS).map(at).collect();
+        let [first, last] = [values[0], values[values.len() - 1]];
+        if !(first.abs() <= ENDS && (last - 1.0).abs() <= ENDS && values.is_sorted()) {
+            return Err(fail("whose curve does not rise from 0 to 1"));
+        }
         let mut table: (Vec<f64>, Vec<f64>) = (vec![0.0], vec![0.0]);
-        for i in 1..CURVE_POINTS {
-            let encoded = f64::from(i) / f64::from(CURVE_POINTS - 1);
-            let linear = f64::from(curve.evaluate_value(encoded as f32)).min(1.0);
+        for (i, linear) in values.into_iter().enumerate().skip(1) {
+            let is_last = i == usize::from(CURVE_POINTS - 1);
             // Where a curve is level, only its ends are kept.
-            if i == CURVE_POINTS - 1 || (linear > table.1[table.1.len() - 1] && linear < 1.0) {
-                table.0.push(encoded);
-                table.1.push(if i == CURVE_POINTS - 1 { 1.0 } else { linear });
+            if is_last || (linear > table.1[table.1.len() - 1] && linear < 1.0) {
+                table.0.push(i as f64 / f64::from(CURVE_POINTS - 1));
+                table.1.push(if is_last { 1.0 } else { linear });
             }
         }
         let table = TransferTable::new(table.0, table.1)
@@ -148,13 +196,30 @@ fn of_profile(profile: &[u8], is_gray: bool) -> Result<(Transfers, [f64; 3]), St
     if read.color_space != moxcms::DataColorSpace::Rgb || read.lut_a_to_b_colorimetric.is_some() {
         return Err(fail("of another kind"));
     }
-    let weights = [read.red_colorant, read.green_colorant, read.blue_colorant].map(|colorant| colorant.y);
+    // Colorants are adapted to D50 from the white of the screen, which is taken to be D65: some programs write a matrix of
+    // another meaning where a profile would state its own adaptation.
+    let own = BRADFORD.try_inverse().ok_or_else(|| fail("that cannot be adapted"))?;
+    let luminance = |of: moxcms::Xyzd| (own * Vector3::new(of.x, of.y, of.z)).y;
+    let weights = [read.red_colorant, read.green_colorant, read.blue_colorant].map(luminance);
     let white: f64 = weights.iter().sum();
-    if weights.iter().any(|weight| *weight < 0.0) || white <= 0.0 {
+    if !(weights.iter().all(|weight| *weight >= -ENDS) && white > 0.0) {
         return Err(fail("without a matrix"));
     }
     let [red, green, blue] = [&read.red_trc, &read.green_trc, &read.blue_trc].map(curve);
     Ok((Transfers::new([red?, green?, blue?]), weights.map(|weight| weight / white)))
+}
+
+/// Returns the PNG files in a folder, in the order of their names; none if it is not a folder.
+///
+/// # Errors
+/// The folder cannot be read.
+pub fn listed(folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
+    if !found(folder).map_err(io(folder, "access"))?.is_some_and(|found| found.is_dir()) {
+        return Ok(Vec::new());
+    }
+    let mut paths = entries(folder).map_err(io(folder, "list"))?;
+    paths.retain(|path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")));
+    Ok(paths)
 }
 
 /// Returns the number of pixels that the header of an image states; 0 if it is not a PNG.

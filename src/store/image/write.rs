@@ -99,12 +99,12 @@ pub fn write_shaded(
     save(writer, path, encode(image, transfers, &[(SHADED_KEYWORD, text)]))
 }
 
-/// Writes codes for a screen with the sRGB transfer function, without a recipe.
+/// Writes codes for a screen with these transfer functions, without a recipe.
 ///
 /// # Errors
 /// The same errors as [`Writer::write`].
-pub fn write_codes(writer: &Writer, path: &Path, image: &CodeImage) -> Result<(), StoreError> {
-    save(writer, path, encode(image, &Transfer::Srgb.into(), &[]))
+pub fn write_codes(writer: &Writer, path: &Path, image: &CodeImage, transfers: &Transfers) -> Result<(), StoreError> {
+    save(writer, path, encode(image, transfers, &[]))
 }
 
 /// Returns the SHA-256 of an image's codes, in lowercase hexadecimal. The order is row by row from the top left, with

@@ -156,7 +156,7 @@ pub fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Resu
     });
     let cells = sides.each_ref().map(|side| {
         let over = (gouraud > 0.0).then(|| format!("{:.2}", side.largest / gouraud));
-        vec![format!("{:.1}", side.largest), format!("{:.1}", side.p95), over.unwrap_or_else(|| "—".to_owned())]
+        vec![format!("{:.1}", side.largest), over.unwrap_or_else(|| "—".to_owned())]
     });
     Ok(Measured { cells, maps, full_scale, largest: sides.each_ref().map(|side| side.largest) })
 }
