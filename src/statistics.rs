@@ -104,15 +104,6 @@ pub fn normal_two_sided(z: f64) -> f64 {
     erfc(z.abs() * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// Returns the two-sided probability of a t value; that of the normal distribution if the degrees of freedom are
-/// infinite.
-pub fn t_two_sided(t: f64, df: f64) -> f64 {
-    match StudentsT::new(0.0, 1.0, df) {
-        Ok(distribution) if df.is_finite() => 2.0 * distribution.cdf(-t.abs()),
-        _ => normal_two_sided(t),
-    }
-}
-
 /// Returns the 97.5 % quantile of the t distribution: that of the normal distribution if the degrees of freedom are
 /// infinite, and infinity without degrees of freedom.
 pub fn t_quantile(df: f64) -> f64 {

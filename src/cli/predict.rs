@@ -3,7 +3,7 @@
 use super::{Bar, OutPath, count, print_data, print_line};
 use crate::{
     report::prediction::Comparison,
-    store::{Writer, observer},
+    store::{Writer, observer, ratings::Source},
     text::Table,
     work::predict::{Predict, Predictions},
 };
@@ -39,8 +39,8 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         return put(arguments, writer, &if *json { as_json(&table.json().first())? } else { table.csv() });
     };
     let Predictions { table, fit } = request.all(experiment, &bar)?;
-    if let (Some(path), Some((comparison, _))) = (&request.criterion, &fit) {
-        observer::write_criterion(writer, path, &told(comparison), &comparison.criterion)?;
+    if let (Some(path), Some((comparison, source))) = (&request.criterion, &fit) {
+        observer::write_criterion(writer, path, &told(comparison, source), &comparison.criterion)?;
     }
     if fit.is_none() || arguments.out.is_some() {
         put(arguments, writer, &all(&table, *json)?)?;
@@ -58,7 +58,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
             "noise_ceiling": found.ceiling,
         }))?)?;
     } else {
-        print_comparison(&found)?;
+        print_comparison(&found, &source)?;
     }
     super::ratings::problems(&source)
 }
@@ -67,7 +67,7 @@ fn all(table: &Table, json: bool) -> anyhow::Result<Vec<u8>> {
     if json { as_json(&table.json()) } else { Ok(table.csv()) }
 }
 
-fn print_comparison(found: &Comparison) -> anyhow::Result<()> {
+fn print_comparison(found: &Comparison, source: &Source) -> anyhow::Result<()> {
     let number = |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |value| format!("{value:.3}"));
     print_line(&format!("{} of {}", count(found.ratings, "rating"), count(found.conditions as u64, "condition")))?;
     let [a, b, c] = found.criterion.thresholds;
@@ -75,7 +75,7 @@ fn print_comparison(found: &Comparison) -> anyhow::Result<()> {
         "criterion: half of the ratings are above 0, 1, 2 at {a:.3}, {b:.3}, {c:.3} times threshold; spread {:.3}",
         found.criterion.spread
     ))?;
-    print_line(&told(found))?;
+    print_line(&told(found, source))?;
     print_line(&format!("rank correlation between prediction and mean rating: {}", number(found.rank_correlation)))?;
     let ceiling = found.ceiling.map_or_else(
         || "noise ceiling unknown: only one participant".to_owned(),
@@ -85,7 +85,10 @@ fn print_comparison(found: &Comparison) -> anyhow::Result<()> {
 }
 
 /// Says how certain the criterion is, and what it rests on.
-fn told(found: &Comparison) -> String {
+fn told(found: &Comparison, source: &Source) -> String {
+    let sittings = source.sessions.iter().filter_map(|session| session.sidecar.as_ref()).flat_map(|of| &of.sittings);
+    let is_simulated = sittings.into_iter().any(|sitting| sitting.observer.is_some());
+    let who = if is_simulated { "simulated participant" } else { "participant" };
     let interval = |interval: &Option<[f64; 2]>| {
         interval.map_or_else(|| "unknown".to_owned(), |[low, high]| format!("{low:.3} to {high:.3}"))
     };
@@ -94,7 +97,7 @@ fn told(found: &Comparison) -> String {
         "approximate 95 % intervals of the thresholds: {}; fitted to {} of {}",
         intervals.join(", "),
         count(found.ratings, "rating"),
-        count(found.participants as u64, "participant")
+        count(found.participants as u64, who)
     )
 }
 

@@ -92,11 +92,14 @@ impl Predict {
     /// A value is impossible, a file cannot be read, or the picture is too large, too small or all black.
     pub fn one(&self, given: Option<&Stimulus>, watcher: &dyn Watcher) -> anyhow::Result<Prediction> {
         let (encoded, criterion) = (self.encoding.read(watcher)?, self.criterion()?);
-        let drawn = given.map_or_else(
-            || self.drawn.stimulus().map(std::borrow::Cow::Owned),
-            |it| Ok(std::borrow::Cow::Borrowed(it)),
-        )?;
-        let stimulus = drawn.as_ref();
+        let drawn;
+        let stimulus = match given {
+            Some(stimulus) => stimulus,
+            None => {
+                drawn = self.drawn.stimulus()?;
+                &drawn
+            }
+        };
         let size = self.size_of(stimulus)?;
         let viewing = self.viewing(&encoded, size, ViewingConditions::WINDOW_DEG);
         let wrong = |error| anyhow::anyhow!("{}: {error}", stimulus.kind());

@@ -139,12 +139,15 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
 pub fn from_names<T: Request>(given: &Map<String, Value>) -> Result<T, RequestError> {
     let command = T::augment_args(Command::new("machband").no_binary_name(true));
     let mut line = Line::default();
-    for (name, value) in given {
-        let Some(argument) = command.get_arguments().find(|argument| argument.get_id() == name.as_str()) else {
-            let known: Vec<&str> = command.get_arguments().map(|argument| argument.get_id().as_str()).collect();
-            return Err(RequestError::value(name, format!("is not known; {}", expected_one_of(name, &known))));
-        };
-        line.add(argument, value);
+    let known: Vec<&str> = command.get_arguments().map(|argument| argument.get_id().as_str()).collect();
+    if let Some(name) = given.keys().find(|name| !known.contains(&name.as_str())) {
+        return Err(RequestError::value(name, format!("is not known; {}", expected_one_of(name, &known))));
+    }
+    // In the order of the command, which tells arguments without a name apart.
+    for argument in command.get_arguments() {
+        if let Some(value) = given.get(argument.get_id().as_str()) {
+            line.add(argument, value);
+        }
     }
     let matches = command.clone().try_get_matches_from(line.words());
     matches.and_then(|matches| T::from_arg_matches(&matches)).map_err(|error| RequestError::of(&error, &command))

@@ -64,7 +64,10 @@ fn a_criterion_is_recovered_from_ratings() {
         assert!((found / known).ln().abs() < 0.08, "{found} for {known}");
     }
     let text = fs::read_to_string(folder.path().join("found.toml")).unwrap();
-    assert!(text.starts_with("# approximate 95 % intervals") && text.contains("of 20 participants"), "{text}");
+    assert!(
+        text.starts_with("# approximate 95 % intervals") && text.contains("of 20 simulated participants"),
+        "{text}"
+    );
     assert!((found["spread"].as_float().unwrap() / 0.5 - 1.0).abs() < 0.1, "{found}");
     let rho = output.lines().find(|line| line.starts_with("rank correlation")).unwrap();
     assert!(rho.rsplit(' ').next().unwrap().parse::<f64>().unwrap() > 0.95, "{output}");
