@@ -269,7 +269,7 @@ def _is_path(given: object) -> bool:
     return isinstance(given, (str, PathLike))
 
 
-def _pixels(name: str, given: npt.ArrayLike) -> tuple[npt.NDArray[Any], tuple[int, int]]:
+def _pixels(name: str, given: Any) -> tuple[npt.NDArray[Any], tuple[int, int]]:
     """Return an image as a flat array of red, green and blue, with its height and width."""
     if _is_path(given):
         raise TypeError(f"{name} is a path, and the other is not; expected two paths or two arrays")
