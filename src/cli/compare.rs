@@ -62,7 +62,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
             return Err(RequestError::value(option, "is for one picture; expected no folders").into());
         }
         let found = request.folders(&bar)?;
-        found.into_iter().map(|(name, found)| Case::of_pair(name, found)).collect()
+        found.into_iter().map(|(name, found)| Case::of_pair(name, found)).collect::<Result<_, _>>()?
     } else if request.steps {
         let found = request.steps(None, &bar)?;
         if let Some(path) = dither_out {
@@ -74,7 +74,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
         if let Some(path) = map {
             store::image::write_codes(writer, path, &found.picture_of_map(), &Transfer::Srgb.into())?;
         }
-        vec![Case::of_pair(found.picture.clone(), Ok(found))]
+        vec![Case::of_pair(found.picture.clone(), Ok(found))?]
     };
     bar.clear();
     if let Some(path) = junit {
@@ -114,13 +114,13 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
 }
 
 impl Case {
-    fn of_pair(name: String, found: anyhow::Result<Compared>) -> Self {
+    fn of_pair(name: String, found: anyhow::Result<Compared>) -> anyhow::Result<Self> {
         let found = match found {
             Ok(found) => found,
             Err(error) => {
                 let text = format!("{error:#}");
                 let json = serde_json::json!({ "picture": name, "error": text });
-                return Self { name, times: Err(text), line: String::new(), json, note: None };
+                return Ok(Self { name, times: Err(text), line: String::new(), json, note: None });
             }
         };
         let place =
@@ -135,8 +135,8 @@ impl Case {
             found.black_cd_m2,
             found.light
         );
-        let json = serde_json::to_value(&found).unwrap_or_default();
-        Self { name, times: Ok(found.times_threshold), line, json, note: found.note() }
+        let json = serde_json::to_value(&found)?;
+        Ok(Self { name, times: Ok(found.times_threshold), line, json, note: found.note() })
     }
 
     fn of_steps(found: &Steps) -> anyhow::Result<Self> {

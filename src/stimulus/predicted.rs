@@ -9,7 +9,6 @@ use rayon::prelude::*;
 
 use super::{catalog::Stimulus, parameter::ParameterValue, smooth::Judged, viewing::ViewingConditions};
 use crate::{
-    light::LinearImage,
     text::Cell,
     vision::{self, Eye, Judge, RampBands, VisionError, next_fast_length},
 };
@@ -152,26 +151,17 @@ impl ViewingConditions {
     /// Returns a [`VisionError`] if the window is all black.
     pub fn detection(&self, stimulus: &Stimulus) -> Result<f64, VisionError> {
         let size = (DETECTION_PX_PER_DEG * self.window_deg).clamp(256.0, 1024.0) as u32;
-        self.detection_of_image(&stimulus.linear(size))
+        let image = stimulus.linear(size);
+        let light = self.luminances(&image);
+        vision::detection(&self.luminance_image(&image, &light), &self.eye(&light))
     }
 
-    /// Returns the same for an image that fills the window's width.
-    ///
-    /// # Errors
-    /// Returns a [`VisionError`] if the image is all black.
-    pub fn detection_of_image(&self, image: &LinearImage) -> Result<f64, VisionError> {
-        let light = self.luminances(image);
-        vision::detection(&self.luminance_image(image, &light), &self.eye(&light))
-    }
-
-    /// Prepares to judge pictures that fill the window's width, of the size of `reference`, by an eye that is adapted to
-    /// its mean light.
+    /// Prepares to judge pictures of `size` pixels `[across, down]` that fill the window's width, by an eye that is adapted
+    /// to the mean of `reference` in cd/m².
     ///
     /// # Errors
     /// Returns a [`VisionError`] if the picture is too small or too wide.
-    pub fn judge(&self, reference: &LinearImage) -> Result<Judge, VisionError> {
-        let eye = self.eye(&self.luminances(reference));
-        let size = [reference.width, reference.height].map(|side| side as usize);
-        Judge::of_pictures(size, self.px_per_deg(reference.width), eye)
+    pub fn judge(&self, size: [usize; 2], reference: &[f64]) -> Result<Judge, VisionError> {
+        Judge::of_pictures(size, size[0] as f64 / self.window_deg, self.eye(reference))
     }
 }

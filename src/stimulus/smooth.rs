@@ -81,11 +81,12 @@ impl Judged {
         picture: &LinearImage,
     ) -> Result<Option<SurfaceDifference>, VisionError> {
         let Some(Smooth { picture: truth, common: mask, .. }) = &self.truth else { return Ok(None) };
-        let judge = viewing.judge(truth)?;
         let (width, height) = (truth.width as usize, truth.height as usize);
+        let smooth = viewing.luminances(truth);
+        let judge = viewing.judge([width, height], &smooth)?;
         let px = TAPER_DEG * viewing.px_per_deg(truth.width);
         let share: Vec<f64> = distances(mask, width, height).iter().map(|away| (away / px).min(1.0)).collect();
-        let difference = judge.difference(&viewing.luminances(picture), &viewing.luminances(truth), Some(&share))?;
+        let difference = judge.difference(&viewing.luminances(picture), &smooth, Some(&share))?;
         let map = difference.map();
         let mut inside: Vec<f64> = map.enlarged();
         inside = inside.into_iter().zip(mask).filter(|(_, counts)| **counts).map(|(times, _)| times).collect();

@@ -19,7 +19,7 @@ use crate::{
         image::{MAX_PIXELS, Origin, Picture},
     },
     system::{checkpoint, found},
-    vision::{Eye, Judge, Place, VisionError, unrounded},
+    vision::{Place, VisionError, unrounded},
 };
 
 /// Number of places that are named.
@@ -238,7 +238,7 @@ impl Compare {
         let grain = cd_m2(Picture { codes: dithered.clone(), ..picture.clone() }.luminances());
         let target = cd_m2(weigh(&source));
         watcher.stage("comparing");
-        let judge = judge(&viewing, size, &reference).map_err(|error| wrong(&name, &error))?;
+        let judge = viewing.judge(size, &reference).map_err(|error| wrong(&name, &error))?;
         let largest = |shown: &[f64], reference: &[f64]| {
             let difference = judge.difference(shown, reference, None).map_err(|error| wrong(&name, &error))?;
             Ok::<f64, anyhow::Error>(difference.map().largest())
@@ -306,7 +306,7 @@ impl Compare {
         let sum = |light: &[f64]| light.iter().sum::<f64>();
         let mean_ratio = sum(&mine) / sum(&theirs);
         let judged = || {
-            let judge = judge(&viewing, size, &theirs)?;
+            let judge = viewing.judge(size, &theirs)?;
             let difference = judge.difference(&mine, &theirs, share.as_deref())?;
             Ok((difference.map(), difference.center()))
         };
@@ -362,12 +362,6 @@ impl Compared {
         let [width, height] = self.size.map(|side| side as u32);
         CodeImage { width, height, samples: Samples::Eight(self.map.iter().flat_map(code).collect()) }
     }
-}
-
-/// Prepares the eye that looks at a reference.
-fn judge(viewing: &ViewingConditions, size: [usize; 2], reference: &[f64]) -> Result<Judge, VisionError> {
-    let mean = reference.iter().sum::<f64>() / reference.len().max(1) as f64;
-    Judge::of_pictures(size, size[0] as f64 / viewing.window_deg, Eye::adapted_to(mean))
 }
 
 fn wrong(name: &str, error: &VisionError) -> anyhow::Error {

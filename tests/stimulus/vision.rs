@@ -212,13 +212,11 @@ fn line(px_per_deg: f64, half_deg: f64, mean: f64, light: impl Fn(f64) -> f64, r
 fn a_kink_has_a_visibility_of_its_own() {
     const SLOPE: f64 = 0.02;
     let kink = |reach: f64| {
-        let slope = |x: f64| ((x / reach + 1.0) / 2.0).clamp(0.0, 1.0);
-        // The integral of the slope.
+        // The integral of a slope that rises within the reach.
         let rounded = move |x: f64| {
             let t = ((x / reach + 1.0) / 2.0).max(0.0);
-            if t < 1.0 { reach * t * t } else { reach + (x - reach) }
+            if t < 1.0 { reach * t * t } else { x }
         };
-        assert!(slope(reach) == 1.0);
         let light = |x: f64| 50.0 * (1.0 + SLOPE * x.max(0.0));
         line(48.0, 14.0, 50.0, light, move |x| 50.0 * (1.0 + SLOPE * rounded(x))) / SLOPE
     };
