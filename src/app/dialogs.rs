@@ -4,7 +4,7 @@ use eframe::egui::{self, Context, Grid, RichText, Ui, ViewportCommand};
 
 use super::{
     session::Runner,
-    ui::{Field, Place, ask, hint, logo::logo, modal, paragraph, secondary, section, theme::GAP},
+    ui::{Field, Place, ask, hint, logo::logo, modal, paragraph, secondary, section, theme::{GAP, SECTION}},
 };
 use crate::store::settings::{Settings, ThemeChoice};
 
@@ -14,7 +14,7 @@ const WIDTH: f32 = 560.0;
 const ZOOMS: [f32; 6] = [0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
 /// Keys that work everywhere outside trials.
 const EVERYWHERE: &[(&str, &str)] = &[
-    ("Ctrl+1 … Ctrl+5", "Go to Run, Stimuli, Shading, Display, Analyze"),
+    ("Ctrl+1 … Ctrl+5", "Go to Studies, Analyze, Stimuli, Shading, Display"),
     ("Tab, Shift+Tab", "Go to the next or previous control"),
     ("Esc", "Close a list or dialog; leave a field; then go back"),
     ("Ctrl + and Ctrl −", "Enlarge or reduce text and controls; Ctrl+0 restores their size"),
@@ -25,7 +25,7 @@ const EVERYWHERE: &[(&str, &str)] = &[
 /// Returns the keys of a place.
 fn keys_of(place: Place) -> &'static [(&'static str, &'static str)] {
     match place {
-        Place::Run => &[
+        Place::Studies => &[
             ("Enter", "Start or resume the session"),
             ("Ctrl+S", "In a duplicated experiment: save it"),
             ("In a session: 0 1 2 3", "Rate the image (a definition can choose other keys)"),
@@ -50,9 +50,9 @@ pub fn help(ctx: &Context, place: Place) -> bool {
         let commit = env!("MACHBAND_COMMIT");
         let commit = commit.get(..12).unwrap_or(commit);
         ui.horizontal(|ui| {
-            logo(ui, 40.0);
+            logo(ui, 40.0, false);
             ui.vertical(|ui| {
-                ui.label(RichText::new("machband").strong().size(20.0));
+                ui.label(RichText::new("machband").strong().size(SECTION));
                 ui.label(secondary(format!("version {}, commit {commit}", env!("CARGO_PKG_VERSION"))));
             });
         });

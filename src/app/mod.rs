@@ -9,7 +9,7 @@
 //! | `explore` | the gallery of stimuli; shaders side by side |
 //! | `session` | preflight, instructions, trials, the last page |
 //! | `display` | tools that measure the screen |
-//! | `start` | the experiments, the sessions, and the form that starts one |
+//! | `studies` | the studies, their sessions, and what can be done with them |
 
 mod analysis;
 mod dialogs;
@@ -18,7 +18,7 @@ mod editor;
 pub mod explore;
 mod memory;
 mod session;
-mod start;
+mod studies;
 mod ui;
 mod window;
 
@@ -29,8 +29,8 @@ use eframe::egui::{self, ViewportCommand};
 use dialogs::Quit;
 use memory::Memory;
 use session::Runner;
-use start::{Destination, Start};
-use ui::{Place, SideChoice, Step, number};
+use studies::{Destination, Studies};
+use ui::{Place, SideChoice, Step, number, theme::Icon};
 use window::Program;
 
 use crate::{display::DisplayProfile, store::settings::remember};
@@ -88,8 +88,8 @@ enum Dialog {
 pub struct App {
     view: View,
     place: Place,
-    start: Start,
-    /// The copy of a definition that is edited at [`Place::Run`].
+    studies: Studies,
+    /// The definition that is edited at [`Place::Studies`].
     editor: Option<Box<editor::Editor>>,
     // The other places are created when the user first goes there, and keep their state.
     gallery: Option<Box<explore::gallery::Gallery>>,
@@ -148,7 +148,7 @@ impl App {
             Step::Back => {
                 let completed = matches!(&self.view, View::Session(session) if session.is_complete());
                 self.view = View::Places;
-                self.go(Place::Run, completed);
+                self.go(Place::Studies, completed);
             }
         }
         ui.ctx().request_repaint();
@@ -156,6 +156,7 @@ impl App {
 
     fn draw_places(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame, monitor: &Monitor) {
         if !self.direct && self.measured().is_none() {
+            self.draw_status(ui);
             match ui::side_bar(ui, self.place) {
                 Some(SideChoice::Go(place)) => self.go(place, false),
                 Some(SideChoice::Help) => self.dialog = Some(Dialog::Help),
@@ -164,16 +165,16 @@ impl App {
             }
         }
         let step = match self.place {
-            Place::Run if self.editor.is_some() => return self.draw_editor(ui),
-            Place::Run => {
+            Place::Studies if self.editor.is_some() => return self.draw_editor(ui),
+            Place::Studies => {
                 self.memory.show_problem(ui);
                 self.monitors = Monitor::all(frame);
-                self.start.show(ui, monitor, &self.monitors, &mut self.memory.settings)
+                self.studies.show(ui, monitor, &self.monitors, &mut self.memory.settings)
             }
             Place::Stimuli => {
-                let distance_cm = number(&self.start.screen().distance_cm);
+                let distance_cm = number(&self.studies.screen().distance_cm);
                 let assumed = DisplayProfile::default();
-                let profile = self.start.checked().and_then(|checked| checked.display.as_ref()).unwrap_or(&assumed);
+                let profile = self.studies.checked().and_then(|checked| checked.display.as_ref()).unwrap_or(&assumed);
                 let gallery = self.gallery.get_or_insert_with(|| {
                     let mut gallery = Box::new(explore::gallery::Gallery::new(profile.clone(), distance_cm));
                     gallery.recall(&self.memory.page("stimuli"));
@@ -197,14 +198,14 @@ impl App {
                 step
             }
             Place::Display => {
-                let protocol = self.start.checked().and_then(|checked| checked.protocol.as_ref());
+                let protocol = self.studies.checked().and_then(|checked| checked.protocol.as_ref());
                 let window_deg = protocol.map_or(10.0, |protocol| protocol.viewing.window_deg);
-                let fields = self.start.screen();
+                let fields = self.studies.screen();
                 let display = self.display.get_or_insert_with(|| Box::new(display::Display::new(fields)));
                 display.show(ui, monitor, fields, window_deg).widen()
             }
             Place::Analyze => {
-                let results = self.start.results();
+                let results = self.studies.results();
                 let analysis = self.analysis.get_or_insert_with(|| Box::new(analysis::Analysis::new(&results)));
                 let step = analysis.show(ui, &self.memory.settings.recent.analyses).widen();
                 if let Some(path) = analysis.opened() {
@@ -216,24 +217,44 @@ impl App {
         match step {
             Step::Stay => return,
             Step::Next(Destination::Session(request)) => self.view = View::Session(Box::new(Runner::new(*request))),
-            Step::Next(Destination::Editor(definition)) => {
-                self.editor = Some(Box::new(editor::Editor::of(&definition)));
+            Step::Next(Destination::Editor(definition, sessions)) => {
+                self.editor = Some(Box::new(editor::Editor::of(&definition, sessions.is_none(), sessions.unwrap_or_default())));
+            }
+            Step::Next(Destination::Analysis(data_set)) => {
+                self.analysis = Some(Box::new(analysis::Analysis::of(ui.ctx(), data_set)));
+                self.place = Place::Analyze;
             }
             Step::Next(Destination::Place(place)) => self.go(place, false),
             Step::Back => match self.behind.take().filter(|_| self.place == Place::Analyze) {
                 Some(session) => self.view = View::Session(session),
-                None => self.go(Place::Run, false),
+                None => self.go(Place::Studies, false),
             },
         }
         ui.ctx().request_repaint();
+    }
+
+    /// Draws the line at the lower edge: the latest message, and the folder or the display of the page.
+    fn draw_status(&self, ui: &mut egui::Ui) {
+        let (icon, about) = match self.place {
+            Place::Studies => (Icon::Folder, self.studies.folder().display().to_string()),
+            Place::Analyze => {
+                let opened = self.analysis.as_ref().and_then(|analysis| analysis.opened());
+                (Icon::Folder, opened.map(|path| path.display().to_string()).unwrap_or_default())
+            }
+            Place::Stimuli | Place::Shading | Place::Display => {
+                let display = self.studies.checked().and_then(|checked| checked.display.as_ref());
+                (Icon::Display, display.map(DisplayProfile::sentence).unwrap_or_default())
+            }
+        };
+        ui::status_line(ui, (!about.is_empty()).then_some((icon, &about)));
     }
 
     fn draw_editor(&mut self, ui: &mut egui::Ui) {
         let step = self.editor.as_mut().map_or(Step::Back, |editor| editor.show(ui));
         match step {
             Step::Stay => return,
-            Step::Back => self.go(Place::Run, false),
-            Step::Next(path) => self.start.choose_new(&path, &mut self.memory.settings),
+            Step::Back => self.go(Place::Studies, false),
+            Step::Next(path) => self.studies.choose_new(&path, &mut self.memory.settings),
         }
         self.editor = None;
         ui.ctx().request_repaint();
@@ -244,9 +265,9 @@ impl App {
         self.place = place;
         self.behind = None;
         match place {
-            Place::Run => self.start.refresh(completed, &self.memory.settings),
+            Place::Studies => self.studies.refresh(completed, &self.memory.settings),
             Place::Analyze => {
-                let results = self.start.results();
+                let results = self.studies.results();
                 if let Some(analysis) = &mut self.analysis {
                     analysis.offer(&results);
                 }
@@ -283,7 +304,7 @@ impl App {
         self.quit.show(ctx, session);
         if closes && self.editor.as_mut().is_some_and(|editor| editor.asks_before_closing()) {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
-            self.place = Place::Run;
+            self.place = Place::Studies;
         }
     }
 }

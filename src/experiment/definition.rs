@@ -1,5 +1,7 @@
 //! What the definition of an experiment says.
 
+use std::ops::RangeInclusive;
+
 use serde::{Deserialize, Serialize, Serializer, ser::SerializeMap as _};
 
 use super::{
@@ -11,6 +13,13 @@ use crate::{stimulus::Stimulus, text::names::serde_as_text};
 
 /// Highest rating on the paper's scale; ratings are 0…3 (Bangay §3.1).
 pub const MAX_RATING: u8 = 3;
+/// The possible numbers of categories of a scale: ratings are 0…1 to 0…10.
+pub const CATEGORIES: RangeInclusive<usize> = 2..=11;
+
+/// Returns the key of a rating if the definition names none: its digit, and A for 10; `None` if there is no such rating.
+pub fn default_key(rating: usize) -> Option<char> {
+    char::from_digit(rating as u32, *CATEGORIES.end() as u32)
+}
 
 /// The definition of an experiment: what is varied, in what order it is shown, and how it is shown and rated. A
 /// [`Protocol`](super::Protocol) is a definition without errors. It is serialized in the form of its file, so that the
@@ -44,6 +53,12 @@ pub struct Definition {
     pub participant: ParticipantFields,
     /// The participant's texts.
     pub instructions: Texts,
+    /// What happens around a session's trials.
+    #[serde(skip_serializing_if = "SessionRules::is_default")]
+    pub session: SessionRules,
+    /// How many people are planned. No session depends on it, so it may change at any time, and no copy is kept.
+    #[serde(skip)]
+    pub plan: Plan,
 }
 
 /// Number and order of the trials.
@@ -61,6 +76,41 @@ pub struct Design {
     /// Maximum number of consecutive trials with the same level of a factor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_run: Option<u32>,
+}
+
+/// What happens around a session's trials.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SessionRules {
+    /// Whether the last page shows participants their own mean ratings. Someone who has seen them may rate differently
+    /// in the next session, or tell others what to expect.
+    pub own_means: bool,
+    /// An interrupted session that is resumed later than this, in hours, shows the instructions again and repeats the
+    /// practice.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refresh_after_h: Option<f64>,
+}
+
+impl SessionRules {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// How many people are planned, and how often each of them comes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Plan {
+    /// Number of participants, 1…9999; `None` if it is not planned.
+    pub participants: Option<u32>,
+    /// Number of sessions of each participant, 1…99.
+    pub sessions: u32,
+}
+
+impl Default for Plan {
+    fn default() -> Self {
+        Self { participants: None, sessions: 1 }
+    }
 }
 
 /// Order of the main trials.
@@ -130,7 +180,7 @@ pub struct Presentation {
     pub duration_s: f64,
 }
 
-/// The rating scale: one category for each of the ratings 0…3.
+/// The rating scale: two to eleven categories, whose ratings count from 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResponseScale {
     /// Shown next to the scale.
@@ -203,6 +253,13 @@ impl Default for ResponseScale {
     }
 }
 
+impl ResponseScale {
+    /// Returns the highest rating.
+    pub fn highest(&self) -> u8 {
+        self.categories.len().saturating_sub(1) as u8
+    }
+}
+
 impl Definition {
     /// Creates a definition with a name and a stimulus. Everything else has its default: one trial without factors.
     pub fn new(name: String, stimulus: Stimulus) -> Self {
@@ -219,6 +276,8 @@ impl Definition {
             viewing: ViewingPlan::default(),
             participant: ParticipantFields::default(),
             instructions: Texts::default(),
+            session: SessionRules::default(),
+            plan: Plan::default(),
         }
     }
 

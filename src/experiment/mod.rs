@@ -20,7 +20,7 @@ mod texts;
 
 pub use condition::{Condition, Factor};
 pub use definition::{
-    Category, Definition, Design, MAX_RATING, Order, Presentation, Recovery, ResponseScale, ViewingPlan,
+    CATEGORIES, Category, Definition, Design, MAX_RATING, Order, Plan, Presentation, Recovery, ResponseScale, SessionRules, ViewingPlan, default_key,
 };
 pub use faults::{DefinitionError, DefinitionErrors};
 pub use frame_log::{FrameRun, Shown};

@@ -23,23 +23,38 @@ use crate::{
 
 /// An observer that rates stimuli.
 pub trait Observer: Sync {
-    /// Returns the rating of a stimulus, 0…3. `subject` is the participant's own standard normal deviate.
-    fn rate(&self, stimulus: &Stimulus, subject: f64, rng: &mut ChaCha8Rng) -> u8;
+    /// Returns the rating of a stimulus on a scale with this many categories, from 0. `subject` is the participant's own
+    /// standard normal deviate.
+    fn rate(&self, stimulus: &Stimulus, categories: usize, subject: f64, rng: &mut ChaCha8Rng) -> u8;
 }
 
-/// Presses keys at random: each rating has a probability of ¼.
+/// Presses keys at random: each rating is equally probable.
 #[derive(Clone, Copy, Debug)]
 pub struct UniformObserver;
 
 impl Observer for UniformObserver {
-    fn rate(&self, _: &Stimulus, _: f64, rng: &mut ChaCha8Rng) -> u8 {
-        any_key(rng)
+    fn rate(&self, _: &Stimulus, categories: usize, _: f64, rng: &mut ChaCha8Rng) -> u8 {
+        any_key(categories, rng)
     }
 }
 
-/// Returns each rating with a probability of ¼.
-fn any_key(rng: &mut ChaCha8Rng) -> u8 {
-    (rng.next_u64() >> 62) as u8
+/// Returns each rating with the same probability.
+fn any_key(categories: usize, rng: &mut ChaCha8Rng) -> u8 {
+    ((u128::from(rng.next_u64()) * categories as u128) >> 64) as u8
+}
+
+/// Returns the rating of a latent value: the number of thresholds below it. The three thresholds of an observer belong to
+/// four categories and lie at ¼, ½ and ¾ of their scale. Those of another number of categories, at j/`categories`, are
+/// on the lines through them.
+fn rating(thresholds: [f64; 3], categories: usize, latent: f64) -> u8 {
+    let [first, second, third] = thresholds;
+    let at = |share: f64| {
+        let (from, to, along) =
+            if share < 0.5 { (first, second, 4.0 * share - 1.0) } else { (second, third, 4.0 * share - 2.0) };
+        // Exactly the given thresholds where they apply.
+        if along == 0.0 { from } else if along == 1.0 { to } else { from + along * (to - from) }
+    };
+    (1..categories).filter(|threshold| latent > at(*threshold as f64 / categories as f64)).count() as u8
 }
 
 /// An ordered-logit observer: P(rating ≤ j) = 1/(1+e^(η−θ_j)), with
@@ -120,21 +135,21 @@ impl OrderedLogit {
         depth - loss + self.oblique * oblique + self.contrast * (contrast / 0.5).log2() + self.subject_sd * subject
     }
 
-    /// Returns a rating, 0…3, for a linear predictor.
-    pub fn rate_at(&self, predictor: f64, rng: &mut ChaCha8Rng) -> u8 {
+    /// Returns a rating on a scale with this many categories for a linear predictor.
+    pub fn rate_at(&self, predictor: f64, categories: usize, rng: &mut ChaCha8Rng) -> u8 {
         if unit(rng) < self.lapse {
-            return any_key(rng);
+            return any_key(categories, rng);
         }
         let u = unit(rng);
         // Standard logistic noise by inversion.
         let latent = predictor + (u / (1.0 - u)).ln();
-        self.thresholds.iter().filter(|threshold| latent > **threshold).count() as u8
+        rating(self.thresholds, categories, latent)
     }
 }
 
 impl Observer for OrderedLogit {
-    fn rate(&self, stimulus: &Stimulus, subject: f64, rng: &mut ChaCha8Rng) -> u8 {
-        self.rate_at(self.predictor(stimulus, subject), rng)
+    fn rate(&self, stimulus: &Stimulus, categories: usize, subject: f64, rng: &mut ChaCha8Rng) -> u8 {
+        self.rate_at(self.predictor(stimulus, subject), categories, rng)
     }
 }
 
@@ -223,13 +238,14 @@ impl VisionObserver {
 }
 
 impl Observer for VisionObserver {
-    fn rate(&self, stimulus: &Stimulus, subject: f64, rng: &mut ChaCha8Rng) -> u8 {
-        let VisionRater { subject_sd, lapse, .. } = self.rater;
+    fn rate(&self, stimulus: &Stimulus, categories: usize, subject: f64, rng: &mut ChaCha8Rng) -> u8 {
+        let VisionRater { thresholds, spread, subject_sd, lapse } = self.rater;
         if unit(rng) < lapse {
-            return any_key(rng);
+            return any_key(categories, rng);
         }
         let u = unit(rng);
-        self.rater.criterion().rate(self.seen(stimulus) * (subject_sd * subject).exp(), (u / (1.0 - u)).ln())
+        let latent = self.seen(stimulus).max(0.0).ln() + subject_sd * subject + spread * (u / (1.0 - u)).ln();
+        rating(thresholds.map(f64::ln), categories, latent)
     }
 }
 
@@ -258,6 +274,7 @@ pub fn simulate<E>(
 ) -> Result<(), E> {
     let seed = session.schedule().seed;
     let subject: f64 = StandardNormal.sample(&mut stream(seed, &["subject", identity.subject()]));
+    let categories = session.protocol().response.categories.len();
     let mut rng = stream(seed, &["trials", identity.subject(), identity.session()]);
     let mut now = start;
     loop {
@@ -273,7 +290,7 @@ pub fn simulate<E>(
                 rng.set_word_pos(trial as u128 * 1024);
                 let cell = session.schedule().trials[trial].condition;
                 let stimulus = &session.schedule().conditions[cell].stimulus;
-                let rating = observer.rate(stimulus, subject, &mut rng);
+                let rating = observer.rate(stimulus, categories, subject, &mut rng);
                 let normal: f64 = StandardNormal.sample(&mut rng);
                 now += Duration::from_secs_f64(RESPONSE_MEDIAN_S * (RESPONSE_SIGMA * normal).exp());
                 session.step(Event::Rate(rating), now)

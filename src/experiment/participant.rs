@@ -131,6 +131,17 @@ const MAX_AGE: f64 = 130.0;
 pub const MAX_ANSWER: usize = 200;
 
 impl ParticipantFields {
+    /// The names with a meaning of their own.
+    pub const KNOWN_NAMES: [&'static str; KNOWN.len()] = {
+        let mut names = [""; KNOWN.len()];
+        let mut index = 0;
+        while index < KNOWN.len() {
+            names[index] = KNOWN[index].name;
+            index += 1;
+        }
+        names
+    };
+
     /// True if nothing is asked.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()

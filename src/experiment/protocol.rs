@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 
 use super::{
     condition::{Condition, cross},
-    definition::{Definition, MAX_RATING},
+    definition::{CATEGORIES, Definition},
     faults::{DefinitionError, DefinitionErrors},
 };
 use crate::stimulus::ParameterValue;
@@ -140,6 +140,12 @@ impl Definition {
         }
         errors.check_range("viewing.distance_cm", self.viewing.distance_cm, 1.0, 10_000.0, "cm from eye to screen");
         errors.check_range("viewing.window_deg", self.viewing.window_deg, 0.01, 170.0, "degrees of visual angle");
+        if let Some(hours) = self.session.refresh_after_h {
+            errors.check_range("session.refresh_after_h", hours, 0.0, 8760.0, "hours");
+        }
+        let participants = f64::from(self.plan.participants.unwrap_or(1));
+        errors.check_range("plan.participants", participants, 1.0, 9999.0, "the number of participants");
+        errors.check_range("plan.sessions", self.plan.sessions.into(), 1.0, 99.0, "the sessions of each participant");
         self.check_response(errors);
         self.participant.check(errors);
         errors.0.extend(self.script_errors());
@@ -220,14 +226,11 @@ impl Definition {
 
     fn check_response(&self, errors: &mut DefinitionErrors) {
         let categories = &self.response.categories;
-        let expected = usize::from(MAX_RATING) + 1;
-        if categories.len() != expected {
+        if !CATEGORIES.contains(&categories.len()) {
+            let (least, most) = CATEGORIES.into_inner();
             errors.add(
                 "response.labels",
-                format!(
-                    "the number of categories is {}; expected {expected}, one for each rating 0…{MAX_RATING}",
-                    categories.len()
-                ),
+                format!("the number of categories is {}; expected {least} to {most}", categories.len()),
             );
         }
         for (i, category) in categories.iter().enumerate() {

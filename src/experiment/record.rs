@@ -92,7 +92,7 @@ impl Cell for f64 {
     }
 }
 
-/// A rating on the scale 0…3.
+/// A rating; the lowest category of a scale is 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Rating(pub u8);
 
@@ -102,8 +102,8 @@ impl Cell for Rating {
     }
     fn from_cell(text: &str) -> Result<Self, String> {
         match text.parse() {
-            Ok(rating) if rating <= super::MAX_RATING => Ok(Self(rating)),
-            _ => Err("expected a rating from 0 to 3".to_owned()),
+            Ok(rating) if usize::from(rating) < *super::CATEGORIES.end() => Ok(Self(rating)),
+            _ => Err("expected a rating, a whole number from 0".to_owned()),
         }
     }
 }

@@ -12,8 +12,8 @@ use super::{
 };
 use crate::{
     experiment::{
-        Category, Definition, DefinitionError, DefinitionErrors, Design, Factor, ParticipantFields, Presentation,
-        Protocol, Recovery, ResponseScale, Texts, ViewingPlan,
+        Category, Definition, DefinitionError, DefinitionErrors, Design, Factor, ParticipantFields, Plan,
+        Presentation, Protocol, Recovery, ResponseScale, SessionRules, Texts, ViewingPlan, default_key,
     },
     stimulus::{KINDS, MachBand, ParameterValue, Stimulus},
     system::found,
@@ -160,6 +160,8 @@ struct Written {
     viewing: ViewingPlan,
     participant: ParticipantFields,
     instructions: Texts,
+    session: SessionRules,
+    plan: Plan,
 }
 
 #[derive(Deserialize)]
@@ -199,6 +201,8 @@ impl Written {
             viewing: self.viewing,
             participant: self.participant,
             instructions: self.instructions,
+            session: self.session,
+            plan: self.plan,
             ..Definition::new(name, stimulus)
         });
         if errors.0.is_empty() {
@@ -295,14 +299,14 @@ fn parameter(value: &Value) -> Option<ParameterValue> {
 
 fn scale(written: WrittenScale, errors: &mut DefinitionErrors) -> ResponseScale {
     let count = written.labels.len();
-    let digits = || ('0'..='9').cycle();
-    let keys = written.keys.unwrap_or_else(|| digits().take(count).collect());
+    let default = |rating| default_key(rating).unwrap_or(' ');
+    let keys = written.keys.unwrap_or_else(|| (0..count).map(default).collect());
     if keys.len() != count {
         let message = format!("response.keys has length {}; expected {count}, one for each label", keys.len());
         errors.add("response.keys", message);
     }
-    // A missing key has already been reported; a digit stands in for it.
-    let keys = digits().enumerate().map(|(i, digit)| keys.get(i).copied().unwrap_or(digit));
+    // A missing key has already been reported; its digit stands in for it.
+    let keys = (0..count).map(|rating| keys.get(rating).copied().unwrap_or_else(|| default(rating)));
     let categories = written.labels.into_iter().zip(keys).map(|(label, key)| Category { label, key }).collect();
     ResponseScale { question: written.question, categories }
 }

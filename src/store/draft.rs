@@ -1,11 +1,12 @@
 //! Edits the text of a definition. Comments, order and layout stay as they are, except where a value changes.
 
-use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
+use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
 use super::{FileErrors, definition, toml};
 use crate::{experiment::Protocol, stimulus::Stimulus};
 
-/// The text of a definition while it is edited. Values are addressed by their keys: `name`, `design.repetitions`.
+/// The text of a definition while it is edited. Values are addressed by their keys: `name`, `design.repetitions`,
+/// `participant.age.required`.
 #[derive(Clone, Debug)]
 pub struct Draft {
     document: DocumentMut,
@@ -69,11 +70,26 @@ impl Draft {
 
     fn value(&self, key: &str) -> Option<&Value> {
         let (table, key) = split(key);
-        match table {
-            "" => self.document.get(key)?,
-            table => self.document.get(table)?.as_table_like()?.get(key)?,
+        self.found(table)?.get(key)?.as_value()
+    }
+
+    /// Returns a table, by its names from the top, which are separated by dots; an empty name is the top level.
+    fn found(&self, table: &str) -> Option<&dyn TableLike> {
+        let mut found: &dyn TableLike = self.document.as_table();
+        for name in table.split('.').filter(|name| !name.is_empty()) {
+            found = found.get(name)?.as_table_like()?;
         }
-        .as_value()
+        Some(found)
+    }
+
+    /// Adds an empty table in one line.
+    pub fn add_table(&mut self, key: &str) {
+        self.put(key, Value::InlineTable(InlineTable::new()));
+    }
+
+    /// Changes a value that is true or false.
+    pub fn set_flag(&mut self, key: &str, flag: bool) {
+        self.put(key, flag.into());
     }
 
     /// Changes a value. Its table is added if it is missing.
@@ -93,13 +109,9 @@ impl Draft {
     /// Removes a value or a table.
     pub fn remove(&mut self, key: &str) {
         let (table, name) = split(key);
-        let root = self.document.as_table_mut();
-        let table = if table.is_empty() {
-            Some(root as &mut dyn TableLike)
-        } else {
-            root.get_mut(table).and_then(Item::as_table_like_mut)
-        };
-        if let Some(table) = table {
+        if self.found(table).is_some()
+            && let Some(table) = self.table(table)
+        {
             table.remove(name);
         }
     }
@@ -119,8 +131,9 @@ impl Draft {
         self.keys("factors")
     }
 
-    fn keys(&self, table: &str) -> Vec<String> {
-        let table = self.document.get(table).and_then(Item::as_table_like);
+    /// Returns the keys of a table, in their order.
+    pub fn keys(&self, table: &str) -> Vec<String> {
+        let table = self.found(table);
         table.map_or_else(Vec::new, |table| table.iter().map(|(key, _)| key.to_owned()).collect())
     }
 
@@ -141,11 +154,11 @@ impl Draft {
 
     /// Returns a table, which is added if it is missing; `None` if its key has a value that is not a table.
     fn table(&mut self, name: &str) -> Option<&mut dyn TableLike> {
-        let root = self.document.as_table_mut();
-        match name {
-            "" => Some(root),
-            name => root.entry(name).or_insert(Item::Table(Table::new())).as_table_like_mut(),
+        let mut table: &mut dyn TableLike = self.document.as_table_mut();
+        for name in name.split('.').filter(|name| !name.is_empty()) {
+            table = table.entry(name).or_insert(Item::Table(Table::new())).as_table_like_mut()?;
         }
+        Some(table)
     }
 
     fn put(&mut self, key: &str, mut value: Value) {
@@ -173,7 +186,7 @@ impl Draft {
 
 /// Splits a key into its table, which is empty at the top level, and its name.
 fn split(key: &str) -> (&str, &str) {
-    key.split_once('.').unwrap_or(("", key))
+    key.rsplit_once('.').unwrap_or(("", key))
 }
 
 /// Changes the items of a list. Only the items between the first and the last change are touched, so that the others

@@ -29,11 +29,4 @@ impl Criterion {
         let odds = (value.max(0.0) / threshold).powf(1.0 / self.spread);
         if odds.is_finite() { odds / (1.0 + odds) } else { 1.0 }
     }
-
-    /// Returns the rating for this value and this value of standard logistic `noise`.
-    #[must_use]
-    pub fn rate(&self, value: f64, noise: f64) -> u8 {
-        let latent = value.max(0.0).ln() + self.spread * noise;
-        self.thresholds.iter().filter(|threshold| latent > threshold.ln()).count() as u8
-    }
 }

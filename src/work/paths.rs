@@ -24,6 +24,12 @@ macro_rules! output_path {
             }
         }
 
+        impl From<PathBuf> for $name {
+            fn from(path: PathBuf) -> Self {
+                Self(path)
+            }
+        }
+
         impl Deref for $name {
             type Target = Path;
 

@@ -49,12 +49,12 @@ fn a_whole_session_with_a_break_a_pause_and_an_undone_rating() {
     press(&mut harness, Key::Space);
     for (page, key) in [
         ("Welcome", Key::Space),
-        ("The four answers", Key::Space),
+        ("The answers", Key::Space),
         ("First, some practice", Key::Backspace),
-        ("The four answers", Key::ArrowLeft),
+        ("The answers", Key::ArrowLeft),
         ("Welcome", Key::Backspace),
         ("Welcome", Key::Space),
-        ("The four answers", Key::Space),
+        ("The answers", Key::Space),
         ("First, some practice", Key::Space),
     ] {
         wait_for(&mut harness, page);

@@ -136,7 +136,7 @@ pub fn request(results: &Path, protocol: Protocol) -> Request {
 
 /// Continues from the preflight to the first recovery field.
 pub fn walk_to_first_trial(window: &mut Window) {
-    for page in ["These findings are saved", "Welcome", "The four answers", "First, some practice"] {
+    for page in ["These findings are saved", "Welcome", "The answers", "First, some practice"] {
         wait_for(window, page);
         press(window, Key::Space);
     }

@@ -10,7 +10,7 @@ use crate::{
         counts::{CountRow, Counts, Factor},
         levels,
     },
-    experiment::{self, Condition, MAX_RATING, OrderedLogit, Protocol},
+    experiment::{self, Condition, OrderedLogit, Protocol},
     stimulus::ParameterError,
     text::names::expected_one_of,
 };
@@ -123,7 +123,7 @@ impl Scenario {
         let empty = Counts {
             factors: factors.collect(),
             conditions,
-            categories: (0..=MAX_RATING).map(|rating| rating.to_string()).collect(),
+            categories: (0..=protocol.response.highest()).map(|rating| rating.to_string()).collect(),
             ..Counts::default()
         };
         let mut slopes = slopes.to_vec();
@@ -152,8 +152,8 @@ impl Scenario {
     /// Returns counts in which one participant rates everything lowest and another rates everything highest, so that a
     /// design can be laid out.
     pub fn outline(&self) -> Counts {
-        let count = self.repetitions.into();
-        let rows = [(0, 0), (1, MAX_RATING)].into_iter().flat_map(|(subject, rating)| {
+        let (count, highest) = (self.repetitions.into(), self.empty.categories.len() as u8 - 1);
+        let rows = [(0, 0), (1, highest)].into_iter().flat_map(|(subject, rating)| {
             self.conditions().into_iter().map(move |condition| CountRow { subject, condition, rating, count })
         });
         Counts { subjects: ["S1", "S2"].map(str::to_owned).to_vec(), rows: rows.collect(), ..self.empty.clone() }
@@ -182,15 +182,16 @@ impl Scenario {
         generator: impl Fn(u8, u32) -> ChaCha8Rng,
     ) -> Counts {
         let mut rows = Vec::new();
+        let categories = self.empty.categories.len();
         for subject in 0..people {
             let deviations = self.deviations(slopes, &mut generator(DEVIATIONS, subject));
             let mut rng = generator(0, subject);
             let deviate: f64 = StandardNormal.sample(&mut rng);
             let own = predictors.iter().zip(deviations).map(|(predictor, deviation)| predictor + deviation);
             for (condition, predictor) in (0..).zip(own) {
-                let mut counts = [0; MAX_RATING as usize + 1];
+                let mut counts = vec![0; categories];
                 for _ in 0..self.repetitions {
-                    let rating = self.observer.rate_at(predictor + self.observer.subject_sd * deviate, &mut rng);
+                    let rating = self.observer.rate_at(predictor + self.observer.subject_sd * deviate, categories, &mut rng);
                     counts[usize::from(rating)] += 1;
                 }
                 let given = (0..).zip(counts).filter(|(_, count)| *count > 0);

@@ -99,7 +99,7 @@ fn show_text(ui: &mut egui::Ui, block: &Block) {
             Block::Warning(text) => {
                 ui.horizontal_top(|ui| {
                     tick(ui, false);
-                    paragraph(ui, RichText::new(text).color(theme::ink(ui).note));
+                    paragraph(ui, RichText::new(text).color(theme::ink(ui).warn));
                 });
             }
             Block::List(items) => {

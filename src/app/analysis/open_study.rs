@@ -352,8 +352,8 @@ fn about(ui: &mut egui::Ui, study: &Study) {
         sessions => format!(", {}", count(sessions, "session")),
     };
     hint(ui, format!("{}{sessions}, {}.", count(people, "participant"), count(ratings, "rating")));
-    problems(ui, "Errors", &source.errors, theme::ink(ui).error);
-    problems(ui, "Warnings", &source.warnings, theme::ink(ui).note);
+    problems(ui, "Errors", &source.errors, theme::ink(ui).bad);
+    problems(ui, "Warnings", &source.warnings, theme::ink(ui).warn);
 }
 
 /// Returns the names of all columns of the files.

@@ -51,7 +51,7 @@ impl TableView {
             response.widget_info(|| WidgetInfo::labeled(Role::Table, true, &self.table.caption));
             let clicked = self.header(ui, rect, height);
             let line = rect.top() + height;
-            ui.painter().hline(rect.x_range(), line, egui::Stroke::new(1.0, theme::ink(ui).secondary));
+            ui.painter().hline(rect.x_range(), line, egui::Stroke::new(1.0, theme::ink(ui).dim));
             let visible = ui.clip_rect();
             let first = ((visible.top() - line) / height).floor().max(0.0) as usize;
             let last = ((visible.bottom() - line) / height).ceil().max(0.0) as usize;
@@ -71,7 +71,7 @@ impl TableView {
     fn header(&self, ui: &mut egui::Ui, rect: Rect, height: f32) -> Option<usize> {
         let mut clicked = None;
         for (column, text) in self.table.header.iter().enumerate() {
-            let button = Button::new(RichText::new(text).color(theme::ink(ui).secondary)).frame_when_inactive(false);
+            let button = Button::new(RichText::new(text).color(theme::ink(ui).dim)).frame_when_inactive(false);
             let response = self.cell(ui, rect, height, (0, column), |ui| ui.add(button));
             name(ui, &response, &format!("Sort by {text}"));
             if let Some((_, down)) = self.sorted.filter(|(sorted, _)| *sorted == column) {
@@ -84,7 +84,7 @@ impl TableView {
                 let corners = [(x - 4.0, y - tip), (x + 4.0, y - tip), (x, y + tip)].map(egui::Pos2::from);
                 ui.painter().add(egui::Shape::convex_polygon(
                     corners.to_vec(),
-                    theme::ink(ui).secondary,
+                    theme::ink(ui).dim,
                     egui::Stroke::NONE,
                 ));
             }
@@ -116,7 +116,7 @@ impl TableView {
     fn measure(&self, ui: &egui::Ui) -> Vec<f32> {
         let font = TextStyle::Body.resolve(ui.style());
         let width =
-            |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), theme::ink(ui).secondary).size().x;
+            |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), theme::ink(ui).dim).size().x;
         (self.table.header.iter().enumerate())
             .map(|(column, name)| {
                 let texts = self.table.rows.iter().map(|row| &*row[column]);

@@ -89,7 +89,7 @@ impl CardHelper {
         ScrollArea::horizontal().id_salt("outline").show(ui, |ui| {
             let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
             let stroke = Stroke::new(1.0, ink(ui).text);
-            ui.painter().rect(rect, 10.0, ink(ui).outline, stroke, egui::StrokeKind::Inside);
+            ui.painter().rect(rect, 10.0, ink(ui).line, stroke, egui::StrokeKind::Inside);
         });
     }
 }

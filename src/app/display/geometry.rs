@@ -136,7 +136,7 @@ fn rulers(ui: &mut egui::Ui, viewing: &Viewing) {
         painter.line_segment([foot, foot - Vec2::new(0.0, height)], stroke);
         if !text.is_empty() {
             let align = if x == 0.0 { egui::Align2::LEFT_TOP } else { egui::Align2::CENTER_TOP };
-            painter.text(foot, align, text, egui::FontId::proportional(12.0), ink.secondary);
+            painter.text(foot, align, text, egui::FontId::proportional(12.0), ink.dim);
         }
     };
     for mm in 0..=10 * RULER_CM {

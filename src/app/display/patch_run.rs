@@ -135,7 +135,7 @@ impl PatchRun {
             ui.label(format!("{done} of {all} read{settling} · Enter: next · Backspace: previous · Esc: pause"));
         });
         if let Some(message) = &self.message {
-            ui.add(egui::Label::new(RichText::new(message).small().color(ink(ui).note.gamma_multiply(0.7))).wrap());
+            ui.add(egui::Label::new(RichText::new(message).small().color(ink(ui).warn.gamma_multiply(0.7))).wrap());
         }
         if accept {
             self.accept(at, remaining_s);

@@ -33,6 +33,8 @@ pub struct DefinitionForm {
     /// The text of the draft when it was opened.
     original: String,
     changed: bool,
+    /// The hash of what the definition said when it was opened.
+    hash: Option<String>,
     /// The definition as it was when it last had no errors.
     protocol: Option<Protocol>,
     /// Increases with each change.
@@ -43,31 +45,35 @@ pub struct DefinitionForm {
 }
 
 impl DefinitionForm {
-    /// Opens a copy of a definition, with a name that no file in the folder has.
+    /// Opens a definition; with a folder, a copy whose name no file in the folder has.
     ///
     /// # Errors
     /// The definition cannot be read, or is not TOML. Any other error is shown next to its field.
-    pub fn open(name_or_path: &str, folder: &Path) -> Result<Self, FileErrors> {
+    pub fn open(name_or_path: &str, folder: Option<&Path>) -> Result<Self, FileErrors> {
         let mut draft = Draft::parse(name_or_path, &definition::text(Path::new(name_or_path))?)?;
-        let name = draft.get("name").unwrap_or_else(|| "my-study".to_owned());
-        let copy = |number: u32| if number == 1 { format!("{name}-copy") } else { format!("{name}-copy-{number}") };
-        // Saving never replaces a file, whatever is said here.
-        let is_free = |copy: &String| !matches!(found(&folder.join(format!("{copy}.toml"))), Ok(Some(_)));
-        draft.set("name", &(1..).map(copy).find(is_free).unwrap_or_default(), Typed::Text);
-        if let Some(title) = draft.get("title") {
-            draft.set("title", &format!("{title} (copy)"), Typed::Text);
+        if let Some(folder) = folder {
+            let name = draft.get("name").unwrap_or_else(|| "my-study".to_owned());
+            let copy = |number: u32| if number == 1 { format!("{name}-copy") } else { format!("{name}-copy-{number}") };
+            // Saving never replaces a file, whatever is said here.
+            let is_free = |copy: &String| !matches!(found(&folder.join(format!("{copy}.toml"))), Ok(Some(_)));
+            draft.set("name", &(1..).map(copy).find(is_free).unwrap_or_default(), Typed::Text);
+            if let Some(title) = draft.get("title") {
+                draft.set("title", &format!("{title} (copy)"), Typed::Text);
+            }
         }
         let mut form = Self {
             original: draft.text(),
             draft,
             typed: BTreeMap::new(),
             changed: false,
+            hash: None,
             protocol: None,
             revision: 0,
             errors: Vec::new(),
             shown: BTreeSet::new(),
         };
         form.check();
+        form.hash = form.protocol.as_ref().map(definition::hash);
         Ok(form)
     }
 
@@ -83,6 +89,11 @@ impl DefinitionForm {
     /// Returns whether anything was changed since the definition was opened.
     pub fn is_changed(&self) -> bool {
         self.changed
+    }
+
+    /// Returns whether the definition now says something else than when it was opened, apart from the plan.
+    pub fn is_another_experiment(&self) -> bool {
+        self.protocol.as_ref().map(definition::hash) != self.hash
     }
 
     /// Returns the definition as it was when it last had no errors.

@@ -14,3 +14,4 @@ mod sections;
 mod thumbnails;
 
 pub use page::Editor;
+pub use thumbnails::Thumbnails;

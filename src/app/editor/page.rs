@@ -7,7 +7,7 @@ use eframe::egui::{CentralPanel, Context, Frame, Key, KeyboardShortcut, Modifier
 use super::{form::DefinitionForm, sections, thumbnails::Thumbnails};
 use crate::{
     app::ui::{self, Dialog, Field, FileKind, Saving, Step, theme},
-    store::definition,
+    store::{Writer, definition},
 };
 
 /// In a window narrower than this, in points, the summary is below the form.
@@ -19,10 +19,14 @@ const SAVE: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::S)
 /// Width of the label of the folder, points.
 const FOLDER: f32 = 60.0;
 
-/// A copy of a definition while it is edited.
+/// A definition, or a copy of one, while it is edited.
 pub struct Editor {
-    /// The definition that is copied, as it was named.
+    /// The definition that is edited or copied, as it was named.
     of: String,
+    /// Whether a copy is edited.
+    copy: bool,
+    /// Number of sessions that were recorded with the definition that is edited.
+    sessions: usize,
     /// The form, or why the definition cannot be edited.
     form: Result<DefinitionForm, String>,
     /// The folder for the new file.
@@ -35,15 +39,18 @@ pub struct Editor {
 }
 
 impl Editor {
-    /// Opens a copy of a built-in definition or of a file.
-    pub fn of(name_or_path: &str) -> Self {
+    /// Opens a copy of a built-in definition or of a file; or, unless `copy` is true, the file itself. `sessions` is how
+    /// many were recorded with it.
+    pub fn of(name_or_path: &str, copy: bool, sessions: usize) -> Self {
         let path = Path::new(name_or_path);
         let beside = definition::built_in(path).map_or(path.parent(), |_| None);
         let folder = beside.filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let folder = absolute(folder).unwrap_or_default();
         Self {
             of: name_or_path.to_owned(),
-            form: DefinitionForm::open(name_or_path, &folder).map_err(|error| error.to_string()),
+            copy,
+            sessions: if copy { 0 } else { sessions },
+            form: DefinitionForm::open(name_or_path, copy.then_some(&folder)).map_err(|error| error.to_string()),
             folder: folder.display().to_string(),
             dialog: Dialog::default(),
             saving: Saving::default(),
@@ -67,7 +74,8 @@ impl Editor {
     /// Draws the page. The step to the next page has the path of the saved definition.
     pub fn show(&mut self, ui: &mut Ui) -> Step<PathBuf> {
         let escaped = ui::escaped(ui);
-        let heading = format!("Duplicate {}", Path::new(&self.of).file_stem().unwrap_or_default().display());
+        let action = if self.copy { "Duplicate" } else { "Edit" };
+        let heading = format!("{action} {}", Path::new(&self.of).file_stem().unwrap_or_default().display());
         if let Err(error) = &self.form {
             let (back, ()) = ui::tool_page(ui, &heading, |ui| ui::show_error(ui, error));
             return Step::back_if(back);
@@ -116,6 +124,17 @@ impl Editor {
     fn fields(&mut self, ui: &mut Ui) {
         let Ok(form) = &mut self.form else { return };
         form.begin_frame();
+        if self.sessions > 0 {
+            let n = self.sessions;
+            let sessions = if n == 1 { "1 session was".to_owned() } else { format!("{n} sessions were") };
+            ui::note(
+                ui,
+                format!(
+                    "{sessions} recorded with this definition. Only the plan may still change; to change anything else, \
+                        duplicate the study under another name, so that its data are not mixed with these."
+                ),
+            );
+        }
         sections::show(form, ui);
     }
 
@@ -134,18 +153,18 @@ impl Editor {
                 }
             });
         }
-        Field::new("Folder").column(FOLDER).show(ui, |ui, label| {
-            ui.horizontal_wrapped(|ui| {
-                let width = (ui.available_width() - 120.0).clamp(120.0, 420.0);
-                let field = eframe::egui::TextEdit::singleline(&mut self.folder).id_salt("folder").desired_width(width);
-                ui.add(field).labelled_by(label).on_hover_text("The folder for the new file.");
-                self.dialog.browse(ui, FileKind::Folder, "Choose the folder…", &mut self.folder);
-            });
-            self.dialog.missing_error(ui);
-        });
-        let folder = absolute(self.folder.trim()).unwrap_or_else(|_| self.folder.trim().into());
-        let path = folder.join(format!("{}.toml", form.draft().get("name").unwrap_or_default()));
+        if self.copy {
+            Self::folder_field(ui, &mut self.folder, &mut self.dialog);
+        }
+        let path = if self.copy {
+            let folder = absolute(self.folder.trim()).unwrap_or_else(|_| self.folder.trim().into());
+            folder.join(format!("{}.toml", form.draft().get("name").unwrap_or_default()))
+        } else {
+            PathBuf::from(&self.of)
+        };
+        let is_frozen = self.sessions > 0 && form.is_another_experiment();
         let hint = match form.errors() {
+            [] if is_frozen => "Only the plan may change while there are sessions.".to_owned(),
             [] => format!("as {}", path.display()),
             errors => {
                 let mut fields: Vec<&str> = errors.iter().map(|error| field_of(&error.key)).collect();
@@ -154,11 +173,16 @@ impl Editor {
                 format!("{count} in {}. The conditions shown are the last ones without errors.", fields.join(", "))
             }
         };
-        let valid = form.errors().is_empty();
+        let valid = form.errors().is_empty() && !is_frozen;
         let clicked = ui::primary(ui, self.saving.caption("Save", &path), valid, &hint);
         let saves = clicked || valid && ui.input_mut(|input| input.consume_shortcut(&SAVE));
         let written = saves.then(|| {
-            let writer = self.saving.writer(&path, &[self.of.clone().into()]);
+            let writer = if self.copy {
+                self.saving.writer(&path, &[self.of.clone().into()])
+            } else {
+                // Whoever edits a file means to replace it.
+                Writer::new(Vec::new(), true)
+            };
             writer.write(&path, form.draft().text().as_bytes())
         });
         match written {
@@ -170,6 +194,18 @@ impl Editor {
         None
     }
 
+    fn folder_field(ui: &mut Ui, folder: &mut String, dialog: &mut Dialog) {
+        Field::new("Folder").column(FOLDER).show(ui, |ui, label| {
+            ui.horizontal_wrapped(|ui| {
+                let width = (ui.available_width() - 120.0).clamp(120.0, 420.0);
+                let field = eframe::egui::TextEdit::singleline(folder).id_salt("folder").desired_width(width);
+                ui.add(field).labelled_by(label).on_hover_text("The folder for the new file.");
+                dialog.browse(ui, FileKind::Folder, "Choose the folder…", folder);
+            });
+            dialog.missing_error(ui);
+        });
+    }
+
     fn conditions(&mut self, ui: &mut Ui) {
         let Ok(form) = &self.form else { return };
         let Some(protocol) = form.protocol() else { return };
@@ -178,7 +214,7 @@ impl Editor {
 
     /// Asks whether to discard the changes; returns whether the user agreed.
     fn discards(&mut self, ctx: &Context) -> bool {
-        let text = "The changes to this copy have not been saved.";
+        let text = "The changes have not been saved.";
         let discard = ui::ask(ctx, "Discard changes?", text, ["Keep editing", "Discard changes"]);
         self.leaving = discard != Some(false);
         discard == Some(true)

@@ -4,8 +4,8 @@ use eframe::egui::{Align, CollapsingHeader, ComboBox, Layout, Response, Role, Te
 
 use super::form::{DefinitionForm, LABELS};
 use crate::{
-    app::ui::{self, Field, parameter},
-    experiment::{Design, MAX_RATING, Recovery, ResponseScale, Texts, ViewingPlan},
+    app::ui::{self, Field, parameter, theme::Icon},
+    experiment::{CATEGORIES, Design, ParticipantFields, Recovery, ResponseScale, Texts, ViewingPlan, default_key},
     stimulus::{KINDS, Parameter, Stimulus, catalog},
     store::draft::Typed,
 };
@@ -23,6 +23,8 @@ pub fn show(form: &mut DefinitionForm, ui: &mut Ui) {
     timing(form, ui);
     viewing(form, ui);
     answers(form, ui);
+    participant(form, ui);
+    session(form, ui);
     texts(form, ui);
 }
 
@@ -213,13 +215,15 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui) {
     form.text(ui, "Question", "response.question", &default.question, "Shown next to the scale.");
     let mut labels = form.draft().texts("response.labels").unwrap_or_default();
     let mut keys = form.draft().texts("response.keys").unwrap_or_default();
-    for (i, category) in default.categories.into_iter().enumerate() {
-        // A definition without labels or keys uses the defaults. With too few, the others are empty.
-        labels.extend((labels.len() <= i).then_some(category.label));
-        keys.extend((keys.len() <= i).then(|| category.key.to_string()));
+    if labels.is_empty() {
+        // A definition without labels or keys uses the defaults.
+        labels = default.categories.into_iter().map(|category| category.label).collect();
     }
+    keys.truncate(labels.len());
+    keys.extend((keys.len()..labels.len()).map(|rating| default_key(rating).map_or_else(String::new, String::from)));
     let [mut labels_changed, mut keys_changed] = [false; 2];
-    for rating in 0..=usize::from(MAX_RATING) {
+    let mut removed = None;
+    for rating in 0..labels.len() {
         let errors = ["labels", "keys"].map(|list| form.error(&format!("response.{list}.{rating}")));
         let errors = errors.join("\n");
         let name = format!("Rating {rating}");
@@ -229,23 +233,137 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui) {
                 ui::text::name(ui, &key, &format!("Key for rating {rating}"));
                 keys_changed |=
                     key.on_hover_text("The key for this answer: a digit or a letter other than S.").changed();
-                let width = (ui.available_width() - 20.0).clamp(120.0, 380.0);
+                let width = (ui.available_width() - 100.0).clamp(120.0, 380.0);
                 let label =
                     ui.add(TextEdit::singleline(&mut labels[rating]).id_salt(("label", rating)).desired_width(width));
                 ui::text::name(ui, &label, &format!("Label of rating {rating}"));
                 labels_changed |= label.on_hover_text("What this answer means.").changed();
+                let few = labels.len() <= *CATEGORIES.start();
+                ui.add_enabled_ui(!few, |ui| {
+                    if ui::quiet(ui, Icon::Close, "", &format!("Remove rating {rating}")).clicked() {
+                        removed = Some(rating);
+                    }
+                });
             });
         });
     }
-    for (changed, key, mut texts) in
-        [(labels_changed, "response.labels", labels), (keys_changed, "response.keys", keys)]
-    {
+    let many = labels.len() >= *CATEGORIES.end();
+    let field = Field::new("").column(LABELS);
+    let added = field.show(ui, |ui, _| ui.add_enabled_ui(!many, |ui| ui::action(ui, Icon::Plus, "Category")).inner);
+    if added.on_hover_text("2 to 11 categories, from the weakest to the strongest.").clicked() {
+        let free = ('0'..='9').chain('a'..='z').map(String::from);
+        keys.push(free.filter(|key| key != "s").find(|key| !keys.contains(key)).unwrap_or_default());
+        labels.push(String::new());
+        [labels_changed, keys_changed] = [true; 2];
+    }
+    if let Some(rating) = removed {
+        labels.remove(rating);
+        keys.remove(rating);
+        [labels_changed, keys_changed] = [true; 2];
+    }
+    for (changed, key, texts) in [(labels_changed, "response.labels", labels), (keys_changed, "response.keys", keys)] {
         if changed {
-            texts.truncate(usize::from(MAX_RATING) + 1);
             form.edit(|draft| draft.set_texts(key, &texts));
         }
         show_errors(ui, &form.own_error(key));
     }
+}
+
+/// What a session asks about the participant.
+fn participant(form: &mut DefinitionForm, ui: &mut Ui) {
+    ui::section(ui, "Participant");
+    ui::hint(ui, "What a session asks before its first page. Answers are separated by commas; without any, text is typed.");
+    show_errors(ui, &form.own_error("participant"));
+    let names = form.draft().keys("participant");
+    for name in &names {
+        question(form, ui, name);
+    }
+    let known = ParticipantFields::KNOWN_NAMES.iter().map(|name| (*name).to_owned());
+    let own = (1..).map(|number| format!("question_{number}")).find(|own| !names.contains(own));
+    let list = ComboBox::from_id_salt("add a question").selected_text("Add a question…").width(200.0);
+    let list = list.show_ui(ui, |ui| {
+        for name in known.filter(|name| !names.contains(name)).chain(own) {
+            let text = if name.starts_with("question_") { "a question of your own".to_owned() } else { name.clone() };
+            if ui.selectable_label(false, text).clicked() {
+                form.edit(|draft| {
+                    draft.add_table(&format!("participant.{name}"));
+                    if name == "consent" {
+                        let text = "You can stop at any time, without giving a reason.";
+                        draft.set("participant.consent.text", text, Typed::Text);
+                    }
+                });
+            }
+        }
+    });
+    ui::text::name(ui, &list.response, "Add a question");
+}
+
+fn question(form: &mut DefinitionForm, ui: &mut Ui, name: &str) {
+    let key = format!("participant.{name}");
+    let error = form.error(&key);
+    let [label_key, choices_key] = ["label", "choices"].map(|part| format!("{key}.{part}"));
+    let text_key = format!("{key}.text");
+    let is_consent = form.draft().get(&text_key).is_some();
+    let is_known = ParticipantFields::KNOWN_NAMES.contains(&name);
+    let [mut label, mut choices, mut text] = [&label_key, &choices_key, &text_key].map(|key| form.value(key, ""));
+    let before = [label.clone(), choices.clone(), text.clone()];
+    let mut required = form.draft().get(&format!("{key}.required")).as_deref() != Some("false");
+    let was_required = required;
+    let shown = name.replace('_', " ");
+    let removed = Field::new(&shown).column(LABELS).error(&error).show(ui, |ui, _| {
+        ui.horizontal_wrapped(|ui| {
+            if is_consent {
+                let edit = TextEdit::multiline(&mut text).id_salt(&text_key).desired_rows(2).desired_width(300.0);
+                let edit = ui.add(edit);
+                ui::text::name(ui, &edit, &format!("Text of {shown}"));
+            } else {
+                let hint = if is_known { "as usual" } else { "What the participant reads" };
+                let edit = TextEdit::singleline(&mut label).id_salt(&label_key).hint_text(hint).desired_width(160.0);
+                let edit = ui.add(edit);
+                ui::text::name(ui, &edit, &format!("Label of {shown}"));
+                let hint = if is_known { "usual answers" } else { "left, right" };
+                let edit = TextEdit::singleline(&mut choices).id_salt(&choices_key).hint_text(hint).desired_width(120.0);
+                let edit = ui.add(edit);
+                ui::text::name(ui, &edit, &format!("Answers of {shown}"));
+                ui.checkbox(&mut required, "required");
+            }
+            ui::quiet(ui, Icon::Close, "", &format!("Remove {shown}")).clicked()
+        })
+        .inner
+    });
+    for (key, typed, old, new) in [
+        (&label_key, Typed::Text, &before[0], &label),
+        (&choices_key, Typed::Values, &before[1], &choices),
+        (&text_key, Typed::Text, &before[2], &text),
+    ] {
+        if old != new && new.trim().is_empty() {
+            form.rebuild(|draft| draft.remove(key));
+        } else if old != new {
+            form.type_value(key, new, typed);
+        }
+    }
+    if required != was_required {
+        form.edit(|draft| draft.set_flag(&format!("{key}.required"), required));
+    }
+    if removed {
+        form.rebuild(|draft| draft.remove(&key));
+    }
+}
+
+fn session(form: &mut DefinitionForm, ui: &mut Ui) {
+    ui::section(ui, "Session and plan");
+    let about = "How many people are to take part. The plan may change while a study runs.";
+    form.optional(ui, "Participants", ["plan.participants"; 2], "not planned", about);
+    form.number(ui, "Sessions each", "plan.sessions", 1, "How often each participant comes.");
+    let mut own_means = form.draft().get("session.own_means").as_deref() == Some("true");
+    Field::new("Last page").column(LABELS).show(ui, |ui, _| {
+        let about = "Someone who has seen their own means may rate differently in the next session.";
+        if ui.checkbox(&mut own_means, "shows participants their own mean ratings").on_hover_text(about).changed() {
+            form.edit(|draft| draft.set_flag("session.own_means", own_means));
+        }
+    });
+    let about = "An interrupted session that is resumed later shows the instructions and the practice again.";
+    form.optional(ui, "Practice again after, h", ["session.refresh_after_h"; 2], "never", about);
 }
 
 fn texts(form: &mut DefinitionForm, ui: &mut Ui) {

@@ -1,9 +1,9 @@
 //! The stimuli of all conditions, drawn in the background.
 
-use eframe::egui::{Context, Sense, TextureHandle, Ui, Vec2};
+use eframe::egui::{self, Context, Sense, TextureHandle, Ui, Vec2};
 
 use crate::{
-    app::ui::{self, pixels, work::Latest},
+    app::ui::{self, pixels, theme::GAP, work::Latest},
     experiment::{Condition, Factor, Protocol},
     light::{Bits, CodeImage, Quantizer, Transfer},
     stimulus::Stimulus,
@@ -11,8 +11,9 @@ use crate::{
 
 /// Maximum number of thumbnails.
 const MAX_THUMBNAILS: usize = 200;
-/// Side of a thumbnail, points.
+/// Side of a thumbnail, and of one in a line, points.
 const SIDE: f32 = 96.0;
+const STRIP: f32 = 48.0;
 /// Number of thumbnails that are drawn at a time, so that the first ones appear soon.
 const BATCH: usize = 8;
 
@@ -59,6 +60,23 @@ impl Thumbnails {
         for row in self.all.chunks(per_row) {
             ui.horizontal_top(|ui| row.iter().for_each(|thumbnail| thumbnail.show(ui)));
         }
+    }
+
+    /// Draws one line of stimuli, from all parts of the design.
+    pub fn strip(&mut self, ui: &mut Ui, protocol: &Protocol) {
+        let side = (STRIP * ui.ctx().pixels_per_point()).round() as u32;
+        let key = (&protocol.name, &protocol.stimulus, protocol.conditions().len());
+        let revision = egui::Id::unique(format!("{key:?}")).value();
+        if self.of != Some((revision, side)) {
+            self.refresh(protocol, false);
+            let shown = ((ui.available_width() + GAP) / (STRIP + GAP)).max(1.0) as usize;
+            let all = std::mem::take(&mut self.all);
+            let step = all.len().div_ceil(shown).max(1);
+            self.all = all.into_iter().step_by(step).collect();
+            self.of = Some((revision, side));
+        }
+        self.draw_next(ui.ctx(), side);
+        ui.horizontal(|ui| self.all.iter().for_each(|thumbnail| _ = thumbnail.picture(ui, STRIP)));
     }
 
     /// Lists the conditions. Those that were already listed keep their pictures if `keep` is true.
@@ -113,14 +131,18 @@ impl Thumbnail {
         ui.vertical(|ui| {
             ui.set_width(SIDE);
             ui.spacing_mut().item_spacing.y = 2.0;
-            let (rect, response) = ui.allocate_exact_size(Vec2::splat(SIDE), Sense::hover());
-            ui::describe(&response, &self.description);
-            match &self.texture {
-                Some(texture) if ui.is_rect_visible(rect) => pixels::draw_centered(ui, texture, rect),
-                _ => {}
-            }
+            self.picture(ui, SIDE);
             ui::hint(ui, &self.levels);
-            response.on_hover_text(&self.description);
         });
+    }
+
+    fn picture(&self, ui: &mut Ui, side: f32) {
+        let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
+        ui::describe(&response, &self.description);
+        match &self.texture {
+            Some(texture) if ui.is_rect_visible(rect) => pixels::draw_centered(ui, texture, rect),
+            _ => {}
+        }
+        response.on_hover_text(&self.description);
     }
 }

@@ -355,17 +355,17 @@ impl Gallery {
         let curves = &shown.curves;
         let marks = if is_predicted { self.prediction.marks(stimulus, *size) } else { &[] };
         let ink = theme::ink(ui);
-        let [after, requested] = ink.sides;
+        let [after, requested] = ink.sides();
         ui.horizontal(|ui| {
             ui.add_space(AXIS);
-            let band = (!marks.is_empty()).then_some((ink.band, "predicted band"));
+            let band = (!marks.is_empty()).then_some((ink.ink, "predicted band"));
             ui::legend(ui, [(requested, "requested"), (after, "after quantization")].into_iter().chain(band));
         });
         // The requested light is drawn last: where the curves agree, it covers the other.
         let lines = [(after, &curves.emitted), (requested, &curves.requested)];
         let plot = |ui: &mut Ui, what: &str, lines: &[(Color32, &Trace)], marks: &[Mark]| {
             plot(ui, what, AXIS + side, lines, |plot| {
-                marks.iter().for_each(|mark| draw_mark(plot, mark, &curves.requested, ink.band));
+                marks.iter().for_each(|mark| draw_mark(plot, mark, &curves.requested, ink.ink));
             })
         };
         let response = plot(ui, "light, 1 = white", &lines, marks);

@@ -8,7 +8,7 @@ use egui_plot::{Corner, GridMark, Legend, Line, Points};
 
 use crate::{
     app::ui::{self, Step, still_plot, theme},
-    experiment::{Factor, MAX_RATING, Phase, Protocol, TrialRecord},
+    experiment::{Factor, Phase, Protocol, TrialRecord},
 };
 
 pub struct Finish {
@@ -67,8 +67,7 @@ impl Finish {
                 ui.label(&texts.left);
             }
             ui.add_space(8.0);
-            // Participants who return must not see trends in their answers.
-            if self.complete && !self.lines.is_empty() {
+            if self.complete && self.protocol.session.own_means && !self.lines.is_empty() {
                 self.plot(ui);
             }
             ui.add_space(8.0);
@@ -127,18 +126,18 @@ impl Finish {
         ui.label(self.protocol.instructions.ratings.replace("{x}", &along.name).replace("{lines}", lines));
         let labels: Vec<String> = along.levels.iter().map(ToString::to_string).collect();
         let last = labels.len().saturating_sub(1) as f64;
-        let ink = theme::ink(ui);
+        let (ink, highest) = (theme::ink(ui), self.protocol.response.highest());
         still_plot("ratings")
             .height(280.0)
             .include_x(-0.3)
             .include_x(last + 1.0)
             .include_y(-0.1)
-            .include_y(f64::from(MAX_RATING) + 0.1)
+            .include_y(f64::from(highest) + 0.1)
             .x_axis_label(along.name.clone())
             .y_axis_label(self.protocol.instructions.mean_rating.clone())
             .legend(Legend::default().position(Corner::RightTop))
             .x_grid_spacer(move |_| (0..=last as i64).map(|i| GridMark { value: i as f64, step_size: 1.0 }).collect())
-            .y_grid_spacer(|_| (0..=MAX_RATING).map(|i| GridMark { value: f64::from(i), step_size: 1.0 }).collect())
+            .y_grid_spacer(move |_| (0..=highest).map(|i| GridMark { value: f64::from(i), step_size: 1.0 }).collect())
             .x_axis_formatter(move |mark, _| {
                 let index = mark.value.round();
                 if index < 0.0 { String::new() } else { labels.get(index as usize).cloned().unwrap_or_default() }

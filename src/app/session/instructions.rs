@@ -18,7 +18,7 @@ const LOW: f32 = 480.0;
 /// Maximum side of a category's picture, points.
 const PICTURE: f32 = 150.0;
 
-/// Width and depth of an example ramp for each category. Most people see its brighter band as the category describes.
+/// Width and depth of an example ramp for each of the paper's four categories; other scales have no pictures. Most people see its brighter band as the category describes.
 /// The examples are drawn in the colors of the session. They are illustrations, not correct answers; their order
 /// follows the findings of Bangay §3.2.
 const EXAMPLES: [(f64, Depth); 4] =
@@ -86,7 +86,7 @@ pub fn instructions(
         if page == 0 {
             ui.heading(&texts.welcome);
             if let Some(progress) = resumed {
-                ui.label(egui::RichText::new(fill(&texts.resumed, &progress)).color(theme::ink(ui).note));
+                ui.label(egui::RichText::new(fill(&texts.resumed, &progress)).color(theme::ink(ui).warn));
             }
             ui.add_space(8.0);
             for paragraph in texts.task.split("\n\n") {
@@ -98,6 +98,12 @@ pub fn instructions(
             ui.heading(&texts.categories);
             ui.label(&protocol.response.question);
             ui.add_space(8.0);
+            if protocol.response.categories.len() != EXAMPLES.len() {
+                key_list(ui, protocol);
+                ui.add_space(8.0);
+                ui.label(&texts.keys);
+                return if pinned.is_some() { Step::Stay } else { lead(ui) };
+            }
             let gap = ui.spacing().item_spacing.x;
             let side = ((ui.available_width() - 3.0 * gap) / 4.0).clamp(40.0, PICTURE);
             let size = (side * ui.ctx().pixels_per_point()).floor() as u32;
@@ -107,7 +113,7 @@ pub fn instructions(
                     ui.vertical(|ui| {
                         ui.set_width(side);
                         pixels::picture(ui, texture, &category.label);
-                        ui.label(egui::RichText::new(category.key.to_string()).size(24.0).strong());
+                        ui.label(egui::RichText::new(category.key.to_string()).size(theme::TITLE).strong());
                         ui.add(egui::Label::new(&category.label).wrap());
                     });
                 }
@@ -138,16 +144,21 @@ pub fn phase_start(ui: &mut egui::Ui, phase: Phase, protocol: &Protocol, progres
         if phase == Phase::Main {
             draw_progress(ui, progress, texts);
         } else {
-            for category in &protocol.response.categories {
-                ui.horizontal(|ui| {
-                    ui.label(egui::RichText::new(category.key.to_string()).strong());
-                    ui::paragraph(ui, &category.label);
-                });
-            }
+            key_list(ui, protocol);
         }
         ui.add_space(theme::LARGE_GAP);
         next_or_back(ui, texts, back)
     })
+}
+
+/// Lists the keys and what they mean.
+fn key_list(ui: &mut egui::Ui, protocol: &Protocol) {
+    for category in &protocol.response.categories {
+        ui.horizontal(|ui| {
+            ui.label(egui::RichText::new(category.key.to_string()).strong());
+            ui::paragraph(ui, &category.label);
+        });
+    }
 }
 
 /// Draws the page during a break.

@@ -35,6 +35,8 @@ const CURSOR_S: f64 = 2.0;
 const MAX_WIDTH: f32 = 250.0;
 /// Gap between two buttons, points.
 const GAP: f32 = 6.0;
+/// Height of the scale with its distance from the lower edge of the window, points.
+const SCALE_HEIGHT: f32 = 68.0;
 /// Minimum width of a button with a label, points. A narrower button shows only its key, because the label would be cut
 /// off.
 const MIN_LABELED_WIDTH: f32 = 100.0;
@@ -392,7 +394,12 @@ impl Trials {
             }
         });
         let scale = &self.session.protocol().response;
-        let clicked = if self.scale_shown { draw_scale(ui.ctx(), scale, rating_now) } else { None };
+        // Nothing is ever drawn on a stimulus.
+        let lowest = ui.ctx().content_rect().center().y + self.size_px as f32 / ui.ctx().pixels_per_point() / 2.0;
+        let covers = lowest > ui.ctx().content_rect().bottom() - SCALE_HEIGHT;
+        let hidden = covers && matches!(self.session.state(), State::Stimulus { .. });
+        let is_shown = self.scale_shown && !hidden;
+        let clicked = if is_shown { draw_scale(ui.ctx(), scale, rating_now) } else { None };
         if !self.scale_shown || window_s - self.mouse_moved_s > CURSOR_S {
             ui.ctx().set_cursor_icon(CursorIcon::None);
         }

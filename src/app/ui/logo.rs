@@ -38,12 +38,17 @@ pub fn icon() -> IconData {
     IconData { rgba, width: side as u32, height: side as u32 }
 }
 
-/// Draws the logo with a side of `points`.
-pub fn logo(ui: &mut Ui, points: f32) {
+/// Draws the logo with a side of `points`; in gray beside a stimulus.
+pub fn logo(ui: &mut Ui, points: f32, gray: bool) {
     let side = (points * ui.ctx().pixels_per_point()).round().max(1.0) as usize;
-    let id = egui::Id::unique(("logo", side));
+    let id = egui::Id::unique(("logo", side, gray));
     let texture = ui.data(|data| data.get_temp::<egui::TextureHandle>(id)).unwrap_or_else(|| {
-        let texture = ui.ctx().load_texture("logo", image(side), TextureOptions::LINEAR);
+        let mut image = image(side);
+        if gray {
+            let neutral = |pixel: &Color32| Color32::from_rgba_premultiplied(pixel.r(), pixel.r(), pixel.r(), pixel.a());
+            image.pixels.iter_mut().for_each(|pixel| *pixel = neutral(pixel));
+        }
+        let texture = ui.ctx().load_texture("logo", image, TextureOptions::LINEAR);
         ui.data_mut(|data| data.insert_temp(id, texture.clone()));
         texture
     });

@@ -8,7 +8,7 @@
 //! | [`fonts`] | fonts of the system for texts in other scripts |
 //! | [`fields`] | labeled controls; reading typed numbers |
 //! | [`mod@parameter`] | the control of a stimulus parameter |
-//! | [`side_bar`] | the places of the program |
+//! | [`side_bar`], [`status`] | the places of the program; the line with its messages |
 //! | [`history`] | undo and redo |
 //! | [`dialog`] | the desktop's file dialogs, the Browse button |
 //! | [`plot`] | static plots and their legends; tables |
@@ -31,6 +31,7 @@ pub mod plot;
 pub mod saving;
 pub mod screen;
 pub mod side_bar;
+pub mod status;
 pub mod text;
 pub mod theme;
 pub mod work;
@@ -40,7 +41,7 @@ pub use dialog::{Dialog, FileKind};
 pub use fields::{Field, number};
 pub use history::History;
 pub use page::{
-    Step, ask, end_frame, escaped, footer, heading, keyed, modal, page, page_from, primary, release_focus, shortcut,
+    Step, action, ask, end_frame, escaped, footer, heading, keyed, main_action, modal, neutral_primary, page, page_from, primary, quiet, release_focus, shortcut,
     tool_page,
 };
 pub use parameter::parameter;
@@ -48,4 +49,5 @@ pub use plot::{legend, still_plot, table};
 pub use saving::{Saving, ending, full, open, saved};
 pub use screen::{ScreenFields, window_px};
 pub use side_bar::{Place, SideChoice, side_bar};
+pub use status::{complain, say, status_line};
 pub use text::{describe, extent, hint, note, paragraph, secondary, section, show_error, signed, success, tick};

@@ -8,7 +8,7 @@ use eframe::egui::{
 
 use super::{
     text::secondary,
-    theme::{COLUMN, GAP, MARGIN, ink},
+    theme::{BIG_CONTROL, COLUMN, GAP, ICON, Icon, MARGIN, ink, ink_of},
 };
 
 /// Where a page leads after a frame. The step of a page that can only lead back is a plain `Step`.
@@ -109,18 +109,70 @@ pub fn heading(ui: &mut Ui, name: &str) -> bool {
 
 /// Draws the main button of a page, followed by a hint, such as its key; returns whether the button was clicked.
 pub fn primary(ui: &mut Ui, text: &str, enabled: bool, hint: &str) -> bool {
-    let button = egui::Button::new(RichText::new(text).size(19.0).strong().color(Color32::BLACK))
-        .fill(ink(ui).primary)
-        // As high as the style's other buttons and half as much again.
-        .min_size(1.4 * Vec2::new(4.0 * ui.spacing().interact_size.y, ui.spacing().interact_size.y));
+    let ink = ink(ui);
     ui.horizontal(|ui| {
-        let clicked = ui.add_enabled(enabled, button).clicked();
+        let clicked = filled(ui, text, [ink.accent, ink.on_accent], enabled).clicked();
         if !hint.is_empty() {
             super::text::hint(ui, hint);
         }
         clicked
     })
     .inner
+}
+
+/// Draws the main button of a page that shows a stimulus, where nothing may be colored; otherwise like [`primary`].
+pub fn neutral_primary(ui: &mut Ui, text: &str, enabled: bool, hint: &str) -> bool {
+    let ink = ink(ui);
+    ui.horizontal(|ui| {
+        let clicked = filled(ui, text, [ink.neutral, ink.on_neutral], enabled).clicked();
+        if !hint.is_empty() {
+            super::text::hint(ui, hint);
+        }
+        clicked
+    })
+    .inner
+}
+
+fn filled(ui: &mut Ui, text: &str, [fill, on_fill]: [Color32; 2], enabled: bool) -> egui::Response {
+    let button = egui::Button::new(RichText::new(text).color(on_fill)).fill(fill);
+    ui.add_enabled(enabled, button.min_size(Vec2::new(3.0 * BIG_CONTROL, BIG_CONTROL)))
+}
+
+/// Draws a button with an icon.
+pub fn action(ui: &mut Ui, icon: Icon, text: &str) -> egui::Response {
+    labeled(ui, icon, text, None)
+}
+
+/// Draws the main button of a page with an icon.
+pub fn main_action(ui: &mut Ui, icon: Icon, text: &str) -> egui::Response {
+    let ink = ink(ui);
+    labeled(ui, icon, text, Some([ink.accent, ink.on_accent]))
+}
+
+/// Draws a button without a background, for what is rarely needed; without a text, only its icon, whose name is `name`.
+pub fn quiet(ui: &mut Ui, icon: Icon, text: &str, name: &str) -> egui::Response {
+    let response = labeled(ui, icon, text, Some([Color32::TRANSPARENT, ink(ui).text]));
+    super::text::name(ui, &response, name);
+    if text.is_empty() { response.on_hover_text(name) } else { response }
+}
+
+fn labeled(ui: &mut Ui, icon: Icon, text: &str, colors: Option<[Color32; 2]>) -> egui::Response {
+    let place = egui::IdSalt::new("icon");
+    let mut atoms = egui::Atoms::new(egui::Atom::custom(place, Vec2::splat(ICON)));
+    let color = colors.map_or(ink(ui).text, |[_, color]| color);
+    if !text.is_empty() {
+        atoms.push_right(RichText::new(text).color(color));
+    }
+    let mut button = egui::Button::new(atoms);
+    if let Some([fill, _]) = colors {
+        button = if fill == Color32::TRANSPARENT { button.frame_when_inactive(false) } else { button.fill(fill) };
+    }
+    let shown = button.atom_ui(ui);
+    if let Some(rect) = shown.rect(place) {
+        let color = if ui.is_enabled() { color } else { ink(ui).off };
+        icon.paint(ui.painter(), rect, color);
+    }
+    shown.response
 }
 
 /// Draws a button with its key next to it; returns whether it was clicked.
@@ -137,8 +189,9 @@ pub fn keyed(ui: &mut Ui, text: &str, key: &str) -> bool {
 /// result, and whether the user closed the dialog with Escape or by a click beside it.
 pub fn modal<R>(ctx: &Context, id: &str, width: f32, add: impl FnOnce(&mut Ui, f32) -> R) -> (R, bool) {
     let room = ctx.content_rect().size() - Vec2::splat(2.0 * (MARGIN + GAP));
+    let veil = ink_of(&ctx.global_style().visuals).veil;
     let frame = Frame::popup(&ctx.global_style()).inner_margin(MARGIN);
-    let shown = Modal::new(Id::unique(("dialog", id))).frame(frame).show(ctx, |ui| {
+    let shown = Modal::new(Id::unique(("dialog", id))).backdrop_color(veil).frame(frame).show(ctx, |ui| {
         ui.set_width(width.min(room.x));
         add(ui, room.y)
     });

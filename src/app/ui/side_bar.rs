@@ -1,27 +1,27 @@
 //! The places of the program, and the bar at the left edge that leads to them.
 
-use eframe::egui::{self, Align, Button, Frame, Key, KeyboardShortcut, Layout, Modifiers, Panel, RichText, Ui};
+use eframe::egui::{
+    self, Align, Frame, Key, KeyboardShortcut, Layout, Modifiers, Panel, Rect, RichText, Sense, Ui, Vec2,
+};
 
 use super::{
     logo::logo,
-    text::name,
-    theme::{self, GAP, LARGE_GAP, SMALL_GAP, ink},
+    theme::{CONTROL, GAP, ICON, Icon, SECTION, SMALL_GAP, WIDE, ink},
 };
 
-/// Width of the bar, points, and its width in a window that is narrower than [`NARROW`].
-const WIDTHS: [f32; 2] = [140.0, 96.0];
-const NARROW: f32 = 900.0;
+/// Width of the bar with words, and with only icons, points.
+const WIDTHS: [f32; 2] = [176.0, 56.0];
 
 /// A place of the program. Each keeps its state when the user goes to another.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Place {
-    /// Experiments, sessions, and the form that starts one.
+    /// The studies, their sessions, and the form that starts one.
     #[default]
-    Run,
+    Studies,
+    Analyze,
     Stimuli,
     Shading,
     Display,
-    Analyze,
 }
 
 /// What the user chose in the bar.
@@ -33,47 +33,59 @@ pub enum SideChoice {
 }
 
 impl Place {
-    const ALL: [(Self, &str, &str, Key); 5] = [
-        (Self::Run, "Run", "Choose an experiment, start or resume a session.", Key::Num1),
-        (Self::Stimuli, "Stimuli", "See, predict and export every stimulus.", Key::Num2),
-        (Self::Shading, "Shading", "Compare shaders on a mesh, with and without bands.", Key::Num3),
-        (Self::Display, "Display", "Measure the size, the luminance and the timing of this screen.", Key::Num4),
-        (Self::Analyze, "Analyze", "Open ratings and see the results.", Key::Num5),
+    const ALL: [(Self, Icon, &str, &str, Key); 5] = [
+        (Self::Studies, Icon::Studies, "Studies", "Choose a study, start or resume a session.", Key::Num1),
+        (Self::Analyze, Icon::Analyze, "Analyze", "Open ratings and see the results.", Key::Num2),
+        (Self::Stimuli, Icon::Stimuli, "Stimuli", "See, predict and export every stimulus.", Key::Num3),
+        (Self::Shading, Icon::Shading, "Shading", "Compare shaders on a mesh, with and without bands.", Key::Num4),
+        (
+            Self::Display,
+            Icon::Display,
+            "Display",
+            "Measure the size, the luminance and the timing of this screen.",
+            Key::Num5,
+        ),
     ];
+
+    /// Returns whether the page shows stimuli, beside which nothing is colored.
+    pub fn shows_stimuli(self) -> bool {
+        matches!(self, Self::Stimuli | Self::Shading | Self::Display)
+    }
 }
 
 /// Draws the bar; returns what was chosen with a click or with its keys.
 pub fn side_bar(ui: &mut Ui, here: Place) -> Option<SideChoice> {
-    let narrow = ui.available_width() < NARROW;
-    let frame = Frame::NONE.fill(ink(ui).card).inner_margin(GAP);
-    let bar = Panel::left("places").resizable(false).exact_size(WIDTHS[usize::from(narrow)]).frame(frame);
-    bar.show(ui, |ui| {
-        if narrow {
-            theme::compact(ui);
-        }
+    let narrow = ui.available_width() < WIDE;
+    let frame = Frame::NONE.fill(ink(ui).rail).inner_margin(GAP);
+    let bar = Panel::left("places").resizable(false).show_separator_line(false);
+    bar.exact_size(WIDTHS[usize::from(narrow)]).frame(frame).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = SMALL_GAP;
+        ui.add_space(SMALL_GAP);
         ui.horizontal(|ui| {
-            logo(ui, 28.0);
+            ui.add_space(SMALL_GAP);
+            logo(ui, 24.0, here.shows_stimuli());
             if !narrow {
-                ui.label(RichText::new("machband").strong().size(18.0));
+                ui.label(RichText::new("machband").strong().size(SECTION));
             }
         });
-        ui.add_space(if narrow { SMALL_GAP } else { LARGE_GAP });
+        ui.add_space(GAP);
         let mut choice = None;
-        for (place, title, about, key) in Place::ALL {
+        for (place, icon, title, about, key) in Place::ALL {
             let shortcut = KeyboardShortcut::new(Modifiers::COMMAND, key);
-            let hover = format!("{about} ({})", ui.ctx().format_shortcut(&shortcut));
-            let clicked = item(ui, title, place == here).on_hover_text(hover).clicked();
+            let hover = format!("{title}. {about} ({})", ui.ctx().format_shortcut(&shortcut));
+            let clicked = item(ui, icon, title, narrow, (place == here).then_some(here)).on_hover_text(hover).clicked();
             if clicked || ui.input_mut(|input| input.consume_shortcut(&shortcut)) {
                 choice = Some(SideChoice::Go(place));
             }
         }
         ui.with_layout(Layout::bottom_up(Align::Min), |ui| {
-            let help = item(ui, "Help", false).on_hover_text("Keys of this page, and about machband (F1).");
+            let help = item(ui, Icon::Help, "Help", narrow, None);
+            let help = help.on_hover_text("Help: the keys of this page, and about machband (F1).");
             if help.clicked() || ui.input(|input| input.key_pressed(Key::F1)) {
                 choice = Some(SideChoice::Help);
             }
-            if item(ui, "Settings", false).on_hover_text("Theme and size of the window.").clicked() {
+            let settings = item(ui, Icon::Settings, "Settings", narrow, None);
+            if settings.on_hover_text("Settings: theme and size of the window.").clicked() {
                 choice = Some(SideChoice::Settings);
             }
         });
@@ -82,11 +94,33 @@ pub fn side_bar(ui: &mut Ui, here: Place) -> Option<SideChoice> {
     .inner
 }
 
-fn item(ui: &mut Ui, title: &str, selected: bool) -> egui::Response {
-    let text = if selected { RichText::new(title).strong() } else { RichText::new(title) };
-    let height = ui.spacing().interact_size.y + 4.0;
-    let button = Button::selectable(selected, text).min_size(egui::vec2(ui.available_width(), height)).truncate();
-    let response = ui.add(button);
-    name(ui, &response, title);
+/// Draws a place. `here`: this is the current place.
+fn item(ui: &mut Ui, icon: Icon, title: &str, narrow: bool, here: Option<Place>) -> egui::Response {
+    let (rect, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), CONTROL + SMALL_GAP), Sense::click());
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, here.is_some(), title));
+    let ink = ink(ui);
+    let (fill, color) = match (here, response.hovered()) {
+        (Some(_), _) => (ink.raised, ink.ink),
+        (None, true) => (ink.hover, ink.text),
+        (None, false) => (ink.rail, ink.text),
+    };
+    let painter = ui.painter();
+    painter.rect_filled(rect, 4.0, fill);
+    if let Some(here) = here {
+        let size = Vec2::new(2.0, rect.height() - 2.0 * GAP);
+        let mark = Rect::from_min_size(rect.left_top() + Vec2::new(0.0, GAP), size);
+        painter.rect_filled(mark, 1.0, if here.shows_stimuli() { ink.neutral } else { ink.accent });
+    }
+    if response.has_focus() {
+        painter.rect_stroke(rect, 4.0, egui::Stroke::new(2.0, ink.ink), egui::StrokeKind::Inside);
+    }
+    let left = if narrow { rect.center().x - ICON / 2.0 } else { rect.left() + 12.0 };
+    let square = Rect::from_min_size(egui::pos2(left, rect.center().y - ICON / 2.0), Vec2::splat(ICON));
+    icon.paint(painter, square, color);
+    if !narrow {
+        let at = egui::pos2(square.right() + 12.0, rect.center().y);
+        let font = egui::TextStyle::Body.resolve(ui.style());
+        painter.text(at, egui::Align2::LEFT_CENTER, title, font, color);
+    }
     response
 }

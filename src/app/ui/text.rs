@@ -1,8 +1,8 @@
 //! Text: paragraphs, hints, notes, and errors.
 
-use eframe::egui::{self, Color32, Label, Response, RichText, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetText};
+use eframe::egui::{self, Color32, Label, Response, RichText, Role, Sense, Ui, Vec2, WidgetInfo, WidgetText};
 
-use super::theme::ink;
+use super::theme::{ICON, Icon, SECTION, ink};
 use crate::experiment::Protocol;
 
 pub fn secondary(text: impl Into<String>) -> RichText {
@@ -21,17 +21,17 @@ pub fn hint(ui: &mut Ui, text: impl Into<String>) {
 
 /// Draws a note that deserves attention.
 pub fn note(ui: &mut Ui, text: impl Into<String>) {
-    small(ui, text, ink(ui).note);
+    small(ui, text, ink(ui).warn);
 }
 
 /// Draws an error, next to the field or button that it concerns.
 pub fn show_error(ui: &mut Ui, text: impl Into<String>) {
-    small(ui, text, ink(ui).error);
+    small(ui, text, ink(ui).bad);
 }
 
 /// Draws a success message.
 pub fn success(ui: &mut Ui, text: impl Into<String>) {
-    small(ui, text, ink(ui).success);
+    small(ui, text, ink(ui).good);
 }
 
 fn small(ui: &mut Ui, text: impl Into<String>, color: Color32) {
@@ -50,21 +50,14 @@ pub fn outcome(ui: &mut Ui, outcome: Option<&Result<String, String>>) {
 /// Draws a heading within a page.
 pub fn section(ui: &mut Ui, text: impl Into<String>) {
     ui.add_space(6.0);
-    paragraph(ui, RichText::new(text).strong().size(18.0));
+    paragraph(ui, RichText::new(text).strong().size(SECTION));
 }
 
 /// Paints a check mark or an exclamation mark, because not every font has them.
 pub fn tick(ui: &mut Ui, passed: bool) {
-    let (rect, _) = ui.allocate_exact_size(Vec2::splat(18.0), Sense::hover());
-    let at = |x: f32, y: f32| rect.lerp_inside(Vec2::new(x, y));
-    let ink = ink(ui);
-    let stroke = Stroke::new(2.5, if passed { ink.success } else { ink.note });
-    if passed {
-        ui.painter().line(vec![at(0.1, 0.55), at(0.4, 0.85), at(0.9, 0.2)], stroke);
-    } else {
-        ui.painter().line_segment([at(0.5, 0.1), at(0.5, 0.62)], stroke);
-        ui.painter().circle_filled(at(0.5, 0.88), 2.0, ink.note);
-    }
+    let (rect, _) = ui.allocate_exact_size(Vec2::splat(ICON), Sense::hover());
+    let (icon, color) = if passed { (Icon::Check, ink(ui).good) } else { (Icon::Warn, ink(ui).warn) };
+    icon.paint(ui.painter(), rect, color);
 }
 
 /// Replaces the hyphen of a number with a typographic minus sign.

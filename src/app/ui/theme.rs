@@ -1,51 +1,99 @@
-//! Colors and sizes of all pages, in a dark and a light theme. All grays are neutral. A session is always dark, so that
+//! Colors, sizes and icons of all pages, in a dark and a light theme; they stand only here. All grays are neutral. A session is always dark, so that
 //! pages between trials do not change the eye's adaptation.
 
 use eframe::egui::{
-    self, Color32, CornerRadius, FontFamily, FontId, Stroke, Style, TextStyle, Theme, Ui, Vec2, Visuals,
+    self, Button, Color32, ComboBox, CornerRadius, FontFamily, FontId, Rect, Sense, Shadow, Shape, Stroke, Style,
+    TextStyle, Theme, Ui, Vec2, Visuals,
+    class::HasClasses as _,
     style::HandleShape,
+    theme::{DefaultStyle, StyleProvider},
+    widget_style::{ButtonStyle, StyleArgs, WidgetState},
 };
 use egui_plot::MarkerShape;
 
 use crate::report::figures::palette::{ON_DARK, ON_WHITE, Rgb};
 
-/// The spacing scale, points: between the parts of a line, between lines, between groups, and around a page of text.
+/// The spacing scale, points: between the parts of a line, between controls, between fields, between groups, around a
+/// page, and between parts of a page.
 pub const SMALL_GAP: f32 = 4.0;
 pub const GAP: f32 = 8.0;
+pub const FIELD_GAP: f32 = 12.0;
 pub const LARGE_GAP: f32 = 16.0;
 pub const MARGIN: f32 = 24.0;
+/// The type scale, points: the one key number of a card, the title of a page, the heading of a section, body text and
+/// controls, and notes and labels. There is one weight; emphasis is size and brightness.
+pub const KEY: f32 = 34.0;
+pub const TITLE: f32 = 26.0;
+pub const SECTION: f32 = 18.0;
+pub const BODY: f32 = 15.0;
+pub const NOTE: f32 = 13.0;
+/// Height of a control, of the main button of a session's page, of a row in a table, and of the line that keeps room for
+/// a message, points.
+pub const CONTROL: f32 = 32.0;
+pub const BIG_CONTROL: f32 = 40.0;
+pub const ROW: f32 = 28.0;
+pub const MESSAGE: f32 = 24.0;
+/// Side of an icon, points.
+pub const ICON: f32 = 16.0;
 /// Maximum width of a line of running text, points.
 pub const COLUMN: f32 = 680.0;
+/// Maximum width of a page of cards and forms, points.
+pub const CONTENT: f32 = 1560.0;
+/// In a window narrower than this, in points, the side bar shows only icons, and columns are narrower.
+pub const WIDE: f32 = 1440.0;
+/// In a window narrower than this, in points, a page has one column.
+pub const NARROW: f32 = 900.0;
 /// The background of a session's pages and of the screens that measure the display, in both themes.
 pub const DARK_PAGE: Color32 = DARK.page;
 
-/// The colors of a theme that egui's own style does not have.
+/// The colors of a theme.
 #[derive(Debug)]
 pub struct Ink {
+    /// Background of the side bar and the status line.
+    pub rail: Color32,
     /// Background of a page.
     pub page: Color32,
-    /// Background of a card, a side bar and a dialog.
+    /// Background of a card, a dialog and a filled cell.
     pub card: Color32,
-    /// Outline of a card.
-    pub outline: Color32,
+    /// Buttons and selected rows; the same under the pointer; pressed buttons and chosen segments.
+    pub raised: Color32,
+    pub hover: Color32,
+    pub active: Color32,
+    /// Inside of a text field, and the track of a slider or a bar.
+    pub field: Color32,
+    /// Inside of a plot, and its grid lines.
+    pub plot: Color32,
+    pub grid: Color32,
+    /// Outline of a card, and dividers.
+    pub line: Color32,
+    /// Outline of a field or check box; its contrast with page and card is at least 3:1.
+    pub edge: Color32,
+    /// Titles, key words, and the focus ring.
+    pub ink: Color32,
     /// Body text.
     pub text: Color32,
-    /// Secondary text; its contrast with the page is at least 7:1.
-    pub secondary: Color32,
-    /// Errors.
-    pub error: Color32,
-    /// Notes that deserve attention.
-    pub note: Color32,
-    /// Success messages, and checks that passed.
-    pub success: Color32,
-    /// The main button of a page, which has black text.
-    pub primary: Color32,
-    /// Predicted bands.
-    pub band: Color32,
+    /// Labels, notes and axes; the contrast with page and card is at least 7:1.
+    pub dim: Color32,
+    /// Disabled controls and what is only planned.
+    pub off: Color32,
+    /// The main button of a page, and the mark of the current place; the text on it.
+    pub accent: Color32,
+    pub on_accent: Color32,
+    /// The main button beside a stimulus, where nothing may be colored, and in sessions; the text on it.
+    pub neutral: Color32,
+    pub on_neutral: Color32,
+    /// Unfinished things and notes that deserve attention.
+    pub warn: Color32,
+    /// Errors and failed checks.
+    pub bad: Color32,
+    /// Passed checks.
+    pub good: Color32,
+    /// What lies behind a dialog is covered with this color.
+    pub veil: Color32,
+    /// Every second row of a table.
+    pub stripe: Color32,
     /// Colors of the series in a plot: the colors of the figures.
     pub series: [Color32; 7],
-    /// Colors of the left and right images in a comparison.
-    pub sides: [Color32; 2],
 }
 
 impl Ink {
@@ -54,36 +102,71 @@ impl Ink {
         let colors = self.series.len();
         (self.series[index % colors], MARKERS[(index + index / colors) % MARKERS.len()])
     }
+
+    /// Returns the colors of the left and the right image, or of a solid and a dashed line, beside a stimulus.
+    pub fn sides(&self) -> [Color32; 2] {
+        [self.ink, self.dim]
+    }
+}
+
+const fn gray(code: u8) -> Color32 {
+    Color32::from_gray(code)
 }
 
 const DARK: Ink = Ink {
-    page: Color32::from_gray(0x22),
-    card: Color32::from_gray(0x2c),
-    outline: Color32::from_gray(0x40),
-    text: Color32::from_gray(0xec),
-    secondary: Color32::from_gray(0xb4),
-    error: Color32::from_rgb(0xff, 0xa0, 0x80),
-    note: Color32::from_rgb(0xe8, 0xc8, 0x60),
-    success: Color32::from_rgb(0x90, 0xd0, 0xa0),
-    primary: Color32::from_rgb(0xe8, 0xd0, 0x70),
-    band: Color32::from_rgb(0xe0, 0x90, 0xc0),
+    rail: gray(0x1a),
+    page: gray(0x22),
+    card: gray(0x2a),
+    raised: gray(0x38),
+    hover: gray(0x44),
+    active: gray(0x50),
+    field: gray(0x16),
+    plot: gray(0x1a),
+    grid: gray(0x33),
+    line: gray(0x3c),
+    edge: gray(0x7c),
+    ink: gray(0xff),
+    text: gray(0xe6),
+    dim: gray(0xb8),
+    off: gray(0x92),
+    accent: Color32::from_rgb(0xe8, 0xd0, 0x70),
+    on_accent: gray(0x14),
+    neutral: gray(0xd8),
+    on_neutral: gray(0x14),
+    warn: Color32::from_rgb(0xe8, 0xc8, 0x60),
+    bad: Color32::from_rgb(0xff, 0x9c, 0x80),
+    good: Color32::from_rgb(0x90, 0xd0, 0xa0),
+    veil: Color32::from_black_alpha(160),
+    stripe: Color32::from_rgba_premultiplied(18, 18, 18, 18),
     series: colors(ON_DARK),
-    sides: [colors(ON_DARK)[1], Color32::from_rgb(0xe8, 0xc8, 0x60)],
 };
 
 const LIGHT: Ink = Ink {
-    page: Color32::from_gray(0xee),
-    card: Color32::from_gray(0xfa),
-    outline: Color32::from_gray(0xc8),
-    text: Color32::from_gray(0x18),
-    secondary: Color32::from_gray(0x46),
-    error: Color32::from_rgb(0x9c, 0x22, 0x0c),
-    note: Color32::from_rgb(0x6c, 0x48, 0x00),
-    success: Color32::from_rgb(0x12, 0x56, 0x2c),
-    primary: Color32::from_rgb(0xf0, 0xc8, 0x48),
-    band: Color32::from_rgb(0xa0, 0x30, 0x78),
+    rail: gray(0xe4),
+    page: gray(0xee),
+    card: gray(0xfa),
+    raised: gray(0xd8),
+    hover: gray(0xcc),
+    active: gray(0xc0),
+    field: gray(0xff),
+    plot: gray(0xf4),
+    grid: gray(0xde),
+    line: gray(0xd0),
+    edge: gray(0x7a),
+    ink: gray(0x00),
+    text: gray(0x1c),
+    dim: gray(0x4a),
+    off: gray(0x68),
+    accent: Color32::from_rgb(0xf0, 0xc8, 0x48),
+    on_accent: gray(0x14),
+    neutral: gray(0x33),
+    on_neutral: gray(0xff),
+    warn: Color32::from_rgb(0x6c, 0x48, 0x00),
+    bad: Color32::from_rgb(0x9c, 0x22, 0x0c),
+    good: Color32::from_rgb(0x12, 0x56, 0x2c),
+    veil: Color32::from_black_alpha(96),
+    stripe: Color32::from_black_alpha(14),
     series: colors(ON_WHITE),
-    sides: [colors(ON_WHITE)[1], colors(ON_WHITE)[2]],
 };
 
 /// Markers of the series of a plot. Each is different, so that readers need not distinguish colors.
@@ -126,81 +209,100 @@ pub fn apply(ctx: &egui::Context) {
             visuals(&mut style.visuals);
         });
     }
+    ctx.add_widget_theme::<ButtonStyle>(Buttons);
+}
+
+/// Buttons have no outline; lists to choose from look like the fields that they are.
+struct Buttons;
+
+impl StyleProvider<ButtonStyle> for Buttons {
+    fn style(&mut self, args: &StyleArgs<'_>) -> ButtonStyle {
+        let mut button = StyleProvider::<ButtonStyle>::style(&mut DefaultStyle, args);
+        let ink = ink_of(&args.style.visuals);
+        let frame = &mut button.atom_layout.frame;
+        if args.classes.has_class(&ComboBox::CLASS) {
+            frame.fill = ink.field;
+        } else if args.state != WidgetState::Active && frame.stroke.color == ink.edge {
+            frame.stroke.color = Color32::TRANSPARENT;
+        }
+        if args.classes.has_class(&Button::CLASS_SELECTED) {
+            frame.fill = ink.active;
+        }
+        button
+    }
 }
 
 fn sizes(style: &mut Style) {
     style.text_styles = [
-        (TextStyle::Heading, 26.0),
-        (TextStyle::Body, 16.0),
-        (TextStyle::Button, 16.0),
-        (TextStyle::Small, 14.0),
-        (TextStyle::Monospace, 15.0),
+        (TextStyle::Heading, TITLE),
+        (TextStyle::Body, BODY),
+        (TextStyle::Button, BODY),
+        (TextStyle::Small, NOTE),
+        (TextStyle::Monospace, NOTE),
     ]
     .map(|(name, size)| {
         let family = if name == TextStyle::Monospace { FontFamily::Monospace } else { FontFamily::Proportional };
         (name, FontId::new(size, family))
     })
     .into();
-    style.spacing.item_spacing = Vec2::new(10.0, GAP);
-    style.spacing.button_padding = Vec2::new(12.0, 6.0);
-    style.spacing.interact_size.y = 32.0;
-    style.spacing.icon_width = 18.0;
-    style.spacing.icon_width_inner = 11.0;
-    style.spacing.text_edit_width = 300.0;
+    style.spacing.item_spacing = Vec2::new(GAP, SMALL_GAP);
+    // With the height of body text, this is the height of a control.
+    style.spacing.button_padding = Vec2::new(12.0, 7.0);
+    style.spacing.interact_size.y = CONTROL;
+    style.spacing.indent = LARGE_GAP;
+    style.spacing.icon_width = ICON;
+    style.spacing.icon_width_inner = 10.0;
+    style.spacing.text_edit_width = 280.0;
+    style.spacing.slider_rail_height = SMALL_GAP;
+    style.animation_time = 0.0;
     // A scroll bar that can be seen says that there is more.
     style.spacing.scroll.dormant_handle_opacity = 0.6;
 }
 
 fn visuals(visuals: &mut Visuals) {
     let ink = ink_of(visuals);
-    let [field, raised, line, hovered, strong] = if visuals.dark_mode {
-        [0x14, 0x40, 0x68, 0xa0, 0xff].map(Color32::from_gray)
-    } else {
-        [0xff, 0xe0, 0x8c, 0x58, 0x00].map(Color32::from_gray)
-    };
     // The window is cleared to the color of the page, so no page draws its background again.
     visuals.panel_fill = Color32::TRANSPARENT;
     visuals.window_fill = ink.card;
-    visuals.window_stroke = Stroke::new(1.0, ink.outline);
-    visuals.extreme_bg_color = field;
-    visuals.faint_bg_color = ink.card;
+    visuals.window_stroke = Stroke::new(1.0, ink.edge);
+    visuals.window_corner_radius = CornerRadius::same(8);
+    visuals.menu_corner_radius = CornerRadius::same(6);
+    visuals.window_shadow = Shadow::NONE;
+    visuals.popup_shadow = Shadow::NONE;
+    visuals.extreme_bg_color = ink.field;
+    visuals.faint_bg_color = ink.stripe;
     visuals.override_text_color = Some(ink.text);
-    visuals.weak_text_color = Some(ink.secondary);
-    visuals.error_fg_color = ink.error;
-    visuals.warn_fg_color = ink.note;
+    visuals.weak_text_color = Some(ink.dim);
+    visuals.error_fg_color = ink.bad;
+    visuals.warn_fg_color = ink.warn;
     visuals.handle_shape = HandleShape::Circle;
     let widgets = &mut visuals.widgets;
-    widgets.noninteractive.bg_stroke = Stroke::new(1.0, ink.outline);
-    widgets.inactive.bg_fill = raised;
-    widgets.inactive.weak_bg_fill = raised;
-    widgets.inactive.bg_stroke = Stroke::new(1.0, line);
-    // Check marks and radio buttons are drawn in this color.
-    widgets.inactive.fg_stroke = Stroke::new(2.0, ink.text);
-    widgets.hovered.bg_stroke = Stroke::new(1.0, hovered);
-    widgets.hovered.fg_stroke = Stroke::new(2.0, strong);
-    // The control with keyboard focus stands out more than the control under the mouse.
-    widgets.active.bg_stroke = Stroke::new(2.5, strong);
-    widgets.active.fg_stroke = Stroke::new(2.0, strong);
-    (visuals.selection.bg_fill, visuals.selection.stroke) = if visuals.dark_mode {
-        (Color32::from_rgb(0x4a, 0x5a, 0x80), Stroke::new(2.0, Color32::from_rgb(0xc8, 0xd8, 0xff)))
-    } else {
-        (Color32::from_rgb(0xb8, 0xcc, 0xf0), Stroke::new(2.0, Color32::from_rgb(0x10, 0x38, 0x80)))
-    };
-    let corners = CornerRadius::same(4);
-    for widget in [&mut widgets.noninteractive, &mut widgets.inactive, &mut widgets.hovered, &mut widgets.active] {
-        widget.corner_radius = corners;
+    widgets.noninteractive.bg_stroke = Stroke::new(1.0, ink.line);
+    for (widget, fill, stroke) in [
+        (&mut widgets.inactive, ink.raised, Stroke::new(1.0, ink.edge)),
+        (&mut widgets.hovered, ink.hover, Stroke::new(1.0, ink.edge)),
+        // The control with keyboard focus stands out more than the control under the mouse.
+        (&mut widgets.active, ink.active, Stroke::new(2.0, ink.ink)),
+        (&mut widgets.open, ink.active, Stroke::new(1.0, ink.edge)),
+    ] {
+        widget.weak_bg_fill = fill;
+        widget.bg_stroke = stroke;
+        // Check marks and radio buttons are drawn in this color.
+        widget.fg_stroke = Stroke::new(1.5, ink.ink);
+        widget.expansion = 0.0;
+        widget.corner_radius = CornerRadius::same(4);
+        // The track of a slider, and the inside of a check box.
+        widget.bg_fill = ink.field;
     }
+    widgets.inactive.fg_stroke.color = ink.text;
+    visuals.selection.bg_fill = ink.active;
+    visuals.selection.stroke = Stroke::new(2.0, ink.ink);
+    widgets.noninteractive.corner_radius = CornerRadius::same(4);
 }
 
-/// Uses smaller text and spacing, for pages with many controls and for small windows.
+/// Uses smaller controls, for pages with many of them and for small windows.
 pub fn compact(ui: &mut Ui) {
     let style = ui.style_mut();
-    for (name, size) in [(TextStyle::Body, 15.0), (TextStyle::Button, 15.0), (TextStyle::Small, 13.0)] {
-        if let Some(font) = style.text_styles.get_mut(&name) {
-            font.size = size;
-        }
-    }
-    style.spacing.item_spacing = Vec2::new(8.0, 5.0);
     style.spacing.button_padding = Vec2::new(8.0, 3.0);
     style.spacing.interact_size.y = 26.0;
 }
@@ -208,5 +310,114 @@ pub fn compact(ui: &mut Ui) {
 /// Returns the frame of a card: a group of things that belong together.
 pub fn card(ui: &Ui) -> egui::Frame {
     let ink = ink(ui);
-    egui::Frame::NONE.fill(ink.card).stroke(Stroke::new(1.0, ink.outline)).corner_radius(8.0).inner_margin(12.0)
+    egui::Frame::NONE.fill(ink.card).stroke(Stroke::new(1.0, ink.line)).corner_radius(6.0).inner_margin(12.0)
+}
+
+/// A picture of an action, a place or a state: polylines and circles on a square of [`ICON`] points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Icon {
+    Studies,
+    Stimuli,
+    Shading,
+    Display,
+    Analyze,
+    Settings,
+    Help,
+    Play,
+    Resume,
+    Pilot,
+    Check,
+    Out,
+    Folder,
+    Edit,
+    More,
+    Plus,
+    Down,
+    Right,
+    Warn,
+    Close,
+    Done,
+    None,
+    Part,
+    Search,
+    Pictures,
+    Undo,
+}
+
+impl Icon {
+    /// Returns the lines and circles of the icon: `M`, `L`, `H` and `V` as in the paths of SVG, `Z` to close a line,
+    /// `o X Y RADIUS` for a circle; parts are separated by `|`.
+    const fn path(self) -> &'static str {
+        match self {
+            Self::Studies => "M2 2H7V7H2Z|M9 2H14V7H9Z|M2 9H7V14H2Z|M9 9H14V14H9Z",
+            Self::Stimuli => "M2 2H14V14H2Z|M2 11H6L10 5H14",
+            Self::Shading => "o 8 8 6|M9.2 2.2L11.2 4.8L11.9 8L11.2 11.2L9.2 13.8",
+            Self::Display => "M1.5 3H14.5V11.5H1.5Z|M8 11.5V14|M5 14H11",
+            Self::Analyze => "M2 2V14H14|M5 10L8 6.5L10.5 8.5L14 4",
+            Self::Settings => "M2 4H14|M2 12H14|o 6 4 2|o 10 12 2",
+            Self::Help => "o 8 8 6.25|M6 6.5L6.5 5.4L8 5L9.5 5.4L10 6.5L9.4 7.6L8 8.6V9.4|M8 11.4V11.5",
+            Self::Play => "M5 3L12.5 8L5 13Z",
+            Self::Resume => "M3.5 3V13|M7 3L13.5 8L7 13Z",
+            Self::Pilot => "M1.5 8H4L6 3L9.5 13L11.5 8H14.5",
+            Self::Check => "M3 8.5L6.5 12L13 4.5",
+            Self::Out => "M8 10V2|M5 5L8 2L11 5|M3 9V14H13V9",
+            Self::Folder => "M1.5 4H6L7.5 5.5H14.5V13H1.5Z",
+            Self::Edit => "M3 13L3.6 10L11 2.6L13.4 5L6 12.4Z",
+            Self::More => "o 3.5 8 .8|o 8 8 .8|o 12.5 8 .8",
+            Self::Plus => "M8 3V13|M3 8H13",
+            Self::Down => "M4.5 6.5L8 10L11.5 6.5",
+            Self::Right => "M6.5 4.5L10 8L6.5 11.5",
+            Self::Warn => "M8 2L14.5 13.5H1.5Z|M8 6.5V9.5|M8 11.4V11.5",
+            Self::Close => "M4 4L12 12|M12 4L4 12",
+            Self::Done => "o 8 8 6|M5 8.3L7.2 10.5L11 6",
+            Self::None => "o 8 8 6",
+            Self::Part => "o 8 8 6|M8 2V8L12 12.2",
+            Self::Search => "o 7 7 4.5|M10.5 10.5L14 14",
+            Self::Pictures => "M2 3H14V13H2Z|M2 11L6 7.5L9 10L11 8.5L14 11|o 10.5 5.8 1",
+            Self::Undo => "M6 3L3 6L6 9|M3 6H10L13 8.5L10 12.5H6",
+        }
+    }
+
+    /// Draws the icon in a square.
+    pub fn paint(self, painter: &egui::Painter, rect: Rect, color: Color32) {
+        let scale = rect.width() / ICON;
+        let stroke = Stroke::new(1.5 * scale, color);
+        let at = |x: f32, y: f32| rect.min + scale * Vec2::new(x, y);
+        for part in self.path().split('|') {
+            if let Some(circle) = part.strip_prefix("o ") {
+                if let [x, y, radius] = numbers(circle)[..] {
+                    painter.circle_stroke(at(x, y), scale * radius, stroke);
+                }
+                continue;
+            }
+            let (mut points, mut pen) = (Vec::new(), Vec2::ZERO);
+            for step in part.split_inclusive(|c: char| c.is_ascii_uppercase()).collect::<Vec<_>>().windows(2) {
+                let command = step[0].chars().last();
+                match (command, &numbers(step[1])[..]) {
+                    (Some('M' | 'L'), [x, y]) => pen = Vec2::new(*x, *y),
+                    (Some('H'), [x]) => pen.x = *x,
+                    (Some('V'), [y]) => pen.y = *y,
+                    _ => continue,
+                }
+                points.push(at(pen.x, pen.y));
+            }
+            painter.add(if part.ends_with('Z') {
+                Shape::closed_line(points, stroke)
+            } else {
+                Shape::line(points, stroke)
+            });
+        }
+    }
+
+    /// Draws the icon in line with text.
+    pub fn show(self, ui: &mut Ui, color: Color32) {
+        let (rect, _) = ui.allocate_exact_size(Vec2::splat(ICON), Sense::hover());
+        self.paint(ui.painter(), rect, color);
+    }
+}
+
+/// Reads the numbers of a step, before the letter of the next one.
+fn numbers(text: &str) -> Vec<f32> {
+    let text = text.trim_end_matches(|c: char| c.is_ascii_uppercase());
+    text.split_whitespace().filter_map(|number| number.parse().ok()).collect()
 }

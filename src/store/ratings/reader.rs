@@ -17,7 +17,7 @@ use super::{
     values,
 };
 use crate::{
-    experiment::{MAX_RATING, Phase, RatingRow},
+    experiment::{Phase, RatingRow},
     store::{
         Columns, FileError, FileErrors, StoreError,
         columns::{Mapped, Texts},
@@ -372,7 +372,7 @@ impl AreNumbers {
         Self {
             factors: (0..first.factors.len()).map(|i| are_numbers(&|columns| columns.factors[i])).collect(),
             responses: (0..first.responses.len())
-                .map(|i| !selection.own_scale && are_numbers(&|columns| columns.responses[i]))
+                .map(|i| selection.own_scale.is_none() && are_numbers(&|columns| columns.responses[i]))
                 .collect(),
         }
     }
@@ -429,12 +429,12 @@ fn add_rows(
         let rating = match *responses[which].get(row) {
             Ok(rating) => rating,
             Err(true) => return Ok(Err(Reason::NoResponse)),
-            Err(false) if !selection.own_scale => return Err(RowError::new(row, response, "a rating")),
             Err(false) => {
+                let Some(highest) = selection.own_scale else { return Err(RowError::new(row, response, "a rating")) };
                 // Any scale is possible in a table from elsewhere.
                 let unless =
                     if is_own { "" } else { ", unless this column is named as the response or this value as missing" };
-                return Err(RowError::new(row, response, format!("a rating from 0 to {MAX_RATING}{unless}")));
+                return Err(RowError::new(row, response, format!("a rating from 0 to {highest}{unless}")));
             }
         };
         let count = match &counts {

@@ -90,8 +90,8 @@ pub(super) struct Selection {
     pub definition_sha256: Option<String>,
     /// The experiment that all rows belong to, if known.
     pub experiment: Option<String>,
-    /// True if ratings are on our own scale, 0…3.
-    pub own_scale: bool,
+    /// The highest rating, if ratings are on the scale of the definition or, without one, on our own, 0…3.
+    pub own_scale: Option<u8>,
     /// The columns of a wide table, which are levels of the last factor.
     pub wide: Vec<String>,
     /// For each factor, its levels in the definition, as result files have them; empty without a definition.
@@ -146,7 +146,7 @@ impl Selection {
         let levels =
             (shape.factors.iter()).map(|name| protocol.as_ref().map_or_else(Vec::new, |all| levels(all, name)));
         let levels = levels.collect();
-        let own_scale = options.own_scale();
+        let own_scale = options.own_scale().then(|| highest(protocol.as_ref()));
         let wide = options.wide.clone().unwrap_or_default().1;
         let is_empty = inputs.is_empty();
         let is_guess = options.factors.is_none() && protocol.is_none();
@@ -507,7 +507,7 @@ fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &
     let mut known = HashSet::new();
     factors.retain(|name| known.insert(name.clone()) && Some(name) != options.wide_factor());
     factors.extend(options.wide_factor().cloned());
-    let scale = (0..=MAX_RATING).map(|rating| rating.to_string()).collect();
+    let scale = (0..=highest(protocol)).map(|rating| rating.to_string()).collect();
     Shape {
         directions: directions(&factors, protocol, options),
         factors,
@@ -517,6 +517,11 @@ fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &
         guessed,
         time_limits: options.time_limits,
     }
+}
+
+/// Returns the highest rating of an experiment; of our own scale if it is not known.
+fn highest(protocol: Option<&Protocol>) -> u8 {
+    protocol.map_or(MAX_RATING, |protocol| protocol.response.highest())
 }
 
 /// Returns the indices of the columns in a file.

@@ -7,7 +7,7 @@ use std::{
 
 use serde_json::{Map, Value};
 
-use crate::{experiment::MAX_RATING, store::columns::Texts};
+use crate::store::columns::Texts;
 
 /// Maximum count in a row. The sum of many such counts still fits in 64 bits.
 const MAX_COUNT: f64 = 1e12;
@@ -107,10 +107,10 @@ pub(super) fn ordinal(text: &str) -> Option<u32> {
 }
 
 /// True if a text is a rating: a number on our own scale, or on other scales anything but a missing value.
-pub(super) fn is_rating(text: &str, own_scale: bool, among_numbers: bool) -> bool {
-    if own_scale {
+pub(super) fn is_rating(text: &str, own_scale: Option<u8>, among_numbers: bool) -> bool {
+    if let Some(highest) = own_scale {
         // A spreadsheet or pandas may have written 2 as 2.0.
-        text.parse().is_ok_and(|number: f64| (0..=MAX_RATING).any(|rating| number == f64::from(rating)))
+        text.parse().is_ok_and(|number: f64| (0..=highest).any(|rating| number == f64::from(rating)))
     } else {
         !is_missing(text, among_numbers)
     }

@@ -3,18 +3,19 @@
 use std::{
     cmp::Reverse,
     collections::HashSet,
+    fs,
     path::{Path, PathBuf},
 };
 
 use super::{
-    dataset::{self, identity},
-    results,
+    dataset::{self, SessionPaths, identity},
+    lock, results,
     sidecar::Sidecar,
 };
 use crate::{
     experiment::{Identity, Protocol, columns},
-    store::{FileErrors, StoreError, definition, ratings::Listed},
-    system::found,
+    store::{FileErrors, StoreError, definition, error::io, ratings::Listed},
+    system::{found, unless_missing},
 };
 
 /// A session as a list shows it.
@@ -33,6 +34,8 @@ pub struct SessionState {
     pub complete: bool,
     /// When the last sitting began, RFC 3339, UTC.
     pub started_at: String,
+    /// What the participant answered before the first page, without their consent: `24, right`.
+    pub answers: String,
 }
 
 impl SessionState {
@@ -52,6 +55,29 @@ impl SessionState {
         Ok((definition::from_json(&path.display().to_string(), &sidecar.definition)?, distance_cm))
     }
 
+    /// Removes the files of a session in which nothing was rated. What the participant answered stays in the table of
+    /// participants.
+    ///
+    /// # Errors
+    /// There are rows, the session is being recorded, or a file cannot be read or removed. Then nothing is lost.
+    pub fn remove(&self) -> Result<(), StoreError> {
+        let (protocol, _) = self.to_resume()?;
+        let refuse = |what: &str| Err(StoreError::Protected { path: self.csv.clone(), what: what.to_owned() });
+        if lock::is_held(&self.csv)? {
+            return Err(StoreError::InUse(self.csv.clone()));
+        }
+        if !results::read(&self.csv, &columns(&protocol))?.rows.is_empty() {
+            return refuse("contains ratings; expected a session without any");
+        }
+        let results = dataset::of(&self.csv).and_then(Path::parent).unwrap_or(Path::new(""));
+        let paths = SessionPaths::new(results, &protocol, &self.identity);
+        // The rows go last: without them, nobody would find the others.
+        for path in [paths.frames, paths.sidecar, paths.csv] {
+            unless_missing(fs::remove_file(&path)).map_err(io(&path, "remove"))?;
+        }
+        Ok(())
+    }
+
     fn read(csv: PathBuf) -> Result<Self, StoreError> {
         let (_, identity) = identity(&csv).map_err(|message| FileErrors::whole(&csv, message))?;
         let (path, sidecar) = Sidecar::of(&csv)?;
@@ -66,7 +92,13 @@ impl SessionState {
             rows.iter().map(|row| (row.phase, row.trial)).collect::<HashSet<_>>().len()
         };
         let started_at = sidecar.sittings.last().map(|sitting| sitting.started_at.clone()).unwrap_or_default();
-        Ok(Self { csv, experiment: protocol.name.clone(), identity, rated, planned, complete, started_at })
+        let answers = sidecar.participant.unwrap_or_default();
+        let answers = answers.iter().filter(|(field, _)| *field != "consent");
+        let answer = |(_, answer): (&String, &serde_json::Value)| {
+            answer.as_str().map_or_else(|| answer.to_string(), ToOwned::to_owned)
+        };
+        let answers = answers.map(answer).collect::<Vec<_>>().join(", ");
+        Ok(Self { csv, experiment: protocol.name.clone(), identity, rated, planned, complete, started_at, answers })
     }
 }
 

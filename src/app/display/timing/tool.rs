@@ -85,14 +85,14 @@ impl TimingTool {
             Field::new("Patch size, pixels").choice(ui, &mut patch.size_px, &SIZES, u32::to_string);
             let places = [(Place::Corner, "Upper-left corner"), (Place::Center, "Center")];
             Field::new("Patch position").radio(ui, &mut patch.place, &places);
-            paragraph(ui, RichText::new(FLICKER_WARNING).color(ink(ui).note));
+            paragraph(ui, RichText::new(FLICKER_WARNING).color(ink(ui).warn));
         }
         ui.add_space(4.0);
     }
 
     fn found(&mut self, ui: &mut egui::Ui) {
         let Some(report) = &self.report else { return };
-        let color = if report.is_one_by_one() == Some(true) { ink(ui).success } else { ink(ui).note };
+        let color = if report.is_one_by_one() == Some(true) { ink(ui).good } else { ink(ui).warn };
         paragraph(ui, RichText::new(report.verdict()).strong().color(color));
         ui.add_space(4.0);
         egui::Grid::new("timing").num_columns(2).spacing([24.0, 4.0]).show(ui, |ui| {
@@ -131,7 +131,7 @@ fn plot(ui: &mut egui::Ui, report: &TimingReport) {
         ui,
         |plot| {
             if let Some(refresh) = report.refresh {
-                plot.hline(HLine::new("refresh", refresh.seconds() * 1e3).color(ink.secondary));
+                plot.hline(HLine::new("refresh", refresh.seconds() * 1e3).color(ink.dim));
             }
             plot.points(Points::new("interval", points).radius(1.5).color(ink.series[1]));
         },

@@ -44,7 +44,7 @@ pub fn preset(ui: &mut egui::Ui, compared: &mut Comparison) {
 /// Draws the controls of one side's renderer.
 pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
     let place = ["Left", "Right"][which];
-    ui.label(RichText::new(place).strong().color(ink(ui).sides[which]));
+    ui.label(RichText::new(place).strong().color(ink(ui).sides()[which]));
     let name = |control: &str| format!("{place} {control}");
     let shade = &mut side.shade;
     field("shader", &name("shader")).choice(ui, &mut shade.shader, Shader::ALL, |shader| shader_title(*shader));

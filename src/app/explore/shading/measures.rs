@@ -86,7 +86,7 @@ impl Measurement {
             Some(Err(error)) => ("—", error.as_str()),
             None => ("…", ""),
         };
-        let label = ui.label(RichText::new(cell).small().color(ink(ui).sides[which]));
+        let label = ui.label(RichText::new(cell).small().color(ink(ui).sides()[which]));
         if !why.is_empty() {
             label.on_hover_text(why);
         }
@@ -214,7 +214,7 @@ impl Scan {
 
 fn plot(ui: &mut egui::Ui, what: &str, titles: &[String; 2], curves: &[Curve; 2]) {
     hint(ui, format!("{what}, along the scan line"));
-    let sides = ink(ui).sides;
+    let sides = ink(ui).sides();
     let plot = still_plot(what)
         .width(ui.available_width())
         .height(ui.available_height())

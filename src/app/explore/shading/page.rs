@@ -273,7 +273,7 @@ impl ShadingPage {
 
     /// Draws the names of the renderers above their halves.
     fn titles(&mut self, ui: &mut egui::Ui, titles: &[String; 2]) {
-        let sides = ink(ui).sides;
+        let sides = ink(ui).sides();
         let text = |i: usize| RichText::new(&titles[i]).strong().color(sides[i]);
         let height = ui.spacing().interact_size.y;
         ui.horizontal(|ui| {
@@ -358,7 +358,7 @@ impl ShadingPage {
         ui.add(Label::new(secondary(self.sentence(pictures))).truncate());
         egui::Grid::new("numbers").spacing([16.0, 2.0]).show(ui, |ui| {
             ui.label("");
-            for (side, color) in ["left", "right"].into_iter().zip(ink(ui).sides) {
+            for (side, color) in ["left", "right"].into_iter().zip(ink(ui).sides()) {
                 ui.label(RichText::new(side).small().color(color));
             }
             ui.end_row();

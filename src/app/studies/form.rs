@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use eframe::egui::{TextStyle, Ui};
+use eframe::egui::Ui;
 
 use crate::{
     app::{
@@ -23,9 +23,12 @@ use crate::{
     system::found,
 };
 
+/// Width of the column of labels, points.
+const LABELS: f32 = 152.0;
+
 /// Returns the width of the column of labels, points.
 pub fn labels(ui: &Ui) -> f32 {
-    10.0 * TextStyle::Body.resolve(ui.style()).size - 6.0
+    if ui.available_width() < 480.0 { 120.0 } else { LABELS }
 }
 
 /// The values of the fields, as typed.
@@ -92,8 +95,12 @@ pub struct Checked {
 impl Checked {
     /// Creates the control for a field, with its error.
     pub fn field(&self, ui: &Ui, part: SessionField) -> Field<'_> {
-        let error = self.errors.get(&part).map_or("", String::as_str);
-        Field::new(part.label()).column(labels(ui)).error(error)
+        Field::new(part.label()).column(labels(ui)).error(self.error(part))
+    }
+
+    /// Returns the error of a field; empty if there is none.
+    pub fn error(&self, part: SessionField) -> &str {
+        self.errors.get(&part).map_or("", String::as_str)
     }
 
     /// Returns whether a field has an error.

@@ -1,0 +1,322 @@
+//! The participants of a study and their sessions, as a grid.
+
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
+
+use eframe::egui::{
+    self, Color32, Key, Rect, RichText, ScrollArea, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, Vec2,
+};
+
+use crate::{
+    app::ui::{
+        describe,
+        theme::{CONTROL, GAP, ICON, Icon, ROW, ink},
+        work::Latest,
+    },
+    experiment::Plan,
+    store::session::overview::{Overview, SessionState},
+};
+
+/// Width of the column of participants, and of their answers, points.
+const NAMES: f32 = 96.0;
+const ANSWERS: f32 = 136.0;
+/// Minimum and maximum width of a cell, points.
+const CELL: [f32; 2] = [88.0, 280.0];
+/// Length of a dash around the next session, points.
+const DASH: f32 = 3.0;
+
+/// The sessions in a results folder, which are read on a separate thread.
+#[derive(Default)]
+pub struct Sessions {
+    /// Increased to read the folder again.
+    edition: u64,
+    read: Latest<(PathBuf, u64), Overview>,
+    /// What was read last; it stays until the folder has been read again.
+    pub all: Overview,
+}
+
+impl Sessions {
+    /// Reads the folder again, because it may have changed.
+    pub fn refresh(&mut self) {
+        self.edition += 1;
+    }
+
+    /// Updates what is known about the folder.
+    pub fn update(&mut self, ui: &Ui, results: &Path) {
+        let key = (results.to_owned(), self.edition);
+        self.read.want(ui.ctx(), key.clone(), || {
+            let results = results.to_owned();
+            move || Ok(Overview::of(&results))
+        });
+        if let Some(Ok(read)) = self.read.get(&key)
+            && self.all != *read
+        {
+            self.all.clone_from(read);
+        }
+    }
+
+    /// Returns the sessions of an experiment.
+    pub fn of<'a>(&'a self, experiment: &'a str) -> impl Iterator<Item = &'a SessionState> {
+        self.all.sessions.iter().filter(move |session| session.experiment == experiment)
+    }
+
+    /// Returns how many people took part in an experiment.
+    pub fn participants(&self, experiment: &str) -> usize {
+        self.of(experiment).map(|session| session.identity.subject()).collect::<BTreeSet<_>>().len()
+    }
+}
+
+/// A participant and a session.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Cell {
+    pub subject: String,
+    pub session: String,
+}
+
+impl Cell {
+    pub fn of(session: &SessionState) -> Self {
+        Self { subject: session.identity.subject().to_owned(), session: session.identity.session().to_owned() }
+    }
+
+    pub fn title(&self) -> String {
+        format!("{}, session {}", self.subject, self.session)
+    }
+}
+
+/// What the user did in the grid.
+#[derive(Debug)]
+pub enum Chosen {
+    /// A cell was selected.
+    Selected(Cell),
+    /// The selected cell was entered: its session is resumed, begun or opened.
+    Entered(Cell),
+    /// The selected session is to be removed.
+    Removed(Cell),
+}
+
+/// The state of a cell.
+enum State<'a> {
+    Recorded(&'a SessionState),
+    /// The next session of the plan.
+    Next,
+    Planned,
+}
+
+/// The grid of a study.
+pub struct Grid<'a> {
+    sessions: Vec<&'a SessionState>,
+    subjects: Vec<String>,
+    columns: Vec<String>,
+    next: Cell,
+    /// The data files in which a check found errors.
+    pub wrong: &'a BTreeSet<PathBuf>,
+}
+
+impl<'a> Grid<'a> {
+    /// Arranges the sessions of a study, and those that are planned. `next` is the next new participant.
+    pub fn new(sessions: Vec<&'a SessionState>, plan: Plan, next: Cell, wrong: &'a BTreeSet<PathBuf>) -> Self {
+        let mut subjects: Vec<String> = sessions.iter().map(|session| session.identity.subject().to_owned()).collect();
+        let mut columns: Vec<String> = sessions.iter().map(|session| session.identity.session().to_owned()).collect();
+        columns.extend((1..=plan.sessions).map(|number| number.to_string()));
+        columns.push(next.session.clone());
+        for list in [&mut subjects, &mut columns] {
+            list.sort_by(|a, b| natural(a).cmp(&natural(b)));
+            list.dedup();
+        }
+        let mut number = 1;
+        let planned = plan.participants.unwrap_or_default() as usize;
+        let before = subjects.len();
+        if !subjects.contains(&next.subject) && !next.subject.is_empty() {
+            subjects.push(next.subject.clone());
+        }
+        while subjects.len() < planned.max(before) {
+            let id = format!("P{number:03}");
+            if !subjects.contains(&id) {
+                subjects.push(id);
+            }
+            number += 1;
+        }
+        subjects[before..].sort_by(|a, b| natural(a).cmp(&natural(b)));
+        Self { sessions, subjects, columns, next, wrong }
+    }
+
+    fn state(&self, cell: &Cell) -> State<'a> {
+        let is_here = |session: &&&SessionState| {
+            session.identity.subject() == cell.subject && session.identity.session() == cell.session
+        };
+        match self.sessions.iter().find(is_here) {
+            Some(session) => State::Recorded(session),
+            None if *cell == self.next => State::Next,
+            None => State::Planned,
+        }
+    }
+
+    /// Draws the grid in the available room; returns what the user did.
+    pub fn show(&self, ui: &mut Ui, selected: Option<&Cell>) -> Option<Chosen> {
+        let has_answers = self.sessions.iter().any(|session| !session.answers.is_empty());
+        let answers = if has_answers && ui.available_width() > 560.0 { ANSWERS } else { 0.0 };
+        let room = ui.available_width() - NAMES - answers - GAP;
+        let columns = self.columns.len() as f32;
+        let width = (room / columns - GAP).clamp(CELL[0], CELL[1]).floor();
+        let mut chosen = None;
+        ScrollArea::both().id_salt("grid").auto_shrink([false, true]).show_rows(
+            ui,
+            CONTROL,
+            self.subjects.len() + 1,
+            |ui, rows| {
+                ui.spacing_mut().item_spacing = Vec2::new(GAP, 1.0);
+                for row in rows {
+                    ui.horizontal(|ui| {
+                        let Some(subject) = row.checked_sub(1).map(|index| &self.subjects[index]) else {
+                            self.head(ui, answers, width);
+                            return;
+                        };
+                        let here: Vec<_> =
+                            self.sessions.iter().filter(|session| session.identity.subject() == subject).collect();
+                        let color = if here.is_empty() { ink(ui).off } else { ink(ui).text };
+                        text(ui, NAMES, RichText::new(subject).color(color));
+                        if answers > 0.0 {
+                            let told = here.iter().map(|session| session.answers.as_str()).find(|told| !told.is_empty());
+                            text(ui, answers - GAP, RichText::new(told.unwrap_or_default()).small().color(ink(ui).dim));
+                        }
+                        for session in &self.columns {
+                            let cell = Cell { subject: subject.clone(), session: session.clone() };
+                            let is_selected = selected == Some(&cell);
+                            chosen = self.cell(ui, &cell, width, is_selected).or(chosen.take());
+                        }
+                    });
+                }
+            },
+        );
+        chosen
+    }
+
+    fn head(&self, ui: &mut Ui, answers: f32, width: f32) {
+        let dim = |text: String| RichText::new(text).small().color(ink(ui).dim);
+        let (participant, about) = (dim("Participant".to_owned()), dim("Answers".to_owned()));
+        let heads: Vec<_> = self.columns.iter().map(|session| dim(format!("Session {session}"))).collect();
+        text(ui, NAMES, participant);
+        if answers > 0.0 {
+            text(ui, answers - GAP, about);
+        }
+        heads.into_iter().for_each(|head| text(ui, width, head));
+    }
+
+    fn cell(&self, ui: &mut Ui, cell: &Cell, width: f32, is_selected: bool) -> Option<Chosen> {
+        let (rect, response) = ui.allocate_exact_size(Vec2::new(width, CONTROL - 1.0), Sense::click());
+        let ink = ink(ui);
+        let (icon, text, color, said) = match self.state(cell) {
+            State::Recorded(session) if self.wrong.contains(&session.csv) => {
+                (Icon::Warn, session.rated.to_string(), ink.bad, "check failed".to_owned())
+            }
+            State::Recorded(session) if session.complete => {
+                (Icon::Done, session.rated.to_string(), ink.text, format!("finished, {} trials", session.rated))
+            }
+            State::Recorded(session) => {
+                let SessionState { rated, planned, .. } = session;
+                let said = format!("unfinished, {rated} of {planned} trials");
+                (Icon::Part, format!("{rated} of {planned}"), ink.warn, said)
+            }
+            State::Next => (Icon::Play, "next".to_owned(), ink.text, "next".to_owned()),
+            State::Planned => (Icon::None, String::new(), ink.off, "not begun".to_owned()),
+        };
+        let name = format!("{}: {said}", cell.title());
+        response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_selected, &name));
+        if ui.is_rect_visible(rect) {
+            let painter = ui.painter();
+            let is_recorded = matches!(self.state(cell), State::Recorded(_));
+            let fill = match (is_selected, response.hovered(), is_recorded) {
+                (true, ..) => ink.raised,
+                (_, true, _) => ink.hover,
+                (.., true) => ink.card,
+                _ => Color32::TRANSPARENT,
+            };
+            painter.rect_filled(rect, 4.0, fill);
+            let outline = rect.shrink(0.5);
+            match self.state(cell) {
+                _ if response.has_focus() || is_selected => {
+                    let ring = Stroke::new(2.0, ink.ink);
+                    _ = painter.rect_stroke(rect, 4.0, ring, StrokeKind::Inside);
+                }
+                State::Recorded(_) => {}
+                State::Next => {
+                    let corners = [
+                        outline.left_top(),
+                        outline.right_top(),
+                        outline.right_bottom(),
+                        outline.left_bottom(),
+                        outline.left_top(),
+                    ];
+                    painter.extend(Shape::dashed_line(&corners, Stroke::new(1.0, ink.edge), DASH, DASH));
+                }
+                State::Planned => {
+                    _ = painter.rect_stroke(rect, 4.0, Stroke::new(1.0, ink.line), StrokeKind::Inside);
+                }
+            }
+            let square = Rect::from_min_size(
+                egui::pos2(rect.left() + GAP, rect.center().y - ICON / 2.0),
+                Vec2::splat(ICON),
+            );
+            icon.paint(painter, square, color);
+            let at = egui::pos2(square.right() + GAP, rect.center().y);
+            painter.text(at, egui::Align2::LEFT_CENTER, text, TextStyle::Body.resolve(ui.style()), color);
+        }
+        let entered = response.has_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        let removed = response.has_focus() && ui.input(|input| input.key_pressed(Key::Delete));
+        if entered || response.double_clicked() {
+            Some(Chosen::Entered(cell.clone()))
+        } else if removed {
+            Some(Chosen::Removed(cell.clone()))
+        } else {
+            (response.clicked() || response.gained_focus()).then(|| Chosen::Selected(cell.clone()))
+        }
+    }
+}
+
+/// Draws what the signs in the grid mean.
+pub fn key(ui: &mut Ui) {
+    let ink = ink(ui);
+    ui.horizontal_wrapped(|ui| {
+        ui.set_height(ROW);
+        for (icon, color, meaning) in [
+            (Icon::Done, ink.text, "finished"),
+            (Icon::Part, ink.warn, "unfinished"),
+            (Icon::None, ink.off, "not begun"),
+            (Icon::Warn, ink.bad, "check failed"),
+        ] {
+            ui.horizontal(|ui| {
+                icon.show(ui, color);
+                ui.label(RichText::new(meaning).small().color(ink.dim));
+                ui.add_space(GAP);
+            });
+        }
+    });
+}
+
+/// Draws text in a column.
+fn text(ui: &mut Ui, width: f32, text: RichText) {
+    let size = Vec2::new(width, CONTROL - 1.0);
+    ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
+        ui.set_min_size(size);
+        let said = text.text().to_owned();
+        let response = ui.add(egui::Label::new(text).truncate());
+        if said.is_empty() {
+            describe(&response, "no answers");
+        }
+    });
+}
+
+/// Returns the parts of an ID, so that `P9` comes before `P10`.
+fn natural(text: &str) -> Vec<(u64, String)> {
+    let mut parts = Vec::new();
+    let mut rest = text;
+    while !rest.is_empty() {
+        let digits = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
+        let letters = rest[digits..].find(|c: char| c.is_ascii_digit()).map_or(rest.len(), |at| digits + at);
+        parts.push((rest[..digits].parse().unwrap_or(0), rest[digits..letters].to_owned()));
+        rest = &rest[letters..];
+    }
+    parts
+}

@@ -1,0 +1,143 @@
+//! What takes time and has a result of its own: a check of the recorded files, a simulated pilot, an export.
+
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+    sync::{
+        Arc,
+        atomic::{AtomicBool, AtomicU64, Ordering},
+    },
+};
+
+use anyhow::ensure;
+use eframe::egui::{Context, ProgressBar, Ui};
+
+use crate::{
+    app::ui::{
+        self,
+        theme::{Icon, ink},
+        work::{BackgroundTask, Progress},
+    },
+    experiment::Protocol,
+    work::{
+        Export, Watcher,
+        simulate::{Simulate, simulate},
+        verify::Verify,
+    },
+};
+
+/// What a job made.
+#[derive(Clone, Debug)]
+pub enum Made {
+    Checked(Checked),
+    /// The folder of a simulated study.
+    Pilot(PathBuf),
+    Exported(String),
+}
+
+/// What a check found.
+#[derive(Clone, Debug, Default)]
+pub struct Checked {
+    /// Number of sessions.
+    pub sessions: usize,
+    /// Every error.
+    pub errors: Vec<String>,
+    /// The data files with errors.
+    pub wrong: BTreeSet<PathBuf>,
+}
+
+/// How far a job is, and whether it should end.
+#[derive(Default)]
+struct State {
+    done: AtomicU64,
+    total: AtomicU64,
+    stopped: AtomicBool,
+}
+
+impl Watcher for State {
+    fn progress(&self, done: u64, total: u64) {
+        self.done.fetch_max(done, Ordering::Relaxed);
+        self.total.store(total, Ordering::Relaxed);
+    }
+
+    fn found(&self, _: &Path, _: &str) -> anyhow::Result<()> {
+        self.check(Path::new(""))
+    }
+
+    fn check(&self, _: &Path) -> anyhow::Result<()> {
+        ensure!(!self.stopped.load(Ordering::Relaxed), "Stopped.");
+        Ok(())
+    }
+}
+
+/// A job that runs on a separate thread.
+pub struct Job {
+    what: &'static str,
+    state: Arc<State>,
+    work: BackgroundTask<Result<Made, String>>,
+}
+
+impl Job {
+    fn start(
+        ctx: &Context,
+        what: &'static str,
+        run: impl FnOnce(&dyn Watcher) -> anyhow::Result<Made> + Send + 'static,
+    ) -> Self {
+        let state = Arc::<State>::default();
+        let watcher = state.clone();
+        let work = BackgroundTask::start(ctx, move || run(&*watcher).map_err(|error| format!("{error:#}")));
+        Self { what, state, work }
+    }
+
+    /// Checks the files of a study.
+    pub fn check(ctx: &Context, folder: PathBuf) -> Self {
+        Self::start(ctx, "Checking", move |watcher| {
+            let verified = Verify { folder }.verify(watcher)?;
+            let errors: Vec<String> = verified.found.errors.iter().map(ToString::to_string).collect();
+            // An error begins with the name of its file; the files of a session have a common stem.
+            let stem = |csv: &Path| csv.display().to_string().trim_end_matches("data.csv").to_owned();
+            let is_wrong = |csv: &PathBuf| errors.iter().any(|error| error.starts_with(&stem(csv)));
+            let wrong = verified.found.files.into_iter().map(|(csv, _)| csv).filter(is_wrong).collect();
+            Ok(Made::Checked(Checked { sessions: verified.sessions, errors, wrong }))
+        })
+    }
+
+    /// Simulates a study in a folder of its own.
+    pub fn pilot(ctx: &Context, request: Simulate, protocol: Protocol) -> Self {
+        Self::start(ctx, "Simulating", move |watcher| {
+            Ok(Made::Pilot(simulate(&request, &protocol, watcher)?.folder))
+        })
+    }
+
+    /// Exports a study.
+    pub fn export(ctx: &Context, request: Export) -> Self {
+        Self::start(ctx, "Exporting", move |watcher| {
+            request.export(watcher)?;
+            Ok(Made::Exported(format!("Exported to {}", ui::full(&request.out).display())))
+        })
+    }
+
+    /// Returns what the job made, once it is done.
+    pub fn poll(&self) -> Option<Result<Made, String>> {
+        match self.work.poll() {
+            Progress::Running => None,
+            Progress::Done(result) => Some(result),
+            Progress::Lost => Some(Err("It ended without a result.".to_owned())),
+        }
+    }
+
+    /// Draws how far the job is, and the button that stops it.
+    pub fn show(&self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            Icon::Part.show(ui, ink(ui).text);
+            let [done, total] = [&self.state.done, &self.state.total].map(|count| count.load(Ordering::Relaxed));
+            ui.label(ui::secondary(format!("{}: {done} of {total}", self.what)));
+            let share = done as f32 / total.max(1) as f32;
+            ui.add(ProgressBar::new(share).desired_width(96.0).desired_height(4.0).fill(ink(ui).dim));
+            if ui.button("Stop").clicked() {
+                self.state.stopped.store(true, Ordering::Relaxed);
+            }
+        });
+        ui.ctx().request_repaint_after_secs(0.1);
+    }
+}

@@ -1,0 +1,165 @@
+//! The studies to choose from: one row each, with a picture of its stimulus.
+
+use std::path::Path;
+
+use eframe::egui::{
+    self, Color32, Rect, RichText, ScrollArea, Sense, TextStyle, TextureHandle, Ui, Vec2, text::LayoutJob,
+};
+
+use crate::{
+    app::ui::{
+        self, pixels,
+        theme::{FIELD_GAP, GAP, LARGE_GAP, SMALL_GAP, ink},
+        work::Latest,
+    },
+    experiment::Protocol,
+    light::{Bits, CodeImage, Quantizer, Transfer},
+    store::definition::{self, BUILT_IN},
+};
+
+/// Side of a picture, points.
+const PICTURE: f32 = 40.0;
+/// Maximum number of lines of a title.
+const LINES: usize = 5;
+
+/// The rows, in the order in which they are shown.
+#[derive(Default)]
+pub struct StudyList {
+    /// The files that have a row, before the built-in definitions.
+    files: Vec<String>,
+    rows: Vec<Row>,
+}
+
+struct Row {
+    /// Name of a built-in definition, or path of a file.
+    experiment: String,
+    /// The definition, or the first error in it.
+    protocol: Result<Protocol, String>,
+    picture: Latest<u32, CodeImage>,
+    texture: Option<(u32, TextureHandle)>,
+}
+
+impl StudyList {
+    /// Reads the definitions if these are not the files that have a row.
+    pub fn update(&mut self, files: &[String]) {
+        if self.files != files || self.rows.is_empty() {
+            self.read(files);
+        }
+    }
+
+    /// Reads the built-in definitions and these files again, because they may have changed. Pictures of definitions
+    /// that have not changed stay.
+    pub fn read(&mut self, files: &[String]) {
+        let mut before = std::mem::take(&mut self.rows);
+        self.files = files.to_vec();
+        let names = files.iter().map(String::as_str).chain(BUILT_IN.iter().map(|built_in| built_in.name));
+        for experiment in names {
+            let protocol = definition::open(experiment).map_err(|errors| errors.to_string());
+            let known = before.iter().position(|row| row.experiment == experiment && row.protocol == protocol);
+            self.rows.push(match known {
+                Some(index) => before.swap_remove(index),
+                None => Row { experiment: experiment.to_owned(), protocol, picture: Latest::default(), texture: None },
+            });
+        }
+    }
+
+    /// Draws the list; returns the study that was clicked. `about` says how many people took part in the study with a
+    /// name.
+    pub fn show(&mut self, ui: &mut Ui, chosen: &str, about: impl Fn(&str) -> String) -> Option<String> {
+        let mut clicked = None;
+        ScrollArea::vertical().id_salt("studies").auto_shrink([false, true]).show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = SMALL_GAP;
+            for index in 0..self.rows.len() {
+                if index == self.files.len() {
+                    ui.add_space(if index > 0 { LARGE_GAP } else { 0.0 });
+                    ui::hint(ui, "Built in. Run one, or copy it to make it yours.");
+                }
+                let row = &mut self.rows[index];
+                if row.show(ui, row.experiment == chosen, &about) {
+                    clicked = Some(row.experiment.clone());
+                }
+            }
+        });
+        clicked
+    }
+}
+
+impl Row {
+    /// Returns the title and one line about the study.
+    fn texts(&self, about: impl Fn(&str) -> String) -> (String, String) {
+        let built_in = BUILT_IN.iter().any(|built_in| built_in.name == self.experiment);
+        let name = Path::new(&self.experiment).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        match &self.protocol {
+            Ok(protocol) => {
+                let took_part = about(&protocol.name);
+                let more = match (took_part.is_empty(), built_in) {
+                    (false, _) => took_part,
+                    (true, true) => format!("{} min", protocol.minutes()),
+                    (true, false) => "no sessions yet".to_owned(),
+                };
+                (protocol.title.clone(), format!("{name} · {more}"))
+            }
+            Err(error) => (name, error.lines().next().unwrap_or_default().to_owned()),
+        }
+    }
+
+    fn show(&mut self, ui: &mut Ui, chosen: bool, about: impl Fn(&str) -> String) -> bool {
+        let (title, line) = self.texts(about);
+        let ink = ink(ui);
+        let width = ui.available_width() - 2.0 * GAP - PICTURE - FIELD_GAP;
+        let layout = |text: &str, style: TextStyle, color: Color32, lines: usize| {
+            let mut job = LayoutJob::simple(text.to_owned(), style.resolve(ui.style()), color, width);
+            job.wrap.max_rows = lines;
+            ui.painter().layout_job(job)
+        };
+        let title_color = if chosen { ink.ink } else { ink.text };
+        let line_color = if self.protocol.is_err() { ink.bad } else { ink.dim };
+        let above = layout(&title, TextStyle::Body, title_color, LINES);
+        let below = layout(&line, TextStyle::Small, line_color, 2);
+        let height = (above.size().y + below.size().y).max(PICTURE) + 2.0 * GAP;
+        let (rect, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::click());
+        let label = format!("{title}: {line}");
+        response.widget_info(|| egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, &label));
+        if ui.is_rect_visible(rect) {
+            let fill = match (chosen, response.hovered()) {
+                (true, _) => ink.raised,
+                (false, true) => ink.hover,
+                (false, false) => Color32::TRANSPARENT,
+            };
+            ui.painter().rect_filled(rect, 4.0, fill);
+            if response.has_focus() {
+                let ring = egui::Stroke::new(2.0, ink.ink);
+                ui.painter().rect_stroke(rect, 4.0, ring, egui::StrokeKind::Inside);
+            }
+            let picture = Rect::from_min_size(rect.min + Vec2::splat(GAP), Vec2::splat(PICTURE));
+            self.draw_picture(ui, picture);
+            let at = picture.right_top() + Vec2::new(FIELD_GAP, 0.0);
+            let below_at = at + Vec2::new(0.0, above.size().y);
+            ui.painter().galley(at, above, title_color);
+            ui.painter().galley(below_at, below, line_color);
+        }
+        let path = self.experiment.clone();
+        response.on_hover_ui(|ui| _ = ui.label(RichText::new(path).small())).clicked()
+    }
+
+    fn draw_picture(&mut self, ui: &Ui, rect: Rect) {
+        let Ok(protocol) = &self.protocol else { return };
+        let px = (rect.width() * ui.ctx().pixels_per_point()).floor().max(1.0) as u32;
+        self.picture.want(ui.ctx(), px, || {
+            let protocol = protocol.clone();
+            move || {
+                let conditions = protocol.conditions();
+                let middle = conditions.get(conditions.len() / 2).map_or(&protocol.stimulus, |middle| &middle.stimulus);
+                Ok(middle.codes(px, &Quantizer::new(&Transfer::Srgb, Bits::Eight)))
+            }
+        });
+        if let Some(Ok(image)) = self.picture.get(&px)
+            && self.texture.as_ref().is_none_or(|(made, _)| *made != px)
+        {
+            self.texture = Some((px, pixels::texture_of(ui.ctx(), "card", image)));
+        }
+        if let Some((_, texture)) = &self.texture {
+            pixels::draw_centered(ui, texture, rect);
+        }
+    }
+}

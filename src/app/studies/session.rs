@@ -1,0 +1,302 @@
+//! The dialog that begins a session: who takes part, and on which screen.
+
+use eframe::egui::{self, Button, ComboBox, Key, ScrollArea, TextEdit, Ui, Vec2, ViewportCommand};
+
+use super::{
+    form::{Checked, SessionField, SessionForm, labels},
+    page::{Destination, Studies},
+};
+use crate::{
+    app::{
+        display::CardHelper,
+        session::Request,
+        ui::{
+            self, Field, FileKind, Monitor, Place, Step, number,
+            theme::GAP,
+            today,
+        },
+    },
+    store::{
+        session::{Changes, SessionStore, overview::SessionState},
+        settings::Settings,
+    },
+};
+
+/// Width of the dialog, points.
+const WIDTH: f32 = 720.0;
+/// Minimum width of a text field with buttons after it, points.
+const MIN_FIELD: f32 = 120.0;
+/// Padding of a text field, points.
+const PADDING: f32 = 12.0;
+
+impl Studies {
+    /// Draws the dialog; returns where it leads.
+    pub(super) fn session_dialog(
+        &mut self,
+        ui: &mut Ui,
+        checked: &Checked,
+        [monitor, here]: [&Monitor; 2],
+        monitors: &[Monitor],
+        settings: &mut Settings,
+    ) -> Option<Destination> {
+        let ctx = ui.ctx().clone();
+        // In a field, Enter means the same as elsewhere; a button handles it itself.
+        let in_field = ctx.memory(|memory| memory.focused().is_none()) || ctx.text_edit_focused();
+        let entered = in_field && !egui::Popup::is_any_open(&ctx) && ctx.input(|input| input.key_pressed(Key::Enter));
+        let (next, closed) = ui::modal(&ctx, "session", WIDTH, |ui, height| {
+            ui.set_max_height(height);
+            ui.heading("New session");
+            if let Some(protocol) = &checked.protocol {
+                ui::hint(ui, format!("{} · {}", protocol.title, ui::extent(protocol)));
+            }
+            ui.add_space(GAP);
+            let mut measure = false;
+            let room = height - 168.0;
+            ScrollArea::vertical().id_salt("form").max_height(room).auto_shrink([false, true]).show(ui, |ui| {
+                measure = self.fields(ui, checked, monitor, here, monitors, settings);
+            });
+            let (start, cancel) = self.start(ui, checked, monitor, settings, entered && self.card.is_none());
+            (start.or(measure.then_some(Destination::Place(Place::Display))), cancel)
+        });
+        let (next, cancelled) = next;
+        if cancelled || closed && self.card.is_none() || next.is_some() {
+            self.close();
+        }
+        next
+    }
+
+    fn fields(
+        &mut self,
+        ui: &mut Ui,
+        checked: &Checked,
+        monitor: &Monitor,
+        here: &Monitor,
+        monitors: &[Monitor],
+        settings: &mut Settings,
+    ) -> bool {
+        if checked.is_wrong(SessionField::Experiment) {
+            checked.field(ui, SessionField::Experiment).show(ui, |_, _| ());
+        }
+        let SessionForm { participant, session, screen, .. } = &mut self.form;
+        checked.field(ui, SessionField::Participant).hint("letters and digits").text(ui, participant);
+        checked.field(ui, SessionField::Session).hint("1, 2, … for the same participant").text(ui, session);
+        checked.field(ui, SessionField::Distance).hint("from eye to screen").text(ui, &mut screen.distance_cm);
+        if let Some(coarse) = &checked.coarse {
+            Field::new("").column(labels(ui)).show(ui, |ui, _| ui::note(ui, coarse));
+        }
+        self.width_field(ui, checked, monitor, here);
+        let measure = self.profile_field(ui, checked);
+        checked.field(ui, SessionField::Results).show(ui, |ui, label| {
+            let line = ui.horizontal_wrapped(|ui| {
+                let field = TextEdit::singleline(&mut self.form.results).desired_width(room(ui, 1)).show(ui);
+                let is_clipped = field.galley.size().x > field.response.rect.width();
+                egui::Response::clone(&field.response).labelled_by(label);
+                self.results.browse(ui, FileKind::Folder, "Choose the results folder…", &mut self.form.results);
+                is_clipped
+            });
+            if line.inner {
+                ui::hint(ui, self.form.results.trim());
+            }
+        });
+        self.monitor_field(ui, checked, monitor, monitors, settings);
+        measure
+    }
+
+    fn width_field(&mut self, ui: &mut Ui, checked: &Checked, monitor: &Monitor, here: &Monitor) {
+        checked.field(ui, SessionField::ScreenWidth).show(ui, |ui, label| {
+            ui.horizontal_wrapped(|ui| {
+                let width = &mut self.form.screen.screen_width_cm;
+                ui.add(TextEdit::singleline(width).desired_width(90.0)).labelled_by(label);
+                let measure = ui.add_enabled(monitor == here, Button::new("Measure with a card…"));
+                if measure.on_disabled_hover_text("First move this window to that screen.").clicked() {
+                    let width = number(width).unwrap_or_else(|| monitor.assumed_width_cm());
+                    self.card = Some(CardHelper::new(width, monitor.width_px));
+                }
+            });
+            let Some((side, per_degree)) = checked.stimulus_px.filter(|_| !checked.is_wrong(SessionField::ScreenWidth))
+            else {
+                return;
+            };
+            let screen = &self.form.screen;
+            let origin = match &self.width_origin {
+                Some((width, origin)) if *width == screen.screen_width_cm => (*origin).to_owned(),
+                _ if screen.width_is_assumed(monitor) => monitor.assumption(),
+                _ => "As typed".to_owned(),
+            };
+            let text = format!("{origin}. {per_degree:.1} pixels per degree; the stimulus is {side} pixels wide.");
+            ui::hint(ui, text);
+        });
+    }
+
+    /// Draws the field for the profile; returns whether the user wants to measure the screen.
+    fn profile_field(&mut self, ui: &mut Ui, checked: &Checked) -> bool {
+        checked.field(ui, SessionField::Profile).show(ui, |ui, label| {
+            let path = &mut self.form.screen.profile;
+            let mut measure = false;
+            ui.horizontal_wrapped(|ui| {
+                let field = TextEdit::singleline(path).desired_width(room(ui, 2)).hint_text("sRGB");
+                ui.add(field).labelled_by(label);
+                self.profile.browse(ui, FileKind::Toml, "Choose a display profile…", path);
+                measure = ui.button("Measure…").on_hover_text("Luminance, size, and timing of the screen.").clicked();
+            });
+            if let Some(display) = &checked.display {
+                ui::hint(ui, display.sentence());
+                // If the profile is assumed, its description already says so.
+                if let Some(warning) = display.warning(today()).filter(|_| display.measured.is_some()) {
+                    ui::note(ui, warning);
+                }
+            }
+            measure
+        })
+    }
+
+    fn monitor_field(
+        &mut self,
+        ui: &mut Ui,
+        checked: &Checked,
+        monitor: &Monitor,
+        monitors: &[Monitor],
+        settings: &mut Settings,
+    ) {
+        let has_color = checked.protocol.as_ref().is_some_and(|protocol| protocol.in_gray().is_some());
+        let mut line = |ui: &mut Ui, label| {
+            if monitors.len() > 1 {
+                let list = ComboBox::from_id_salt("monitor").selected_text(monitor.title()).width(260.0).truncate();
+                let list = list.show_ui(ui, |ui| {
+                    for (i, monitor) in monitors.iter().enumerate() {
+                        ui.selectable_value(&mut self.monitor_choice, Some(i), monitor.title());
+                    }
+                });
+                list.response.labelled_by(label);
+            } else {
+                ui.label(monitor.title());
+            }
+            ui.checkbox(&mut settings.full_screen, "Full screen");
+            if self.form.gray || has_color {
+                let gray = ui.checkbox(&mut self.form.gray, "In gray");
+                gray.on_hover_text(
+                    "For participants with a color vision deficiency. The experiment's name then ends in -gray.",
+                );
+            }
+        };
+        let field = Field::new("Screen").column(labels(ui));
+        field.show(ui, |ui, label| ui.horizontal_wrapped(|ui| line(ui, label)));
+    }
+
+    /// Draws the buttons of the dialog; returns the session to begin, and whether the dialog is closed without one.
+    fn start(
+        &mut self,
+        ui: &mut Ui,
+        checked: &Checked,
+        monitor: &Monitor,
+        settings: &Settings,
+        entered: bool,
+    ) -> (Option<Destination>, bool) {
+        let text = if checked.resume { "Resume" } else { "Start" };
+        let hint = match (&checked.request, checked.resume) {
+            (None, _) => "Something above needs attention.",
+            (Some(_), true) => "Enter resumes this session with its remaining trials.",
+            (Some(_), false) => "Enter starts. In the session, Esc pauses; every answer is saved immediately.",
+        };
+        ui.add_space(GAP);
+        ui.separator();
+        ui.add_space(GAP);
+        if let Some(error) = &self.error {
+            error.lines().for_each(|line| ui::show_error(ui, line));
+        }
+        let (clicked, cancelled) = ui
+            .horizontal_wrapped(|ui| {
+                let clicked = ui::primary(ui, text, checked.request.is_some(), "");
+                let cancelled = ui.button("Cancel").clicked();
+                ui::hint(ui, hint);
+                (clicked, cancelled)
+            })
+            .inner;
+        let begun = (clicked || entered).then(|| self.begin_checked(ui, checked, monitor, settings)).flatten();
+        (begun, cancelled)
+    }
+
+    /// Begins the session of the form, if nothing in it is wrong.
+    pub(super) fn begin_checked(
+        &mut self,
+        ui: &Ui,
+        checked: &Checked,
+        monitor: &Monitor,
+        settings: &Settings,
+    ) -> Option<Destination> {
+        let request = checked.request.clone()?;
+        let now = self.form.check(monitor);
+        if now.request.as_ref().is_none_or(|now| now.resume != request.resume) {
+            let (subject, session) = (request.identity.subject(), request.identity.session());
+            let is_taken = now.resume || now.is_wrong(SessionField::Session);
+            self.error = is_taken
+                .then(|| format!("Another window has just begun session {session} of {subject}. Check both fields."));
+            self.refresh(false, settings);
+            return None;
+        }
+        self.error = None;
+        Some(self.begin(ui, request, settings))
+    }
+
+    /// Resumes a session from the list: with the definition and the distance of its last sitting, and the screen of the
+    /// form.
+    pub(super) fn resume(
+        &mut self,
+        ui: &Ui,
+        session: &SessionState,
+        monitor: &Monitor,
+        checked: &Checked,
+        settings: &Settings,
+    ) -> Option<Destination> {
+        let identity = &session.identity;
+        self.form.participant = identity.subject().to_owned();
+        self.form.session = identity.session().to_owned();
+        self.error = None;
+        let Some(display) = &checked.display else {
+            self.error = Some("The display profile cannot be read. Correct it, then resume the session.".to_owned());
+            return None;
+        };
+        let found = session.to_resume().and_then(|(protocol, distance_cm)| {
+            SessionStore::is_finished(&self.results(), &protocol, identity, None, Changes::Refuse)?;
+            let request = self.form.request(monitor, &protocol, identity.clone(), display, true);
+            Ok(Request { distance_cm: distance_cm.unwrap_or(request.distance_cm), ..request })
+        });
+        match found {
+            Ok(request) => Some(self.begin(ui, request, settings)),
+            Err(error) => {
+                self.error = Some(error.to_string());
+                None
+            }
+        }
+    }
+
+    pub(super) fn begin(&self, ui: &Ui, mut request: Request, settings: &Settings) -> Destination {
+        request.windowed = !settings.full_screen;
+        if settings.full_screen {
+            // Choosing a monitor makes the window full screen there.
+            ui.ctx().send_viewport_cmd(match self.monitor_choice {
+                Some(index) => ViewportCommand::SetMonitor(index),
+                None => ViewportCommand::Fullscreen(true),
+            });
+        }
+        Destination::Session(Box::new(request))
+    }
+
+    pub(super) fn measure_with_card(&mut self, ctx: &egui::Context, monitor: &Monitor) {
+        let Some(card) = &mut self.card else { return };
+        match card.show(ctx, monitor.width_px) {
+            Step::Stay => return,
+            Step::Back => {}
+            Step::Next(width) => self.set_width(width, "Measured with a card"),
+        }
+        self.card = None;
+    }
+}
+
+/// Returns the width for a text field that a number of buttons follow, on the same line if there is room.
+fn room(ui: &Ui, buttons: usize) -> f32 {
+    let Vec2 { x: padding, .. } = ui.spacing().button_padding;
+    let button = 76.0 + 2.0 * padding + ui.spacing().item_spacing.x;
+    let room = ui.available_width() - buttons as f32 * button - 2.0 * PADDING;
+    if room < MIN_FIELD { ui.available_width() - 2.0 * PADDING } else { room }
+}
