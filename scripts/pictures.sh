@@ -105,9 +105,9 @@ start=$!
 until_so has_window
 rest
 picture "$(window)" start.png
-press_to_next ctrl+2
-picture "$(window)" stimuli.png
 press_to_next ctrl+3
+picture "$(window)" stimuli.png
+press_to_next ctrl+4
 picture "$(window)" shaders.png
 kill "$start"
 wait "$start" 2>/dev/null || true

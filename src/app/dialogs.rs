@@ -4,7 +4,12 @@ use eframe::egui::{self, Context, Grid, RichText, Ui, ViewportCommand};
 
 use super::{
     session::Runner,
-    ui::{Field, Place, ask, hint, logo::logo, modal, paragraph, secondary, section, theme::{GAP, SECTION}},
+    ui::{
+        Field, Place, ask, hint,
+        logo::logo,
+        modal, paragraph, secondary, section,
+        theme::{GAP, SECTION},
+    },
 };
 use crate::store::settings::{Settings, ThemeChoice};
 

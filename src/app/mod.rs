@@ -218,7 +218,8 @@ impl App {
             Step::Stay => return,
             Step::Next(Destination::Session(request)) => self.view = View::Session(Box::new(Runner::new(*request))),
             Step::Next(Destination::Editor(definition, sessions)) => {
-                self.editor = Some(Box::new(editor::Editor::of(&definition, sessions.is_none(), sessions.unwrap_or_default())));
+                self.editor =
+                    Some(Box::new(editor::Editor::of(&definition, sessions.is_none(), sessions.unwrap_or_default())));
             }
             Step::Next(Destination::Analysis(data_set)) => {
                 self.analysis = Some(Box::new(analysis::Analysis::of(ui.ctx(), data_set)));
@@ -241,7 +242,9 @@ impl App {
                 let opened = self.analysis.as_ref().and_then(|analysis| analysis.opened());
                 (Icon::Folder, opened.map(|path| path.display().to_string()).unwrap_or_default())
             }
-            Place::Stimuli | Place::Shading | Place::Display => {
+            // The pages themselves say which display they are about.
+            Place::Display => (Icon::Display, String::new()),
+            Place::Stimuli | Place::Shading => {
                 let display = self.studies.checked().and_then(|checked| checked.display.as_ref());
                 (Icon::Display, display.map(DisplayProfile::sentence).unwrap_or_default())
             }

@@ -20,7 +20,8 @@ mod texts;
 
 pub use condition::{Condition, Factor};
 pub use definition::{
-    CATEGORIES, Category, Definition, Design, MAX_RATING, Order, Plan, Presentation, Recovery, ResponseScale, SessionRules, ViewingPlan, default_key,
+    CATEGORIES, Category, Definition, Design, MAX_RATING, Order, Plan, Presentation, Recovery, ResponseScale,
+    SessionRules, ViewingPlan, default_key,
 };
 pub use faults::{DefinitionError, DefinitionErrors};
 pub use frame_log::{FrameRun, Shown};

@@ -12,8 +12,8 @@ use super::{
 };
 use crate::{
     experiment::{
-        Category, Definition, DefinitionError, DefinitionErrors, Design, Factor, ParticipantFields, Plan,
-        Presentation, Protocol, Recovery, ResponseScale, SessionRules, Texts, ViewingPlan, default_key,
+        Category, Definition, DefinitionError, DefinitionErrors, Design, Factor, ParticipantFields, Plan, Presentation,
+        Protocol, Recovery, ResponseScale, SessionRules, Texts, ViewingPlan, default_key,
     },
     stimulus::{KINDS, MachBand, ParameterValue, Stimulus},
     system::found,

@@ -22,7 +22,7 @@ use machband::{
 
 use crate::{
     common::succeeds,
-    window::{Role, Window, choose, click, home, leave, press, texts, type_into, value, wait_for},
+    window::{Role, Window, choose, click, home, leave, press, session_form, texts, type_into, value, wait_for},
 };
 
 const DEFINITION: &str = "schema = 1\nname = \"tiny\"\ntitle = \"A tiny study\"\n[stimulus]\nkind = \"mach-band\"\n\
@@ -329,7 +329,9 @@ fn the_empty_page_and_errors_in_files() {
     assert!(has(&window, "Open files…"));
     leave(&mut window);
     wait_for(&mut window, "Do you see a bright line?");
+    session_form(&mut window);
     type_into(&mut window, "Results folder", folder.path().join("results").to_str().unwrap());
+    click(&mut window, "Cancel");
     click(&mut window, "Analyze");
     click(&mut window, "Analyze tiny");
     wait_for(&mut window, "Participants: 3 of 3");

@@ -25,7 +25,7 @@ const GAMMAS: [f64; 3] = [1.9, 2.2, 2.5];
 /// Opens a tool of the display lab; each frame takes `step_s` seconds.
 fn tool(name: &str, step_s: f32) -> Window {
     let mut window = home([1000.0, 1000.0], step_s);
-    click(&mut window, "Measure…");
+    click(&mut window, "Display");
     click(&mut window, name);
     window
 }

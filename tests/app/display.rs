@@ -136,7 +136,7 @@ fn the_preflight_detects_an_old_profile_and_another_screen_and_records_confirmat
 #[test]
 fn the_measured_size_of_the_screen_is_used_on_home() {
     let mut harness = home(SIZE, STEP_S);
-    click(&mut harness, "Measure…");
+    click(&mut harness, "Display");
     harness.get_by_label_contains("sRGB (srgb), assumed");
     harness.get_by_label("Size and distance").click();
     harness.run_steps(2);
@@ -158,6 +158,7 @@ fn the_measured_size_of_the_screen_is_used_on_home() {
     harness.get_by_label("Size and distance");
     leave(&mut harness);
     harness.run_steps(3);
+    window::session_form(&mut harness);
     assert_eq!(value(&harness, "Screen width, cm"), "30");
     assert_eq!(value(&harness, "Viewing distance, cm"), "57.3");
 }
@@ -165,7 +166,7 @@ fn the_measured_size_of_the_screen_is_used_on_home() {
 /// The list of tools in the smallest window that the program allows.
 fn small() -> Window {
     let mut harness = home([520.0, 360.0], STEP_S);
-    click(&mut harness, "Measure…");
+    click(&mut harness, "Display");
     harness
 }
 
@@ -256,7 +257,7 @@ fn steps_have_one_ratio_and_the_codes_of_the_profile() {
 /// Opens the timing tool from Home.
 fn timing() -> Window {
     let mut window = home([1000.0, 900.0], 1.0 / 60.0);
-    click(&mut window, "Measure…");
+    click(&mut window, "Display");
     click(&mut window, "Timing");
     window
 }
@@ -273,13 +274,13 @@ fn measuring_pages_show_nothing_else_and_leaving_asks() {
         [("Photometer", "Show patches", "Patch gray"), ("Gamma by eye", "Begin", "rows lit"), ("Timing", "Measure", "")]
     {
         let mut window = home([1000.0, 900.0], STEP_S);
-        click(&mut window, "Measure…");
+        click(&mut window, "Display");
         click(&mut window, tool);
         if tool != "Timing" {
             let csv = folder.path().join(format!("{tool}.csv"));
             type_into(&mut window, "Save the measurements in", csv.to_str().unwrap());
         }
-        let places = ["Run", "Stimuli", "Analyze", "Help", "Settings"];
+        let places = ["Studies", "Stimuli", "Analyze", "Help", "Settings"];
         assert!(places.iter().all(|place| says(&window, place)), "{tool}");
         click(&mut window, begin);
         window.run_steps(60);
@@ -298,7 +299,7 @@ fn measuring_pages_show_nothing_else_and_leaving_asks() {
             window.run_steps(2);
             assert!(says(&window, "Quit during the measurement?"), "{tool}");
             click(&mut window, answer);
-            assert!(!says(&window, "Quit during the measurement?") && says(&window, "Run"), "{tool}");
+            assert!(!says(&window, "Quit during the measurement?") && says(&window, "Studies"), "{tool}");
             if paused {
                 click(&mut window, if tool == "Timing" { begin } else { "Resume" });
                 window.run_steps(60);

@@ -12,7 +12,9 @@ use machband::{
 
 use crate::{
     common,
-    window::{self, Window, click, leave, press, request, type_into, value, wait_for, walk_to_first_trial},
+    window::{
+        self, Window, click, leave, press, request, session_form, type_into, value, wait_for, walk_to_first_trial,
+    },
 };
 
 const STEP_S: f32 = 1.0 / 60.0;
@@ -323,6 +325,7 @@ fn another_window_takes_a_participant() {
     let results = folder.path().join("results").display().to_string();
     let opened = || {
         let mut window = window::home(SIZE, STEP_S);
+        session_form(&mut window);
         type_into(&mut window, "Results folder", &results);
         assert_eq!(value(&window, "Participant"), "P001");
         window
@@ -349,7 +352,8 @@ fn another_window_takes_a_participant() {
 #[test]
 fn home_shows_errors_next_to_their_fields() {
     let mut harness = window::home(SIZE, STEP_S);
-    harness.get_by_label_contains("about 4 min");
+    session_form(&mut harness);
+    harness.query_all_by_label_contains("about 4 min").next().unwrap();
     type_into(&mut harness, "Participant", "../../x");
     harness.get_by_label_contains("expected letters A–Z");
     harness.get_by_label_contains("Something above needs attention");
@@ -395,9 +399,7 @@ fn the_gallery_shows_every_kind_and_explains_errors() {
         // Selects the next kind in the list.
         let next = machband::stimulus::catalog::all().iter().skip_while(|other| other.kind != entry.kind).nth(1);
         let Some(next) = next else { break };
-        harness.get_by_value(entry.title).click();
-        harness.run_steps(3);
-        click(&mut harness, next.title);
+        click(&mut harness, &format!("Show {}", next.title));
     }
     // The last kind is a shaded cylinder: an unknown shading is rejected, a known one is accepted.
     type_into(&mut harness, "shading", "raytraced");

@@ -3,7 +3,7 @@
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 
-use crate::window::{Role, Window, choose, click, home, press};
+use crate::window::{Role, Window, choose, click, home, press, session_form};
 
 /// The controls without a name.
 fn nameless(window: &Window) -> Vec<String> {
@@ -47,7 +47,11 @@ fn every_control_of_every_place_has_a_name() {
         let buttons = window.query_all_by_role(Role::Button).count();
         assert!(buttons > 5, "{page}: only {buttons} buttons");
     };
-    named(&window, "Run");
+    named(&window, "Studies");
+    session_form(&mut window);
+    named(&window, "the form of a session");
+    press(&mut window, Key::Escape);
+    window.run_steps(5);
     click(&mut window, "Duplicate as…");
     window.run_steps(10);
     named(&window, "the editor");
@@ -63,14 +67,14 @@ fn every_control_of_every_place_has_a_name() {
     click(&mut window, "Settings");
     named(&window, "the settings");
     click(&mut window, "Close");
-    go(&mut window, Key::Num2);
+    go(&mut window, Key::Num3);
     for entry in machband::stimulus::catalog::all() {
         choose(&mut window, "Stimulus", entry.title);
         named(&window, entry.title);
     }
-    go(&mut window, Key::Num3);
-    named(&window, "Shading");
     go(&mut window, Key::Num4);
+    named(&window, "Shading");
+    go(&mut window, Key::Num5);
     named(&window, "Display");
     for tool in
         ["Size and distance", "Photometer", "Gamma by eye", "Check the gamma", "Steps of equal brightness", "Timing"]
@@ -85,7 +89,7 @@ fn every_control_of_every_place_has_a_name() {
         press(&mut window, Key::Escape);
         window.run_steps(5);
     }
-    go(&mut window, Key::Num5);
+    go(&mut window, Key::Num2);
     named(&window, "Analyze");
 }
 
@@ -100,8 +104,7 @@ fn the_keyboard_reaches_every_button_of_the_start_page() {
         let label = focused.and_then(|node| node.accesskit_node().label());
         reached.insert(label.expect("something has the focus"));
     }
-    for label in
-        ["Run", "Analyze", "Help", "Settings", "See more stimuli", "Hide", "Duplicate as…", "Participant", "Start"]
+    for label in ["Studies", "Analyze", "Help", "Settings", "See more stimuli", "Hide", "Duplicate as…", "New session"]
     {
         assert!(reached.contains(label), "{label}: only {reached:?}");
     }

@@ -6,7 +6,7 @@ use machband::app::{App, Launch};
 
 use egui_kittest::kittest::Queryable as _;
 
-use crate::window::{Window, builder, click, type_into, value};
+use crate::window::{Window, builder, click, session_form, type_into, value};
 
 fn opened(settings: &Path) -> Window {
     let launch = Launch { request: None, settings: Some(settings.to_owned()) };
@@ -21,10 +21,12 @@ fn what_was_typed_is_remembered_and_participants_are_not() {
     let path = folder.path().join("deeper/settings.toml");
     let results = folder.path().join("my results").display().to_string();
     let mut window = opened(&path);
+    session_form(&mut window);
     type_into(&mut window, "Participant", "Secret7");
     type_into(&mut window, "Viewing distance, cm", "71");
     type_into(&mut window, "Screen width, cm", "40.5");
     type_into(&mut window, "Results folder", &results);
+    click(&mut window, "Cancel");
     click(&mut window, "Hide");
     click(&mut window, "Settings");
     click(&mut window, "Light");
@@ -34,7 +36,8 @@ fn what_was_typed_is_remembered_and_participants_are_not() {
     drop(window);
     let text = fs::read_to_string(&path).unwrap();
     assert!(text.contains("theme = \"light\"") && !text.contains("Secret7"), "{text}");
-    let window = opened(&path);
+    let mut window = opened(&path);
+    session_form(&mut window);
     for (field, expected) in [
         ("Viewing distance, cm", "71"),
         ("Screen width, cm", "40.5"),
@@ -65,6 +68,8 @@ fn settings_that_cannot_be_saved_are_told_and_kept() {
     assert!(text.contains("theme = \"light\""), "{text}");
     // The results folder is found again from any other folder.
     let results = std::path::absolute("results").unwrap().display().to_string();
+    click(&mut window, "Close");
+    session_form(&mut window);
     assert_eq!(value(&window, "Results folder"), results);
     assert!(text.contains(&format!("results = \"{results}\"")), "{text}");
 }

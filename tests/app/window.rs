@@ -55,7 +55,10 @@ pub fn click(window: &mut Window, label: &str) {
     let find = |window: &Window| {
         let mut found = window.query_all_by_label(label).filter(|node| node.accesskit_node().role() != Role::Label);
         let node = found.next().unwrap_or_else(|| panic!("no {label:?} to click; there is {:?}", texts(window)));
-        if window.ctx.content_rect().contains_rect(node.rect()) {
+        // The status line is above the lower edge.
+        let (all, rect) = (window.ctx.content_rect(), node.rect());
+        let is_on_page = all.contains_rect(rect) && rect.bottom() <= all.bottom() - 28.0;
+        if is_on_page {
             node.click();
             return true;
         }
@@ -71,12 +74,31 @@ pub fn click(window: &mut Window, label: &str) {
 
 /// Replaces the text of a field, which keeps keyboard focus.
 pub fn type_into(window: &mut Window, label: &str, text: &str) {
-    window.query_all_by_label(label).find(|node| node.value().is_some()).unwrap().focus();
+    let field = window.query_all_by_label(label).find(|node| node.value().is_some());
+    field.unwrap_or_else(|| panic!("no field {label:?}; there is {:?}", texts(window))).focus();
     window.step();
     window.key_press_modifiers(Modifiers::COMMAND, Key::A);
     window.step();
     window.query_all_by_label(label).find(|node| node.value().is_some()).unwrap().type_text(text);
     window.run_steps(2);
+}
+
+/// Opens the form of a session.
+pub fn session_form(window: &mut Window) {
+    click(window, "New session");
+}
+
+/// Chooses a study by the path of its definition, or the name of a built-in one.
+pub fn open_study(window: &mut Window, definition: &str) {
+    click(window, "Open a definition…");
+    type_into(window, "Definition", definition);
+    click(window, "Open");
+}
+
+/// Whether a study is chosen.
+pub fn is_chosen(window: &Window, definition: &str) -> bool {
+    let file = Path::new(definition).file_name().unwrap().to_str().unwrap().to_owned();
+    window.query_by_label_contains(&format!("{file} · rating")).is_some() || window.query_by_label(&file).is_some()
 }
 
 /// The text in a field.

@@ -184,7 +184,7 @@ fn an_aborted_session_is_offered_and_resumed_by_one_click() {
 fn escape_closes_the_innermost_thing_first() {
     let Some(mut desk) = Desk::open() else { return };
     let start = desk.screen();
-    desk.go(2);
+    desk.go(3);
     let gallery = desk.screen();
     assert!(gallery != start);
     desk.click("Stimulus");
@@ -235,7 +235,7 @@ fn an_experiment_is_duplicated_run_and_analyzed() {
     desk.harness.press("Return");
     desk.screen();
     let mut desk = Desk::of(desk.harness);
-    desk.go(5);
+    desk.go(2);
     let offered = desk.screen();
     desk.click("Analyze own");
     pane::wait_for(&mut desk.copy, "3 ratings by 1 participant.");

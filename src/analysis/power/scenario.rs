@@ -191,7 +191,8 @@ impl Scenario {
             for (condition, predictor) in (0..).zip(own) {
                 let mut counts = vec![0; categories];
                 for _ in 0..self.repetitions {
-                    let rating = self.observer.rate_at(predictor + self.observer.subject_sd * deviate, categories, &mut rng);
+                    let rating =
+                        self.observer.rate_at(predictor + self.observer.subject_sd * deviate, categories, &mut rng);
                     counts[usize::from(rating)] += 1;
                 }
                 let given = (0..).zip(counts).filter(|(_, count)| *count > 0);

@@ -82,11 +82,7 @@ impl TableView {
                 let x = if is_text { response.rect.right() + 6.0 } else { response.rect.left() - 6.0 };
                 let (y, tip) = (response.rect.center().y, if down { 3.0 } else { -3.0 });
                 let corners = [(x - 4.0, y - tip), (x + 4.0, y - tip), (x, y + tip)].map(egui::Pos2::from);
-                ui.painter().add(egui::Shape::convex_polygon(
-                    corners.to_vec(),
-                    theme::ink(ui).dim,
-                    egui::Stroke::NONE,
-                ));
+                ui.painter().add(egui::Shape::convex_polygon(corners.to_vec(), theme::ink(ui).dim, egui::Stroke::NONE));
             }
             clicked = if response.clicked() { Some(column) } else { clicked };
         }

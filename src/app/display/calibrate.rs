@@ -9,8 +9,8 @@ use egui_plot::MarkerShape;
 use super::check::CheckPage;
 use crate::{
     app::ui::{
-        Dialog, Field, FileKind, Saving, Step, hint, paragraph, primary, secondary, section, show_error, theme::Ink,
-        today, tool_page,
+        Dialog, Field, FileKind, Saving, Step, hint, neutral_primary, paragraph, secondary, section, show_error,
+        theme::Ink, today, tool_page,
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
     store::{StoreError, Writer, profile},
@@ -196,7 +196,7 @@ impl<M: Method> Calibrate<M> {
             let note = self.resume_note();
             note.iter().for_each(|sentence| hint(ui, sentence));
             let text = if note.is_some() { "Resume" } else { M::BEGIN };
-            begin = primary(ui, text, estimate.is_ok(), "Full screen. Press Esc to pause.");
+            begin = neutral_primary(ui, text, estimate.is_ok(), "Full screen. Press Esc to pause.");
             self.error.iter().for_each(|message| show_error(ui, message));
             use_file = self.file_field(ui);
         });
@@ -341,7 +341,7 @@ impl ProfileForm {
         let path = PathBuf::from(self.path.trim());
         let mut saved = None;
         let caption = self.saving.caption("Save the profile", &path);
-        if primary(ui, caption, usable, "The program then uses this profile.") {
+        if neutral_primary(ui, caption, usable, "The program then uses this profile.") {
             let writer = self.saving.writer(&path, &[]);
             match write(&writer, &path, &self.filled(found)) {
                 Ok(written) => saved = Some(written),

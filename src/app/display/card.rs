@@ -4,7 +4,7 @@ use eframe::egui::{self, Id, Key, ScrollArea, Sense, Slider, SliderClamping, Str
 
 use crate::{
     app::ui::{
-        Step, modal, primary, secondary, show_error,
+        Step, modal, neutral_primary, secondary, show_error,
         theme::{COLUMN, ink},
     },
     display::geometry::{CARD_WIDTH_CM, width_cm_from_card},
@@ -98,7 +98,7 @@ impl CardHelper {
 fn buttons(ui: &mut egui::Ui, width: f64, accepted: bool) -> Step<f64> {
     ui.label(format!("The screen is {width:.1} cm wide."));
     ui.horizontal_wrapped(|ui| {
-        let used = primary(ui, "Use this width", true, "");
+        let used = neutral_primary(ui, "Use this width", true, "");
         if ui.button("Cancel").clicked() {
             return Step::Back;
         }

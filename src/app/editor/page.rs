@@ -174,7 +174,7 @@ impl Editor {
             }
         };
         let valid = form.errors().is_empty() && !is_frozen;
-        let clicked = ui::primary(ui, self.saving.caption("Save", &path), valid, &hint);
+        let clicked = ui::neutral_primary(ui, self.saving.caption("Save", &path), valid, &hint);
         let saves = clicked || valid && ui.input_mut(|input| input.consume_shortcut(&SAVE));
         let written = saves.then(|| {
             let writer = if self.copy {

@@ -272,7 +272,10 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui) {
 /// What a session asks about the participant.
 fn participant(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Participant");
-    ui::hint(ui, "What a session asks before its first page. Answers are separated by commas; without any, text is typed.");
+    ui::hint(
+        ui,
+        "What a session asks before its first page. Answers are separated by commas; without any, text is typed.",
+    );
     show_errors(ui, &form.own_error("participant"));
     let names = form.draft().keys("participant");
     for name in &names {
@@ -322,7 +325,8 @@ fn question(form: &mut DefinitionForm, ui: &mut Ui, name: &str) {
                 let edit = ui.add(edit);
                 ui::text::name(ui, &edit, &format!("Label of {shown}"));
                 let hint = if is_known { "usual answers" } else { "left, right" };
-                let edit = TextEdit::singleline(&mut choices).id_salt(&choices_key).hint_text(hint).desired_width(120.0);
+                let edit =
+                    TextEdit::singleline(&mut choices).id_salt(&choices_key).hint_text(hint).desired_width(120.0);
                 let edit = ui.add(edit);
                 ui::text::name(ui, &edit, &format!("Answers of {shown}"));
                 ui.checkbox(&mut required, "required");

@@ -36,6 +36,10 @@ const PLOT: f32 = 190.0;
 const BELOW: f32 = PLOT + 36.0;
 /// If there is this much room on the right of the image, in points, the prediction is there.
 const BESIDE: f32 = 200.0;
+/// Side of a kind's picture in the overview, points; in a page narrower than `WIDE`, it is smaller.
+const TILE: f32 = 72.0;
+const SMALL_TILE: f32 = 44.0;
+const WIDE: f32 = 640.0;
 /// The strength that gets the longest mark; a just-visible band gets the shortest. Lengths are shares of the plotted
 /// range of light.
 const STRONGEST: f64 = 100.0;
@@ -54,6 +58,8 @@ pub struct Gallery {
     display: DisplayProfile,
     distance_cm: Option<f64>,
     prediction: Prediction,
+    /// The pictures of all kinds, and their side in pixels.
+    tiles: Option<(u32, Vec<TextureHandle>)>,
 }
 
 /// Everything that determines the image.
@@ -145,6 +151,7 @@ impl Gallery {
             saving: Saving::default(),
             display,
             distance_cm,
+            tiles: None,
         }
     }
 
@@ -182,7 +189,7 @@ impl Gallery {
             return;
         }
         self.is_fitted = true;
-        let room = (ui.available_height() - 2.0 * theme::LARGE_GAP - BELOW) * ui.ctx().pixels_per_point();
+        let room = (ui.available_height() - 2.0 * theme::LARGE_GAP - BELOW - TILE) * ui.ctx().pixels_per_point();
         let size = SIZES.iter().rev().find(|size| **size as f32 <= room).unwrap_or(&SIZES[0]);
         self.settings.size = *size;
         self.history = History::new(self.settings.clone());
@@ -205,10 +212,11 @@ impl Gallery {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                     // Leaves room for the scroll bar.
                     ui.set_max_width(ui.available_width() - 6.0);
+                    self.overview(ui);
+                    ScrollArea::horizontal().id_salt("picture").show(ui, |ui| self.picture(ui));
+                    ui.separator();
                     back = self.controls(ui, &errors);
                     self.export(ui);
-                    ui.separator();
-                    ScrollArea::horizontal().id_salt("picture").show(ui, |ui| self.picture(ui));
                 });
             });
         } else {
@@ -219,6 +227,7 @@ impl Gallery {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| back = self.controls(ui, &errors));
             });
             CentralPanel::default().frame(frame).show(ui, |ui| {
+                self.overview(ui);
                 ScrollArea::both().auto_shrink(false).show(ui, |ui| self.picture(ui));
             });
         }
@@ -313,6 +322,41 @@ impl Gallery {
             }
         });
         self.saving.show(ui);
+    }
+
+    /// Draws every kind of stimulus as a picture to choose.
+    fn overview(&mut self, ui: &mut Ui) {
+        let side = if ui.available_width() > WIDE { TILE } else { SMALL_TILE };
+        let px = (side * ui.ctx().pixels_per_point()).round() as u32;
+        if self.tiles.as_ref().is_none_or(|(of, _)| *of != px) {
+            let quantizer = Quantizer::new(&crate::light::Transfer::Srgb, Bits::Eight);
+            let tile = |entry: &catalog::Entry| {
+                let stimulus = entry.default_stimulus();
+                pixels::texture(ui.ctx(), entry.kind, &stimulus, px, &quantizer)
+            };
+            self.tiles = Some((px, catalog::all().iter().map(tile).collect()));
+        }
+        let Some((_, tiles)) = &self.tiles else { return };
+        ui.horizontal_wrapped(|ui| {
+            for (index, (entry, texture)) in catalog::all().iter().zip(tiles).enumerate() {
+                let size = egui::vec2(side + 2.0 * theme::SMALL_GAP, side + 2.0 * theme::SMALL_GAP);
+                let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click());
+                let is_chosen = self.settings.entry == index;
+                let name = format!("Show {}", entry.title);
+                response.widget_info(|| egui::WidgetInfo::selected(egui::Role::RadioButton, true, is_chosen, &name));
+                pixels::draw_centered(ui, texture, rect);
+                if is_chosen || response.has_focus() || response.hovered() {
+                    let ink = theme::ink(ui);
+                    let color = if response.hovered() && !is_chosen { ink.edge } else { ink.ink };
+                    let ring = egui::Stroke::new(2.0, color);
+                    ui.painter().rect_stroke(rect, 0.0, ring, egui::StrokeKind::Inside);
+                }
+                if response.on_hover_text(format!("{}. {}", entry.title, entry.about)).clicked() {
+                    self.settings.entry = index;
+                }
+            }
+        });
+        ui.add_space(theme::GAP);
     }
 
     /// Draws the image, what is predicted for it, and its plots.

@@ -124,8 +124,9 @@ impl Prediction {
 fn sentence(visible: &Visible) -> String {
     match visible {
         Visible::Ramp(RampBands { bright, dark, .. }) => format!(
-            "Bright band {bright:.1}, dark band {dark:.1} times threshold: the ramp's difference from the nearest smooth \
-             edge."
+            "The bright band, which the question asks about, is predicted {}: {bright:.1} times the threshold. The dark \
+             band is at {dark:.1}.",
+            seen(*bright)
         ),
         Visible::Surface(difference) => {
             format!("It differs from the smooth surface by {difference:.1} times what people can just see.")
@@ -133,6 +134,16 @@ fn sentence(visible: &Visible) -> String {
         Visible::Unknown => {
             "The model does not say how visible the bands of this stimulus are: it has no smooth reference.".to_owned()
         }
+    }
+}
+
+/// Says in words how visible something is that is this many times threshold.
+fn seen(times: f64) -> &'static str {
+    match times {
+        ..0.8 => "not to be seen",
+        0.8..1.25 => "to be just visible",
+        1.25..3.0 => "to be visible",
+        _ => "to be easily visible",
     }
 }
 

@@ -80,7 +80,7 @@ impl Finish {
                     ),
                 );
             }
-            leave = ui::primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
+            leave = ui::neutral_primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
             ui.add_space(theme::LARGE_GAP);
             let section = egui::CollapsingHeader::new(ui::secondary(&texts.experimenter)).id_salt("experimenter");
             section.show(ui, |ui| analyze = self.details(ui));

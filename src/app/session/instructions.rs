@@ -226,7 +226,7 @@ fn next_or_back(ui: &mut egui::Ui, texts: &Texts, back: bool) -> Step<()> {
 fn next(ui: &mut egui::Ui, texts: &Texts) -> bool {
     // A control with keyboard focus handles Space and Enter itself.
     let key = [Key::Space, Key::Enter].into_iter().any(|key| ui::shortcut(ui, key));
-    ui::primary(ui, &texts.next, true, &texts.next_key) || key
+    ui::neutral_primary(ui, &texts.next, true, &texts.next_key) || key
 }
 
 fn fill(text: &str, progress: &Progress) -> String {

@@ -53,7 +53,7 @@ impl ParticipantPage {
             if let Some(refused) = refused {
                 ui::show_error(ui, refused);
             }
-            let proceed = ui::primary(ui, &self.texts.next, true, "Enter");
+            let proceed = ui::neutral_primary(ui, &self.texts.next, true, "Enter");
             ui.add_space(theme::SMALL_GAP);
             let left = ui::keyed(ui, &self.texts.previous, "Esc");
             (proceed || entered, left || back)

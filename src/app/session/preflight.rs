@@ -159,7 +159,7 @@ impl Preflight {
             if let Some(refused) = &self.refused {
                 ui::show_error(ui, refused);
             }
-            let begin = ui::primary(ui, "Continue", ready, "Space. These findings are saved with the data.");
+            let begin = ui::neutral_primary(ui, "Continue", ready, "Space. These findings are saved with the data.");
             (begin, ui::keyed(ui, "Back", "Esc"))
         });
         ui::page_from(ui, 0.02, |ui| {

@@ -49,7 +49,7 @@ impl UnsavedAnswerPage {
                 The session continues once the answers are saved.",
             );
             ui.add_space(12.0);
-            if ui::primary(ui, "Try again", true, "") {
+            if ui::neutral_primary(ui, "Try again", true, "") {
                 choice = Some(SaveChoice::Retry);
             }
             ui.add_space(12.0);

@@ -178,7 +178,8 @@ impl<'a> Grid<'a> {
                         let color = if here.is_empty() { ink(ui).off } else { ink(ui).text };
                         text(ui, NAMES, RichText::new(subject).color(color));
                         if answers > 0.0 {
-                            let told = here.iter().map(|session| session.answers.as_str()).find(|told| !told.is_empty());
+                            let told =
+                                here.iter().map(|session| session.answers.as_str()).find(|told| !told.is_empty());
                             text(ui, answers - GAP, RichText::new(told.unwrap_or_default()).small().color(ink(ui).dim));
                         }
                         for session in &self.columns {
@@ -195,7 +196,7 @@ impl<'a> Grid<'a> {
 
     fn head(&self, ui: &mut Ui, answers: f32, width: f32) {
         let dim = |text: String| RichText::new(text).small().color(ink(ui).dim);
-        let (participant, about) = (dim("Participant".to_owned()), dim("Answers".to_owned()));
+        let (participant, about) = (dim("Participants".to_owned()), dim("Answers".to_owned()));
         let heads: Vec<_> = self.columns.iter().map(|session| dim(format!("Session {session}"))).collect();
         text(ui, NAMES, participant);
         if answers > 0.0 {
@@ -255,10 +256,8 @@ impl<'a> Grid<'a> {
                     _ = painter.rect_stroke(rect, 4.0, Stroke::new(1.0, ink.line), StrokeKind::Inside);
                 }
             }
-            let square = Rect::from_min_size(
-                egui::pos2(rect.left() + GAP, rect.center().y - ICON / 2.0),
-                Vec2::splat(ICON),
-            );
+            let square =
+                Rect::from_min_size(egui::pos2(rect.left() + GAP, rect.center().y - ICON / 2.0), Vec2::splat(ICON));
             icon.paint(painter, square, color);
             let at = egui::pos2(square.right() + GAP, rect.center().y);
             painter.text(at, egui::Align2::LEFT_CENTER, text, TextStyle::Body.resolve(ui.style()), color);

@@ -104,9 +104,7 @@ impl Job {
 
     /// Simulates a study in a folder of its own.
     pub fn pilot(ctx: &Context, request: Simulate, protocol: Protocol) -> Self {
-        Self::start(ctx, "Simulating", move |watcher| {
-            Ok(Made::Pilot(simulate(&request, &protocol, watcher)?.folder))
-        })
+        Self::start(ctx, "Simulating", move |watcher| Ok(Made::Pilot(simulate(&request, &protocol, watcher)?.folder)))
     }
 
     /// Exports a study.

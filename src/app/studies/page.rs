@@ -24,7 +24,7 @@ use crate::{
         editor::Thumbnails,
         session::Request,
         ui::{
-            self, Dialog, FileKind, Monitor, Place, ScreenFields, Step, action, main_action, pixels, quiet,
+            self, Dialog, Field, FileKind, Monitor, Place, ScreenFields, Step, action, main_action, pixels, quiet,
             theme::{self, GAP, Icon, KEY, LARGE_GAP, MARGIN, NARROW, SECTION, WIDE, ink},
         },
     },
@@ -60,6 +60,8 @@ pub enum Destination {
 /// A dialog of the page.
 enum Open {
     Session,
+    /// Asks for the path of a definition.
+    Definition(String),
     Pilot(PilotForm),
     Export(ExportForm),
     /// Asks whether to remove a session in which nothing was rated.
@@ -171,6 +173,7 @@ impl Studies {
         }
         let page = CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN));
         page.show(ui, |ui| {
+            ui.set_max_width(ui.available_width().min(theme::CONTENT));
             if settings.greeting && ui.available_height() > 520.0 {
                 next = self.greeting(ui, &mut settings.greeting).or(next.take());
             }
@@ -340,20 +343,17 @@ impl Studies {
             ui.label(RichText::new("Studies").strong().size(SECTION));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 if quiet(ui, Icon::Folder, "", "Open a definition…").clicked() {
-                    self.experiment.open(ui.ctx(), FileKind::Toml);
+                    self.open = Some(Open::Definition(String::new()));
                 }
             });
         });
-        let mut name = self.experiment.take().map(|path| path.display().to_string());
-        self.experiment.missing_error(ui);
         let Self { list, sessions, form, .. } = self;
         let clicked = list.show(ui, &form.experiment, |experiment| match sessions.participants(experiment) {
             0 => String::new(),
             1 => "1 participant".to_owned(),
             n => format!("{n} participants"),
         });
-        name = clicked.or(name);
-        if let Some(name) = name.filter(|name| *name != self.form.experiment) {
+        if let Some(name) = clicked.filter(|name| *name != self.form.experiment) {
             self.choose_experiment(name);
         }
     }
@@ -381,7 +381,10 @@ impl Studies {
             let frame = Frame::NONE.inner_margin(egui::Margin { left: LARGE_GAP as i8, ..Default::default() });
             let panel = Panel::right("cards").resizable(false).show_separator_line(false).exact_size(cards);
             panel.frame(frame).show(ui, |ui| {
-                ScrollArea::vertical().id_salt("cards").auto_shrink([false, true]).show(ui, |ui| self.cards(ui, protocol));
+                ScrollArea::vertical()
+                    .id_salt("cards")
+                    .auto_shrink([false, true])
+                    .show(ui, |ui| self.cards(ui, protocol));
             });
         }
         next = self.detail(ui, checked, monitor, settings).or(next);
@@ -588,7 +591,10 @@ impl Studies {
                 ui.set_min_height(theme::CONTROL);
                 ui.horizontal_wrapped(|ui| {
                     let Some(session) = &session else {
-                        ui::hint(ui, "Choose a session with a click or the arrow keys; Enter resumes, begins or opens it.");
+                        ui::hint(
+                            ui,
+                            "Choose a session with a click or the arrow keys; Enter resumes, begins or opens it.",
+                        );
                         return;
                     };
                     ui.label(RichText::new(Cell::of(session).title()).strong().size(SECTION));
@@ -680,9 +686,8 @@ impl Studies {
             let levels = |factor: &crate::experiment::Factor| {
                 let label = ui::parameter::label(&factor.name);
                 let (name, unit) = label.strip_suffix(", °").map_or((label.as_str(), ""), |name| (name, "°"));
-                let [first, last] = [factor.levels.first(), factor.levels.last()].map(|level| {
-                    level.map(|level| level.to_string().replace("inf", "∞") + unit).unwrap_or_default()
-                });
+                let [first, last] = [factor.levels.first(), factor.levels.last()]
+                    .map(|level| level.map(|level| level.to_string().replace("inf", "∞") + unit).unwrap_or_default());
                 format!("{name} {first} to {last}")
             };
             let factors: Vec<String> = protocol.factors.iter().map(levels).collect();
@@ -695,9 +700,13 @@ impl Studies {
     /// Draws the dialogs other than that of a session.
     fn other_dialog(&mut self, ctx: &egui::Context, open: Open, checked: &Checked) {
         let folder = self.folder();
+        if let Open::Definition(path) = open {
+            self.open = self.definition_dialog(ctx, path).map(Open::Definition);
+            return;
+        }
         let Some(protocol) = &checked.protocol else { return };
         self.open = match open {
-            Open::Session => Some(Open::Session),
+            Open::Session | Open::Definition(_) => None,
             Open::Pilot(mut form) => match form.show(ctx, &self.form.experiment, &self.results()) {
                 Step::Stay => Some(Open::Pilot(form)),
                 Step::Back => None,
@@ -732,6 +741,36 @@ impl Studies {
                 }
             }
         };
+    }
+
+    /// Draws the dialog that opens a definition; returns what was typed, unless it is closed.
+    fn definition_dialog(&mut self, ctx: &egui::Context, mut path: String) -> Option<String> {
+        let entered = ctx.input(|input| input.key_pressed(Key::Enter));
+        let (done, closed) = ui::modal(ctx, "definition", 560.0, |ui, _| {
+            ui.heading("Open a definition");
+            ui::hint(ui, "A file in the format of docs/definitions.md. It can also be dropped on this window.");
+            ui.add_space(GAP);
+            let browsed = Field::new("Definition").column(96.0).show(ui, |ui, label| {
+                ui.horizontal_wrapped(|ui| {
+                    let field = egui::TextEdit::singleline(&mut path).hint_text("path of a .toml file");
+                    ui.add(field.desired_width(300.0)).labelled_by(label);
+                    self.experiment.browse(ui, FileKind::Toml, "Choose a definition…", &mut path)
+                })
+                .inner
+            });
+            self.experiment.missing_error(ui);
+            ui.add_space(GAP);
+            ui.horizontal(|ui| {
+                let ready = !path.trim().is_empty();
+                let opened = ui::primary(ui, "Open", ready, "") || ready && (entered || browsed);
+                opened.then_some(true).or(ui.button("Cancel").clicked().then_some(false))
+            })
+            .inner
+        });
+        if done == Some(true) {
+            self.choose_experiment(path.trim().to_owned());
+        }
+        (done.is_none() && !closed).then_some(path)
     }
 
     /// Takes the result of the job; a simulated study is analyzed.

@@ -10,11 +10,7 @@ use crate::{
     app::{
         display::CardHelper,
         session::Request,
-        ui::{
-            self, Field, FileKind, Monitor, Place, Step, number,
-            theme::GAP,
-            today,
-        },
+        ui::{self, Field, FileKind, Monitor, Place, Step, number, theme::GAP, today},
     },
     store::{
         session::{Changes, SessionStore, overview::SessionState},

@@ -45,7 +45,8 @@ pub fn logo(ui: &mut Ui, points: f32, gray: bool) {
     let texture = ui.data(|data| data.get_temp::<egui::TextureHandle>(id)).unwrap_or_else(|| {
         let mut image = image(side);
         if gray {
-            let neutral = |pixel: &Color32| Color32::from_rgba_premultiplied(pixel.r(), pixel.r(), pixel.r(), pixel.a());
+            let neutral =
+                |pixel: &Color32| Color32::from_rgba_premultiplied(pixel.r(), pixel.r(), pixel.r(), pixel.a());
             image.pixels.iter_mut().for_each(|pixel| *pixel = neutral(pixel));
         }
         let texture = ui.ctx().load_texture("logo", image, TextureOptions::LINEAR);

@@ -205,7 +205,7 @@ pub fn ask(ctx: &Context, question: &str, text: &str, [keep, leave]: [&str; 2]) 
         ui.heading(question);
         ui.label(text);
         ui.add_space(GAP);
-        (primary(ui, keep, true, "Esc"), ui.button(leave).clicked())
+        (neutral_primary(ui, keep, true, "Esc"), ui.button(leave).clicked())
     });
     if kept || closed { Some(false) } else { left.then_some(true) }
 }

@@ -3,10 +3,7 @@
 use eframe::egui::{AsIdSalt, Color32, Grid, ScrollArea, Sense, Stroke, Ui, Vec2};
 use egui_plot::Plot;
 
-use super::text::secondary;
-
-/// Grid lines: a translucent gray, fainter than any curve in both themes.
-const GRID: Color32 = Color32::from_rgba_premultiplied(0x1c, 0x1c, 0x1c, 0x38);
+use super::{text::secondary, theme::GRID};
 
 /// Creates a static plot. Dragging and scrolling move the page, not the plot.
 pub fn still_plot<'a>(id: impl AsIdSalt) -> Plot<'a> {

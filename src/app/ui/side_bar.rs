@@ -58,40 +58,43 @@ pub fn side_bar(ui: &mut Ui, here: Place) -> Option<SideChoice> {
     let narrow = ui.available_width() < WIDE;
     let frame = Frame::NONE.fill(ink(ui).rail).inner_margin(GAP);
     let bar = Panel::left("places").resizable(false).show_separator_line(false);
-    bar.exact_size(WIDTHS[usize::from(narrow)]).frame(frame).show(ui, |ui| {
-        ui.spacing_mut().item_spacing.y = SMALL_GAP;
-        ui.add_space(SMALL_GAP);
-        ui.horizontal(|ui| {
+    bar.exact_size(WIDTHS[usize::from(narrow)])
+        .frame(frame)
+        .show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = SMALL_GAP;
             ui.add_space(SMALL_GAP);
-            logo(ui, 24.0, here.shows_stimuli());
-            if !narrow {
-                ui.label(RichText::new("machband").strong().size(SECTION));
+            ui.horizontal(|ui| {
+                ui.add_space(SMALL_GAP);
+                logo(ui, 24.0, here.shows_stimuli());
+                if !narrow {
+                    ui.label(RichText::new("machband").strong().size(SECTION));
+                }
+            });
+            ui.add_space(GAP);
+            let mut choice = None;
+            for (place, icon, title, about, key) in Place::ALL {
+                let shortcut = KeyboardShortcut::new(Modifiers::COMMAND, key);
+                let hover = format!("{title}. {about} ({})", ui.ctx().format_shortcut(&shortcut));
+                let clicked =
+                    item(ui, icon, title, narrow, (place == here).then_some(here)).on_hover_text(hover).clicked();
+                if clicked || ui.input_mut(|input| input.consume_shortcut(&shortcut)) {
+                    choice = Some(SideChoice::Go(place));
+                }
             }
-        });
-        ui.add_space(GAP);
-        let mut choice = None;
-        for (place, icon, title, about, key) in Place::ALL {
-            let shortcut = KeyboardShortcut::new(Modifiers::COMMAND, key);
-            let hover = format!("{title}. {about} ({})", ui.ctx().format_shortcut(&shortcut));
-            let clicked = item(ui, icon, title, narrow, (place == here).then_some(here)).on_hover_text(hover).clicked();
-            if clicked || ui.input_mut(|input| input.consume_shortcut(&shortcut)) {
-                choice = Some(SideChoice::Go(place));
-            }
-        }
-        ui.with_layout(Layout::bottom_up(Align::Min), |ui| {
-            let help = item(ui, Icon::Help, "Help", narrow, None);
-            let help = help.on_hover_text("Help: the keys of this page, and about machband (F1).");
-            if help.clicked() || ui.input(|input| input.key_pressed(Key::F1)) {
-                choice = Some(SideChoice::Help);
-            }
-            let settings = item(ui, Icon::Settings, "Settings", narrow, None);
-            if settings.on_hover_text("Settings: theme and size of the window.").clicked() {
-                choice = Some(SideChoice::Settings);
-            }
-        });
-        choice
-    })
-    .inner
+            ui.with_layout(Layout::bottom_up(Align::Min), |ui| {
+                let help = item(ui, Icon::Help, "Help", narrow, None);
+                let help = help.on_hover_text("Help: the keys of this page, and about machband (F1).");
+                if help.clicked() || ui.input(|input| input.key_pressed(Key::F1)) {
+                    choice = Some(SideChoice::Help);
+                }
+                let settings = item(ui, Icon::Settings, "Settings", narrow, None);
+                if settings.on_hover_text("Settings: theme and size of the window.").clicked() {
+                    choice = Some(SideChoice::Settings);
+                }
+            });
+            choice
+        })
+        .inner
 }
 
 /// Draws a place. `here`: this is the current place.

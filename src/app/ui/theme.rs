@@ -46,6 +46,9 @@ pub const NARROW: f32 = 900.0;
 /// The background of a session's pages and of the screens that measure the display, in both themes.
 pub const DARK_PAGE: Color32 = DARK.page;
 
+/// Grid lines of a plot: a translucent gray, fainter than any curve in both themes.
+pub const GRID: Color32 = Color32::from_rgba_premultiplied(0x1c, 0x1c, 0x1c, 0x38);
+
 /// The colors of a theme.
 #[derive(Debug)]
 pub struct Ink {
@@ -61,9 +64,6 @@ pub struct Ink {
     pub active: Color32,
     /// Inside of a text field, and the track of a slider or a bar.
     pub field: Color32,
-    /// Inside of a plot, and its grid lines.
-    pub plot: Color32,
-    pub grid: Color32,
     /// Outline of a card, and dividers.
     pub line: Color32,
     /// Outline of a field or check box; its contrast with page and card is at least 3:1.
@@ -121,8 +121,6 @@ const DARK: Ink = Ink {
     hover: gray(0x44),
     active: gray(0x50),
     field: gray(0x16),
-    plot: gray(0x1a),
-    grid: gray(0x33),
     line: gray(0x3c),
     edge: gray(0x7c),
     ink: gray(0xff),
@@ -149,8 +147,6 @@ const LIGHT: Ink = Ink {
     hover: gray(0xcc),
     active: gray(0xc0),
     field: gray(0xff),
-    plot: gray(0xf4),
-    grid: gray(0xde),
     line: gray(0xd0),
     edge: gray(0x7a),
     ink: gray(0x00),
@@ -333,15 +329,11 @@ pub enum Icon {
     More,
     Plus,
     Down,
-    Right,
     Warn,
     Close,
     Done,
     None,
     Part,
-    Search,
-    Pictures,
-    Undo,
 }
 
 impl Icon {
@@ -366,15 +358,11 @@ impl Icon {
             Self::More => "o 3.5 8 .8|o 8 8 .8|o 12.5 8 .8",
             Self::Plus => "M8 3V13|M3 8H13",
             Self::Down => "M4.5 6.5L8 10L11.5 6.5",
-            Self::Right => "M6.5 4.5L10 8L6.5 11.5",
             Self::Warn => "M8 2L14.5 13.5H1.5Z|M8 6.5V9.5|M8 11.4V11.5",
             Self::Close => "M4 4L12 12|M12 4L4 12",
             Self::Done => "o 8 8 6|M5 8.3L7.2 10.5L11 6",
             Self::None => "o 8 8 6",
             Self::Part => "o 8 8 6|M8 2V8L12 12.2",
-            Self::Search => "o 7 7 4.5|M10.5 10.5L14 14",
-            Self::Pictures => "M2 3H14V13H2Z|M2 11L6 7.5L9 10L11 8.5L14 11|o 10.5 5.8 1",
-            Self::Undo => "M6 3L3 6L6 9|M3 6H10L13 8.5L10 12.5H6",
         }
     }
 

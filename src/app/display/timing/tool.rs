@@ -10,7 +10,7 @@ use super::{
     run::{FLICKER_WARNING, Patch, Place, Scene, TimingPlan, TimingRun},
 };
 use crate::{
-    app::ui::{Field, Monitor, Saving, Step, paragraph, primary, secondary, still_plot, theme::ink, tool_page},
+    app::ui::{Field, Monitor, Saving, Step, neutral_primary, paragraph, secondary, still_plot, theme::ink, tool_page},
     report::figures,
     store::{StoreError, Writer},
 };
@@ -50,7 +50,7 @@ impl TimingTool {
             ui.label("Every refresh of the screen should show a new frame. This tool measures whether it does.");
             ui.add_space(8.0);
             self.settings(ui);
-            if primary(ui, "Measure", true, "Full screen. Press Esc to stop.") {
+            if neutral_primary(ui, "Measure", true, "Full screen. Press Esc to stop.") {
                 self.saving = Saving::default();
                 self.run = Some(TimingRun::new(self.plan));
                 ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(true));

@@ -10,6 +10,9 @@ use crate::app::ui::{describe, pixels, theme};
 /// Degrees of rotation per press of an arrow key, without and with Shift.
 const STEPS_DEG: [f64; 2] = [5.0, 1.0];
 
+/// The enlargements of the picture; at 1, each of its pixels is one of the screen.
+pub const ZOOMS: [f32; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
+
 /// How the two pictures are combined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Layer {
@@ -49,6 +52,10 @@ pub struct ViewSettings {
     pub scan: bool,
     /// The ends of the scan line, as shares of the image's width and height.
     pub line: [Pos2; 2],
+    /// One of [`ZOOMS`].
+    pub zoom: f32,
+    /// The place in the middle of the enlarged picture, as shares of its width and height.
+    pub middle: Pos2,
 }
 
 impl Default for ViewSettings {
@@ -60,6 +67,8 @@ impl Default for ViewSettings {
             factor: 16,
             scan: false,
             line: [Pos2::new(0.2, 0.45), Pos2::new(0.8, 0.45)],
+            zoom: ZOOMS[0],
+            middle: Pos2::new(0.5, 0.5),
         }
     }
 }
@@ -68,6 +77,17 @@ impl ViewSettings {
     /// Returns the first column of the right picture.
     pub fn column(&self, width: u32) -> u32 {
         (self.divider.clamp(0.0, 1.0) * f64::from(width)).round() as u32
+    }
+}
+
+impl ViewSettings {
+    /// Returns where the whole picture is, of which `rect` shows a part when it is enlarged.
+    pub fn whole(&self, rect: Rect) -> Rect {
+        let size = rect.size() * self.zoom;
+        let min = rect.center() - self.middle.to_vec2() * size;
+        // No edge of the picture is inside the view.
+        let min = min.min(rect.min).max(rect.max - size);
+        Rect::from_min_size(min, size)
     }
 }
 
@@ -94,9 +114,12 @@ pub fn interact(
         response.request_focus();
     }
     let target = if response.dragged_by(egui::PointerButton::Secondary) { DragTarget::Light } else { settings.target };
-    if response.dragged() {
+    if response.dragged_by(egui::PointerButton::Middle) {
+        settings.middle -= response.drag_delta() / (rect.size() * settings.zoom);
+    } else if response.dragged() {
         drag(&response, rect, target, compared, settings);
     }
+    zoom(ui, &response, rect, settings);
     if response.has_focus() {
         keys(ui, &response, compared, settings);
         ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, theme::ink(ui).text), egui::StrokeKind::Outside);
@@ -110,6 +133,24 @@ pub fn interact(
     response.on_hover_cursor(icon).dragged() || divided
 }
 
+/// Lets the wheel enlarge the picture about the pointer.
+fn zoom(ui: &egui::Ui, response: &Response, rect: Rect, settings: &mut ViewSettings) {
+    let notches = ui.input(|input| {
+        let wheel = |event: &egui::Event| match event {
+            egui::Event::MouseWheel { delta, .. } => delta.y,
+            _ => 0.0,
+        };
+        input.events.iter().map(wheel).sum::<f32>()
+    });
+    let Some(at) = response.hover_pos().filter(|_| notches != 0.0) else { return };
+    let index = ZOOMS.iter().position(|zoom| *zoom >= settings.zoom).unwrap_or_default();
+    let place = share(settings.whole(rect), at);
+    let next = if notches > 0.0 { (index + 1).min(ZOOMS.len() - 1) } else { index.saturating_sub(1) };
+    settings.zoom = ZOOMS[next];
+    settings.middle = place + (rect.center() - at) / (rect.size() * settings.zoom);
+    settings.middle = settings.middle.clamp(Pos2::ZERO, Pos2::new(1.0, 1.0));
+}
+
 fn drag(response: &Response, rect: Rect, target: DragTarget, compared: &mut Comparison, settings: &mut ViewSettings) {
     // A drag as long as the surface's radius rotates it by one radian.
     let radius = 0.45 * rect.width().min(rect.height());
@@ -120,7 +161,7 @@ fn drag(response: &Response, rect: Rect, target: DragTarget, compared: &mut Comp
         DragTarget::Light if right != 0.0 || down != 0.0 => compared.move_light(right, -down),
         DragTarget::ScanLine => {
             if let Some(at) = response.interact_pointer_pos() {
-                let place = share(rect, at);
+                let place = share(settings.whole(rect), at);
                 if response.drag_started() {
                     settings.line[0] = place;
                 }
@@ -178,6 +219,16 @@ fn divider(ui: &egui::Ui, rect: Rect, settings: &mut ViewSettings) -> bool {
 
 /// Draws the image: the columns left of the divider from one texture, the rest from the other.
 pub fn draw(ui: &egui::Ui, rect: Rect, textures: [TextureId; 2], size: [u32; 2], settings: &ViewSettings) {
+    if settings.zoom > 1.0 {
+        let x = rect.left() + rect.width() * settings.divider as f32;
+        let halves = [rect.left()..=x, x..=rect.right()];
+        for (texture, half) in textures.into_iter().zip(halves) {
+            let painter = ui.painter().with_clip_rect(Rect::from_x_y_ranges(half, rect.y_range()));
+            let all = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
+            painter.image(texture, settings.whole(rect), all, Color32::WHITE);
+        }
+        return;
+    }
     let column = settings.column(size[0]);
     pixels::draw_columns(ui, textures[0], size, 0..column, rect.min);
     pixels::draw_columns(ui, textures[1], size, column..size[0], rect.min);
@@ -195,7 +246,8 @@ pub fn draw_marks(ui: &egui::Ui, rect: Rect, compared: &Comparison, settings: &V
         grip(&painter, Pos2::new(x.clamp(rect.left() + 9.0, rect.right() - 9.0), rect.bottom() - 26.0));
     }
     if settings.scan {
-        let [from, to] = settings.line.map(|end| rect.lerp_inside(end.to_vec2()));
+        let whole = settings.whole(rect);
+        let [from, to] = settings.line.map(|end| whole.lerp_inside(end.to_vec2()));
         // A dark line next to a light one, so that the scan line is visible on any image.
         painter.line_segment([from, to], Stroke::new(3.0, Color32::from_black_alpha(120)));
         painter.line_segment([from, to], Stroke::new(1.0, Color32::from_gray(0xe0)));
@@ -232,7 +284,8 @@ fn grip(painter: &egui::Painter, at: Pos2) {
 
 /// Marks the position of the light; the mark is hollow if the light is behind the surface.
 fn draw_light_mark(painter: &egui::Painter, at: Pos2, before: bool) {
-    let color = Color32::from_rgb(0xe8, 0xc8, 0x60);
+    // In gray: nothing beside a stimulus is colored.
+    let color = Color32::from_gray(0xe0);
     let fill = if before { color } else { Color32::TRANSPARENT };
     painter.circle(at, 6.0, fill, Stroke::new(1.5, color));
     for ray in 0..8 {

@@ -103,7 +103,9 @@ pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 
     let map = |creases| quantizer.quantize(&crease::picture(&frame, creases, gouraud.p95));
     let cells = |creases: &Creases| {
         let over = creases.over(&gouraud).map_or_else(|| "—".to_owned(), |over| format!("{over:.4}"));
-        vec![format!("{:.2e}", creases.rms), format!("{:.2e}", creases.p95), over]
+        // Differences in the last digits of the arithmetic are not creases.
+        let shown = |slope: f64| if slope < 1e-6 { "0".to_owned() } else { format!("{slope:.2e}") };
+        vec![shown(creases.rms), shown(creases.p95), over]
     };
     Ok(Measured {
         cells: sides.each_ref().map(cells),

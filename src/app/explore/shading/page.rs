@@ -8,7 +8,7 @@ use eframe::egui::{
 use toml::{Table, Value};
 
 use super::{
-    canvas::{self, DragTarget, Layer, ViewSettings},
+    canvas::{self, DragTarget, Layer, ViewSettings, ZOOMS},
     comparison::{Comparison, MeshChoice, presets, title},
     controls,
     export::{self, Export},
@@ -20,8 +20,8 @@ use crate::{
     app::ui::{
         Dialog, Field, FileKind, History, Step, escaped, heading, hint,
         pixels::Canvas,
-        secondary, show_error,
-        theme::{self, ink},
+        secondary, show_error, text,
+        theme::{self, BODY, SECTION, ink},
     },
     light::CodeImage,
     shading::Surface,
@@ -34,7 +34,11 @@ const PLOTS: f32 = 190.0;
 const NARROW: f32 = 640.0;
 const NARROW_VIEW: f32 = 560.0;
 /// Height of the numbers below the picture, points.
-const NUMBERS: f32 = 156.0;
+const NUMBERS: f32 = 180.0;
+/// The same height while they are closed.
+const CLOSED: f32 = 26.0;
+/// Height of the first sentence, points: two lines.
+const LEAD: f32 = 46.0;
 
 /// The shading demo: two renderers side by side.
 #[derive(Default)]
@@ -55,6 +59,8 @@ pub struct ShadingPage {
     file: FileField,
     export: Export,
     dragging: bool,
+    /// Whether the raw numbers are shown.
+    details: bool,
 }
 
 /// The field for the path of a mesh.
@@ -201,11 +207,13 @@ impl ShadingPage {
     }
 
     fn view(&mut self, ui: &mut egui::Ui) {
+        self.lead(ui);
         self.toolbar(ui);
         self.explain(ui);
         let titles = self.compared.sides.each_ref().map(title);
         self.titles(ui, &titles);
-        let below = NUMBERS + if self.settings.scan { PLOTS + 8.0 } else { 0.0 };
+        let numbers = if self.details { NUMBERS } else { CLOSED };
+        let below = numbers + if self.settings.scan { PLOTS + 8.0 } else { 0.0 };
         let rest = ui.available_rect_before_wrap();
         let room = Rect::from_min_max(rest.min, rest.max - egui::vec2(0.0, below.min(rest.height() * 0.6)));
         let (rect, size) = canvas::whole_pixels(ui.ctx(), room);
@@ -216,10 +224,25 @@ impl ShadingPage {
         canvas::draw_marks(ui, rect, &self.compared, &self.settings);
         let lower = Rect::from_min_max(egui::pos2(rest.left(), rect.bottom() + 6.0), rest.max);
         let mut lower = ui.new_child(UiBuilder::new().max_rect(lower));
-        self.numbers(&mut lower);
+        if self.settings.scan {
+            self.numbers(&mut lower);
+        } else {
+            ScrollArea::vertical().id_salt("numbers").show(&mut lower, |ui| self.numbers(ui));
+        }
         if let Some(scan) = self.scan.as_ref().filter(|_| self.settings.scan) {
             scan.show(&mut lower, &titles);
         }
+    }
+
+    /// Says first what the comparison shows. The sentence has the same room before it is known.
+    fn lead(&self, ui: &mut egui::Ui) {
+        let text = self.pictures.as_ref().map_or_else(String::new, |pictures| self.sentence(pictures));
+        let (rect, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), LEAD), egui::Sense::hover());
+        // Its size never changes that of the picture, for which it would have to be computed again.
+        let size = if rect.width() < theme::COLUMN { BODY } else { SECTION };
+        let mut room = ui.new_child(UiBuilder::new().max_rect(rect));
+        room.set_clip_rect(rect);
+        room.add(Label::new(RichText::new(text).strong().size(size)).wrap());
     }
 
     fn toolbar(&mut self, ui: &mut egui::Ui) {
@@ -246,6 +269,17 @@ impl ShadingPage {
                 }
             }
             ui.checkbox(&mut settings.scan, "Scan line");
+            group(ui, "Zoom");
+            let nearest = ZOOMS.iter().position(|zoom| *zoom >= settings.zoom).unwrap_or_default();
+            let step = |ui: &mut egui::Ui, text: &str, name: &str, to: Option<&f32>| {
+                let button = ui.add_enabled(to.is_some(), egui::Button::new(text));
+                text::name(ui, &button, name);
+                button.on_hover_text(name).clicked().then(|| to.copied()).flatten()
+            };
+            let less = step(ui, "−", "Zoom out", nearest.checked_sub(1).and_then(|index| ZOOMS.get(index)));
+            ui.add(Label::new(format!("{:.0} %", settings.zoom * 100.0)).extend());
+            let more = step(ui, "+", "Zoom in", ZOOMS.get(nearest + 1));
+            settings.zoom = less.or(more).unwrap_or(settings.zoom);
             if !settings.scan && settings.target == DragTarget::ScanLine {
                 settings.target = DragTarget::Mesh;
             }
@@ -258,7 +292,8 @@ impl ShadingPage {
         let edition = self.pictures.as_ref().map_or(0, |pictures| pictures.edition);
         let drag = match self.settings.target {
             DragTarget::Mesh => {
-                "Drag the picture, or press the arrow keys, to rotate the mesh. The right mouse button moves the light."
+                "Drag, or press the arrow keys, to rotate the mesh; the right button moves the light, the wheel zooms, \
+                    and the middle button moves the enlarged picture."
             }
             DragTarget::Light => "Drag the picture, or press the arrow keys, to move the light.",
             DragTarget::ScanLine => "Drag across the picture to draw the scan line; the arrow keys move it.",
@@ -352,10 +387,16 @@ impl ShadingPage {
     }
 
     /// Draws the table of creases and visible differences, and the drawing times.
-    fn numbers(&self, ui: &mut egui::Ui) {
+    fn numbers(&mut self, ui: &mut egui::Ui) {
         let Some(pictures) = &self.pictures else { return };
         ui.spacing_mut().interact_size.y = 14.0;
-        ui.add(Label::new(secondary(self.sentence(pictures))).truncate());
+        let details = egui::CollapsingHeader::new(secondary("Details")).id_salt("numbers").open(Some(self.details));
+        if details.show(ui, |_| ()).header_response.clicked() {
+            self.details = !self.details;
+        }
+        if !self.details {
+            return;
+        }
         egui::Grid::new("numbers").spacing([16.0, 2.0]).show(ui, |ui| {
             ui.label("");
             for (side, color) in ["left", "right"].into_iter().zip(ink(ui).sides()) {
