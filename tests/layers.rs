@@ -39,7 +39,7 @@ const FLOORS: &[(&str, i32)] = &[
     ("app/display", 10),
     ("app/dialogs", 11),
     ("app/memory", 11),
-    ("app/start", 11),
+    ("app/studies", 11),
     ("app", 12),
     ("cli", 12),
 ];
@@ -137,7 +137,7 @@ fn no_error_of_reading_is_forgotten() {
 fn forbidden_edges_are_found() {
     let faults = |file: &str, source: &str| {
         let others =
-            "light light/image display analysis shading store store/results cli app app/ui app/ui/text app/start";
+            "light light/image display analysis shading store store/results cli app app/ui app/ui/text app/studies";
         let text = |path: &str| if path == "app/ui" { "pub use text::hint;" } else { "" };
         let others = others.split(' ').map(|path| (path, text(path)));
         let files = others.chain([(file, source)]);
@@ -177,7 +177,7 @@ fn forbidden_edges_are_found() {
         ("cli/run", "use crate::app::{self, Launch};", 0),
         // In the window, a page may use the shared elements in `app/ui`, but no room may use `App`.
         ("app/session/x", "use crate::app::ui::{self, Step}; fn f() { ui::hint(); }", 0),
-        ("app/ui/x", "use crate::app::start::Form;", 1),
+        ("app/ui/x", "use crate::app::studies::Form;", 1),
         ("app/session/x", "use super::super::App;", 1),
         // A path that the scan cannot follow to a file is reported.
         ("light/gamma", "use crate::*;", 1),

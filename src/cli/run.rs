@@ -44,6 +44,9 @@ pub(super) struct Arguments {
     /// Use a window instead of the full screen.
     #[arg(long)]
     windowed: bool,
+    /// File with the window's settings, such as the size of its text and the width of the screen.
+    #[arg(long, value_name = "FILE.toml")]
+    config: Option<PathBuf>,
     /// Resume an interrupted session.
     #[arg(long, requires = "participant")]
     resume: bool,
@@ -91,6 +94,6 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         changes,
         windowed: arguments.windowed,
     };
-    app::open(Launch { request: Some(request), settings: None })?;
+    app::open(Launch { request: Some(request), settings: arguments.config.clone() })?;
     Ok(())
 }

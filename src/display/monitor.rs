@@ -29,11 +29,10 @@ impl Monitor {
 
     /// Says what [`Monitor::assumed_width_cm`] assumes.
     pub fn assumption(&self) -> String {
-        let scaled = match self.scale {
-            1.0 => String::new(),
-            scale => format!(" × the system's scale of {scale}"),
-        };
-        format!("Assumed (96 pixels per inch{scaled}); measure it before an actual study")
+        let per_inch = (96.0 * self.scale).round();
+        let scaled =
+            if self.scale == 1.0 { String::new() } else { format!(", from the system's scale of {}", self.scale) };
+        format!("Assumed ({per_inch} pixels per inch{scaled}); measure it before an actual study")
     }
 
     /// Returns the width in cm if its pixels are 1/96 inch apart, as systems assume for unknown screens.

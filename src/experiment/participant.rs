@@ -73,6 +73,8 @@ pub enum AnswerError {
     Missing,
     /// The answer is not a number, or not a possible age.
     NotANumber,
+    /// No person has this age.
+    NoAge,
     /// A spreadsheet would take the answer for a formula.
     Formula,
 }
@@ -220,8 +222,10 @@ impl ParticipantField {
         }
         // Many countries use a decimal comma.
         let number: Option<f64> = text.replace(',', ".").parse().ok().filter(|number: &f64| number.is_finite());
-        let number = number.filter(|age| self.name != "age" || (0.0..=MAX_AGE).contains(age));
         let number = number.ok_or(AnswerError::NotANumber)?;
+        if self.name == "age" && !(0.0..=MAX_AGE).contains(&number) {
+            return Err(AnswerError::NoAge);
+        }
         let is_whole = number.fract() == 0.0 && number.abs() < 1e15;
         Ok(Some(if is_whole { (number as i64).into() } else { number.into() }))
     }

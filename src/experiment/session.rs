@@ -1,7 +1,10 @@
 //! The session as a pure state machine: it takes events and times, and returns effects. It uses no clock, no files and
 //! no window, so a person at the screen and a simulated observer can drive the same machine.
 
-use std::{collections::BTreeSet, time::Duration};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    time::Duration,
+};
 
 use super::{
     frame_log::{FrameLog, FrameRun, Shown},
@@ -100,7 +103,7 @@ pub enum State {
 pub struct TrialResponse {
     /// Index into [`Schedule::trials`].
     pub trial: usize,
-    /// 1, plus 1 each time the rating was undone.
+    /// 1, plus 1 each time the rating was undone, and each time the practice was repeated.
     pub attempt: u32,
     /// 0…3.
     pub rating: u8,
@@ -148,6 +151,16 @@ pub struct SessionOptions {
 pub struct Resumed {
     /// Indices into [`Schedule::trials`] of the trials that have a rating.
     pub done: BTreeSet<usize>,
+    /// The last attempt of trials that are shown again although they have a rating.
+    pub again: BTreeMap<usize, u32>,
+}
+
+impl Resumed {
+    /// Shows every practice trial again. `attempts` are the last attempts of the trials that have a rating.
+    pub fn repeat_practice(&mut self, practice: usize, attempts: impl IntoIterator<Item = (usize, u32)>) {
+        self.again = attempts.into_iter().filter(|(trial, _)| *trial < practice).collect();
+        self.done.retain(|trial| *trial >= practice);
+    }
 }
 
 /// Progress of a session.
@@ -172,6 +185,8 @@ pub struct Session {
     missing: Vec<usize>,
     /// Index of the next trial in `missing`.
     position: usize,
+    /// See [`Resumed::again`].
+    again: BTreeMap<usize, u32>,
     /// The trial being repeated after its rating was undone, and its attempt.
     redo: Option<(usize, u32)>,
     /// True if the page or break before the next trial was already over when a rating was undone, so that it is not
@@ -202,6 +217,7 @@ impl Session {
             protocol,
             schedule,
             missing,
+            again: resumed.again.clone(),
             position: 0,
             redo: None,
             page_left: false,
@@ -401,7 +417,7 @@ impl Session {
     }
 
     fn begin_frame(&mut self, now: Duration) {
-        let at_hand = self.current().map(|trial| (trial, self.redo.map_or(1, |(_, attempt)| attempt)));
+        let at_hand = self.current().map(|trial| (trial, self.attempt(trial)));
         let of = |shown| at_hand.map(|(trial, attempt)| (shown, trial, attempt));
         let shown = match self.state {
             _ if self.options.frames == FrameCount::Off => None,
@@ -421,6 +437,11 @@ impl Session {
         }
     }
 
+    /// Returns the attempt of the trial at hand.
+    fn attempt(&self, trial: usize) -> u32 {
+        self.redo.map_or_else(|| self.again.get(&trial).map_or(1, |last| last + 1), |(_, attempt)| attempt)
+    }
+
     fn rate(&mut self, rating: u8, at: Duration, uncertainty: Option<Duration>, now: Duration) -> Effect {
         let (onset, recovery, stimulus) = match self.state {
             State::Stimulus { onset, recovery } => (onset, recovery, now.saturating_sub(onset)),
@@ -433,7 +454,7 @@ impl Session {
         }
         // The last frame that shows the stimulus counts as well.
         self.end_frame(now);
-        let attempt = self.redo.map_or(1, |(_, attempt)| attempt);
+        let attempt = self.attempt(trial);
         if self.redo.take().is_none() {
             self.position += 1;
         }

@@ -118,6 +118,8 @@ texts! {
     agreement_missing = "Please read this and check the box. Otherwise, the session cannot begin.";
     /// Shown at a question that needs a number.
     number_expected = "Enter a number, e.g. 27.";
+    /// Below an age that no person has.
+    age_expected = "Enter an age in years, from 0 to 130.";
     /// Shown at an answer that a spreadsheet would take for a formula.
     letter_expected = "Begin with a letter or a digit.";
 }

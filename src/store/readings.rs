@@ -1,9 +1,9 @@
-//! Photometer readings (CSV): `channel,level,luminance_cd_m2`.
+//! Photometer readings: CSV with the columns `channel,level,luminance_cd_m2`, or a file of another program.
 
 use std::path::Path;
 
 use super::{
-    FileError, FileErrors, StoreError, Writer,
+    FileError, FileErrors, StoreError, Writer, calibrations,
     error::RowErrors,
     file::{folder_of, read_text},
     table::{Content, each_row},
@@ -33,7 +33,11 @@ pub fn open(path: &Path) -> Result<Readings, FileErrors> {
 /// # Errors
 /// The same errors as [`open()`].
 pub fn parse(file: &str, text: &str) -> Result<Readings, FileErrors> {
-    let rows = rows(file, text)?;
+    let mut rows = match calibrations::parse(file, text) {
+        Some(found) => (found?.into_iter()).map(|(reading, line)| Row { reading, places: [(line, 1); 3] }).collect(),
+        None => rows(file, text)?,
+    };
+    complete_black(&mut rows);
     Readings::new(rows.iter().map(|row| row.reading).collect()).map_err(|found| {
         let exchanged = rows.iter().all(|row| (0.0..=1.0).contains(&row.reading.luminance_cd_m2));
         let (mut errors, mut of_all) = (RowErrors::default(), Vec::new());
@@ -54,6 +58,21 @@ pub fn parse(file: &str, text: &str) -> Result<Readings, FileErrors> {
         }
         FileErrors([errors.finish(file, &COLUMNS), of_all].concat())
     })
+}
+
+/// Gives the reading of black to every channel that lacks it: all channels are dark in it.
+fn complete_black(rows: &mut Vec<Row>) {
+    let blacks: Vec<Row> = rows.iter().filter(|row| row.reading.level == 0.0).cloned().collect();
+    let Some(of) = blacks.first().map(|black| black.reading.channel) else { return };
+    for channel in Channel::ALL {
+        let own = |row: &&Row| row.reading.channel == channel;
+        if rows.iter().any(|row| own(&row)) && !blacks.iter().any(|row| own(&row)) {
+            let one = blacks.iter().filter(|row| row.reading.channel == of);
+            rows.extend(
+                one.map(|row| Row { reading: Reading { channel, ..row.reading }, ..row.clone() }).collect::<Vec<_>>(),
+            );
+        }
+    }
 }
 
 /// The likely cause if levels are outside 0…1 but all luminances are inside 0…1.
@@ -83,6 +102,7 @@ pub fn write(writer: &Writer, path: &Path, readings: &[Reading]) -> Result<(), S
 }
 
 /// A reading, and the line and column of each of its cells in the order of [`COLUMNS`].
+#[derive(Clone)]
 struct Row {
     reading: Reading,
     places: [(usize, usize); 3],

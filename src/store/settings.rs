@@ -43,6 +43,8 @@ pub struct Settings {
     pub full_screen: bool,
     /// The results folder.
     pub results: String,
+    /// The study chosen last: its name if it is built in, or the path of its definition; empty for the first one.
+    pub study: String,
     pub screen: ScreenSettings,
     pub recent: Recent,
     /// The settings of each page, by its name.
@@ -81,6 +83,7 @@ impl Default for Settings {
             greeting: true,
             full_screen: true,
             results: "results".to_owned(),
+            study: String::new(),
             screen: ScreenSettings::default(),
             recent: Recent::default(),
             pages: ::toml::Table::new(),

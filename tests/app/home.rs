@@ -318,6 +318,59 @@ fn no_answer_is_lost_when_the_folder_is_removed() {
     assert_eq!(ratings, [1, 3, 3]);
 }
 
+/// A session that is resumed after the time in its definition shows the practice again; its answers are new attempts.
+#[test]
+fn a_late_resumption_repeats_the_practice() {
+    let folder = tempfile::tempdir().unwrap();
+    let protocol = protocol(0.5, 10.0).with(|definition| definition.session.refresh_after_h = Some(0.0)).unwrap();
+    let mut first = harness(request(folder.path(), protocol.clone()));
+    walk_to_first_trial(&mut first);
+    first.run_steps(35);
+    press(&mut first, Key::Num1);
+    wait_for(&mut first, "Now the main part");
+    press(&mut first, Key::Space);
+    first.run_steps(35);
+    press(&mut first, Key::Num2);
+    first.run_steps(5);
+    press(&mut first, Key::Escape);
+    wait_for(&mut first, "Paused");
+    click(&mut first, "Leave the session");
+    wait_for(&mut first, "The session is interrupted");
+    drop(first);
+    let mut second = harness(Request { resume: true, ..request(folder.path(), protocol.clone()) });
+    walk_to_first_trial(&mut second);
+    second.run_steps(35);
+    press(&mut second, Key::Num3);
+    wait_for(&mut second, "Now the main part");
+    press(&mut second, Key::Space);
+    for key in [Key::Num0, Key::Num1] {
+        second.run_steps(35);
+        press(&mut second, key);
+    }
+    wait_for(&mut second, "Time for a break");
+    press(&mut second, Key::Space);
+    second.run_steps(35);
+    press(&mut second, Key::Num2);
+    wait_for(&mut second, "Thank you!");
+    // Participants see their own means only if the definition says so.
+    assert!(second.query_by_label_contains("Your mean rating").is_none());
+    let rows = rows(folder.path(), &protocol);
+    let seen: Vec<_> =
+        rows.iter().map(|row| (row.sitting, row.phase.to_string(), row.trial, row.attempt, row.rating.0)).collect();
+    let [practice, main] = ["practice", "main"].map(str::to_owned);
+    let expected = [
+        (1, practice.clone(), 1, 1, 1),
+        (1, main.clone(), 1, 1, 2),
+        (2, practice, 1, 2, 3),
+        (2, main.clone(), 2, 1, 0),
+        (2, main.clone(), 3, 1, 1),
+        (2, main, 4, 1, 2),
+    ];
+    assert_eq!(seen, expected);
+    let told = common::succeeds(folder.path(), &["verify", "."]);
+    assert!(told.contains("5 of 5 trials rated"), "{told}");
+}
+
 /// Two windows on one results folder do not begin the same session.
 #[test]
 fn another_window_takes_a_participant() {

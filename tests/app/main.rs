@@ -15,4 +15,5 @@ mod names;
 mod predicted;
 mod settings;
 mod shading;
+mod studies;
 mod system;

@@ -153,3 +153,54 @@ fn tables_from_other_programs_are_read() {
     readings::write(&Writer::default(), &path, read.all()).unwrap();
     assert_eq!(readings::open(&path).unwrap(), read);
 }
+
+/// ArgyllCMS writes black once for all channels, and luminances relative to white; PsychoPy writes levels up to 255. Both
+/// give the readings that the same measurements have in our own table.
+#[test]
+fn readings_of_other_programs() {
+    let luminance = |level: f64| 0.3 + 99.7 * level.powf(2.2);
+    let levels: Vec<f64> = (0..=8).map(|index| f64::from(index) / 8.0).collect();
+    let mut ti3 =
+        "CTI3\n\nDEVICE_CLASS \"DISPLAY\"\nLUMINANCE_XYZ_CDM2 \"95.0 100.0 108.9\"\nNORMALIZED_TO_Y_100 \"YES\"\n\
+        NUMBER_OF_FIELDS 7\nBEGIN_DATA_FORMAT\nSAMPLE_ID RGB_R RGB_G RGB_B XYZ_X XYZ_Y XYZ_Z\nEND_DATA_FORMAT\n\
+        NUMBER_OF_SETS 11\nBEGIN_DATA\n"
+            .to_owned();
+    for (index, level) in levels.iter().enumerate() {
+        let (code, y) = (100.0 * level, luminance(*level));
+        ti3 += &format!("{index} {code} {code} {code} 0 {y} 0\n");
+        if index > 0 {
+            ti3 += &format!("{index}r {code} 0 0 0 {} 0\n", 0.3 + 0.2 * (y - 0.3));
+        }
+    }
+    ti3 += "98 0 100 0 41.2 70.3 1.9\n99 20 40 60 1 2 3\nEND_DATA\n";
+    let found = readings::parse("screen.ti3", &ti3).unwrap();
+    let of = |channel: Channel| -> Vec<(f64, f64)> {
+        let own = found.all().iter().filter(|reading| reading.channel == channel);
+        own.map(|reading| (reading.level, reading.luminance_cd_m2)).collect()
+    };
+    let gray = of(Channel::Gray);
+    assert_eq!(gray.len(), 9);
+    for ((level, read), expected) in gray.iter().zip(levels[1..].iter().chain(&levels[..1])) {
+        assert!((level - expected).abs() < 1e-12 && (read - luminance(*expected)).abs() < 1e-9, "{level} {read}");
+    }
+    assert!(of(Channel::Red).contains(&(0.0, luminance(0.0))), "black is black in every channel");
+    assert!(of(Channel::Green).is_empty(), "one patch is no curve");
+
+    let pre: Vec<f64> = levels.iter().map(|level| 255.0 * level).collect();
+    let lums: Vec<f64> = levels.iter().map(|level| luminance(*level)).collect();
+    let json = format!("{{\"2026_11_01\": {{\"levelsPre\": {pre:?}, \"lumsPre\": {{\"__ndarray__\": {lums:?}}}}}}}");
+    let found = readings::parse("monitor.json", &json).unwrap();
+    assert!(found.all().iter().map(|reading| reading.luminance_cd_m2).eq(lums));
+    for (text, expected) in [
+        (
+            "CTI3\nNORMALIZED_TO_Y_100 \"YES\"\nBEGIN_DATA_FORMAT\nRGB_R RGB_G RGB_B XYZ_Y\nEND_DATA_FORMAT\nBEGIN_DATA\n0 0 0 1\nEND_DATA",
+            "relative to white only",
+        ),
+        ("CTI3\nBEGIN_DATA_FORMAT\nRGB_R LAB_L\nEND_DATA_FORMAT\nBEGIN_DATA\n0 1\nEND_DATA", "has no field"),
+        ("CGATS.17\n", "has no data"),
+        ("{\"name\": {}}", "levelsPre"),
+    ] {
+        let told = readings::parse("other", text).unwrap_err().to_string();
+        assert!(told.contains(expected), "{told}");
+    }
+}

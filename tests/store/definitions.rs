@@ -141,7 +141,7 @@ name = "mine" => name = "con" => 2:1 => "con" is reserved by Windows
 # Order and scale.
 order = "random" => order = "shuffled" => 19:1 => order "shuffled" | blocked:FACTOR
 order = "random" => order = "latin:color" => 19:1 => latin:color does not name a factor | width, depth
-labels = ["a", "b", "c", "d"]\nkeys = ["0", "1", "2", "3"] => labels = ["a", "b", "c"] => 28:1 => categories is 3 | expected 4
+labels = ["a", "b", "c", "d"]\nkeys = ["0", "1", "2", "3"] => labels = ["a"]\nkeys = ["0"] => 28:1 => categories is 1 | expected 2 to 11
 keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2"] => 29:1 => length 3; expected 4
 keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2", "1"] => 29:24 => key '1' appears twice
 keys = ["0", "1", "2", "3"] => keys = ["a", "s", "d", "f"] => 29:14 => key 's' cannot be an answer

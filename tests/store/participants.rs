@@ -60,8 +60,8 @@ fn answers_are_checked_in_the_form_in_which_people_give_them() {
         ("", AnswerError::Missing),
         (" ", AnswerError::Missing),
         ("old", AnswerError::NotANumber),
-        ("-1", AnswerError::NotANumber),
-        ("1999", AnswerError::NotANumber),
+        ("-1", AnswerError::NoAge),
+        ("1999", AnswerError::NoAge),
         ("inf", AnswerError::NotANumber),
     ] {
         assert_eq!(age(typed), Err(error), "{typed:?}");

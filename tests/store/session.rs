@@ -182,7 +182,7 @@ struct Driver {
 impl Driver {
     fn new(protocol: &Protocol, frames: FrameCount, done: &[usize]) -> Self {
         let schedule = Schedule::new(protocol, &identity(1), 5).unwrap();
-        let resumed = Resumed { done: done.iter().copied().collect() };
+        let resumed = Resumed { done: done.iter().copied().collect(), ..Resumed::default() };
         let session = Session::new(protocol.clone(), schedule, &resumed, SessionOptions { pages: 2, frames });
         Self { session, now: Duration::from_secs(3), records: Vec::new() }
     }
@@ -476,7 +476,7 @@ mod observer {
         let mut rng = ChaCha8Rng::seed_from_u64(11);
         let mut count = [0_u32; 4];
         for _ in 0..draws {
-            count[usize::from(observer.rate(stimulus, subject, &mut rng))] += 1;
+            count[usize::from(observer.rate(stimulus, 4, subject, &mut rng))] += 1;
         }
         count.map(|n| f64::from(n) / f64::from(draws))
     }
@@ -536,7 +536,8 @@ mod observer {
             let schedule = Schedule::new(&protocol, &identity(1), 9).unwrap();
             let run = |done: BTreeSet<usize>, stop: usize| {
                 let options = SessionOptions { pages: 0, frames: FrameCount::Off };
-                let mut session = Session::new(protocol.clone(), schedule.clone(), &Resumed { done }, options);
+                let mut session =
+                    Session::new(protocol.clone(), schedule.clone(), &Resumed { done, ..Resumed::default() }, options);
                 let mut rows = Vec::new();
                 let _ = simulate(&mut session, &OrderedLogit::default(), &identity(1), Duration::ZERO, |response| {
                     rows.push((response.trial, response.rating, response.response_time));

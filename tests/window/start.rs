@@ -169,8 +169,8 @@ fn an_aborted_session_is_offered_and_resumed_by_one_click() {
     harness.start(&["--config", "settings.toml"]);
     let mut desk = Desk::of(harness);
     assert!(desk.copy.query_by_label("Hide").is_none(), "the copy has the settings of the program");
-    desk.copy.get_by_label_contains("P001 · session 1 · swift · 3 of 6");
-    desk.click("Resume P001, session 1 of swift");
+    desk.copy.get_by_label_contains("P001, session 1: unfinished, 3 of 6 trials");
+    desk.click("Resume P001, session 1");
     for key in ["0", "1", "2"] {
         desk.harness.rate(&csv, key);
     }
@@ -205,6 +205,7 @@ fn escape_closes_the_innermost_thing_first() {
 fn an_experiment_is_duplicated_run_and_analyzed() {
     let Some(mut desk) = Desk::open() else { return };
     desk.click("A short session for tests");
+    desk.click("More");
     desk.click("Duplicate as…");
     desk.type_into("Name", "own");
     desk.type_into("Levels of width", "0.3, 0.6, 0.9");

@@ -16,11 +16,15 @@ use crate::{
     },
     report::{
         document::{Block, Document, Section},
-        figures::Figure,
+        figures::{Figure, palette},
         png,
     },
 };
 
+/// Address of the section that says what was found.
+const SUMMARY: &str = "summary";
+/// In a view wider than this, points, figures are in two columns.
+const TWO_COLUMNS: f32 = 880.0;
 /// Maximum width in points of an ordinary figure, and of a figure made for the full width of a page.
 const MAX_WIDTHS: [f32; 2] = [720.0, 1080.0];
 
@@ -74,17 +78,79 @@ impl DocumentView {
 
     /// Draws the section at an address; returns whether it exists.
     pub fn show(&mut self, ui: &mut egui::Ui, id: &str) -> bool {
+        if id == SUMMARY {
+            return self.show_summary(ui);
+        }
         let Some(section) = self.sections.iter_mut().find(|section| section.id == id) else { return false };
         ScrollArea::vertical().id_salt(id).auto_shrink(false).show(ui, |ui| {
-            for (index, block) in section.blocks.iter_mut().enumerate() {
-                match block {
-                    BlockView::Text(block) => show_text(ui, block),
-                    BlockView::Table(table) => table.show(ui, index),
-                    BlockView::Figure(figure) => figure.show(ui),
-                }
-            }
+            show_blocks(ui, &mut section.blocks);
         });
         true
+    }
+
+    /// Draws the summary. It begins with the figures that show the result.
+    fn show_summary(&mut self, ui: &mut egui::Ui) -> bool {
+        let place = |id: &str| self.sections.iter().position(|section| section.id == id);
+        let (Some(summary), description) = (place(SUMMARY), place("description")) else { return false };
+        ScrollArea::vertical().id_salt(SUMMARY).auto_shrink(false).show(ui, |ui| {
+            self.show_warnings(ui);
+            let figures = description.map(|index| &mut self.sections[index].blocks);
+            let key = figures.into_iter().flatten().filter(|block| matches!(block, BlockView::Figure(_)));
+            let many = if ui.available_width() >= TWO_COLUMNS { 2 } else { 1 };
+            show_blocks(ui, key.take(many));
+            let is_rest = |block: &&mut BlockView| !matches!(block, BlockView::Text(Block::Warning(_)));
+            show_blocks(ui, self.sections[summary].blocks.iter_mut().filter(is_rest));
+        });
+        true
+    }
+
+    /// Draws the warnings of the summary, which hold for all sections.
+    pub fn show_warnings(&self, ui: &mut egui::Ui) {
+        let blocks = self.sections.iter().filter(|section| section.id == SUMMARY).flat_map(|section| &section.blocks);
+        for block in blocks {
+            if let BlockView::Text(warning @ Block::Warning(_)) = block {
+                show_text(ui, warning);
+            }
+        }
+    }
+
+    /// Closes the field that saves a figure; returns whether there was one.
+    pub fn cancel(&mut self) -> bool {
+        let mut closed = false;
+        for block in self.sections.iter_mut().flat_map(|section| &mut section.blocks) {
+            if let BlockView::Figure(figure) = block {
+                closed |= figure.saving.take().is_some();
+            }
+        }
+        closed
+    }
+}
+
+/// Draws blocks. Two ordinary figures that follow each other are side by side if there is room.
+fn show_blocks<'a>(ui: &mut egui::Ui, blocks: impl IntoIterator<Item = &'a mut BlockView>) {
+    let two = ui.available_width() >= TWO_COLUMNS;
+    let mut blocks = blocks.into_iter().enumerate().peekable();
+    while let Some((index, block)) = blocks.next() {
+        let left = match block {
+            BlockView::Text(block) => {
+                show_text(ui, block);
+                continue;
+            }
+            BlockView::Table(table) => {
+                table.show(ui, index);
+                continue;
+            }
+            BlockView::Figure(left) => left,
+        };
+        let fits = |next: &(usize, &mut BlockView)| matches!(&next.1, BlockView::Figure(right) if !right.figure.wide);
+        let beside = two && !left.figure.wide;
+        match blocks.next_if(|next| beside && fits(next)) {
+            Some((_, BlockView::Figure(right))) => ui.columns(2, |columns| {
+                left.show(&mut columns[0]);
+                right.show(&mut columns[1]);
+            }),
+            _ => left.show(ui),
+        }
     }
 }
 
@@ -121,10 +187,11 @@ fn show_text(ui: &mut egui::Ui, block: &Block) {
 /// A figure and its pixels.
 struct FigureView {
     figure: Figure,
-    drawn: Latest<u32, Arc<ColorImage>>,
+    /// By the width in pixels, and whether the theme is dark.
+    drawn: Latest<(u32, bool), Arc<ColorImage>>,
     canvas: Canvas,
     /// The last image and its requested width in pixels; the image of the previous analysis until the new one is drawn.
-    shown: Option<(Option<u32>, TextureHandle)>,
+    shown: Option<(Option<(u32, bool)>, TextureHandle)>,
     /// The path to save it to, while the user enters one, and the outcome.
     saving: Option<(String, Saving)>,
 }
@@ -191,30 +258,34 @@ impl FigureView {
 
     fn draw(&mut self, ui: &mut egui::Ui, rect: Rect) {
         let px = (rect.width() * ui.ctx().pixels_per_point()).floor().max(1.0) as u32;
-        let figure = &self.figure;
-        self.drawn.want(ui.ctx(), px, || {
-            let figure = figure.clone();
+        let dark = ui.visuals().dark_mode;
+        let (figure, key) = (&self.figure, (px, dark));
+        self.drawn.want(ui.ctx(), key, || {
+            let mut figure = figure.clone();
             move || {
+                if dark {
+                    figure.svg = palette::on_dark(&figure.svg);
+                }
                 let pixels = figure.pixels(px).map_err(|error| error.to_string())?;
                 let size = [pixels.width as usize, pixels.height as usize];
                 Ok(Arc::new(ColorImage::from_rgb(size, &pixels.rgb)))
             }
         });
-        match self.drawn.get(&px) {
-            Some(Ok(image)) if self.shown.as_ref().is_none_or(|(width, _)| *width != Some(px)) => {
+        match self.drawn.get(&key) {
+            Some(Ok(image)) if self.shown.as_ref().is_none_or(|(made, _)| *made != Some(key)) => {
                 let texture = self.canvas.put(ui.ctx(), self.figure.name, image.clone());
-                self.shown = Some((Some(px), texture));
+                self.shown = Some((Some(key), texture));
             }
             Some(Err(error)) => show_error(ui, error),
             _ => {}
         }
         match &self.shown {
-            Some((Some(shown), texture)) if *shown == px => draw_centered(ui, texture, rect),
+            Some((Some(shown), texture)) if *shown == key => draw_centered(ui, texture, rect),
             Some((_, texture)) => {
                 let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
                 ui.painter().image(texture.id(), rect, whole, Color32::WHITE);
             }
-            None => _ = ui.painter().rect_filled(rect, 0.0, Color32::WHITE),
+            None => _ = ui.painter().rect_filled(rect, 0.0, theme::ink(ui).card),
         }
     }
 }

@@ -17,7 +17,7 @@ use super::{
     query::{Filters, ModelControls},
 };
 use crate::{
-    analysis::{Results, analyze_with},
+    analysis::{Options, Results, analyze_with},
     app::ui::{
         Field, Step, heading, hint, paragraph, secondary, show_error, theme,
         work::{BackgroundTask, Progress},
@@ -43,6 +43,8 @@ use crate::{
 const MAX_ERRORS: usize = 200;
 /// In a window narrower than this, in points, the data and filters have a separate view.
 const NARROW: f32 = 700.0;
+/// Opacity of results that a newer analysis is about to replace.
+const STALE: f32 = 0.6;
 /// Address and heading of the view of data and filters.
 const DATA: (&str, &str) = ("data", "Data");
 /// Address and heading of the section that is computed only when it is opened, because it takes a while.
@@ -67,6 +69,10 @@ pub struct OpenStudy {
     /// The last requested analysis, finished or not.
     last: Option<Analyze>,
     work: Option<BackgroundTask<Option<(Outcome, Document)>>>,
+    /// What is computed at once: the description of the same data, without a model.
+    drafting: Option<BackgroundTask<Option<Draft>>>,
+    /// The view of it, while `work` is running.
+    draft: Option<DocumentView>,
     /// The progress of the analysis in `work`.
     simulated: Arc<Simulated>,
     /// The last finished analysis and the view of its document.
@@ -86,6 +92,12 @@ pub struct OpenStudy {
     columns: OnceCell<BTreeSet<String>>,
 }
 
+/// The sections that need no model, so that they are shown at once. Numbers in them are final.
+const DRAFTED: [&str; 5] = ["design", "health", "description", "agreement", "times"];
+
+/// A document without a model.
+struct Draft(Document);
+
 /// The results of an analysis, without the document.
 struct Outcome {
     request: Analyze,
@@ -102,6 +114,8 @@ impl OpenStudy {
             model: ModelControls::default(),
             last: None,
             work: None,
+            drafting: None,
+            draft: None,
             simulated: Arc::default(),
             shown: None,
             predicting: None,
@@ -131,6 +145,12 @@ impl OpenStudy {
             shown: before.shown,
             ..Self::new(study, asked)
         }
+    }
+
+    /// Closes the field that saves a figure; returns whether there was one.
+    pub fn cancel(&mut self) -> bool {
+        self.shown.as_mut().is_some_and(|(_, view)| view.cancel())
+            || self.draft.as_mut().is_some_and(DocumentView::cancel)
     }
 
     /// Records why the files could not be read with other options. The current data stay.
@@ -166,6 +186,7 @@ impl OpenStudy {
                 }
                 self.choose_section(ui, narrow);
             });
+            self.state(ui);
             ui.separator();
             if self.section == DATA.0 {
                 ScrollArea::vertical().id_salt("data").auto_shrink(false).show(ui, |ui| self.controls(ui));
@@ -187,11 +208,17 @@ impl OpenStudy {
                 let earlier = self.shown.take().map(|(_, view)| view);
                 self.shown = outcome.map(|(outcome, document)| (outcome, DocumentView::new(document, earlier)));
                 (self.work, self.predicting) = (None, None);
+                (self.drafting, self.draft) = (None, None);
             }
             Some(Progress::Lost) => {
                 self.error = Some("The analysis ended unexpectedly. Try other options or less data.".to_owned());
                 self.work = None;
             }
+        }
+        if let Some(Progress::Done(draft)) = self.drafting.as_ref().map(BackgroundTask::poll) {
+            let earlier = self.draft.take();
+            self.draft = draft.map(|Draft(document)| DocumentView::new(document, earlier));
+            self.drafting = None;
         }
         if let Some(Progress::Done(document)) = self.predicting.as_ref().map(BackgroundTask::poll)
             && let Some((outcome, view)) = self.shown.take()
@@ -213,13 +240,17 @@ impl OpenStudy {
         let filter = self.filters.sentence(&self.study.measured.counts);
         let (study, simulated) = (self.study.clone(), Arc::<Simulated>::default());
         self.simulated = simulated.clone();
+        let (of, asked) = (study.clone(), request.clone());
+        self.draft = None;
+        self.drafting = Some(BackgroundTask::start(ctx, move || Draft::new(&of, &asked)));
         self.work = Some(BackgroundTask::start(ctx, move || Outcome::new(&study, request, filter, &simulated)));
     }
 
     fn choose_section(&mut self, ui: &mut egui::Ui, narrow: bool) {
         let mut all: Vec<(&str, &str)> = Vec::new();
         all.extend(narrow.then_some(DATA));
-        all.extend(self.shown.iter().flat_map(|(_, view)| view.headings()));
+        let view = self.shown.as_ref().map(|(_, view)| view).or(self.draft.as_ref());
+        all.extend(view.iter().flat_map(|view| view.headings()));
         if !all.is_empty() && !all.contains(&VISION) {
             let place = all.iter().position(|(id, _)| *id == "times").unwrap_or(all.len());
             all.insert(place, VISION);
@@ -230,18 +261,36 @@ impl OpenStudy {
             Field::new("Section").width(180.0).choice(ui, &mut self.section, &ids, |id| heading(id).to_owned());
         } else {
             for (id, heading) in all {
-                ui.selectable_value(&mut self.section, id, RichText::new(heading).size(16.0));
+                ui.selectable_value(&mut self.section, id, heading);
             }
         }
+    }
+
+    /// Draws a line of constant height: what is shown, and how far a newer analysis is.
+    fn state(&self, ui: &mut egui::Ui) {
+        let size = egui::vec2(ui.available_width(), theme::MESSAGE);
+        let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
+        let line = egui::UiBuilder::new().max_rect(rect).layout(egui::Layout::left_to_right(egui::Align::Center));
+        let ui = &mut ui.new_child(line);
+        ui.set_clip_rect(rect);
+        if let Some((outcome, _)) = &self.shown {
+            let counts = &outcome.results.measured.counts;
+            let left = &outcome.filter;
+            let filtered = if left.is_empty() { String::new() } else { format!(" Filtered: {left}.") };
+            let people = count(outcome.results.people() as u64, "participant");
+            let text = format!("{} by {people}.{filtered}", count(counts.total(), "rating"));
+            ui.add(egui::Label::new(secondary(text)).extend());
+        }
         if self.work.is_some() {
-            ui.spinner();
             let (done, all) = self.simulated.get();
-            let text = if all > 0 {
-                format!("Analyzing… {done} of {all} simulated studies")
-            } else {
-                "Analyzing…".to_owned()
+            let text = match all {
+                0 => "Analyzing…".to_owned(),
+                _ => format!("Analyzing… {done} of {all} simulated studies"),
             };
             ui.label(secondary(text));
+            let share = done as f32 / all.max(1) as f32;
+            ui.add(egui::ProgressBar::new(share).desired_width(96.0).desired_height(4.0).fill(theme::ink(ui).dim));
+            ui.ctx().request_repaint_after_secs(0.1);
         }
     }
 
@@ -249,6 +298,22 @@ impl OpenStudy {
         if let Some(text) = &self.error {
             show_error(ui, text);
         }
+        if let Some(draft) = &mut self.draft
+            && self.work.is_some()
+        {
+            let is_first = self.shown.is_none();
+            if DRAFTED.contains(&self.section) {
+                draft.show(ui, self.section);
+                return;
+            }
+            if is_first {
+                draft.show_warnings(ui);
+                hint(ui, "The tests are being computed. What follows is final: it needs no model.");
+                draft.show(ui, "description");
+                return;
+            }
+        }
+        let is_stale = self.work.is_some();
         let Some((outcome, view)) = &mut self.shown else {
             if self.work.is_none() && self.error.is_none() {
                 show_error(
@@ -259,12 +324,14 @@ impl OpenStudy {
             }
             return;
         };
-        let counts = &outcome.results.measured.counts;
-        let left = &outcome.filter;
-        let filtered = if left.is_empty() { String::new() } else { format!(" Filtered: {left}.") };
-        let people = count(outcome.results.people() as u64, "participant");
-        hint(ui, format!("{} by {people}.{filtered}", count(counts.total(), "rating")));
-        if !view.show(ui, self.section) {
+        // Results of an earlier selection stay, dimmed, until the new ones are there.
+        let found = ui.scope(|ui| {
+            if is_stale {
+                ui.multiply_opacity(STALE);
+            }
+            view.show(ui, self.section)
+        });
+        if !found.inner {
             ui.horizontal(|ui| {
                 ui.spinner();
                 ui.label("Predicting…");
@@ -399,6 +466,21 @@ impl Simulated {
 
     fn get(&self) -> (usize, usize) {
         (self.done.load(Ordering::Relaxed), self.all.load(Ordering::Relaxed))
+    }
+}
+
+impl Draft {
+    /// Describes the selected data; `None` if nothing is selected.
+    fn new(study: &Study, request: &Analyze) -> Option<Self> {
+        let measured = study.measured.narrowed(&request.ratings.exclusions()).ok()?;
+        if measured.counts.total() == 0 {
+            return None;
+        }
+        // A model without coefficients is none, and nothing is simulated for it.
+        let options = Options { max_coefficients: 0, checks: false, ..request.options(&study.source) };
+        let results = analyze_with(measured, &options, &|_, _| ());
+        let figures = figures::all(&results);
+        Some(Self(document(&study.source, &results, Parts { figures: &figures, ..Parts::default() })))
     }
 }
 

@@ -303,6 +303,12 @@ impl Questions {
             ),
             (
                 true,
+                "luminance_limit_asked",
+                "The screen does not dim large bright areas, as OLED screens do: a white window has the same luminance \
+                    at every size.",
+            ),
+            (
+                true,
                 "other_programs_asked",
                 "No other program draws on the screen: no video, no notifications, no screen sharing.",
             ),

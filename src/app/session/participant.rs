@@ -91,6 +91,7 @@ fn sentence<'t>(texts: &'t Texts, field: &ParticipantField, error: AnswerError) 
         AnswerError::Missing if field.kind() == FieldKind::Agreement => &texts.agreement_missing,
         AnswerError::Missing => &texts.answer_missing,
         AnswerError::NotANumber => &texts.number_expected,
+        AnswerError::NoAge => &texts.age_expected,
         AnswerError::Formula => &texts.letter_expected,
     }
 }

@@ -18,8 +18,8 @@ use super::{
 use crate::{
     app::{ui::Monitor, window::InputReport},
     experiment::{
-        Answers, Identity, Resumed, RowContext, Schedule, Session, SessionOptions, State, TrialRecord, TrialResponse,
-        session_seed,
+        Answers, Identity, Phase, Resumed, RowContext, Schedule, Session, SessionOptions, State, TrialRecord,
+        TrialResponse, session_seed,
     },
     light::CodeImage,
     report::terminal::message,
@@ -72,7 +72,15 @@ impl Recording {
         let (mut store, schedule, resumed, elapsed_s, number, rows) = if request.resume {
             let (store, found) =
                 SessionStore::resume(results, protocol, identity, request.seed, sitting, request.changes)?;
-            (store, found.schedule, found.resumed, found.elapsed_s, found.sitting, found.rows)
+            let mut resumed = found.resumed;
+            let hours_ago = |row: &TrialRecord| now().duration_since(row.started_at).as_secs_f64() / 3600.0;
+            let hours = found.rows.last().map(hours_ago);
+            if protocol.session.refresh_after_h.zip(hours).is_some_and(|(after, hours)| after == 0.0 || hours > after) {
+                let practice = found.rows.iter().filter(|row| row.phase == Phase::Practice);
+                let attempts = practice.map(|row| (row.trial as usize - 1, row.attempt));
+                resumed.repeat_practice(protocol.design.practice as usize, attempts);
+            }
+            (store, found.schedule, resumed, found.elapsed_s, found.sitting, found.rows)
         } else {
             let seed = request.seed.unwrap_or_else(fresh_seed);
             let store = SessionStore::create(results, protocol, identity, seed, sitting)?;

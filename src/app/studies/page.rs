@@ -199,6 +199,9 @@ impl Studies {
         let screen = &settings.screen;
         // A relative path would lead to other sessions when the program starts in another folder.
         self.form.results = ui::full(Path::new(settings.results.trim())).display().to_string();
+        if !settings.study.is_empty() {
+            self.form.experiment.clone_from(&settings.study);
+        }
         self.form.screen.profile.clone_from(&screen.profile);
         self.form.screen.distance_cm.clone_from(&screen.distance_cm);
         if screen.monitor == monitor.title() && !screen.width_cm.is_empty() {
@@ -231,6 +234,9 @@ impl Studies {
         }
         let is_file = !BUILT_IN.iter().any(|built_in| built_in.name == experiment.trim());
         let path = absolute(experiment);
+        if checked.protocol.is_some() {
+            settings.study = if is_file { path.clone() } else { experiment.trim().to_owned() };
+        }
         // The order of the cards stays while the user chooses among them.
         if is_file && checked.protocol.is_some() && !settings.recent.experiments.contains(&path) {
             remember(&mut settings.recent.experiments, &path);
@@ -648,6 +654,10 @@ impl Studies {
                 ui.add(bar);
             }
             ui::hint(ui, format!("{finished} of {all} sessions finished."));
+            let simulated = self.sessions.of(&protocol.name).filter(|session| session.simulated).count();
+            if simulated > 0 {
+                ui::note(ui, format!("{simulated} of these sessions are simulated: a program rated."));
+            }
             if planned.is_none() {
                 ui::hint(ui, "The definition plans no number of participants; machband plan finds one.");
             }

@@ -34,6 +34,8 @@ pub struct SessionState {
     pub complete: bool,
     /// When the last sitting began, RFC 3339, UTC.
     pub started_at: String,
+    /// Whether a program rated.
+    pub simulated: bool,
     /// What the participant answered before the first page, without their consent: `24, right`.
     pub answers: String,
 }
@@ -92,13 +94,24 @@ impl SessionState {
             rows.iter().map(|row| (row.phase, row.trial)).collect::<HashSet<_>>().len()
         };
         let started_at = sidecar.sittings.last().map(|sitting| sitting.started_at.clone()).unwrap_or_default();
+        let simulated = sidecar.sittings.iter().any(|sitting| sitting.observer.is_some());
         let answers = sidecar.participant.unwrap_or_default();
         let answers = answers.iter().filter(|(field, _)| *field != "consent");
         let answer = |(_, answer): (&String, &serde_json::Value)| {
             answer.as_str().map_or_else(|| answer.to_string(), ToOwned::to_owned)
         };
         let answers = answers.map(answer).collect::<Vec<_>>().join(", ");
-        Ok(Self { csv, experiment: protocol.name.clone(), identity, rated, planned, complete, started_at, answers })
+        Ok(Self {
+            csv,
+            experiment: protocol.name.clone(),
+            identity,
+            rated,
+            planned,
+            complete,
+            started_at,
+            simulated,
+            answers,
+        })
     }
 }
 

@@ -215,7 +215,12 @@ impl<'a> Order<'a> {
         if attempt == 1 && same_sitting && place <= *furthest {
             let message = "is not in the planned order; expected practice before main, and trials in ascending order";
             errors.push(message.to_owned());
-        } else if attempt > 1 && !self.is_repaired && !(same_sitting && place == place_of(above)) {
+        } else if attempt > 1
+            && !self.is_repaired
+            && !(same_sitting && place == place_of(above))
+            // A later sitting may repeat the practice, in the planned order.
+            && !(row.phase == Phase::Practice && (!same_sitting || place > *furthest))
+        {
             let message =
                 "corrects a rating that is not directly above it; expected a correction directly after the rating";
             errors.push(message.to_owned());

@@ -1,0 +1,143 @@
+//! Tests the page of a study without a display: the grid, its actions, and editing in place.
+
+use std::{fs, path::Path};
+
+use eframe::egui::Key;
+use egui_kittest::kittest::Queryable as _;
+use machband::{
+    app::{App, Launch},
+    store::definition,
+};
+
+use crate::{
+    common,
+    window::{self, Window, click, is_chosen, open_study, press, request, texts, type_into, wait_for},
+};
+
+const DEFINITION: &str = "schema = 1\nname = \"five\"\ntitle = \"Five categories\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1, 0.8]\n[design]\nrepetitions = 3\n[response]\nlabels = [\"none\", \"faint\", \"clear\", \"strong\", \"very strong\"]\nkeys = [\"1\", \"2\", \"3\", \"4\", \"5\"]\n[plan]\nparticipants = 3\nsessions = 2\n";
+
+/// Opens the window with this results folder and this definition.
+fn opened(folder: &Path, text: &str) -> Window {
+    let path = folder.join("five.toml");
+    if !path.exists() {
+        fs::write(&path, text).unwrap();
+    }
+    let settings = folder.join("settings.toml");
+    let written = format!(
+        "schema = 1\ngreeting = false\nresults = {:?}\n[recent]\nexperiments = [{:?}]\n",
+        folder.join("results").display().to_string(),
+        path.display().to_string()
+    );
+    fs::write(&settings, written).unwrap();
+    let launch = Launch { request: None, settings: Some(settings) };
+    let mut window = window::builder([1366.0, 900.0], 1.0 / 60.0).build_eframe(|cc| App::new(cc, launch));
+    window.run_steps(3);
+    open_study(&mut window, path.to_str().unwrap());
+    assert!(is_chosen(&window, "five.toml"), "{:?}", texts(&window));
+    window
+}
+
+/// A scale of five is checked, recorded, analyzed and drawn like the paper's four.
+#[test]
+fn a_grid_shows_what_is_planned_recorded_and_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = opened(folder.path(), DEFINITION);
+    wait_for(&mut window, "of 3 participants planned");
+    window.get_by_label("P001, session 1: next");
+    window.get_by_label("P003, session 2: not begun");
+    let path = folder.path().join("five.toml");
+    common::succeeds(folder.path(), &["simulate", path.to_str().unwrap(), "--participants", "2"]);
+    let mut window = opened(folder.path(), DEFINITION);
+    wait_for(&mut window, "S001, session 1: finished, 6 trials");
+    window.get_by_label_contains("2 of these sessions are simulated");
+    window.get_by_label("S002, session 2: not begun");
+    click(&mut window, "Check");
+    wait_for(&mut window, "no errors");
+    // A rating above the scale, or any other change, is found and named.
+    let csv = common::session_csv(&folder.path().join("results"), "five", "S001");
+    let text = fs::read_to_string(&csv).unwrap();
+    let (rest, last) = text.trim_end().rsplit_once('\n').unwrap();
+    fs::write(&csv, format!("{rest}\n{}\n", last.replace("0.1", "0.8"))).unwrap();
+    click(&mut window, "Check");
+    wait_for(&mut window, "S001, session 1: check failed");
+    fs::write(&csv, text).unwrap();
+    click(&mut window, "Analyze this study");
+    wait_for(&mut window, "12 ratings by 2 participants.");
+    wait_for(&mut window, "(none) to 4 (very strong)");
+}
+
+/// Nothing is lost by leaving a session before its first rating, and its files can then be removed.
+#[test]
+fn a_session_without_ratings_can_be_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = opened(folder.path(), DEFINITION);
+    let results = folder.path().join("results");
+    let protocol = definition::open(folder.path().join("five.toml")).unwrap();
+    let mut session = window::builder([1000.0, 800.0], 1.0 / 60.0)
+        .build_eframe(|cc| App::new(cc, Launch { request: Some(request(&results, protocol)), ..Launch::default() }));
+    for page in ["These findings are saved", "Welcome"] {
+        wait_for(&mut session, page);
+        press(&mut session, Key::Space);
+    }
+    wait_for(&mut session, "The answers");
+    // Every category is listed with its key.
+    session.get_by_label("very strong");
+    drop(session);
+    window.event(eframe::egui::Event::WindowFocused(true));
+    wait_for(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
+    click(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
+    let csv = common::session_csv(&results, "five", "P001");
+    assert!(csv.exists());
+    click(&mut window, "Remove…");
+    click(&mut window, "Keep");
+    assert!(csv.exists());
+    click(&mut window, "Remove…");
+    click(&mut window, "Remove");
+    wait_for(&mut window, "P001, session 1: next");
+    assert_eq!(fs::read_dir(csv.parent().unwrap()).unwrap().count(), 0);
+}
+
+/// While there are sessions, only what no session depends on may change.
+#[test]
+fn a_study_is_edited_in_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("five.toml");
+    let mut window = opened(folder.path(), DEFINITION);
+    click(&mut window, "Edit");
+    click(&mut window, "Remove rating 4");
+    type_into(&mut window, "Label of rating 0", "nothing");
+    window::choose(&mut window, "Add a question", "age");
+    click(&mut window, "Save");
+    wait_for(&mut window, "of 3 participants planned");
+    let protocol = definition::open(&path).unwrap();
+    assert_eq!(protocol.response.highest(), 3);
+    assert_eq!(protocol.response.categories[0].label, "nothing");
+    assert_eq!(protocol.participant.0[0].name, "age");
+    let hash = definition::hash(&protocol);
+
+    common::succeeds(folder.path(), &["simulate", path.to_str().unwrap(), "--participants", "1"]);
+    let mut window = opened(folder.path(), DEFINITION);
+    wait_for(&mut window, "S001, session 1: finished");
+    click(&mut window, "Edit");
+    window.get_by_label_contains("1 session was recorded with this definition.");
+    type_into(&mut window, "Repetitions", "9");
+    window.get_by_label_contains("Only the plan may change while there are sessions.");
+    type_into(&mut window, "Repetitions", "3");
+    type_into(&mut window, "Participants", "20");
+    click(&mut window, "Save");
+    wait_for(&mut window, "of 20 participants planned");
+    assert_eq!(definition::hash(&definition::open(&path).unwrap()), hash, "the same experiment");
+}
+
+/// A pilot is simulated beside the results of people, never among them, and then analyzed.
+#[test]
+fn a_pilot_is_simulated_in_a_folder_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = opened(folder.path(), DEFINITION);
+    click(&mut window, "Simulate a pilot…");
+    window.get_by_label_contains("pilot-1");
+    click(&mut window, "Simulate");
+    wait_for(&mut window, "18 ratings by 3 participants.");
+    wait_for(&mut window, "These data are simulated");
+    assert!(folder.path().join("pilot-1/five/data").is_dir() && !folder.path().join("results").exists());
+}
