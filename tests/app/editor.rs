@@ -12,17 +12,9 @@ const SIZE: [f32; 2] = [1366.0, 768.0];
 fn duplicate(definition: &str) -> Window {
     let mut window = window::home(SIZE, 1.0 / 60.0);
     open_study(&mut window, definition);
-    duplicate_chosen(&mut window);
+    click(&mut window, "Duplicate as…");
     wait_for(&mut window, "Stimulus size");
     window
-}
-
-/// Opens a copy of the chosen study; of one's own, from the menu.
-fn duplicate_chosen(window: &mut Window) {
-    if window.query_by_label("Edit").is_some() {
-        click(window, "More");
-    }
-    click(window, "Duplicate as…");
 }
 
 /// Leaves the editor with Escape; `experiment` is then chosen on the first page.
@@ -88,7 +80,8 @@ fn a_copy_is_edited_and_saved() {
         .replace("width = [0.02, 0.1, 0.4, 0.8]\n", "width = [0.05, 0.5, 1]\nhigh = [0.75]\n")
         .replace("orientation_deg = [0, 90]\n", "")
         .replace("repetitions = 1", "repetitions = 2")
-        .replace("\"random\"", "\"latin:depth\"");
+        .replace("\"random\"", "\"latin:depth\"")
+        .replace("own_means = true", "own_means = false");
     let saved = std::fs::read_to_string(&path).unwrap();
     assert!(saved.starts_with(&expected), "{saved}");
     assert_eq!(protocol.instructions.welcome, "Willkommen");
@@ -171,7 +164,7 @@ fn files_with_errors() {
     let path = write("none.toml", "name = ");
     let mut window = window::home(SIZE, 1.0 / 60.0);
     open_study(&mut window, path.to_str().unwrap());
-    duplicate_chosen(&mut window);
+    click(&mut window, "Duplicate as…");
     window.get_by_label_contains("none.toml:1:8: is not valid TOML");
     press(&mut window, Key::Escape);
     assert!(is_chosen(&window, "none.toml"));

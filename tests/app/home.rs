@@ -343,14 +343,14 @@ fn a_late_resumption_repeats_the_practice() {
     press(&mut second, Key::Num3);
     wait_for(&mut second, "Now the main part");
     press(&mut second, Key::Space);
-    for key in [Key::Num0, Key::Num1] {
+    for key in [Key::Num0, Key::Num1, Key::Num2] {
         second.run_steps(35);
+        if second.query_by_label_contains("Time for a break").is_some() {
+            press(&mut second, Key::Space);
+            second.run_steps(35);
+        }
         press(&mut second, key);
     }
-    wait_for(&mut second, "Time for a break");
-    press(&mut second, Key::Space);
-    second.run_steps(35);
-    press(&mut second, Key::Num2);
     wait_for(&mut second, "Thank you!");
     // Participants see their own means only if the definition says so.
     assert!(second.query_by_label_contains("Your mean rating").is_none());

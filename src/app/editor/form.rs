@@ -60,6 +60,10 @@ impl DefinitionForm {
             if let Some(title) = draft.get("title") {
                 draft.set("title", &format!("{title} (copy)"), Typed::Text);
             }
+            if draft.get("session.own_means").is_some() {
+                // A first look may show people their own ratings; a study begins without.
+                draft.set_flag("session.own_means", false);
+            }
         }
         let mut form = Self {
             original: draft.text(),

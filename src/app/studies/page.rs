@@ -43,6 +43,8 @@ const LIST: [f32; 2] = [288.0, 240.0];
 const CARDS: [f32; 2] = [336.0, 272.0];
 /// In a page narrower than this, in points, there is no column of cards.
 const ROOM_FOR_CARDS: f32 = 760.0;
+/// In a page narrower than this, in points, what is rarely needed is in a menu.
+const ROOM_FOR_ACTIONS: f32 = 560.0;
 /// Side of the example image, physical pixels.
 const PICTURE_PX: u32 = 88;
 
@@ -429,9 +431,10 @@ impl Studies {
         let is_built_in = BUILT_IN.iter().any(|built_in| built_in.name == experiment);
         let mut next = None;
         ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
+            let is_wide = ui.available_width() >= ROOM_FOR_ACTIONS;
             let more = quiet(ui, Icon::More, "", "More");
             Popup::menu(&more).show(|ui| {
-                if !is_built_in && ui.button("Duplicate as…").clicked() {
+                if !is_wide && !is_built_in && ui.button("Duplicate as…").clicked() {
                     next = Some(Destination::Editor(experiment.clone(), None));
                 }
                 if ui.button("Open the folder").clicked()
@@ -445,11 +448,12 @@ impl Studies {
                     ui::say(ui.ctx(), format!("{experiment} is no longer listed; the file and its sessions stay."));
                 }
             });
-            let text = if is_built_in { "Duplicate as…" } else { "Edit" };
-            if quiet(ui, Icon::Edit, text, text).clicked() {
+            if (is_wide || is_built_in) && quiet(ui, Icon::Plus, "Duplicate as…", "Duplicate as…").clicked() {
+                next = Some(Destination::Editor(experiment.clone(), None));
+            }
+            if !is_built_in && quiet(ui, Icon::Edit, "Edit", "Edit").clicked() {
                 let name = checked.protocol.as_ref().map_or("", |protocol| &protocol.name);
-                let sessions = (!is_built_in).then(|| self.sessions.of(name).count());
-                next = Some(Destination::Editor(experiment.clone(), sessions));
+                next = Some(Destination::Editor(experiment.clone(), Some(self.sessions.of(name).count())));
             }
             if ui.ctx().content_rect().width() < NARROW {
                 let menu = quiet(ui, Icon::Down, "Studies", "Choose another study");
