@@ -110,7 +110,7 @@ fn psychopy(text: &str) -> Result<Vec<Found>, String> {
     let file: Value = serde_json::from_str(text).map_err(|error| format!("is not valid JSON: {error}"))?;
     let has_readings = |one: &&Value| one.get("levelsPre").is_some_and(|levels| !levels.is_null());
     let all = file.as_object().into_iter().flat_map(|all| all.values());
-    let calibration = if has_readings(&&file) { Some(&file) } else { all.filter(has_readings).last() };
+    let calibration = if has_readings(&&file) { Some(&file) } else { all.rev().find(has_readings) };
     let calibration =
         calibration.ok_or("has no readings; expected a monitor file of PsychoPy with levelsPre and lumsPre")?;
     let list = |value: &Value| -> Option<Vec<Value>> { value.get("__ndarray__").unwrap_or(value).as_array().cloned() };

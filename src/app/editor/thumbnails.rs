@@ -76,7 +76,7 @@ impl Thumbnails {
             self.of = Some((revision, side));
         }
         self.draw_next(ui.ctx(), side);
-        ui.horizontal(|ui| self.all.iter().for_each(|thumbnail| _ = thumbnail.picture(ui, STRIP)));
+        ui.horizontal(|ui| self.all.iter().for_each(|thumbnail| thumbnail.picture(ui, STRIP)));
     }
 
     /// Lists the conditions. Those that were already listed keep their pictures if `keep` is true.

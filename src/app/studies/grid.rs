@@ -122,7 +122,7 @@ impl<'a> Grid<'a> {
         columns.extend((1..=plan.sessions).map(|number| number.to_string()));
         columns.push(next.session.clone());
         for list in [&mut subjects, &mut columns] {
-            list.sort_by(|a, b| natural(a).cmp(&natural(b)));
+            list.sort_by_cached_key(|id| natural(id));
             list.dedup();
         }
         let mut number = 1;
@@ -138,7 +138,7 @@ impl<'a> Grid<'a> {
             }
             number += 1;
         }
-        subjects[before..].sort_by(|a, b| natural(a).cmp(&natural(b)));
+        subjects[before..].sort_by_cached_key(|id| natural(id));
         Self { sessions, subjects, columns, next, wrong }
     }
 
