@@ -34,6 +34,8 @@ pub struct Editor {
     dialog: Dialog,
     saving: Saving,
     thumbnails: Thumbnails,
+    /// Whether no frame was drawn yet, so that the form begins at its top.
+    is_new: bool,
     /// Whether the user is being asked to discard the changes.
     leaving: bool,
 }
@@ -55,6 +57,7 @@ impl Editor {
             dialog: Dialog::default(),
             saving: Saving::default(),
             thumbnails: Thumbnails::default(),
+            is_new: true,
             leaving: false,
         }
     }
@@ -90,7 +93,7 @@ impl Editor {
             });
             CentralPanel::default().frame(frame).show(ui, |ui| {
                 theme::compact(ui);
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                self.scrolled().show(ui, |ui| {
                     // Leaves room for the scroll bar.
                     ui.set_max_width(ui.available_width() - 8.0);
                     back = ui::heading(ui, &heading);
@@ -103,7 +106,7 @@ impl Editor {
             Panel::left("editor").resizable(false).exact_size(FORM).frame(frame).show(ui, |ui| {
                 theme::compact(ui);
                 back = ui::heading(ui, &heading);
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.fields(ui));
+                self.scrolled().show(ui, |ui| self.fields(ui));
             });
             CentralPanel::default().frame(frame).show(ui, |ui| {
                 theme::compact(ui);
@@ -119,6 +122,12 @@ impl Editor {
             return Step::back_if(!self.leaving);
         }
         Step::back_if(self.leaving && self.discards(ui.ctx()))
+    }
+
+    /// Returns the scrolling room of the form, which begins at its top for each definition.
+    fn scrolled(&mut self) -> ScrollArea {
+        let area = ScrollArea::vertical().auto_shrink(false);
+        if std::mem::take(&mut self.is_new) { area.vertical_scroll_offset(0.0) } else { area }
     }
 
     fn fields(&mut self, ui: &mut Ui) {

@@ -454,7 +454,7 @@ fn draw_scale(ctx: &egui::Context, scale: &ResponseScale, enabled: bool) -> Opti
     let count = scale.categories.len().max(1) as f32;
     let width = ((ctx.content_rect().width() - 40.0) / count - GAP).min(MAX_WIDTH);
     Area::new(Id::unique("scale")).anchor(Align2::CENTER_BOTTOM, [0.0, -8.0]).show(ctx, |ui| {
-        Frame::NONE.fill(Color32::from_black_alpha(150)).corner_radius(6.0).inner_margin(6.0).show(ui, |ui| {
+        Frame::NONE.fill(theme::SHADE).corner_radius(6.0).inner_margin(6.0).show(ui, |ui| {
             ui.spacing_mut().item_spacing.x = GAP;
             ui.spacing_mut().button_padding = Vec2::new(6.0, 4.0);
             ui.horizontal(|ui| {

@@ -1,7 +1,7 @@
 //! The participants of a study and their sessions, as a grid.
 
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
 };
 
@@ -35,6 +35,8 @@ pub struct Sessions {
     read: Latest<(PathBuf, u64), Overview>,
     /// What was read last; it stays until the folder has been read again.
     pub all: Overview,
+    /// How many people took part in each experiment.
+    people: BTreeMap<String, usize>,
 }
 
 impl Sessions {
@@ -54,6 +56,11 @@ impl Sessions {
             && self.all != *read
         {
             self.all.clone_from(read);
+            let mut people: BTreeMap<String, BTreeSet<&str>> = BTreeMap::new();
+            for session in &self.all.sessions {
+                people.entry(session.experiment.clone()).or_default().insert(session.identity.subject());
+            }
+            self.people = people.into_iter().map(|(name, people)| (name, people.len())).collect();
         }
     }
 
@@ -64,7 +71,7 @@ impl Sessions {
 
     /// Returns how many people took part in an experiment.
     pub fn participants(&self, experiment: &str) -> usize {
-        self.of(experiment).map(|session| session.identity.subject()).collect::<BTreeSet<_>>().len()
+        self.people.get(experiment).copied().unwrap_or_default()
     }
 }
 

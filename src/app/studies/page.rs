@@ -179,7 +179,7 @@ impl Studies {
             if settings.greeting && ui.available_height() > 520.0 {
                 next = self.greeting(ui, &mut settings.greeting).or(next.take());
             }
-            next = self.place(ui, &checked, CARDS[wide], [monitor, here], settings).or(next.take());
+            next = self.place(ui, &checked, CARDS[wide], monitor, settings).or(next.take());
         });
         let dialog = match self.open.take() {
             None => None,
@@ -372,7 +372,7 @@ impl Studies {
         ui: &mut Ui,
         checked: &Checked,
         cards: f32,
-        [monitor, here]: [&Monitor; 2],
+        monitor: &Monitor,
         settings: &mut Settings,
     ) -> Option<Destination> {
         let mut next = self.title(ui, checked, settings);
@@ -383,7 +383,7 @@ impl Studies {
             return next;
         };
         ui.add_space(LARGE_GAP);
-        next = self.actions(ui, checked, protocol, [monitor, here], settings).or(next);
+        next = self.actions(ui, checked, protocol, monitor, settings).or(next);
         ui.add_space(LARGE_GAP);
         if ui.available_width() >= ROOM_FOR_CARDS {
             let frame = Frame::NONE.inner_margin(egui::Margin { left: LARGE_GAP as i8, ..Default::default() });
@@ -491,7 +491,7 @@ impl Studies {
         ui: &mut Ui,
         checked: &Checked,
         protocol: &Protocol,
-        [monitor, _]: [&Monitor; 2],
+        monitor: &Monitor,
         settings: &Settings,
     ) -> Option<Destination> {
         let mut next = None;
@@ -782,6 +782,7 @@ impl Studies {
             .inner
         });
         if done == Some(true) {
+            self.experiment.forget();
             self.choose_experiment(path.trim().to_owned());
         }
         (done.is_none() && !closed).then_some(path)

@@ -74,9 +74,9 @@ impl Studies {
             checked.field(ui, SessionField::Experiment).show(ui, |_, _| ());
         }
         let SessionForm { participant, session, screen, .. } = &mut self.form;
-        checked.field(ui, SessionField::Participant).hint("letters and digits").text(ui, participant);
-        checked.field(ui, SessionField::Session).hint("1, 2, … for the same participant").text(ui, session);
-        checked.field(ui, SessionField::Distance).hint("from eye to screen").text(ui, &mut screen.distance_cm);
+        checked.field(ui, SessionField::Participant).slot().hint("letters and digits").text(ui, participant);
+        checked.field(ui, SessionField::Session).slot().hint("1, 2, … for the same participant").text(ui, session);
+        checked.field(ui, SessionField::Distance).slot().hint("from eye to screen").text(ui, &mut screen.distance_cm);
         if let Some(coarse) = &checked.coarse {
             Field::new("").column(labels(ui)).show(ui, |ui, _| ui::note(ui, coarse));
         }

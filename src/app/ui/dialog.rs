@@ -70,6 +70,11 @@ impl Dialog {
         self.missing = opened.is_err();
     }
 
+    /// Withdraws the error, because a file was opened in another way.
+    pub fn forget(&mut self) {
+        self.missing = false;
+    }
+
     /// Shows an error if the last dialog never opened.
     pub fn missing_error(&self, ui: &mut egui::Ui) {
         if self.missing {

@@ -7,7 +7,7 @@ use eframe::{
     emath::Numeric,
 };
 
-use super::text;
+use super::{text, theme::MESSAGE};
 
 /// On a page narrower than this many times the width of the label column, the labels are above the controls.
 const NARROW: f32 = 2.0;
@@ -26,12 +26,13 @@ pub struct Field<'a> {
     error: &'a str,
     width: Option<f32>,
     column: Option<f32>,
+    slot: bool,
 }
 
 impl<'a> Field<'a> {
     /// Creates a field on one line.
     pub fn new(label: &'a str) -> Self {
-        Self { label, name: None, hint: "", suffix: "", error: "", width: None, column: None }
+        Self { label, name: None, hint: "", suffix: "", error: "", width: None, column: None, slot: false }
     }
 
     /// Puts the label in a column of this width, points.
@@ -57,6 +58,11 @@ impl<'a> Field<'a> {
     /// Sets the error to show below the control; empty for none.
     pub fn error(self, error: &'a str) -> Self {
         Self { error, ..self }
+    }
+
+    /// Keeps room for a line below the control, so that an error shifts nothing.
+    pub fn slot(self) -> Self {
+        Self { slot: true, ..self }
     }
 
     /// Sets the width of the control, points.
@@ -96,7 +102,15 @@ impl<'a> Field<'a> {
     }
 
     fn show_errors(self, ui: &mut Ui) {
-        self.error.lines().for_each(|line| text::show_error(ui, line));
+        let errors = |ui: &mut Ui| self.error.lines().for_each(|line| text::show_error(ui, line));
+        if self.slot {
+            ui.allocate_ui(egui::vec2(ui.available_width(), MESSAGE), |ui| {
+                ui.set_min_height(MESSAGE);
+                errors(ui);
+            });
+        } else {
+            errors(ui);
+        }
     }
 
     /// Draws the label and any control.

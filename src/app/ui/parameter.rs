@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, ComboBox, Slider, TextEdit, Ui};
 
-use super::{fields::Field, text};
+use super::{fields::Field, text, theme::ink};
 use crate::stimulus::{Parameter, ParameterValue, StimulusColor};
 
 /// Maximum width of a control, points.
@@ -11,6 +11,8 @@ const CONTROL: f32 = 240.0;
 const NUMBER: f32 = 60.0;
 const LIST: f32 = 38.0;
 const PICKER: f32 = 32.0;
+/// Opacity of the swatch of what is not a color, such as `same`.
+const FAINT: f32 = 0.2;
 
 /// Returns the lower end, upper end and step of a parameter's slider; `None` for a parameter whose values are not only
 /// numbers.
@@ -87,11 +89,21 @@ fn is_color(parameter: &Parameter) -> bool {
     parameter.name.starts_with("color")
 }
 
-/// Draws a button in the color of `text` that opens a color picker. A text that is not a color is shown as white. Like
+/// Draws a button in the color of `text` that opens a color picker. A text that is not a color is shown faintly. Like
 /// the weights of a stimulus, the picker's numbers are in linear light.
 fn pick_color(ui: &mut Ui, name: &str, text: &mut String) {
-    let mut rgb = text.parse::<StimulusColor>().map_or([1.0; 3], |color| color.rgb().map(|weight| weight as f32));
-    let button = ui.color_edit_button_rgb(&mut rgb);
+    let color = text.parse::<StimulusColor>().ok();
+    let mut rgb = color.as_ref().map_or([1.0; 3], |color| color.rgb().map(|weight| weight as f32));
+    let button = ui.scope(|ui| {
+        if color.is_none() {
+            ui.multiply_opacity(FAINT);
+        }
+        ui.color_edit_button_rgb(&mut rgb)
+    });
+    let button = button.inner;
+    // A white swatch has an edge on a white page too.
+    let edge = egui::Stroke::new(1.0, ink(ui).edge);
+    ui.painter().rect_stroke(button.rect, 4.0, edge, egui::StrokeKind::Inside);
     text::name(ui, &button, &format!("Pick the {name}"));
     if button.changed() {
         let [r, g, b] = rgb.map(|weight| (f64::from(weight.clamp(0.0, 1.0)) * 1e3).round() / 1e3);

@@ -46,6 +46,13 @@ pub const NARROW: f32 = 900.0;
 /// The background of a session's pages and of the screens that measure the display, in both themes.
 pub const DARK_PAGE: Color32 = DARK.page;
 
+/// Marks on a picture, in both themes: light and dark strokes, the fill of a knob, and a shade under text.
+pub const MARK: Color32 = gray(0xe0);
+pub const MARK_LINE: Color32 = gray(0x80);
+pub const MARK_DARK: Color32 = gray(0x20);
+pub const KNOB: [Color32; 2] = [gray(0x30), gray(0xc0)];
+pub const SHADE: Color32 = Color32::from_black_alpha(150);
+
 /// Grid lines of a plot: a translucent gray, fainter than any curve in both themes.
 pub const GRID: Color32 = Color32::from_rgba_premultiplied(0x1c, 0x1c, 0x1c, 0x38);
 

@@ -13,6 +13,9 @@ const STEPS_DEG: [f64; 2] = [5.0, 1.0];
 /// The enlargements of the picture; at 1, each of its pixels is one of the screen.
 pub const ZOOMS: [f32; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
 
+/// Radius of the knob that moves the divider, points.
+const KNOB: f32 = 9.0;
+
 /// How the two pictures are combined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Layer {
@@ -198,8 +201,9 @@ fn arrows(ui: &egui::Ui, response: &Response) -> [f64; 2] {
 /// Handles dragging and keys on the divider; returns whether it is being dragged.
 fn divider(ui: &egui::Ui, rect: Rect, settings: &mut ViewSettings) -> bool {
     let x = rect.left() + rect.width() * settings.divider as f32;
-    let strip = Rect::from_x_y_ranges(x - 9.0..=x + 9.0, rect.y_range());
-    let response = ui.interact(strip, Id::unique("shading divider"), Sense::click_and_drag());
+    // Only the knob takes the drag, so that the picture can be dragged beside the line.
+    let handle = Rect::from_center_size(knob(rect, x), Vec2::splat(2.0 * KNOB + 8.0));
+    let response = ui.interact(handle, Id::unique("shading divider"), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::slider(true, settings.divider, "Divider"));
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_value(format!("{:.3}", settings.divider)));
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) {
@@ -236,23 +240,23 @@ pub fn draw(ui: &egui::Ui, rect: Rect, textures: [TextureId; 2], size: [u32; 2],
 
 /// Draws the overlays: divider, scan line, light.
 pub fn draw_marks(ui: &egui::Ui, rect: Rect, compared: &Comparison, settings: &ViewSettings) {
-    let painter = ui.painter().with_clip_rect(rect.expand(9.0));
+    let painter = ui.painter().with_clip_rect(rect.expand(KNOB));
     if settings.layer != Layer::Difference {
         let x = rect.left() + rect.width() * settings.divider as f32;
         if ui.memory(|memory| memory.has_focus(Id::unique("shading divider"))) {
             painter.vline(x, rect.y_range(), Stroke::new(4.0, ui.visuals().selection.stroke.color));
         }
-        painter.vline(x, rect.y_range(), Stroke::new(1.0, Color32::from_gray(0x80)));
-        grip(&painter, Pos2::new(x.clamp(rect.left() + 9.0, rect.right() - 9.0), rect.bottom() - 26.0));
+        painter.vline(x, rect.y_range(), Stroke::new(1.0, theme::MARK_LINE));
+        grip(&painter, knob(rect, x));
     }
     if settings.scan {
         let whole = settings.whole(rect);
         let [from, to] = settings.line.map(|end| whole.lerp_inside(end.to_vec2()));
         // A dark line next to a light one, so that the scan line is visible on any image.
-        painter.line_segment([from, to], Stroke::new(3.0, Color32::from_black_alpha(120)));
-        painter.line_segment([from, to], Stroke::new(1.0, Color32::from_gray(0xe0)));
-        painter.circle(from, 4.0, Color32::from_gray(0x20), Stroke::new(1.5, Color32::from_gray(0xe0)));
-        painter.circle_filled(to, 3.0, Color32::from_gray(0xe0));
+        painter.line_segment([from, to], Stroke::new(3.0, theme::SHADE));
+        painter.line_segment([from, to], Stroke::new(1.0, theme::MARK));
+        painter.circle(from, 4.0, theme::MARK_DARK, Stroke::new(1.5, theme::MARK));
+        painter.circle_filled(to, 3.0, theme::MARK);
     }
     if settings.target == DragTarget::Light {
         let toward = compared.scene.light.normalize_or_zero();
@@ -266,26 +270,32 @@ pub fn draw_marks(ui: &egui::Ui, rect: Rect, compared: &Comparison, settings: &V
 pub fn draw_note(ui: &egui::Ui, rect: Rect, text: &str) {
     let painter = ui.painter().with_clip_rect(rect);
     let font = egui::TextStyle::Body.resolve(ui.style());
-    let text = painter.layout(text.to_owned(), font, Color32::from_gray(0xec), rect.width() - 24.0);
+    let text = painter.layout(text.to_owned(), font, theme::MARK, rect.width() - 24.0);
     let at = rect.min + Vec2::splat(12.0);
-    painter.rect_filled(Rect::from_min_size(at, text.size()).expand(6.0), 4.0, Color32::from_black_alpha(180));
+    painter.rect_filled(Rect::from_min_size(at, text.size()).expand(6.0), 4.0, theme::SHADE);
     painter.galley(at, text, Color32::WHITE);
+}
+
+/// Returns the center of the divider's knob; `x` is where the divider is.
+fn knob(rect: Rect, x: f32) -> Pos2 {
+    Pos2::new(x.clamp(rect.left() + KNOB, rect.right() - KNOB), rect.bottom() - 26.0)
 }
 
 /// Draws the handle of the divider: two arrowheads on a disc.
 fn grip(painter: &egui::Painter, at: Pos2) {
-    painter.circle(at, 9.0, Color32::from_gray(0x30), Stroke::new(1.0, Color32::from_gray(0xc0)));
+    let [fill, outline] = theme::KNOB;
+    painter.circle(at, KNOB, fill, Stroke::new(1.0, outline));
     for side in [-1.0, 1.0] {
         let corner = |x: f32, y: f32| at + Vec2::new(x * side, y);
         let tip = vec![corner(6.5, 0.0), corner(2.0, -3.5), corner(2.0, 3.5)];
-        painter.add(Shape::convex_polygon(tip, Color32::from_gray(0xe0), Stroke::NONE));
+        painter.add(Shape::convex_polygon(tip, theme::MARK, Stroke::NONE));
     }
 }
 
 /// Marks the position of the light; the mark is hollow if the light is behind the surface.
 fn draw_light_mark(painter: &egui::Painter, at: Pos2, before: bool) {
     // In gray: nothing beside a stimulus is colored.
-    let color = Color32::from_gray(0xe0);
+    let color = theme::MARK;
     let fill = if before { color } else { Color32::TRANSPARENT };
     painter.circle(at, 6.0, fill, Stroke::new(1.5, color));
     for ray in 0..8 {

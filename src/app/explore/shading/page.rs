@@ -194,6 +194,7 @@ impl ShadingPage {
         self.file.error = match choice.mesh() {
             Ok(mesh) => {
                 self.compared.mesh = choice.clone();
+                self.file.dialog.forget();
                 self.surface = Some((choice, Arc::new(Surface::new(mesh))));
                 None
             }
