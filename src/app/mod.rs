@@ -147,6 +147,10 @@ impl App {
             Step::Back if self.direct => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
             Step::Back => {
                 let completed = matches!(&self.view, View::Session(session) if session.is_complete());
+                if matches!(&self.view, View::Session(session) if session.is_over()) {
+                    let how = if completed { "finished" } else { "interrupted" };
+                    ui::say(ui.ctx(), format!("The session is {how}; every answer is saved."));
+                }
                 self.view = View::Places;
                 self.go(Place::Studies, completed);
             }
@@ -257,7 +261,10 @@ impl App {
         match step {
             Step::Stay => return,
             Step::Back => self.go(Place::Studies, false),
-            Step::Next(path) => self.studies.choose_new(&path, &mut self.memory.settings),
+            Step::Next(editor::Saved { path, renamed }) => {
+                self.memory.settings.recent.experiments.retain(|other| renamed.as_ref() != Some(other));
+                self.studies.choose_new(&path, &mut self.memory.settings);
+            }
         }
         self.editor = None;
         ui.ctx().request_repaint();

@@ -13,5 +13,5 @@ mod page;
 mod sections;
 mod thumbnails;
 
-pub use page::Editor;
+pub use page::{Editor, Saved};
 pub use thumbnails::Thumbnails;

@@ -1,13 +1,16 @@
 //! The page: leaving it, saving, and the summary next to the form.
 
-use std::path::{Path, PathBuf, absolute};
+use std::{
+    fs,
+    path::{Path, PathBuf, absolute},
+};
 
 use eframe::egui::{CentralPanel, Context, Frame, Key, KeyboardShortcut, Modifiers, Panel, ScrollArea, Ui};
 
 use super::{form::DefinitionForm, sections, thumbnails::Thumbnails};
 use crate::{
     app::ui::{self, Dialog, Field, FileKind, Saving, Step, theme},
-    store::{Writer, definition},
+    store::{StoreError, Writer, definition},
 };
 
 /// In a window narrower than this, in points, the summary is below the form.
@@ -19,6 +22,13 @@ const SAVE: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::S)
 /// Width of the label of the folder, points.
 const FOLDER: f32 = 60.0;
 
+/// A definition that was saved.
+pub struct Saved {
+    pub path: PathBuf,
+    /// The path of the file before, if it was renamed.
+    pub renamed: Option<String>,
+}
+
 /// A definition, or a copy of one, while it is edited.
 pub struct Editor {
     /// The definition that is edited or copied, as it was named.
@@ -27,6 +37,8 @@ pub struct Editor {
     copy: bool,
     /// Number of sessions that were recorded with the definition that is edited.
     sessions: usize,
+    /// The text of the file when it was opened, and the name in it; they are compared when the file itself is saved.
+    before: (String, Option<String>),
     /// The form, or why the definition cannot be edited.
     form: Result<DefinitionForm, String>,
     /// The folder for the new file.
@@ -48,11 +60,14 @@ impl Editor {
         let beside = definition::built_in(path).map_or(path.parent(), |_| None);
         let folder = beside.filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let folder = absolute(folder).unwrap_or_default();
+        let form = DefinitionForm::open(name_or_path, copy.then_some(&folder)).map_err(|error| error.to_string());
+        let name = form.as_ref().ok().and_then(|form| form.draft().get("name"));
         Self {
             of: name_or_path.to_owned(),
             copy,
+            before: (definition::text(path).unwrap_or_default().into_owned(), name),
             sessions: if copy { 0 } else { sessions },
-            form: DefinitionForm::open(name_or_path, copy.then_some(&folder)).map_err(|error| error.to_string()),
+            form,
             folder: folder.display().to_string(),
             dialog: Dialog::default(),
             saving: Saving::default(),
@@ -74,8 +89,8 @@ impl Editor {
         asks
     }
 
-    /// Draws the page. The step to the next page has the path of the saved definition.
-    pub fn show(&mut self, ui: &mut Ui) -> Step<PathBuf> {
+    /// Draws the page. The step to the next page has the saved definition.
+    pub fn show(&mut self, ui: &mut Ui) -> Step<Saved> {
         let escaped = ui::escaped(ui);
         let action = if self.copy { "Duplicate" } else { "Edit" };
         let heading = format!("{action} {}", Path::new(&self.of).file_stem().unwrap_or_default().display());
@@ -147,9 +162,9 @@ impl Editor {
         sections::show(form, ui);
     }
 
-    /// Draws the number of trials, the errors that no field shows, and the button that saves; returns the path of the
-    /// saved file.
-    fn summary(&mut self, ui: &mut Ui) -> Option<PathBuf> {
+    /// Draws the number of trials, the errors that no field shows, and the button that saves; returns the saved
+    /// file.
+    fn summary(&mut self, ui: &mut Ui) -> Option<Saved> {
         let Ok(form) = &mut self.form else { return None };
         if let Some(protocol) = form.protocol() {
             ui::section(ui, ui::extent(protocol));
@@ -169,8 +184,9 @@ impl Editor {
             let folder = absolute(self.folder.trim()).unwrap_or_else(|_| self.folder.trim().into());
             folder.join(format!("{}.toml", form.draft().get("name").unwrap_or_default()))
         } else {
-            PathBuf::from(&self.of)
+            self.place()
         };
+        let Ok(form) = &mut self.form else { return None };
         let is_frozen = self.sessions > 0 && form.is_another_experiment();
         let hint = match form.errors() {
             [] if is_frozen => "Only the plan may change while there are sessions.".to_owned(),
@@ -186,21 +202,47 @@ impl Editor {
         let clicked = ui::neutral_primary(ui, self.saving.caption("Save", &path), valid, &hint);
         let saves = clicked || valid && ui.input_mut(|input| input.consume_shortcut(&SAVE));
         let written = saves.then(|| {
-            let writer = if self.copy {
-                self.saving.writer(&path, &[self.of.clone().into()])
-            } else {
-                // Whoever edits a file means to replace it.
-                Writer::new(Vec::new(), true)
-            };
-            writer.write(&path, form.draft().text().as_bytes())
+            let text = form.draft().text();
+            if self.copy {
+                return self.saving.writer(&path, &[self.of.clone().into()]).write(&path, text.as_bytes());
+            }
+            let of = Path::new(&self.of);
+            if definition::text(of)? != self.before.0 {
+                let what =
+                    "was changed by another program; expected it as it was opened. Leave the form and open it again";
+                return Err(StoreError::Protected { path: of.to_owned(), what: what.to_owned() });
+            }
+            // Only the file that is edited is replaced; under another name, nothing is.
+            Writer::new(Vec::new(), path == of).write(&path, text.as_bytes()).map_err(|error| match error {
+                StoreError::Occupied(path) => {
+                    let what = "already exists; expected a name that no file in the folder has".to_owned();
+                    StoreError::Protected { path, what }
+                }
+                error => error,
+            })?;
+            if path == of { Ok(()) } else { fs::remove_file(of).map_err(|error| StoreError::io(of, "remove", error)) }
         });
         match written {
-            Some(Ok(())) => return Some(path),
+            Some(Ok(())) => {
+                let is_renamed = !self.copy && path != Path::new(&self.of);
+                return Some(Saved { path, renamed: is_renamed.then(|| self.of.clone()) });
+            }
             Some(Err(error)) => self.saving.finish(&path, Err(error)),
             None => {}
         }
         self.saving.show(ui);
         None
+    }
+
+    /// Returns where the edited file is saved. A file that has the name of its experiment is renamed with it.
+    fn place(&self) -> PathBuf {
+        let of = Path::new(&self.of);
+        let name = self.form.as_ref().ok().and_then(|form| form.draft().get("name"));
+        let was_named = of.file_stem().and_then(|stem| stem.to_str()) == self.before.1.as_deref();
+        match name {
+            Some(name) if was_named => of.with_file_name(format!("{name}.toml")),
+            _ => of.to_owned(),
+        }
     }
 
     fn folder_field(ui: &mut Ui, folder: &mut String, dialog: &mut Dialog) {

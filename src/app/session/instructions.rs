@@ -102,7 +102,11 @@ pub fn instructions(
                 key_list(ui, protocol);
                 ui.add_space(8.0);
                 ui.label(&texts.keys);
-                return if pinned.is_some() { Step::Stay } else { lead(ui) };
+                if pinned.is_some() {
+                    return Step::Stay;
+                }
+                ui.add_space(theme::LARGE_GAP);
+                return lead(ui);
             }
             let gap = ui.spacing().item_spacing.x;
             let side = ((ui.available_width() - 3.0 * gap) / 4.0).clamp(40.0, PICTURE);

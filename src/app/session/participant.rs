@@ -1,6 +1,6 @@
 //! The page that asks about the participant before the first page of a session.
 
-use eframe::egui::{self, Key, Ui};
+use eframe::egui::{self, Ui};
 
 use crate::{
     app::ui::{self, Field, Step, theme, today},
@@ -31,7 +31,7 @@ impl ParticipantPage {
     /// Draws the page; returns the answers once they are complete. `refused` says why the session could not begin.
     pub fn show(&mut self, ui: &mut Ui, refused: Option<&str>) -> Step<Answers> {
         let back = ui::escaped(ui);
-        let entered = ui::shortcut(ui, Key::Enter);
+        let entered = ui::entered(ui.ctx());
         let (proceed, left) = ui::page_from(ui, 0.06, |ui| {
             ui.heading(&self.texts.about_you);
             ui::paragraph(ui, &self.texts.about_you_text);

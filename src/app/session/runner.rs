@@ -52,6 +52,11 @@ impl Runner {
         matches!(&self.0, Stage::Finish(finish) if finish.is_complete())
     }
 
+    /// Returns whether the last page is shown.
+    pub fn is_over(&self) -> bool {
+        matches!(self.0, Stage::Finish(_))
+    }
+
     /// Returns whether an answer is only in memory.
     pub fn is_unsaved(&self) -> bool {
         matches!(&self.0, Stage::Trials(trials) if trials.is_unsaved())

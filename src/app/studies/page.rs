@@ -30,6 +30,7 @@ use crate::{
     },
     experiment::Protocol,
     light::{Bits, Quantizer, Transfer},
+    report::document::numbers::count,
     stimulus::{MachBand, Stimulus},
     store::{
         definition::BUILT_IN,
@@ -684,7 +685,8 @@ impl Studies {
             match &found {
                 None => ui::hint(ui, "Check renders every picture again and compares every row with the seed."),
                 Some(found) if found.errors.is_empty() => {
-                    ui::hint(ui, format!("{} sessions follow from their seeds and are unchanged.", found.sessions));
+                    let sessions = count(found.sessions as u64, "session");
+                    ui::hint(ui, format!("{sessions}: every row follows from its seed, and no file was changed."));
                 }
                 Some(found) => {
                     found.errors.iter().take(3).for_each(|error| ui::show_error(ui, error));
@@ -759,7 +761,7 @@ impl Studies {
 
     /// Draws the dialog that opens a definition; returns what was typed, unless it is closed.
     fn definition_dialog(&mut self, ctx: &egui::Context, mut path: String) -> Option<String> {
-        let entered = ctx.input(|input| input.key_pressed(Key::Enter));
+        let entered = ui::entered(ctx);
         let (done, closed) = ui::modal(ctx, "definition", 560.0, |ui, _| {
             ui.heading("Open a definition");
             ui::hint(ui, "A file in the format of docs/definitions.md. It can also be dropped on this window.");
@@ -795,10 +797,10 @@ impl Studies {
         match made {
             Err(error) => ui::complain(ctx, error),
             Ok(Made::Checked(found)) => {
-                let n = found.errors.len();
-                match n {
-                    0 => ui::say(ctx, format!("{} sessions checked; no errors", found.sessions)),
-                    _ => ui::complain(ctx, format!("{} sessions checked; {n} with errors", found.sessions)),
+                let sessions = count(found.sessions as u64, "session");
+                match found.errors.len() as u64 {
+                    0 => ui::say(ctx, format!("{sessions} checked; no errors")),
+                    n => ui::complain(ctx, format!("{sessions} checked; {}", count(n, "error"))),
                 }
                 self.found = Some((self.folder(), found));
             }

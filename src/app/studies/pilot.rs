@@ -36,6 +36,7 @@ impl PilotForm {
         // Simulated sessions never lie among those of people.
         let beside = |number: u32| results.with_file_name(format!("pilot-{number}"));
         let free = (1..).map(beside).find(|folder| !matches!(found(folder), Ok(Some(_)))).unwrap_or_default();
+        let entered = ui::entered(ctx);
         let (step, closed) = ui::modal(ctx, "pilot", WIDTH, |ui, _| {
             ui.heading("Simulate a pilot");
             ui::hint(ui, "Simulated observers rate every trial, and their ratings are analyzed as a study would be.");
@@ -53,7 +54,7 @@ impl PilotForm {
             ui::hint(ui, format!("The files go into the new folder {}.", free.display()));
             ui.add_space(GAP);
             ui.horizontal(|ui| {
-                if primary(ui, "Simulate", true, "") {
+                if primary(ui, "Simulate", true, "") || entered {
                     let request = Simulate {
                         experiment: experiment.into(),
                         participants: self.participants,
@@ -92,6 +93,7 @@ impl ExportForm {
 
     /// Draws the dialog; returns the request once it is confirmed.
     pub fn show(&mut self, ctx: &egui::Context, folder: &Path) -> Step<Export> {
+        let entered = ui::entered(ctx);
         let (step, closed) = ui::modal(ctx, "export", WIDTH, |ui, _| {
             ui.heading("Export");
             ui.label(RichText::new(folder.display().to_string()).small().weak());
@@ -124,7 +126,8 @@ impl ExportForm {
             });
             ui.add_space(GAP);
             ui.horizontal(|ui| {
-                if primary(ui, "Export", !self.out.trim().is_empty(), "") {
+                let ready = !self.out.trim().is_empty();
+                if primary(ui, "Export", ready, "") || entered && ready {
                     return Step::Next(Export {
                         folder: folder.to_owned(),
                         format: self.format,

@@ -1,6 +1,6 @@
 //! The dialog that begins a session: who takes part, and on which screen.
 
-use eframe::egui::{self, Button, ComboBox, Key, ScrollArea, TextEdit, Ui, Vec2, ViewportCommand};
+use eframe::egui::{self, Button, ComboBox, ScrollArea, TextEdit, Ui, Vec2, ViewportCommand};
 
 use super::{
     form::{Checked, SessionField, SessionForm, labels},
@@ -36,9 +36,7 @@ impl Studies {
         settings: &mut Settings,
     ) -> Option<Destination> {
         let ctx = ui.ctx().clone();
-        // In a field, Enter means the same as elsewhere; a button handles it itself.
-        let in_field = ctx.memory(|memory| memory.focused().is_none()) || ctx.text_edit_focused();
-        let entered = in_field && !egui::Popup::is_any_open(&ctx) && ctx.input(|input| input.key_pressed(Key::Enter));
+        let entered = ui::entered(&ctx);
         let (next, closed) = ui::modal(&ctx, "session", WIDTH, |ui, height| {
             ui.set_max_height(height);
             ui.heading("New session");

@@ -216,6 +216,13 @@ pub fn shortcut(ui: &Ui, key: Key) -> bool {
     !focused && ui.input(|input| input.key_pressed(key))
 }
 
+/// Returns whether Enter confirms the page or dialog: also in a text field, but not on a control that handles it itself.
+/// Call this before the fields are drawn.
+pub fn entered(ctx: &Context) -> bool {
+    let free = ctx.memory(|memory| memory.focused().is_none()) || ctx.text_edit_focused();
+    free && !Popup::is_any_open(ctx) && ctx.input(|input| input.key_pressed(Key::Enter))
+}
+
 /// Returns whether Escape leaves the page. Escape first closes the innermost thing: an open list or dialog, then the
 /// field in which the user is typing. Call this before lists and dialogs are drawn.
 pub fn escaped(ui: &Ui) -> bool {
