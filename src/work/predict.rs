@@ -133,7 +133,7 @@ impl Predict {
         let conditions = protocol.conditions();
         self.check_number(&protocol, conditions.len())?;
         conditions.iter().try_for_each(|condition| self.size_of(&condition.stimulus).map(drop))?;
-        let study = if self.fit.is_empty() { None } else { Some(self.study()?) };
+        let study = if self.fit.is_empty() { None } else { Some(self.study(&protocol)?) };
         let planned = study.as_ref().map_or(protocol.viewing.window_deg, |study| window_deg(&study.source, &protocol));
         let viewing = self.viewing(&encoded, self.size_of(&protocol.stimulus)?, planned);
         let wrong = |error: VisionError| anyhow::anyhow!("{}: {error}", protocol.stimulus.kind());
@@ -164,10 +164,22 @@ impl Predict {
         Ok(Predictions { table, fit })
     }
 
-    /// Reads the ratings with which the prediction is compared.
-    fn study(&self) -> anyhow::Result<Study> {
+    /// Reads the ratings of this experiment with which the prediction is compared. Ratings of another one may have the
+    /// same factors, but their stimuli were others.
+    fn study(&self, protocol: &Protocol) -> anyhow::Result<Study> {
         let ratings = Ratings { paths: self.fit.clone(), ..Ratings::default() };
-        ratings.read(Default::default(), false, self.large).map_err(explained)
+        let study = ratings.read(Default::default(), false, self.large).map_err(explained)?;
+        match &study.source.protocol {
+            Some(rated) if rated.stimulus != protocol.stimulus || rated.factors != protocol.factors => {
+                let path = self.fit[0].display();
+                let message = format!(
+                    "{path}: these are ratings of other stimuli, those of {}; expected those of {}",
+                    rated.name, protocol.name
+                );
+                Err(RequestError::whole(message).into())
+            }
+            _ => Ok(study),
+        }
     }
 
     /// Returns the criterion from the file, if there is one.

@@ -2,6 +2,8 @@
 
 use std::fs;
 
+use machband::store::definition;
+
 use crate::common::{fails, split, succeeds};
 
 fn column(table: &str, name: &str) -> Vec<String> {
@@ -78,6 +80,12 @@ fn a_criterion_is_recovered_from_ratings() {
 #[test]
 fn impossible_predictions_are_reported() {
     let folder = tempfile::tempdir().unwrap();
+    // The same factors, but another stimulus.
+    let gray = definition::BUILT_IN.iter().find(|one| one.name == "quick").unwrap().text.replace("yellow", "gray");
+    fs::write(folder.path().join("gray.toml"), gray.replace("\"quick\"", "\"gray\"")).unwrap();
+    succeeds(folder.path(), &split("simulate quick --participants 2"));
+    let error = fails(folder.path(), &split("predict gray.toml --fit results/quick"), 2);
+    assert!(error.contains("those of quick; expected those of gray"), "{error}");
     for (line, status, part) in [
         ("predict --window=-1", 2, "--window"),
         ("predict bangay2003 --fit nowhere", 1, "nowhere"),
