@@ -1,16 +1,13 @@
 //! The page: leaving it, saving, and the summary next to the form.
 
-use std::{
-    fs,
-    path::{Path, PathBuf, absolute},
-};
+use std::path::{Path, PathBuf, absolute};
 
 use eframe::egui::{CentralPanel, Context, Frame, Key, KeyboardShortcut, Modifiers, Panel, ScrollArea, Ui};
 
 use super::{form::DefinitionForm, sections, thumbnails::Thumbnails};
 use crate::{
     app::ui::{self, Dialog, Field, FileKind, Saving, Step, theme},
-    store::{StoreError, Writer, definition},
+    store::definition,
 };
 
 /// In a window narrower than this, in points, the summary is below the form.
@@ -206,21 +203,7 @@ impl Editor {
             if self.copy {
                 return self.saving.writer(&path, &[self.of.clone().into()]).write(&path, text.as_bytes());
             }
-            let of = Path::new(&self.of);
-            if definition::text(of)? != self.before.0 {
-                let what =
-                    "was changed by another program; expected it as it was opened. Leave the form and open it again";
-                return Err(StoreError::Protected { path: of.to_owned(), what: what.to_owned() });
-            }
-            // Only the file that is edited is replaced; under another name, nothing is.
-            Writer::new(Vec::new(), path == of).write(&path, text.as_bytes()).map_err(|error| match error {
-                StoreError::Occupied(path) => {
-                    let what = "already exists; expected a name that no file in the folder has".to_owned();
-                    StoreError::Protected { path, what }
-                }
-                error => error,
-            })?;
-            if path == of { Ok(()) } else { fs::remove_file(of).map_err(|error| StoreError::io(of, "remove", error)) }
+            definition::save(Path::new(&self.of), &self.before.0, &path, &text)
         });
         match written {
             Some(Ok(())) => {

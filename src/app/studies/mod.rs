@@ -2,11 +2,16 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | [`page`] | the page: the chosen study, its actions and cards |
+//! | [`page`] | the page and its state |
+//! | [`actions`], [`cards`], [`dialogs`] | what can be done with the chosen study; what stands beside it; its questions |
 //! | [`list`], [`grid`] | the studies to choose from; the participants and sessions of one |
-//! | [`session`], [`form`] | the dialog that begins a session; its fields and their errors |
+//! | [`session`], [`form`], [`fields`] | the dialog that begins a session; its fields, their errors, and what they remember |
 //! | [`pilot`], [`jobs`] | the dialogs of a pilot and an export; what runs in the background |
 
+mod actions;
+mod cards;
+mod dialogs;
+mod fields;
 mod form;
 mod grid;
 mod jobs;

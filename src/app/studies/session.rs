@@ -10,7 +10,11 @@ use crate::{
     app::{
         display::CardHelper,
         session::Request,
-        ui::{self, Field, FileKind, Monitor, Place, Step, number, theme::GAP, today},
+        ui::{
+            self, Field, FileKind, Monitor, Place, Step, number,
+            theme::{GAP, LARGE_GAP, ink},
+            today,
+        },
     },
     store::{
         session::{Changes, SessionStore, overview::SessionState},
@@ -19,7 +23,9 @@ use crate::{
 };
 
 /// Width of the dialog, points.
-const WIDTH: f32 = 720.0;
+const WIDTH: f32 = 880.0;
+/// Width of the plan of the screen, points.
+const PLAN: f32 = 184.0;
 /// Minimum width of a text field with buttons after it, points.
 const MIN_FIELD: f32 = 120.0;
 /// Padding of a text field, points.
@@ -47,7 +53,16 @@ impl Studies {
             let mut measure = false;
             let room = height - 168.0;
             ScrollArea::vertical().id_salt("form").max_height(room).auto_shrink([false, true]).show(ui, |ui| {
-                measure = self.fields(ui, checked, monitor, here, monitors, settings);
+                let beside = ui.available_width() >= WIDTH - 2.0 * GAP;
+                ui.horizontal_top(|ui| {
+                    ui.vertical(|ui| {
+                        ui.set_width(ui.available_width() - if beside { PLAN + LARGE_GAP } else { 0.0 });
+                        measure = self.fields(ui, checked, monitor, here, monitors, settings);
+                    });
+                    if let Some((side_px, _)) = checked.stimulus_px.filter(|_| beside) {
+                        plan(ui, monitor, side_px);
+                    }
+                });
             });
             let (start, cancel) = self.start(ui, checked, monitor, settings, entered && self.card.is_none());
             (start.or(measure.then_some(Destination::Place(Place::Display))), cancel)
@@ -285,6 +300,24 @@ impl Studies {
         }
         self.card = None;
     }
+}
+
+/// Draws the screen and the stimulus on it, to scale.
+fn plan(ui: &mut Ui, monitor: &Monitor, side_px: u32) {
+    ui.vertical(|ui| {
+        ui.set_width(PLAN);
+        let scale = PLAN / monitor.width_px.max(1) as f32;
+        let size = Vec2::new(PLAN, scale * monitor.height_px as f32);
+        let (rect, response) = ui.allocate_exact_size(size, egui::Sense::hover());
+        let (width, height) = (monitor.width_px, monitor.height_px);
+        let caption = format!("To scale: {width} × {height} pixels, and the stimulus, {side_px} pixels wide.");
+        ui::describe(&response, &caption);
+        let ink = ink(ui);
+        ui.painter().rect_filled(rect, 4.0, ink.active);
+        let side = Vec2::splat(scale * side_px as f32);
+        ui.painter().rect_filled(egui::Rect::from_center_size(rect.center(), side).intersect(rect), 0.0, ink.dim);
+        ui::hint(ui, caption);
+    });
 }
 
 /// Returns the width for a text field that a number of buttons follow, on the same line if there is room.

@@ -110,32 +110,26 @@ pub fn heading(ui: &mut Ui, name: &str) -> bool {
 /// Draws the main button of a page, followed by a hint, such as its key; returns whether the button was clicked.
 pub fn primary(ui: &mut Ui, text: &str, enabled: bool, hint: &str) -> bool {
     let ink = ink(ui);
-    ui.horizontal(|ui| {
-        let clicked = filled(ui, text, [ink.accent, ink.on_accent], enabled).clicked();
-        if !hint.is_empty() {
-            super::text::hint(ui, hint);
-        }
-        clicked
-    })
-    .inner
+    filled(ui, text, [ink.accent, ink.on_accent], enabled, hint)
 }
 
 /// Draws the main button of a page that shows a stimulus, where nothing may be colored; otherwise like [`primary`].
 pub fn neutral_primary(ui: &mut Ui, text: &str, enabled: bool, hint: &str) -> bool {
     let ink = ink(ui);
+    filled(ui, text, [ink.neutral, ink.on_neutral], enabled, hint)
+}
+
+fn filled(ui: &mut Ui, text: &str, [fill, on_fill]: [Color32; 2], enabled: bool, hint: &str) -> bool {
+    let button = egui::Button::new(RichText::new(text).color(on_fill)).fill(fill);
+    let button = button.min_size(Vec2::new(3.0 * BIG_CONTROL, BIG_CONTROL));
     ui.horizontal(|ui| {
-        let clicked = filled(ui, text, [ink.neutral, ink.on_neutral], enabled).clicked();
+        let clicked = ui.add_enabled(enabled, button).clicked();
         if !hint.is_empty() {
             super::text::hint(ui, hint);
         }
         clicked
     })
     .inner
-}
-
-fn filled(ui: &mut Ui, text: &str, [fill, on_fill]: [Color32; 2], enabled: bool) -> egui::Response {
-    let button = egui::Button::new(RichText::new(text).color(on_fill)).fill(fill);
-    ui.add_enabled(enabled, button.min_size(Vec2::new(3.0 * BIG_CONTROL, BIG_CONTROL)))
 }
 
 /// Draws a button with an icon.

@@ -1,0 +1,193 @@
+//! The greeting, the cards beside the grid, and the selected session below it.
+
+use eframe::egui::{self, Align, Frame, Layout, Panel, RichText, Ui};
+
+use super::{
+    actions::open_file,
+    form::Checked,
+    grid::{self, Cell},
+    page::{Destination, Open, Studies},
+};
+use crate::{
+    app::ui::{
+        self, Monitor, Place, action, pixels,
+        theme::{self, Icon, KEY, LARGE_GAP, SECTION, ink},
+    },
+    experiment::{Factor, Protocol},
+    light::{Bits, Quantizer, Transfer},
+    report::document::numbers::count,
+    stimulus::{MachBand, Stimulus},
+    store::{session::overview::SessionState, settings::Settings},
+};
+
+/// Side of the example image, physical pixels.
+const PICTURE_PX: u32 = 88;
+
+impl Studies {
+    /// Shows a newcomer what a Mach band is.
+    pub(super) fn greeting(&mut self, ui: &mut Ui, shown: &mut bool) -> Option<Destination> {
+        let mut next = None;
+        let frame = theme::card(ui).outer_margin(egui::Margin { bottom: LARGE_GAP as i8, ..Default::default() });
+        Panel::top("greeting").resizable(false).show_separator_line(false).frame(frame).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                let texture = self.picture.get_or_insert_with(|| {
+                    let stimulus = Stimulus::MachBand(MachBand::default());
+                    let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
+                    pixels::texture(ui.ctx(), "example", &stimulus, PICTURE_PX, &quantizer)
+                });
+                pixels::picture(ui, texture, "A dark area and a bright area with a linear ramp between them");
+                ui.vertical(|ui| {
+                    ui.label(RichText::new("Do you see a bright line?").strong().size(SECTION));
+                    ui::paragraph(
+                        ui,
+                        "It is where the ramp meets the bright area, but it is not in the image: it is a Mach band. \
+                            In a session, participants rate how visible it is.",
+                    );
+                    ui.horizontal(|ui| {
+                        if ui.button("See more stimuli").clicked() {
+                            next = Some(Destination::Place(Place::Stimuli));
+                        }
+                        if ui.button("Hide").on_hover_text("Does not show this again.").clicked() {
+                            *shown = false;
+                        }
+                    });
+                });
+            });
+        });
+        next
+    }
+
+    /// Draws the card of the selected session at the lower edge.
+    pub(super) fn detail(
+        &mut self,
+        ui: &mut Ui,
+        checked: &Checked,
+        monitor: &Monitor,
+        settings: &Settings,
+    ) -> Option<Destination> {
+        let session = self.selected.as_ref().and_then(|cell| self.recorded(cell));
+        let mut next = None;
+        let panel = Panel::bottom("detail").resizable(false).show_separator_line(false).frame(Frame::NONE);
+        panel.show(ui, |ui| {
+            grid::key(ui);
+            if let Some(error) = &self.error
+                && self.open.is_none()
+            {
+                ui::show_error(ui, error);
+            }
+            theme::card(ui).show(ui, |ui| {
+                ui.set_min_width(ui.available_width());
+                ui.set_min_height(theme::CONTROL);
+                ui.horizontal_wrapped(|ui| {
+                    let Some(session) = &session else {
+                        ui::hint(
+                            ui,
+                            "Choose a session with a click or the arrow keys; Enter resumes, begins or opens it.",
+                        );
+                        return;
+                    };
+                    ui.label(RichText::new(Cell::of(session).title()).strong().size(SECTION));
+                    let SessionState { rated, planned, complete, .. } = session;
+                    let (icon, color) = if *complete { (Icon::Done, ink(ui).text) } else { (Icon::Part, ink(ui).warn) };
+                    icon.show(ui, color);
+                    let text = format!("{rated} of {planned} trials, last used on {}", session.day());
+                    ui.label(RichText::new(text).small().color(color));
+                    if !complete && action(ui, Icon::Resume, "Resume").clicked() {
+                        next = self.resume(ui, session, monitor, checked, settings);
+                    }
+                    if ui.button("Open the file").clicked() {
+                        open_file(ui, session);
+                    }
+                    if *rated == 0 && ui.button("Remove…").clicked() {
+                        self.open = Some(Open::Removal(Box::new(session.clone())));
+                    }
+                });
+            });
+        });
+        next
+    }
+
+    /// Draws what is planned against what is there, the last check, and the stimuli.
+    pub(super) fn cards(&mut self, ui: &mut Ui, protocol: &Protocol) {
+        let people = self.sessions.participants(&protocol.name);
+        let finished = self.sessions.of(&protocol.name).filter(|session| session.complete).count();
+        let card = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
+            theme::card(ui).show(ui, |ui| {
+                ui.set_width(ui.available_width());
+                add(ui);
+            });
+            ui.add_space(LARGE_GAP - ui.spacing().item_spacing.y);
+        };
+        card(ui, &mut |ui| {
+            let planned = protocol.plan.participants;
+            let whose = match planned {
+                Some(planned) => format!("of {planned} participants planned"),
+                None if people == 1 => "participant".to_owned(),
+                None => "participants".to_owned(),
+            };
+            ui.horizontal(|ui| {
+                ui.label(RichText::new(people.to_string()).strong().size(KEY));
+                ui.label(RichText::new(whose).weak());
+            });
+            let begun = self.sessions.of(&protocol.name).count();
+            let all = planned.map_or(begun, |planned| (planned * protocol.plan.sessions) as usize);
+            if planned.is_some() {
+                let share = finished as f32 / all.max(1) as f32;
+                let bar = egui::ProgressBar::new(share).desired_height(4.0).fill(ink(ui).dim);
+                ui.add(bar);
+            }
+            ui::hint(ui, format!("{finished} of {all} sessions finished."));
+            let simulated = self.sessions.of(&protocol.name).filter(|session| session.simulated).count();
+            if simulated > 0 {
+                ui::note(ui, format!("{simulated} of these sessions are simulated: a program rated."));
+            }
+            if planned.is_none() {
+                ui::hint(ui, "The definition plans no number of participants; machband plan finds one.");
+            }
+        });
+        let found = self.found.as_ref().filter(|(folder, _)| *folder == self.folder()).map(|(_, found)| found.clone());
+        card(ui, &mut |ui| {
+            ui.horizontal(|ui| {
+                ui.label(RichText::new("Check").strong().size(SECTION));
+                let Some(found) = &found else { return };
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    let (text, color, icon) = match found.errors.len() {
+                        0 => ("no errors".to_owned(), ink(ui).good, Icon::Check),
+                        1 => ("1 error".to_owned(), ink(ui).bad, Icon::Warn),
+                        n => (format!("{n} errors"), ink(ui).bad, Icon::Warn),
+                    };
+                    ui.label(RichText::new(text).small().color(color));
+                    icon.show(ui, color);
+                });
+            });
+            match &found {
+                None => ui::hint(ui, "Check renders every picture again and compares every row with the seed."),
+                Some(found) if found.errors.is_empty() => {
+                    let sessions = count(found.sessions as u64, "session");
+                    ui::hint(ui, format!("{sessions}: every row follows from its seed, and no file was changed."));
+                }
+                Some(found) => {
+                    found.errors.iter().take(3).for_each(|error| ui::show_error(ui, error));
+                    if found.errors.len() > 3 {
+                        ui::hint(ui, format!("and {} more", found.errors.len() - 3));
+                    }
+                }
+            }
+        });
+        card(ui, &mut |ui| {
+            ui.label(RichText::new("Stimuli").strong().size(SECTION));
+            self.thumbnails.strip(ui, protocol);
+            let levels = |factor: &Factor| {
+                let label = ui::parameter::label(&factor.name);
+                let (name, unit) = label.strip_suffix(", °").map_or((label.as_str(), ""), |name| (name, "°"));
+                let [first, last] = [factor.levels.first(), factor.levels.last()]
+                    .map(|level| level.map(|level| level.to_string().replace("inf", "∞") + unit).unwrap_or_default());
+                format!("{name} {first} to {last}")
+            };
+            let factors: Vec<String> = protocol.factors.iter().map(levels).collect();
+            let n = protocol.conditions().len();
+            let conditions = if n == 1 { "1 condition".to_owned() } else { format!("{n} conditions") };
+            ui::hint(ui, if factors.is_empty() { conditions } else { format!("{conditions}: {}", factors.join(", ")) });
+        });
+    }
+}

@@ -1,0 +1,116 @@
+//! The dialogs other than that of a session, and the results of what ran in the background.
+
+use eframe::egui;
+
+use super::{
+    form::Checked,
+    grid::Cell,
+    jobs::{Job, Made},
+    page::{Destination, Open, Studies},
+};
+use crate::{
+    app::ui::{self, Field, FileKind, Step, theme::GAP},
+    report::document::numbers::count,
+};
+
+impl Studies {
+    /// Draws the dialogs other than that of a session.
+    pub(super) fn other_dialog(&mut self, ctx: &egui::Context, open: Open, checked: &Checked) {
+        let folder = self.folder();
+        if let Open::Definition(path) = open {
+            self.open = self.definition_dialog(ctx, path).map(Open::Definition);
+            return;
+        }
+        let Some(protocol) = &checked.protocol else { return };
+        self.open = match open {
+            Open::Session | Open::Definition(_) => None,
+            Open::Pilot(mut form) => match form.show(ctx, &self.form.experiment, &self.results()) {
+                Step::Stay => Some(Open::Pilot(form)),
+                Step::Back => None,
+                Step::Next(request) => {
+                    self.job = Some(Job::pilot(ctx, *request, protocol.clone()));
+                    None
+                }
+            },
+            Open::Export(mut form) => match form.show(ctx, &folder) {
+                Step::Stay => Some(Open::Export(form)),
+                Step::Back => None,
+                Step::Next(request) => {
+                    self.job = Some(Job::export(ctx, request));
+                    None
+                }
+            },
+            Open::Removal(session) => {
+                let title = Cell::of(&session).title();
+                let text = format!("Nothing was rated in {title}, so no rating is lost.");
+                match ui::ask(ctx, "Remove the empty session?", &text, ["Keep", "Remove"]) {
+                    None => Some(Open::Removal(session)),
+                    Some(false) => None,
+                    Some(true) => {
+                        match session.remove() {
+                            Ok(()) => ui::say(ctx, format!("{title} was removed.")),
+                            Err(error) => ui::complain(ctx, error.to_string()),
+                        }
+                        self.checked = None;
+                        self.sessions.refresh();
+                        None
+                    }
+                }
+            }
+        };
+    }
+
+    /// Draws the dialog that opens a definition; returns what was typed, unless it is closed.
+    pub(super) fn definition_dialog(&mut self, ctx: &egui::Context, mut path: String) -> Option<String> {
+        let entered = ui::entered(ctx);
+        let (done, closed) = ui::modal(ctx, "definition", 560.0, |ui, _| {
+            ui.heading("Open a definition");
+            ui::hint(ui, "A file in the format of docs/definitions.md. It can also be dropped on this window.");
+            ui.add_space(GAP);
+            let browsed = Field::new("Definition").column(96.0).show(ui, |ui, label| {
+                ui.horizontal_wrapped(|ui| {
+                    let field = egui::TextEdit::singleline(&mut path).hint_text("path of a .toml file");
+                    ui.add(field.desired_width(300.0)).labelled_by(label);
+                    self.experiment.browse(ui, FileKind::Toml, "Choose a definition…", &mut path)
+                })
+                .inner
+            });
+            self.experiment.missing_error(ui);
+            ui.add_space(GAP);
+            ui.horizontal(|ui| {
+                let ready = !path.trim().is_empty();
+                let opened = ui::primary(ui, "Open", ready, "") || ready && (entered || browsed);
+                opened.then_some(true).or(ui.button("Cancel").clicked().then_some(false))
+            })
+            .inner
+        });
+        if done == Some(true) {
+            self.experiment.forget();
+            self.choose_experiment(path.trim().to_owned());
+        }
+        (done.is_none() && !closed).then_some(path)
+    }
+
+    /// Takes the result of the job; a simulated study is analyzed.
+    pub(super) fn take_made(&mut self, ctx: &egui::Context) -> Option<Destination> {
+        let made = self.job.as_ref()?.poll()?;
+        self.job = None;
+        match made {
+            Err(error) => ui::complain(ctx, error),
+            Ok(Made::Checked(found)) => {
+                let sessions = count(found.sessions as u64, "session");
+                match found.errors.len() as u64 {
+                    0 => ui::say(ctx, format!("{sessions} checked; no errors")),
+                    n => ui::complain(ctx, format!("{sessions} checked; {}", count(n, "error"))),
+                }
+                self.found = Some((self.folder(), found));
+            }
+            Ok(Made::Exported(text)) => ui::say(ctx, text),
+            Ok(Made::Pilot(folder)) => {
+                ui::say(ctx, format!("Simulated in {}", folder.display()));
+                return Some(Destination::Analysis(folder));
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,114 @@
+//! What the fields of a session remember, suggest and check.
+
+use std::{path::Path, rc::Rc};
+
+use super::{
+    form::{Checked, SessionField, SessionForm},
+    page::Studies,
+};
+use crate::{
+    app::ui::{self, Monitor},
+    store::{
+        definition::BUILT_IN,
+        settings::{Settings, remember},
+    },
+};
+
+impl Studies {
+    /// Fills the form with the remembered values.
+    pub(super) fn recall(&mut self, settings: &Settings, monitor: &Monitor) {
+        let screen = &settings.screen;
+        // A relative path would lead to other sessions when the program starts in another folder.
+        self.form.results = ui::full(Path::new(settings.results.trim())).display().to_string();
+        if !settings.study.is_empty() {
+            self.form.experiment.clone_from(&settings.study);
+        }
+        self.form.screen.profile.clone_from(&screen.profile);
+        self.form.screen.distance_cm.clone_from(&screen.distance_cm);
+        if screen.monitor == monitor.title() && !screen.width_cm.is_empty() {
+            self.form.screen.screen_width_cm.clone_from(&screen.width_cm);
+            self.width_origin = Some((screen.width_cm.clone(), "Remembered for this screen"));
+        }
+        self.suggest(monitor);
+    }
+
+    /// Updates the remembered values. What the program suggests is not remembered.
+    pub(super) fn remember(&self, settings: &mut Settings, monitor: &Monitor, checked: &Checked) {
+        let SessionForm { screen, results, experiment, .. } = &self.form;
+        let absolute = |text: &str| {
+            std::path::absolute(text.trim()).map_or_else(|_| text.to_owned(), |path| path.display().to_string())
+        };
+        if !checked.is_wrong(SessionField::Results) {
+            settings.results = absolute(results);
+        }
+        if !checked.is_wrong(SessionField::Profile) {
+            settings.screen.profile =
+                if screen.profile.trim().is_empty() { String::new() } else { absolute(&screen.profile) };
+        }
+        if !checked.is_wrong(SessionField::ScreenWidth) && !screen.width_is_assumed(monitor) {
+            settings.screen.monitor = monitor.title();
+            settings.screen.width_cm.clone_from(&screen.screen_width_cm);
+        }
+        if !checked.is_wrong(SessionField::Distance) {
+            let is_planned = screen.distance_cm == self.planned_cm;
+            settings.screen.distance_cm = if is_planned { String::new() } else { screen.distance_cm.clone() };
+        }
+        let is_file = !BUILT_IN.iter().any(|built_in| built_in.name == experiment.trim());
+        let path = absolute(experiment);
+        if checked.protocol.is_some() {
+            settings.study = if is_file { path.clone() } else { experiment.trim().to_owned() };
+        }
+        // The order of the cards stays while the user chooses among them.
+        if is_file && checked.protocol.is_some() && !settings.recent.experiments.contains(&path) {
+            remember(&mut settings.recent.experiments, &path);
+        }
+    }
+
+    /// Fills empty fields, and replaces a participant that the program suggested for other results.
+    pub(super) fn suggest(&mut self, monitor: &Monitor) {
+        if self.form.participant == self.suggested {
+            self.form.participant.clear();
+        }
+        let typed = self.form.participant.clone();
+        self.form.suggest(monitor);
+        if typed.is_empty() {
+            self.suggested.clone_from(&self.form.participant);
+        }
+    }
+
+    /// Checks the form if something in it has changed.
+    pub(super) fn check(&mut self, monitor: &Monitor) -> Rc<Checked> {
+        if let Some((form, seen, checked)) = &self.checked
+            && *form == self.form
+            && seen == monitor
+        {
+            return checked.clone();
+        }
+        let before = self.checked.as_ref().map(|(form, ..)| form);
+        let moved =
+            before.is_none_or(|form| form.experiment != self.form.experiment || form.results != self.form.results);
+        if moved || self.form.screen.distance_cm.is_empty() {
+            self.suggest(monitor);
+        }
+        let mut checked = self.form.check(monitor);
+        let known = checked.display.as_ref().and_then(|display| display.screen_width_cm);
+        if let Some(width) = known
+            && self.form.screen.width_is_assumed(monitor)
+        {
+            // A profile that knows the screen's width is better than an assumption.
+            self.set_width(width, "From the display profile");
+            checked = self.form.check(monitor);
+        }
+        if let Some(protocol) = &checked.protocol {
+            self.planned_cm = protocol.viewing.distance_cm.to_string();
+        }
+        let checked = Rc::new(checked);
+        self.checked = Some((self.form.clone(), monitor.clone(), checked.clone()));
+        checked
+    }
+
+    pub(super) fn set_width(&mut self, width_cm: f64, origin: &'static str) {
+        self.form.screen.screen_width_cm = width_cm.to_string();
+        self.width_origin = Some((width_cm.to_string(), origin));
+    }
+}
