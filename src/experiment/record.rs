@@ -386,8 +386,13 @@ impl TrialRecord {
     /// Returns the index of the trial that this row records.
     ///
     /// # Errors
-    /// Returns a message if the schedule does not plan this trial with this condition.
+    /// Returns a message if the schedule does not plan this trial with this condition, or the scale has no such rating.
     pub fn planned_trial(&self, context: &RowContext<'_>) -> Result<usize, String> {
+        let highest = context.protocol.response.highest();
+        if self.rating.0 > highest {
+            let rating = self.rating.0;
+            return Err(format!("row {} has the rating {rating}; expected 0 to {highest}", self.row_id));
+        }
         // Practice trials come first, and each phase is numbered from 1.
         let practice = context.protocol.design.practice as usize;
         let before = if self.phase == Phase::Main { practice } else { 0 };

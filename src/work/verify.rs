@@ -1,13 +1,16 @@
 //! Whether recorded sessions are correct and unchanged.
 
-use std::path::PathBuf;
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 use serde::Serialize;
 
 use super::{Found, Watcher, request::paths};
 use crate::{
     report::document::numbers::count,
-    store::{FileErrors, verify},
+    store::{FileErrors, StoreError, dataset::DATA_FILE, verify},
 };
 
 /// Verify that the rows and pictures of recorded sessions are correct and that no file was changed.
@@ -49,6 +52,25 @@ impl Verify {
         verified.warnings.iter().for_each(|warning| watcher.warn(&warning.to_string()));
         found.errors = verified.errors.into_iter().map(|error| FileErrors(vec![error]).into()).collect();
         Ok(Verified { found, sessions: verified.sessions })
+    }
+}
+
+impl Verified {
+    /// Returns the data files of the sessions with an error in one of their files.
+    #[must_use]
+    pub fn wrong(&self) -> BTreeSet<PathBuf> {
+        let files = self.found.errors.iter().filter_map(|error| match error {
+            StoreError::FileErrors(FileErrors(errors)) => Some(errors),
+            _ => None,
+        });
+        let named: BTreeSet<&Path> = files.flatten().map(|error| Path::new(&error.file)).collect();
+        let is_wrong = |csv: &&PathBuf| {
+            // The files of a session are beside each other and have a common stem.
+            let stem = csv.to_string_lossy();
+            let stem = stem.strip_suffix(DATA_FILE).unwrap_or(&stem);
+            named.iter().any(|file| file.to_string_lossy().starts_with(stem))
+        };
+        self.found.files.iter().map(|(csv, _)| csv).filter(is_wrong).cloned().collect()
     }
 }
 

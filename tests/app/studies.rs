@@ -60,7 +60,15 @@ fn a_grid_shows_what_is_planned_recorded_and_wrong() {
     fs::write(&csv, format!("{rest}\n{}\n", last.replace("0.1", "0.8"))).unwrap();
     click(&mut window, "Check");
     wait_for(&mut window, "S001, session 1: check failed");
-    fs::write(&csv, text).unwrap();
+    fs::write(&csv, &text).unwrap();
+    // The scale ends at 4, in each definition at its own rating.
+    let column = text.lines().next().unwrap().split(',').position(|name| name == "rating").unwrap();
+    let mut cells: Vec<&str> = last.split(',').collect();
+    cells[column] = "5";
+    fs::write(&csv, format!("{rest}\n{}\n", cells.join(","))).unwrap();
+    let told = common::fails(folder.path(), &["check", csv.to_str().unwrap()], 1);
+    assert!(told.contains("has the rating 5; expected 0 to 4"), "{told}");
+    fs::write(&csv, &text).unwrap();
     click(&mut window, "Analyze this study");
     wait_for(&mut window, "12 ratings by 2 participants.");
     wait_for(&mut window, "(none) to 4 (very strong)");

@@ -112,17 +112,25 @@ impl Studies {
                     next = self.resume(ui, &session, monitor, checked, settings);
                 }
             }
-            if action(ui, Icon::Pilot, "Simulate a pilot…").clicked() {
-                self.open = Some(Open::Pilot(PilotForm::new(protocol.plan.participants)));
-            }
+            // The result of a job that another one replaced would be lost.
+            let is_free = self.job.is_none();
+            ui.add_enabled_ui(is_free, |ui| {
+                if action(ui, Icon::Pilot, "Simulate a pilot…").clicked() {
+                    self.open = Some(Open::Pilot(PilotForm::new(protocol.plan.participants)));
+                }
+            });
             let has_sessions = self.sessions.of(&protocol.name).next().is_some();
-            ui.add_enabled_ui(has_sessions, |ui| {
+            ui.add_enabled_ui(has_sessions && is_free, |ui| {
                 if quiet(ui, Icon::Check, "Check", "Check").clicked() {
                     self.job = Some(Job::check(ui.ctx(), folder.clone()));
                 }
+            });
+            ui.add_enabled_ui(has_sessions, |ui| {
                 if quiet(ui, Icon::Analyze, "Analyze", "Analyze this study").clicked() {
                     next = Some(Destination::Analysis(folder.clone()));
                 }
+            });
+            ui.add_enabled_ui(has_sessions && is_free, |ui| {
                 if quiet(ui, Icon::Out, "Export…", "Export…").clicked() {
                     self.open = Some(Open::Export(ExportForm::new(&folder)));
                 }

@@ -145,7 +145,7 @@ impl Studies {
                 ui::hint(ui, "The definition plans no number of participants; machband plan finds one.");
             }
         });
-        let found = self.found.as_ref().filter(|(folder, _)| *folder == self.folder()).map(|(_, found)| found.clone());
+        let found = self.found.clone().filter(|found| found.folder == self.folder());
         card(ui, &mut |ui| {
             ui.horizontal(|ui| {
                 ui.label(RichText::new("Check").strong().size(SECTION));

@@ -93,8 +93,10 @@ impl Studies {
 
     /// Takes the result of the job; a simulated study is analyzed.
     pub(super) fn take_made(&mut self, ctx: &egui::Context) -> Option<Destination> {
-        let made = self.job.as_ref()?.poll()?;
+        let job = self.job.as_ref()?;
+        let (made, warnings) = (job.poll()?, job.warnings());
         self.job = None;
+        warnings.into_iter().for_each(|warning| ui::complain(ctx, warning));
         match made {
             Err(error) => ui::complain(ctx, error),
             Ok(Made::Checked(found)) => {
@@ -103,7 +105,7 @@ impl Studies {
                     0 => ui::say(ctx, format!("{sessions} checked; no errors")),
                     n => ui::complain(ctx, format!("{sessions} checked; {}", count(n, "error"))),
                 }
-                self.found = Some((self.folder(), found));
+                self.found = Some(found);
             }
             Ok(Made::Exported(text)) => ui::say(ctx, text),
             Ok(Made::Pilot(folder)) => {

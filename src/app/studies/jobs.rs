@@ -4,7 +4,7 @@ use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
     sync::{
-        Arc,
+        Arc, Mutex, PoisonError,
         atomic::{AtomicBool, AtomicU64, Ordering},
     },
 };
@@ -38,6 +38,8 @@ pub enum Made {
 /// What a check found.
 #[derive(Clone, Debug, Default)]
 pub struct Checked {
+    /// The data set.
+    pub folder: PathBuf,
     /// Number of sessions.
     pub sessions: usize,
     /// Every error.
@@ -52,12 +54,18 @@ struct State {
     done: AtomicU64,
     total: AtomicU64,
     stopped: AtomicBool,
+    /// What the user should know about a result.
+    warnings: Mutex<Vec<String>>,
 }
 
 impl Watcher for State {
     fn progress(&self, done: u64, total: u64) {
         self.done.fetch_max(done, Ordering::Relaxed);
         self.total.store(total, Ordering::Relaxed);
+    }
+
+    fn warn(&self, warning: &str) {
+        self.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(warning.to_owned());
     }
 
     fn found(&self, _: &Path, _: &str) -> anyhow::Result<()> {
@@ -92,13 +100,10 @@ impl Job {
     /// Checks the files of a study.
     pub fn check(ctx: &Context, folder: PathBuf) -> Self {
         Self::start(ctx, "Checking", move |watcher| {
-            let verified = Verify { folder }.verify(watcher)?;
-            let errors: Vec<String> = verified.found.errors.iter().map(ToString::to_string).collect();
-            // An error begins with the name of its file; the files of a session have a common stem.
-            let stem = |csv: &Path| csv.display().to_string().trim_end_matches("data.csv").to_owned();
-            let is_wrong = |csv: &PathBuf| errors.iter().any(|error| error.starts_with(&stem(csv)));
-            let wrong = verified.found.files.into_iter().map(|(csv, _)| csv).filter(is_wrong).collect();
-            Ok(Made::Checked(Checked { sessions: verified.sessions, errors, wrong }))
+            let verified = Verify { folder: folder.clone() }.verify(watcher)?;
+            let wrong = verified.wrong();
+            let errors = verified.found.errors.iter().map(ToString::to_string).collect();
+            Ok(Made::Checked(Checked { folder, sessions: verified.sessions, errors, wrong }))
         })
     }
 
@@ -122,6 +127,11 @@ impl Job {
             Progress::Done(result) => Some(result),
             Progress::Lost => Some(Err("It ended without a result.".to_owned())),
         }
+    }
+
+    /// Returns what the user should know about the result.
+    pub fn warnings(&self) -> Vec<String> {
+        self.state.warnings.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Draws how far the job is, and the button that stops it.

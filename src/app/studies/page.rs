@@ -83,8 +83,8 @@ pub struct Studies {
     pub(super) thumbnails: Thumbnails,
     pub(super) open: Option<Open>,
     pub(super) job: Option<Job>,
-    /// What the last check found, and in which data set.
-    pub(super) found: Option<(PathBuf, FilesChecked)>,
+    /// What the last check found.
+    pub(super) found: Option<FilesChecked>,
     /// Why the last session that was chosen could not be resumed.
     pub(super) error: Option<String>,
     pub(super) started: bool,
@@ -258,8 +258,8 @@ impl Studies {
         next = self.detail(ui, checked, monitor, settings).or(next);
         let sessions: Vec<_> = self.sessions.of(&protocol.name).collect();
         let nothing = BTreeSet::new();
-        let wrong = self.found.as_ref().filter(|(folder, _)| *folder == self.folder());
-        let wrong = wrong.map_or(&nothing, |(_, found)| &found.wrong);
+        let wrong = self.found.as_ref().filter(|found| found.folder == self.folder());
+        let wrong = wrong.map_or(&nothing, |found| &found.wrong);
         let new = Cell { subject: self.suggested.clone(), session: "1".to_owned() };
         let chosen = Grid::new(sessions, protocol.plan, new, wrong).show(ui, self.selected.as_ref());
         let results = self.results();
