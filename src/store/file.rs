@@ -355,13 +355,20 @@ impl AppendFile {
             ErrorKind::AlreadyExists => StoreError::Exists(self.path.clone()),
             _ => io(&self.path, "create")(error),
         })?;
-        let locked = lock(&made, &self.path);
+        // Between its creation and its lock, another program may have opened the file and written its rows.
+        let locked = lock(&made, &self.path).and_then(|locked| {
+            let is_new = made.metadata().map_err(io(&self.path, "access"))?.len() == 0;
+            if is_new { Ok(locked) } else { Err(StoreError::Exists(self.path.clone())) }
+        });
         self.file = Some(made);
         let synced = |this: &Self| if this.durable { sync_folder(&this.path) } else { Ok(()) };
         let created = locked.map(|locked| self.locked = locked).and_then(|()| self.write()).and_then(|()| synced(self));
-        if created.is_err() {
-            // This program has just created the file. An incomplete file must not block the next attempt.
-            let _ = fs::remove_file(&self.path);
+        if let Err(error) = &created {
+            // This program has just created the file. An incomplete file must not block the next attempt, unless
+            // another program uses it.
+            if !matches!(error, StoreError::InUse(_) | StoreError::Exists(_)) {
+                let _ = fs::remove_file(&self.path);
+            }
             (self.file, self.written) = (None, 0);
         }
         created

@@ -12,6 +12,7 @@ use rand_chacha::{
     ChaCha8Rng,
     rand_core::{Rng as _, SeedableRng as _},
 };
+use rustix::process::{Pid, Signal, kill_process};
 
 use crate::{
     disk,
@@ -58,7 +59,7 @@ impl<'a> Scene<'a> {
 
     /// Starts such a child with these faults.
     fn waiting_with(&self, rows: usize, faults: &[Fault]) -> Waiting {
-        let mut command = run::child(DEFINITION, &self.first(), &self.second(), false);
+        let mut command = run::child(DEFINITION, &self.first(), &self.second(), self.csv().exists());
         shim::set(&mut command, faults, self.folder.path(), &self.folder.path().join("log of the child"));
         command.env("MACHBAND_CHILD_WAIT", rows.to_string());
         let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
@@ -112,6 +113,7 @@ pub fn play(sweep: &Sweep, table: &mut Table) {
         table.line("the folder is removed during the session", removed(sweep, rows));
         table.line("two programs open the same session", two_at_once(sweep, rows));
         table.line("two programs open the same session, without locks", without_locks(sweep, rows));
+        table.line("a second program resumes a session before its file is locked", resumed_at_once(sweep, rows));
         table.line("the clock is turned back between sittings", clock_back(sweep, rows));
         for (name, what) in [("the disk becomes full", "ENOSPC"), ("the folder becomes read-only", "EROFS")] {
             table.line(name, lasting(sweep, rows, what));
@@ -152,6 +154,51 @@ fn two_at_once(sweep: &Sweep, rows: usize) -> Counts {
     let report = waiting.end();
     assert!(report.done && report.errors.is_empty(), "{report:?}");
     [scene.assert_kept(&report, &scene.first()), vec![("reported an error", 1)]].concat()
+}
+
+/// The first program is stopped after it has created the file and before it locks it; the second one resumes the session.
+/// The first program reports an error and changes nothing, whether the second has ended or not.
+fn resumed_at_once(sweep: &Sweep, rows: usize) -> Counts {
+    let mut counts = Vec::new();
+    for has_ended in [false, true] {
+        let scene = Scene::new(sweep);
+        let first = stopped_before_the_lock(&scene);
+        let waiting = scene.waiting(rows);
+        let (report, waiting) = if has_ended { (Some(waiting.end()), None) } else { (None, Some(waiting)) };
+        let before = fs::read(scene.csv()).unwrap();
+        kill_process(Pid::from_child(&first), Signal::CONT).unwrap();
+        let first = first.wait_with_output().unwrap();
+        let error = String::from_utf8_lossy(&first.stderr);
+        let sentence = ["is writing this session", "already exists"][usize::from(has_ended)];
+        assert!(first.status.code() == Some(1) && error.contains(sentence), "{error}");
+        assert_eq!(fs::read(scene.csv()).unwrap(), before);
+        let report = report.unwrap_or_else(|| waiting.unwrap().end());
+        assert!(report.done && report.errors.is_empty(), "{report:?}");
+        counts = [scene.assert_kept(&report, &scene.first()), vec![("reported an error", 1)]].concat();
+    }
+    counts
+}
+
+/// Starts a program and stops it before it locks the new file of a session.
+fn stopped_before_the_lock(scene: &Scene<'_>) -> Child {
+    for n in 1.. {
+        let _ = fs::remove_dir_all(scene.first());
+        let log = scene.folder.path().join(format!("log {n}"));
+        let mut command = run::binary(&scene.sweep.definition(DEFINITION), &scene.first(), false);
+        let fault = Fault { op: "lock", n, what: "STOP", repeated: false };
+        shim::set(&mut command, &[fault], scene.folder.path(), &log);
+        let mut child = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        let state = || fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap_or_default();
+        while !state().contains(") T ") {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        if fs::read_to_string(log).unwrap().contains("data.csv\n") {
+            return child;
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    unreachable!("the loop ends only with a stopped program")
 }
 
 /// The file system does not support locks. The lock file of the first program keeps the second one out, and the sidecar

@@ -13,7 +13,7 @@
  * the last three have no path; thread is pthread_create; allocations count from the first call below the folder).
  * WHAT: the name of an errno; short (transfers half and reports half); lie (writes half and reports all); torn (writes
  * half, then fails with EIO); kill-before, kill-after, kill-torn (kills its own process with SIGKILL before, after or
- * halfway through the call); TERM, INT, HUP (sends its own process this signal before the call); back, far, ancient,
+ * halfway through the call); TERM, INT, HUP, STOP (sends its own process this signal before the call); back, far, ancient,
  * still (from this call on, the clock is an hour back, in the year 12000, in the year -2000, or stands still). */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -52,7 +52,7 @@ static const char *const op_names[OPS] = {"open", "read", "write", "sync", "rena
 static const struct { const char *name; int number; } errors[] = {
     {"EIO", EIO}, {"ENOSPC", ENOSPC}, {"EROFS", EROFS}, {"EACCES", EACCES}, {"EMFILE", EMFILE}, {"EINTR", EINTR},
     {"ENOLCK", ENOLCK}, {"EAGAIN", EAGAIN}, {"ENOMEM", ENOMEM}};
-static const struct { const char *name; int number; } signals[] = {{"TERM", SIGTERM}, {"INT", SIGINT}, {"HUP", SIGHUP}};
+static const struct { const char *name; int number; } signals[] = {{"TERM", SIGTERM}, {"INT", SIGINT}, {"HUP", SIGHUP}, {"STOP", SIGSTOP}};
 
 static struct { enum op op; long n; char what[16]; int from_then_on; } faults[8];
 static int fault_count;
@@ -143,7 +143,9 @@ static int is_signal(const char *what) {
 static int refused(const char *what) {
     if (!what) return 0;
     if (!strcmp(what, "kill-before")) die();
-    if (is_signal(what)) syscall(SYS_kill, getpid(), is_signal(what));
+    /* A signal to the whole process could let this thread make the call before it stops. */
+    if (is_signal(what) == SIGSTOP) syscall(SYS_tgkill, getpid(), syscall(SYS_gettid), SIGSTOP);
+    else if (is_signal(what)) syscall(SYS_kill, getpid(), is_signal(what));
     for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
         if (!strcmp(what, errors[i].name)) {
             errno = errors[i].number;
