@@ -9,11 +9,14 @@
 //! |---|---|
 //! | [`mesh`] | triangles, their normals, edges, curvature and paint, and meshes by name |
 //! | [`lighting`] | materials, lamps, highlights, transparency, refraction |
+//! | [`cubic`] | fields with a continuous slope over triangles; programmers copy this file |
 //! | [`frame`] | a mesh on the screen: the view, which triangle each pixel shows, slopes at vertices |
 //! | [`shaders`] | one file per shader: how light spreads over a triangle |
 //! | [`draw`] | drawing: fast, and in f64 as the reference |
 //! | [`measure`] | the creases that a shader leaves, and the smooth surface itself |
 
+#[path = "../../shaders/cubic.rs"]
+pub mod cubic;
 pub mod draw;
 pub mod frame;
 pub mod lighting;

@@ -1,53 +1,127 @@
-//! The files in `shaders/` that programmers copy: they are valid, and they give the library's results.
+//! The files in `shaders/` that programmers copy: they are valid, they are up to date, and they give the library's
+//! results.
 
-#[path = "../../shaders/ordinates.rs"]
-mod ordinates;
+use std::{f64::consts::TAU, fs, path::Path};
 
 use bytemuck::cast_slice;
 use glam::{DMat3, DVec3};
 use machband::{
     light::{Bits, Quantizer, Transfer},
     shading::{
-        Field, Frame, Gradients, Lighting, Mesh, Patches, Reference, Shade, Shader, Surface, View, coverage,
+        Field, Frame, Gradients, Lighting, Mesh, Patches, Reference, Shade, Shader, Surface, Vertex, View, coverage,
+        cubic::{self, Camera},
         shapes::{self, Shape},
     },
 };
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{
+    ShaderStage,
+    back::{glsl, hlsl, msl, spv},
+    valid::{Capabilities, ModuleInfo, ValidationFlags, Validator},
+};
 use wgpu::util::DeviceExt as _;
 
-use self::ordinates::{Camera, Tensor, V};
 use crate::common::skip;
 
-const PATCH: &str = include_str!("../../shaders/wgsl/patch.wgsl");
-const C1_PHONG: &str =
-    concat!(include_str!("../../shaders/wgsl/patch.wgsl"), "\n", include_str!("../../shaders/wgsl/c1_phong.wgsl"));
-const ORDINATES: &str = include_str!("../../shaders/wgsl/ordinates.wgsl");
+const C1: &str = include_str!("../../shaders/wgsl/c1.wgsl");
+const COEFFICIENTS: &str = include_str!("../../shaders/wgsl/coefficients.wgsl");
+
+fn parsed(source: &str) -> (naga::Module, ModuleInfo) {
+    let module =
+        naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(source)));
+    let info = validated(&module);
+    (module, info)
+}
+
+fn validated(module: &naga::Module) -> ModuleInfo {
+    Validator::new(ValidationFlags::all(), Capabilities::default()).validate(module).unwrap()
+}
+
+/// Names the resources in GLSL as the WGSL does; naga numbers them.
+fn named(module: &naga::Module, mut text: String) -> String {
+    for (_, global) in module.global_variables.iter() {
+        let (Some(binding), Some(name)) = (global.binding, &global.name) else { continue };
+        for stage in ["vs", "fs", "cs"] {
+            text = text.replace(&format!("_group_{}_binding_{}_{stage}", binding.group, binding.binding), name);
+        }
+    }
+    text
+}
+
+/// Returns an entry point in GLSL.
+fn in_glsl(source: &str, entry: &naga::EntryPoint, version: glsl::Version) -> Result<String, glsl::Error> {
+    // In OpenGL, the last corner of a triangle provokes its flat outputs.
+    let (mut module, _) = parsed(&source.replace("PROVOKING = 0u", "PROVOKING = 2u"));
+    // What other entry points use need not exist in this version.
+    module.entry_points.retain(|other| other.name == entry.name);
+    naga::compact::compact(&mut module, naga::compact::KeepUnused::No);
+    let info = validated(&module);
+    let pipeline =
+        glsl::PipelineOptions { shader_stage: entry.stage, entry_point: entry.name.clone(), multiview: None };
+    let mut options = glsl::Options { version, writer_flags: glsl::WriterFlags::empty(), ..Default::default() };
+    if !version.is_es() {
+        let bindings = module.global_variables.iter().filter_map(|(_, global)| global.binding);
+        options.binding_map = bindings.map(|binding| (binding, binding.binding as u8)).collect();
+    }
+    let mut text = String::new();
+    let policies = naga::proc::BoundsCheckPolicies::default();
+    glsl::Writer::new(&mut text, &module, &info, &options, &pipeline, policies)?.write()?;
+    Ok(named(&module, text))
+}
+
+/// Returns the files that are generated from a file in WGSL, with their paths in `shaders/`.
+fn generated(name: &str, source: &str) -> Vec<(String, String)> {
+    let (module, info) = parsed(source);
+    let first = format!(
+        "Generated from wgsl/{name}.wgsl, which has the comments. Do not edit: `UPDATE_SHADERS=1 cargo test --test shading \
+         generated` writes it."
+    );
+    let mut hlsl_text = String::new();
+    let options = hlsl::Options { shader_model: hlsl::ShaderModel::V5_0, ..Default::default() };
+    hlsl::Writer::new(&mut hlsl_text, &options, &Default::default()).write(&module, &info, None).unwrap();
+    let mut files = vec![(format!("hlsl/{name}.hlsl"), format!("// {first}\n{hlsl_text}"))];
+    for entry in &module.entry_points {
+        let ending = match entry.stage {
+            ShaderStage::Vertex => "vert",
+            ShaderStage::Fragment => "frag",
+            _ => "comp",
+        };
+        let versions = [("glsl", glsl::Version::Desktop(450)), ("glsl_es", glsl::Version::new_gles(300))];
+        // GLSL ES 3.00 has no compute shaders.
+        for (folder, version) in versions.into_iter().take(if ending == "comp" { 1 } else { 2 }) {
+            let text = in_glsl(source, entry, version).unwrap();
+            let (version, rest) = text.split_once('\n').unwrap();
+            files.push((format!("{folder}/{}.{ending}", entry.name), format!("{version}\n// {first}\n{rest}")));
+        }
+    }
+    files
+}
 
 #[test]
-fn naga_converts_every_wgsl_file() {
-    for source in [PATCH, C1_PHONG, ORDINATES] {
-        let module = naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{error}"));
-        let info = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module).unwrap();
-        naga::back::spv::write_vec(&module, &info, &Default::default(), None).unwrap();
-        naga::back::msl::write_string(&module, &info, &Default::default(), &Default::default()).unwrap();
-        let (mut hlsl, options, pipeline) = (String::new(), Default::default(), Default::default());
-        let mut writer = naga::back::hlsl::Writer::new(&mut hlsl, &options, &pipeline);
-        writer.write(&module, &info, None).unwrap();
-        for entry in &module.entry_points {
-            let pipeline = naga::back::glsl::PipelineOptions {
-                shader_stage: entry.stage,
-                entry_point: entry.name.clone(),
-                multiview: None,
-            };
-            let options =
-                naga::back::glsl::Options { version: naga::back::glsl::Version::Desktop(450), ..Default::default() };
-            let mut glsl = String::new();
-            let policies = naga::proc::BoundsCheckPolicies::default();
-            naga::back::glsl::Writer::new(&mut glsl, &module, &info, &options, &pipeline, policies)
-                .and_then(|mut writer| writer.write().map(drop))
-                .unwrap();
-            assert!(glsl.contains("void main()"));
+fn generated_shaders_are_those_of_the_wgsl() {
+    let shaders = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    let files: Vec<_> =
+        [("c1", C1), ("coefficients", COEFFICIENTS)].iter().flat_map(|(n, s)| generated(n, s)).collect();
+    if std::env::var_os("UPDATE_SHADERS").is_some() {
+        for (path, text) in &files {
+            let path = shaders.join(path);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, text).unwrap();
         }
+    }
+    for (path, text) in &files {
+        let known = fs::read_to_string(shaders.join(path)).unwrap_or_default();
+        assert!(known == *text, "{path} is not what wgsl/ gives; UPDATE_SHADERS=1 writes it");
+    }
+    for folder in ["glsl", "glsl_es", "hlsl"] {
+        for file in fs::read_dir(shaders.join(folder)).unwrap() {
+            let path = format!("{folder}/{}", file.unwrap().file_name().to_str().unwrap());
+            assert!(files.iter().any(|(known, _)| *known == path), "{path} is not generated");
+        }
+    }
+    for source in [C1, COEFFICIENTS] {
+        let (module, info) = parsed(source);
+        spv::write_vec(&module, &info, &Default::default(), None).unwrap();
+        msl::write_string(&module, &info, &Default::default(), &Default::default()).unwrap();
     }
 }
 
@@ -75,14 +149,11 @@ fn camera(frame: &Frame) -> Camera {
     Camera { model_view, projection, size: [f64::from(width), f64::from(height)] }
 }
 
-/// A mesh as flat arrays, its frame, and what the kit computes for it.
+/// A mesh, its frame, and what the kit computes for it.
 struct Subject {
     name: String,
     frame: Frame,
-    positions: Vec<V>,
-    normals: Vec<V>,
-    triangles: Vec<[u32; 3]>,
-    curvature: Vec<Tensor>,
+    surface: cubic::Surface,
     camera: Camera,
 }
 
@@ -90,149 +161,401 @@ impl Subject {
     fn new(name: &str, mesh: &Mesh, distance: f64) -> Subject {
         let view = View { distance, ..View::square(SIDE) }.rotated([25.0, -35.0, 0.0]);
         let frame = Frame::new(&Surface::new(mesh.clone()), &view, &Lighting::standard(), DVec3::ZERO);
-        let positions: Vec<V> = mesh.vertices.iter().map(|v| v.position.to_array()).collect();
-        let normals: Vec<V> = mesh.vertices.iter().map(|v| v.normal.to_array()).collect();
-        let curvature = ordinates::curvature(&positions, &normals, &mesh.triangles);
+        let of = |vector: fn(&Vertex) -> DVec3| mesh.vertices.iter().map(|v| vector(v).to_array()).collect::<Vec<_>>();
+        let surface = cubic::Surface::new(&of(|v| v.position), &of(|v| v.normal), &mesh.triangles);
         let camera = camera(&frame);
-        let name = format!("{name} from {distance}");
-        Subject { name, frame, positions, normals, triangles: mesh.triangles.clone(), curvature, camera }
-    }
-
-    fn ordinates(&self) -> Vec<[[f32; 4]; 12]> {
-        ordinates::ordinates(&self.positions, &self.normals, &self.triangles, &self.curvature, &self.camera)
+        Subject { name: format!("{name} from {distance}"), frame, surface, camera }
     }
 }
 
 const SIDE: u32 = 256;
 
-fn subjects() -> Vec<Subject> {
-    let shapes = [(Shape::Blob, 320), (Shape::Torus, 400), (Shape::UvSphere, 300), (Shape::JitteredTorus, 300)];
-    let of = |(shape, vertices): (Shape, usize)| {
-        let mesh = shapes::mesh(shape, vertices).unwrap();
-        [f64::INFINITY, 3.0].map(|distance| Subject::new(&shape.to_string(), &mesh, distance))
+/// A surface around the z axis through these points, each with the angle of its normal from the equator; 24 sides.
+fn turned(profile: &[(f64, f64, f64)]) -> Mesh {
+    let point = |s: usize, &(radius, z, angle): &(f64, f64, f64)| {
+        let turn = DVec3::new((s as f64 * TAU / 24.0).cos(), (s as f64 * TAU / 24.0).sin(), 0.0);
+        (turn * radius + DVec3::Z * z, turn * angle.cos() + DVec3::Z * angle.sin())
     };
-    shapes.into_iter().flat_map(of).collect()
+    let quads = (0..24).flat_map(|s| {
+        profile
+            .windows(2)
+            .map(move |ends| [point(s, &ends[0]), point(s + 1, &ends[0]), point(s + 1, &ends[1]), point(s, &ends[1])])
+    });
+    welded(quads)
+}
+
+/// A box with rounded edges: each face is flat between roundings of four steps.
+fn rounded_box(half: DVec3, radius: f64) -> Mesh {
+    let angles = [-45.0, -22.5, 0.0, 0.0, 22.5, 45.0].map(f64::to_radians);
+    let point = |axis: usize, side: f64, i: usize, j: usize| {
+        let mut normal = DVec3::ZERO;
+        (normal[axis], normal[(axis + 1) % 3], normal[(axis + 2) % 3]) =
+            (side, side * angles[i].tan(), angles[j].tan());
+        let normal = normal.normalize();
+        let mut core = half - radius;
+        core[axis] *= side;
+        core[(axis + 1) % 3] *= side * if i < 3 { -1.0 } else { 1.0 };
+        core[(axis + 2) % 3] *= if j < 3 { -1.0 } else { 1.0 };
+        (core + normal * radius, normal)
+    };
+    let cells = (0..6)
+        .flat_map(|face| (0..25).map(move |cell| (face % 3, if face < 3 { 1.0 } else { -1.0 }, cell / 5, cell % 5)));
+    let corners = [(0, 0), (1, 0), (1, 1), (0, 1)];
+    welded(cells.map(|(axis, side, i, j)| corners.map(|(a, b)| point(axis, side, i + a, j + b))))
+}
+
+/// Joins the corners of quads that lie in the same place.
+fn welded(quads: impl Iterator<Item = [(DVec3, DVec3); 4]>) -> Mesh {
+    let mut vertices: Vec<Vertex> = Vec::new();
+    let mut triangles = Vec::new();
+    for quad in quads {
+        let [a, b, c, d] = quad.map(|(position, normal)| {
+            let known = vertices.iter().position(|v| v.position.distance(position) < 1e-9);
+            known.unwrap_or_else(|| {
+                vertices.push(Vertex { position, normal, site: vertices.len() as u32 });
+                vertices.len() - 1
+            }) as u32
+        });
+        let parts = [[a, b, c], [a, c, d]];
+        triangles.extend(parts.into_iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]));
+    }
+    Mesh { vertices, triangles, smooth: None, paint: None }
+}
+
+/// A quarter of a circle in steps, around (radius, z).
+fn quarter(center: (f64, f64), radius: f64, steps: u32) -> impl Iterator<Item = (f64, f64, f64)> {
+    (0..=steps).map(move |i| {
+        let angle = f64::from(i) / f64::from(steps) * TAU / 4.0;
+        (center.0 + radius * angle.cos(), center.1 + radius * angle.sin(), angle)
+    })
+}
+
+fn subjects() -> Vec<Subject> {
+    let mut meshes: Vec<(String, Mesh)> =
+        Shape::ALL.iter().map(|shape| (shape.to_string(), shapes::mesh(*shape, 320).unwrap())).collect();
+    let mirrored = |upper: Vec<(f64, f64, f64)>| -> Vec<_> {
+        upper.iter().rev().map(|(radius, z, angle)| (*radius, -z, -angle)).chain(upper.iter().copied()).collect()
+    };
+    meshes.push(("rounded box".to_owned(), rounded_box(DVec3::new(0.8, 0.6, 0.5), 0.1)));
+    meshes.push(("capsule".to_owned(), turned(&mirrored(quarter((0.0, 0.6), 0.5, 5).collect()))));
+    let rim = quarter((0.7, 0.4), 0.1, 3).chain([(0.4, 0.5, TAU / 4.0), (0.0, 0.5, TAU / 4.0)]);
+    meshes.push(("lathe with bevels".to_owned(), turned(&mirrored(rim.collect()))));
+    let of = |(name, mesh): &(String, Mesh)| [f64::INFINITY, 3.0].map(|distance| Subject::new(name, mesh, distance));
+    meshes.iter().flat_map(of).collect()
 }
 
 #[test]
-fn plain_rust_gives_the_librarys_ordinates() {
+fn plain_rust_gives_the_librarys_coefficients() {
     for subject in subjects() {
-        let of = |field| Patches::new(&subject.frame, field, Gradients::Curvature).control_points;
-        let (normals, places) = (of(Field::Normal), of(Field::Position));
-        let own = subject.ordinates();
-        let drawn: Vec<_> = own.iter().filter(|own| own[0] != [0.0; 4]).collect();
-        assert_eq!(drawn.len(), normals.len(), "{}", subject.name);
-        let away = if subject.frame.view.distance.is_finite() { subject.frame.view.distance } else { 0.0 };
+        let theirs = Patches::new(&subject.frame, Field::Normal, Gradients::Curvature).coefficients;
+        let own = cubic::coefficients(&subject.surface, &subject.camera);
+        assert_eq!(own.iter().filter(|k| k[0] != [0.0; 3]).count(), theirs.len(), "{}", subject.name);
         let mut worst = [0f64; 2];
-        for (t, own) in drawn.iter().enumerate() {
+        for (t, theirs) in theirs.iter().enumerate() {
             // Near a silhouette, slopes are steep, and the library's places on the screen are multiples of 1/256 pixel.
             let vertices = subject.frame.corners(t);
             let is_steep = vertices.iter().any(|v| v.normal.dot(subject.frame.view.to_viewer(v.eye)) < 0.3);
-            for (at, from) in [0, 1, 2, 3, 5, 7, 4, 6, 8, 12, 13, 14].into_iter().enumerate() {
-                let (theirs, z) = (normals[t][from], places[t][from].z - away);
-                for (own, theirs) in own[at].iter().zip([theirs.x, theirs.y, theirs.z, z]) {
-                    let worst = &mut worst[usize::from(is_steep)];
-                    *worst = worst.max((f64::from(*own) - theirs).abs());
-                }
+            let own = own[subject.frame.triangles[t].of_mesh as usize].map(|k| k.map(f64::from));
+            for w in
+                [[1.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.6, 0.3, 0.1], [0.1, 0.3, 0.6], [0.1, 0.6, 0.3], [1.0 / 3.0; 3]]
+            {
+                let difference = DVec3::from(cubic::value(&own, w)) - DVec3::from(cubic::value(theirs, w));
+                let worst = &mut worst[usize::from(is_steep)];
+                *worst = worst.max(difference.abs().max_element());
             }
         }
-        assert!(worst[0] < 4e-3 && worst[1] < 0.05, "{}: {worst:?}", subject.name);
+        assert!(worst[0] < 4e-3 && worst[1] < 0.15, "{}: {worst:?}", subject.name);
     }
+}
+
+/// The flat faces of a rounded box stay flat, and between them and the roundings the curvature jumps.
+#[test]
+fn a_rounded_boxs_faces_stay_flat() {
+    let mesh = rounded_box(DVec3::new(0.8, 0.6, 0.5), 0.1);
+    let frame = Frame::new(
+        &Surface::new(mesh.clone()),
+        &View::square(SIDE).rotated([25.0, -35.0, 0.0]),
+        &Lighting::standard(),
+        DVec3::ZERO,
+    );
+    assert!(frame.fans.len() > frame.vertices.len());
+    let cubics = Patches::new(&frame, Field::Normal, Gradients::Curvature).coefficients;
+    let mut flat = 0;
+    for (t, k) in cubics.iter().enumerate() {
+        let normals = frame.corners(t).map(|v| v.normal);
+        if normals.iter().all(|n| n.distance(normals[0]) < 1e-12) {
+            let bend = (1..12).map(|i| DVec3::from(k[i]).length()).fold(0.0, f64::max);
+            assert!(bend < 1e-9, "triangle {t}: {bend}");
+            flat += 1;
+        }
+    }
+    assert_eq!(flat, 6);
 }
 
 fn floats(numbers: &[f64]) -> Vec<f32> {
     numbers.iter().map(|x| *x as f32).collect()
 }
 
-/// Computes the ordinates with the two compute passes, draws with the shaders, and returns both: the ordinates, and the
-/// linear light of every pixel as codes.
-fn on_card(subject: &Subject, device: &wgpu::Device, queue: &wgpu::Queue) -> (Vec<[[f32; 4]; 12]>, Vec<u8>) {
-    let storage = |contents: &[u8]| {
-        let usage = wgpu::BufferUsages::STORAGE;
-        device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
-    };
-    let uniform = |contents: &[f32]| {
-        let (contents, usage) = (cast_slice(contents), wgpu::BufferUsages::UNIFORM);
-        device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
-    };
-    let Camera { model_view, projection, size } = &subject.camera;
-    let matrices = [floats(model_view), floats(projection)].concat();
-    let camera = uniform(&[&matrices[..], &floats(size)[..], &[0.0; 2]].concat());
-    let vertices: Vec<f32> = (0..subject.positions.len())
-        .flat_map(|v| {
-            let rows = [subject.positions[v], subject.normals[v]].into_iter().chain(subject.curvature[v]);
-            rows.flat_map(|row| [row[0] as f32, row[1] as f32, row[2] as f32, 0.0])
-        })
-        .collect();
-    let (starts, pairs) = ordinates::rings(subject.positions.len(), &subject.triangles);
-    let inputs = [
-        camera,
-        storage(cast_slice(&vertices)),
-        storage(cast_slice(&subject.triangles)),
-        storage(cast_slice(&starts)),
-        storage(cast_slice(&pairs)),
-        storage(&vec![0; subject.positions.len() * 32]),
-    ];
-    let bytes = subject.triangles.len() as u64 * 192;
-    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-    let cubics =
-        device.create_buffer(&wgpu::BufferDescriptor { label: None, size: bytes, usage, mapped_at_creation: false });
-    let module = |source: &'static str| {
-        device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: None,
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        })
-    };
-    let mut encoder = device.create_command_encoder(&Default::default());
-    let compute = module(ORDINATES);
-    let entry =
-        |binding: u32, buffer| wgpu::BindGroupEntry { binding, resource: wgpu::Buffer::as_entire_binding(buffer) };
-    for (name, count) in [("slopes", subject.positions.len()), ("ordinates", subject.triangles.len())] {
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: None,
-            layout: None,
-            module: &compute,
-            entry_point: Some(name),
-            compilation_options: Default::default(),
-            cache: None,
-        });
-        let used: &[u32] = if name == "slopes" { &[0, 1, 3, 4, 5] } else { &[0, 1, 2, 5, 6] };
-        let all = inputs.iter().chain([&cubics]).enumerate().map(|(i, buffer)| entry(i as u32, buffer));
-        let entries: Vec<_> = all.filter(|entry| used.contains(&entry.binding)).collect();
-        let layout = &pipeline.get_bind_group_layout(0);
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries });
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups((count as u32).div_ceil(64), 1, 1);
-    }
-    let codes = drawn(subject, device, &mut encoder, &cubics, &matrices);
-    let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
-    let read =
-        |size| device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false });
-    let (numbers, pixels) = (read(bytes), read(u64::from(4 * SIDE * SIDE)));
-    encoder.copy_buffer_to_buffer(&cubics, 0, &numbers, 0, bytes);
-    encoder.copy_texture_to_buffer(
-        codes.as_image_copy(),
-        wgpu::TexelCopyBufferInfo {
-            buffer: &pixels,
-            layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * SIDE), rows_per_image: None },
-        },
-        codes.size(),
-    );
-    queue.submit([encoder.finish()]);
-    let bytes_of = |buffer: &wgpu::Buffer| {
-        buffer.slice(..).map_async(wgpu::MapMode::Read, |result| result.unwrap());
-        device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
-        buffer.slice(..).get_mapped_range().unwrap().to_vec()
-    };
-    let numbers: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes_of(&numbers));
-    let rows = numbers.as_chunks::<4>().0.as_chunks::<12>().0.to_vec();
-    (rows, bytes_of(&pixels))
+/// The largest width of a texture of the kit in entries.
+const PER_ROW: usize = 64;
+
+/// The kit's textures and passes on a device.
+struct Card {
+    name: String,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
 }
 
-/// Returns a device for the best card that Vulkan knows, with its name. If there is none, the test is skipped.
-fn device() -> Option<(String, wgpu::Device, wgpu::Queue)> {
+impl Card {
+    /// Returns a texture of entries of so many texels each, with four numbers of four bytes in each texel.
+    fn texture(
+        &self,
+        format: wgpu::TextureFormat,
+        texels: usize,
+        entries: usize,
+        data: Option<&[u8]>,
+    ) -> wgpu::Texture {
+        let (width, height) = (texels * PER_ROW, entries.div_ceil(PER_ROW).max(1));
+        let usages = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
+        let written = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let descriptor = wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d { width: width as u32, height: height as u32, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: usages | if data.is_some() { wgpu::TextureUsages::COPY_DST } else { written },
+            view_formats: &[],
+        };
+        let Some(data) = data else { return self.device.create_texture(&descriptor) };
+        let size = width * height * format.block_copy_size(None).unwrap() as usize;
+        let padded = [data, &vec![0; size - data.len()][..]].concat();
+        self.device.create_texture_with_data(&self.queue, &descriptor, Default::default(), &padded)
+    }
+
+    fn module(&self, source: &'static str) -> wgpu::ShaderModule {
+        let source = wgpu::ShaderSource::Wgsl(source.into());
+        self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source })
+    }
+
+    fn uniform(&self, contents: &[f32]) -> wgpu::Buffer {
+        let (contents, usage) = (cast_slice(contents), wgpu::BufferUsages::UNIFORM);
+        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
+    }
+
+    /// Runs the two passes, as compute shaders or by drawing, and returns the texture of coefficients.
+    fn coefficients(&self, subject: &Subject, draws: bool) -> wgpu::Texture {
+        use wgpu::TextureFormat::{Rg32Uint, Rgba32Float, Rgba32Uint};
+        let surface = &subject.surface;
+        let (starts, ring) = surface.rings();
+        let points: Vec<f32> = (0..surface.positions.len())
+            .flat_map(|v| {
+                let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = surface.curvature[v];
+                let ([x, y, z], [nx, ny, nz]) = (surface.positions[v], surface.normals[v]);
+                let (start, end) = (f64::from(starts[v]), f64::from(starts[v + 1]));
+                [x, y, z, start, nx, ny, nz, end, ax, ay, az, 0.0, bx, by, bz, 0.0, cx, cy, cz, 0.0]
+            })
+            .map(|x| x as f32)
+            .collect();
+        let corners: Vec<u32> = (surface.triangles.iter().zip(&surface.sides))
+            .flat_map(|(t, sides)| [0, 1, 2].map(|k| [t[k], sides[k][0], sides[k][1], 0]))
+            .flatten()
+            .collect();
+        let (count, triangles) = (surface.positions.len(), surface.triangles.len());
+        let inputs = [
+            self.texture(Rgba32Float, 5, count, Some(cast_slice(&points))),
+            self.texture(Rg32Uint, 1, ring.len(), Some(cast_slice(&ring))),
+            self.texture(Rgba32Uint, 3, triangles, Some(cast_slice(&corners))),
+            self.texture(Rgba32Float, 2, count, None),
+        ];
+        let out = self.texture(Rgba32Float, 9, triangles, None);
+        let module = self.module(COEFFICIENTS);
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        for (name, target, entries, used) in
+            [("slopes", &inputs[3], count, &[1, 2][..]), ("coefficients", &out, triangles, &[1, 3, 4])]
+        {
+            let Camera { model_view, projection, size } = &subject.camera;
+            let numbers = [count as u32, triangles as u32, target.width(), 0, 0, 0].map(f32::from_bits);
+            let camera = [&floats(model_view)[..], &floats(projection), &floats(size), &numbers].concat();
+            let camera = self.uniform(&camera);
+            let views = inputs.each_ref().map(|input| input.create_view(&Default::default()));
+            let mut entries_of = vec![wgpu::BindGroupEntry { binding: 0, resource: camera.as_entire_binding() }];
+            let bound = |binding: u32, view| wgpu::BindGroupEntry {
+                binding,
+                resource: wgpu::BindingResource::TextureView(view),
+            };
+            entries_of.extend(used.iter().map(|binding| bound(*binding, &views[*binding as usize - 1])));
+            let target = target.create_view(&Default::default());
+            let binds = |layout: &wgpu::BindGroupLayout, entries: &[wgpu::BindGroupEntry<'_>]| {
+                self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries })
+            };
+            if draws {
+                let pipeline = self.pipeline(&module, "everywhere", &format!("{name}_texel"), &[], Rgba32Float, None);
+                let group = binds(&pipeline.get_bind_group_layout(0), &entries_of);
+                let mut pass = begin(&mut encoder, &target, None);
+                pass.set_pipeline(&pipeline);
+                pass.set_bind_group(0, &group, &[]);
+                pass.draw(0..3, 0..1);
+                continue;
+            }
+            let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: None,
+                layout: None,
+                module: &module,
+                entry_point: Some(name),
+                compilation_options: Default::default(),
+                cache: None,
+            });
+            entries_of.push(bound(if name == "slopes" { 5 } else { 6 }, &target));
+            let group = binds(&pipeline.get_bind_group_layout(0), &entries_of);
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            pass.set_pipeline(&pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            pass.dispatch_workgroups((entries as u32).div_ceil(64), 1, 1);
+        }
+        self.queue.submit([encoder.finish()]);
+        out
+    }
+
+    fn pipeline(
+        &self,
+        module: &wgpu::ShaderModule,
+        vertex: &str,
+        fragment: &str,
+        attributes: &[wgpu::VertexAttribute],
+        format: wgpu::TextureFormat,
+        depth: Option<wgpu::TextureFormat>,
+    ) -> wgpu::RenderPipeline {
+        let array_stride = attributes.iter().map(|attribute| attribute.format.size()).sum();
+        let buffer = wgpu::VertexBufferLayout { array_stride, step_mode: wgpu::VertexStepMode::Vertex, attributes };
+        let buffers = [Some(buffer)];
+        self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: None,
+            layout: None,
+            vertex: wgpu::VertexState {
+                module,
+                entry_point: Some(vertex),
+                compilation_options: Default::default(),
+                buffers: if attributes.is_empty() { &[] } else { &buffers },
+            },
+            primitive: wgpu::PrimitiveState { cull_mode: depth.map(|_| wgpu::Face::Back), ..Default::default() },
+            depth_stencil: depth.map(|format| wgpu::DepthStencilState {
+                format,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(wgpu::CompareFunction::Less),
+                stencil: Default::default(),
+                bias: Default::default(),
+            }),
+            multisample: Default::default(),
+            fragment: Some(wgpu::FragmentState {
+                module,
+                entry_point: Some(fragment),
+                compilation_options: Default::default(),
+                targets: &[Some(format.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+
+    /// Draws with `c1.wgsl` under the library's standard lighting; returns the linear light of every pixel as codes.
+    fn drawn(&self, subject: &Subject, coefficients: &wgpu::Texture) -> Vec<u8> {
+        let Camera { model_view, projection, .. } = &subject.camera;
+        let is_orthographic = u32::from(projection[15] == 1.0);
+        let lights = [
+            [0.36, 0.48, 0.8, 20.0],
+            [0.1, 0.1, 0.1, f32::from_bits(is_orthographic)],
+            [0.6, 0.6, 0.6, 0.0],
+            [0.3, 0.3, 0.3, 0.0],
+        ];
+        let scene = self.uniform(&[&floats(model_view)[..], &floats(projection), lights.as_flattened()].concat());
+        let corners = subject.surface.triangles.iter().flatten().map(|v| *v as usize);
+        let of = |v: usize| [subject.surface.positions[v], subject.surface.normals[v]].concat();
+        let vertices: Vec<f32> = corners.flat_map(of).map(|x| x as f32).collect();
+        let (contents, usage) = (cast_slice(&vertices), wgpu::BufferUsages::VERTEX);
+        let vertices =
+            self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage });
+        let (format, depth) = (wgpu::TextureFormat::Rgba8Unorm, wgpu::TextureFormat::Depth32Float);
+        let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
+        let pipeline = self.pipeline(&self.module(C1), "c1_vertex", "c1_phong_pixel", &attributes, format, Some(depth));
+        let texture = |format, usage| {
+            self.device.create_texture(&wgpu::TextureDescriptor {
+                label: None,
+                size: wgpu::Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
+            })
+        };
+        let codes = texture(format, wgpu::TextureUsages::COPY_SRC);
+        let depth = texture(depth, wgpu::TextureUsages::empty()).create_view(&Default::default());
+        let coefficients = coefficients.create_view(&Default::default());
+        let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: scene.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&coefficients) },
+            ],
+        });
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        let mut pass = begin(&mut encoder, &codes.create_view(&Default::default()), Some(&depth));
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.set_vertex_buffer(0, vertices.slice(..));
+        pass.draw(0..3 * subject.surface.triangles.len() as u32, 0..1);
+        drop(pass);
+        self.read(encoder, &codes)
+    }
+
+    /// Returns the bytes of a texture whose rows have multiples of 256 bytes.
+    fn read(&self, mut encoder: wgpu::CommandEncoder, texture: &wgpu::Texture) -> Vec<u8> {
+        let bytes_per_row = texture.width() * texture.format().block_copy_size(None).unwrap();
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: u64::from(bytes_per_row * texture.height()),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(bytes_per_row), rows_per_image: None };
+        let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
+        encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
+        self.queue.submit([encoder.finish()]);
+        buffer.slice(..).map_async(wgpu::MapMode::Read, |result| result.unwrap());
+        self.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+        buffer.slice(..).get_mapped_range().unwrap().to_vec()
+    }
+}
+
+fn begin<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    view: &wgpu::TextureView,
+    depth: Option<&wgpu::TextureView>,
+) -> wgpu::RenderPass<'e> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: None,
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+        })],
+        depth_stencil_attachment: depth.map(|view| wgpu::RenderPassDepthStencilAttachment {
+            view,
+            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
+            stencil_ops: None,
+        }),
+        ..Default::default()
+    })
+}
+
+/// Returns the best card that Vulkan knows. If there is none, the test is skipped.
+fn card() -> Option<Card> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
     descriptor.backends = wgpu::Backends::VULKAN;
     let options = wgpu::RequestAdapterOptions::default();
@@ -241,141 +564,40 @@ fn device() -> Option<(String, wgpu::Device, wgpu::Queue)> {
     let adapter = found.map_err(skipped).ok()?;
     let descriptor = wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..Default::default() };
     let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
-    Some((adapter.get_info().name, device, queue))
-}
-
-/// Draws with `c1_phong.wgsl` under the library's standard lighting.
-fn drawn(
-    subject: &Subject,
-    device: &wgpu::Device,
-    encoder: &mut wgpu::CommandEncoder,
-    cubics: &wgpu::Buffer,
-    matrices: &[f32],
-) -> wgpu::Texture {
-    let is_orthographic = u32::from(subject.frame.view.distance.is_infinite());
-    let scene: Vec<f32> = [
-        matrices,
-        &[0.36, 0.48, 0.8, 20.0],
-        &[0.1, 0.1, 0.1, f32::from_bits(is_orthographic)],
-        &[0.6, 0.6, 0.6, 0.0],
-        &[0.3, 0.3, 0.3, 0.0],
-    ]
-    .concat();
-    let buffer = |contents: &[u8], usage| {
-        device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
-    };
-    let scene = buffer(cast_slice(&scene), wgpu::BufferUsages::UNIFORM);
-    let corners = subject.triangles.iter().flatten().map(|v| *v as usize);
-    let vertices: Vec<f32> =
-        corners.flat_map(|v| [subject.positions[v], subject.normals[v]].concat()).map(|x| x as f32).collect();
-    let vertices = buffer(cast_slice(&vertices), wgpu::BufferUsages::VERTEX);
-    let source = wgpu::ShaderSource::Wgsl(C1_PHONG.into());
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
-    let format = wgpu::TextureFormat::Rgba8Unorm;
-    let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
-    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: None,
-        layout: None,
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("triangle_vertex"),
-            compilation_options: Default::default(),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: 24,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &attributes,
-            })],
-        },
-        primitive: wgpu::PrimitiveState { cull_mode: Some(wgpu::Face::Back), ..Default::default() },
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: wgpu::TextureFormat::Depth32Float,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Less),
-            stencil: Default::default(),
-            bias: Default::default(),
-        }),
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("c1_phong_pixel"),
-            compilation_options: Default::default(),
-            targets: &[Some(format.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    });
-    let texture = |format, usage| {
-        device.create_texture(&wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
-            view_formats: &[],
-        })
-    };
-    let codes = texture(format, wgpu::TextureUsages::COPY_SRC);
-    let depth = texture(wgpu::TextureFormat::Depth32Float, wgpu::TextureUsages::empty());
-    let (codes_view, depth_view) = (codes.create_view(&Default::default()), depth.create_view(&Default::default()));
-    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: scene.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 1, resource: cubics.as_entire_binding() },
-        ],
-    });
-    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: None,
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: &codes_view,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
-        })],
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: &depth_view,
-            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
-            stencil_ops: None,
-        }),
-        ..Default::default()
-    });
-    pass.set_pipeline(&pipeline);
-    pass.set_bind_group(0, &group, &[]);
-    pass.set_vertex_buffer(0, vertices.slice(..));
-    pass.draw(0..3 * subject.triangles.len() as u32, 0..1);
-    drop(pass);
-    codes
+    Some(Card { name: adapter.get_info().name, device, queue })
 }
 
 #[test]
-fn card_gives_plain_rusts_ordinates_and_the_librarys_pixels() {
-    let Some((card, device, queue)) = device() else { return };
+fn card_gives_plain_rusts_coefficients_and_the_librarys_pixels() {
+    let Some(card) = card() else { return };
     for subject in subjects() {
-        let (numbers, pixels) = on_card(&subject, &device, &queue);
-        let theirs = subject.ordinates();
-        assert_eq!(numbers.len(), theirs.len());
-        for (t, (own, theirs)) in numbers.iter().zip(&theirs).enumerate() {
-            // A triangle seen edge on may count as facing away for one of the two.
-            if own[0] == [0.0; 4] || theirs[0] == [0.0; 4] {
-                continue;
-            }
-            for (own, theirs) in own.as_flattened().iter().zip(theirs.as_flattened()) {
-                assert!((own - theirs).abs() < 2e-3, "{card}, {}, triangle {t}: {own} {theirs}", subject.name);
+        let theirs = cubic::coefficients(&subject.surface, &subject.camera);
+        let [computed, by_drawing] = [false, true].map(|draws| card.coefficients(&subject, draws));
+        for (form, texture) in [("computed", &computed), ("drawn", &by_drawing)] {
+            let bytes = card.read(card.device.create_command_encoder(&Default::default()), texture);
+            let numbers: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
+            for (t, (own, theirs)) in numbers.as_chunks::<36>().0.iter().zip(&theirs).enumerate() {
+                // A triangle seen edge on may count as facing away for one of the two.
+                if own[..3] == [0.0; 3] || theirs[0] == [0.0; 3] {
+                    continue;
+                }
+                for (own, theirs) in own.iter().zip(theirs.as_flattened()) {
+                    let Card { name, .. } = &card;
+                    assert!((own - theirs).abs() < 4e-3, "{name}, {form}, {}, {t}: {own} {theirs}", subject.name);
+                }
             }
         }
-        let frame = &subject.frame;
+        let (frame, pixels) = (&subject.frame, card.drawn(&subject, &computed));
         let image = Reference::new(frame, &Shade::new(Shader::C1Phong)).image();
         let codes = Quantizer::new(&Transfer::Linear, Bits::Eight).quantize(&image);
-        let (mut worst, mut compared, ours) = (0, 0, codes.bytes().unwrap());
+        let (mut differ, mut compared, ours) = (0, 0, codes.bytes().unwrap());
         for (i, counts) in coverage::interior_mask(frame).into_iter().enumerate() {
             if counts {
                 compared += 1;
-                worst = worst.max(ours[3 * i].abs_diff(pixels[4 * i]));
+                differ += usize::from(ours[3 * i].abs_diff(pixels[4 * i]) > 1);
             }
         }
-        assert!(compared > 10_000 && worst <= 2, "{card}, {}: {worst} codes over {compared} pixels", subject.name);
+        let what = format!("{}, {}: {differ} of {compared} pixels differ by more than 1 code", card.name, subject.name);
+        assert!(compared > 5_000 && 5_000 * differ <= compared, "{what}");
     }
 }

@@ -57,6 +57,7 @@ fn joined(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting
     let triangle = |t: usize| FrameTriangle {
         vertices: triangles[t],
         fans: triangles[t],
+        sides: triangles[t].map(|fan| [fan; 2]),
         of_mesh: t as u32,
         is_back: false,
         normal: DVec3::Z,

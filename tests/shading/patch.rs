@@ -6,7 +6,7 @@ use machband::{
     light::Transfer,
     shading::{
         Channels, Fan, Field, Frame, Gradients, Lighting, Patches, Scene, Surface, View,
-        frame::Gradient,
+        cubic::Gradient,
         shaders::{Patch, ShaderKernel as _},
         shapes::{self, Shape},
     },
@@ -18,7 +18,7 @@ fn gray(value: f64) -> DVec3 {
 }
 
 fn gray_gradient(slope: DVec2) -> Gradient {
-    [slope, 0.5 * slope, -2.0 * slope]
+    [slope, 0.5 * slope, -2.0 * slope].map(|slope| slope.to_array())
 }
 
 /// Returns the light of the patches as a function.
@@ -63,7 +63,7 @@ fn near_neighbors_count_more() {
     let triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]];
     let frame = frame(&places, &triangles, |p| gray(if p.x > 0.0 { 1.0 } else { 0.0 }));
     let gradient = Patches::new(&frame, Field::Light, Gradients::Ring).gradients[0];
-    assert!(gradient[0].distance(DVec2::new(0.5, 0.0)) < 1e-12, "{gradient:?}");
+    assert!(DVec2::from(gradient[0]).distance(DVec2::new(0.5, 0.0)) < 1e-12, "{gradient:?}");
 }
 
 /// With true gradients, a quadratic field is reproduced exactly. Errors in the gradients add at most 0.4 times the
@@ -88,7 +88,7 @@ fn quadratic_fields_are_within_the_error_of_their_gradients() {
             .vertices
             .iter()
             .zip(&patches.gradients)
-            .map(|(v, gradient)| gradient[0].distance(slope(v.screen)))
+            .map(|(v, gradient)| DVec2::from(gradient[0]).distance(slope(v.screen)))
             .fold(0.0, f64::max);
         let error = worst(&frame, &patches, field);
         assert!(fault > 1e-6 && error > 1e-6, "{gradients}: nothing to bound");
@@ -98,7 +98,7 @@ fn quadratic_fields_are_within_the_error_of_their_gradients() {
     let inside = |gradients| {
         let patches = Patches::new(&frame, Field::Light, gradients);
         let exact = frame.vertices.iter().zip(&patches.gradients);
-        exact.filter(|(v, gradient)| gradient[0].distance(slope(v.screen)) < 1e-9).count()
+        exact.filter(|(v, gradient)| DVec2::from(gradient[0]).distance(slope(v.screen)) < 1e-9).count()
     };
     assert!(inside(Gradients::Quadric) > 20 && inside(Gradients::Ring) < 5);
 }
@@ -138,7 +138,7 @@ fn cubics_match_numpy() {
             "vertex" => {
                 places.push(DVec2::new(v[0], v[1]));
                 lights.push(DVec3::new(v[2], v[3], v[4]));
-                gradients.push([0, 1, 2].map(|c| DVec2::new(v[5 + 2 * c], v[6 + 2 * c])));
+                gradients.push([0, 1, 2].map(|c| [v[5 + 2 * c], v[6 + 2 * c]]));
             }
             "triangle" => triangles.push([0, 1, 2].map(|k| v[k] as u32)),
             _ => samples.push((v[0] as usize, v[1], v[2], DVec3::new(v[3], v[4], v[5]))),
@@ -187,7 +187,7 @@ fn gradient_error(frame: &Frame, gradients: Gradients, facing: f64) -> f64 {
         let toward = frame.view.to_viewer(vertex.eye);
         if vertex.normal.dot(toward) > facing {
             let truth = traced_gradient(frame, vertex.screen);
-            error += gradient[0].distance_squared(truth);
+            error += DVec2::from(gradient[0]).distance_squared(truth);
             size += truth.length_squared();
         }
     }
@@ -261,9 +261,9 @@ fn encoded_lights_have_encoded_gradients() {
         // Only lit vertices away from the rim, because the ring affects the gradients at the rim.
         if vertex.light.x > 0.25 && vertex.normal.z > 0.7 {
             // d√L = dL/2√L
-            let expected = linear[v][0] / (2.0 * vertex.light.x.sqrt());
-            let error = (encoded[v][0] - expected).length();
-            assert!(error < 0.02 * expected.length().max(1e-3), "vertex {v}: {} for {expected}", encoded[v][0]);
+            let expected = DVec2::from(linear[v][0]) / (2.0 * vertex.light.x.sqrt());
+            let error = (DVec2::from(encoded[v][0]) - expected).length();
+            assert!(error < 0.02 * expected.length().max(1e-3), "vertex {v}: {:?} for {expected}", encoded[v][0]);
             compared += 1;
         }
     }

@@ -94,7 +94,9 @@ fn light_matches_the_reference() {
     for (name, frame) in scenes() {
         for shade in shades() {
             let error = error(&frame, &shade);
-            assert!(error <= 1e-5, "{name}, {shade:?}: {error}");
+            // The coefficients of a cubic are sums of up to twelve ordinates, rounded to f32.
+            let most = if shade.has_gradients() { 4e-5 } else { 1e-5 };
+            assert!(error <= most, "{name}, {shade:?}: {error}");
         }
     }
 }

@@ -1,12 +1,15 @@
 //! Slopes at the vertices: from the values at the surrounding vertices, or from the curvature of the mesh. For the light,
 //! dI/dp = (∂I/∂N)·(dN/dp) + the light's own change with position, projected onto the screen.
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::projected::{Frame, FrameVertex};
-use crate::system::checkpoint;
-use crate::text::names::named;
+use crate::{
+    shading::cubic::{self, Gradient, Slope},
+    system::checkpoint,
+    text::names::named,
+};
 
 named! {
     /// How to compute the slopes at the vertices, which *patch* and *c1-phong* need.
@@ -51,9 +54,6 @@ impl Field {
     }
 }
 
-/// The slopes of the three components of a field at a vertex, per pixel to the right and per pixel down.
-pub type Gradient = [DVec2; 3];
-
 /// Returns the gradient of `field` at each of [`Frame::fans`].
 pub(super) fn of(frame: &Frame, field: Field, gradients: Gradients) -> Vec<Gradient> {
     let ring = Ring::of(frame, field);
@@ -68,13 +68,6 @@ pub(super) fn of(frame: &Frame, field: Field, gradients: Gradients) -> Vec<Gradi
     (0..frame.fans.len()).into_par_iter().map(gradient).collect()
 }
 
-/// The weight of the ring relative to the chain rule. Where the surface turns away by the angle θ, a step on it is
-/// foreshortened on the screen by cos θ, which reduces the chain rule's weight along it by cos² θ. The chain rule
-/// carries less and less information there, and its slope grows without bound, unlike the slope of the image. Of the
-/// values from 0 to 0.5, this one gave the smallest errors in light and slope, compared with spheres, tori and bumpy
-/// surfaces traced pixel by pixel; 0.05 and 0.1 are within a few percent of it.
-const RING_WEIGHT: f64 = 0.07;
-
 /// The step of the central differences, in radii of the mesh's bounding sphere.
 const STEP: f64 = 1e-5;
 
@@ -83,14 +76,21 @@ const SAME: f64 = 1e-9;
 
 /// Returns the gradient at a fan from the curvature of the mesh.
 fn of_curvature(fan: usize, ring: &Ring<'_>) -> Gradient {
-    let (mut equations, vertex) = (ring.plane(fan), ring.vertex(fan));
-    if equations.trace() > 0.0 && is_on_surface(ring, vertex) {
-        equations.scale(RING_WEIGHT / equations.trace());
-        for (offset, change) in steps(ring, vertex, ring.frame.fans[fan].curvature) {
-            equations.add(offset, change, 1.0);
+    let (mut slope, vertex) = (ring.plane(fan), ring.vertex(fan));
+    if is_on_surface(ring, vertex) {
+        slope.weigh(cubic::RING);
+        let curvature = ring.frame.fans[fan].curvature;
+        for (step, offset, pixels) in cubic::steps(&ring.frame.view, vertex.eye.to_array(), vertex.normal.to_array()) {
+            let step = DVec3::from_array(step) * STEP;
+            let moved = |step: DVec3| {
+                let normal = (vertex.normal + curvature * step).normalize_or(vertex.normal);
+                ring.field.on_surface(ring.frame, vertex.eye + step, normal)
+            };
+            let change = (moved(step) - moved(-step)) / (2.0 * STEP * pixels);
+            slope.add(offset, change.to_array(), 1.0);
         }
     }
-    equations.solve()
+    slope.solve()
 }
 
 /// True if the value at `vertex` is the one that the frame's lighting and the surface give it.
@@ -98,33 +98,6 @@ fn is_on_surface(ring: &Ring<'_>, vertex: &FrameVertex) -> bool {
     let given = ring.field.on_surface(ring.frame, vertex.eye, vertex.normal);
     // The comparison is false for NaN.
     (given - ring.field.at(vertex)).abs().max_element() <= SAME
-}
-
-/// Returns up to two steps on the surface: the displacement of each on the screen, in units of a step seen face on, and
-/// the change of the field.
-fn steps(ring: &Ring<'_>, vertex: &FrameVertex, curvature: DMat3) -> impl Iterator<Item = (DVec2, DVec3)> {
-    let view = &ring.frame.view;
-    let toward = view.to_viewer(vertex.eye);
-    let facing = vertex.normal.dot(toward);
-    let (across, away) = tangents(vertex.normal, toward);
-    // Pixels per radius, seen face on.
-    let scale = view.moved(vertex.eye, toward.any_orthonormal_vector()).length();
-    // A vertex that faces away uses only the direction along the silhouette.
-    [Some(across), (facing > 0.0).then_some(away)].into_iter().flatten().map(move |tangent| {
-        let moved = |step: DVec3| {
-            let normal = (vertex.normal + curvature * step).normalize_or(vertex.normal);
-            ring.field.on_surface(ring.frame, vertex.eye + step, normal)
-        };
-        let change = moved(tangent * STEP) - moved(tangent * -STEP);
-        (view.moved(vertex.eye, tangent) / scale, change / (2.0 * STEP * scale))
-    })
-}
-
-/// Returns two unit tangents: one across the line of sight, and one that leads away from the eye.
-fn tangents(normal: DVec3, toward: DVec3) -> (DVec3, DVec3) {
-    let across = normal.cross(toward);
-    let across = if across.length_squared() > 1e-12 { across.normalize() } else { normal.any_orthonormal_vector() };
-    (across, normal.cross(across))
 }
 
 /// The surroundings of the fans of a frame.
@@ -183,59 +156,12 @@ impl<'f> Ring<'f> {
     }
 
     /// Returns the equations of the plane through the vertex of `fan` that best fits its neighbors, weighted by 1/d².
-    fn plane(&self, fan: usize) -> Equations {
-        let mut sum = Equations::default();
+    fn plane(&self, fan: usize) -> Slope {
+        let mut sum = Slope::default();
         for (offset, change) in self.differences(fan) {
-            sum.add(offset, change, 1.0 / offset.length_squared());
+            sum.add(offset.to_array(), change.to_array(), 1.0 / offset.length_squared());
         }
         sum
-    }
-}
-
-/// The normal equations of a gradient; all components have the same matrix.
-#[derive(Clone, Copy, Debug, Default)]
-struct Equations {
-    /// Σ w·dx², Σ w·dx·dy, Σ w·dy².
-    matrix: [f64; 3],
-    /// Σ w·dI·(dx, dy) of each component.
-    right: [DVec2; 3],
-}
-
-/// If its determinant is at most this share of its squared trace, a matrix counts as having only one direction.
-const FLAT: f64 = 1e-14;
-
-impl Equations {
-    /// Adds the observation that a step of `offset` changes the field by `change`.
-    fn add(&mut self, offset: DVec2, change: DVec3, weight: f64) {
-        let weighted = weight * offset;
-        self.matrix[0] += weighted.x * offset.x;
-        self.matrix[1] += weighted.x * offset.y;
-        self.matrix[2] += weighted.y * offset.y;
-        for (right, change) in self.right.iter_mut().zip(change.to_array()) {
-            *right += weighted * change;
-        }
-    }
-
-    /// Multiplies all weights by `factor`.
-    fn scale(&mut self, factor: f64) {
-        self.matrix = self.matrix.map(|m| m * factor);
-        self.right = self.right.map(|r| r * factor);
-    }
-
-    /// Σ w·d².
-    fn trace(&self) -> f64 {
-        self.matrix[0] + self.matrix[2]
-    }
-
-    /// Returns the gradient that fits best; it is zero in a direction that the observations do not determine.
-    fn solve(&self) -> Gradient {
-        let [xx, xy, yy] = self.matrix;
-        let (determinant, trace) = (xx * yy - xy * xy, xx + yy);
-        if determinant > FLAT * trace * trace {
-            return self.right.map(|r| DVec2::new(yy * r.x - xy * r.y, xx * r.y - xy * r.x) / determinant);
-        }
-        // Only one direction is known: the matrix is trace·d·dᵀ, and its pseudo-inverse is d·dᵀ/trace.
-        if trace > 0.0 { self.right.map(|r| r / trace) } else { [DVec2::ZERO; 3] }
     }
 }
 
@@ -265,7 +191,7 @@ fn quadric(fan: usize, ring: &Ring<'_>) -> Option<Gradient> {
         }
     }
     let solved = eliminate(&mut rows)?;
-    Some([0, 1, 2].map(|c| DVec2::new(solved[0][c], solved[1][c]) / size))
+    Some([0, 1, 2].map(|c| [solved[0][c] / size, solved[1][c] / size]))
 }
 
 /// Gaussian elimination with pivots from the diagonal, which suits a symmetric positive-definite matrix.

@@ -8,7 +8,7 @@ mod projected;
 mod scene;
 
 pub use coverage::{Outline, Planes};
-pub use gradients::{Field, Gradient, Gradients};
-pub use patches::{ControlPoints, Patches, sub_triangle_ordinates};
+pub use gradients::{Field, Gradients};
+pub use patches::Patches;
 pub use projected::{Across, Frame, FrameTriangle, FrameVertex, MeantCrease, View};
 pub use scene::{Highlight, Scene};

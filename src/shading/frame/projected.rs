@@ -7,6 +7,7 @@ use glam::{DMat3, DVec2, DVec3};
 use crate::{
     light::Transfers,
     shading::{
+        cubic,
         lighting::Lighting,
         mesh::{EdgeKind, Fan, Paint, Smooth, Surface},
         number::Constant,
@@ -122,6 +123,16 @@ impl View {
     }
 }
 
+impl cubic::Screen for View {
+    fn moved(&self, eye: cubic::V, step: cubic::V) -> [f64; 2] {
+        View::moved(self, eye.into(), step.into()).to_array()
+    }
+
+    fn toward(&self, eye: cubic::V) -> cubic::V {
+        self.to_viewer(eye.into()).to_array()
+    }
+}
+
 /// A frame to be shaded. Vertices are on the screen; light values are linear red, green and blue.
 #[derive(Clone, Debug)]
 pub struct Frame {
@@ -179,6 +190,8 @@ pub struct FrameTriangle {
     pub vertices: [u32; 3],
     /// The fans of the corners, as indices into [`Frame::fans`].
     pub fans: [u32; 3],
+    /// The fans whose slopes count along the edges; see [`cubic::Fans::sides`].
+    pub sides: [[u32; 2]; 3],
     /// The index of the mesh's triangle.
     pub of_mesh: u32,
     /// True if this is the back of the mesh's triangle, whose corners 1 and 2 then swap places.
@@ -393,9 +406,14 @@ impl Frame {
                     self.creases.push(MeantCrease { ends, triangle: self.triangles.len() as u32 });
                 }
             }
-            let [a, b, c] = surface.of_corners[t];
-            let fans = if is_back { [a, c, b].map(|fan| fan + surface.fans.len() as u32) } else { [a, b, c] };
-            self.triangles.push(FrameTriangle { vertices: corners, fans, of_mesh: t as u32, is_back, normal, across });
+            let (mut fans, mut sides) = (surface.of_corners[t], surface.sides[t]);
+            if is_back {
+                let of_back = |fan: u32| fan + surface.fans.len() as u32;
+                fans = [fans[0], fans[2], fans[1]].map(of_back);
+                sides = [sides[0], sides[2], sides[1]].map(|[next, previous]| [previous, next].map(of_back));
+            }
+            let of_mesh = t as u32;
+            self.triangles.push(FrameTriangle { vertices: corners, fans, sides, of_mesh, is_back, normal, across });
         }
     }
 
