@@ -64,36 +64,39 @@ vec3 value_of(Pixel p) {
     return _e12;
 }
 
+vec3 lit(vec3 direction, vec3 place) {
+    vec3 light = vec3(0.0);
+    vec3 normal_1 = normalize(direction);
+    uint _e11 = scene.is_orthographic;
+    vec3 to_eye = ((_e11 != 0u) ? vec3(0.0, 0.0, 1.0) : normalize(-(place)));
+    vec3 _e17 = scene.lamp;
+    vec3 to_lamp = normalize(_e17);
+    float cosine = dot(normal_1, to_lamp);
+    vec3 _e22 = scene.ambient;
+    light = _e22;
+    if ((cosine > 0.0)) {
+        float shine = max((((2.0 * cosine) * dot(normal_1, to_eye)) - dot(to_lamp, to_eye)), 0.0);
+        vec3 _e34 = light;
+        vec3 _e37 = scene.diffuse;
+        vec3 _e41 = scene.specular;
+        float _e44 = scene.shininess;
+        light = (_e34 + ((_e37 * cosine) + (_e41 * pow(shine, _e44))));
+    }
+    vec3 _e49 = light;
+    return _e49;
+}
+
 void main() {
     Pixel pixel = Pixel(gl_FragCoord, _vs2fs_location0, _vs2fs_location1, _vs2fs_location2, _vs2fs_location3, _vs2fs_location4, _vs2fs_location5, _vs2fs_location6, _vs2fs_location7, _vs2fs_location8, _vs2fs_location9, _vs2fs_location10, _vs2fs_location11);
     vec3 normal = vec3(0.0);
-    vec3 light = vec3(0.0);
     normal = pixel.normal;
     if (any(notEqual(pixel.a, vec4(0.0)))) {
         vec3 _e8 = value_of(pixel);
         normal = _e8;
     }
     vec3 _e9 = normal;
-    normal = normalize(_e9);
-    uint _e20 = scene.is_orthographic;
-    vec3 to_eye = ((_e20 != 0u) ? vec3(0.0, 0.0, 1.0) : normalize(-(pixel.place)));
-    vec3 _e26 = scene.lamp;
-    vec3 to_lamp = normalize(_e26);
-    vec3 _e28 = normal;
-    float cosine = dot(_e28, to_lamp);
-    vec3 _e32 = scene.ambient;
-    light = _e32;
-    if ((cosine > 0.0)) {
-        vec3 _e38 = normal;
-        float shine = max((((2.0 * cosine) * dot(_e38, to_eye)) - dot(to_lamp, to_eye)), 0.0);
-        vec3 _e45 = light;
-        vec3 _e48 = scene.diffuse;
-        vec3 _e52 = scene.specular;
-        float _e55 = scene.shininess;
-        light = (_e45 + ((_e48 * cosine) + (_e52 * pow(shine, _e55))));
-    }
-    vec3 _e60 = light;
-    _fs2p_location0 = vec4(_e60, 1.0);
+    vec3 _e11 = lit(_e9, pixel.place);
+    _fs2p_location0 = vec4(_e11, 1.0);
     return;
 }
 

@@ -43,7 +43,7 @@ Texture2D<float4> coefficients : register(t1);
 
 struct VertexOutput_c1_vertex {
     float3 weights_1 : LOC0;
-    float3 place : LOC1;
+    float3 place_1 : LOC1;
     float3 normal_2 : LOC2;
     nointerpolation float4 a_2 : LOC3;
     nointerpolation float4 b_2 : LOC4;
@@ -59,7 +59,7 @@ struct VertexOutput_c1_vertex {
 
 struct FragmentInput_c1_phong_pixel {
     float3 weights_2 : LOC0;
-    float3 place_1 : LOC1;
+    float3 place_2 : LOC1;
     float3 normal_3 : LOC2;
     nointerpolation float4 a_3 : LOC3;
     nointerpolation float4 b_3 : LOC4;
@@ -75,7 +75,7 @@ struct FragmentInput_c1_phong_pixel {
 
 struct FragmentInput_patch_color_pixel {
     float3 weights_3 : LOC0;
-    float3 place_2 : LOC1;
+    float3 place_3 : LOC1;
     float3 normal_4 : LOC2;
     nointerpolation float4 a_4 : LOC3;
     nointerpolation float4 b_4 : LOC4;
@@ -164,6 +164,30 @@ float3 value_of(Pixel p)
     return _e12;
 }
 
+float3 lit_(float3 direction, float3 place)
+{
+    float3 light = (float3)0;
+
+    float3 normal_5 = normalize(direction);
+    uint _e11 = scene.is_orthographic;
+    float3 to_eye = ((_e11 != 0u) ? float3(0.0, 0.0, 1.0) : normalize(-(place)));
+    float3 _e17 = scene.lamp;
+    float3 to_lamp = normalize(_e17);
+    float cosine = dot(normal_5, to_lamp);
+    float3 _e22 = scene.ambient;
+    light = _e22;
+    if ((cosine > 0.0)) {
+        float shine = max((((2.0 * cosine) * dot(normal_5, to_eye)) - dot(to_lamp, to_eye)), 0.0);
+        float3 _e34 = light;
+        float3 _e37 = scene.diffuse;
+        float3 _e41 = scene.specular;
+        float _e44 = scene.shininess;
+        light = (_e34 + ((_e37 * cosine) + (_e41 * pow(shine, _e44))));
+    }
+    float3 _e49 = light;
+    return _e49;
+}
+
 Pixel ZeroValuePixel() {
     return (Pixel)0;
 }
@@ -173,13 +197,13 @@ VertexOutput_c1_vertex c1_vertex(float3 position : LOC0, float3 normal : LOC1, u
     Pixel out_ = ZeroValuePixel();
 
     float4x4 _e5 = scene.model_view;
-    float4 place_3 = mul(float4(position, 1.0), _e5);
+    float4 place_4 = mul(float4(position, 1.0), _e5);
     float4x4 _e14 = scene.projection;
-    out_.position = mul(place_3, _e14);
+    out_.position = mul(place_4, _e14);
     float _e19 = out_.position.w;
     const float3 _e20 = corner_weights(index, _e19);
     out_.weights = _e20;
-    out_.place = place_3.xyz;
+    out_.place = place_4.xyz;
     float4x4 _e26 = scene.model_view;
     out_.normal = mul(float4(normal, 0.0), _e26).xyz;
     if ((naga_mod(index, 3u) == PROVOKING)) {
@@ -211,9 +235,8 @@ VertexOutput_c1_vertex c1_vertex(float3 position : LOC0, float3 normal : LOC1, u
 
 float4 c1_phong_pixel(FragmentInput_c1_phong_pixel fragmentinput_c1_phong_pixel) : SV_Target0
 {
-    Pixel pixel = { fragmentinput_c1_phong_pixel.position_3, fragmentinput_c1_phong_pixel.weights_2, fragmentinput_c1_phong_pixel.place_1, fragmentinput_c1_phong_pixel.normal_3, fragmentinput_c1_phong_pixel.a_3, fragmentinput_c1_phong_pixel.b_3, fragmentinput_c1_phong_pixel.c_3, fragmentinput_c1_phong_pixel.d_2, fragmentinput_c1_phong_pixel.e_2, fragmentinput_c1_phong_pixel.f_2, fragmentinput_c1_phong_pixel.g_2, fragmentinput_c1_phong_pixel.h_2, fragmentinput_c1_phong_pixel.i_2 };
+    Pixel pixel = { fragmentinput_c1_phong_pixel.position_3, fragmentinput_c1_phong_pixel.weights_2, fragmentinput_c1_phong_pixel.place_2, fragmentinput_c1_phong_pixel.normal_3, fragmentinput_c1_phong_pixel.a_3, fragmentinput_c1_phong_pixel.b_3, fragmentinput_c1_phong_pixel.c_3, fragmentinput_c1_phong_pixel.d_2, fragmentinput_c1_phong_pixel.e_2, fragmentinput_c1_phong_pixel.f_2, fragmentinput_c1_phong_pixel.g_2, fragmentinput_c1_phong_pixel.h_2, fragmentinput_c1_phong_pixel.i_2 };
     float3 normal_1 = (float3)0;
-    float3 light = (float3)0;
 
     normal_1 = pixel.normal;
     if (any((pixel.a != (0.0).xxxx))) {
@@ -221,31 +244,13 @@ float4 c1_phong_pixel(FragmentInput_c1_phong_pixel fragmentinput_c1_phong_pixel)
         normal_1 = _e8;
     }
     float3 _e9 = normal_1;
-    normal_1 = normalize(_e9);
-    uint _e20 = scene.is_orthographic;
-    float3 to_eye = ((_e20 != 0u) ? float3(0.0, 0.0, 1.0) : normalize(-(pixel.place)));
-    float3 _e26 = scene.lamp;
-    float3 to_lamp = normalize(_e26);
-    float3 _e28 = normal_1;
-    float cosine = dot(_e28, to_lamp);
-    float3 _e32 = scene.ambient;
-    light = _e32;
-    if ((cosine > 0.0)) {
-        float3 _e38 = normal_1;
-        float shine = max((((2.0 * cosine) * dot(_e38, to_eye)) - dot(to_lamp, to_eye)), 0.0);
-        float3 _e45 = light;
-        float3 _e48 = scene.diffuse;
-        float3 _e52 = scene.specular;
-        float _e55 = scene.shininess;
-        light = (_e45 + ((_e48 * cosine) + (_e52 * pow(shine, _e55))));
-    }
-    float3 _e60 = light;
-    return float4(_e60, 1.0);
+    const float3 _e11 = lit_(_e9, pixel.place);
+    return float4(_e11, 1.0);
 }
 
 float4 patch_color_pixel(FragmentInput_patch_color_pixel fragmentinput_patch_color_pixel) : SV_Target0
 {
-    Pixel pixel_1 = { fragmentinput_patch_color_pixel.position_4, fragmentinput_patch_color_pixel.weights_3, fragmentinput_patch_color_pixel.place_2, fragmentinput_patch_color_pixel.normal_4, fragmentinput_patch_color_pixel.a_4, fragmentinput_patch_color_pixel.b_4, fragmentinput_patch_color_pixel.c_4, fragmentinput_patch_color_pixel.d_3, fragmentinput_patch_color_pixel.e_3, fragmentinput_patch_color_pixel.f_3, fragmentinput_patch_color_pixel.g_3, fragmentinput_patch_color_pixel.h_3, fragmentinput_patch_color_pixel.i_3 };
+    Pixel pixel_1 = { fragmentinput_patch_color_pixel.position_4, fragmentinput_patch_color_pixel.weights_3, fragmentinput_patch_color_pixel.place_3, fragmentinput_patch_color_pixel.normal_4, fragmentinput_patch_color_pixel.a_4, fragmentinput_patch_color_pixel.b_4, fragmentinput_patch_color_pixel.c_4, fragmentinput_patch_color_pixel.d_3, fragmentinput_patch_color_pixel.e_3, fragmentinput_patch_color_pixel.f_3, fragmentinput_patch_color_pixel.g_3, fragmentinput_patch_color_pixel.h_3, fragmentinput_patch_color_pixel.i_3 };
     const float3 _e1 = value_of(pixel_1);
     return float4(_e1, 1.0);
 }

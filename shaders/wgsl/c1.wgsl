@@ -113,6 +113,20 @@ fn value_of(p: Pixel) -> vec3f {
     return cubic_value(p.a, p.b, p.c, p.d, p.e, p.f, p.g, p.h, p.i, terms_of(p.weights));
 }
 
+// Phong's light from a normal of any length and a place on the line of sight.
+fn lit(direction: vec3f, place: vec3f) -> vec3f {
+    let normal = normalize(direction);
+    let to_eye = select(normalize(-place), vec3f(0.0, 0.0, 1.0), scene.is_orthographic != 0u);
+    let to_lamp = normalize(scene.lamp);
+    let cosine = dot(normal, to_lamp);
+    var light = scene.ambient;
+    if cosine > 0.0 {
+        let shine = max(2.0 * cosine * dot(normal, to_eye) - dot(to_lamp, to_eye), 0.0);
+        light += scene.diffuse * cosine + scene.specular * pow(shine, scene.shininess);
+    }
+    return light;
+}
+
 // Returns linear light; the target should have an sRGB format.
 @fragment
 fn c1_phong_pixel(pixel: Pixel) -> @location(0) vec4f {
@@ -121,16 +135,7 @@ fn c1_phong_pixel(pixel: Pixel) -> @location(0) vec4f {
     if any(pixel.a != vec4f(0.0)) {
         normal = value_of(pixel);
     }
-    normal = normalize(normal);
-    let to_eye = select(normalize(-pixel.place), vec3f(0.0, 0.0, 1.0), scene.is_orthographic != 0u);
-    let to_lamp = normalize(scene.lamp);
-    let cosine = dot(normal, to_lamp);
-    var light = scene.ambient;
-    if cosine > 0.0 {
-        let shine = max(2.0 * cosine * dot(normal, to_eye) - dot(to_lamp, to_eye), 0.0);
-        light += scene.diffuse * cosine + scene.specular * pow(shine, scene.shininess);
-    }
-    return vec4f(light, 1.0);
+    return vec4f(lit(normal, pixel.place), 1.0);
 }
 
 // patch in color: the coefficients are those of red, green and blue.

@@ -4,7 +4,7 @@
 use std::{f64::consts::TAU, fs, path::Path};
 
 use bytemuck::cast_slice;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use machband::{
     light::{Bits, Quantizer, Transfer},
     shading::{
@@ -345,9 +345,8 @@ impl Card {
     }
 
     /// Runs the two passes, as compute shaders or by drawing, and returns the texture of coefficients.
-    fn coefficients(&self, subject: &Subject, draws: bool) -> wgpu::Texture {
+    fn coefficients(&self, surface: &cubic::Surface, camera: &Camera, draws: bool) -> wgpu::Texture {
         use wgpu::TextureFormat::{Rg32Uint, Rgba32Float, Rgba32Uint};
-        let surface = &subject.surface;
         let (starts, ring) = surface.rings();
         let points: Vec<f32> = (0..surface.positions.len())
             .flat_map(|v| {
@@ -375,7 +374,7 @@ impl Card {
         for (name, target, entries, used) in
             [("slopes", &inputs[3], count, &[1, 2][..]), ("coefficients", &out, triangles, &[1, 3, 4])]
         {
-            let Camera { model_view, projection, size } = &subject.camera;
+            let Camera { model_view, projection, size } = camera;
             let numbers = [count as u32, triangles as u32, target.width(), 0, 0, 0].map(f32::from_bits);
             let camera = [&floats(model_view)[..], &floats(projection), &floats(size), &numbers].concat();
             let camera = self.uniform(&camera);
@@ -460,8 +459,8 @@ impl Card {
     }
 
     /// Draws with `c1.wgsl` under the library's standard lighting; returns the linear light of every pixel as codes.
-    fn drawn(&self, subject: &Subject, coefficients: &wgpu::Texture) -> Vec<u8> {
-        let Camera { model_view, projection, .. } = &subject.camera;
+    fn drawn(&self, surface: &cubic::Surface, camera: &Camera, coefficients: &wgpu::Texture) -> Vec<u8> {
+        let Camera { model_view, projection, .. } = camera;
         let is_orthographic = u32::from(projection[15] == 1.0);
         let lights = [
             [0.36, 0.48, 0.8, 20.0],
@@ -470,8 +469,8 @@ impl Card {
             [0.3, 0.3, 0.3, 0.0],
         ];
         let scene = self.uniform(&[&floats(model_view)[..], &floats(projection), lights.as_flattened()].concat());
-        let corners = subject.surface.triangles.iter().flatten().map(|v| *v as usize);
-        let of = |v: usize| [subject.surface.positions[v], subject.surface.normals[v]].concat();
+        let corners = surface.triangles.iter().flatten().map(|v| *v as usize);
+        let of = |v: usize| [surface.positions[v], surface.normals[v]].concat();
         let vertices: Vec<f32> = corners.flat_map(of).map(|x| x as f32).collect();
         let (contents, usage) = (cast_slice(&vertices), wgpu::BufferUsages::VERTEX);
         let vertices =
@@ -507,7 +506,7 @@ impl Card {
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.set_vertex_buffer(0, vertices.slice(..));
-        pass.draw(0..3 * subject.surface.triangles.len() as u32, 0..1);
+        pass.draw(0..3 * surface.triangles.len() as u32, 0..1);
         drop(pass);
         self.read(encoder, &codes)
     }
@@ -572,7 +571,8 @@ fn card_gives_plain_rusts_coefficients_and_the_librarys_pixels() {
     let Some(card) = card() else { return };
     for subject in subjects() {
         let theirs = cubic::coefficients(&subject.surface, &subject.camera);
-        let [computed, by_drawing] = [false, true].map(|draws| card.coefficients(&subject, draws));
+        let [computed, by_drawing] =
+            [false, true].map(|draws| card.coefficients(&subject.surface, &subject.camera, draws));
         for (form, texture) in [("computed", &computed), ("drawn", &by_drawing)] {
             let bytes = card.read(card.device.create_command_encoder(&Default::default()), texture);
             let numbers: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
@@ -587,7 +587,7 @@ fn card_gives_plain_rusts_coefficients_and_the_librarys_pixels() {
                 }
             }
         }
-        let (frame, pixels) = (&subject.frame, card.drawn(&subject, &computed));
+        let (frame, pixels) = (&subject.frame, card.drawn(&subject.surface, &subject.camera, &computed));
         let image = Reference::new(frame, &Shade::new(Shader::C1Phong)).image();
         let codes = Quantizer::new(&Transfer::Linear, Bits::Eight).quantize(&image);
         let (mut differ, mut compared, ours) = (0, 0, codes.bytes().unwrap());
@@ -600,4 +600,79 @@ fn card_gives_plain_rusts_coefficients_and_the_librarys_pixels() {
         let what = format!("{}, {}: {differ} of {compared} pixels differ by more than 1 code", card.name, subject.name);
         assert!(compared > 5_000 && 5_000 * differ <= compared, "{what}");
     }
+}
+
+/// Hills over a plane that reaches from behind the eye to far away, so that triangles cross the near plane and a side of
+/// the view at once. Wherever a triangle has coefficients, its pixels are those of the cubic with weights that are linear
+/// on the screen.
+#[test]
+fn triangles_that_cross_two_clip_planes_keep_their_light() {
+    let Some(card) = card() else { return };
+    const CELLS: u32 = 12;
+    let point = |i: u32, j: u32| {
+        let (x, z) = (f64::from(i) * 0.5 - 3.0, f64::from(j) * -0.31 + 0.5);
+        let (sin, cos) = (1.3 * x + 0.7 * z).sin_cos();
+        let height = |wave: f64| 0.08 * wave;
+        (DVec3::new(x, height(sin) - 0.25, z), DVec3::new(-1.3 * height(cos), 1.0, -0.7 * height(cos)).normalize())
+    };
+    let (positions, normals): (Vec<_>, Vec<_>) = (0..=CELLS)
+        .flat_map(|i| (0..=CELLS).map(move |j| (i, j)))
+        .map(|(i, j)| point(i, j))
+        .map(|(position, normal)| (position.to_array(), normal.to_array()))
+        .unzip();
+    let at = |i: u32, j: u32| i * (CELLS + 1) + j;
+    let cells = (0..CELLS).flat_map(|i| (0..CELLS).map(move |j| (i, j)));
+    let triangles: Vec<[u32; 3]> = cells
+        .flat_map(|(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]])
+        .collect();
+    let surface = cubic::Surface::new(&positions, &normals, &triangles);
+    let (near, far, mut projection) = (0.35, 20.0, [0.0; 16]);
+    (projection[0], projection[5], projection[10]) = (1.1, 1.1, -far / (far - near));
+    (projection[14], projection[11]) = (-far * near / (far - near), -1.0);
+    let mut model_view = [0.0; 16];
+    [0, 5, 10, 15].map(|i| model_view[i] = 1.0);
+    let camera = Camera { model_view, projection, size: [f64::from(SIDE); 2] };
+    let pixels = card.drawn(&surface, &camera, &card.coefficients(&surface, &camera, false));
+    let cubics = cubic::coefficients(&surface, &camera);
+    let lighting = |normal: DVec3, place: DVec3| {
+        let (normal, lamp) = (normal.normalize(), DVec3::new(0.36, 0.48, 0.8).normalize());
+        let cosine = normal.dot(lamp);
+        let shine = (2.0 * cosine * normal - lamp).dot(-place.normalize()).max(0.0);
+        0.1 + if cosine > 0.0 { 0.6 * cosine + 0.3 * shine.powf(20.0) } else { 0.0 }
+    };
+    let (mut compared, mut crossing) = (0, 0);
+    for (t, k) in surface.triangles.iter().zip(&cubics).filter(|(_, k)| k[0] != [0.0; 3]) {
+        let corners = t.map(|v| DVec3::from(surface.positions[v as usize]));
+        let screen = corners.map(|p| DVec2::new(1.0 - 1.1 * p.x / p.z, 1.0 + 1.1 * p.y / p.z) * f64::from(SIDE) / 2.0);
+        let is_crossing = corners.iter().any(|p| -p.z < near) && corners.iter().any(|p| (1.1 * p.x).abs() > -p.z);
+        let area = (screen[1] - screen[0]).perp_dot(screen[2] - screen[0]);
+        for pixel in 0..SIDE * SIDE {
+            let p = DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5);
+            let part = |a: DVec2, b: DVec2| (a - p).perp_dot(b - p) / area;
+            let w = [part(screen[1], screen[2]), part(screen[2], screen[0]), part(screen[0], screen[1])];
+            // 1/z is linear on the screen.
+            let z = 1.0 / (0..3).map(|i| w[i] / corners[i].z).sum::<f64>();
+            if w.iter().any(|w| *w < 1e-3) || -z < 1.01 * near {
+                continue;
+            }
+            let place = DVec3::new(
+                (p.x / f64::from(SIDE) * 2.0 - 1.0) * -z / 1.1,
+                (1.0 - p.y / f64::from(SIDE) * 2.0) * -z / 1.1,
+                z,
+            );
+            let light = lighting(DVec3::from(cubic::value(&k.map(|k| k.map(f64::from)), w)), place);
+            let code = f64::from(pixels[4 * pixel as usize]);
+            assert!(
+                (code - 255.0 * light).abs() < 2.0,
+                "{}: pixel {p}, weights {w:?}: {code} for {}",
+                card.name,
+                255.0 * light
+            );
+            (compared, crossing) = (compared + 1, crossing + usize::from(is_crossing));
+        }
+    }
+    assert!(
+        compared > 10_000 && crossing > 500,
+        "{compared} pixels, {crossing} of them in triangles that cross two planes"
+    );
 }
