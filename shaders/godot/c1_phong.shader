@@ -4,66 +4,48 @@
 // between triangles.
 shader_type spatial;
 
-// RGBAF without filtering, twelve texels for each triangle; the width is a multiple of 12. See shaders/README.md.
-uniform sampler2D ordinates;
+// RGBAF without filtering, nine texels for each triangle; the width is a multiple of nine. See shaders/README.md.
+uniform sampler2D coefficients;
 
-varying vec3 weights_times_w;
+// x and y of the cubic, times w of the projection: see shaders/three/index.js.
+varying vec2 weights_times_w;
 varying float triangle;
 
 void vertex() {
-	// The weights of the corners, linear on the screen; see glsl_es/ordinates.glsl.
 	float w = (PROJECTION_MATRIX * MODELVIEW_MATRIX * vec4(VERTEX, 1.0)).w;
-	weights_times_w = w * vec3(UV2.y == 0.0 ? 1.0 : 0.0, UV2.y == 1.0 ? 1.0 : 0.0, UV2.y == 2.0 ? 1.0 : 0.0);
+	weights_times_w = w * ((UV2.y == 0.0) ? vec2(1.0, 0.0) : ((UV2.y == 1.0) ? vec2(0.0, 1.0) : vec2(-1.0, -1.0)));
 	triangle = UV2.x;
 }
 
-vec4 ordinate(sampler2D of, int t, int k) {
-	int at = 12 * t + k;
+vec3 cubic(sampler2D of, int t, vec2 w) {
 	int width = textureSize(of, 0).x;
-	return texelFetch(of, ivec2(at % width, at / width), 0);
-}
-
-// The cubic of one third of the triangle; see glsl/patch.glsl.
-vec4 third_value(vec4 b0, vec4 b1, vec4 b2, vec4 b3, vec4 near_i, vec4 middle, vec4 near_j, vec4 far_i, vec4 far_j, vec4 center, vec2 uv, float s) {
-	vec4 edge = uv.x * uv.x * (uv.x * b0 + 3.0 * uv.y * b1) + uv.y * uv.y * (3.0 * uv.x * b2 + uv.y * b3);
-	vec4 near = uv.x * uv.x * near_i + 2.0 * uv.x * uv.y * middle + uv.y * uv.y * near_j;
-	return edge + s * (3.0 * near + s * (3.0 * (uv.x * far_i + uv.y * far_j) + s * center));
-}
-
-vec4 patch_value(sampler2D of, int t, vec3 w) {
-	vec4 corner_a = ordinate(of, t, 0);
-	vec4 corner_b = ordinate(of, t, 1);
-	vec4 corner_c = ordinate(of, t, 2);
-	vec4 next_a = ordinate(of, t, 3);
-	vec4 next_b = ordinate(of, t, 4);
-	vec4 next_c = ordinate(of, t, 5);
-	vec4 previous_a = ordinate(of, t, 6);
-	vec4 previous_b = ordinate(of, t, 7);
-	vec4 previous_c = ordinate(of, t, 8);
-	vec4 middle_a = ordinate(of, t, 9);
-	vec4 middle_b = ordinate(of, t, 10);
-	vec4 middle_c = ordinate(of, t, 11);
-	vec4 near_a = (corner_a + next_a + previous_a) / 3.0;
-	vec4 near_b = (corner_b + next_b + previous_b) / 3.0;
-	vec4 near_c = (corner_c + next_c + previous_c) / 3.0;
-	vec4 far_a = (near_a + middle_b + middle_c) / 3.0;
-	vec4 far_b = (near_b + middle_c + middle_a) / 3.0;
-	vec4 far_c = (near_c + middle_a + middle_b) / 3.0;
-	vec4 center = (far_a + far_b + far_c) / 3.0;
-	if (w.x <= w.y && w.x <= w.z) {
-		return third_value(corner_b, next_b, previous_c, corner_c, near_b, middle_a, near_c, far_b, far_c, center, w.yz - w.x, 3.0 * w.x);
+	ivec2 at = ivec2(9 * t % width, 9 * t / width);
+	vec4 c0 = texelFetch(of, at, 0);
+	vec4 c1 = texelFetch(of, at + ivec2(1, 0), 0);
+	vec4 c2 = texelFetch(of, at + ivec2(2, 0), 0);
+	vec4 c3 = texelFetch(of, at + ivec2(3, 0), 0);
+	vec4 c4 = texelFetch(of, at + ivec2(4, 0), 0);
+	vec4 c5 = texelFetch(of, at + ivec2(5, 0), 0);
+	vec4 c6 = texelFetch(of, at + ivec2(6, 0), 0);
+	vec4 c7 = texelFetch(of, at + ivec2(7, 0), 0);
+	vec4 c8 = texelFetch(of, at + ivec2(8, 0), 0);
+	// A triangle that faces away or reaches behind the eye.
+	if (c0.xyz == vec3(0.0)) {
+		return vec3(0.0);
 	}
-	if (w.y <= w.z) {
-		return third_value(corner_c, next_c, previous_a, corner_a, near_c, middle_b, near_a, far_c, far_a, center, w.zx - w.y, 3.0 * w.y);
-	}
-	return third_value(corner_a, next_a, previous_b, corner_b, near_a, middle_c, near_b, far_a, far_b, center, w.xy - w.z, 3.0 * w.z);
+	float x = w.x;
+	float y = w.y;
+	float xx = (x < 0.0 && x <= y) ? x * x : 0.0;
+	float yy = (y < 0.0 && y < x) ? y * y : 0.0;
+	return c0.xyz + x * (vec3(c0.w, c1.xy) + x * (c2.yzw + x * vec3(c4.zw, c5.x)))
+		+ y * (vec3(c1.zw, c2.x) + x * (c3.xyz + x * c5.yzw) + y * (vec3(c3.w, c4.xy) + x * c6.xyz + y * vec3(c6.w, c7.xy)))
+		+ (yy * (y - 2.0 * x) - xx * y) * vec3(c7.zw, c8.x) + (xx * (x - 2.0 * y) - yy * x) * c8.yzw;
 }
 
 void fragment() {
-	vec4 shape = patch_value(ordinates, int(triangle + 0.5), weights_times_w * FRAGCOORD.w);
-	// A triangle that faces away or reaches behind the eye has no ordinates.
-	if (shape != vec4(0.0)) {
-		NORMAL = normalize(shape.xyz);
+	vec3 normal = cubic(coefficients, int(triangle + 0.5), weights_times_w * FRAGCOORD.w);
+	if (normal != vec3(0.0)) {
+		NORMAL = normalize(normal);
 	}
 	// Your material goes here.
 }

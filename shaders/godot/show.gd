@@ -1,5 +1,5 @@
 # Draws a mesh under c1_phong.shader and saves the picture. test.mjs prepares mesh.json (positions, normals, PER_ROW
-# triangles in each row of the texture) and ordinates.bin in the folder DATA, and compares the picture.
+# triangles in each row of the texture) and coefficients.bin in the folder DATA, and compares the picture.
 extends Spatial
 
 func _ready():
@@ -7,7 +7,7 @@ func _ready():
 	var file = File.new()
 	file.open(folder + "/mesh.json", File.READ)
 	var data = JSON.parse(file.get_as_text()).result
-	file.open(folder + "/ordinates.bin", File.READ)
+	file.open(folder + "/coefficients.bin", File.READ)
 	var image = Image.new()
 	image.create_from_data(data.width, data.height, false, Image.FORMAT_RGBAF, file.get_buffer(file.get_len()))
 	var texture = ImageTexture.new()
@@ -42,7 +42,7 @@ func _ready():
 	shader.code = code
 	var material = ShaderMaterial.new()
 	material.shader = shader
-	material.set_shader_param("ordinates", texture)
+	material.set_shader_param("coefficients", texture)
 	var shown = MeshInstance.new()
 	shown.mesh = mesh
 	shown.material_override = material

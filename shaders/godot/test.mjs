@@ -8,7 +8,7 @@ import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
-import { curvature, ordinates, shared } from "../ordinates.js";
+import { coefficients, surface, welded } from "../three/cubic.js";
 
 const { PNG } = createRequire(new URL("../three/package.json", import.meta.url))("pngjs");
 const SIDE = 512, FILL = 0.9, ROTATE = [25, -35, 10], MOST = 2, PER_ROW = 64;
@@ -37,21 +37,21 @@ const center = axis.map((values) => (Math.min(...values) + Math.max(...values)) 
 const moved = each(places, (p) => p.map((value, k) => value - center[k]));
 const radius = Math.max(...each(moved, (p) => Math.hypot(...p)));
 const unit = each(moved, (p) => rotated(p.map((value) => value / radius)));
-const shape = shared(unit, each(directions, rotated), read(indices, 2, bytes.readUInt16LE, 1));
+const shape = welded(unit, each(directions, rotated), read(indices, 2, bytes.readUInt16LE, 1));
 
 // A camera at z = 5 that sees 2 / FILL units from top to bottom.
 const view = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -5, 1], size = 2 / FILL, near = 0.1, far = 10;
 const projection = [FILL, 0, 0, 0, 0, FILL, 0, 0, 0, 0, -2 / (far - near), 0, 0, 0, -(far + near) / (far - near), 1];
-const table = ordinates(shape, curvature(shape), view, projection, [SIDE, SIDE]);
+const table = coefficients(surface(shape.positions, shape.normals, shape.triangles), view, projection, [SIDE, SIDE]);
 const folder = mkdtempSync(join(tmpdir(), "godot-"));
 let failed = true;
 try {
-  const height = Math.ceil(shape.triangles.length / 3 / PER_ROW), texels = new Float32Array(height * PER_ROW * 48);
+  const height = Math.ceil(shape.triangles.length / 3 / PER_ROW), texels = new Float32Array(height * PER_ROW * 36);
   texels.set(table);
   const corners = (of) => Array.from(shape.triangles).flatMap((v) => Array.from(of.slice(3 * v, 3 * v + 3)));
-  const mesh = { width: 12 * PER_ROW, height, size, positions: corners(shape.positions), normals: corners(shape.normals) };
+  const mesh = { width: 9 * PER_ROW, height, size, positions: corners(shape.positions), normals: corners(shape.normals) };
   writeFileSync(join(folder, "mesh.json"), JSON.stringify(mesh));
-  writeFileSync(join(folder, "ordinates.bin"), Buffer.from(texels.buffer));
+  writeFileSync(join(folder, "coefficients.bin"), Buffer.from(texels.buffer));
   for (const name of ["c1_phong.shader", "project.godot", "show.gd", "show.tscn"]) {
     copyFileSync(here(name), join(folder, name));
   }

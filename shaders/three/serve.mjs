@@ -1,11 +1,11 @@
-// Serves the kit's folder on this computer, because browsers do not load modules from files. `node serve.mjs`
+// Serves this folder on this computer, because browsers do not load modules from files. `node serve.mjs`
 
 import { createServer } from "node:http";
 import { readFile } from "node:fs/promises";
 import { extname, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
 
-const ROOT = fileURLToPath(new URL("..", import.meta.url));
+const ROOT = fileURLToPath(new URL(".", import.meta.url));
 const TYPES = { ".html": "text/html; charset=utf-8", ".js": "text/javascript", ".mjs": "text/javascript" };
 
 // Starts the server and returns it with its address.
@@ -23,7 +23,7 @@ export function serve(port = 0) {
   });
   return new Promise((ready) => {
     server.listen(port, "127.0.0.1", () => {
-      ready({ server, address: `http://127.0.0.1:${server.address().port}/three/index.html` });
+      ready({ server, address: `http://127.0.0.1:${server.address().port}/index.html` });
     });
   });
 }

@@ -1,38 +1,157 @@
-// Joins the seams of shapes; opens the page in a browser without a window and holds its pixels against the pictures of `machband shade`: at most 2
-// codes apart inside the outline, apart from one pixel in ten thousand, where one part may hide another. `node
-// test.mjs`; MACHBAND is the program, CHROMIUM the browser.
+// Joins the seams of shapes; opens the page in a browser without a window and holds its pixels against the pictures of
+// `machband shade`: at most 2 codes apart inside the outline, apart from one pixel in ten thousand, where one part may
+// hide another; and uses applyC1 as programs do. `node test.mjs`; MACHBAND is the program, CHROMIUM the browser.
 
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
 import { PNG } from "pngjs";
 import * as THREE from "three";
-import { shared } from "../ordinates.js";
+import { RoundedBoxGeometry } from "three/addons/geometries/RoundedBoxGeometry.js";
+import { welded } from "./index.js";
+import { glsl } from "./make_glsl.mjs";
 import { serve } from "./serve.mjs";
 
 const SIDE = 512, FILL = 0.9, ROTATE = [25, -35, 10], MOST = 2;
 const MACHBAND = process.env.MACHBAND ?? fileURLToPath(new URL("../../target/debug/machband", import.meta.url));
 const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
 
+let failed = false;
+const expect = (is, text) => {
+  console.log(`${is ? "" : "FAILED: "}${text}`);
+  failed ||= !is;
+};
+
+expect(readFileSync(new URL("glsl.js", import.meta.url), "utf8") === glsl(), "glsl.js is as make_glsl.mjs writes it");
+
+// The seams of three.js's own shapes, where positions differ by rounding errors, are joined, whatever their size.
+const seams = [[new THREE.TorusGeometry(1, 0.4, 8, 16), 8 * 16], [new THREE.SphereGeometry(1, 16, 10), 9 * 16 + 2]];
+for (const [shape, joined] of seams) {
+  for (const size of [1, 1e-6, 1e6]) {
+    const { position, normal } = shape.clone().scale(size, size, size).attributes;
+    const found = welded(position.array, normal.array, shape.index.array).positions.length / 3;
+    expect(found === joined, `${shape.type} of size ${size}: ${position.count} vertices become ${found}; expected ${joined}`);
+  }
+}
+
+// Shapes whose curvature jumps: planes and cylinders that continue into roundings.
+function lathe() {
+  const profile = [[0, -0.8], [0.5, -0.8], [0.6, -0.7], [0.6, 0.7], [0.5, 0.8], [0, 0.8]], rounded = [];
+  profile.forEach(([x, y], i) => {
+    const bevel = i > 0 && i < 5 ? 4 : 0;
+    if (bevel === 0) rounded.push(new THREE.Vector2(x, y));
+    if (i !== 1 && i !== 3) return;
+    const center = new THREE.Vector2(0.5, i === 1 ? -0.7 : 0.7), from = i === 1 ? -90 : 0;
+    for (let k = 0; k <= bevel; k++) {
+      const angle = ((from + (90 * k) / bevel) * Math.PI) / 180;
+      rounded.push(new THREE.Vector2(0.1 * Math.cos(angle), 0.1 * Math.sin(angle)).add(center));
+    }
+  });
+  const geometry = new THREE.LatheGeometry(rounded, 24), { position, normal } = geometry.attributes;
+  // Normals of the surface, as modeling programs write them.
+  for (let i = 0; i < position.count; i++) {
+    const [x, y, z] = [position.getX(i), position.getY(i), position.getZ(i)], out = Math.hypot(x, z) || 1;
+    const bent = [Math.max(out - 0.5, 0) / 0.1, Math.sign(y) * Math.max(Math.abs(y) - 0.7, 0) / 0.1];
+    const [side, up] = Math.hypot(x, z) < 1e-6 ? [0, Math.sign(y)] : bent, length = Math.hypot(side, up);
+    normal.setXYZ(i, (side * x) / out / length, up / length, (side * z) / out / length);
+  }
+  return geometry;
+}
+const capsule = new THREE.CapsuleGeometry(0.5, 1, 8, 20);
+const shapes = { "rounded box": new RoundedBoxGeometry(1.6, 1.2, 1, 4, 0.1), capsule, lathe: lathe() };
+const plain = (geometry) => {
+  const { position, normal } = geometry.attributes;
+  // Joined, so that the program sees the same seams.
+  const joined = welded(position.array, normal.array, geometry.index?.array);
+  // Shapes that are turned around an axis have triangles without area there.
+  const isFace = (t) => new Set(t).size === 3, triples = [];
+  for (let i = 0; i < joined.triangles.length; i += 3) triples.push(Array.from(joined.triangles.slice(i, i + 3)));
+  return { positions: Array.from(joined.positions), normals: Array.from(joined.normals), index: triples.filter(isFace).flat() };
+};
+
 const folder = mkdtempSync(join(tmpdir(), "c1-"));
+function picture({ file, shader, shine, distance }) {
+  const out = join(folder, "picture.png");
+  execFileSync(MACHBAND, [
+    "shade", "--mesh", file, "--shader", shader, "--rotate", ROTATE.join(), "--size", `${SIDE}`, "--background", "0", "--force",
+    "--ambient", "0.1", "--diffuse", "0.6", "--specular", shine ? "0.3" : "0", "--shininess", "20",
+    "--distance", distance ? `${distance}` : "inf", "--out", out,
+  ], { stdio: "pipe" });
+  return PNG.sync.read(readFileSync(out)).data;
+}
+
+// Runs in the page: what users do with applyC1.
+async function usage() {
+  const { THREE, applyC1 } = window, side = 128, results = {}, told = [];
+  const renderer = new THREE.WebGLRenderer(), camera = new THREE.PerspectiveCamera(40, 1, 0.1, 100);
+  camera.position.z = 5;
+  const target = new THREE.WebGLRenderTarget(side, side), light = new THREE.DirectionalLight(0xffffff, 3);
+  const seen = (scene, eye = camera) => {
+    const pixels = new Uint8Array(4 * side * side);
+    renderer.setRenderTarget(target);
+    renderer.render(scene, eye);
+    renderer.readRenderTargetPixels(target, 0, 0, side, side, pixels);
+    renderer.setRenderTarget(null);
+    return pixels;
+  };
+  const apart = (a, b) => a.reduce((most, code, i) => Math.max(most, Math.abs(code - b[i])), 0);
+  const says = (how) => (text) => told.push(`${how} ${text}`), { warn, info } = console;
+  Object.assign(console, { warn: says("warn"), info: says("info") });
+  const knot = new THREE.TorusKnotGeometry(0.5, 0.2, 48, 10), material = new THREE.MeshStandardMaterial({ roughness: 0.3 });
+  const parts = [knot, knot, new THREE.CylinderGeometry(0.4, 0.4, 0.8, 16)].map((geometry, i) =>
+    new THREE.Mesh(geometry, i < 2 ? material : [material, new THREE.MeshToonMaterial(), new THREE.MeshNormalMaterial()]));
+  parts.forEach((mesh, i) => mesh.position.set(i - 1, i - 1, 0));
+  const scene = new THREE.Scene().add(light, ...parts), second = new THREE.OrthographicCamera(-2, 2, 2, -2, 0.1, 10);
+  second.position.set(1, 2, 4);
+  second.lookAt(0, 0, 0);
+  const before = seen(scene), { textures } = renderer.info.memory;
+  let applied = applyC1(scene, { gpu: false });
+  const own = seen(scene), other = seen(scene, second);
+  results["a shared material, and three materials in one mesh"] = applied.meshes.length === 3 && apart(before, own) > 10;
+  results["a second camera does not disturb the first"] = apart(own, seen(scene)) === 0;
+  const copy = parts[0].clone();
+  copy.position.set(1, -1, 0);
+  scene.add(copy);
+  seen(scene);
+  applyC1(copy).dispose();
+  scene.remove(copy);
+  results["copies are named, and then drawn"] = told.length === 1 && told[0].includes("copies") && apart(own, seen(scene)) === 0;
+  applied.dispose();
+  results["dispose gives everything back"] = apart(before, seen(scene)) === 0 && renderer.info.memory.textures === textures;
+  for (const way of ["the card", "few varyings"]) {
+    if (way === "few varyings") renderer.capabilities.maxVaryings = 15;
+    applied = applyC1(scene, { gpu: way === "the card" });
+    results[`the same picture with ${way}`] = Math.max(apart(own, seen(scene)), apart(other, seen(scene, second))) <= 1;
+    applied.dispose();
+  }
+  results["dispose frees the card's textures"] = renderer.info.memory.textures === textures;
+  const uneven = new THREE.Mesh(knot, material), many = new THREE.InstancedMesh(knot, material, 1);
+  many.setMatrixAt(0, new THREE.Matrix4());
+  uneven.scale.set(1, 2, 1);
+  for (const [mesh, first, word] of [[uneven, "warn", "unevenly"], [many, "info", "many places"]]) {
+    told.length = 0;
+    const alone = new THREE.Scene().add(light, mesh), phong = seen(alone);
+    applied = applyC1(alone);
+    const most = apart(phong, seen(alone));
+    seen(alone);
+    applied.dispose();
+    const isNamed = told.length === 1 && told[0].startsWith(first) && told[0].includes(word);
+    results[`${word}: named once`] = isNamed && (most > 0) === (first === "info");
+  }
+  Object.assign(console, { warn, info });
+  return results;
+}
+
 const { server, address } = await serve();
 const browser = await chromium.launch({
   executablePath: CHROMIUM,
   args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--no-first-run",
          "--disable-background-networking", "--disable-component-update", "--disable-sync", "--disable-quic"],
 });
-let failed = false;
-// The seams of three.js's own shapes, where positions differ by rounding errors, are joined.
-for (const [shape, joined] of [[new THREE.TorusGeometry(1, 0.4, 8, 16), 8 * 16], [new THREE.SphereGeometry(1, 16, 10), 9 * 16 + 2]]) {
-  const { position, normal } = shape.attributes, found = shared(position.array, normal.array, shape.index.array).positions.length / 3;
-  console.log(`${shape.type}: ${position.count} vertices become ${found}; expected ${joined}`);
-  failed ||= found !== joined;
-}
 try {
-  const mesh = fileURLToPath(new URL("mesh.glb", import.meta.url));
   const page = await browser.newPage({ viewport: { width: 1200, height: 560 } });
   const faults = [];
   page.on("pageerror", (error) => faults.push(error.message));
@@ -40,39 +159,44 @@ try {
   await page.goto(address);
   await page.waitForFunction("window.ready", null, { timeout: 60_000 });
   if (process.env.SCREENSHOT) await page.screenshot({ path: process.env.SCREENSHOT });
-  for (const [shader, distance] of [["gouraud", 0], ["phong", 0], ["c1-phong", 0], ["c1-phong", 3], ["matt", 0], ["matt", 3]]) {
-    const out = join(folder, "picture.png");
-    execFileSync(MACHBAND, [
-      "shade", "--mesh", mesh, "--shader", shader === "matt" ? "c1-phong" : shader, "--rotate", ROTATE.join(), "--size", `${SIDE}`, "--background", "0",
-      "--force", "--ambient", "0.1", "--diffuse", "0.6", "--specular", shader === "matt" ? "0" : "0.3", "--shininess", "20", "--out", out,
-      "--distance", distance ? `${distance}` : "inf",
-    ]);
-    const { data } = PNG.sync.read(readFileSync(out));
-    const page_codes = await page.evaluate(
-      ([shader, view]) => window.codes(shader, view), [shader, { side: SIDE, rotate: ROTATE, fill: FILL, distance }],
-    );
-    // The page's rows begin at the bottom.
-    const of = [(x, y) => page_codes[4 * ((SIDE - 1 - y) * SIDE + x)], (x, y) => data[4 * (y * SIDE + x)]];
-    let worst = 0, compared = 0, above = 0;
-    for (let y = 2; y < SIDE - 2; y++) {
-      for (let x = 2; x < SIDE - 2; x++) {
-        // Inside the outline: both show the surface everywhere around, without steps.
-        const around = of.map((code) => [-2, -1, 0, 1, 2].flatMap((dy) => [-2, -1, 0, 1, 2].map((dx) => code(x + dx, y + dy))));
-        if (around.some((codes) => Math.min(...codes) === 0 || Math.max(...codes) - Math.min(...codes) > 20)) continue;
-        const difference = Math.abs(of[0](x, y) - of[1](x, y));
-        worst = Math.max(worst, difference);
-        above += difference > MOST;
-        compared++;
-      }
+
+  const jobs = [{ name: "mesh.glb", file: fileURLToPath(new URL("mesh.glb", import.meta.url)), shader: "phong", distance: 0 }];
+  for (const name of ["mesh.glb", ...Object.keys(shapes)]) {
+    const shape = shapes[name] && plain(shapes[name]), file = shape ? join(folder, `${name}.obj`) : jobs[0].file;
+    if (shape) {
+      const item = (key, x) => (key === "f" ? `${x + 1}//${x + 1}` : x);
+      const lines = (key, of) => of.map((x, i) => (i % 3 === 0 ? `\n${key} ` : " ") + item(key, x)).join("");
+      writeFileSync(file, `${lines("v", shape.positions)}${lines("vn", shape.normals)}${lines("f", shape.index)}\n`);
     }
-    const view = distance ? `perspective from ${distance} radii` : "parallel projection";
-    console.log(`${shader}, ${view}: at most ${worst} codes apart over ${compared} pixels${above ? `, ${above} above ${MOST}` : ""}`);
-    failed ||= above > compared / 10_000 || compared < 30_000;
+    for (const distance of [0, 3]) jobs.push({ name, shape, file, shader: "c1-phong", shine: !shape, distance });
   }
-  if (faults.length > 0) {
-    console.error(faults.join("\n"));
-    failed = true;
+  for (const job of jobs) {
+    const data = picture(job);
+    for (const gpu of job.shader === "phong" ? [false] : [false, true]) {
+      const codes = await page.evaluate(
+        (view) => window.codes(view), { ...job, gpu, side: SIDE, rotate: ROTATE, fill: FILL },
+      );
+      // The page's rows begin at the bottom.
+      const of = [(x, y) => codes[(SIDE - 1 - y) * SIDE + x], (x, y) => data[4 * (y * SIDE + x)]];
+      let worst = 0, compared = 0, above = 0;
+      for (let y = 2; y < SIDE - 2; y++) {
+        for (let x = 2; x < SIDE - 2; x++) {
+          // Inside the outline: both show the surface everywhere around, without steps.
+          const around = of.map((code) => [-2, -1, 0, 1, 2].flatMap((dy) => [-2, -1, 0, 1, 2].map((dx) => code(x + dx, y + dy))));
+          if (around.some((near) => Math.min(...near) === 0 || Math.max(...near) - Math.min(...near) > 20)) continue;
+          const difference = Math.abs(of[0](x, y) - of[1](x, y));
+          worst = Math.max(worst, difference);
+          above += difference > MOST;
+          compared++;
+        }
+      }
+      const view = job.distance ? `from ${job.distance} radii` : "parallel", where = gpu ? "on the card" : "in JavaScript";
+      expect(above <= compared / 10_000 && compared > 30_000, `${job.name}, ${job.shader} ${where}, ${view}: `
+        + `at most ${worst} codes apart over ${compared} pixels${above ? `, ${above} above ${MOST}` : ""}`);
+    }
   }
+  for (const [text, is] of Object.entries(await page.evaluate(usage))) expect(is === true, `${text}${is === true ? "" : `: ${is}`}`);
+  expect(faults.length === 0, `the browser complains ${faults.length} times ${faults.join("\n")}`);
 } finally {
   await browser.close();
   server.close();

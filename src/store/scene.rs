@@ -284,7 +284,7 @@ fn body(table: &MeshTable, scene: &Path, notes: &mut Vec<String>) -> Result<Body
         }
         Err(_) => {
             let path = scene.with_file_name(&table.mesh);
-            let file = mesh::read(&path, table.crease).map_err(BodyError::File)?;
+            let file = mesh::read(&path, table.crease, table.normals).map_err(BodyError::File)?;
             notes.extend(file.note(&path));
             file.mesh
         }

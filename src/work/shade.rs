@@ -263,6 +263,10 @@ impl Shade {
             let message = format!("is missing, and a shader is what is measured; expected {}", Shader::EXPECTED);
             return Err(RequestError::value("shader", message).into());
         }
+        if one.shader.is_some() && one.truth.as_deref() == Some(Path::new(KNOWN)) {
+            let message = "draws the smooth surface itself; expected no --shader, or a file of the smooth surface, with which the picture is compared";
+            return Err(RequestError::new("truth", message).into());
+        }
         let FoundMesh { mesh, note } = given.map_or_else(|| one.mesh(), Ok)?;
         let viewing = encoded.viewing(one.window_deg, &self.luminances);
         let drawing = one.drawing(mesh, self.image.pixels.size, encoded.transfers, viewing)?;
@@ -510,7 +514,7 @@ impl OneMesh {
 
     /// Reads the fine mesh, if one is given.
     fn fine(&self) -> anyhow::Result<Option<Surface>> {
-        let read = |file: &Path| Ok(Surface::new(store::mesh::read(file, self.crease)?.mesh));
+        let read = |file: &Path| Ok(Surface::new(store::mesh::read(file, self.crease, self.normals)?.mesh));
         self.fine_file().map(read).transpose()
     }
 
@@ -539,7 +543,7 @@ impl OneMesh {
                 format!("{name:?} is not known; expected {}, or an OBJ, PLY, glTF or GLB file", Shape::EXPECTED);
             return Err(RequestError::new("mesh", message).into());
         }
-        let file = store::mesh::read(path, self.crease)?;
+        let file = store::mesh::read(path, self.crease, self.normals)?;
         let note = file.note(path);
         Ok(FoundMesh { mesh: file.mesh, note })
     }

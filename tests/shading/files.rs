@@ -4,8 +4,8 @@ use glam::{DVec2, DVec3};
 use machband::{
     light::Transfer,
     shading::{
-        Coat, Creases, Frame, Mesh, Paint, PaintedCorner, Reference, Scene, Shade, Shader, Surface, Texture, coverage,
-        picture, shapes,
+        Coat, Creases, EdgeKind, Frame, Mesh, Normals, Paint, PaintedCorner, Reference, Scene, Shade, Shader, Surface,
+        Texture, coverage, picture, shapes,
     },
     store::mesh::{self, MeshFile},
 };
@@ -267,7 +267,9 @@ fn mixed_winding_is_repaired() {
             obj += &format!("f {} {} {} {}\n", face[0], face[1], face[2], face[3]);
         }
         let found = parsed(obj.as_bytes());
-        assert_eq!(found.reversed, reversed.len().min(3));
+        let count = reversed.len().min(3);
+        let note = ["", "1 face was reversed", "2 faces were reversed", "3 faces were reversed"][count];
+        assert!(found.notes.len() == count.min(1) && found.notes.concat().starts_with(note), "{:?}", found.notes);
         let volume: f64 = (0..12).map(|t| found.mesh.corners(t)).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum();
         // With half of the faces reversed, either half may be.
         assert!((volume.abs() - 1.0).abs() < 1e-12 && (reversed.len() == 3 || volume > 0.0), "{reversed:?}: {volume}");
@@ -287,7 +289,7 @@ fn mixed_winding_is_repaired() {
         let (c, d) = if i < 7 { (a + 2, b + 2) } else { (2, 1) };
         strip += &format!("f {a} {c} {d} {b}\n");
     }
-    assert_eq!(parsed(strip.as_bytes()).reversed, 0);
+    assert!(parsed(strip.as_bytes()).notes.is_empty());
 }
 
 /// A torus with a color, a place on a texture and a normal map at every corner.
@@ -360,4 +362,104 @@ fn paint_follows_perspective() {
         seen += 1;
     }
     assert!(seen > 2000);
+}
+
+/// A strip of four cells around a cylinder whose seam is given twice, with this gap.
+fn with_seam(gap: f64) -> String {
+    let mut obj = String::new();
+    for i in 0..=8 {
+        let (sin, cos) = (f64::from(i % 8) * std::f64::consts::TAU / 8.0).sin_cos();
+        let gap = if i == 8 { gap } else { 0.0 };
+        obj += &format!("v {} {} 0\nv {} {} 1\n", cos + gap, sin, cos + gap, sin);
+    }
+    for i in 0..8 {
+        let a = 2 * i + 1;
+        obj += &format!("f {} {} {} {}\n", a, a + 2, a + 3, a + 1);
+    }
+    obj
+}
+
+/// Vertices on both sides of a seam are joined if they differ by no more than a thousandth of an edge, whatever the size
+/// of the mesh; a wider seam stays and is told, and a real gap is neither.
+#[test]
+fn seams_are_joined_or_told() {
+    for (gap, joined, told) in [
+        (0.0, true, ""),
+        (1e-7, true, "2 vertices on open edges were joined"),
+        (7e-4, true, "2 vertices on open edges were joined"),
+        (0.01, false, "2 open edges run beside others"),
+        (0.2, false, ""),
+    ] {
+        let found = parsed(with_seam(gap).as_bytes());
+        let smooth = Surface::new(found.mesh).edges.edges.iter().filter(|edge| edge.kind == EdgeKind::Smooth).count();
+        // Each of the eight quads has a diagonal, and there are eight edges between them.
+        assert_eq!(smooth, 15 + usize::from(joined), "{gap}");
+        let notes = found.notes.join("; ");
+        assert!(notes.is_empty() == told.is_empty() && notes.contains(told), "{gap}: {notes}");
+    }
+}
+
+#[test]
+fn obj_vertices_may_have_colors_and_ply_files_strips() {
+    let obj = b"v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 0 0.5 0\nf 1 2 3\n";
+    let corners = parsed(obj).mesh.paint.unwrap().corners[0].map(|corner| corner.color);
+    let half = Transfer::Srgb.linear_from_encoded(0.5);
+    assert_eq!(corners, [DVec3::X, DVec3::ONE, DVec3::new(0.0, half, 0.0)]);
+    assert!(message(b"v 0 0 0 1 0 red\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").contains("\"red\" is not a number"));
+    let ply = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n2 0 0\n8 0 1 2 3 -1 1 4 3\n";
+    let mesh = parsed(ply.as_bytes()).mesh;
+    assert_eq!(mesh.triangles.len(), 3);
+    assert!((0..3).all(|t| {
+        let [a, b, c] = mesh.corners(t);
+        (b - a).cross(c - a).z > 0.0
+    }));
+}
+
+#[test]
+fn extensions_of_glb_files_are_read_or_named() {
+    let required = |name: &'static str| glb(move |json| json["extensionsRequired"] = json!([name]));
+    assert!(parsed(&required("KHR_mesh_quantization")).notes.is_empty());
+    for (name, words) in [
+        (
+            "KHR_draco_mesh_compression",
+            "compressed (KHR_draco_mesh_compression); expected them without compression, as \"gltf-transform copy",
+        ),
+        ("EXT_meshopt_compression", "compressed (EXT_meshopt_compression)"),
+        ("KHR_something", "requires extensions that are not read (KHR_something)"),
+    ] {
+        assert!(message(&required(name)).contains(words), "{}", message(&required(name)));
+    }
+    let used = glb(|json| json["extensionsUsed"] = json!(["KHR_materials_ior", "KHR_texture_transform"]));
+    assert_eq!(parsed(&used).notes, ["KHR_materials_ior in the file was ignored"]);
+    // A quarter turn of the texture: u becomes v.
+    let place = json!({ "KHR_texture_transform": { "rotation": std::f64::consts::FRAC_PI_2, "offset": [0.25, 0], "scale": [2, 2] } });
+    let turned = glb(move |json| {
+        let base = &mut json["materials"][0];
+        base["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] = place.clone();
+    });
+    let places = |content: &[u8]| {
+        parsed(content).mesh.paint.unwrap().corners.concat().iter().map(|c| c.place).collect::<Vec<_>>()
+    };
+    for (before, after) in places(&glb(|_| {})).iter().zip(places(&turned)) {
+        assert!(after.distance(DVec2::new(0.25 + 2.0 * before.y, -2.0 * before.x)) < 1e-9, "{before}: {after}");
+    }
+}
+
+/// Faces without normals are flat, unless normals are to be estimated.
+#[test]
+fn a_glb_file_without_normals_is_flat() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tent.glb");
+    let mut content = glb(|json| {
+        json["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("NORMAL");
+    });
+    // One corner is lifted, so that the square becomes a roof.
+    let first = content.windows(4).position(|bytes| bytes == b"BIN\0").unwrap() + 4;
+    content[first + 20..first + 24].copy_from_slice(&1.0_f32.to_le_bytes());
+    std::fs::write(&path, content).unwrap();
+    let flat = mesh::read(&path, 180.0, Normals::Given).unwrap();
+    assert!(flat.notes[0].starts_with("faces without normals are flat"), "{:?}", flat.notes);
+    assert_eq!(flat.mesh.vertices.len(), 6);
+    let smooth = mesh::read(&path, 180.0, Normals::Averaged).unwrap();
+    assert!(smooth.notes.is_empty() && smooth.mesh.vertices.len() == 4);
 }

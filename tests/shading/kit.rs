@@ -630,7 +630,9 @@ fn triangles_that_cross_two_clip_planes_keep_their_light() {
     (projection[0], projection[5], projection[10]) = (1.1, 1.1, -far / (far - near));
     (projection[14], projection[11]) = (-far * near / (far - near), -1.0);
     let mut model_view = [0.0; 16];
-    [0, 5, 10, 15].map(|i| model_view[i] = 1.0);
+    for i in [0, 5, 10, 15] {
+        model_view[i] = 1.0;
+    }
     let camera = Camera { model_view, projection, size: [f64::from(SIDE); 2] };
     let pixels = card.drawn(&surface, &camera, &card.coefficients(&surface, &camera, false));
     let cubics = cubic::coefficients(&surface, &camera);

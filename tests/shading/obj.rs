@@ -4,7 +4,7 @@ use std::{fmt::Write as _, path::Path};
 
 use glam::DVec3;
 use machband::{
-    shading::{EdgeKind, Edges, Mesh, mesh::newell, shapes},
+    shading::{EdgeKind, Edges, Mesh, Normals, mesh::newell, shapes},
     store::mesh as obj,
 };
 
@@ -108,10 +108,10 @@ fn same_picture(a: &Mesh, b: &Mesh) -> bool {
 fn written_meshes_are_read_back_exactly() {
     let blob = shapes::blob(313);
     assert!(same_picture(&mesh(&written(&blob, true)), &blob));
-    // Without normals in the file, the normals are averaged.
+    // Without normals in the file, they are estimated.
     let places: Vec<DVec3> = blob.vertices.iter().map(|v| v.position).collect();
-    let averaged = Mesh::new(&places, &blob.triangles, 180.0).unwrap();
-    assert!(same_picture(&mesh(&written(&blob, false)), &averaged));
+    let estimated = Mesh::new(&places, &blob.triangles, 180.0).unwrap().estimated(Normals::Best);
+    assert!(same_picture(&mesh(&written(&blob, false)), &estimated));
     // With normals that are not averages, creases follow from the normals.
     let places: Vec<DVec3> = shapes::cube().vertices.iter().map(|v| v.position).collect();
     let sharp = Mesh::new(&places, &shapes::cube().triangles, 30.0).unwrap();
@@ -140,11 +140,12 @@ fn normals_from_the_file_take_precedence() {
 }
 
 #[test]
-fn equal_positions_are_merged_and_close_ones_are_not() {
+fn positions_are_merged_only_within_rounding() {
     let seam = |y: &str| format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nv -0 0 0\nv 0 {y} 0\nv -1 0 0\nf 4 5 6\n");
     let smooth = |text: &str| Edges::of(&mesh(text)).edges.iter().filter(|e| e.kind == EdgeKind::Smooth).count();
     assert_eq!(smooth(&seam("1.0")), 1);
-    assert_eq!(smooth(&seam("1.0000001")), 0);
+    assert_eq!(smooth(&seam("1.0000001")), 1);
+    assert_eq!(smooth(&seam("1.01")), 0);
 }
 
 #[test]
@@ -187,7 +188,7 @@ fn errors_are_reported_with_their_position() {
 #[test]
 fn files_of_other_kinds_are_reported() {
     let folder = tempfile::tempdir().unwrap();
-    let error = |path: &Path| obj::read(path, 180.0).expect_err("a fault").to_string();
+    let error = |path: &Path| obj::read(path, 180.0, Normals::Given).expect_err("a fault").to_string();
     let missing = folder.path().join("missing.obj");
     assert!(error(&missing).contains("missing.obj: cannot be opened: "), "{}", error(&missing));
     assert!(error(folder.path()).ends_with("is a folder; expected an OBJ, PLY, glTF or GLB file"));

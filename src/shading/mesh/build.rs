@@ -82,6 +82,12 @@ impl Polygons {
         self.ends.push(self.sites.len());
     }
 
+    /// True if any corner was given a normal.
+    #[must_use]
+    pub fn has_normals(&self) -> bool {
+        self.normals.iter().any(Option::is_some)
+    }
+
     /// Adds a polygon with paint and the index of its coat. Either all polygons are painted or none.
     pub fn push_painted(&mut self, corners: impl IntoIterator<Item = (u32, Option<DVec3>, PaintedCorner)>, coat: u32) {
         let (corners, paint): (Vec<_>, Vec<_>) = corners.into_iter().map(|(s, n, paint)| ((s, n), paint)).unzip();

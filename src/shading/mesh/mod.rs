@@ -9,6 +9,7 @@ pub mod shapes;
 mod smooth;
 mod surface;
 mod triangles;
+mod weld;
 mod winding;
 
 pub use build::{MAX_COORDINATE, MeshError, Polygons, triangulated};
@@ -18,3 +19,4 @@ pub use paint::{Coat, Paint, PaintedCorner, Texture};
 pub use smooth::Smooth;
 pub use surface::{Fan, Surface};
 pub use triangles::{Edge, EdgeKind, Edges, Mesh, Vertex};
+pub use weld::Seams;

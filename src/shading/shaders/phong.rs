@@ -6,12 +6,17 @@ use crate::shading::{
     number::{Channels, Constant, Number, unit, weighted},
 };
 
-/// The light of a surface with the normalized normal Σ w_i·N_i at the position Σ w_i·P_i.
+/// The light of a surface with the normalized normal Σ a_i·N_i at the position Σ a_i·P_i, where a_i are the weights on
+/// the flat triangle: as on graphics cards, w_i/z_i divided by their sum, with the weights w_i on the screen and the
+/// distances z_i from the eye's plane.
 #[derive(Clone, Debug)]
 pub struct Phong<T, const C: usize> {
+    /// Normals, divided by the relative distance of the corner.
     normals: Vec<[[T; 3]; 3]>,
-    /// Positions in eye space; empty if only directions matter.
+    /// Positions in eye space, divided in the same way; empty if only directions matter.
     places: Vec<[[T; 3]; 3]>,
+    /// Eye distance over the distance of each corner; empty if the eye is infinitely far away.
+    nearness: Vec<[T; 3]>,
     pixel: PixelLight<T, C>,
     /// The position of the eye on the z axis; `None` if it is infinitely far away.
     eye: Option<T>,
@@ -21,13 +26,17 @@ impl<T: Constant, const C: usize> Phong<T, C> {
     /// Prepares the shader for the triangles of `frame`, lit by the frame's lamps.
     pub fn new(frame: &Frame, channels: Channels) -> Self {
         let pixel = PixelLight::new(frame, channels);
-        let eye = frame.view.distance.is_finite().then(|| T::of(frame.view.distance));
-        let has_places = eye.is_some() || pixel.has_near_lamps();
+        let distance = frame.view.distance;
+        let has_eye = distance.is_finite();
+        let near = |z: f64| if has_eye { distance / (distance - z) } else { 1.0 };
+        let corners = |t: usize| frame.corners(t).map(|v| T::of(near(v.eye.z)));
+        let has_places = has_eye || pixel.has_near_lamps();
         Phong {
-            normals: frame.corner_vectors(|v| v.normal),
-            places: if has_places { frame.corner_vectors(|v| v.eye) } else { Vec::new() },
+            normals: frame.corner_vectors(|v| v.normal * near(v.eye.z)),
+            places: if has_places { frame.corner_vectors(|v| v.eye * near(v.eye.z)) } else { Vec::new() },
+            nearness: if has_eye { frame.each_triangle(corners) } else { Vec::new() },
             pixel,
-            eye,
+            eye: has_eye.then(|| T::of(distance)),
         }
     }
 }
@@ -40,6 +49,10 @@ impl<T: Constant, const C: usize> ShaderKernel<T, C> for Phong<T, C> {
         let (mut place, mut to_viewer) = ([zero; 3], [zero, zero, one]);
         if let Some(places) = self.places.get(triangle) {
             place = weighted(w, places);
+        }
+        if let Some(near) = self.nearness.get(triangle) {
+            let far = one / (w[0].times(near[0]) + w[1].times(near[1]) + w[2].times(near[2]));
+            place = place.map(|p| p * far);
         }
         if let Some(eye) = self.eye {
             to_viewer = unit([zero - place[0], zero - place[1], zero.all(eye) - place[2]]).0;

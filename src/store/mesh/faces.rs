@@ -4,8 +4,14 @@ use std::{collections::HashMap, f64::consts::PI};
 
 use glam::DVec3;
 
+use super::MeshFile;
+
 use crate::{
-    shading::{Mesh, MeshError, Polygons},
+    light::Transfer,
+    shading::{
+        Mesh, MeshError, Normals, Polygons,
+        mesh::{MAX_COORDINATE, Seams},
+    },
     store::FileErrors,
 };
 
@@ -25,6 +31,8 @@ pub(super) struct Faces {
     sites: HashMap<[u64; 3], u32>,
     /// The faces, whose sites index the positions.
     pub polygons: Polygons,
+    /// What the reader ignored or assumed, as sentences without their ends.
+    pub notes: Vec<String>,
 }
 
 impl Faces {
@@ -38,13 +46,22 @@ impl Faces {
         })
     }
 
-    /// Returns the mesh, and the number of faces that were reversed so that neighbors have the same winding. `expected`
-    /// says what a file with faces has.
+    /// Returns the position of a site.
+    pub fn position(&self, site: u32) -> DVec3 {
+        self.positions[site as usize]
+    }
+
+    /// Returns the mesh, with edges joined that lie in the same place, and with faces reversed so that neighbors have the
+    /// same winding. `expected` says what a file with faces has.
     ///
     /// # Errors
     /// There are no faces, none of them has an area, or they cover the same place too often.
-    pub fn mesh(mut self, file: &str, crease_deg: f64, expected: &str) -> Result<(Mesh, usize), FileErrors> {
+    pub fn mesh(mut self, file: &str, crease_deg: f64, expected: &str) -> Result<MeshFile, FileErrors> {
+        let in_range = |position: &DVec3| position.abs().max_element() <= MAX_COORDINATE;
+        let seams =
+            if self.positions.iter().all(in_range) { self.polygons.weld(&self.positions) } else { Seams::default() };
         let reversed = self.polygons.unify_winding();
+        let has_normals = self.polygons.has_normals();
         let mesh = Mesh::from_polygons(&self.positions, &self.polygons, crease_deg).map_err(|error| {
             let message = match error {
                 MeshError::NoTriangles => format!("has no faces; expected {expected}"),
@@ -62,6 +79,33 @@ impl Faces {
                 format!("its triangles cover its outline {layers:.0} times; expected at most {MAX_LAYERS} times");
             return Err(FileErrors::whole(file, message));
         }
-        Ok((mesh, reversed))
+        let Self { mut notes, .. } = self;
+        let mut found = |number: usize, one: &str, more: &str| match number {
+            0 => {}
+            1 => notes.push(format!("1 {one}")),
+            _ => notes.push(format!("{number} {more}")),
+        };
+        let reason = "because the neighbors go around the other way";
+        found(reversed, &format!("face was reversed, {reason}"), &format!("faces were reversed, {reason}"));
+        let within = "within a thousandth of an edge";
+        found(
+            seams.joined,
+            &format!("vertex on an open edge was joined with another {within}"),
+            &format!("vertices on open edges were joined with others {within}"),
+        );
+        let drawn = "and is not joined with it, so that a line may show there";
+        found(
+            seams.beside,
+            &format!("open edge runs beside another one {drawn}"),
+            "open edges run beside others and are not joined with them, so that lines may show there",
+        );
+        Ok(MeshFile { mesh: if has_normals { mesh } else { mesh.estimated(Normals::Best) }, notes })
     }
+}
+
+/// Returns the linear light of an sRGB color, 0…1.
+pub(super) fn linear(color: DVec3) -> DVec3 {
+    // NaN counts as 0.
+    let channel = |code: f64| Transfer::Srgb.linear_from_encoded(if code > 0.0 { code.min(1.0) } else { 0.0 });
+    DVec3::from_array(color.to_array().map(channel))
 }

@@ -2,13 +2,13 @@
 //!
 //! The reader uses every triangle of the default scene, under the transformations of its nodes: positions, normals,
 //! tangents, colors (`COLOR_0`), and the base color and normal map of the material with their texture coordinates.
-//! Skins, animations, lamps, cameras and everything else about materials are ignored, and so are extensions that a file
-//! does not require. Textures repeat.
+//! Skins, animations, lamps, cameras and everything else about materials are ignored, and so are other extensions, which
+//! are named. Textures repeat.
 
 use std::{collections::HashMap, path::Path, sync::Arc};
 
 use base64::{Engine as _, prelude::BASE64_STANDARD};
-use glam::{DMat3, DMat4, DVec2, DVec3};
+use glam::{DAffine2, DMat3, DMat4, DVec2, DVec3};
 use gltf::{
     Accessor, Document, Gltf, Material, Primitive, Semantic,
     accessor::DataType,
@@ -16,6 +16,7 @@ use gltf::{
     json::{self, validation::Checked},
     mesh::Mode,
 };
+use serde_json::Value;
 
 use super::{
     MAX_FILE,
@@ -24,7 +25,10 @@ use super::{
 };
 use crate::{
     light::Transfer,
-    shading::{Coat, PaintedCorner, Texture, mesh::MAX_COORDINATE},
+    shading::{
+        Coat, PaintedCorner, Texture,
+        mesh::{MAX_COORDINATE, newell},
+    },
     store::{FileErrors, file::read_bytes, table::shortened},
 };
 
@@ -36,11 +40,18 @@ const MAX_TRIANGLES: usize = 4_000_000;
 ///
 /// # Errors
 /// Content that is not glTF, data that are missing or out of range, and coordinates that are not finite.
-pub(super) fn parse(folder: Option<&Path>, file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
-    read(folder, content).map_err(|message| FileErrors::whole(file, message))
+/// With `is_flat`, faces without normals get their own, as the specification says.
+pub(super) fn parse(folder: Option<&Path>, file: &str, content: &[u8], is_flat: bool) -> Result<Faces, FileErrors> {
+    read(folder, content, is_flat).map_err(|message| FileErrors::whole(file, message))
 }
 
-fn read(folder: Option<&Path>, content: &[u8]) -> Result<Faces, String> {
+/// The extensions that this reader knows.
+const KNOWN: [&str; 2] = ["KHR_mesh_quantization", "KHR_texture_transform"];
+
+/// Extensions that compress meshes.
+const COMPRESSION: [&str; 3] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, String> {
     // The header has 12 bytes, and its last four count them as well; the crate relies on that.
     let length = content.get(8..12).map(|bytes| u32::from_le_bytes(bytes.try_into().unwrap_or_default()));
     if content.starts_with(b"glTF") && length.is_none_or(|length| length < 12) {
@@ -49,7 +60,9 @@ fn read(folder: Option<&Path>, content: &[u8]) -> Result<Faces, String> {
     let not_gltf = |error| format!("{error}; expected a glTF 2.0 file");
     let Gltf { document, mut blob } = Gltf::from_slice_without_validation(content).map_err(not_gltf)?;
     check(document.as_json())?;
-    let document = Document::from_json(document.into_json()).map_err(not_gltf)?;
+    let mut json = document.into_json();
+    let ignored = extensions(&mut json)?;
+    let document = Document::from_json(json).map_err(not_gltf)?;
     let mut source = Source { folder, buffers: Vec::new(), left: MAX_FILE.saturating_sub(content.len() as u64) };
     for buffer in document.buffers() {
         let bytes = match buffer.source() {
@@ -65,9 +78,41 @@ fn read(folder: Option<&Path>, content: &[u8]) -> Result<Faces, String> {
         textures: HashMap::new(),
         texels: MAX_TEXELS,
         triangles: 0,
+        is_flat,
+        without_normals: 0,
     };
     reader.document(&document)?;
-    Ok(reader.faces)
+    let Reader { mut faces, without_normals, .. } = reader;
+    if without_normals > 0 {
+        faces.notes.push(
+            "faces without normals are flat, as the specification of glTF says; --normals averaged makes them smooth"
+                .to_owned(),
+        );
+    }
+    if !ignored.is_empty() {
+        faces.notes.push(format!("{} in the file was ignored", ignored.join(", ")));
+    }
+    Ok(faces)
+}
+
+/// Checks the extensions that a file requires, and returns the names of those that are ignored.
+fn extensions(json: &mut json::Root) -> Result<Vec<String>, String> {
+    let required = &mut json.extensions_required;
+    if let Some(name) = required.iter().find(|name| COMPRESSION.contains(&name.as_str())) {
+        return Err(format!(
+            "its meshes are compressed ({name}); expected them without compression, as \"gltf-transform copy in.glb out.glb\" writes them"
+        ));
+    }
+    // The crate does not know that these are read.
+    required.retain(|name| !KNOWN.contains(&name.as_str()));
+    if !required.is_empty() {
+        let names = required.join(", ");
+        return Err(format!(
+            "it requires extensions that are not read ({names}); expected {} or none",
+            KNOWN.join(", ")
+        ));
+    }
+    Ok(json.extensions_used.iter().filter(|name| !KNOWN.contains(&name.as_str())).cloned().collect())
 }
 
 /// Maximum number of nodes, because finding one takes time that grows with their number.
@@ -168,6 +213,33 @@ impl Source<'_> {
     }
 }
 
+/// Where a texture lies: a set of texture coordinates, and what `KHR_texture_transform` does to them.
+#[derive(Clone, Copy, PartialEq)]
+struct TexturePlace {
+    set: u32,
+    placed: DAffine2,
+}
+
+impl TexturePlace {
+    fn new(set: u32, transform: Option<&Value>) -> Result<Self, String> {
+        let Some(transform) = transform else { return Ok(Self { set, placed: DAffine2::IDENTITY }) };
+        let read = || {
+            let two = |name: &str, missing: f64| match transform.get(name) {
+                None => Some(DVec2::splat(missing)),
+                Some(value) => Some(DVec2::new(value.get(0)?.as_f64()?, value.get(1)?.as_f64()?)),
+            };
+            let angle = transform.get("rotation").map_or(Some(0.0), Value::as_f64)?;
+            let set = transform.get("texCoord").map_or(Some(u64::from(set)), Value::as_u64)?;
+            // The angle turns the image clockwise, and v points down.
+            let placed = DAffine2::from_scale_angle_translation(two("scale", 1.0)?, -angle, two("offset", 0.0)?);
+            Some(Self { set: u32::try_from(set).ok()?, placed })
+        };
+        read().ok_or_else(|| {
+            "a KHR_texture_transform is not valid; expected two numbers for offset and scale, and a number for rotation".to_owned()
+        })
+    }
+}
+
 struct Reader<'a> {
     source: Source<'a>,
     faces: Faces,
@@ -178,6 +250,10 @@ struct Reader<'a> {
     /// The number of texels that textures may still have.
     texels: usize,
     triangles: usize,
+    /// True if faces without normals are flat.
+    is_flat: bool,
+    /// The number of primitives without normals, if they are flat.
+    without_normals: usize,
 }
 
 impl Reader<'_> {
@@ -268,21 +344,23 @@ impl Reader<'_> {
             let color = DVec3::from_array(color) * DVec3::new(r, g, b);
             vertex.2.color = if color.is_finite() { color.clamp(DVec3::ZERO, DVec3::ONE) } else { DVec3::ONE };
         }
-        let sets = [base.base_color_texture().map(|t| t.tex_coord()), material.normal_texture().map(|t| t.tex_coord())];
+        let transform = "KHR_texture_transform";
+        let of_base = base.base_color_texture().map(|t| TexturePlace::new(t.tex_coord(), t.extension_value(transform)));
+        let of_normals =
+            material.normal_texture().map(|t| TexturePlace::new(t.tex_coord(), t.extension_value(transform)));
+        let sets = [of_base.transpose()?, of_normals.transpose()?];
         if let [Some(a), Some(b)] = sets
             && a != b
         {
-            return Err(format!(
-                "its normal map uses the texture coordinates {b}; expected those of its base color, {a}"
-            ));
+            return Err("its normal map uses other texture coordinates than its base color; expected the same set with the same transform".to_owned());
         }
-        if let Some(set) = sets[0].or(sets[1]) {
+        if let Some(TexturePlace { set, placed: place_of }) = sets[0].or(sets[1]) {
             let places = get(Semantic::TexCoords(set))
                 .ok_or_else(|| format!("it has no texture coordinates; expected TEXCOORD_{set}"))?;
             let places = self.source.numbers::<2>(&places, "texture coordinates")?;
             of_vertices(places.len(), "texture coordinates")?;
             for (vertex, place) in vertices.iter_mut().zip(places) {
-                vertex.2.place = DVec2::from_array(place);
+                vertex.2.place = place_of.transform_point2(DVec2::from_array(place));
             }
         }
         if let Some(tangents) = get(Semantic::Tangents).filter(|_| sets[1].is_some()) {
@@ -293,10 +371,16 @@ impl Reader<'_> {
             }
         }
         let coat = self.coat(&material)?;
+        let is_flat = self.is_flat && get(Semantic::Normals).is_none();
+        self.without_normals += usize::from(is_flat);
         for [a, b, c] in triangles {
             // A transformation that mirrors also reverses the winding.
-            let corners = if side < 0.0 { [a, c, b] } else { [a, b, c] };
-            self.faces.polygons.push_painted(corners.map(|corner| vertices[corner]), coat);
+            let mut corners = if side < 0.0 { [a, c, b] } else { [a, b, c] }.map(|corner| vertices[corner]);
+            if is_flat {
+                let normal = newell(&corners.map(|(site, ..)| self.faces.position(site))).try_normalize();
+                corners.iter_mut().for_each(|corner| corner.1 = normal);
+            }
+            self.faces.polygons.push_painted(corners, coat);
         }
         Ok(())
     }

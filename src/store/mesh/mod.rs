@@ -1,13 +1,14 @@
 //! Reads meshes from OBJ, PLY, glTF and GLB files.
 //!
-//! **Vertices at exactly the same position are merged.** Many programs repeat a position for each of its normals;
-//! without merging, every such seam would be a border without smooth shading. Positions that are only nearly equal stay
-//! separate, and an edge between them becomes two borders. If a file contains both sides of a sheet, or bodies that
-//! touch along an edge, the edges there belong to more than two triangles and are shaded accordingly.
+//! **Vertices at the same position are merged.** Many programs repeat a position for each of its normals; without
+//! merging, every such seam would be a border without smooth shading. On open edges, positions also count as the same if
+//! they differ by no more than a thousandth of an edge. If a file contains both sides of a sheet, or bodies that touch
+//! along an edge, the edges there belong to more than two triangles and are shaded accordingly.
 //!
 //! **Normals** come from the file if it has them. A corner whose normal is missing, zero or not a number gets the
 //! average normal of the faces around it. Normals from the file create creases where they differ; averaged normals
-//! create creases where faces meet at more than the crease angle.
+//! create creases where faces meet at more than the crease angle. Faces of a glTF file without normals are flat, as its
+//! specification says, unless normals are to be estimated.
 //!
 //! **Winding** is repaired: faces whose neighbors go around the other way are reversed, the fewer in each connected part.
 
@@ -22,7 +23,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::{FileErrors, file::read_bytes};
-use crate::shading::Mesh;
+use crate::shading::{Mesh, Normals};
 
 /// Maximum file size in bytes, enough for about two million triangles.
 const MAX_FILE: u64 = 1 << 28;
@@ -32,31 +33,26 @@ const MAX_FILE: u64 = 1 << 28;
 pub struct MeshFile {
     /// The mesh.
     pub mesh: Mesh,
-    /// The number of faces that were reversed, because their neighbors go around the other way.
-    pub reversed: usize,
+    /// What was repaired, assumed or ignored, as sentences without their ends.
+    pub notes: Vec<String>,
 }
 
 impl MeshFile {
-    /// Returns a sentence about the faces that were reversed, if any.
+    /// Returns a sentence about what was repaired, assumed or ignored, if anything.
     #[must_use]
     pub fn note(&self, path: &Path) -> Option<String> {
-        let faces = match self.reversed {
-            0 => return None,
-            1 => "1 face was".to_owned(),
-            more => format!("{more} faces were"),
-        };
-        Some(format!("{}: {faces} reversed, because the neighbors go around the other way", path.display()))
+        (!self.notes.is_empty()).then(|| format!("{}: {}", path.display(), self.notes.join("; ")))
     }
 }
 
 /// Reads an OBJ, PLY, glTF or GLB file. If the file has no normals, faces that meet at more than `crease_deg` degrees do
-/// not share a normal; 180 makes the whole mesh smooth.
+/// not share a normal; 180 makes the whole mesh smooth. `normals` says whether the file's own normals will be used.
 ///
 /// # Errors
 /// The file cannot be read or is too large; otherwise, the same errors as [`parse`].
-pub fn read(path: &Path, crease_deg: f64) -> Result<MeshFile, FileErrors> {
+pub fn read(path: &Path, crease_deg: f64, normals: Normals) -> Result<MeshFile, FileErrors> {
     let content = read_bytes(path, MAX_FILE, "an OBJ, PLY, glTF or GLB file")?;
-    parse_in(path.parent(), &path.display().to_string(), &content, crease_deg)
+    parse_in(path.parent(), &path.display().to_string(), &content, crease_deg, normals)
 }
 
 /// Reads the content of a file, whose format it recognizes from the first bytes; `file` identifies it in messages. A
@@ -67,20 +63,25 @@ pub fn read(path: &Path, crease_deg: f64) -> Result<MeshFile, FileErrors> {
 /// read, coordinates that are not finite, vertices that do not exist, and faces with too few corners. It is also an
 /// error if the file has no faces, or if none of its faces has an area.
 pub fn parse(file: &str, content: &[u8], crease_deg: f64) -> Result<MeshFile, FileErrors> {
-    parse_in(None, file, content, crease_deg)
+    parse_in(None, file, content, crease_deg, Normals::Given)
 }
 
-fn parse_in(folder: Option<&Path>, file: &str, content: &[u8], crease_deg: f64) -> Result<MeshFile, FileErrors> {
+fn parse_in(
+    folder: Option<&Path>,
+    file: &str,
+    content: &[u8],
+    crease_deg: f64,
+    normals: Normals,
+) -> Result<MeshFile, FileErrors> {
     let text = content.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(content).trim_ascii_start();
     let (faces, expected) = if content.starts_with(b"glTF") || text.starts_with(b"{") {
-        (gltf::parse(folder, file, content)?, "at least one primitive with triangles")
+        (gltf::parse(folder, file, content, normals == Normals::Given)?, "at least one primitive with triangles")
     } else if text.starts_with(b"ply\n") || text.starts_with(b"ply\r") {
         (ply::parse(file, content)?, "an element \"face\" with a list \"vertex_indices\"")
     } else {
         (obj::parse(file, content)?, "at least one line \"f 1 2 3\"")
     };
-    let (mesh, reversed) = faces.mesh(file, crease_deg, expected)?;
-    Ok(MeshFile { mesh, reversed })
+    faces.mesh(file, crease_deg, expected)
 }
 
 /// Makes a mesh of `triangles`, as indices of `positions`, as if it were from a file; `name` identifies it in messages.
@@ -115,6 +116,5 @@ pub fn from_arrays(
         let corners = corners.map(|corner| (faces.site(positions[corner as usize]), normal(corner)));
         faces.polygons.push(corners);
     }
-    let (mesh, reversed) = faces.mesh(name, crease_deg, "at least one triangle")?;
-    Ok(MeshFile { mesh, reversed })
+    faces.mesh(name, crease_deg, "at least one triangle")
 }

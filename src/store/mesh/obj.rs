@@ -1,16 +1,16 @@
 //! Reads Wavefront OBJ files.
 //!
-//! The reader supports vertices (`v`), normals (`vn`) and faces (`f`) with any number of corners, with positive and
-//! relative indices. All objects and groups form one mesh. Everything else (texture coordinates, lines, materials,
-//! smoothing groups, curved surfaces) is ignored.
+//! The reader supports vertices (`v`), also with colors (`v x y z red green blue`, sRGB from 0 to 1, as in PLY files),
+//! normals (`vn`) and faces (`f`) with any number of corners, with positive and relative indices. All objects and groups
+//! form one mesh. Everything else (texture coordinates, lines, materials, smoothing groups, curved surfaces) is ignored.
 
 use std::borrow::Cow;
 
 use glam::DVec3;
 
-use super::faces::{Faces, MAX_CORNERS};
+use super::faces::{Faces, MAX_CORNERS, linear};
 use crate::{
-    shading::mesh::MAX_COORDINATE,
+    shading::{Coat, PaintedCorner, mesh::MAX_COORDINATE},
     store::{FileError, FileErrors, table::shortened},
 };
 
@@ -77,6 +77,8 @@ struct Reader {
     /// uses.
     counts: [usize; 2],
     vertices: Vec<DVec3>,
+    /// The linear color of each vertex; empty until a vertex has one.
+    colors: Vec<DVec3>,
     /// The normals; `None` for a normal that is zero or not finite.
     normals: Vec<Option<DVec3>>,
     /// The corners of all faces, each with its vertex and its normal, from 0.
@@ -104,6 +106,13 @@ impl Reader {
                 let vertex = statement.vertex(&words);
                 // An invalid vertex is counted too, so that later indices stay correct.
                 self.vertices.push(*vertex.as_ref().unwrap_or(&DVec3::ZERO));
+                if let [_, _, _, color @ ..] = &words[..]
+                    && color.len() >= 3
+                {
+                    let color = statement.three_numbers(color)?;
+                    self.colors.resize(self.vertices.len() - 1, DVec3::ONE);
+                    self.colors.push(linear(color));
+                }
                 vertex.map(drop)
             }
             b"vn" => {
@@ -160,10 +169,21 @@ impl Reader {
         for end in self.ends {
             let corners = self.corners[start..end].iter();
             let corners: Vec<_> = corners
-                .map(|(vertex, normal)| (faces.site(self.vertices[*vertex]), normal.and_then(|n| self.normals[n])))
+                .map(|(vertex, normal)| {
+                    let color = self.colors.get(*vertex).copied().unwrap_or(DVec3::ONE);
+                    let paint = PaintedCorner { color, ..PaintedCorner::default() };
+                    (faces.site(self.vertices[*vertex]), normal.and_then(|n| self.normals[n]), paint)
+                })
                 .collect();
-            faces.polygons.push(corners);
+            if self.colors.is_empty() {
+                faces.polygons.push(corners.into_iter().map(|(site, normal, _)| (site, normal)));
+            } else {
+                faces.polygons.push_painted(corners, 0);
+            }
             start = end;
+        }
+        if !self.colors.is_empty() {
+            faces.polygons.coats.push(Coat::default());
         }
         faces
     }

@@ -1,7 +1,7 @@
 //! Reads PLY files (Stanford polygon files), as text and in binary.
 //!
-//! The reader uses the positions, normals and colors of the vertices, and the faces. Colors are sRGB, as scanners write
-//! them. Other elements and properties are ignored.
+//! The reader uses the positions, normals and colors of the vertices, and the faces or triangle strips. Colors are sRGB,
+//! as scanners write them. Other elements and properties are ignored.
 
 use glam::DVec3;
 use ply_rs_bw::{
@@ -9,9 +9,8 @@ use ply_rs_bw::{
     ply::{Encoding, Property, PropertyAccess, PropertyAccessResult},
 };
 
-use super::faces::{Faces, MAX_CORNERS};
+use super::faces::{Faces, MAX_CORNERS, linear};
 use crate::{
-    light::Transfer,
     shading::{Coat, PaintedCorner, mesh::MAX_COORDINATE},
     store::{FileError, FileErrors},
 };
@@ -117,6 +116,7 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
             let added = match name.as_str() {
                 "vertex" => mesh.vertex(&element),
                 "face" => mesh.face(&element),
+                "tristrips" => mesh.strips(&element),
                 _ => Ok(()),
             };
             added.map_err(|message| FileErrors::whole(file, format!("{name} {i} {message}")))?;
@@ -144,12 +144,22 @@ impl PlyMesh {
         if !position.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE) {
             return Err("has a position that is not finite or is beyond ±1e30; expected finite numbers".to_owned());
         }
-        let linear = |color: DVec3| {
-            let channel = |code: f64| Transfer::Srgb.linear_from_encoded(if code > 0.0 { code.min(1.0) } else { 0.0 });
-            DVec3::from_array(color.to_array().map(channel))
-        };
         let paint = PaintedCorner { color: three(6).map_or(DVec3::ONE, linear), ..PaintedCorner::default() };
         self.vertices.push((self.faces.site(position), three(3).and_then(DVec3::try_normalize), paint));
+        Ok(())
+    }
+
+    /// Adds triangle strips; −1 ends a strip.
+    fn strips(&mut self, Element { corners, .. }: &Element) -> Result<(), String> {
+        for strip in corners.as_deref().unwrap_or_default().split(|index| *index == -1) {
+            for (i, w) in strip.windows(3).enumerate() {
+                let triangle = if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
+                // Strips continue over triangles without area.
+                if w[0] != w[1] && w[1] != w[2] && w[2] != w[0] {
+                    self.polygon(&triangle)?;
+                }
+            }
+        }
         Ok(())
     }
 
@@ -158,6 +168,10 @@ impl PlyMesh {
         if !(3..=MAX_CORNERS).contains(&list.len()) {
             return Err(format!("has {} corners; expected 3…{MAX_CORNERS}", list.len()));
         }
+        self.polygon(list)
+    }
+
+    fn polygon(&mut self, list: &[i64]) -> Result<(), String> {
         let corner = |index: &i64| {
             let found = usize::try_from(*index).ok().and_then(|index| self.vertices.get(index));
             let most = self.vertices.len().saturating_sub(1);

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::{
     light::{Depth, Transfer},
     shading::{
-        Correction, Mesh, Scene, Shade, Shader,
+        Correction, Mesh, Normals, Scene, Shade, Shader,
         shapes::{self, Shape},
     },
     stimulus::{Renderer, Shot, describe_scene},
@@ -132,7 +132,8 @@ impl MeshChoice {
         match self {
             MeshChoice::Named(shape, vertices) => shapes::mesh(*shape, *vertices).map_err(|error| error.to_string()),
             MeshChoice::File(path) => {
-                let file = store::mesh::read(Path::new(path), CREASE_DEG).map_err(|errors| errors.to_string())?;
+                let file = store::mesh::read(Path::new(path), CREASE_DEG, Normals::Given)
+                    .map_err(|errors| errors.to_string())?;
                 Ok(file.mesh)
             }
         }

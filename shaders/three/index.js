@@ -1,0 +1,311 @@
+// C1 normals for three.js: Phong shading without the lines at the edges of the mesh. One line does it:
+//
+//   import { applyC1 } from "machband-c1";
+//   applyC1(gltf.scene);
+
+import { DataTexture, FloatType, RGBAFormat, Vector3, Vector4 } from "three";
+import { bulges, coefficients, surface, welded } from "./cubic.js";
+import { cubic as cubicHere } from "./glsl.js";
+import { extent, Passes } from "./passes.js";
+
+export { bulges, coefficients, cubic, surface, welded } from "./cubic.js";
+
+// Smaller meshes are faster in JavaScript than as two passes on the card.
+const FEW = 2000;
+// Cameras whose coefficients a mesh keeps.
+const CAMERAS = 8;
+
+// What was made of each geometry, each mesh, and the material behind each patched one.
+const made = new WeakMap(), applied = new WeakMap(), sources = new WeakMap();
+
+// Without coefficients, normals are interpolated.
+const none = new DataTexture(new Float32Array(36), 9, 1, RGBAFormat, FloatType);
+none.needsUpdate = true;
+
+const declared = `
+uniform highp sampler2D c1_coefficients;
+ivec2 c1_place(int triangle) {
+  int at = 9 * triangle, width = textureSize(c1_coefficients, 0).x;
+  return ivec2(at % width, at / width);
+}`;
+
+// Nine flat vectors where there are enough varyings, so that a pixel reads nothing; phones often have fifteen.
+const vertexHead = `${declared}
+out vec3 c1_weights;
+#ifdef C1_STILL
+  out mat3 c1_axes;
+#endif
+#ifdef C1_FLAT
+  flat out vec4 c1[9];
+#else
+  flat out int c1_triangle;
+#endif
+`;
+// The weights of the corners, linear on the screen: GLSL ES has no noperspective. A varying v is interpolated as Σ b v / w
+// divided by Σ b / w, where b are the weights on the screen. With v = e w, it is proportional to Σ b e, and the cubic
+// divides by the sum. This also holds for a triangle that the near plane clips.
+const vertexTail = `
+  int c1_corner = gl_VertexID % 3;
+  c1_weights = vec3(c1_corner == 0, c1_corner == 1, c1_corner == 2);
+#ifdef C1_STILL
+  // From the mesh's own axes to those of vNormal, which has unit length.
+  c1_axes = normalMatrix;
+  #ifdef USE_INSTANCING
+    mat3 c1_turn = mat3(instanceMatrix);
+    for (int i = 0; i < 3; i++) c1_turn[i] /= dot(c1_turn[i], c1_turn[i]);
+    c1_axes *= c1_turn;
+  #endif
+  #ifdef USE_SKINNING
+    c1_axes *= mat3(skinMatrix);
+  #endif
+  c1_axes /= length(c1_axes * normalize(normal));
+  #ifdef FLIP_SIDED
+    c1_axes = -c1_axes;
+  #endif
+#else
+  c1_weights *= gl_Position.w;
+#endif
+#ifdef C1_FLAT
+  // The last corner of a triangle gives the flat vectors.
+  ivec2 c1_from = c1_place(gl_VertexID / 3);
+  for (int k = 0; k < 9; k++) c1[k] = c1_corner == 2 ? texelFetch(c1_coefficients, c1_from + ivec2(k, 0), 0) : vec4(0.0);
+#else
+  c1_triangle = gl_VertexID / 3;
+#endif
+}`;
+const fragmentHead = `
+#ifndef FLAT_SHADED
+${cubicHere.replace(/\b(terms_of|cubic_value)\b/g, "c1_$1")}
+in vec3 c1_weights;
+#ifdef C1_STILL
+  in mat3 c1_axes;
+#endif
+#ifdef C1_FLAT
+  flat in vec4 c1[9];
+#else
+  ${declared}
+  flat in int c1_triangle;
+#endif
+vec3 c1_normal() {
+#ifndef C1_FLAT
+  vec4 c1[9];
+  ivec2 from = c1_place(c1_triangle);
+  for (int k = 0; k < 9; k++) c1[k] = texelFetch(c1_coefficients, from + ivec2(k, 0), 0);
+#endif
+  vec3 value = c1_cubic_value(c1[0], c1[1], c1[2], c1[3], c1[4], c1[5], c1[6], c1[7], c1[8], c1_terms_of(c1_weights));
+#ifdef C1_STILL
+  return vNormal + c1_axes * value;
+#else
+  // A triangle that faces away or reaches behind the eye has zeros.
+  return c1[0].xyz == vec3(0.0) ? vNormal : value;
+#endif
+}
+#define vNormal c1_normal()
+#endif
+`;
+
+// Gives every mesh under `root` C1 normals. Materials, textures, lights and everything else stay. Meshes that move in the
+// vertex shader get an approximation that does not depend on the view; those that can have neither stay as they are. The
+// console names both. Returns { meshes, approximate, skipped, dispose }.
+export function applyC1(root, { gpu } = {}) {
+  const meshes = [], approximate = [], skipped = [];
+  root.traverse((mesh) => {
+    if (!mesh.isMesh || applied.has(mesh)) return;
+    const reason = unfit(mesh), moves = moving(mesh);
+    if (reason) {
+      skipped.push({ mesh, reason });
+      tell("warn", mesh, `${reason}; it keeps its interpolated normals`);
+      return;
+    }
+    if (moves) {
+      approximate.push({ mesh, reason: moves });
+      tell("info", mesh, `${moves}; its normals are continuous, but their slopes only nearly so`);
+    }
+    patch(mesh, moves ? new Still(mesh) : new Views(mesh, gpu));
+    meshes.push(mesh);
+  });
+  return { meshes, approximate, skipped, dispose: () => meshes.splice(0).forEach((mesh) => applied.get(mesh)?.()) };
+}
+
+const tell = (how, mesh, text) => console[how](`machband-c1: ${mesh.name ? `mesh "${mesh.name}"` : mesh.type}: ${text}`);
+
+function unfit(mesh) {
+  const { attributes } = mesh.geometry;
+  if (!attributes.position || !attributes.normal) return "the mesh has no normals";
+  if (mesh.isBatchedMesh) return "the mesh is a batch";
+  if ([mesh.material].flat().some((one) => one.displacementMap)) return "a displacement map moves the surface";
+  return undefined;
+}
+
+function moving(mesh) {
+  const { morphAttributes } = mesh.geometry;
+  if (mesh.isSkinnedMesh) return "the mesh is skinned";
+  if (mesh.isInstancedMesh) return "the mesh is drawn in many places at once";
+  return morphAttributes.position || morphAttributes.normal ? "the mesh has morph targets" : undefined;
+}
+
+// A geometry without shared vertices, because each must know its triangle and its corner, and its surface.
+function prepared(geometry) {
+  const known = made.get(geometry);
+  if (known) return known;
+  const { position, normal } = geometry.attributes, own = geometry.index ? geometry.toNonIndexed() : geometry;
+  if (own !== geometry) {
+    own.name = geometry.name;
+    own.userData = geometry.userData;
+    own.drawRange = geometry.drawRange;
+  }
+  const shape = welded(numbers(position), numbers(normal), geometry.index?.array);
+  const result = { geometry: own, surface: surface(shape.positions, shape.normals, shape.triangles) };
+  made.set(geometry, result);
+  made.set(own, result);
+  return result;
+}
+
+function numbers(attribute) {
+  if (attribute.array instanceof Float32Array && !attribute.isInterleavedBufferAttribute) return attribute.array;
+  const result = new Float32Array(3 * attribute.count);
+  for (let i = 0; i < result.length; i++) result[i] = attribute.getComponent(Math.floor(i / 3), i % 3);
+  return result;
+}
+
+function patch(mesh, normals) {
+  const { geometry, material } = mesh, { shape } = normals;
+  const own = [material].flat().map((one) => patched(sources.get(one) ?? one, normals));
+  mesh.geometry = shape.geometry;
+  mesh.material = Array.isArray(material) ? own : own[0];
+  const [ownGeometry, ownMaterial] = [mesh.geometry, mesh.material];
+  applied.set(mesh, () => {
+    if (mesh.geometry === ownGeometry) mesh.geometry = geometry;
+    if (mesh.material === ownMaterial) mesh.material = material;
+    normals.dispose();
+    shape.passes?.dispose();
+    if (ownGeometry !== geometry) ownGeometry.dispose();
+    for (const one of own) one.dispose();
+    made.delete(geometry);
+    applied.delete(mesh);
+  });
+}
+
+// A copy of a material that uses C1 normals; the coefficients belong to one mesh, and so does the copy.
+function patched(source, normals) {
+  const own = source.clone();
+  // The uniforms of a ShaderMaterial stay shared with the source.
+  if (source.isShaderMaterial) own.uniforms = { ...source.uniforms };
+  sources.set(own, source);
+  own.onBeforeCompile = (shader, renderer) => {
+    source.onBeforeCompile(shader, renderer);
+    const pars = "#include <normal_pars_fragment>";
+    if (!shader.fragmentShader.includes(pars)) {
+      if (source.isShaderMaterial) tell("warn", normals.mesh, `its shader does not have ${pars}, where C1 normals belong`);
+      return;
+    }
+    const isFlat = renderer.capabilities.maxVaryings >= 24;
+    const defined = `${isFlat ? "#define C1_FLAT\n" : ""}${normals.isStill ? "#define C1_STILL\n" : ""}`;
+    shader.uniforms.c1_coefficients = normals.uniform;
+    shader.vertexShader = defined + vertexHead + shader.vertexShader.replace(/\}\s*$/, vertexTail);
+    shader.fragmentShader = defined + shader.fragmentShader.replace(pars, `${pars}\n${fragmentHead}`);
+  };
+  own.customProgramCacheKey = () => `${source.customProgramCacheKey()} c1 ${normals.isStill}`;
+  own.onBeforeRender = (renderer, scene, camera, geometry, object, group) => {
+    source.onBeforeRender(renderer, scene, camera, geometry, object, group);
+    normals.show(renderer, camera, object);
+  };
+  return own;
+}
+
+// Normals that do not depend on the view.
+class Still {
+  constructor(mesh) {
+    const shape = prepared(mesh.geometry), texture = textureFor(shape.surface.triangles.length / 3);
+    texture.image.data.set(bulges(shape.surface));
+    texture.needsUpdate = true;
+    Object.assign(this, { mesh, shape, isStill: true, uniform: { value: texture } });
+  }
+
+  show() {}
+
+  dispose() {
+    this.uniform.value.dispose();
+  }
+}
+
+// The coefficients of a mesh for each camera that sees it.
+class Views {
+  constructor(mesh, gpu) {
+    const shape = prepared(mesh.geometry);
+    Object.assign(this, { mesh, shape, gpu, isStill: false, uniform: { value: none }, known: new Map(), told: new Set() });
+  }
+
+  show(renderer, camera, object) {
+    const modelView = object.modelViewMatrix, projection = camera.projectionMatrix;
+    const problem = object !== this.mesh ? "the material belongs to another mesh; use applyC1 on copies, too"
+      : keepsShape(modelView) ? undefined
+        : "it is scaled unevenly or mirrored; it keeps its interpolated normals. Apply the scale to the geometry";
+    if (problem) {
+      if (!this.told.has(problem)) tell("warn", object, problem);
+      this.told.add(problem);
+      this.uniform.value = none;
+      return;
+    }
+    let view = this.known.get(camera);
+    if (!view) {
+      if (this.known.size >= CAMERAS) this.#forget(this.known.keys().next().value);
+      view = { last: new Float64Array(33), isOnCard: this.#fits(renderer) };
+      this.known.set(camera, view);
+    }
+    renderer.getCurrentViewport(size);
+    // Only the shape of the viewport matters.
+    const aspect = size.z / size.w, { last } = view;
+    if (!same(last, modelView.elements, projection.elements, aspect)) {
+      last.set(modelView.elements);
+      last.set(projection.elements, 16);
+      last[32] = aspect;
+      if (view.isOnCard) {
+        this.shape.passes ??= new Passes(this.shape.surface);
+        view.target ??= this.shape.passes.target();
+        this.shape.passes.render(renderer, camera, modelView, projection, aspect, view.target);
+      } else {
+        view.texture ??= textureFor(this.shape.surface.triangles.length / 3);
+        coefficients(this.shape.surface, modelView.elements, projection.elements, [aspect, 1], view.texture.image.data);
+        view.texture.needsUpdate = true;
+      }
+    }
+    this.uniform.value = view.target?.texture ?? view.texture;
+  }
+
+  #fits(renderer) {
+    const isLarge = this.shape.surface.triangles.length / 3 > FEW;
+    return (this.gpu ?? isLarge) && renderer.extensions.has("EXT_color_buffer_float");
+  }
+
+  #forget(camera) {
+    const { target, texture } = this.known.get(camera);
+    target?.dispose();
+    texture?.dispose();
+    this.known.delete(camera);
+  }
+
+  dispose() {
+    for (const camera of [...this.known.keys()]) this.#forget(camera);
+  }
+}
+
+const size = new Vector4(), [a, b, c] = [new Vector3(), new Vector3(), new Vector3()];
+
+function same(last, modelView, projection, aspect) {
+  for (let i = 0; i < 16; i++) if (last[i] !== modelView[i] || last[16 + i] !== projection[i]) return false;
+  return last[32] === aspect;
+}
+
+// True if a matrix turns and scales, but neither distorts nor mirrors.
+function keepsShape(matrix) {
+  matrix.extractBasis(a, b, c);
+  const lengths = [a.length(), b.length(), c.length()], shortest = Math.min(...lengths);
+  return Math.max(...lengths) < 1.001 * shortest && a.cross(b).dot(c) > 0.999 * shortest ** 3;
+}
+
+// A texture with room for the coefficients of so many triangles, nine texels each.
+function textureFor(triangles) {
+  const [width, height] = extent(triangles, 9);
+  return new DataTexture(new Float32Array(4 * width * height), width, height, RGBAFormat, FloatType);
+}
