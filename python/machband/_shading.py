@@ -106,6 +106,9 @@ def shade(
     specular: float = 0.2,
     highlight: Literal["phong", "blinn", "torrance-sparrow", "cook-torrance"] = "phong",
     shininess: float = 20,
+    facet_slope: float | None = None,
+    facet_c1: float | None = None,
+    facet_index: float | None = None,
     background: float = 0.05,
     distance: float = float("inf"),
     naive: bool = False,
@@ -163,6 +166,14 @@ def shade(
         Highlight model.
     shininess
         Exponent of the highlight.
+    facet_slope
+        Root mean square slope m of the small mirrors of torrance-sparrow and cook-torrance, 0.001 to 10; without it,
+        the highlight is as sharp as Blinn's.
+    facet_c1
+        Constant c1 of torrance-sparrow, 0 to 1e6; without it, as many mirrors face along the normal as in cook-torrance.
+    facet_index
+        Index of refraction of the small mirrors, 1 to 1000; they reflect ((index - 1) / (index + 1))^2 of the light at
+        normal incidence [default: 3].
     background
         Background light, 0 to 1.
     distance

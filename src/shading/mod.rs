@@ -27,7 +27,7 @@ pub mod shaders;
 
 pub use draw::{Body, Composition, Encoder, Prepared, Reference, picture};
 pub use frame::{
-    Across, Field, Frame, FrameTriangle, FrameVertex, Gradients, Highlight, Patches, Scene, View, coverage,
+    Across, Field, Frame, FrameTriangle, FrameVertex, Gradients, Highlight, Mirrors, Patches, Scene, View, coverage,
 };
 pub use lighting::{Lamp, LampPosition, Lighting, Material, Refraction, Specular, Transparency};
 pub use measure::{self as crease, Creases, EdgeCrease, Truth};

@@ -8,7 +8,11 @@ use serde_json::{Value, json};
 
 use crate::{
     light::{LinearImage, Transfer, Transfers},
-    shading::{Creases, Frame, Reference, Scene, Shade, Shader, coverage, picture},
+    shading::{
+        Creases, Frame, Reference, Scene, Shade, Shader, Specular, coverage,
+        lighting::{Facets, Microfacets},
+        picture,
+    },
 };
 
 /// A shader and whether it ignores gamma.
@@ -91,7 +95,7 @@ impl Renderer {
 /// Returns every setting of a scene, so that anyone can reproduce it.
 #[must_use]
 pub fn describe_scene(scene: &Scene) -> Value {
-    json!({
+    let mut all = json!({
         "rotate_deg": scene.rotate_deg,
         "light": scene.light.to_array(),
         "color": scene.color.to_array(),
@@ -103,7 +107,17 @@ pub fn describe_scene(scene: &Scene) -> Value {
         "background": scene.background,
         "fill": scene.fill,
         "distance": if scene.distance.is_finite() { json!(scene.distance) } else { json!("inf") },
-    })
+    });
+    if let Specular::CookTorrance(Microfacets { facets, slope, index }) =
+        scene.highlight.model(scene.shininess, scene.mirrors)
+    {
+        all["facet_slope"] = json!(slope);
+        all["facet_index"] = json!(index.x);
+        if let Facets::Gaussian { c1 } = facets {
+            all["facet_c1"] = json!(c1);
+        }
+    }
+    all
 }
 
 /// Rounding errors of the light.

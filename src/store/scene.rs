@@ -14,8 +14,8 @@ use super::{
 use crate::{
     light::Depth,
     shading::{
-        Body, Composition, Correction, Gradients, Highlight, Lamp, LampPosition, Material, Mesh, Normals, Shade,
-        Shader, Surface, Transparency, View,
+        Body, Composition, Correction, Gradients, Highlight, Lamp, LampPosition, Material, Mesh, Mirrors, Normals,
+        Shade, Shader, Surface, Transparency, View,
         shapes::{self, Shape},
     },
     text::names::named,
@@ -98,6 +98,9 @@ struct MeshTable {
     specular: f64,
     highlight: Highlight,
     shininess: f64,
+    facet_slope: Option<f64>,
+    facet_c1: Option<f64>,
+    facet_index: f64,
     transparency: Transmits,
     transmission: f64,
     filter: [f64; 3],
@@ -128,6 +131,9 @@ impl Default for MeshTable {
             specular: material.specular,
             highlight: Highlight::Phong,
             shininess: material.shininess,
+            facet_slope: None,
+            facet_c1: None,
+            facet_index: Mirrors::default().index,
             transparency: Transmits::Opaque,
             transmission: 0.5,
             filter: [1.0; 3],
@@ -240,6 +246,9 @@ fn check(scene: &SceneTable, document: &mut Document<'_>) {
             range(of(key), &[share], 0.0, 1.0);
         }
         range(of("shininess"), &[mesh.shininess], 1.0, 1000.0);
+        range(of("facet_slope"), mesh.facet_slope.as_slice(), 0.001, 10.0);
+        range(of("facet_c1"), mesh.facet_c1.as_slice(), 0.0, 1e6);
+        range(of("facet_index"), &[mesh.facet_index], 1.0, 1000.0);
         range(of("index"), mesh.index.as_slice(), 0.1, 10.0);
     }
     for (i, lamp) in scene.lamp.iter().enumerate() {
@@ -313,7 +322,10 @@ fn body(table: &MeshTable, scene: &Path, notes: &mut Vec<String>) -> Result<Body
             diffuse: table.diffuse,
             specular: table.specular,
             shininess: table.shininess,
-            specular_model: table.highlight.model(table.shininess),
+            specular_model: table.highlight.model(
+                table.shininess,
+                Mirrors { slope: table.facet_slope, c1: table.facet_c1, index: table.facet_index },
+            ),
         },
         transparency: match table.transparency {
             Transmits::Opaque => Transparency::Opaque,

@@ -17,8 +17,8 @@ use crate::{
     light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Transfer, Transfers},
     report::document::numbers::count,
     shading::{
-        self, Correction, Creases, EdgeKind, Frame, Gradients, Highlight, Mesh, Normals, Scene, Shader, Surface, Truth,
-        crease,
+        self, Correction, Creases, EdgeKind, Frame, Gradients, Highlight, Mesh, Mirrors, Normals, Scene, Shader,
+        Surface, Truth, crease,
         shapes::{self, Shape},
     },
     stimulus::{
@@ -111,6 +111,17 @@ pub struct OneMesh {
     /// Exponent of the highlight.
     #[arg(long, value_name = "M", default_value_t = Scene::default().shininess, value_parser = within(1.0, 1000.0))]
     pub shininess: f64,
+    /// Root mean square slope m of the small mirrors of torrance-sparrow and cook-torrance, 0.001 to 10; without it, the
+    /// highlight is as sharp as Blinn's.
+    #[arg(long, value_name = "M", value_parser = within(0.001, 10.0))]
+    pub facet_slope: Option<f64>,
+    /// Constant c1 of torrance-sparrow, 0 to 1e6; without it, as many mirrors face along the normal as in cook-torrance.
+    #[arg(long, value_name = "C1", value_parser = within(0.0, 1e6))]
+    pub facet_c1: Option<f64>,
+    /// Index of refraction of the small mirrors, 1 to 1000; they reflect ((index - 1) / (index + 1))^2 of the light at
+    /// normal incidence [default: 3].
+    #[arg(long, value_name = "INDEX", value_parser = within(1.0, 1000.0))]
+    pub facet_index: Option<f64>,
     /// Background light, 0 to 1.
     #[arg(long, value_name = "L", default_value_t = Scene::default().background, value_parser = within(0.0, 1.0))]
     pub background: f64,
@@ -465,6 +476,28 @@ impl OneMesh {
             let message = format!("{} is too short or long; expected a length from 1e-6 to 1e6", self.light);
             return Err(RequestError::value("light", message));
         }
+        let mirrors =
+            [("facet_slope", self.facet_slope), ("facet_c1", self.facet_c1), ("facet_index", self.facet_index)];
+        for (name, value) in mirrors {
+            let is_used = if name == "facet_c1" {
+                self.highlight == Highlight::TorranceSparrow
+            } else {
+                self.highlight.has_mirrors()
+            };
+            if value.is_some() && !is_used {
+                let message = format!(
+                    "has no effect with the highlight {}; expected torrance-sparrow{}",
+                    self.highlight,
+                    if name == "facet_c1" { "" } else { " or cook-torrance" }
+                );
+                return Err(RequestError::new(name, message));
+            }
+        }
+        let mirrors = Mirrors {
+            slope: self.facet_slope,
+            c1: self.facet_c1,
+            index: self.facet_index.unwrap_or(Mirrors::default().index),
+        };
         Ok(Scene {
             rotate_deg: self.rotate.0,
             light,
@@ -474,6 +507,7 @@ impl OneMesh {
             specular: self.specular,
             highlight: self.highlight,
             shininess: self.shininess,
+            mirrors,
             background: self.background,
             distance: self.distance,
             ..Scene::default()

@@ -29,8 +29,8 @@ pub struct Body {
     pub material: Material,
     /// How it transmits light.
     pub transparency: Transparency,
-    /// The index of refraction of the medium inside, relative to the medium outside; above 0. `None` lets light pass
-    /// straight.
+    /// The index of refraction of the medium inside, relative to the medium around the mesh, which may be that of another
+    /// one; above 0. Where meshes overlap, their indices multiply. `None` lets light pass straight.
     pub index: Option<f64>,
 }
 
@@ -210,15 +210,15 @@ impl Picture<'_> {
         while meeting.of.0 as usize != body {
             meeting = targets.first(from, along, meeting.distance + LEAST)?;
         }
-        Some(self.beyond(from, along, &meeting, None, 0))
+        Some(self.beyond(from, along, &meeting, &[], 0))
     }
 
-    /// Returns the light that comes along a ray. `inside` is the body that it is in.
-    fn traced(&self, from: DVec3, along: DVec3, inside: Option<usize>, met: usize) -> DVec3 {
+    /// Returns the light that comes along a ray. `inside` are the bodies with an index that it is in.
+    fn traced(&self, from: DVec3, along: DVec3, inside: &[usize], met: usize) -> DVec3 {
         let meeting = self.targets.as_ref().and_then(|targets| targets.first(from, along, LEAST));
         let Some(meeting) = meeting.filter(|_| met < MAX_MEETINGS) else { return self.scene.background };
         let which = meeting.of.0 as usize;
-        if inside == Some(which) {
+        if inside.contains(&which) {
             return self.beyond(from, along, &meeting, inside, met);
         }
         let body = &self.scene.bodies[which];
@@ -230,12 +230,16 @@ impl Picture<'_> {
     }
 
     /// Returns the light from beyond the surface that a ray meets.
-    fn beyond(&self, from: DVec3, along: DVec3, at: &Meeting, inside: Option<usize>, met: usize) -> DVec3 {
+    fn beyond(&self, from: DVec3, along: DVec3, at: &Meeting, inside: &[usize], met: usize) -> DVec3 {
         let (which, place) = (at.of.0 as usize, from + along * at.distance);
         let Some(index) = self.scene.bodies[which].index else { return self.traced(place, along, inside, met + 1) };
-        let leaves = inside == Some(which);
+        let leaves = inside.contains(&which);
+        let beyond: Vec<usize> = match leaves {
+            true => inside.iter().copied().filter(|body| *body != which).collect(),
+            false => inside.iter().copied().chain([which]).collect(),
+        };
         match Refraction::of(-along, self.normal(at), if leaves { index } else { index.recip() }) {
-            Refraction::Transmitted(along) => self.traced(place, along, (!leaves).then_some(which), met + 1),
+            Refraction::Transmitted(along) => self.traced(place, along, &beyond, met + 1),
             Refraction::TotalReflection(along) => self.traced(place, along, inside, met + 1),
             Refraction::Undefined => self.scene.background,
         }

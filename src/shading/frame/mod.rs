@@ -11,4 +11,4 @@ pub use coverage::{Outline, Planes};
 pub use gradients::{Field, Gradients};
 pub use patches::Patches;
 pub use projected::{Across, Frame, FrameTriangle, FrameVertex, MeantCrease, View};
-pub use scene::{Highlight, Scene};
+pub use scene::{Highlight, Mirrors, Scene};

@@ -11,8 +11,23 @@ use crate::{
     text::names::named,
 };
 
-/// The index of refraction of the small mirrors. At normal incidence, they reflect a quarter of the light.
-const MIRROR_INDEX: f64 = 3.0;
+/// The small mirrors of a highlight, Shoaff §3.8.1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mirrors {
+    /// m, the root mean square slope; `None` makes the highlight as sharp as Blinn's, √(2/(shininess + 2)).
+    pub slope: Option<f64>,
+    /// c₁ of Torrance and Sparrow; with `None`, as many mirrors face along the normal as in Beckmann's distribution.
+    pub c1: Option<f64>,
+    /// η, the index of refraction. At normal incidence, the mirrors reflect F₀ = ((η − 1)/(η + 1))² of the light.
+    pub index: f64,
+}
+
+impl Default for Mirrors {
+    /// Mirrors that reflect a quarter of the light at normal incidence.
+    fn default() -> Self {
+        Self { slope: None, c1: None, index: 3.0 }
+    }
+}
 
 named! {
     /// The shape of the highlight.
@@ -29,17 +44,21 @@ named! {
 }
 
 impl Highlight {
-    /// Returns the shape as a material has it, for the exponent `shininess` of Phong's and Blinn's highlight. Small
-    /// mirrors get the slope √(2/(m + 2)), which makes the highlight as sharp as Blinn's.
+    /// True for highlights of small mirrors.
     #[must_use]
-    pub fn model(self, shininess: f64) -> Specular {
-        let slope = (2.0 / (shininess + 2.0)).sqrt();
-        let mirrors = |facets| Specular::CookTorrance(Microfacets { facets, slope, index: DVec3::splat(MIRROR_INDEX) });
+    pub const fn has_mirrors(self) -> bool {
+        matches!(self, Highlight::TorranceSparrow | Highlight::CookTorrance)
+    }
+
+    /// Returns the shape as a material has it, for the exponent `shininess` of Phong's and Blinn's highlight.
+    #[must_use]
+    pub fn model(self, shininess: f64, Mirrors { slope, c1, index }: Mirrors) -> Specular {
+        let slope = slope.unwrap_or_else(|| (2.0 / (shininess + 2.0)).sqrt());
+        let mirrors = |facets| Specular::CookTorrance(Microfacets { facets, slope, index: DVec3::splat(index) });
         match self {
             Highlight::Phong => Specular::Phong,
             Highlight::Blinn => Specular::Blinn,
-            // With this c1, as many mirrors face along the normal as in Beckmann's distribution.
-            Highlight::TorranceSparrow => mirrors(Facets::Gaussian { c1: 1.0 / (slope * slope) }),
+            Highlight::TorranceSparrow => mirrors(Facets::Gaussian { c1: c1.unwrap_or_else(|| 1.0 / (slope * slope)) }),
             Highlight::CookTorrance => mirrors(Facets::Beckmann),
         }
     }
@@ -64,6 +83,8 @@ pub struct Scene {
     pub highlight: Highlight,
     /// m, the exponent of the highlight; see [`Highlight::model`].
     pub shininess: f64,
+    /// The small mirrors, if the highlight has them.
+    pub mirrors: Mirrors,
     /// Background light, in the surface's color.
     pub background: f64,
     /// The share of the window's smaller side that the bounding sphere fills.
@@ -84,6 +105,7 @@ impl Default for Scene {
             specular: 0.2,
             highlight: Highlight::Phong,
             shininess: 20.0,
+            mirrors: Mirrors::default(),
             background: 0.05,
             fill: 0.9,
             distance: f64::INFINITY,
@@ -103,7 +125,7 @@ impl Scene {
             diffuse: self.diffuse,
             specular: self.specular,
             shininess: self.shininess,
-            specular_model: self.highlight.model(self.shininess),
+            specular_model: self.highlight.model(self.shininess, self.mirrors),
         };
         let lamp = Lamp { position: LampPosition::Direction(direction(self.light)), intensity: DVec3::ONE };
         Lighting { material, ambient: DVec3::ONE, lamps: vec![lamp] }
