@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Checks the files in shaders/ that programmers copy: glslangValidator compiles every GLSL and HLSL file, and a browser
-# with the package for three.js and Godot draw meshes as `machband shade` does. Needs glslangValidator, Node.js, npm,
-# Chromium, Godot 3 and xvfb-run, and the program in PROGRAMS (default: target/debug).
+# with the package for three.js, Godot and OpenGL draw meshes as `machband shade` does. Needs glslangValidator, Node.js,
+# npm, Chromium, Godot 3, xvfb-run, Python with venv and Mesa's EGL, and the program in PROGRAMS (default: target/debug).
 set -euo pipefail
 cd "$(dirname "$0")/../shaders"
 
@@ -18,6 +18,8 @@ entry() { # stage file name
 for name in c1_vertex patch_vertex; do entry vert c1 "$name"; done
 for name in c1_phong_pixel patch_pixel patch_color_pixel; do entry frag c1 "$name"; done
 for name in slopes coefficients; do entry comp coefficients "$name"; done
+entry vert coefficients everywhere
+for name in slopes_texel coefficients_texel; do entry frag coefficients "$name"; done
 
 cd three
 npm ci --no-audit --no-fund
@@ -25,4 +27,7 @@ programs=${PROGRAMS:-target/debug}
 [[ $programs = /* ]] || programs=$(cd ../.. && pwd)/$programs
 export MACHBAND=$programs/machband
 npm test
+python3 -m venv "$work/venv"
+"$work/venv/bin/python" -m pip install --quiet moderngl numpy pillow
+"$work/venv/bin/python" ../../benches/kit_llvmpipe.py --check "$MACHBAND"
 xvfb-run -a -s '-screen 0 800x700x24' node ../godot/test.mjs

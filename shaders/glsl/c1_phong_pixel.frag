@@ -27,7 +27,7 @@ struct Pixel {
 };
 const uint PROVOKING = 2u;
 
-layout(std140, binding = 0) uniform Scene_block_0Fragment { Scene scene; };
+layout(std140, binding = 0) uniform Scene_block { Scene scene; };
 
 layout(location = 0) smooth in vec3 _vs2fs_location0;
 layout(location = 1) smooth in vec3 _vs2fs_location1;

@@ -11,7 +11,7 @@ struct Camera {
     uint triangles;
     uint width;
 };
-layout(std140, binding = 0) uniform Camera_block_0Compute { Camera camera; };
+layout(std140, binding = 0) uniform Camera_block { Camera camera; };
 
 layout(binding = 1) uniform sampler2D points;
 

@@ -19,7 +19,7 @@ struct PatchPixel {
 };
 const uint PROVOKING = 2u;
 
-layout(std140, binding = 0) uniform Scene_block_0Fragment { Scene scene; };
+layout(std140, binding = 0) uniform Scene_block { Scene scene; };
 
 layout(location = 0) smooth in vec3 _vs2fs_location0;
 layout(location = 1) flat in vec4 _vs2fs_location1;

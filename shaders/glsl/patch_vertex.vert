@@ -19,7 +19,7 @@ struct PatchPixel {
 };
 const uint PROVOKING = 2u;
 
-layout(std140, binding = 0) uniform Scene_block_0Vertex { Scene scene; };
+layout(std140, binding = 0) uniform Scene_block { Scene scene; };
 
 layout(binding = 1) uniform sampler2D coefficients;
 

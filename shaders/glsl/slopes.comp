@@ -20,7 +20,7 @@ struct Slope {
     vec3 right;
     vec3 up;
 };
-layout(std140, binding = 0) uniform Camera_block_0Compute { Camera camera; };
+layout(std140, binding = 0) uniform Camera_block { Camera camera; };
 
 layout(binding = 1) uniform sampler2D points;
 

@@ -17,7 +17,7 @@ struct Slope {
     vec3 right;
     vec3 up;
 };
-layout(std140, binding = 0) uniform Camera_block_0Fragment { Camera camera; };
+layout(std140, binding = 0) uniform Camera_block { Camera camera; };
 
 layout(binding = 1) uniform sampler2D points;
 

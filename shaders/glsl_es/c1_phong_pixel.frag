@@ -31,7 +31,7 @@ struct Pixel {
 };
 const uint PROVOKING = 2u;
 
-layout(std140) uniform Scene_block_0Fragment { Scene scene; };
+layout(std140) uniform Scene_block { Scene scene; };
 
 smooth in vec3 _vs2fs_location0;
 smooth in vec3 _vs2fs_location1;

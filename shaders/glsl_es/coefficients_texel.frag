@@ -12,7 +12,7 @@ struct Camera {
     uint triangles;
     uint width;
 };
-layout(std140) uniform Camera_block_0Fragment { Camera camera; };
+layout(std140) uniform Camera_block { Camera camera; };
 
 uniform highp sampler2D points;
 

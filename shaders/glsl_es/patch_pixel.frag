@@ -23,7 +23,7 @@ struct PatchPixel {
 };
 const uint PROVOKING = 2u;
 
-layout(std140) uniform Scene_block_0Fragment { Scene scene; };
+layout(std140) uniform Scene_block { Scene scene; };
 
 smooth in vec3 _vs2fs_location0;
 flat in vec4 _vs2fs_location1;

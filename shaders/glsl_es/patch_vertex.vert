@@ -23,7 +23,7 @@ struct PatchPixel {
 };
 const uint PROVOKING = 2u;
 
-layout(std140) uniform Scene_block_0Vertex { Scene scene; };
+layout(std140) uniform Scene_block { Scene scene; };
 
 uniform highp sampler2D coefficients;
 

@@ -21,7 +21,7 @@ struct Slope {
     vec3 right;
     vec3 up;
 };
-layout(std140) uniform Camera_block_0Fragment { Camera camera; };
+layout(std140) uniform Camera_block { Camera camera; };
 
 uniform highp sampler2D points;
 

@@ -36,13 +36,17 @@ fn validated(module: &naga::Module) -> ModuleInfo {
     Validator::new(ValidationFlags::all(), Capabilities::default()).validate(module).unwrap()
 }
 
-/// Names the resources in GLSL as the WGSL does; naga numbers them.
+/// Names the resources in GLSL as the WGSL does; naga numbers them, and names blocks by stage, so that the stages of a
+/// program would not link.
 fn named(module: &naga::Module, mut text: String) -> String {
     for (_, global) in module.global_variables.iter() {
         let (Some(binding), Some(name)) = (global.binding, &global.name) else { continue };
         for stage in ["vs", "fs", "cs"] {
             text = text.replace(&format!("_group_{}_binding_{}_{stage}", binding.group, binding.binding), name);
         }
+    }
+    for stage in ["Vertex", "Fragment", "Compute"] {
+        text = text.replace(&format!("_block_0{stage}"), "_block");
     }
     text
 }
