@@ -4,7 +4,7 @@
 A torus that fills the window, with the same lighting, in one program whose draws alternate; nothing is read back while it
 is timed. Phong is drawn with and without an index buffer; the kit's shaders cannot use one. The coefficients are
 computed by the two compute passes, and are timed as well. Prints a Markdown table of medians over Phong without an index
-buffer. Needs Node.js for the surface (shaders/three/cubic.js).
+buffer. Needs Node.js for the surface (shaders/ordinates.js).
 
     pip install moderngl numpy        # and Mesa's EGL: libegl1 libgl1-mesa-dri on Debian
     python3 benches/kit_llvmpipe.py [rounds]
@@ -43,11 +43,11 @@ def torus(around, along):
 
 def surface(place, normal, faces):
     code = """
-      const { surface } = await import(process.argv[1]);
-      const [p, n, t] = JSON.parse(await new Response(process.stdin).text());
-      const s = surface(p, n, Uint32Array.from(t));
+      const { curvature } = await import(process.argv[1]);
+      const [positions, normals, t] = JSON.parse(await new Response(process.stdin).text());
+      const s = curvature({ positions, normals, triangles: Uint32Array.from(t) });
       console.log(JSON.stringify(Object.fromEntries(Object.entries(s).map(([k, v]) => [k, Array.from(v)]))));"""
-    path = str((SHADERS / "three/cubic.js").resolve())
+    path = str((SHADERS / "ordinates.js").resolve())
     given = json.dumps([x.ravel().tolist() for x in (place, normal, faces)])
     done = subprocess.run(["node", "--input-type=module", "-e", code, path], input=given, capture_output=True, text=True, check=True)
     return {key: np.array(value) for key, value in json.loads(done.stdout).items()}
@@ -82,11 +82,11 @@ class Scene:
         place, normal, faces = mesh
         self.count = len(faces)
         s = surface(place, normal, faces)
-        points = len(s["positions"]) // 3
+        points = len(s["vertices"])
         table = np.zeros((points, 5, 4), "f4")
-        table[:, 0, :3], table[:, 1, :3] = s["positions"].reshape(-1, 3), s["normals"].reshape(-1, 3)
+        table[:, 0, :3], table[:, 1, :3] = place[s["vertices"]], normal[s["vertices"]]
         table[:, 0, 3], table[:, 1, 3] = s["starts"][:-1], s["starts"][1:]
-        table[:, 2:, :3] = s["curvature"].reshape(-1, 3, 3)
+        table[:, 2:, :3] = s["tensors"].reshape(-1, 3, 3)
         corners = np.zeros((self.count, 3, 4), "u4")
         corners[..., 0], corners[..., 1:3] = s["triangles"].reshape(-1, 3), s["sides"].reshape(-1, 3, 2)
         self.points = self.texture(table, 5)

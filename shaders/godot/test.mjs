@@ -8,7 +8,7 @@ import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
-import { coefficients, surface, welded } from "../three/cubic.js";
+import { coefficients, curvature, welded } from "../ordinates.js";
 
 const { PNG } = createRequire(new URL("../three/package.json", import.meta.url))("pngjs");
 const SIDE = 512, FILL = 0.9, ROTATE = [25, -35, 10], MOST = 2, PER_ROW = 64;
@@ -42,7 +42,7 @@ const shape = welded(unit, each(directions, rotated), read(indices, 2, bytes.rea
 // A camera at z = 5 that sees 2 / FILL units from top to bottom.
 const view = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -5, 1], size = 2 / FILL, near = 0.1, far = 10;
 const projection = [FILL, 0, 0, 0, 0, FILL, 0, 0, 0, 0, -2 / (far - near), 0, 0, 0, -(far + near) / (far - near), 1];
-const table = coefficients(surface(shape.positions, shape.normals, shape.triangles), view, projection, [SIDE, SIDE]);
+const table = coefficients(shape, curvature(shape), view, projection, [SIDE, SIDE]);
 const folder = mkdtempSync(join(tmpdir(), "godot-"));
 let failed = true;
 try {

@@ -31,9 +31,11 @@ export interface Shape {
   triangles: Uint32Array;
 }
 
-/** What does not depend on the view; cubic.js describes each array. */
-export interface Surface extends Shape {
-  curvature: Float64Array;
+/** What does not depend on the view; ordinates.js describes each array. */
+export interface Points {
+  vertices: Uint32Array;
+  tensors: Float64Array;
+  triangles: Uint32Array;
   sides: Uint32Array;
   starts: Uint32Array;
   ring: Uint32Array;
@@ -43,17 +45,20 @@ export interface Surface extends Shape {
 export function welded(positions: Numbers, normals: Numbers, index?: Numbers): Shape;
 
 /** Computes, once per mesh, what does not depend on the view. */
-export function surface(positions: Numbers, normals: Numbers, triangles: Uint32Array): Surface;
+export function curvature(mesh: Shape): Points;
+
+/** Where the triangles around each vertex, or around each point, are. */
+export function rings(mesh: Shape | Points): { starts: Uint32Array; ring: Uint32Array };
 
 /** The 36 numbers of each triangle for one view. */
 export function coefficients(
-  surface: Surface, modelView: Numbers, projection: Numbers, size: [number, number], out?: Float32Array,
+  mesh: Shape, points: Points, modelView: Numbers, projection: Numbers, size: [number, number], out?: Float32Array,
 ): Float32Array;
 
 /** What the cubic adds to the interpolated normal, for every view; 36 numbers for each triangle. */
-export function bulges(surface: Surface): Float32Array;
+export function bulges(mesh: Shape, points: Points): Float32Array;
 
-/** The 36 numbers of one triangle, from what cubic.js describes. */
+/** The 36 numbers of one triangle, from what ordinates.js describes. */
 export function cubic(
   places: Numbers, across: Numbers, value: Numbers, next: Numbers, previous: Numbers,
   out: Float32Array | Float64Array, at: number,

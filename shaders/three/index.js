@@ -4,11 +4,11 @@
 //   applyC1(gltf.scene);
 
 import { DataTexture, FloatType, RGBAFormat, Vector3, Vector4 } from "three";
-import { bulges, coefficients, surface, welded } from "./cubic.js";
+import { bulges, coefficients, curvature, welded } from "./ordinates.js";
 import { cubic as cubicHere } from "./glsl.js";
 import { extent, Passes } from "./passes.js";
 
-export { bulges, coefficients, cubic, surface, welded } from "./cubic.js";
+export { bulges, coefficients, cubic, curvature, rings, welded } from "./ordinates.js";
 
 // Smaller meshes are faster in JavaScript than as two passes on the card.
 const FEW = 2000;
@@ -154,8 +154,8 @@ function prepared(geometry) {
     own.userData = geometry.userData;
     own.drawRange = geometry.drawRange;
   }
-  const shape = welded(numbers(position), numbers(normal), geometry.index?.array);
-  const result = { geometry: own, surface: surface(shape.positions, shape.normals, shape.triangles) };
+  const whole = welded(numbers(position), numbers(normal), geometry.index?.array);
+  const result = { geometry: own, whole, points: curvature(whole) };
   made.set(geometry, result);
   made.set(own, result);
   return result;
@@ -216,8 +216,8 @@ function patched(source, normals) {
 // Normals that do not depend on the view.
 class Still {
   constructor(mesh) {
-    const shape = prepared(mesh.geometry), texture = textureFor(shape.surface.triangles.length / 3);
-    texture.image.data.set(bulges(shape.surface));
+    const shape = prepared(mesh.geometry), texture = textureFor(shape.points.triangles.length / 3);
+    texture.image.data.set(bulges(shape.whole, shape.points));
     texture.needsUpdate = true;
     Object.assign(this, { mesh, shape, isStill: true, uniform: { value: texture } });
   }
@@ -261,12 +261,13 @@ class Views {
       last.set(projection.elements, 16);
       last[32] = aspect;
       if (view.isOnCard) {
-        this.shape.passes ??= new Passes(this.shape.surface);
+        this.shape.passes ??= new Passes(this.shape.whole, this.shape.points);
         view.target ??= this.shape.passes.target();
         this.shape.passes.render(renderer, camera, modelView, projection, aspect, view.target);
       } else {
-        view.texture ??= textureFor(this.shape.surface.triangles.length / 3);
-        coefficients(this.shape.surface, modelView.elements, projection.elements, [aspect, 1], view.texture.image.data);
+        const { whole, points } = this.shape;
+        view.texture ??= textureFor(points.triangles.length / 3);
+        coefficients(whole, points, modelView.elements, projection.elements, [aspect, 1], view.texture.image.data);
         view.texture.needsUpdate = true;
       }
     }
@@ -274,7 +275,7 @@ class Views {
   }
 
   #fits(renderer) {
-    const isLarge = this.shape.surface.triangles.length / 3 > FEW;
+    const isLarge = this.shape.points.triangles.length / 3 > FEW;
     return (this.gpu ?? isLarge) && renderer.extensions.has("EXT_color_buffer_float");
   }
 

@@ -1,5 +1,5 @@
 // The coefficients on the card, for meshes that move: two passes that render into textures. The first finds the slopes at
-// each point, the second the coefficients of each triangle. They compute what coefficients() in cubic.js does;
+// each point, the second the coefficients of each triangle. They compute what coefficients() in ordinates.js does;
 // coefficients.wgsl of the kit describes the textures.
 
 import {
@@ -47,18 +47,18 @@ const target = (items, texels) => new WebGLRenderTarget(...extent(items, texels)
 
 // The two passes for one surface.
 export class Passes {
-  constructor({ positions, normals, curvature, triangles, sides, starts, ring }) {
-    const count = positions.length / 3;
+  constructor({ positions, normals }, { vertices, tensors, triangles, sides, starts, ring }) {
+    const count = vertices.length;
     this.triangles = triangles.length / 3;
     const points = table(count, 5, Float32Array, RGBAFormat, 4, "RGBA32F");
     const around = table(triangles.length, 1, Uint32Array, RGIntegerFormat, 2, "RG32UI");
     const corners = table(this.triangles, 3, Uint32Array, RGBAIntegerFormat, 4, "RGBA32UI");
     for (let p = 0; p < count; p++) {
-      const { data } = points.image, at = 20 * p;
+      const { data } = points.image, at = 20 * p, v = 3 * vertices[p];
       for (let i = 0; i < 3; i++) {
-        data[at + i] = positions[3 * p + i];
-        data[at + 4 + i] = normals[3 * p + i];
-        for (let k = 0; k < 3; k++) data[at + 8 + 4 * k + i] = curvature[9 * p + 3 * k + i];
+        data[at + i] = positions[v + i];
+        data[at + 4 + i] = normals[v + i];
+        for (let k = 0; k < 3; k++) data[at + 8 + 4 * k + i] = tensors[9 * p + 3 * k + i];
       }
       data[at + 3] = starts[p];
       data[at + 7] = starts[p + 1];

@@ -20,7 +20,7 @@ struct Scene {
 
 @group(0) @binding(0) var<uniform> scene: Scene;
 // Twelve coefficients for each triangle, row by row: for c1_phong, three components in nine texels, as coefficients.wgsl,
-// cubic.rs and cubic.js write them; for patch, one in three texels, or red, green and blue in nine.
+// ordinates.rs and ordinates.js write them; for patch, one in three texels, or red, green and blue in nine.
 @group(0) @binding(1) var coefficients: texture_2d<f32>;
 
 // The corner whose flat outputs count: the first one in WebGPU, Vulkan, Metal and Direct3D, the last one in OpenGL.

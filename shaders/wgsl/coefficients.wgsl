@@ -3,7 +3,7 @@
 // no compute shader, as `slopes_texel` and `coefficients_texel`, which draw one triangle over the whole target. Needs no
 // other file.
 //
-// The points come from Surface in cubic.rs or surface() in cubic.js, once per mesh. The model-view matrix may rotate,
+// The points come from Surface in ordinates.rs or curvature() in ordinates.js, once per mesh. The model-view matrix may rotate,
 // move and scale, but not distort. Textures are filled row by row; their widths are multiples of the texels of an entry.
 
 struct Camera {
@@ -215,7 +215,7 @@ fn middle(x: f32, i: vec3f, ij: vec3f, ji: vec3f, j: vec3f, near_i: vec3f, near_
     return (near_i + near_j) / 2.0 + (1.0 - x) * (ij - (i + ji) / 2.0) + x * (ji - (ij + j) / 2.0);
 }
 
-// Twelve coefficients in nine texels; cubic() in cubic.rs says how they follow from the ordinates.
+// Twelve coefficients in nine texels; cubic() in ordinates.rs says how they follow from the ordinates.
 fn cubic_of(t: u32) -> array<vec4f, 9> {
     let width = textureDimensions(corners).x;
     let ia = textureLoad(corners, texel(3u * t, width), 0).xyz;

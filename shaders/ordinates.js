@@ -1,7 +1,7 @@
 // The cubic of C1 normals, in plain JavaScript: what the shaders need, computed on the CPU. Copy this file; it needs no
 // other.
 //
-// Call welded() and surface() once per mesh and coefficients() for every view of it. The model-view matrix may rotate,
+// Call welded() and curvature() once per mesh and coefficients() for every view of it. The model-view matrix may rotate,
 // move and scale, but not distort. Matrices are column by column, as in OpenGL and three.js. Corners go around
 // counterclockwise as seen from outside.
 
@@ -17,7 +17,7 @@ const FLAT = 2e-3;
 const PLACES = 1e-4, NORMALS = 1.75e-3;
 
 // Joins vertices whose positions and normals differ by no more than rounding errors, however large the mesh is. Returns
-// flat arrays: positions, unit normals and triangles. Without an index, each three vertices are a triangle.
+// a mesh, which is flat arrays: positions, unit normals and triangles. Without an index, each three vertices are a triangle.
 export function welded(positions, normals, index) {
   const count = positions.length / 3, triangles = Uint32Array.from(index ?? new Uint32Array(count).keys());
   const units = Float64Array.from(normals), edges = new Float64Array(triangles.length);
@@ -68,30 +68,33 @@ function taken(array, vertices) {
 // the curvature jumps, as between a plane and a rounding, the triangles on either side have points of their own. The
 // first point of each vertex has the vertex's number; more follow. Returns:
 //
-// positions, normals   three numbers for each point
-// curvature            nine for each point: dN/dp, a symmetric matrix
+// vertices             the vertex of each point
+// tensors              nine numbers for each point: dN/dp, a symmetric matrix
 // triangles            three points for each triangle
 // sides                six points for each triangle: those with the slopes along its edges, from each corner to the next
 //                      corner and from each corner to the previous one
-// starts, ring         ring[2 i] and ring[2 i + 1], for i from starts[p] to starts[p + 1] − 1, are the points that follow
-//                      and precede point p in each of its triangles
-export function surface(positions, normals, triangles) {
-  const corners = triangles.length, count = positions.length / 3, opposite = twins(triangles, count);
-  const faces = facesOf(positions, normals, triangles);
+// starts, ring         what rings() returns for the points
+export function curvature({ positions, normals, triangles }) {
+  const count = positions.length / 3, opposite = twins(triangles, count), faces = facesOf(positions, normals, triangles);
   const { points, vertices } = pointsOf(positions, triangles, opposite, faces, count);
-  const result = { positions: taken(positions, vertices), normals: taken(normals, vertices), triangles: points };
-  result.curvature = curvature(result, faces);
-  result.sides = sidesOf(points, opposite, result.curvature);
-  const starts = (result.starts = new Uint32Array(vertices.length + 1)), ring = (result.ring = new Uint32Array(2 * corners));
-  for (const point of points) starts[point + 1]++;
-  for (let p = 0; p < vertices.length; p++) starts[p + 1] += starts[p];
+  const tensors = tensorsOf(taken(normals, vertices), points, faces), sides = sidesOf(points, opposite, tensors);
+  return { vertices: Uint32Array.from(vertices), tensors, triangles: points, sides, ...rings({ vertices, triangles: points }) };
+}
+
+// Where the triangles around each vertex are, or around each point: `starts` and `ring`, of which ring[2 i] and
+// ring[2 i + 1], for i from starts[p] to starts[p + 1] − 1, follow and precede p in each of its triangles.
+export function rings({ positions, vertices, triangles }) {
+  const count = vertices ? vertices.length : positions.length / 3;
+  const starts = new Uint32Array(count + 1), ring = new Uint32Array(2 * triangles.length);
+  for (const p of triangles) starts[p + 1]++;
+  for (let p = 0; p < count; p++) starts[p + 1] += starts[p];
   const at = starts.slice();
-  for (let h = 0; h < corners; h++) {
-    const i = 2 * at[points[h]]++;
-    ring[i] = points[next(h)];
-    ring[i + 1] = points[previous(h)];
+  for (let h = 0; h < triangles.length; h++) {
+    const i = 2 * at[triangles[h]]++;
+    ring[i] = triangles[next(h)];
+    ring[i + 1] = triangles[previous(h)];
   }
-  return result;
+  return { starts, ring };
 }
 
 // The corners before and after corner h = 3 t + k of triangle t. Edge h is opposite corner h, from next(h) to previous(h).
@@ -260,7 +263,7 @@ function pointsOf(positions, triangles, opposite, faces, count) {
 const FIRST = [0, 1, 2, 4, 5, 8], SECOND = [0, 3, 6, 4, 7, 8];
 
 // dN/dp at each point: the mean over its triangles, weighted by the area that is nearest to the point.
-function curvature({ normals, triangles }, faces) {
+function tensorsOf(normals, triangles, faces) {
   const count = normals.length / 3, sums = new Float64Array(6 * count), totals = new Float64Array(count);
   for (let h = 0; h < triangles.length; h++) {
     const t = Math.floor(h / 3), weight = faces[FACE * t + 9 + (h % 3)], p = triangles[h];
@@ -307,10 +310,10 @@ function sidesOf(points, opposite, tensors) {
 // its normals. `modelView` and `projection` have 16 numbers each; `size` is the viewport, of which only the aspect ratio
 // matters.
 export function coefficients(
-  surface, modelView, projection, [width, height], out = new Float32Array(12 * surface.triangles.length),
+  { positions, normals }, points, modelView, projection, [width, height], out = new Float32Array(12 * points.triangles.length),
 ) {
-  const { positions, normals, curvature, triangles, sides, starts, ring } = surface, m = modelView, P = projection;
-  const count = positions.length / 3, squared = m[0] * m[0] + m[1] * m[1] + m[2] * m[2];
+  const { vertices, tensors, triangles, sides, starts, ring } = points, m = modelView, P = projection;
+  const count = vertices.length, squared = m[0] * m[0] + m[1] * m[1] + m[2] * m[2];
   const back = 1 / (squared * Math.sqrt(squared));
   const isParallel = P[15] === 1;
   // For each point: eye space, unit normal, the projection's x, y and w, the place on the screen, and the slopes of the
@@ -318,8 +321,8 @@ export function coefficients(
   const eyes = new Float64Array(3 * count), turns = new Float64Array(3 * count), clip = new Float64Array(3 * count);
   const screen = new Float64Array(2 * count), slopes = new Float64Array(6 * count);
   for (let p = 0; p < count; p++) {
-    const [x, y, z] = [positions[3 * p], positions[3 * p + 1], positions[3 * p + 2]];
-    const [a, b, c] = [normals[3 * p], normals[3 * p + 1], normals[3 * p + 2]];
+    const v = 3 * vertices[p], [x, y, z] = [positions[v], positions[v + 1], positions[v + 2]];
+    const [a, b, c] = [normals[v], normals[v + 1], normals[v + 2]];
     for (let i = 0; i < 3; i++) {
       eyes[3 * p + i] = m[i] * x + m[4 + i] * y + m[8 + i] * z + m[12 + i];
       turns[3 * p + i] = m[i] * a + m[4 + i] * b + m[8 + i] * c;
@@ -380,7 +383,7 @@ export function coefficients(
       }
       // The change of the unit normal for the step, through the mesh's own axes.
       for (let i = 0; i < 3; i++) place[i] = m[4 * i] * step[0] + m[4 * i + 1] * step[1] + m[4 * i + 2] * step[2];
-      const K = curvature, bent = (i) => K[9 * p + i] * place[0] + K[9 * p + i + 1] * place[1] + K[9 * p + i + 2] * place[2];
+      const K = tensors, bent = (i) => K[9 * p + i] * place[0] + K[9 * p + i + 1] * place[1] + K[9 * p + i + 2] * place[2];
       const [x, y, z] = [bent(0), bent(3), bent(6)];
       for (let i = 0; i < 3; i++) change[i] = ((m[i] * x + m[4 + i] * y + m[8 + i] * z) * back) / pixels;
       moved(cx, cy, cw, step[0], step[1], step[2]);
@@ -430,11 +433,11 @@ export function coefficients(
 // The same numbers for every view, for meshes that are skinned or drawn in many places: what the cubic adds to the
 // interpolated normal, in the mesh's own axes, with weights that are linear on the surface. Normals are continuous; their
 // slopes across an edge agree only as far as its triangles lie in one plane.
-export function bulges({ positions, normals, curvature, triangles, sides }) {
+export function bulges({ positions, normals }, { vertices, tensors, triangles, sides }) {
   const out = new Float32Array(12 * triangles.length), places = new Float64Array(6), across = new Float64Array(6);
   const ways = [new Float64Array(9), new Float64Array(9)], value = new Float64Array(9);
   for (let h = 0; h < triangles.length; h += 3) {
-    const ps = [triangles[h], triangles[h + 1], triangles[h + 2]], u = minus(positions, ps[1], ps[0]);
+    const ps = [vertices[triangles[h]], vertices[triangles[h + 1]], vertices[triangles[h + 2]]], u = minus(positions, ps[1], ps[0]);
     const v = cross(cross(u, minus(positions, ps[2], ps[0])), u);
     normalize(u, 0);
     normalize(v, 0);
@@ -449,7 +452,7 @@ export function bulges({ positions, normals, curvature, triangles, sides }) {
       value.set(n, 3 * i);
       for (let k = 0; k < 2; k++) {
         const step = minus(positions, ps[k === 0 ? j : l], ps[i]), K = 9 * sides[2 * (h + i) + k];
-        for (let c = 0; c < 3; c++) ways[k][3 * i + c] = n[c] + dot(curvature.subarray(K + 3 * c, K + 3 * c + 3), step) / 3;
+        for (let c = 0; c < 3; c++) ways[k][3 * i + c] = n[c] + dot(tensors.subarray(K + 3 * c, K + 3 * c + 3), step) / 3;
       }
     }
     cubic(places, across, value, ways[0], ways[1], out, 12 * h);
