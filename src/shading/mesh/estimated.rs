@@ -20,9 +20,8 @@ named! {
         Max = "max",
         /// The slope of a cubic fitted to the neighbors' positions and normals.
         Cubic = "cubic",
-        /// The mean in which a triangle's normal has its angle at the vertex as its weight; where the vertices sample a
-        /// smooth surface, the cubic's slope at every vertex where its fit is sure. This is the default for meshes
-        /// without normals.
+        /// Between the mean in which a triangle's normal has its area as its weight and the cubic's slope, which counts as
+        /// far as the cubic fits the neighbors. The default for meshes without normals.
         Best = "best",
     }
 }
@@ -30,17 +29,10 @@ named! {
 /// The number of times that the cubics are fitted: first to weighted means, then to the result.
 const PASSES: usize = 2;
 
-/// The largest standard error of a cubic's slope, in radians, at which it counts in [`Normals::Best`].
-const SURE: f64 = 4.0 * DEGREE;
-
-/// The largest median of these errors over the vertices at which the mesh samples a smooth surface. Decimated scans have
-/// lost the detail between their vertices, and cubics through them swing.
-const SMOOTH: f64 = 1.25 * DEGREE;
-
-const DEGREE: f64 = std::f64::consts::PI / 180.0;
-
-/// The number of vertices from which the median is taken.
-const SAMPLE: usize = 2000;
+/// In [`Normals::Best`], a cubic counts by T²/(T² + e²), where e is the root mean square by which its slope misses the
+/// neighbors'. On decimated meshes, whose detail between the vertices is gone, cubics swing and e is large. From 3° to 5°,
+/// the results hardly differ (`scripts/shading_table.py`).
+const TOLERANCE: f64 = 4.0 * std::f64::consts::PI / 180.0;
 
 /// The weights of the triangles around a vertex.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -49,6 +41,7 @@ enum Weights {
     Planes,
     Max,
     Angles,
+    Areas,
 }
 
 impl Mesh {
@@ -67,34 +60,24 @@ impl Mesh {
         for (vertex, mean) in self.vertices.iter_mut().zip(means) {
             vertex.normal = mean.normalize_or(vertex.normal);
         }
-        let most = match normals {
-            Normals::Cubic => f64::INFINITY,
-            Normals::Best => SURE,
-            _ => return self,
-        };
-        let rings = self.rings();
-        if normals == Normals::Best && self.uncertainty(&rings) > SMOOTH {
+        if !matches!(normals, Normals::Cubic | Normals::Best) {
             return self;
         }
-        let start: Vec<DVec3> = self.vertices.iter().map(|vertex| vertex.normal).collect();
+        let (rings, areas) = (self.rings(), (normals == Normals::Best).then(|| self.means(Weights::Areas)));
         for _ in 0..PASSES {
             let fits: Vec<Option<Fit>> = (0..rings.len()).into_par_iter().map(|v| self.fitted(v, &rings[v])).collect();
-            for ((vertex, fit), start) in self.vertices.iter_mut().zip(fits).zip(&start) {
-                let sure = fit.filter(|fit| normals == Normals::Cubic || fit.error < most);
-                let otherwise = if normals == Normals::Cubic { vertex.normal } else { *start };
-                vertex.normal = sure.map_or(otherwise, |fit| fit.normal);
+            for (v, (vertex, fit)) in self.vertices.iter_mut().zip(fits).enumerate() {
+                let Some(areas) = &areas else {
+                    vertex.normal = fit.map_or(vertex.normal, |fit| fit.normal);
+                    continue;
+                };
+                let mean = areas[v].normalize_or(vertex.normal);
+                let share = fit.as_ref().map_or(0.0, |fit| TOLERANCE.powi(2) / (TOLERANCE.powi(2) + fit.missed));
+                let cubic = fit.map_or(mean, |fit| fit.normal);
+                vertex.normal = (share * cubic + (1.0 - share) * mean).normalize_or(mean);
             }
         }
         self
-    }
-
-    /// Returns the median standard error of the cubics' slopes over a sample of the vertices; infinite without cubics.
-    fn uncertainty(&self, rings: &[Vec<u32>]) -> f64 {
-        let step = rings.len().div_ceil(SAMPLE).max(1);
-        let sample = (0..rings.len()).into_par_iter().step_by(step);
-        let mut errors: Vec<f64> = sample.filter_map(|v| Some(self.fitted(v, &rings[v])?.error)).collect();
-        let middle = errors.len() / 2;
-        if errors.is_empty() { f64::INFINITY } else { *errors.select_nth_unstable_by(middle, f64::total_cmp).1 }
     }
 
     /// Returns the weighted sum of the normals of the triangles at each vertex.
@@ -107,14 +90,14 @@ impl Mesh {
             for (k, v) in corners.iter().enumerate() {
                 let (a, b) = (places[(k + 1) % 3] - places[k], places[(k + 2) % 3] - places[k]);
                 let normal = a.cross(b);
-                if weights == Weights::Angles {
-                    let angle = normal.length().atan2(a.dot(b));
-                    sums[*v as usize] += normal.normalize_or_zero() * angle;
-                    continue;
-                }
-                if !is_unweighted {
+                let weighted = match weights {
+                    Weights::Planes => None,
                     // |a × b| = |a||b| sin α.
-                    let weighted = normal / (a.length_squared() * b.length_squared());
+                    Weights::Max => Some(normal / (a.length_squared() * b.length_squared())),
+                    Weights::Angles => Some(normal.normalize_or_zero() * normal.length().atan2(a.dot(b))),
+                    Weights::Areas => Some(normal),
+                };
+                if let Some(weighted) = weighted {
                     sums[*v as usize] += if weighted.is_finite() { weighted } else { DVec3::ZERO };
                     continue;
                 }
@@ -165,9 +148,8 @@ impl Mesh {
         let size = (steps().map(|(step, _)| step.truncate().length_squared()).sum::<f64>() / ring.len() as f64).sqrt();
         let mut matrix = SMatrix::<f64, TERMS, TERMS>::zeros();
         let mut right_side = SVector::<f64, TERMS>::zeros();
-        let (mut squares, mut used) = (0.0, 0);
+        let mut slopes = Vec::with_capacity(ring.len());
         for (step, normal) in steps().filter(|(_, normal)| normal.z > MIN_FACING) {
-            used += 1;
             let DVec3 { x, y, z } = step / size;
             let slope = -normal.truncate() / normal.z;
             let d = x.hypot(y);
@@ -176,32 +158,26 @@ impl Mesh {
                 ([1.0, 0.0, 2.0 * x, y, 0.0, 3.0 * x * x, 2.0 * x * y, y * y, 0.0], slope.x, d.powi(-2)),
                 ([0.0, 1.0, 0.0, x, 2.0 * y, 0.0, x * x, 2.0 * x * y, 3.0 * y * y], slope.y, d.powi(-2)),
             ];
+            slopes.extend([1, 2].map(|k| (SVector::from(rows[k].0), rows[k].1)));
             for (row, value, weight) in rows {
                 let row = SVector::from(row) * weight;
                 matrix += row * row.transpose();
                 right_side += row * (value * weight);
-                squares += (value * weight).powi(2);
             }
         }
-        let cholesky = matrix.cholesky()?;
-        let solved = cholesky.solve(&right_side);
+        let solved = matrix.cholesky()?.solve(&right_side);
         let normal = own.normal - right * solved[0] - up * solved[1];
-        // The residual variance times the inverse of the matrix is the covariance of the terms.
-        let freedom = (3 * used - TERMS as i32).max(0);
-        let variance = (squares - solved.dot(&right_side)).max(0.0) / f64::from(freedom);
-        let of_slopes = [0, 1].map(|k| cholesky.solve(&SVector::<f64, TERMS>::ith(k, 1.0))[k]);
-        let error = (variance * (of_slopes[0] + of_slopes[1])).sqrt();
-        normal
-            .is_finite()
-            .then(|| Fit { normal: normal.normalize(), error: if error.is_nan() { f64::INFINITY } else { error } })
+        let missed: f64 = slopes.iter().map(|(row, slope)| (solved.dot(row) - slope).powi(2)).sum();
+        let missed = 2.0 * missed / slopes.len() as f64;
+        (normal.is_finite() && missed.is_finite()).then(|| Fit { normal: normal.normalize(), missed })
     }
 }
 
 /// The normal from a fitted polynomial.
 struct Fit {
     normal: DVec3,
-    /// The standard error of its slope.
-    error: f64,
+    /// The mean square by which its slope misses those of the neighbors.
+    missed: f64,
 }
 
 /// The fewest neighbors to which a polynomial is fitted.
