@@ -134,18 +134,18 @@ mod prepare {
         bencher.bench_local(|| Prepared::new(black_box(&frame), &Shade::new(shader)));
     }
 
-    /// The Bézier ordinates of 1568 and 99,904 triangles: of the light for *patch*, of the normals for *c1-phong*.
+    /// The coefficients of 1568 and 99,904 triangles: of the light for *patch*, of the normals for *c1-phong*.
     #[divan::bench(args = [(28, 28, 1), (28, 28, 2), (224, 223, 1), (224, 223, 2)])]
-    fn ordinates_of_light(bencher: Bencher<'_, '_>, (columns, rows, threads): (usize, usize, usize)) {
-        bench_ordinates(bencher, Field::Light, columns, rows, threads);
+    fn coefficients_of_light(bencher: Bencher<'_, '_>, (columns, rows, threads): (usize, usize, usize)) {
+        bench_coefficients(bencher, Field::Light, columns, rows, threads);
     }
 
     #[divan::bench(args = [(28, 28, 1), (28, 28, 2), (224, 223, 1), (224, 223, 2)])]
-    fn ordinates_of_normals(bencher: Bencher<'_, '_>, (columns, rows, threads): (usize, usize, usize)) {
-        bench_ordinates(bencher, Field::Normal, columns, rows, threads);
+    fn coefficients_of_normals(bencher: Bencher<'_, '_>, (columns, rows, threads): (usize, usize, usize)) {
+        bench_coefficients(bencher, Field::Normal, columns, rows, threads);
     }
 
-    fn bench_ordinates(bencher: Bencher<'_, '_>, field: Field, columns: usize, rows: usize, threads: usize) {
+    fn bench_coefficients(bencher: Bencher<'_, '_>, field: Field, columns: usize, rows: usize, threads: usize) {
         let (frame, pool) = (grid(columns, rows, GRAY), pool(threads));
         bencher.bench_local(|| pool.install(|| Patches::new(black_box(&frame), field, Gradients::Curvature)));
     }
