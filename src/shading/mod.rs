@@ -15,7 +15,6 @@
 //! | [`draw`] | drawing: fast, and in f64 as the reference |
 //! | [`measure`] | the creases that a shader leaves, and the smooth surface itself |
 
-#[path = "../../shaders/ordinates.rs"]
 pub mod cubic;
 pub mod draw;
 pub mod frame;
