@@ -204,7 +204,8 @@ def shade(
         A shader that ``machband shade --help`` lists, such as ``gouraud`` or ``patch``; `None`, with `truth`, for the
         smooth surface alone.
     truth
-        Compare with the smooth surface: `True` for the one behind a built-in shape, or the path of a finer mesh.
+        `True`, with ``shader=None``, draws the smooth surface behind a built-in shape. The path of a finer mesh: the
+        surface to compare with, or, with ``shader=None``, to draw.
     n_vertices
         As in `mesh`.
     metrics

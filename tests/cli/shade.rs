@@ -160,10 +160,14 @@ fn the_smooth_surface_is_drawn_and_compared() {
     for (options, status, message) in [
         ("--mesh cube --truth --out x.png", 2, "the smooth surface behind cube is not known"),
         ("--mesh torus --truth --metrics x.json", 2, "--shader is missing, and a shader is what is measured"),
-        ("--mesh torus --shader phong --truth --out x.png", 2, "--truth draws the smooth surface itself; expected no"),
+        ("--mesh torus --shader phong --truth --out x.png", 2, "--truth: draws the smooth surface itself; expected no"),
         ("--mesh torus --truth none.obj --out x.png", 1, "none.obj"),
         ("--mesh torus --out x.png", 2, "--shader"),
-        ("--mesh torus --shader phong --normals best --out x.png", 2, "[possible values: given, averaged, max, cubic]"),
+        (
+            "--mesh torus --shader phong --normals mean --out x.png",
+            2,
+            "[possible values: given, averaged, max, cubic, best]",
+        ),
     ] {
         let said = fails(folder.path(), &split(&format!("shade {options}")), status);
         assert!(said.contains(message), "{options}: {said}");

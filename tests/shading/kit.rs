@@ -13,6 +13,7 @@ use machband::{
         shapes::{self, Shape},
     },
 };
+use machband_c1::{C1Mesh, COEFFICIENTS, Passes, SHADER as C1};
 use naga::{
     ShaderStage,
     back::{glsl, hlsl, msl, spv},
@@ -21,9 +22,6 @@ use naga::{
 use wgpu::util::DeviceExt as _;
 
 use crate::common::skip;
-
-const C1: &str = include_str!("../../shaders/wgsl/c1.wgsl");
-const COEFFICIENTS: &str = include_str!("../../shaders/wgsl/coefficients.wgsl");
 
 fn parsed(source: &str) -> (naga::Module, ModuleInfo) {
     let module =
@@ -300,10 +298,12 @@ fn floats(numbers: &[f64]) -> Vec<f32> {
     numbers.iter().map(|x| *x as f32).collect()
 }
 
-/// The largest width of a texture of the kit in entries.
-const PER_ROW: usize = 64;
+/// The kit's crate includes the same file as the library, as another type.
+fn of_kit(&Camera { model_view, projection, size }: &Camera) -> machband_c1::Camera {
+    machband_c1::Camera { model_view, projection, size }
+}
 
-/// The kit's textures and passes on a device.
+/// A graphics card.
 struct Card {
     name: String,
     device: wgpu::Device,
@@ -311,33 +311,6 @@ struct Card {
 }
 
 impl Card {
-    /// Returns a texture of entries of so many texels each, with four numbers of four bytes in each texel.
-    fn texture(
-        &self,
-        format: wgpu::TextureFormat,
-        texels: usize,
-        entries: usize,
-        data: Option<&[u8]>,
-    ) -> wgpu::Texture {
-        let (width, height) = (texels * PER_ROW, entries.div_ceil(PER_ROW).max(1));
-        let usages = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
-        let written = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT;
-        let descriptor = wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width: width as u32, height: height as u32, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: usages | if data.is_some() { wgpu::TextureUsages::COPY_DST } else { written },
-            view_formats: &[],
-        };
-        let Some(data) = data else { return self.device.create_texture(&descriptor) };
-        let size = width * height * format.block_copy_size(None).unwrap() as usize;
-        let padded = [data, &vec![0; size - data.len()][..]].concat();
-        self.device.create_texture_with_data(&self.queue, &descriptor, Default::default(), &padded)
-    }
-
     fn module(&self, source: &'static str) -> wgpu::ShaderModule {
         let source = wgpu::ShaderSource::Wgsl(source.into());
         self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source })
@@ -348,77 +321,44 @@ impl Card {
         self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
     }
 
-    /// Runs the two passes, as compute shaders or by drawing, and returns the texture of coefficients.
-    fn coefficients(&self, surface: &cubic::Surface, camera: &Camera, draws: bool) -> wgpu::Texture {
-        use wgpu::TextureFormat::{Rg32Uint, Rgba32Float, Rgba32Uint};
-        let (starts, ring) = surface.rings();
-        let points: Vec<f32> = (0..surface.positions.len())
-            .flat_map(|v| {
-                let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = surface.curvature[v];
-                let ([x, y, z], [nx, ny, nz]) = (surface.positions[v], surface.normals[v]);
-                let (start, end) = (f64::from(starts[v]), f64::from(starts[v + 1]));
-                [x, y, z, start, nx, ny, nz, end, ax, ay, az, 0.0, bx, by, bz, 0.0, cx, cy, cz, 0.0]
-            })
-            .map(|x| x as f32)
-            .collect();
-        let corners: Vec<u32> = (surface.triangles.iter().zip(&surface.sides))
-            .flat_map(|(t, sides)| [0, 1, 2].map(|k| [t[k], sides[k][0], sides[k][1], 0]))
-            .flatten()
-            .collect();
-        let (count, triangles) = (surface.positions.len(), surface.triangles.len());
-        let inputs = [
-            self.texture(Rgba32Float, 5, count, Some(cast_slice(&points))),
-            self.texture(Rg32Uint, 1, ring.len(), Some(cast_slice(&ring))),
-            self.texture(Rgba32Uint, 3, triangles, Some(cast_slice(&corners))),
-            self.texture(Rgba32Float, 2, count, None),
-        ];
-        let out = self.texture(Rgba32Float, 9, triangles, None);
+    /// Returns a mesh with the coefficients of a view, which the two passes compute.
+    fn mesh(&self, surface: &cubic::Surface, camera: &Camera) -> C1Mesh {
+        let cubic::Surface { positions, normals, curvature, triangles, sides } = surface.clone();
+        let surface = machband_c1::Surface { positions, normals, curvature, triangles, sides };
+        let mesh = C1Mesh::of(&self.device, &self.queue, &surface);
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        mesh.update(&self.device, &self.queue, &mut encoder, &Passes::new(&self.device), &of_kit(camera));
+        self.queue.submit([encoder.finish()]);
+        mesh
+    }
+
+    /// Computes the same coefficients by drawing.
+    fn redraw(&self, mesh: &C1Mesh, camera: &Camera) {
         let module = self.module(COEFFICIENTS);
         let mut encoder = self.device.create_command_encoder(&Default::default());
-        for (name, target, entries, used) in
-            [("slopes", &inputs[3], count, &[1, 2][..]), ("coefficients", &out, triangles, &[1, 3, 4])]
-        {
-            let Camera { model_view, projection, size } = camera;
-            let numbers = [count as u32, triangles as u32, target.width(), 0, 0, 0].map(f32::from_bits);
-            let camera = [&floats(model_view)[..], &floats(projection), &floats(size), &numbers].concat();
-            let camera = self.uniform(&camera);
-            let views = inputs.each_ref().map(|input| input.create_view(&Default::default()));
-            let mut entries_of = vec![wgpu::BindGroupEntry { binding: 0, resource: camera.as_entire_binding() }];
-            let bound = |binding: u32, view| wgpu::BindGroupEntry {
-                binding,
-                resource: wgpu::BindingResource::TextureView(view),
-            };
-            entries_of.extend(used.iter().map(|binding| bound(*binding, &views[*binding as usize - 1])));
-            let target = target.create_view(&Default::default());
-            let binds = |layout: &wgpu::BindGroupLayout, entries: &[wgpu::BindGroupEntry<'_>]| {
-                self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries })
-            };
-            if draws {
-                let pipeline = self.pipeline(&module, "everywhere", &format!("{name}_texel"), &[], Rgba32Float, None);
-                let group = binds(&pipeline.get_bind_group_layout(0), &entries_of);
-                let mut pass = begin(&mut encoder, &target, None);
-                pass.set_pipeline(&pipeline);
-                pass.set_bind_group(0, &group, &[]);
-                pass.draw(0..3, 0..1);
-                continue;
-            }
-            let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: None,
-                layout: None,
-                module: &module,
-                entry_point: Some(name),
-                compilation_options: Default::default(),
-                cache: None,
-            });
-            entries_of.push(bound(if name == "slopes" { 5 } else { 6 }, &target));
-            let group = binds(&pipeline.get_bind_group_layout(0), &entries_of);
-            let mut pass = encoder.begin_compute_pass(&Default::default());
+        let [points, ring, corners] = mesh.inputs.each_ref().map(|input| input.create_view(&Default::default()));
+        let slopes = mesh.slopes.create_view(&Default::default());
+        for (name, target, used) in [
+            ("slopes_texel", &mesh.slopes, &[(1, &points), (2, &ring)][..]),
+            ("coefficients_texel", &mesh.coefficients, &[(1, &points), (3, &corners), (4, &slopes)]),
+        ] {
+            let format = wgpu::TextureFormat::Rgba32Float;
+            let pipeline = self.pipeline(&module, "everywhere", name, &[], format, None);
+            let camera = self.uniform(&mesh.uniform(&of_kit(camera), target.width()).map(f32::from_bits));
+            let views = used.iter().map(|(binding, view)| (*binding, wgpu::BindingResource::TextureView(view)));
+            let entries: Vec<_> = std::iter::once((0, camera.as_entire_binding()))
+                .chain(views)
+                .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+                .collect();
+            let layout = &pipeline.get_bind_group_layout(0);
+            let group =
+                self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries });
+            let mut pass = begin(&mut encoder, &target.create_view(&Default::default()), None);
             pass.set_pipeline(&pipeline);
             pass.set_bind_group(0, &group, &[]);
-            pass.dispatch_workgroups((entries as u32).div_ceil(64), 1, 1);
+            pass.draw(0..3, 0..1);
         }
         self.queue.submit([encoder.finish()]);
-        out
     }
 
     fn pipeline(
@@ -463,7 +403,7 @@ impl Card {
     }
 
     /// Draws with `c1.wgsl` under the library's standard lighting; returns the linear light of every pixel as codes.
-    fn drawn(&self, surface: &cubic::Surface, camera: &Camera, coefficients: &wgpu::Texture) -> Vec<u8> {
+    fn drawn(&self, mesh: &C1Mesh, camera: &Camera) -> Vec<u8> {
         let Camera { model_view, projection, .. } = camera;
         let is_orthographic = u32::from(projection[15] == 1.0);
         let lights = [
@@ -473,12 +413,6 @@ impl Card {
             [0.3, 0.3, 0.3, 0.0],
         ];
         let scene = self.uniform(&[&floats(model_view)[..], &floats(projection), lights.as_flattened()].concat());
-        let corners = surface.triangles.iter().flatten().map(|v| *v as usize);
-        let of = |v: usize| [surface.positions[v], surface.normals[v]].concat();
-        let vertices: Vec<f32> = corners.flat_map(of).map(|x| x as f32).collect();
-        let (contents, usage) = (cast_slice(&vertices), wgpu::BufferUsages::VERTEX);
-        let vertices =
-            self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage });
         let (format, depth) = (wgpu::TextureFormat::Rgba8Unorm, wgpu::TextureFormat::Depth32Float);
         let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
         let pipeline = self.pipeline(&self.module(C1), "c1_vertex", "c1_phong_pixel", &attributes, format, Some(depth));
@@ -496,7 +430,7 @@ impl Card {
         };
         let codes = texture(format, wgpu::TextureUsages::COPY_SRC);
         let depth = texture(depth, wgpu::TextureUsages::empty()).create_view(&Default::default());
-        let coefficients = coefficients.create_view(&Default::default());
+        let coefficients = mesh.coefficients.create_view(&Default::default());
         let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
             layout: &pipeline.get_bind_group_layout(0),
@@ -509,8 +443,8 @@ impl Card {
         let mut pass = begin(&mut encoder, &codes.create_view(&Default::default()), Some(&depth));
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
-        pass.set_vertex_buffer(0, vertices.slice(..));
-        pass.draw(0..3 * surface.triangles.len() as u32, 0..1);
+        pass.set_vertex_buffer(0, mesh.vertices.slice(..));
+        pass.draw(0..mesh.count, 0..1);
         drop(pass);
         self.read(encoder, &codes)
     }
@@ -575,11 +509,14 @@ fn card_gives_plain_rusts_coefficients_and_the_librarys_pixels() {
     let Some(card) = card() else { return };
     for subject in subjects() {
         let theirs = cubic::coefficients(&subject.surface, &subject.camera);
-        let [computed, by_drawing] =
-            [false, true].map(|draws| card.coefficients(&subject.surface, &subject.camera, draws));
-        for (form, texture) in [("computed", &computed), ("drawn", &by_drawing)] {
-            let bytes = card.read(card.device.create_command_encoder(&Default::default()), texture);
-            let numbers: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
+        let mesh = card.mesh(&subject.surface, &subject.camera);
+        let read = || {
+            let bytes = card.read(card.device.create_command_encoder(&Default::default()), &mesh.coefficients);
+            bytemuck::pod_collect_to_vec::<u8, f32>(&bytes)
+        };
+        let computed = read();
+        card.redraw(&mesh, &subject.camera);
+        for (form, numbers) in [("computed", computed), ("drawn", read())] {
             for (t, (own, theirs)) in numbers.as_chunks::<36>().0.iter().zip(&theirs).enumerate() {
                 // A triangle seen edge on may count as facing away for one of the two.
                 if own[..3] == [0.0; 3] || theirs[0] == [0.0; 3] {
@@ -591,7 +528,7 @@ fn card_gives_plain_rusts_coefficients_and_the_librarys_pixels() {
                 }
             }
         }
-        let (frame, pixels) = (&subject.frame, card.drawn(&subject.surface, &subject.camera, &computed));
+        let (frame, pixels) = (&subject.frame, card.drawn(&mesh, &subject.camera));
         let image = Reference::new(frame, &Shade::new(Shader::C1Phong)).image();
         let codes = Quantizer::new(&Transfer::Linear, Bits::Eight).quantize(&image);
         let (mut differ, mut compared, ours) = (0, 0, codes.bytes().unwrap());
@@ -638,7 +575,7 @@ fn triangles_that_cross_two_clip_planes_keep_their_light() {
         model_view[i] = 1.0;
     }
     let camera = Camera { model_view, projection, size: [f64::from(SIDE); 2] };
-    let pixels = card.drawn(&surface, &camera, &card.coefficients(&surface, &camera, false));
+    let pixels = card.drawn(&card.mesh(&surface, &camera), &camera);
     let cubics = cubic::coefficients(&surface, &camera);
     let lighting = |normal: DVec3, place: DVec3| {
         let (normal, lamp) = (normal.normalize(), DVec3::new(0.36, 0.48, 0.8).normalize());
