@@ -70,7 +70,7 @@ fn drag(window: &mut Window, from: Pos2, to: Pos2, button: PointerButton) {
 }
 
 fn expected(compared: &Comparison, which: usize, width: u32, height: u32) -> CodeImage {
-    let frame = compared.scene.frame(&Surface::new(compared.mesh.mesh().unwrap()), width, height);
+    let frame = compared.scene.frame(&Surface::new(compared.mesh.mesh().unwrap().0), width, height);
     let mut rgba = vec![0; 4 * (width * height) as usize];
     let prepared = Prepared::new(&frame, &compared.sides[which].shade);
     prepared.codes(&Encoder::new(&compared.transfer), &mut rgba);
@@ -253,7 +253,7 @@ fn everything_has_a_name_and_fits_a_small_window() {
 fn rotations_add_up() {
     let mut compared =
         Comparison { scene: Scene { rotate_deg: [0.0; 3], ..Scene::default() }, ..Comparison::default() };
-    let surface = Surface::new(MeshChoice::Named(Shape::Cube, 8).mesh().unwrap());
+    let surface = Surface::new(MeshChoice::Named(Shape::Cube, 8).mesh().unwrap().0);
     for _ in 0..36 {
         compared.turn(10.0, 0.0);
         compared.turn(0.0, 10.0);

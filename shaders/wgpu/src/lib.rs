@@ -16,8 +16,7 @@
 //! `cargo run --example torus` in this folder draws a picture without a window.
 
 #[path = "../../ordinates.rs"]
-#[allow(dead_code)]
-mod ordinates;
+pub mod ordinates;
 
 use wgpu::{
     TextureFormat::{Rg32Uint, Rgba32Float, Rgba32Uint},

@@ -124,17 +124,20 @@ impl MeshChoice {
         }
     }
 
-    /// Creates or reads the mesh.
+    /// Creates or reads the mesh; also returns what was repaired, assumed or ignored in a file.
     ///
     /// # Errors
     /// A message about the file or the number of vertices.
-    pub fn mesh(&self) -> Result<Mesh, String> {
+    pub fn mesh(&self) -> Result<(Mesh, Option<String>), String> {
         match self {
-            MeshChoice::Named(shape, vertices) => shapes::mesh(*shape, *vertices).map_err(|error| error.to_string()),
+            MeshChoice::Named(shape, vertices) => {
+                Ok((shapes::mesh(*shape, *vertices).map_err(|error| error.to_string())?, None))
+            }
             MeshChoice::File(path) => {
-                let file = store::mesh::read(Path::new(path), CREASE_DEG, Normals::Given)
-                    .map_err(|errors| errors.to_string())?;
-                Ok(file.mesh)
+                let path = Path::new(path);
+                let file = store::mesh::read(path, CREASE_DEG, Normals::Given).map_err(|errors| errors.to_string())?;
+                let note = file.note(path);
+                Ok((file.mesh, note))
             }
         }
     }

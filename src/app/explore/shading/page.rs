@@ -20,7 +20,7 @@ use crate::{
     app::ui::{
         Dialog, Field, FileKind, History, Step, escaped, heading, hint,
         pixels::Canvas,
-        secondary, show_error, text,
+        say, secondary, show_error, text,
         theme::{self, BODY, SECTION, ink},
     },
     light::CodeImage,
@@ -181,7 +181,7 @@ impl ShadingPage {
             open = true;
         }
         if open {
-            self.load(MeshChoice::File(self.file.path.trim().to_owned()));
+            self.load(ui.ctx(), MeshChoice::File(self.file.path.trim().to_owned()));
         }
         self.file.dialog.missing_error(ui);
         if let Some(error) = &self.file.error {
@@ -190,9 +190,12 @@ impl ShadingPage {
     }
 
     /// Shows another mesh. If it cannot be created, the current mesh stays.
-    fn load(&mut self, choice: MeshChoice) {
+    fn load(&mut self, ctx: &egui::Context, choice: MeshChoice) {
         self.file.error = match choice.mesh() {
-            Ok(mesh) => {
+            Ok((mesh, note)) => {
+                if let Some(note) = note {
+                    say(ctx, note);
+                }
                 self.compared.mesh = choice.clone();
                 self.file.dialog.forget();
                 self.surface = Some((choice, Arc::new(Surface::new(mesh))));
@@ -341,7 +344,7 @@ impl ShadingPage {
     /// Redraws and measures again whatever has changed.
     fn update(&mut self, ctx: &egui::Context, size: [u32; 2]) {
         if self.surface.as_ref().is_none_or(|(choice, _)| *choice != self.compared.mesh) {
-            self.load(self.compared.mesh.clone());
+            self.load(ctx, self.compared.mesh.clone());
         }
         let Some((_, surface)) = &self.surface else { return };
         let pictures = Pictures::updated(ctx, self.pictures.take(), &mut self.canvases, surface, &self.compared, size);
