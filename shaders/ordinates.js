@@ -82,17 +82,40 @@ export function curvature({ positions, normals, triangles }) {
 }
 
 // Where the triangles around each vertex are, or around each point: `starts` and `ring`, of which ring[2 i] and
-// ring[2 i + 1], for i from starts[p] to starts[p + 1] − 1, follow and precede p in each of its triangles.
+// ring[2 i + 1], for i from starts[p] to starts[p + 1] − 1, follow and precede p in each of its triangles. The triangles
+// of p go around it.
 export function rings({ positions, vertices, triangles }) {
   const count = vertices ? vertices.length : positions.length / 3;
   const starts = new Uint32Array(count + 1), ring = new Uint32Array(2 * triangles.length);
   for (const p of triangles) starts[p + 1]++;
   for (let p = 0; p < count; p++) starts[p + 1] += starts[p];
-  const at = starts.slice();
-  for (let h = 0; h < triangles.length; h++) {
-    const i = 2 * at[triangles[h]]++;
-    ring[i] = triangles[next(h)];
-    ring[i + 1] = triangles[previous(h)];
+  const at = starts.slice(), corners = new Uint32Array(triangles.length);
+  for (let h = 0; h < triangles.length; h++) corners[at[triangles[h]]++] = h;
+  // Of each point, the point around which it was last seen to follow or to precede, and at which corner it follows.
+  const follows = new Int32Array(count).fill(-1), precedes = new Int32Array(count).fill(-1), corner = new Uint32Array(count);
+  const isUsed = new Uint8Array(triangles.length);
+  for (let p = 0, i = 0; p < count; p++) {
+    for (let k = starts[p]; k < starts[p + 1]; k++) {
+      const h = corners[k];
+      follows[triangles[next(h)]] = precedes[triangles[previous(h)]] = p;
+      corner[triangles[next(h)]] = h;
+    }
+    // First the fans that begin at a border, then the closed ones.
+    for (let k = starts[p], pass = 0; pass < 2; k++) {
+      if (k === starts[p + 1]) {
+        [k, pass] = [starts[p] - 1, pass + 1];
+        continue;
+      }
+      let h = corners[k];
+      if (pass === 0 && precedes[triangles[next(h)]] === p) continue;
+      while (!isUsed[h]) {
+        isUsed[h] = 1;
+        ring[i++] = triangles[next(h)];
+        const last = (ring[i++] = triangles[previous(h)]);
+        if (follows[last] !== p) break;
+        h = corner[last];
+      }
+    }
   }
   return { starts, ring };
 }

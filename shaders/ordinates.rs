@@ -481,19 +481,39 @@ impl Surface {
     }
 
     /// Returns what the passes on the card need to find the triangles around each point: where the list of each point
-    /// starts, with the end of the last; and for each triangle in a list, the points that follow and precede.
+    /// starts, with the end of the last; and for each triangle in a list, the points that follow and precede. The
+    /// triangles of a list go around the point.
     pub fn rings(&self) -> (Vec<u32>, Vec<[u32; 2]>) {
-        let mut pairs = vec![Vec::new(); self.positions.len()];
+        let count = self.positions.len();
+        let mut pairs = vec![Vec::new(); count];
         for t in &self.triangles {
             for k in 0..3 {
                 pairs[t[k] as usize].push([t[(k + 1) % 3], t[(k + 2) % 3]]);
             }
         }
-        let mut starts = vec![0];
-        for pairs in &pairs {
-            starts.push(starts[starts.len() - 1] + pairs.len() as u32);
+        let (mut starts, mut ring) = (vec![0], Vec::with_capacity(3 * self.triangles.len()));
+        // Of each point, the point around which it was last seen to follow or to precede, and in which pair it follows.
+        let (mut follows, mut precedes) = (vec![(NONE, 0); count], vec![NONE; count]);
+        for (own, pairs) in (0..).zip(&pairs) {
+            for (i, [next, previous]) in pairs.iter().enumerate() {
+                (follows[*next as usize], precedes[*previous as usize]) = ((own, i), own);
+            }
+            let mut is_left = vec![true; pairs.len()];
+            // First the fans that begin at a border, then the closed ones.
+            let borders = (0..pairs.len()).filter(|i| precedes[pairs[*i][0] as usize] != own);
+            for first in borders.chain(0..pairs.len()) {
+                let mut at = first;
+                while std::mem::take(&mut is_left[at]) {
+                    ring.push(pairs[at]);
+                    match follows[pairs[at][1] as usize] {
+                        (seen, i) if seen == own => at = i,
+                        _ => break,
+                    }
+                }
+            }
+            starts.push(ring.len() as u32);
         }
-        (starts, pairs.concat())
+        (starts, ring)
     }
 }
 

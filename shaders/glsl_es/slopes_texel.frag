@@ -148,8 +148,6 @@ Slope solved(Equations sum_2) {
 Slope slope_of(uint v_5) {
     Equations sum_3 = Equations(vec3(0.0), vec3(0.0), vec3(0.0));
     uint i = 0u;
-    bool is_counted = false;
-    uint j = 0u;
     bool local_1 = false;
     vec3 _e1 = eye_of(v_5);
     vec3 _e2 = normal_of(v_5);
@@ -162,8 +160,8 @@ Slope slope_of(uint v_5) {
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            uint _e67 = i;
-            i = (_e67 + 1u);
+            uint _e65 = i;
+            i = (_e65 + 1u);
         }
         loop_init = false;
         uint _e21 = i;
@@ -183,73 +181,53 @@ Slope slope_of(uint v_5) {
             Equations _e31 = sum_3;
             Equations _e36 = neighbor(_e31, _e24.x, (_e26.xy - _e3.xy), _e2);
             sum_3 = _e36;
-            is_counted = false;
-            j = start;
-            bool loop_init_1 = true;
-            while(true) {
-                if (!loop_init_1) {
-                    uint _e56 = j;
-                    j = (_e56 + 1u);
-                }
-                loop_init_1 = false;
-                uint _e40 = j;
-                if ((_e40 < end)) {
-                } else {
-                    break;
-                }
-                {
-                    uint _e42 = j;
-                    uvec2 _e43 = pair_of(_e42);
-                    if ((_e43.x == _e24.y)) {
-                        vec3 _e50 = screen_of(_e43.y);
-                        bool _e51 = is_drawn(_e3, _e28, _e50);
-                        local_1 = _e51;
-                    } else {
-                        local_1 = false;
-                    }
-                    bool _e53 = local_1;
-                    if (_e53) {
-                        is_counted = true;
-                    }
-                }
+            uint _e37 = i;
+            uint _e40 = i;
+            uvec2 _e45 = pair_of((((_e40 + 1u) == end) ? start : (_e37 + 1u)));
+            if (!((_e45.x != _e24.y))) {
+                vec3 _e53 = screen_of(_e45.y);
+                bool _e54 = is_drawn(_e3, _e28, _e53);
+                local_1 = !(_e54);
+            } else {
+                local_1 = true;
             }
-            bool _e58 = is_counted;
-            if (!(_e58)) {
-                Equations _e60 = sum_3;
-                Equations _e65 = neighbor(_e60, _e24.y, (_e28.xy - _e3.xy), _e2);
-                sum_3 = _e65;
+            bool _e57 = local_1;
+            if (_e57) {
+                Equations _e58 = sum_3;
+                Equations _e63 = neighbor(_e58, _e24.y, (_e28.xy - _e3.xy), _e2);
+                sum_3 = _e63;
             }
         }
     }
-    float _e71 = sum_3.matrix.x;
-    float _e74 = sum_3.matrix.z;
-    float trace_1 = (_e71 + _e74);
+    float _e69 = sum_3.matrix.x;
+    float _e72 = sum_3.matrix.z;
+    float trace_1 = (_e69 + _e72);
     float weight_1 = ((trace_1 > 0.0) ? (0.07 / trace_1) : 0.0);
-    vec3 _e83 = sum_3.matrix;
-    vec3 _e86 = sum_3.right;
-    vec3 _e89 = sum_3.up;
-    sum_3 = Equations((_e83 * weight_1), (_e86 * weight_1), (_e89 * weight_1));
-    vec3 _e92 = toward_eye(_e1);
-    vec3 _e93 = across_both(_e2, _e92);
-    vec3 away = cross(_e2, _e93);
-    vec3 _e95 = across_both(_e92, _e2);
-    vec2 _e96 = moved(_e1, _e95);
-    float pixels = length(_e96);
-    Equations _e98 = sum_3;
-    vec2 _e99 = moved(_e1, _e93);
-    vec3 _e102 = bent(v_5, _e93);
-    Equations _e106 = observed(_e98, (_e99 / vec2(pixels)), (_e102 / vec3(pixels)), 1.0);
-    sum_3 = _e106;
-    if ((dot(_e2, _e92) > 0.0)) {
-        Equations _e110 = sum_3;
-        vec2 _e111 = moved(_e1, away);
-        vec3 _e114 = bent(v_5, away);
-        Equations _e118 = observed(_e110, (_e111 / vec2(pixels)), (_e114 / vec3(pixels)), 1.0);
-        sum_3 = _e118;
+    vec3 _e81 = sum_3.matrix;
+    vec3 _e84 = sum_3.right;
+    vec3 _e87 = sum_3.up;
+    sum_3 = Equations((_e81 * weight_1), (_e84 * weight_1), (_e87 * weight_1));
+    vec3 _e90 = toward_eye(_e1);
+    vec3 _e91 = across_both(_e2, _e90);
+    vec3 away = cross(_e2, _e91);
+    vec3 _e93 = across_both(_e90, _e2);
+    vec2 _e94 = moved(_e1, _e93);
+    float pixels = length(_e94);
+    Equations _e96 = sum_3;
+    vec2 _e97 = moved(_e1, _e91);
+    vec3 _e100 = bent(v_5, _e91);
+    Equations _e104 = observed(_e96, (_e97 / vec2(pixels)), (_e100 / vec3(pixels)), 1.0);
+    sum_3 = _e104;
+    if ((dot(_e2, _e90) > 0.0)) {
+        Equations _e108 = sum_3;
+        vec2 _e109 = moved(_e1, away);
+        vec3 _e112 = bent(v_5, away);
+        Equations _e116 = observed(_e108, (_e109 / vec2(pixels)), (_e112 / vec3(pixels)), 1.0);
+        sum_3 = _e116;
     }
-    Equations _e119 = sum_3;
-    Slope _e120 = solved(_e119);
-    return _e120;
+    Equations _e117 = sum_3;
+    Slope _e118 = solved(_e117);
+    return _e118;
 }
 
 uint index_of(vec4 place_1) {

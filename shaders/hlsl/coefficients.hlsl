@@ -225,8 +225,6 @@ Slope slope_of(uint v_5)
 {
     Equations sum_3 = ConstructEquations((0.0).xxx, (0.0).xxx, (0.0).xxx);
     uint i = (uint)0;
-    bool is_counted = (bool)0;
-    uint j = (uint)0;
     bool local_1 = (bool)0;
 
     const float3 _e1 = eye_of(v_5);
@@ -243,8 +241,8 @@ Slope slope_of(uint v_5)
         if (all(loop_bound == uint2(0u, 0u))) { break; }
         loop_bound -= uint2(loop_bound.y == 0u, 1u);
         if (!loop_init) {
-            uint _e67 = i;
-            i = (_e67 + 1u);
+            uint _e65 = i;
+            i = (_e65 + 1u);
         }
         loop_init = false;
         uint _e21 = i;
@@ -264,76 +262,53 @@ Slope slope_of(uint v_5)
             Equations _e31 = sum_3;
             const Equations _e36 = neighbor(_e31, _e24.x, (_e26.xy - _e3.xy), _e2);
             sum_3 = _e36;
-            is_counted = false;
-            j = start;
-            uint2 loop_bound_1 = uint2(4294967295u, 4294967295u);
-            bool loop_init_1 = true;
-            while(true) {
-                if (all(loop_bound_1 == uint2(0u, 0u))) { break; }
-                loop_bound_1 -= uint2(loop_bound_1.y == 0u, 1u);
-                if (!loop_init_1) {
-                    uint _e56 = j;
-                    j = (_e56 + 1u);
-                }
-                loop_init_1 = false;
-                uint _e40 = j;
-                if ((_e40 < end)) {
-                } else {
-                    break;
-                }
-                {
-                    uint _e42 = j;
-                    const uint2 _e43 = pair_of(_e42);
-                    if ((_e43.x == _e24.y)) {
-                        const float3 _e50 = screen_of(_e43.y);
-                        const bool _e51 = is_drawn(_e3, _e28, _e50);
-                        local_1 = _e51;
-                    } else {
-                        local_1 = false;
-                    }
-                    bool _e53 = local_1;
-                    if (_e53) {
-                        is_counted = true;
-                    }
-                }
+            uint _e37 = i;
+            uint _e40 = i;
+            const uint2 _e45 = pair_of((((_e40 + 1u) == end) ? start : (_e37 + 1u)));
+            if (!((_e45.x != _e24.y))) {
+                const float3 _e53 = screen_of(_e45.y);
+                const bool _e54 = is_drawn(_e3, _e28, _e53);
+                local_1 = !(_e54);
+            } else {
+                local_1 = true;
             }
-            bool _e58 = is_counted;
-            if (!(_e58)) {
-                Equations _e60 = sum_3;
-                const Equations _e65 = neighbor(_e60, _e24.y, (_e28.xy - _e3.xy), _e2);
-                sum_3 = _e65;
+            bool _e57 = local_1;
+            if (_e57) {
+                Equations _e58 = sum_3;
+                const Equations _e63 = neighbor(_e58, _e24.y, (_e28.xy - _e3.xy), _e2);
+                sum_3 = _e63;
             }
         }
     }
-    float _e71 = sum_3.matrix_.x;
-    float _e74 = sum_3.matrix_.z;
-    float trace_1 = (_e71 + _e74);
+    float _e69 = sum_3.matrix_.x;
+    float _e72 = sum_3.matrix_.z;
+    float trace_1 = (_e69 + _e72);
     float weight_1 = ((trace_1 > 0.0) ? (0.07 / trace_1) : 0.0);
-    float3 _e83 = sum_3.matrix_;
-    float3 _e86 = sum_3.right;
-    float3 _e89 = sum_3.up;
-    sum_3 = ConstructEquations((_e83 * weight_1), (_e86 * weight_1), (_e89 * weight_1));
-    const float3 _e92 = toward_eye(_e1);
-    const float3 _e93 = across_both(_e2, _e92);
-    float3 away = cross(_e2, _e93);
-    const float3 _e95 = across_both(_e92, _e2);
-    const float2 _e96 = moved(_e1, _e95);
-    float pixels = length(_e96);
-    Equations _e98 = sum_3;
-    const float2 _e99 = moved(_e1, _e93);
-    const float3 _e102 = bent(v_5, _e93);
-    const Equations _e106 = observed(_e98, (_e99 / (pixels).xx), (_e102 / (pixels).xxx), 1.0);
-    sum_3 = _e106;
-    if ((dot(_e2, _e92) > 0.0)) {
-        Equations _e110 = sum_3;
-        const float2 _e111 = moved(_e1, away);
-        const float3 _e114 = bent(v_5, away);
-        const Equations _e118 = observed(_e110, (_e111 / (pixels).xx), (_e114 / (pixels).xxx), 1.0);
-        sum_3 = _e118;
+    float3 _e81 = sum_3.matrix_;
+    float3 _e84 = sum_3.right;
+    float3 _e87 = sum_3.up;
+    sum_3 = ConstructEquations((_e81 * weight_1), (_e84 * weight_1), (_e87 * weight_1));
+    const float3 _e90 = toward_eye(_e1);
+    const float3 _e91 = across_both(_e2, _e90);
+    float3 away = cross(_e2, _e91);
+    const float3 _e93 = across_both(_e90, _e2);
+    const float2 _e94 = moved(_e1, _e93);
+    float pixels = length(_e94);
+    Equations _e96 = sum_3;
+    const float2 _e97 = moved(_e1, _e91);
+    const float3 _e100 = bent(v_5, _e91);
+    const Equations _e104 = observed(_e96, (_e97 / (pixels).xx), (_e100 / (pixels).xxx), 1.0);
+    sum_3 = _e104;
+    if ((dot(_e2, _e90) > 0.0)) {
+        Equations _e108 = sum_3;
+        const float2 _e109 = moved(_e1, away);
+        const float3 _e112 = bent(v_5, away);
+        const Equations _e116 = observed(_e108, (_e109 / (pixels).xx), (_e112 / (pixels).xxx), 1.0);
+        sum_3 = _e116;
     }
-    Equations _e119 = sum_3;
-    const Slope _e120 = solved(_e119);
-    const Slope slope_2 = _e120;
+    Equations _e117 = sum_3;
+    const Slope _e118 = solved(_e117);
+    const Slope slope_2 = _e118;
     return slope_2;
 }
 
@@ -349,11 +324,11 @@ float3 along(uint v_6, float2 step_2)
     return ((right * step_2.x) + (up * step_2.y));
 }
 
-float crossing(float2 i_1, float2 j_1, float2 centroid_, float2x3 eyes, float3 normals)
+float crossing(float2 i_1, float2 j, float2 centroid_, float2x3 eyes, float3 normals)
 {
     float2 across = (float2)0;
 
-    float2 edge = (j_1 - i_1);
+    float2 edge = (j - i_1);
     const float2 _e16 = moved(((eyes[0] + eyes[1]) / (2.0).xxx), cross(normals, (eyes[1] - eyes[0])));
     across = _e16;
     float2 _e18 = across;
@@ -369,9 +344,9 @@ float crossing(float2 i_1, float2 j_1, float2 centroid_, float2x3 eyes, float3 n
     return (_e34 / _e36);
 }
 
-float3 middle(float x, float3 i_2, float3 ij, float3 ji, float3 j_2, float3 near_i, float3 near_j)
+float3 middle(float x, float3 i_2, float3 ij, float3 ji, float3 j_1, float3 near_i, float3 near_j)
 {
-    return ((((near_i + near_j) / (2.0).xxx) + ((1.0 - x) * (ij - ((i_2 + ji) / (2.0).xxx)))) + (x * (ji - ((ij + j_2) / (2.0).xxx))));
+    return ((((near_i + near_j) / (2.0).xxx) + ((1.0 - x) * (ij - ((i_2 + ji) / (2.0).xxx)))) + (x * (ji - ((ij + j_1) / (2.0).xxx))));
 }
 
 typedef float4 ret_Constructarray9_float4_[9];
@@ -492,16 +467,16 @@ void coefficients(uint3 id_1 : SV_DispatchThreadID)
     }
     const float4 _e7[9] = cubic_of(id_1.x);
     uint width_4 = NagaRWDimensions2D(coefficients_out).x;
-    uint2 loop_bound_2 = uint2(4294967295u, 4294967295u);
-    bool loop_init_2 = true;
+    uint2 loop_bound_1 = uint2(4294967295u, 4294967295u);
+    bool loop_init_1 = true;
     while(true) {
-        if (all(loop_bound_2 == uint2(0u, 0u))) { break; }
-        loop_bound_2 -= uint2(loop_bound_2.y == 0u, 1u);
-        if (!loop_init_2) {
+        if (all(loop_bound_1 == uint2(0u, 0u))) { break; }
+        loop_bound_1 -= uint2(loop_bound_1.y == 0u, 1u);
+        if (!loop_init_1) {
             uint _e26 = k;
             k = (_e26 + 1u);
         }
-        loop_init_2 = false;
+        loop_init_1 = false;
         uint _e13 = k;
         if ((_e13 < 9u)) {
         } else {

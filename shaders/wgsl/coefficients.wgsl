@@ -22,7 +22,7 @@ struct Camera {
 // Five texels for each point: its position and where its list in `ring` starts; its normal and where the list ends; and
 // the columns of dN/dp, a symmetric matrix.
 @group(0) @binding(1) var points: texture_2d<f32>;
-// For each triangle in a point's list, the points that follow and that precede.
+// For each triangle in a point's list, the points that follow and that precede. The triangles go around the point.
 @group(0) @binding(2) var ring: texture_2d<u32>;
 // Three texels for each triangle, one for each corner: its point, and the points whose slopes count along the edges to
 // the next corner and to the previous one.
@@ -145,14 +145,8 @@ fn slope_of(v: u32) -> Slope {
         }
         sum = neighbor(sum, pair.x, next.xy - own.xy, normal);
         // A point that precedes v in one triangle follows it in the next one, and counts there.
-        var is_counted = false;
-        for (var j = start; j < end; j++) {
-            let other = pair_of(j);
-            if other.x == pair.y && is_drawn(own, previous, screen_of(other.y)) {
-                is_counted = true;
-            }
-        }
-        if !is_counted {
+        let beside = pair_of(select(i + 1u, start, i + 1u == end));
+        if beside.x != pair.y || !is_drawn(own, previous, screen_of(beside.y)) {
             sum = neighbor(sum, pair.y, previous.xy - own.xy, normal);
         }
     }
