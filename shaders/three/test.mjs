@@ -12,7 +12,6 @@ import { PNG } from "pngjs";
 import * as THREE from "three";
 import { RoundedBoxGeometry } from "three/addons/geometries/RoundedBoxGeometry.js";
 import { welded } from "./index.js";
-import { glsl } from "./make_glsl.mjs";
 import { serve } from "./serve.mjs";
 
 const SIDE = 512, FILL = 0.9, ROTATE = [25, -35, 10], MOST = 2;
@@ -25,7 +24,6 @@ const expect = (is, text) => {
   failed ||= !is;
 };
 
-expect(readFileSync(new URL("glsl.js", import.meta.url), "utf8") === glsl(), "glsl.js is as make_glsl.mjs writes it");
 
 // The seams of three.js's own shapes, where positions differ by rounding errors, are joined, whatever their size.
 const seams = [[new THREE.TorusGeometry(1, 0.4, 8, 16), 8 * 16], [new THREE.SphereGeometry(1, 16, 10), 9 * 16 + 2]];

@@ -61,7 +61,8 @@ pub struct OneMesh {
     #[arg(long, value_name = "DEG", default_value_t = 180.0, value_parser = within(0.0, 180.0))]
     pub crease: f64,
     /// Normals at the vertices: the mesh's own, or estimated from its triangles as the mean over the faces, as Max's
-    /// weighted mean (1999), or from a cubic fitted to the neighbors.
+    /// weighted mean (1999), from a cubic fitted to the neighbors, or as the best between a mean and the cubic, which is
+    /// also what a mesh without normals gets.
     #[arg(long, default_value = "given", value_parser = named::<Normals>(Normals::NAMES))]
     pub normals: Normals,
     /// Shader: how the light inside each triangle is computed.
@@ -539,7 +540,7 @@ impl OneMesh {
 
     /// True if the picture is the smooth surface's.
     fn draws_truth(&self) -> bool {
-        self.shader.is_none() || (self.truth.is_some() && self.fine_file().is_none())
+        self.shader.is_none()
     }
 
     fn fine_file(&self) -> Option<&Path> {
@@ -548,7 +549,8 @@ impl OneMesh {
 
     /// Reads the fine mesh, if one is given.
     fn fine(&self) -> anyhow::Result<Option<Surface>> {
-        let read = |file: &Path| Ok(Surface::new(store::mesh::read(file, self.crease, self.normals)?.mesh));
+        // A smooth surface is not flat for want of normals.
+        let read = |file: &Path| Ok(Surface::new(store::mesh::read(file, self.crease, Normals::Best)?.mesh));
         self.fine_file().map(read).transpose()
     }
 

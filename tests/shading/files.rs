@@ -399,6 +399,26 @@ fn seams_are_joined_or_told() {
     }
 }
 
+/// The open edges of a small disk are near each other only on the scale of a large sheet beside it.
+#[test]
+fn small_borders_are_no_seams() {
+    let mut obj = String::new();
+    for i in 0..12 {
+        let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / 12.0).sin_cos();
+        obj += &format!("v {} {} 0\n", 0.01 * cos, 0.01 * sin);
+    }
+    obj += &format!("f {}\n", (1..=12).map(|i| i.to_string()).collect::<Vec<_>>().join(" "));
+    for i in 0..=8 {
+        obj += &format!("v {i} 2 0\nv {i} 3 0\n");
+    }
+    for i in 0..8 {
+        let a = 13 + 2 * i;
+        obj += &format!("f {} {} {} {}\n", a, a + 2, a + 3, a + 1);
+    }
+    let found = parsed(obj.as_bytes());
+    assert_eq!((found.mesh.vertices.len(), found.notes), (30, Vec::new()));
+}
+
 #[test]
 fn obj_vertices_may_have_colors_and_ply_files_strips() {
     let obj = b"v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 0 0.5 0\nf 1 2 3\n";

@@ -89,6 +89,13 @@ impl View {
         DVec2::new(xy.x, -xy.y) * self.scale()
     }
 
+    /// Returns the weight of a point with this z in interpolation that is corrected for perspective: the eye's distance
+    /// over the point's distance from the eye along z.
+    #[must_use]
+    pub fn nearness(&self, z: f64) -> f64 {
+        if self.distance.is_finite() { self.distance / (self.distance - z) } else { 1.0 }
+    }
+
     /// Returns the pixels per radius at the distance at which the rim of the bounding sphere is seen.
     fn scale(&self) -> f64 {
         f64::from(self.width.min(self.height)) * self.fill / 2.0

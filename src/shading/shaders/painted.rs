@@ -25,7 +25,9 @@ pub struct Painted {
 struct PaintedTriangle {
     /// Its corners, with tangents in eye space.
     corners: [PaintedCorner; 3],
-    /// 1 over the distance of each corner from the eye along z, in perspective; otherwise 1.
+    /// [`View::nearness`] of each corner.
+    ///
+    /// [`View::nearness`]: crate::shading::View::nearness
     nearness: [f64; 3],
     /// The index of its coat.
     coat: u32,
@@ -49,7 +51,6 @@ impl Painted {
             }),
             normals: coat.normals.clone(),
         };
-        let distance = frame.view.distance;
         let triangle = |t: usize| {
             let drawn = &frame.triangles[t];
             let [a, b, c] = paint.corners[drawn.of_mesh as usize];
@@ -61,10 +62,9 @@ impl Painted {
                 let color = DVec3::from_array(stored(corner.color.to_array()));
                 PaintedCorner { tangent: tangent.extend(side), color, ..corner }
             };
-            let near = |z: f64| if distance.is_finite() { 1.0 / (distance - z) } else { 1.0 };
             PaintedTriangle {
                 corners: corners.map(turned),
-                nearness: frame.corners(t).map(|v| near(v.eye.z)),
+                nearness: frame.corners(t).map(|v| frame.view.nearness(v.eye.z)),
                 coat: paint.of_triangles[drawn.of_mesh as usize],
             }
         };

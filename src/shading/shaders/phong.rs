@@ -2,7 +2,7 @@
 
 use super::{gouraud::ShaderKernel, pixel::PixelLight};
 use crate::shading::{
-    frame::Frame,
+    frame::{Frame, FrameVertex},
     number::{Channels, Constant, Number, unit, weighted},
 };
 
@@ -11,11 +11,11 @@ use crate::shading::{
 /// distances z_i from the eye's plane.
 #[derive(Clone, Debug)]
 pub struct Phong<T, const C: usize> {
-    /// Normals, divided by the relative distance of the corner.
+    /// Normals, times the nearness of the corner.
     normals: Vec<[[T; 3]; 3]>,
-    /// Positions in eye space, divided in the same way; empty if only directions matter.
+    /// Positions in eye space, times the same; empty if only directions matter.
     places: Vec<[[T; 3]; 3]>,
-    /// Eye distance over the distance of each corner; empty if the eye is infinitely far away.
+    /// The nearness of each corner; empty if the eye is infinitely far away.
     nearness: Vec<[T; 3]>,
     pixel: PixelLight<T, C>,
     /// The position of the eye on the z axis; `None` if it is infinitely far away.
@@ -28,12 +28,12 @@ impl<T: Constant, const C: usize> Phong<T, C> {
         let pixel = PixelLight::new(frame, channels);
         let distance = frame.view.distance;
         let has_eye = distance.is_finite();
-        let near = |z: f64| if has_eye { distance / (distance - z) } else { 1.0 };
-        let corners = |t: usize| frame.corners(t).map(|v| T::of(near(v.eye.z)));
+        let near = |v: &FrameVertex| frame.view.nearness(v.eye.z);
+        let corners = |t: usize| frame.corners(t).map(|v| T::of(near(v)));
         let has_places = has_eye || pixel.has_near_lamps();
         Phong {
-            normals: frame.corner_vectors(|v| v.normal * near(v.eye.z)),
-            places: if has_places { frame.corner_vectors(|v| v.eye * near(v.eye.z)) } else { Vec::new() },
+            normals: frame.corner_vectors(|v| v.normal * near(v)),
+            places: if has_places { frame.corner_vectors(|v| v.eye * near(v)) } else { Vec::new() },
             nearness: if has_eye { frame.each_triangle(corners) } else { Vec::new() },
             pixel,
             eye: has_eye.then(|| T::of(distance)),

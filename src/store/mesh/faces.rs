@@ -52,11 +52,17 @@ impl Faces {
     }
 
     /// Returns the mesh, with edges joined that lie in the same place, and with faces reversed so that neighbors have the
-    /// same winding. `expected` says what a file with faces has.
+    /// same winding. `expected` says what a file with faces has, and `normals` which normals will be used.
     ///
     /// # Errors
     /// There are no faces, none of them has an area, or they cover the same place too often.
-    pub fn mesh(mut self, file: &str, crease_deg: f64, expected: &str) -> Result<MeshFile, FileErrors> {
+    pub fn mesh(
+        mut self,
+        file: &str,
+        crease_deg: f64,
+        expected: &str,
+        normals: Normals,
+    ) -> Result<MeshFile, FileErrors> {
         let in_range = |position: &DVec3| position.abs().max_element() <= MAX_COORDINATE;
         let seams =
             if self.positions.iter().all(in_range) { self.polygons.weld(&self.positions) } else { Seams::default() };
@@ -99,7 +105,9 @@ impl Faces {
             &format!("open edge runs beside another one {drawn}"),
             "open edges run beside others and are not joined with them, so that lines may show there",
         );
-        Ok(MeshFile { mesh: if has_normals { mesh } else { mesh.estimated(Normals::Best) }, notes })
+        // Other normals will replace these anyway.
+        let is_wanted = !has_normals && matches!(normals, Normals::Given | Normals::Best);
+        Ok(MeshFile { mesh: if is_wanted { mesh.estimated(Normals::Best) } else { mesh }, notes })
     }
 }
 

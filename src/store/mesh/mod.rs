@@ -46,7 +46,8 @@ impl MeshFile {
 }
 
 /// Reads an OBJ, PLY, glTF or GLB file. If the file has no normals, faces that meet at more than `crease_deg` degrees do
-/// not share a normal; 180 makes the whole mesh smooth. `normals` says whether the file's own normals will be used.
+/// not share a normal; 180 makes the whole mesh smooth. `normals` are those that will be used; with any but the given ones,
+/// no face is flat for want of a normal.
 ///
 /// # Errors
 /// The file cannot be read or is too large; otherwise, the same errors as [`parse`].
@@ -81,7 +82,7 @@ fn parse_in(
     } else {
         (obj::parse(file, content)?, "at least one line \"f 1 2 3\"")
     };
-    faces.mesh(file, crease_deg, expected)
+    faces.mesh(file, crease_deg, expected, normals)
 }
 
 /// Makes a mesh of `triangles`, as indices of `positions`, as if it were from a file; `name` identifies it in messages.
@@ -116,5 +117,5 @@ pub fn from_arrays(
         let corners = corners.map(|corner| (faces.site(positions[corner as usize]), normal(corner)));
         faces.polygons.push(corners);
     }
-    faces.mesh(name, crease_deg, "at least one triangle")
+    faces.mesh(name, crease_deg, "at least one triangle", Normals::Given)
 }
