@@ -120,12 +120,19 @@ fn divided(
     faces: &[Option<Face>],
 ) -> (Vec<u32>, Vec<[u32; 3]>) {
     let (mut vertices, mut of_corners): (Vec<u32>, _) = ((0..positions.len() as u32).collect(), triangles.to_vec());
+    let is_jump = |(t, k, other): (u32, u32, u32)| {
+        is_jump(positions, triangles, across, faces, (t as usize, k as usize), other as usize / 3)
+    };
+    let jumps: Vec<bool> = shared_edges(across).map(is_jump).collect();
+    if !jumps.contains(&true) {
+        return (vertices, of_corners);
+    }
     let mut parent: Vec<u32> = (0..3 * triangles.len() as u32).collect();
     let mut at_jump = vec![false; positions.len()];
-    for (t, k, other) in shared_edges(across) {
+    for ((t, k, other), is_jump) in shared_edges(across).zip(jumps) {
         let (u, l) = (other / 3, other % 3);
         let ends = [1, 2].map(|end| (t * 3 + (k + end) % 3, u * 3 + (l + 3 - end) % 3));
-        if is_jump(positions, triangles, across, faces, (t as usize, k as usize), u as usize) {
+        if is_jump {
             for (own, _) in ends {
                 at_jump[triangles[own as usize / 3][own as usize % 3] as usize] = true;
             }

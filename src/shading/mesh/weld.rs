@@ -60,17 +60,16 @@ impl Polygons {
 
     /// Returns the edges of only one face, each with its lower site first.
     fn open_edges(&self) -> BTreeSet<[u32; 2]> {
-        let mut counts: HashMap<[u32; 2], u32> = HashMap::with_capacity(self.sites.len());
+        let mut edges: Vec<[u32; 2]> = Vec::with_capacity(self.sites.len());
         let mut start = 0;
         for end in &self.ends {
             let sites = &self.sites[start..*end];
-            for (i, from) in sites.iter().enumerate() {
-                let to = sites[(i + 1) % sites.len()];
-                *counts.entry([*from.min(&to), *from.max(&to)]).or_default() += 1;
-            }
+            let around = sites.iter().zip(sites.iter().cycle().skip(1));
+            edges.extend(around.filter(|(a, b)| a != b).map(|(a, b)| [*a.min(b), *a.max(b)]));
             start = *end;
         }
-        counts.into_iter().filter(|([a, b], count)| a != b && *count == 1).map(|(edge, _)| edge).collect()
+        edges.sort_unstable();
+        edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1).map(|same| same[0]).collect()
     }
 }
 
