@@ -1,26 +1,18 @@
 //! What the definition of an experiment says.
 
-use std::ops::RangeInclusive;
-
-use serde::{Deserialize, Serialize, Serializer, ser::SerializeMap as _};
+use serde::{Deserialize, Serialize};
 
 use super::{
     condition::{Factor, serialize_factors},
     participant::ParticipantFields,
+    scale::ResponseScale,
+    task::{Adaptive, Task},
     texts::Texts,
 };
 use crate::{stimulus::Stimulus, text::names::serde_as_text};
 
 /// Highest rating on the paper's scale; ratings are 0…3 (Bangay §3.1).
 pub const MAX_RATING: u8 = 3;
-/// The possible numbers of categories of a scale: ratings are 0…1 to 0…10.
-pub const CATEGORIES: RangeInclusive<usize> = 2..=11;
-
-/// Returns the key of a rating if the definition names none: its digit, and A for 10; `None` if there is no such rating.
-pub fn default_key(rating: usize) -> Option<char> {
-    char::from_digit(rating as u32, *CATEGORIES.end() as u32)
-}
-
 /// The definition of an experiment: what is varied, in what order it is shown, and how it is shown and rated. A
 /// [`Protocol`](super::Protocol) is a definition without errors. It is serialized in the form of its file, so that the
 /// copy in a sidecar can be read back; texts that equal their defaults are left out.
@@ -44,7 +36,13 @@ pub struct Definition {
     /// How long the stimulus is shown. If `None`, it stays until it is rated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub presentation: Option<Presentation>,
-    /// The rating scale.
+    /// What participants do in a trial.
+    #[serde(skip_serializing_if = "Task::is_default")]
+    pub task: Task,
+    /// The method that chooses levels from the answers so far.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adaptive: Option<Adaptive>,
+    /// The question and its possible answers.
     pub response: ResponseScale,
     /// The planned viewing geometry.
     pub viewing: ViewingPlan,
@@ -180,35 +178,6 @@ pub struct Presentation {
     pub duration_s: f64,
 }
 
-/// The rating scale: two to eleven categories, whose ratings count from 0.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ResponseScale {
-    /// Shown next to the scale.
-    pub question: String,
-    /// Categories in the order of their ratings.
-    pub categories: Vec<Category>,
-}
-
-/// Serializes the scale as it appears in a definition: question, labels and keys.
-impl Serialize for ResponseScale {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(3))?;
-        map.serialize_entry("question", &self.question)?;
-        map.serialize_entry("labels", &self.categories.iter().map(|c| &c.label).collect::<Vec<_>>())?;
-        map.serialize_entry("keys", &self.categories.iter().map(|c| c.key).collect::<Vec<_>>())?;
-        map.end()
-    }
-}
-
-/// One possible answer.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Category {
-    /// What the answer means.
-    pub label: String,
-    /// The key for this answer: one digit or letter.
-    pub key: char,
-}
-
 /// The planned viewing geometry.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -238,28 +207,6 @@ impl Default for ViewingPlan {
     }
 }
 
-impl Default for ResponseScale {
-    /// The paper's four categories (Bangay §3.1).
-    fn default() -> Self {
-        let labels = ["No band", "Broad band", "Narrow band, indistinct boundaries", "Narrow band, clearly defined"];
-        Self {
-            question: "How visible is the brighter band?".to_owned(),
-            categories: labels
-                .iter()
-                .zip('0'..)
-                .map(|(label, key)| Category { label: (*label).to_owned(), key })
-                .collect(),
-        }
-    }
-}
-
-impl ResponseScale {
-    /// Returns the highest rating.
-    pub fn highest(&self) -> u8 {
-        self.categories.len().saturating_sub(1) as u8
-    }
-}
-
 impl Definition {
     /// Creates a definition with a name and a stimulus. Everything else has its default: one trial without factors.
     pub fn new(name: String, stimulus: Stimulus) -> Self {
@@ -272,6 +219,8 @@ impl Definition {
             design: Design::default(),
             recovery: Recovery::default(),
             presentation: None,
+            task: Task::default(),
+            adaptive: None,
             response: ResponseScale::default(),
             viewing: ViewingPlan::default(),
             participant: ParticipantFields::default(),
@@ -282,7 +231,7 @@ impl Definition {
     }
 
     /// Returns the name without hyphens, for file names: a Psych-DS keyword value must be alphanumeric.
-    pub fn task(&self) -> String {
+    pub fn file_task(&self) -> String {
         self.name.replace('-', "")
     }
 }

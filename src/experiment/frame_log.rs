@@ -13,6 +13,8 @@ named! {
         /// The uniform field before the stimulus.
         Recovery = "recovery",
         Stimulus = "stimulus",
+        /// The uniform field between two intervals.
+        Gap = "gap",
         /// The uniform field after a stimulus of fixed duration, until it is rated.
         Response = "response",
         /// The uniform field after the last trial.

@@ -5,6 +5,7 @@
 //! the data. [`Observer`]s simulate participants.
 
 mod condition;
+mod course;
 mod definition;
 mod faults;
 mod frame_log;
@@ -13,23 +14,26 @@ mod observer;
 mod participant;
 mod protocol;
 mod record;
+mod scale;
 mod schedule;
 mod scripts;
 mod session;
+pub mod task;
 mod texts;
 
 pub use condition::{Condition, Factor};
-pub use definition::{
-    CATEGORIES, Category, Definition, Design, MAX_RATING, Order, Plan, Presentation, Recovery, ResponseScale,
-    SessionRules, ViewingPlan, default_key,
-};
+pub use course::Course;
+pub use definition::{Definition, Design, MAX_RATING, Order, Plan, Presentation, Recovery, SessionRules, ViewingPlan};
 pub use faults::{DefinitionError, DefinitionErrors};
 pub use frame_log::{FrameRun, Shown};
 pub use identity::{Identity, IdentityError};
 pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, judged, simulate};
 pub use participant::{AnswerError, Answers, FieldKind, FieldSpec, MAX_ANSWER, ParticipantField, ParticipantFields};
 pub use protocol::{Protocol, name_error};
-pub use record::{Column, Rating, RatingRow, RowContext, Seconds, TrialRecord, columns, columns_by_header};
+pub use record::{
+    Column, Rating, RatingRow, Replay, RowContext, Seconds, TaskAnswer, TrialRecord, columns, columns_by_header,
+};
+pub use scale::{CATEGORIES, Category, ResponseScale, default_key};
 pub use schedule::{GENERATOR, Phase, Schedule, ScheduleError, Trial, session_seed};
 pub use session::{Effect, Event, FrameCount, Progress, Resumed, Session, SessionOptions, State, TrialResponse};
 pub use texts::Texts;

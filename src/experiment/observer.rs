@@ -13,6 +13,7 @@ use super::{
     identity::{Identity, fnv1a},
     protocol::Protocol,
     session::{Effect, Event, Session, State, TrialResponse},
+    task::{Answer, Presentation, Senses},
 };
 use crate::{
     light::interpolation::Depth,
@@ -26,6 +27,42 @@ pub trait Observer: Sync {
     /// Returns the rating of a stimulus on a scale with this many categories, from 0. `subject` is the participant's own
     /// standard normal deviate.
     fn rate(&self, stimulus: &Stimulus, categories: usize, subject: f64, rng: &mut ChaCha8Rng) -> u8;
+    /// Returns how strongly the participant sees the band of a stimulus, on an axis on which a look has noise of standard
+    /// deviation 1: signal detection. 0 is nothing to see.
+    fn strength(&self, stimulus: &Stimulus, subject: f64) -> f64;
+    /// Returns the probability of a random answer.
+    fn lapse(&self) -> f64;
+    /// Returns how strongly a band must be seen to count as seen.
+    fn criterion(&self) -> f64 {
+        1.0
+    }
+}
+
+/// Returns the answer of an observer to a trial of any task.
+fn answered(
+    observer: &dyn Observer,
+    protocol: &Protocol,
+    shown: &Presentation,
+    subject: f64,
+    rng: &mut ChaCha8Rng,
+) -> Answer {
+    let task = &protocol.task;
+    let categories = protocol.response.categories.len();
+    if task.is_default() {
+        return Answer::Key(observer.rate(&shown.stimuli[0], categories, subject, rng));
+    }
+    if unit(rng) < observer.lapse() {
+        return match task.dial() {
+            Some(dial) => Answer::Value(dial.at(unit(rng))),
+            None => Answer::Key(any_key(categories, rng)),
+        };
+    }
+    let mean = |stimulus: &Stimulus| observer.strength(stimulus, subject);
+    let mut noisy = |stimulus: &Stimulus| {
+        let noise: f64 = StandardNormal.sample(rng);
+        mean(stimulus) + noise
+    };
+    task.answer(shown, Senses { noisy: &mut noisy, mean: &mean, criterion: observer.criterion() })
 }
 
 /// Presses keys at random: each rating is equally probable.
@@ -35,6 +72,14 @@ pub struct UniformObserver;
 impl Observer for UniformObserver {
     fn rate(&self, _: &Stimulus, categories: usize, _: f64, rng: &mut ChaCha8Rng) -> u8 {
         any_key(categories, rng)
+    }
+
+    fn strength(&self, _: &Stimulus, _: f64) -> f64 {
+        0.0
+    }
+
+    fn lapse(&self) -> f64 {
+        1.0
     }
 }
 
@@ -157,6 +202,16 @@ impl Observer for OrderedLogit {
     fn rate(&self, stimulus: &Stimulus, categories: usize, subject: f64, rng: &mut ChaCha8Rng) -> u8 {
         self.rate_at(self.predictor(stimulus, subject), categories, rng)
     }
+
+    /// ln(1 + e^η), which falls to 0 where no band is rated, and is η where it is clear.
+    fn strength(&self, stimulus: &Stimulus, subject: f64) -> f64 {
+        let predictor = self.predictor(stimulus, subject);
+        if predictor > 30.0 { predictor } else { predictor.exp().ln_1p() }
+    }
+
+    fn lapse(&self) -> f64 {
+        self.lapse
+    }
 }
 
 /// An invented observer that rates what the vision model predicts: the bright band of a ramp, or the difference of a
@@ -253,6 +308,15 @@ impl Observer for VisionObserver {
         let latent = self.seen(stimulus).max(0.0).ln() + subject_sd * subject + spread * (u / (1.0 - u)).ln();
         rating(thresholds.map(f64::ln), categories, latent)
     }
+
+    /// In times threshold: a band at its threshold lies one standard deviation of the noise above nothing.
+    fn strength(&self, stimulus: &Stimulus, subject: f64) -> f64 {
+        self.seen(stimulus).max(0.0) * (self.rater.subject_sd * subject).exp()
+    }
+
+    fn lapse(&self) -> f64 {
+        self.rater.lapse
+    }
 }
 
 /// Returns a uniform random number in the open interval (0, 1).
@@ -280,7 +344,7 @@ pub fn simulate<E>(
 ) -> Result<(), E> {
     let seed = session.schedule().seed;
     let subject: f64 = StandardNormal.sample(&mut stream(seed, &["subject", identity.subject()]));
-    let categories = session.protocol().response.categories.len();
+    let intervals = session.protocol().task.layout().intervals();
     let mut rng = stream(seed, &["trials", identity.subject(), identity.session()]);
     let mut now = start;
     loop {
@@ -290,16 +354,29 @@ pub fn simulate<E>(
                 now += session.protocol().recovery_duration();
                 session.step(Event::Frame, now)
             }
+            State::Gap { .. } => {
+                now += session.protocol().gap_duration();
+                session.step(Event::Frame, now)
+            }
+            State::Stimulus { interval, .. } if interval + 1 < intervals => {
+                now += session.protocol().presentation_duration().unwrap_or_default();
+                session.step(Event::Frame, now)
+            }
             State::Stimulus { .. } | State::Response { .. } => {
-                let Some(trial) = session.current() else { return Ok(()) };
+                let (Some(trial), Some(shown)) = (session.current(), session.shown()) else { return Ok(()) };
                 // Each trial has its own position in the key stream: 64 blocks of 16 words per trial.
                 rng.set_word_pos(trial as u128 * 1024);
-                let cell = session.schedule().trials[trial].condition;
-                let stimulus = &session.schedule().conditions[cell].stimulus;
-                let rating = observer.rate(stimulus, categories, subject, &mut rng);
+                let answer = answered(observer, session.protocol(), shown, subject, &mut rng);
                 let normal: f64 = StandardNormal.sample(&mut rng);
                 now += Duration::from_secs_f64(RESPONSE_MEDIAN_S * (RESPONSE_SIGMA * normal).exp());
-                session.step(Event::Rate(rating), now)
+                let key = match answer {
+                    Answer::Key(key) => key,
+                    Answer::Value(value) => {
+                        session.step(Event::Adjust(value), now);
+                        0
+                    }
+                };
+                session.step(Event::Rate(key), now)
             }
             State::Paused(_) => session.step(Event::Resume, now),
             State::Instructions(_) | State::PhaseStart(_) | State::Break => session.step(Event::Continue, now),

@@ -6,8 +6,10 @@ use serde::{Serialize, Serializer};
 
 use super::{
     condition::{Condition, cross},
-    definition::{CATEGORIES, Definition},
+    definition::{Definition, Order},
     faults::{DefinitionError, DefinitionErrors},
+    scale::CATEGORIES,
+    task::{Given, Layout},
 };
 use crate::stimulus::ParameterValue;
 
@@ -15,6 +17,8 @@ use crate::stimulus::ParameterValue;
 const MAX_TRIALS: usize = 100_000;
 /// Typical time to look at a stimulus and rate it, seconds.
 const RATING_S: f64 = 3.5;
+/// Typical time to set a value, seconds.
+const SETTING_S: f64 = 12.0;
 /// Keys that the session itself uses, so they cannot be answers.
 const RESERVED_KEYS: [char; 1] = ['s'];
 
@@ -23,6 +27,8 @@ const RESERVED_KEYS: [char; 1] = ['s'];
 pub struct Protocol {
     definition: Definition,
     conditions: Arc<[Condition]>,
+    /// See [`Protocol::pairs`].
+    pairs: Option<Arc<[[usize; 2]]>>,
 }
 
 impl Deref for Protocol {
@@ -53,8 +59,9 @@ impl Protocol {
     /// Returns every error in the definition.
     pub fn new(definition: Definition) -> Result<Self, Vec<DefinitionError>> {
         let mut errors = DefinitionErrors::default();
-        let conditions = definition.check(&mut errors).into();
-        if errors.0.is_empty() { Ok(Self { definition, conditions }) } else { Err(errors.0) }
+        let conditions: Arc<[Condition]> = definition.check(&mut errors).into();
+        let pairs = definition.pairs(&conditions, &mut errors);
+        if errors.0.is_empty() { Ok(Self { definition, conditions, pairs }) } else { Err(errors.0) }
     }
 
     /// Returns a protocol whose definition differs in what `change` does to it.
@@ -72,9 +79,27 @@ impl Protocol {
         &self.conditions
     }
 
-    /// Returns the number of main trials.
+    /// Returns the pairs of conditions that the schedule plans to compare, if the task compares conditions. The answers
+    /// so far may decide which of them a trial shows.
+    pub fn pairs(&self) -> Option<&[[usize; 2]]> {
+        self.pairs.as_deref()
+    }
+
+    /// Returns the number of different things that the schedule repeats: conditions or pairs, or one if the answers
+    /// decide.
+    pub(super) fn slots(&self) -> usize {
+        if self.task.ranking().is_some() { 1 } else { self.pairs().map_or(self.conditions.len(), <[_]>::len) }
+    }
+
+    /// Returns the number of main trials of each of them.
+    pub fn repetitions(&self) -> u32 {
+        let adaptive = self.adaptive.as_ref().map(|adaptive| adaptive.common.trials);
+        self.task.ranking().or(adaptive).unwrap_or(self.design.repetitions)
+    }
+
+    /// Returns the number of main trials, or the most if an adaptive method can stop earlier.
     pub fn main_trials(&self) -> usize {
-        self.conditions.len() * self.design.repetitions as usize
+        self.slots() * self.repetitions() as usize
     }
 
     /// Returns the estimated duration of a session in whole minutes, including one minute for the instructions.
@@ -85,7 +110,8 @@ impl Protocol {
 
     /// Returns the estimated duration of a trial, seconds.
     pub(super) fn trial_s(&self) -> f64 {
-        self.recovery.duration_s + RATING_S
+        let answer = if self.task.dial().is_some() { SETTING_S } else { RATING_S };
+        self.recovery.duration_s + self.task.layout().lead_s() + answer
     }
 
     /// Returns the duration of the uniform field between stimuli to the nanosecond, as the session measures it.
@@ -93,9 +119,22 @@ impl Protocol {
         Duration::from_secs_f64(self.recovery.duration_s)
     }
 
-    /// Returns the duration of the stimulus to the nanosecond; `None` if it stays until it is rated.
+    /// Returns the duration of the stimulus, or of each interval, to the nanosecond; `None` if it stays until it is
+    /// answered.
     pub fn presentation_duration(&self) -> Option<Duration> {
-        self.presentation.map(|presentation| Duration::from_secs_f64(presentation.duration_s))
+        let seconds = match self.task.layout() {
+            Layout::Intervals { duration_s, .. } => Some(duration_s),
+            Layout::Single | Layout::Places(_) => self.presentation.map(|presentation| presentation.duration_s),
+        };
+        seconds.map(Duration::from_secs_f64)
+    }
+
+    /// Returns the duration of the uniform field between two intervals.
+    pub fn gap_duration(&self) -> Duration {
+        match self.task.layout() {
+            Layout::Intervals { gap_s, .. } => Duration::from_secs_f64(gap_s),
+            Layout::Single | Layout::Places(_) => Duration::ZERO,
+        }
     }
 
     /// Returns the experiment in gray, for observers who see colors differently from most people. A yellow with equal
@@ -147,6 +186,7 @@ impl Definition {
         errors.check_range("plan.participants", participants, 1.0, 9999.0, "the number of participants");
         errors.check_range("plan.sessions", self.plan.sessions.into(), 1.0, 99.0, "the sessions of each participant");
         self.check_response(errors);
+        self.check_task(errors);
         self.participant.check(errors);
         errors.0.extend(self.script_errors());
         conditions
@@ -184,7 +224,8 @@ impl Definition {
             return Vec::new();
         }
         // With repetitions = 0, which is reported as its own error, there are no trials, but there are still cells.
-        let repetitions = self.design.repetitions.max(1) as usize;
+        let adaptive = self.adaptive.as_ref().map(|adaptive| adaptive.common.trials);
+        let repetitions = adaptive.unwrap_or(self.design.repetitions).max(1) as usize;
         let cells = self.factors.iter().fold(1, |n: usize, factor| n.saturating_mul(factor.levels.len()));
         let main = cells.saturating_mul(repetitions);
         let trials = main.saturating_add(self.design.practice as usize);
@@ -224,9 +265,40 @@ impl Definition {
         }
     }
 
+    fn check_task(&self, errors: &mut DefinitionErrors) {
+        let adapted = self.adaptive.iter().flat_map(|adaptive| adaptive.parameters()).collect();
+        let given = Given { stimulus: &self.stimulus, factors: &self.factors, adapted };
+        self.task.check(&given, errors);
+        let Some(adaptive) = &self.adaptive else { return };
+        if self.task.guess().is_none() && self.task.catches().is_none() {
+            let message = format!(
+                "a task of the kind {} has no levels to choose; expected choice, yes-no or pair",
+                self.task.name()
+            );
+            errors.add("adaptive", message);
+        }
+        adaptive.check(&self.stimulus, &self.factors, &*self.task, errors);
+    }
+
+    /// Returns the pairs of conditions to compare, and adds an error if their trials cannot be ordered as asked.
+    fn pairs(&self, conditions: &[Condition], errors: &mut DefinitionErrors) -> Option<Arc<[[usize; 2]]>> {
+        let pairs = self.task.pairs(conditions, &self.factors)?;
+        if self.design.order != Order::Random || self.design.max_run.is_some() {
+            errors.add("design.order", "pairs have no levels of their own; expected order = \"random\" and no max_run");
+        }
+        let trials = pairs.len().saturating_mul(self.design.repetitions as usize);
+        if self.task.ranking().is_none() && trials > MAX_TRIALS {
+            errors.add("factors", format!("the design has {trials} comparisons; expected at most {MAX_TRIALS}"));
+        }
+        Some(pairs.into())
+    }
+
     fn check_response(&self, errors: &mut DefinitionErrors) {
         let categories = &self.response.categories;
-        if !CATEGORIES.contains(&categories.len()) {
+        if let Some(expected) = self.task.answers().filter(|expected| *expected != categories.len()) {
+            let message = format!("the number of labels is {}; expected {expected}", categories.len());
+            errors.add("response.labels", message);
+        } else if self.task.answers().is_none() && !CATEGORIES.contains(&categories.len()) {
             let (least, most) = CATEGORIES.into_inner();
             errors.add(
                 "response.labels",

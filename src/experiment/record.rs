@@ -7,12 +7,15 @@ use jiff::Timestamp;
 use serde::Serialize;
 
 use super::{
+    course::Course,
     identity::Identity,
     protocol::Protocol,
+    scale::CATEGORIES,
     schedule::{Phase, Schedule},
     session::TrialResponse,
+    task::{Answer, Presentation},
 };
-use crate::{light::interpolation::Depth, text::Cell as CellValue};
+use crate::{light::interpolation::Depth, stimulus::Stimulus, text::Cell as CellValue};
 
 /// A value in one cell of a CSV file.
 trait Cell: Sized {
@@ -102,7 +105,7 @@ impl Cell for Rating {
     }
     fn from_cell(text: &str) -> Result<Self, String> {
         match text.parse() {
-            Ok(rating) if usize::from(rating) < *super::CATEGORIES.end() => Ok(Self(rating)),
+            Ok(rating) if usize::from(rating) < *CATEGORIES.end() => Ok(Self(rating)),
             _ => Err("expected a rating, a whole number from 0".to_owned()),
         }
     }
@@ -158,44 +161,33 @@ pub struct Column {
     pub levels: serde_json::Map<String, serde_json::Value>,
 }
 
+/// Declares a part of a row: its fields, in order, are columns.
 macro_rules! record {
-    ($($name:ident: $kind:ty, $unit:literal, $description:literal;)*) => {
-        /// One trial as it was shown and rated: one row of a result file.
+    ($(#[$meta:meta])* $struct:ident, $columns:ident {
+        $($name:ident: $kind:ty, $unit:literal, $description:literal;)*
+    } $($(#[$more_meta:meta])* $more:ident: $more_kind:ty,)*) => {
+        $(#[$meta])*
         #[derive(Clone, Debug, Default, PartialEq)]
-        pub struct TrialRecord {
+        pub struct $struct {
             $(#[doc = $description] pub $name: $kind,)*
-            /// Levels of the factors that have no column above, in the order of the definition.
-            pub extra_factors: Vec<String>,
+            $($(#[$more_meta])* pub $more: $more_kind,)*
         }
 
-        /// Name, unit and description of the columns that every result file has. The other factors follow.
-        const FIXED: &[(&str, &str, &str)] = &[$((stringify!($name), $unit, $description),)*];
+        /// Name, unit and description of the columns.
+        const $columns: &[(&str, &str, &str)] = &[$((stringify!($name), $unit, $description),)*];
 
-        impl TrialRecord {
-            /// Returns the cells of the row in the order of [`columns`].
-            pub fn cells(&self) -> Vec<String> {
-                let mut cells = vec![$(Cell::to_cell(&self.$name),)*];
-                cells.extend(self.extra_factors.iter().cloned());
-                cells
+        impl $struct {
+            fn own_cells(&self) -> Vec<String> {
+                vec![$(Cell::to_cell(&self.$name),)*]
             }
 
-            /// Returns the values of the cells, in the same order. A factor without a column of its own is a number if its
-            /// level is one.
-            pub fn values(&self) -> Vec<CellValue> {
-                let mut values = vec![$(Cell::value(&self.$name),)*];
-                values.extend(self.extra_factors.iter().map(|level| level_value(level)));
-                values
+            fn own_values(&self) -> Vec<CellValue> {
+                vec![$(Cell::value(&self.$name),)*]
             }
 
-            /// Reads a row whose cells are in the order of [`columns`].
-            ///
-            /// # Errors
-            /// Returns the index of the first wrong cell and a message with the content that was expected.
-            pub fn from_cells(cells: &[&str]) -> Result<Self, (usize, String)> {
-                let mut next = 0;
-                $(let $name = cell(cells, &mut next, stringify!($name))?;)*
-                let extra_factors = cells[next..].iter().map(|cell| (*cell).to_owned()).collect();
-                Ok(Self { $($name,)* extra_factors })
+            fn read(cells: &[&str], next: &mut usize) -> Result<Self, (usize, String)> {
+                $(let $name = cell(cells, next, stringify!($name))?;)*
+                Ok(Self { $($name,)* $($more: Default::default(),)* })
             }
         }
     };
@@ -216,52 +208,131 @@ fn cell<T: Cell>(cells: &[&str], next: &mut usize, name: &str) -> Result<T, (usi
 }
 
 record! {
-    row_id: String, "", "Unique name of the row: participant, session, phase, trial and attempt.";
-    experiment: String, "", "Name of the definition.";
-    subject_id: String, "", "Participant.";
-    session_id: String, "", "Session ID of the participant.";
-    phase: Phase, "", "Practice trials are not analyzed.";
-    block: u32, "", "Block within the phase, from 1: one level of the blocking factor, or the stretch between two breaks.";
-    trial: u32, "", "Planned position within the phase, from 1.";
-    attempt: u32, "", "1, plus 1 for each correction of the rating; the last attempt of a trial counts.";
-    repetition: u32, "", "How many times the condition has been planned in this phase up to this trial, from 1.";
-    stimulus: String, "", "Kind of stimulus.";
-    width: Option<f64>, "proportion of the stimulus window", "Width of the luminance ramp; 0 is a step.";
-    depth: Option<Depth>, "", "Continuity depth n of the ramp, 1…32 or inf: n-1 derivatives vanish at its ends.";
-    orientation_deg: Option<f64>, "degree", "Direction in which the ramp brightens: 0 is to the right, and positive is counterclockwise.";
-    low: Option<f64>, "relative luminance, linear light", "Luminance of the darker plateau, 0…1.";
-    high: Option<f64>, "relative luminance, linear light", "Luminance of the brighter plateau, 0…1.";
-    color: Option<String>, "", "Color: a name, or linear weights of red, green and blue.";
-    rating: Rating, "", "Rated visibility of the brighter band.";
-    response_time_s: Seconds, "s", "Time from the onset of the stimulus to the rating.";
-    onset_s: Seconds, "s", "Onset of the stimulus since the session's start: the start of the frame that presents it.";
-    recovery_s: Seconds, "s", "Actual duration of the uniform field before the stimulus.";
-    frames: Option<u32>, "", "Number of frames that presented the stimulus; empty if no screen was used.";
-    dropped_frames: Option<u32>, "", "Number of frame intervals longer than 1.5 times the screen's, during recovery and stimulus; empty if not measured.";
-    started_at: Timestamp, "", "Wall-clock time of the onset, RFC 3339, UTC.";
-    stimulus_s: Option<Seconds>, "s", "Actual duration of the stimulus, from its onset to the frame that replaced it; empty if no screen was used.";
-    late_onset: Option<bool>, "", "Whether the onset came more than half a refresh later than planned; empty if the screen's refresh rate is not known.";
-    response_uncertainty_s: Option<Seconds>, "s", "Longest time that the key press may have waited before the program received it; empty if not measured.";
-    sitting: u32, "", "1, plus 1 each time an interrupted session was resumed.";
-    seed: u64, "", "Seed of the trial order.";
+    /// One trial as it was shown and answered: one row of a result file.
+    TrialRecord, FIXED {
+        row_id: String, "", "Unique name of the row: participant, session, phase, trial and attempt.";
+        experiment: String, "", "Name of the definition.";
+        subject_id: String, "", "Participant.";
+        session_id: String, "", "Session ID of the participant.";
+        phase: Phase, "", "Practice trials are not analyzed.";
+        block: u32, "", "Block within the phase, from 1: one level of the blocking factor, or the stretch between two breaks.";
+        trial: u32, "", "Planned position within the phase, from 1.";
+        attempt: u32, "", "1, plus 1 for each correction of the rating; the last attempt of a trial counts.";
+        repetition: u32, "", "How many times the condition has been planned in this phase up to this trial, from 1.";
+        stimulus: String, "", "Kind of stimulus.";
+        width: Option<f64>, "proportion of the stimulus window", "Width of the luminance ramp; 0 is a step.";
+        depth: Option<Depth>, "", "Continuity depth n of the ramp, 1…32 or inf: n-1 derivatives vanish at its ends.";
+        orientation_deg: Option<f64>, "degree", "Direction in which the ramp brightens: 0 is to the right, and positive is counterclockwise.";
+        low: Option<f64>, "relative luminance, linear light", "Luminance of the darker plateau, 0…1.";
+        high: Option<f64>, "relative luminance, linear light", "Luminance of the brighter plateau, 0…1.";
+        color: Option<String>, "", "Color: a name, or linear weights of red, green and blue.";
+        rating: Option<Rating>, "", "Rated visibility of the brighter band.";
+        response_time_s: Seconds, "s", "Time from the onset of the stimulus to the rating.";
+        onset_s: Seconds, "s", "Onset of the stimulus since the session's start: the start of the frame that presents it.";
+        recovery_s: Seconds, "s", "Actual duration of the uniform field before the stimulus.";
+        frames: Option<u32>, "", "Number of frames that presented the stimulus; empty if no screen was used.";
+        dropped_frames: Option<u32>, "", "Number of frame intervals longer than 1.5 times the screen's, during recovery and stimulus; empty if not measured.";
+        started_at: Timestamp, "", "Wall-clock time of the onset, RFC 3339, UTC.";
+        stimulus_s: Option<Seconds>, "s", "Actual duration of the stimulus, from its onset to the frame that replaced it; empty if no screen was used.";
+        late_onset: Option<bool>, "", "Whether the onset came more than half a refresh later than planned; empty if the screen's refresh rate is not known.";
+        response_uncertainty_s: Option<Seconds>, "s", "Longest time that the key press may have waited before the program received it; empty if not measured.";
+        sitting: u32, "", "1, plus 1 each time an interrupted session was resumed.";
+        seed: u64, "", "Seed of the trial order.";
+    }
+    /// What a task other than a rating records in addition.
+    answer: Option<TaskAnswer>,
+    /// Levels of the factors that have no column above, in the order of the definition. For a pair of stimuli, the
+    /// columns of the second follow.
+    further: Vec<String>,
+}
+
+record! {
+    /// The answer to a trial of any task but a rating on a scale of categories.
+    TaskAnswer, TASK {
+        task: String, "", "Kind of task.";
+        response: String, "", "The answer: the number of the place or interval, yes or no, or the value that was set.";
+        correct: Option<bool>, "", "Whether the answer is right; empty if there is no right or wrong.";
+        level: Option<f64>, "", "The level that the adaptive method chose; in a trial without a target, that of the target that it stands for.";
+        target: Option<u32>, "", "Place or interval of the target, from 1; 0 if the trial shows none.";
+        start: Option<f64>, "", "The value at which an adjustment began.";
+        path: Option<String>, "", "Every change of the value: seconds since the onset, a colon and the new value.";
+    }
+}
+
+/// The columns of a stimulus. A row of a pair has them again for the second one, with this suffix.
+const STIMULUS: [&str; 7] = ["stimulus", "width", "depth", "orientation_deg", "low", "high", "color"];
+const SECOND: &str = "_2";
+
+impl TrialRecord {
+    /// Returns the cells of the row in the order of [`columns`].
+    pub fn cells(&self) -> Vec<String> {
+        let answer = self.answer.as_ref().map(TaskAnswer::own_cells).unwrap_or_default();
+        [self.own_cells(), answer, self.further.clone()].concat()
+    }
+
+    /// Returns the values of the cells, in the same order. A factor without a column of its own is a number if its level
+    /// is one.
+    pub fn values(&self) -> Vec<CellValue> {
+        let answer = self.answer.as_ref().map(TaskAnswer::own_values).unwrap_or_default();
+        [self.own_values(), answer, self.further.iter().map(|level| level_value(level)).collect()].concat()
+    }
+
+    /// Reads a row whose cells are in the order of [`columns`].
+    ///
+    /// # Errors
+    /// Returns the index of the first wrong cell and a message with the content that was expected.
+    pub fn from_cells(cells: &[&str], columns: &[Column]) -> Result<Self, (usize, String)> {
+        let mut next = 0;
+        let mut row = Self::read(cells, &mut next)?;
+        if has_task(columns) {
+            row.answer = Some(TaskAnswer::read(cells, &mut next)?);
+        } else if row.rating.is_none() {
+            let at = FIXED.iter().position(|(name, ..)| *name == "rating").unwrap_or_default();
+            return Err((at, "rating is \"\"; expected a rating, a whole number from 0".to_owned()));
+        }
+        row.further = cells[next..].iter().map(|cell| (*cell).to_owned()).collect();
+        Ok(row)
+    }
+}
+
+/// Returns whether rows with these columns have those of a task.
+fn has_task(columns: &[Column]) -> bool {
+    columns.get(FIXED.len()).is_some_and(|column| column.name == TASK[0].0)
 }
 
 /// Returns every column of a protocol's result files, in order.
 pub fn columns(protocol: &Protocol) -> Vec<Column> {
     let known = protocol.stimulus.parameters();
-    let extra = extra_factors(protocol).map(|name| {
+    let factor = |name| {
         let parameter = known.iter().find(|parameter| parameter.name == name);
         parameter.map_or((name, "", ""), |parameter| (name, parameter.unit, parameter.description))
-    });
+    };
     let with_levels = |one: (&str, &str, &str)| Column { levels: levels(protocol, one.0), ..column(one) };
-    FIXED.iter().copied().chain(extra).map(with_levels).collect()
+    let task = if protocol.task.is_default() { &[] } else { TASK };
+    let all = FIXED.iter().chain(task).copied().chain(extra_factors(protocol).map(factor)).map(with_levels);
+    let mut all: Vec<Column> = all.collect();
+    let second = |name: &str| {
+        let first = all.iter().find(|column| column.name == name).cloned().unwrap_or_default();
+        let description = format!("Of the second stimulus, on the right: {}", first.description);
+        Column { name: format!("{name}{SECOND}"), description, ..first }
+    };
+    let second: Vec<Column> = described_twice(protocol).map(second).collect();
+    all.extend(second);
+    all
+}
+
+/// Returns the columns that a row has for both stimuli of a pair; none if the task shows no pairs of conditions.
+fn described_twice(protocol: &Protocol) -> impl Iterator<Item = &str> {
+    let own = STIMULUS.into_iter().chain(extra_factors(protocol));
+    own.filter(|_| protocol.pairs().is_some())
 }
 
 /// Returns the columns of a file whose definition is unknown: the columns that every file has, and any others in its
 /// header.
 pub fn columns_by_header<'a>(header: impl Iterator<Item = &'a str>) -> Vec<Column> {
-    let extra = header.skip(FIXED.len()).map(|name| (name, "", ""));
-    FIXED.iter().copied().chain(extra).map(column).collect()
+    let mut extra = header.skip(FIXED.len()).map(|name| (name, "", "")).peekable();
+    let task = if extra.peek().is_some_and(|(name, ..)| *name == TASK[0].0) { TASK } else { &[] };
+    FIXED.iter().chain(task).copied().chain(extra.skip(task.len())).map(column).collect()
 }
 
 /// Describes a column by its name, unit and meaning.
@@ -274,7 +345,7 @@ fn extra_factors(protocol: &Protocol) -> impl Iterator<Item = &str> {
         .factors
         .iter()
         .map(|factor| factor.name.as_str())
-        .filter(|name| FIXED.iter().all(|(fixed, ..)| fixed != name))
+        .filter(|name| FIXED.iter().chain(TASK).all(|(fixed, ..)| fixed != name))
 }
 
 fn levels(protocol: &Protocol, column: &str) -> serde_json::Map<String, serde_json::Value> {
@@ -284,7 +355,8 @@ fn levels(protocol: &Protocol, column: &str) -> serde_json::Map<String, serde_js
             [("practice", "Before the measurement"), ("main", "The measurement")].map(pair).into_iter().collect()
         }
         "late_onset" => [("0", "As planned"), ("1", "Late")].map(pair).into_iter().collect(),
-        "rating" => (0..)
+        "correct" => [("0", "Wrong"), ("1", "Right")].map(pair).into_iter().collect(),
+        "rating" if protocol.task.is_default() => (0..)
             .zip(&protocol.response.categories)
             .map(|(i, category): (u32, _)| pair((&i.to_string(), &category.label)))
             .collect(),
@@ -329,8 +401,8 @@ impl TrialRecord {
     /// Creates the row for a response. `started_at` is the wall-clock time of the onset.
     pub fn new(context: &RowContext<'_>, response: &TrialResponse, started_at: Timestamp) -> Self {
         let seconds = |time: Duration| Seconds(time.as_secs_f64());
+        let TrialResponse { trial, attempt, shown, answer, .. } = response;
         let measured = Self {
-            rating: Rating(response.rating),
             response_time_s: seconds(response.response_time),
             onset_s: seconds(response.onset),
             recovery_s: seconds(response.recovery),
@@ -341,19 +413,41 @@ impl TrialRecord {
             stimulus_s: response.stimulus.map(seconds),
             late_onset: response.late_onset,
             response_uncertainty_s: response.uncertainty.map(seconds),
+            answer: response.path().map(|path| TaskAnswer { path: Some(path), ..TaskAnswer::default() }),
             ..Self::default()
         };
-        measured.of_trial(context, response.trial, response.attempt)
+        measured.of_trial(context, *trial, *attempt, (shown, answer))
     }
 
-    /// Returns the measurements of this row together with the planned values of a trial.
-    fn of_trial(self, context: &RowContext<'_>, trial: usize, attempt: u32) -> Self {
+    /// Returns the measurements of this row together with the planned values of a trial, what it showed and its answer.
+    fn of_trial(
+        self,
+        context: &RowContext<'_>,
+        trial: usize,
+        attempt: u32,
+        (shown, answer): (&Presentation, &Answer),
+    ) -> Self {
         let RowContext { protocol, schedule, identity, .. } = context;
-        let trial = &schedule.trials[trial];
-        let stimulus = &schedule.conditions[trial.condition].stimulus;
+        let (trial, task) = (&schedule.trials[trial], &protocol.task);
+        let stimulus = shown.described();
         let number = |name: &str| CellValue::from(stimulus.get(name)?).as_number();
-        let text = |name: &str| stimulus.get(name).map(|value| value.to_string());
+        let text = |stimulus: &Stimulus, name: &str| match name {
+            "stimulus" => stimulus.kind().to_owned(),
+            _ => stimulus.get(name).map(|value| value.to_string()).unwrap_or_default(),
+        };
+        let further = extra_factors(protocol).map(|name| text(stimulus, name));
+        let second = shown.stimuli.last().unwrap_or(stimulus);
+        let twice = described_twice(protocol).map(|name| text(second, name));
         let (subject, session) = (identity.subject(), identity.session());
+        let of_task = || TaskAnswer {
+            task: task.name().to_owned(),
+            response: task.response(answer),
+            correct: task.judge(shown, answer),
+            level: shown.level,
+            target: shown.target,
+            start: shown.start,
+            path: self.answer.as_ref().and_then(|answer| answer.path.clone()),
+        };
         Self {
             row_id: format!("{subject}_{session}_{}_{:04}_{attempt}", trial.phase, trial.number),
             experiment: protocol.name.clone(),
@@ -366,13 +460,15 @@ impl TrialRecord {
             repetition: trial.repetition,
             stimulus: stimulus.kind().to_owned(),
             width: number("width"),
-            depth: text("depth").and_then(|depth| depth.parse().ok()),
+            depth: text(stimulus, "depth").parse().ok(),
             orientation_deg: number("orientation_deg"),
             low: number("low"),
             high: number("high"),
-            color: text("color"),
+            color: Some(text(stimulus, "color")).filter(|color| !color.is_empty()),
+            rating: if let (true, Answer::Key(key)) = (task.is_default(), answer) { Some(Rating(*key)) } else { None },
             seed: schedule.seed,
-            extra_factors: extra_factors(protocol).map(|name| text(name).unwrap_or_default()).collect(),
+            answer: (!task.is_default()).then(of_task),
+            further: further.chain(twice).collect(),
             ..self
         }
     }
@@ -383,29 +479,119 @@ impl TrialRecord {
         self.cells().into_iter().nth(index)
     }
 
-    /// Returns the index of the trial that this row records.
+    /// Returns the answer in this row; `None` if the task has no such answer.
+    fn given(&self, protocol: &Protocol) -> Option<Answer> {
+        let Some(TaskAnswer { response, .. }) = &self.answer else { return Some(Answer::Key(self.rating?.0)) };
+        if let Some(dial) = protocol.task.dial() {
+            let value = response.parse().ok().filter(|value| (dial.range[0]..=dial.range[1]).contains(value))?;
+            return Some(Answer::Value(value));
+        }
+        let keys = (0..protocol.response.categories.len()).map(|key| Answer::Key(key as u8));
+        keys.into_iter().find(|answer| protocol.task.response(answer) == *response)
+    }
+}
+
+/// Recomputes a session from its rows, one after the other.
+#[derive(Debug)]
+pub struct Replay<'a> {
+    identity: &'a Identity,
+    course: Course,
+    /// Whether rows may be missing, so that what an adaptive method showed need not follow from the rows.
+    has_gaps: bool,
+}
+
+impl<'a> Replay<'a> {
+    /// Begins a session. `has_gaps` if rows were removed by a repair.
+    #[must_use]
+    pub fn new(identity: &'a Identity, course: Course, has_gaps: bool) -> Self {
+        Self { identity, course, has_gaps }
+    }
+
+    /// Returns the session after the rows so far.
+    #[must_use]
+    pub fn course(&self) -> &Course {
+        &self.course
+    }
+
+    /// Returns the session after the rows so far.
+    #[must_use]
+    pub fn into_course(self) -> Course {
+        self.course
+    }
+
+    /// Takes the next row, and returns the index of the trial that it records and what it showed.
     ///
     /// # Errors
-    /// Returns a message if the schedule does not plan this trial with this condition, or the scale has no such rating.
-    pub fn planned_trial(&self, context: &RowContext<'_>) -> Result<usize, String> {
-        let highest = context.protocol.response.highest();
-        if self.rating.0 > highest {
-            let rating = self.rating.0;
-            return Err(format!("row {} has the rating {rating}; expected 0 to {highest}", self.row_id));
+    /// Returns a message if the schedule does not plan this trial, if what it showed does not follow from the answers
+    /// before, or if there is no such answer. The row then teaches an adaptive method nothing.
+    pub fn row(&mut self, row: &TrialRecord) -> Result<(usize, Presentation), String> {
+        let protocol = self.course.protocol();
+        let highest = protocol.response.highest();
+        if let Some(rating) = row.rating.filter(|rating| row.answer.is_none() && rating.0 > highest) {
+            return Err(format!("row {} has the rating {}; expected 0 to {highest}", row.row_id, rating.0));
         }
-        // Practice trials come first, and each phase is numbered from 1.
-        let practice = context.protocol.design.practice as usize;
-        let before = if self.phase == Phase::Main { practice } else { 0 };
-        let index = (before + self.trial as usize).checked_sub(1);
-        let is_planned = |index: &usize| {
-            context.schedule.trials[*index].phase == self.phase
-                && self.clone().of_trial(context, *index, self.attempt) == *self
-        };
-        index.filter(|index| *index < context.schedule.trials.len()).filter(is_planned).ok_or_else(|| {
+        let given = row.given(protocol).ok_or_else(|| {
+            let response = row.answer.as_ref().map_or("", |answer| &answer.response);
             format!(
-                "row {} is not planned by the definition and seed {}; expected the row as it was recorded",
-                self.row_id, context.schedule.seed
+                "row {} has the response {response:?}; expected an answer of the task {}",
+                row.row_id,
+                protocol.task.name()
             )
-        })
+        })?;
+        // Practice trials come first, and each phase is numbered from 1.
+        let practice = protocol.design.practice as usize;
+        let before = if row.phase == Phase::Main { practice } else { 0 };
+        let trials = &self.course.schedule().trials;
+        let index = (before + row.trial as usize).checked_sub(1);
+        let index = index.filter(|index| trials.get(*index).is_some_and(|trial| trial.phase == row.phase));
+        let index = index.ok_or_else(|| self.unplanned(row))?;
+        self.course.take_back(index);
+        let is_over = self.course.is_over(index);
+        let shown = self.course.presentation(index);
+        if !is_over && self.shows(row, index, (&shown, &given)) {
+            self.course.answer_as_shown(index, &shown, &given);
+            return Ok((index, shown));
+        }
+        let level = row.answer.as_ref().and_then(|answer| answer.level);
+        let possible = self.course.possible(index, level);
+        let Some(shown) = possible.into_iter().find(|shown| self.shows(row, index, (shown, &given))) else {
+            return Err(self.unplanned(row));
+        };
+        if !self.has_gaps {
+            return Err(format!(
+                "row {} does not follow from the answers before it; expected {}",
+                row.row_id,
+                if is_over { "no further trial of its condition".to_owned() } else { self.expected(index) }
+            ));
+        }
+        self.course.answer_as_shown(index, &shown, &given);
+        Ok((index, shown))
+    }
+
+    /// Returns whether a row is the one that a trial with this presentation and answer records.
+    fn shows(&self, row: &TrialRecord, index: usize, trial: (&Presentation, &Answer)) -> bool {
+        let context = RowContext {
+            protocol: self.course.protocol(),
+            schedule: self.course.schedule(),
+            identity: self.identity,
+            sitting: row.sitting,
+        };
+        row.clone().of_trial(&context, index, row.attempt, trial) == *row
+    }
+
+    fn expected(&self, index: usize) -> String {
+        let shown = self.course.presentation(index);
+        match shown.level {
+            Some(level) => format!("the level {level}"),
+            None => "the pair that tells most".to_owned(),
+        }
+    }
+
+    fn unplanned(&self, row: &TrialRecord) -> String {
+        format!(
+            "row {} is not planned by the definition and seed {}; expected the row as it was recorded",
+            row.row_id,
+            self.course.schedule().seed
+        )
     }
 }

@@ -1,7 +1,7 @@
 //! The order of the trials. The definition, the seed and the identity determine it, and it is the same on every
 //! machine.
 
-use std::sync::Arc;
+use std::{collections::HashMap, sync::Arc};
 
 use rand_chacha::{
     ChaCha8Rng,
@@ -56,8 +56,14 @@ pub struct Trial {
     pub number: u32,
     /// How many times this condition has occurred in this phase, including this trial; from 1.
     pub repetition: u32,
-    /// Index into [`Schedule::conditions`].
+    /// Index into [`Schedule::conditions`] or, in a task that compares conditions, into
+    /// [`Protocol::pairs`](super::Protocol::pairs).
     pub condition: usize,
+    /// Drawn in advance and balanced over the trials of a condition: where the target is, for example. Its meaning
+    /// depends on the task.
+    pub place: u32,
+    /// Drawn in advance, uniform over all values.
+    pub draw: u32,
 }
 
 /// All trials of a session, in order.
@@ -69,6 +75,8 @@ pub struct Schedule {
     pub trials: Vec<Trial>,
     /// The seed from which the order was generated.
     pub seed: u64,
+    /// The number of the participant's and session's own random stream.
+    pub stream: u64,
 }
 
 /// No order with the definition's `max_run` was found.
@@ -83,9 +91,12 @@ pub struct ScheduleError {
 /// stream.
 pub(super) fn generator(seed: u64, identity: &Identity) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let name = format!("{}\0{}", identity.subject(), identity.session());
-    rng.set_stream(fnv1a(name.as_bytes()));
+    rng.set_stream(stream(identity));
     rng
+}
+
+fn stream(identity: &Identity) -> u64 {
+    fnv1a(format!("{}\0{}", identity.subject(), identity.session()).as_bytes())
 }
 
 /// Derives the seed of a new session from anything that differs between sessions. It is below 2³², so that every JSON
@@ -102,9 +113,10 @@ impl Schedule {
     pub fn new(protocol: &Protocol, identity: &Identity, seed: u64) -> Result<Self, ScheduleError> {
         let conditions = Arc::clone(protocol.conditions());
         let mut rng = generator(seed, identity);
-        let mut trials = practice(protocol, conditions.len(), &mut rng);
+        let mut trials = practice(protocol, &mut rng);
         trials.extend(main(protocol, &conditions, identity, &mut rng)?);
-        Ok(Self { conditions, trials, seed })
+        draw_places(&mut trials, &protocol.task.places(), &mut rng);
+        Ok(Self { conditions, trials, seed, stream: stream(identity) })
     }
 
     /// Returns the planned trials of one phase.
@@ -113,9 +125,26 @@ impl Schedule {
     }
 }
 
+/// Draws the place and the number of each trial. Within a condition and a phase, every round of `places` is complete
+/// before the next begins. A task with a single place draws nothing.
+fn draw_places(trials: &mut [Trial], places: &[u32], rng: &mut ChaCha8Rng) {
+    if places.len() < 2 {
+        return;
+    }
+    let mut rounds: HashMap<(Phase, usize), Vec<u32>> = HashMap::new();
+    for trial in trials {
+        let left = rounds.entry((trial.phase, trial.condition)).or_default();
+        if left.is_empty() {
+            left.extend(places);
+            shuffle(left, rng);
+        }
+        (trial.place, trial.draw) = (left.pop().unwrap_or_default(), (rng.next_u64() >> 32) as u32);
+    }
+}
+
 /// Picks the practice trials. Each condition occurs at most one time more than any other.
-fn practice(protocol: &Protocol, conditions: usize, rng: &mut ChaCha8Rng) -> Vec<Trial> {
-    let wanted = protocol.design.practice as usize;
+fn practice(protocol: &Protocol, rng: &mut ChaCha8Rng) -> Vec<Trial> {
+    let (wanted, conditions) = (protocol.design.practice as usize, protocol.slots());
     let mut picked = Vec::with_capacity(wanted);
     while picked.len() < wanted {
         let mut round: Vec<usize> = (0..conditions).collect();
@@ -134,7 +163,7 @@ fn main(
 ) -> Result<Vec<Trial>, ScheduleError> {
     let design = &protocol.design;
     let blocking = design.order.factor().and_then(|name| protocol.factors.iter().position(|f| f.name == name));
-    let all = 0..conditions.len();
+    let all = 0..protocol.slots();
     let (blocks, block_trials): (Vec<Vec<usize>>, _) = match blocking {
         None if design.break_every == 0 => (vec![all.collect()], protocol.main_trials()),
         None => (vec![all.collect()], design.break_every as usize),
@@ -150,14 +179,14 @@ fn main(
     let mut cells = Vec::with_capacity(protocol.main_trials());
     for block in blocks {
         let settled = cells.len();
-        cells.extend(block.repeat(design.repetitions as usize));
+        cells.extend(block.repeat(protocol.repetitions() as usize));
         shuffle(&mut cells[settled..], rng);
         if let Some(max_run) = design.max_run {
             limit_runs(&mut cells, settled, conditions, &protocol.factors, blocking, max_run, rng)?;
         }
     }
     let numbered = cells.into_iter().enumerate().map(|(i, cell)| ((i / block_trials.max(1)) as u32 + 1, cell));
-    Ok(number(Phase::Main, conditions.len(), numbered))
+    Ok(number(Phase::Main, protocol.slots(), numbered))
 }
 
 /// Returns the order of the blocks for a blocking factor with `levels` levels.
@@ -192,7 +221,7 @@ fn number(phase: Phase, conditions: usize, cells: impl Iterator<Item = (u32, usi
         .zip(1..)
         .map(|((block, condition), number)| {
             seen[condition] += 1;
-            Trial { phase, block, number, repetition: seen[condition], condition }
+            Trial { phase, block, number, repetition: seen[condition], condition, place: 0, draw: 0 }
         })
         .collect()
 }

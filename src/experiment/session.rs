@@ -7,14 +7,16 @@ use std::{
 };
 
 use super::{
+    course::Course,
     frame_log::{FrameLog, FrameRun, Shown},
     protocol::Protocol,
     schedule::{Phase, Schedule},
+    task::{Answer, Dial, Layout, Presentation},
 };
 use crate::display::frames::{FrameTimes, Refresh};
 
 /// An event in a session.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
     /// A frame begins that will show the current [`State`]. Without a screen: time has passed.
     Frame,
@@ -22,19 +24,21 @@ pub enum Event {
     Continue,
     /// Go back to the previous page of the instructions.
     Back,
-    /// The stimulus is rated now.
+    /// The trial is answered now, with this answer, from 0. If a value is set, 0 accepts it.
     Rate(u8),
-    /// The stimulus was rated before this frame began.
+    /// The trial was answered before this frame began.
     RateAt {
-        /// 0…3.
+        /// The answer, from 0.
         rating: u8,
-        /// When the program received the rating. A time before the onset or after the start of this frame is clamped to
+        /// When the program received the answer. A time before the onset or after the start of this frame is clamped to
         /// that limit.
         at: Duration,
         /// Longest time that the rating may have waited before the program received it, if known.
         uncertainty: Option<Duration>,
     },
-    /// Undo the last rating.
+    /// The value that participants set is now this.
+    Adjust(f64),
+    /// Undo the last answer.
     Undo,
     /// Stop at once.
     Pause,
@@ -69,10 +73,25 @@ pub enum State {
     },
     /// The stimulus.
     Stimulus {
-        /// Start of the frame that presented it.
+        /// Start of the frame that presented it. If several intervals show a stimulus, that of the last one so far.
         onset: Duration,
         /// Actual duration of the uniform field before the stimulus.
         recovery: Duration,
+        /// The interval, from 0.
+        interval: usize,
+        /// Start of the frame that presented the first interval.
+        first: Duration,
+    },
+    /// The uniform field between two intervals.
+    Gap {
+        /// When the field appeared on the screen.
+        since: Duration,
+        /// Actual duration of the uniform field before the trial.
+        recovery: Duration,
+        /// The next interval.
+        next: usize,
+        /// Start of the frame that presented the first interval.
+        first: Duration,
     },
     /// The uniform field after a stimulus of fixed duration, until it is rated.
     Response {
@@ -80,8 +99,10 @@ pub enum State {
         onset: Duration,
         /// Actual duration of the uniform field before the stimulus.
         recovery: Duration,
-        /// Actual duration of the stimulus.
+        /// Actual duration of the stimulus, or of the last interval.
         stimulus: Duration,
+        /// Start of the frame that presented the first interval.
+        first: Duration,
     },
     /// A rest, until the participant continues.
     Break,
@@ -98,16 +119,20 @@ pub enum State {
     Left,
 }
 
-/// One rated trial.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// One answered trial.
+#[derive(Clone, Debug, PartialEq)]
 pub struct TrialResponse {
     /// Index into [`Schedule::trials`].
     pub trial: usize,
     /// 1, plus 1 each time the rating was undone, and each time the practice was repeated.
     pub attempt: u32,
-    /// 0…3.
-    pub rating: u8,
-    /// Time from the onset to the rating.
+    /// What it showed.
+    pub shown: Presentation,
+    /// The answer.
+    pub answer: Answer,
+    /// Every change of a value that was set, with the time since the onset; `None` if no value is set.
+    pub steps: Option<Vec<(Duration, f64)>>,
+    /// Time from the onset, or from that of the last interval, to the answer.
     pub response_time: Duration,
     /// Onset of the stimulus, measured from the session's start.
     pub onset: Duration,
@@ -124,6 +149,16 @@ pub struct TrialResponse {
     /// Number of frame intervals longer than 1.5 times the screen's during recovery and stimulus, if that interval is
     /// known.
     pub dropped_frames: Option<u32>,
+}
+
+impl TrialResponse {
+    /// Returns the changes of a value as a row writes them.
+    #[must_use]
+    pub fn path(&self) -> Option<String> {
+        let steps = self.steps.as_ref().filter(|steps| !steps.is_empty())?;
+        let step = |(at, value): &(Duration, f64)| format!("{:.3}:{value}", at.as_secs_f64());
+        Some(steps.iter().map(step).collect::<Vec<_>>().join(" "))
+    }
 }
 
 /// Whether frames are counted, and the interval against which they are judged.
@@ -179,12 +214,16 @@ pub struct Progress {
 /// A running session.
 #[derive(Clone, Debug)]
 pub struct Session {
-    protocol: Protocol,
-    schedule: Schedule,
+    course: Course,
     /// The trials that were still missing when the session started, in order.
     missing: Vec<usize>,
-    /// Index of the next trial in `missing`.
+    /// Index in `missing` of the first trial that is not answered.
     position: usize,
+    /// What the current or next trial shows.
+    shown: Option<Presentation>,
+    /// The value that is set, and its changes so far.
+    value: Option<f64>,
+    steps: Vec<(Duration, f64)>,
     /// See [`Resumed::again`].
     again: BTreeMap<usize, u32>,
     /// The trial being repeated after its rating was undone, and its attempt.
@@ -211,14 +250,16 @@ pub struct Session {
 
 impl Session {
     /// Creates a session at its first page. All trials that are not yet done lie ahead.
-    pub fn new(protocol: Protocol, schedule: Schedule, resumed: &Resumed, options: SessionOptions) -> Self {
-        let missing = (0..schedule.trials.len()).filter(|trial| !resumed.done.contains(trial)).collect();
+    pub fn new(course: Course, resumed: &Resumed, options: SessionOptions) -> Self {
+        let missing = (0..course.schedule().trials.len()).filter(|trial| !resumed.done.contains(trial)).collect();
         let mut session = Self {
-            protocol,
-            schedule,
+            course,
             missing,
             again: resumed.again.clone(),
             position: 0,
+            shown: None,
+            value: None,
+            steps: Vec::new(),
             redo: None,
             page_left: false,
             last: None,
@@ -233,7 +274,8 @@ impl Session {
             pace: (Duration::ZERO, 0),
             trial_start: Duration::ZERO,
         };
-        if session.missing.is_empty() {
+        session.plan();
+        if session.current().is_none() {
             session.state = State::Done;
         } else if options.pages == 0 {
             session.state = State::PhaseStart(session.phase());
@@ -248,17 +290,33 @@ impl Session {
 
     /// Returns the definition.
     pub fn protocol(&self) -> &Protocol {
-        &self.protocol
+        self.course.protocol()
     }
 
     /// Returns the planned order of the trials.
     pub fn schedule(&self) -> &Schedule {
-        &self.schedule
+        self.course.schedule()
     }
 
     /// Returns the index into [`Schedule::trials`] of the current or next trial, or `None` if no trial is left.
     pub fn current(&self) -> Option<usize> {
-        self.redo.map(|(trial, _)| trial).or_else(|| self.missing.get(self.position).copied())
+        let next = || self.missing[self.position..].iter().find(|trial| !self.course.is_over(**trial)).copied();
+        self.redo.map(|(trial, _)| trial).or_else(next)
+    }
+
+    /// Returns what the current or next trial shows, or `None` if no trial is left.
+    pub fn shown(&self) -> Option<&Presentation> {
+        self.shown.as_ref()
+    }
+
+    /// Returns the value that is set now, if the task asks for one and it was touched or began somewhere.
+    pub fn value(&self) -> Option<f64> {
+        self.value
+    }
+
+    /// Chooses what the current or next trial shows.
+    fn plan(&mut self) {
+        self.shown = self.current().map(|trial| self.course.presentation(trial));
     }
 
     /// Returns whether a rating is waiting to be stored.
@@ -296,10 +354,10 @@ impl Session {
 
     /// Returns the progress of the session.
     pub fn progress(&self) -> Progress {
-        let total = self.schedule.trials.len();
-        let left = self.missing.len() - self.position;
+        let total = self.schedule().trials.len();
+        let left = self.missing[self.position..].iter().filter(|trial| !self.course.is_over(**trial)).count();
         let (time, rated) = self.pace;
-        let planned = Duration::try_from_secs_f64(self.protocol.trial_s() * left as f64).unwrap_or_default();
+        let planned = Duration::try_from_secs_f64(self.protocol().trial_s() * left as f64).unwrap_or_default();
         let remaining = (rated > 0).then(|| time / rated * left as u32);
         Progress { done: total - left, total, remaining, planned }
     }
@@ -330,14 +388,21 @@ impl Session {
                 self.state = State::Instructions(page - 1);
             }
             (Event::Continue, State::PhaseStart(_) | State::Break) => self.recover(now),
-            (Event::Rate(rating), State::Stimulus { .. } | State::Response { .. }) => {
-                return self.rate(rating, now, None, now);
-            }
-            (Event::RateAt { rating, at, uncertainty }, State::Stimulus { .. } | State::Response { .. }) => {
-                return self.rate(rating, at, uncertainty, now);
+            (Event::Rate(rating), _) => return self.rate(rating, now, None, now),
+            (Event::RateAt { rating, at, uncertainty }, _) => return self.rate(rating, at, uncertainty, now),
+            (Event::Adjust(value), State::Stimulus { onset, .. } | State::Response { onset, .. }) => {
+                if let Some(Dial { range: [low, high], .. }) = self.protocol().task.dial()
+                    && value.is_finite()
+                {
+                    let value = value.clamp(low, high);
+                    self.steps.push((now.saturating_sub(*onset), value));
+                    self.value = Some(value);
+                }
             }
             (Event::Undo, _) if self.can_undo() => {
                 self.redo = self.last.take().map(|(trial, attempt)| (trial, attempt + 1));
+                self.redo.into_iter().for_each(|(trial, _)| self.course.take_back(trial));
+                self.plan();
                 self.page_left = matches!(self.state, State::Recovery { .. });
                 self.recover(now);
             }
@@ -346,7 +411,9 @@ impl Session {
                 self.state = State::Paused(Box::new(held));
             }
             (Event::Resume, State::Paused(held)) => match held.as_ref() {
-                State::Recovery { .. } | State::Stimulus { .. } | State::Response { .. } => self.recover(now),
+                State::Recovery { .. } | State::Stimulus { .. } | State::Gap { .. } | State::Response { .. } => {
+                    self.recover(now);
+                }
                 State::Closing { .. } => self.state = State::Closing { since: now },
                 other => self.state = other.clone(),
             },
@@ -357,7 +424,7 @@ impl Session {
     }
 
     fn phase(&self) -> Phase {
-        self.current().map_or(Phase::Main, |trial| self.schedule.trials[trial].phase)
+        self.current().map_or(Phase::Main, |trial| self.schedule().trials[trial].phase)
     }
 
     fn recover(&mut self, now: Duration) {
@@ -374,12 +441,24 @@ impl Session {
         self.end_frame(now);
         match self.state {
             State::Recovery { since } if self.is_recovered(since, now) => self.present(since, now),
-            State::Stimulus { onset, recovery } => match self.protocol.presentation_duration() {
+            State::Stimulus { onset, recovery, interval, first } => match self.protocol().presentation_duration() {
                 Some(planned) if self.is_over(now.saturating_sub(onset), planned) => {
-                    self.state = State::Response { onset, recovery, stimulus: now.saturating_sub(onset) };
+                    let next = interval + 1;
+                    self.state = match self.protocol().task.layout() {
+                        Layout::Intervals { count, .. } if next < count => {
+                            State::Gap { since: now, recovery, next, first }
+                        }
+                        _ => State::Response { onset, recovery, stimulus: now.saturating_sub(onset), first },
+                    };
                 }
                 _ => self.frames += 1,
             },
+            State::Gap { since, recovery, next, first } => {
+                if self.is_over(now.saturating_sub(since), self.protocol().gap_duration()) {
+                    self.frames += 1;
+                    self.state = State::Stimulus { onset: now, recovery, interval: next, first };
+                }
+            }
             State::Closing { since } if self.is_recovered(since, now) => self.state = State::Done,
             _ => {}
         }
@@ -389,15 +468,16 @@ impl Session {
     fn present(&mut self, since: Duration, now: Duration) {
         let recovery = now.saturating_sub(since);
         self.frames = 1;
-        self.late = self.refresh().map(|refresh| refresh.is_late(recovery, self.protocol.recovery_duration()));
+        self.late = self.refresh().map(|refresh| refresh.is_late(recovery, self.protocol().recovery_duration()));
         if self.late == Some(true) {
             self.log.times.late_onset();
         }
-        self.state = State::Stimulus { onset: now, recovery };
+        (self.value, self.steps) = (self.shown.as_ref().and_then(|shown| shown.start), Vec::new());
+        self.state = State::Stimulus { onset: now, recovery, interval: 0, first: now };
     }
 
     fn is_recovered(&self, since: Duration, now: Duration) -> bool {
-        self.is_over(now.saturating_sub(since), self.protocol.recovery_duration()) && !self.pending
+        self.is_over(now.saturating_sub(since), self.protocol().recovery_duration()) && !self.pending
     }
 
     /// Returns whether a duration is over. If the refresh interval is known, durations last a whole number of
@@ -423,6 +503,7 @@ impl Session {
             _ if self.options.frames == FrameCount::Off => None,
             State::Recovery { .. } => of(Shown::Recovery),
             State::Stimulus { .. } => of(Shown::Stimulus),
+            State::Gap { .. } => of(Shown::Gap),
             State::Response { .. } => of(Shown::Response),
             State::Closing { .. } => self.last.map(|(trial, attempt)| (Shown::Closing, trial, attempt)),
             _ => None,
@@ -431,7 +512,7 @@ impl Session {
     }
 
     fn end_frame(&mut self, now: Duration) {
-        if let Some((Shown::Recovery | Shown::Stimulus, interval)) = self.log.end(now) {
+        if let Some((Shown::Recovery | Shown::Stimulus | Shown::Gap, interval)) = self.log.end(now) {
             self.dropped += u32::from(interval.dropped);
             self.unjudged |= interval.refresh.is_none();
         }
@@ -442,34 +523,48 @@ impl Session {
         self.redo.map_or_else(|| self.again.get(&trial).map_or(1, |last| last + 1), |(_, attempt)| attempt)
     }
 
-    fn rate(&mut self, rating: u8, at: Duration, uncertainty: Option<Duration>, now: Duration) -> Effect {
-        let (onset, recovery, stimulus) = match self.state {
-            State::Stimulus { onset, recovery } => (onset, recovery, now.saturating_sub(onset)),
-            State::Response { onset, recovery, stimulus } => (onset, recovery, stimulus),
+    /// Returns the answer of a key; `None` if there is no such answer, or not yet.
+    fn answer(&self, key: u8) -> Option<Answer> {
+        if self.protocol().task.dial().is_some() {
+            return self.value.filter(|_| key == 0).map(Answer::Value);
+        }
+        (usize::from(key) < self.protocol().response.categories.len()).then_some(Answer::Key(key))
+    }
+
+    fn rate(&mut self, key: u8, at: Duration, uncertainty: Option<Duration>, now: Duration) -> Effect {
+        let intervals = self.protocol().task.layout().intervals();
+        let (onset, recovery, stimulus, first) = match self.state {
+            State::Stimulus { onset, recovery, interval, first } if interval + 1 == intervals => {
+                (onset, recovery, now.saturating_sub(onset), first)
+            }
+            State::Response { onset, recovery, stimulus, first } => (onset, recovery, stimulus, first),
             _ => return Effect::None,
         };
-        let Some(trial) = self.current() else { return Effect::None };
-        if usize::from(rating) >= self.protocol.response.categories.len() {
-            return Effect::None;
-        }
+        let (Some(trial), Some(answer)) = (self.current(), self.answer(key)) else { return Effect::None };
+        let Some(shown) = self.shown.take() else { return Effect::None };
         // The last frame that shows the stimulus counts as well.
         self.end_frame(now);
         let attempt = self.attempt(trial);
+        self.course.answer(trial, &answer);
         if self.redo.take().is_none() {
-            self.position += 1;
+            self.done(trial);
         }
+        self.plan();
         self.last = Some((trial, attempt));
         self.pending = true;
         self.pace.0 += now.saturating_sub(self.trial_start);
         self.pace.1 += 1;
         let screen = self.options.frames != FrameCount::Off;
         let judged = self.refresh().is_some() && !self.unjudged;
+        let sets_value = matches!(answer, Answer::Value(_));
         let response = TrialResponse {
             trial,
             attempt,
-            rating,
+            shown,
+            answer,
+            steps: sets_value.then(|| std::mem::take(&mut self.steps)),
             response_time: at.min(now).saturating_sub(onset),
-            onset,
+            onset: first,
             recovery,
             stimulus: screen.then_some(stimulus),
             uncertainty,
@@ -481,17 +576,27 @@ impl Session {
         Effect::Record(response)
     }
 
+    /// Notes that a trial is answered. Trials before it that were left out stay in `missing`, because an answer that is
+    /// undone may bring them back.
+    fn done(&mut self, trial: usize) {
+        let ahead = &mut self.missing[self.position..];
+        if let Some(place) = ahead.iter().position(|other| *other == trial) {
+            ahead[..=place].rotate_right(1);
+            self.position += 1;
+        }
+    }
+
     /// Moves to what follows a rated trial.
     fn after(&mut self, rated: usize, now: Duration) {
-        let rated = &self.schedule.trials[rated];
-        let every = self.protocol.design.break_every;
+        let rated = self.schedule().trials[rated].clone();
+        let every = self.protocol().design.break_every;
         let Some(next) = self.current() else {
             self.state = State::Closing { since: now };
             return;
         };
         if std::mem::take(&mut self.page_left) {
             self.recover(now);
-        } else if self.schedule.trials[next].phase != rated.phase {
+        } else if self.schedule().trials[next].phase != rated.phase {
             self.state = State::PhaseStart(self.phase());
         } else if rated.phase == Phase::Main && every > 0 && rated.number.is_multiple_of(every) {
             self.state = State::Break;

@@ -163,6 +163,12 @@ impl Stimulus {
         if errors.is_empty() { Ok(stimulus) } else { Err(errors) }
     }
 
+    /// Returns a text that is the same for equal stimuli only.
+    #[must_use]
+    pub fn key(&self) -> String {
+        serde_json::to_string(self).unwrap_or_default()
+    }
+
     /// Returns whether the stimulus varies only along its orientation.
     #[must_use]
     pub fn is_line(&self) -> bool {

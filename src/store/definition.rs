@@ -9,12 +9,13 @@ use super::{
     FileErrors, StoreError, Writer,
     error::io,
     file::{read_text, sha256},
-    toml::{self, unknown_key},
+    toml::{self, TableReader, unknown_key},
 };
 use crate::{
     experiment::{
         Category, Definition, DefinitionError, DefinitionErrors, Design, Factor, ParticipantFields, Plan, Presentation,
         Protocol, Recovery, ResponseScale, SessionRules, Texts, ViewingPlan, default_key,
+        task::{Adaptive, Common, Method, OptionReader as _, Task},
     },
     stimulus::{KINDS, MachBand, ParameterValue, Stimulus},
     system::found,
@@ -177,6 +178,10 @@ struct Written {
     design: Design,
     recovery: Recovery,
     presentation: Option<Presentation>,
+    /// `kind`, and the options of that kind.
+    task: Option<Map<String, Value>>,
+    /// `method`, what every method has, and the options of that method.
+    adaptive: Option<Map<String, Value>>,
     response: WrittenScale,
     viewing: ViewingPlan,
     participant: ParticipantFields,
@@ -185,19 +190,12 @@ struct Written {
     plan: Plan,
 }
 
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct WrittenScale {
-    question: String,
-    labels: Vec<String>,
+    question: Option<String>,
+    labels: Option<Vec<String>>,
     keys: Option<Vec<char>>,
-}
-
-impl Default for WrittenScale {
-    fn default() -> Self {
-        let ResponseScale { question, categories } = ResponseScale::default();
-        Self { question, labels: categories.into_iter().map(|category| category.label).collect(), keys: None }
-    }
 }
 
 impl Written {
@@ -212,16 +210,23 @@ impl Written {
             "unnamed".to_owned()
         });
         let stimulus = stimulus(&self.stimulus, &mut errors);
+        let task = self.task.map(|table| task(table, &mut errors)).unwrap_or_default();
+        let mut instructions = self.instructions;
+        if instructions.task == Texts::default().task {
+            instructions.task = task.instructions();
+        }
         let protocol = Protocol::new(Definition {
             title: self.title.unwrap_or_else(|| name.clone()),
             factors: factors(self.factors, &stimulus, &mut errors),
             design: self.design,
             recovery: self.recovery,
             presentation: self.presentation,
-            response: scale(self.response, &mut errors),
+            response: scale(self.response, task.scale(), &mut errors),
+            task,
+            adaptive: self.adaptive.map(|table| adaptive(table, &mut errors)),
             viewing: self.viewing,
             participant: self.participant,
-            instructions: self.instructions,
+            instructions,
             session: self.session,
             plan: self.plan,
             ..Definition::new(name, stimulus)
@@ -318,9 +323,44 @@ fn parameter(value: &Value) -> Option<ParameterValue> {
     }
 }
 
-fn scale(written: WrittenScale, errors: &mut DefinitionErrors) -> ResponseScale {
-    let count = written.labels.len();
-    let default = |rating| default_key(rating).unwrap_or(' ');
+/// Reads the kind that a table names with `tag`.
+fn tagged<T: Default>(
+    mut reader: TableReader<'_>,
+    (tag, names): (&str, &[&str]),
+    read: impl FnOnce(&str, &mut TableReader<'_>) -> Option<T>,
+) -> T {
+    let path = format!("{}.{tag}", reader.path);
+    let Some(name) = reader.table.shift_remove(tag) else {
+        reader.errors.add(reader.path, format!("{path} is missing; expected {tag} = …"));
+        return T::default();
+    };
+    read(name.as_str().unwrap_or_default(), &mut reader).unwrap_or_else(|| {
+        let expected = expected_one_of(name.as_str().unwrap_or_default(), names);
+        reader.errors.add(path, format!("{tag} {name} is not known; {expected}"));
+        T::default()
+    })
+}
+
+fn task(table: Map<String, Value>, errors: &mut DefinitionErrors) -> Task {
+    tagged(TableReader { path: "task", table, errors }, ("kind", Task::NAMES), |name, reader| Task::read(name, reader))
+}
+
+fn adaptive(mut table: Map<String, Value>, errors: &mut DefinitionErrors) -> Adaptive {
+    let common = Common::KEYS.iter().filter_map(|key| Some(((*key).to_owned(), table.shift_remove(*key)?))).collect();
+    let common = TableReader { path: "adaptive", table: common, errors }.read();
+    let reader = TableReader { path: "adaptive", table, errors };
+    let method = tagged(reader, ("method", Method::NAMES), |name, reader| Method::read(name, reader));
+    Adaptive { common, method }
+}
+
+fn scale(written: WrittenScale, default_scale: ResponseScale, errors: &mut DefinitionErrors) -> ResponseScale {
+    let own: Vec<char> = default_scale.categories.iter().map(|category| category.key).collect();
+    let labels = default_scale.categories.into_iter().map(|category| category.label).collect();
+    let labels: Vec<String> = written.labels.unwrap_or(labels);
+    let count = labels.len();
+    let default = |rating: usize| {
+        own.get(rating).copied().filter(|_| own.len() == count).or_else(|| default_key(rating)).unwrap_or(' ')
+    };
     let keys = written.keys.unwrap_or_else(|| (0..count).map(default).collect());
     if keys.len() != count {
         let message = format!("response.keys has length {}; expected {count}, one for each label", keys.len());
@@ -328,6 +368,6 @@ fn scale(written: WrittenScale, errors: &mut DefinitionErrors) -> ResponseScale 
     }
     // A missing key has already been reported; its digit stands in for it.
     let keys = (0..count).map(|rating| keys.get(rating).copied().unwrap_or_else(|| default(rating)));
-    let categories = written.labels.into_iter().zip(keys).map(|(label, key)| Category { label, key }).collect();
-    ResponseScale { question: written.question, categories }
+    let categories = labels.into_iter().zip(keys).map(|(label, key)| Category { label, key }).collect();
+    ResponseScale { question: written.question.unwrap_or(default_scale.question), categories }
 }

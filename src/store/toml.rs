@@ -6,7 +6,10 @@ use serde_json::{Map, Value};
 use toml::de::{DeTable, DeValue};
 
 use super::{FileError, FileErrors, error::position};
-use crate::text::names::expected_one_of;
+use crate::{
+    experiment::{DefinitionErrors, task::OptionReader},
+    text::names::expected_one_of,
+};
 
 /// Maximum number of unreadable values, because the document is deserialized again for each of them.
 const MAX_UNREAD: usize = 100;
@@ -58,6 +61,38 @@ pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Res
         if document.unread.len() > MAX_UNREAD || !remove(&mut value, path) {
             return Err(document.located());
         }
+    }
+}
+
+/// Reads the options of a task or of an adaptive method from a table of a definition.
+pub(super) struct TableReader<'e> {
+    /// The path of the table in the definition.
+    pub path: &'static str,
+    /// The keys and values that are left.
+    pub table: Map<String, Value>,
+    /// Where errors go.
+    pub errors: &'e mut DefinitionErrors,
+}
+
+impl OptionReader for TableReader<'_> {
+    fn read<T: DeserializeOwned + Default>(&mut self) -> T {
+        let mut value = Value::Object(self.table.clone());
+        for _ in 0..MAX_UNREAD {
+            let error = match serde_path_to_error::deserialize::<_, T>(&value) {
+                Ok(read) => return read,
+                Err(error) => error,
+            };
+            let inner = error.path().to_string().replace('[', ".").replace(']', "");
+            let path = format!("{}.{inner}", self.path);
+            let path = path.trim_matches('.');
+            let message = explained(path, &error.inner().to_string());
+            let message = if message.starts_with('"') { format!("{inner} {message}") } else { message };
+            self.errors.add(path, message);
+            if !remove(&mut value, &inner) {
+                break;
+            }
+        }
+        T::default()
     }
 }
 

@@ -1,6 +1,7 @@
 //! Sessions with a simulated observer.
 
 use std::{
+    collections::BTreeMap,
     path::PathBuf,
     sync::{
         OnceLock,
@@ -16,9 +17,10 @@ use serde::Serialize;
 use super::{RequestError, Watcher, request::paths};
 use crate::{
     experiment::{
-        self, Condition, FrameCount, Identity, Observer, Protocol, RowContext, Schedule, Session, SessionOptions,
+        self, Course, FrameCount, Identity, Observer, Protocol, RowContext, Schedule, Session, SessionOptions,
         TrialRecord, UniformObserver, VisionObserver,
     },
+    stimulus::Stimulus,
     store::{
         StoreError, observer,
         session::{Changes, Interrupted, SessionStore},
@@ -179,13 +181,14 @@ impl Simulation<'_> {
             || SessionStore::resume(&request.results, protocol, &identity, Some(seed), sitting.clone(), changes);
         let (mut store, left) = match request.resume.then(resume) {
             None | Some(Err(StoreError::NothingToResume(_))) => {
-                let schedule = Schedule::new(protocol, &identity, seed)?;
+                let course = Course::new(protocol.clone(), Schedule::new(protocol, &identity, seed)?);
                 let store = SessionStore::create(&request.results, protocol, &identity, seed, sitting)?;
-                (store, Interrupted::before_the_first_trial(schedule))
+                (store, Interrupted::before_the_first_trial(course))
             }
             Some(resumed) => resumed?,
         };
-        let Interrupted { schedule, resumed, elapsed_s, sitting, partial_line, .. } = left;
+        let Interrupted { course, resumed, elapsed_s, sitting, partial_line, .. } = left;
+        let schedule = course.schedule().clone();
         if partial_line.is_some() {
             let file = store.csv().display();
             let text = format!("{file}: an incomplete last row was removed; its trial will be shown again");
@@ -200,10 +203,14 @@ impl Simulation<'_> {
         // have started.
         let origin = before(now(), elapsed);
         let options = SessionOptions { pages: 0, frames: FrameCount::Off };
-        let mut session = Session::new(protocol.clone(), schedule.clone(), &resumed, options);
+        let mut session = Session::new(course, &resumed, options);
         let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting };
+        let mut shown = BTreeMap::new();
         let rated = experiment::simulate(&mut session, self.observer.as_ref(), &identity, elapsed, |response| {
             self.advance(1);
+            if !protocol.task.is_default() {
+                shown.extend(response.shown.stimuli.iter().map(|stimulus| (stimulus.key(), stimulus.clone())));
+            }
             store.append(&TrialRecord::new(&context, response, after(origin, response.onset)))?;
             watcher.check(store.csv())
         });
@@ -213,8 +220,15 @@ impl Simulation<'_> {
         // A signal may arrive during the last trial.
         let complete = session.current().is_none();
         if complete {
-            let hashes = self.hashes.get_or_init(|| self.hash(&schedule.conditions));
-            hashes.iter().enumerate().for_each(|(condition, hash)| store.note_picture(condition, hash.clone()));
+            let conditions: Vec<&Stimulus> = schedule.conditions.iter().map(|condition| &condition.stimulus).collect();
+            if protocol.task.is_default() {
+                let hashes = self.hashes.get_or_init(|| self.hash(&conditions));
+                conditions.iter().zip(hashes).for_each(|(stimulus, hash)| store.note_picture(stimulus, hash.clone()));
+            } else {
+                let shown: Vec<&Stimulus> = shown.values().collect();
+                let hashes = self.hash(&shown);
+                shown.iter().zip(hashes).for_each(|(stimulus, hash)| store.note_picture(stimulus, hash));
+            }
         }
         store.finish(complete, now().to_string(), None)?;
         rated
@@ -222,11 +236,11 @@ impl Simulation<'_> {
 
     /// Renders the pictures on a separate thread, outside the pool. A pool thread could pick up another session while
     /// it renders, and that session would wait for the same hashes: a deadlock.
-    fn hash(&self, conditions: &[Condition]) -> Vec<String> {
+    fn hash(&self, stimuli: &[&Stimulus]) -> Vec<String> {
         // Its own threads, because those that all computations share do not exist in a process that was forked.
         let hash = || {
             let threads = rayon::ThreadPoolBuilder::new().build();
-            threads.map(|threads| threads.install(|| self.pictures.hashes(conditions))).unwrap_or_default()
+            threads.map(|threads| threads.install(|| self.pictures.hashes(stimuli))).unwrap_or_default()
         };
         // Without a thread, or after a panic, there are no hashes; `verify` then counts the pictures as unverified.
         thread::scope(|scope| {

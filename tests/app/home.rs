@@ -6,7 +6,7 @@ use eframe::egui::{self, Key, Shape};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
     app::{App, Launch, Request},
-    experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord, columns},
+    experiment::{Course, Identity, Protocol, Replay, Schedule, TrialRecord, columns},
     store::{definition, frames, sidecar::Sidecar},
 };
 
@@ -105,7 +105,8 @@ fn a_whole_session_with_a_break_a_pause_and_an_undone_rating() {
     wait_for(&mut harness, "Open the folder");
 
     let rows = rows(folder.path(), &protocol);
-    let seen: Vec<_> = rows.iter().map(|row| (row.phase.to_string(), row.trial, row.attempt, row.rating.0)).collect();
+    let seen: Vec<_> =
+        rows.iter().map(|row| (row.phase.to_string(), row.trial, row.attempt, row.rating.unwrap().0)).collect();
     let main = |trial, attempt, rating| ("main".to_owned(), trial, attempt, rating);
     assert_eq!(
         seen,
@@ -113,9 +114,9 @@ fn a_whole_session_with_a_break_a_pause_and_an_undone_rating() {
     );
     let schedule = Schedule::new(&protocol, &Identity::new("P001", "1").unwrap(), 5).unwrap();
     let identity = Identity::new("P001", "1").unwrap();
-    let context = RowContext { protocol: &protocol, schedule: &schedule, identity: &identity, sitting: 1 };
+    let mut replay = Replay::new(&identity, Course::new(protocol.clone(), schedule), false);
     for row in &rows {
-        assert!(row.planned_trial(&context).is_ok(), "{row:?}");
+        assert!(replay.row(row).is_ok(), "{row:?}");
         // The recovery lasts a whole number of frames and is never shorter than requested.
         assert!((0.5..0.5 + 1.5 / 60.0).contains(&row.recovery_s.0), "{row:?}");
         assert!(row.frames.unwrap() > 0);
@@ -314,7 +315,7 @@ fn no_answer_is_lost_when_the_folder_is_removed() {
     harness.run_steps(25);
     press(&mut harness, Key::Num3);
     harness.run_steps(3);
-    let ratings: Vec<_> = rows(&second, &protocol).iter().map(|row| row.rating.0).collect();
+    let ratings: Vec<_> = rows(&second, &protocol).iter().map(|row| row.rating.unwrap().0).collect();
     assert_eq!(ratings, [1, 3, 3]);
 }
 
@@ -355,8 +356,10 @@ fn a_late_resumption_repeats_the_practice() {
     // Participants see their own means only if the definition says so.
     assert!(second.query_by_label_contains("Your mean rating").is_none());
     let rows = rows(folder.path(), &protocol);
-    let seen: Vec<_> =
-        rows.iter().map(|row| (row.sitting, row.phase.to_string(), row.trial, row.attempt, row.rating.0)).collect();
+    let seen: Vec<_> = rows
+        .iter()
+        .map(|row| (row.sitting, row.phase.to_string(), row.trial, row.attempt, row.rating.unwrap().0))
+        .collect();
     let [practice, main] = ["practice", "main"].map(str::to_owned);
     let expected = [
         (1, practice.clone(), 1, 1, 1),

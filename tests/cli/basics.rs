@@ -24,8 +24,10 @@ fn csv(folder: &Path, protocol: &Protocol, number: usize) -> PathBuf {
 /// Returns what must be the same no matter how often a simulation was interrupted.
 fn ratings(folder: &Path, protocol: &Protocol, participants: usize) -> Vec<(String, u8, String)> {
     let all = (1..=participants).flat_map(|number| rows(&csv(folder, protocol, number), protocol));
-    all.map(|row| (row.row_id, row.rating.0, format!("{:?} {:?} {:?}", row.width, row.depth, row.response_time_s)))
-        .collect()
+    all.map(|row| {
+        (row.row_id, row.rating.unwrap().0, format!("{:?} {:?} {:?}", row.width, row.depth, row.response_time_s))
+    })
+    .collect()
 }
 
 #[test]

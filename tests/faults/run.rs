@@ -11,8 +11,8 @@ use jiff::Timestamp;
 use machband::{
     display::frames::Refresh,
     experiment::{
-        FrameCount, Identity, OrderedLogit, Phase, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions,
-        Shown, TrialRecord, simulate,
+        Course, FrameCount, Identity, OrderedLogit, Phase, Protocol, Resumed, RowContext, Schedule, Session,
+        SessionOptions, Shown, TrialRecord, simulate,
     },
     store::{
         StoreError, definition,
@@ -144,7 +144,13 @@ fn begin(protocol: &Protocol, results: &Path, resume: bool) -> Result<Begun, Sto
         let (store, found) =
             SessionStore::resume(results, protocol, &identity(), Some(SEED), sitting(), Changes::Refuse)?;
         let (resumed, elapsed) = (found.resumed, Duration::from_secs_f64(found.elapsed_s));
-        return Ok(Begun { store, schedule: found.schedule, resumed, elapsed, sitting: found.sitting });
+        return Ok(Begun {
+            store,
+            schedule: found.course.schedule().clone(),
+            resumed,
+            elapsed,
+            sitting: found.sitting,
+        });
     }
     let store = SessionStore::create(results, protocol, &identity(), SEED, sitting())?;
     let schedule = Schedule::new(protocol, &identity(), SEED).unwrap();
@@ -161,7 +167,7 @@ fn rate(
     let Begun { mut store, schedule, resumed, elapsed, sitting } = begun;
     let (identity, origin) = (identity(), Timestamp::now() - elapsed);
     let options = SessionOptions { pages: 0, frames: FrameCount::Off };
-    let mut session = Session::new(protocol.clone(), schedule.clone(), &resumed, options);
+    let mut session = Session::new(Course::new(protocol.clone(), schedule.clone()), &resumed, options);
     let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting };
     let rated = simulate(&mut session, &OrderedLogit::default(), &identity, elapsed, |response| {
         record(&mut store, &TrialRecord::new(&context, response, origin + response.onset))
@@ -190,8 +196,9 @@ pub fn undone(definition: usize, results: &Path) {
     let (mut store, _) = rate(&protocol, begin(&protocol, results, false).unwrap(), |store, row| {
         let (mut undone, mut again) = (row.clone(), row.clone());
         // Narrow bands are seen more clearly, but not in the last trial.
-        again.rating.0 = [3, 0, 1, 2][usize::from(row.width > Some(0.2)) * 2 + usize::from(row.trial == 4)];
-        undone.rating.0 = 3 - again.rating.0;
+        again.rating.as_mut().unwrap().0 =
+            [3, 0, 1, 2][usize::from(row.width > Some(0.2)) * 2 + usize::from(row.trial == 4)];
+        undone.rating.as_mut().unwrap().0 = 3 - again.rating.unwrap().0;
         again.attempt += 1;
         again.row_id = format!("{}_{}", again.row_id.rsplit_once('_').unwrap().0, again.attempt);
         again.onset_s.0 += 0.01;

@@ -6,8 +6,8 @@ use machband::{
     app::{Monitor, timing::TimingReport},
     display::frames::{FrameTimes, Refresh},
     experiment::{
-        Effect, Event, FrameCount, FrameRun, Identity, Resumed, Schedule, Session, SessionOptions, Shown, State,
-        TrialResponse,
+        Course, Effect, Event, FrameCount, FrameRun, Identity, Resumed, Schedule, Session, SessionOptions, Shown,
+        State, TrialResponse,
     },
     store::{definition, frames::FrameRow},
 };
@@ -229,7 +229,7 @@ impl Sitting {
         let protocol = definition::parse("t.toml", &text).unwrap();
         let schedule = Schedule::new(&protocol, &Identity::new("S001", "1").unwrap(), 5).unwrap();
         let options = SessionOptions { pages: 0, frames: FrameCount::Against(1.0 / hz) };
-        let mut session = Session::new(protocol, schedule, &Resumed::default(), options);
+        let mut session = Session::new(Course::new(protocol, schedule), &Resumed::default(), options);
         session.step(Event::Continue, Duration::from_secs(1));
         let mut sitting = Self { session, now_s: 1.0, refresh_s: 1.0 / hz, rows: Vec::new() };
         sitting.frame(0, 0.0, None);

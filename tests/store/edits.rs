@@ -91,7 +91,8 @@ const ALL: [&str; 3] = [DATA, SIDECAR, FRAMES];
 fn record(results: &Path, state: State) {
     let protocol = small();
     let sitting = || Sitting { pictures: Some(Pictures::without_screen(&protocol)), ..sitting() };
-    let hashes = Pictures::without_screen(&protocol).hashes(protocol.conditions());
+    let stimuli: Vec<_> = protocol.conditions().iter().map(|condition| &condition.stimulus).collect();
+    let hashes = Pictures::without_screen(&protocol).hashes(&stimuli);
     for (subject, longest) in [("S001", 33_333), ("S002", 50_000)] {
         let identity = Identity::new(subject, "1").unwrap();
         let frames = |store: &mut SessionStore, sitting, trials: [u32; 2]| {
@@ -105,7 +106,7 @@ fn record(results: &Path, state: State) {
                 intervals_us: vec![16_667, 16_666, longest],
             };
             store.append_frames(&trials.map(row));
-            hashes.iter().enumerate().for_each(|(condition, hash)| store.note_picture(condition, hash.clone()));
+            stimuli.iter().zip(&hashes).for_each(|(stimulus, hash)| store.note_picture(stimulus, hash.clone()));
         };
         let mut store = SessionStore::create(results, &protocol, &identity, SEED, sitting()).unwrap();
         rate(&mut store, (&protocol, &identity), None, 4, true).unwrap();

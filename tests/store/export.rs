@@ -162,10 +162,10 @@ fn every_cell_and_every_picture_is_exported() {
     // Every picture is identical to the one that was shown.
     let mut hashes = HashMap::new();
     for session in sessions(&results) {
-        for row in &session.rows {
+        for (index, row) in session.rows.iter().enumerate() {
             let file = cells_of[&(row.experiment.clone(), row.row_id.clone())]["stim_file"].clone();
             let pictures = session.sidecar.sittings[row.sitting as usize - 1].pictures.as_ref().unwrap();
-            let shown = &pictures.sha256[&(session.condition(row).unwrap() + 1)];
+            let shown = pictures.hash_of(&session.schedule.conditions, session.stimuli(index)[0]).unwrap();
             let hash = hashes
                 .entry(file)
                 .or_insert_with_key(|file| image::hash(&image::read(&bids.join("stimuli").join(file)).unwrap().image));

@@ -147,9 +147,9 @@ mod rows_on_disk {
             let [response_time_s, onset_s, recovery_s] = times;
             TrialRecord {
                 row_id, experiment, subject_id, session_id, phase, block, trial, attempt, repetition, stimulus, width,
-                depth, orientation_deg, low, high, color, rating: Rating(rating), response_time_s, onset_s, recovery_s,
+                depth, orientation_deg, low, high, color, rating: Some(Rating(rating)), answer: None, response_time_s, onset_s, recovery_s,
                 frames: frames.map(|f| f.0), dropped_frames: frames.map(|f| f.1),
-                started_at: Timestamp::from_millisecond(millisecond).unwrap(), sitting, seed, extra_factors: vec![extra_factors],
+                started_at: Timestamp::from_millisecond(millisecond).unwrap(), sitting, seed, further: vec![extra_factors],
                 stimulus_s: late.map(|l| l.0), late_onset: late.map(|l| l.1), response_uncertainty_s: late.map(|l| l.2),
             }
         }
@@ -304,7 +304,7 @@ mod interrupted {
         // Without a given seed, the session's own seed is used.
         let (mut store, found) =
             SessionStore::resume(folder.path(), &small(), &identity(), None, sitting(), Changes::Refuse).unwrap();
-        assert_eq!((found.schedule.seed, found.sitting), (7, 2));
+        assert_eq!((found.course.schedule().seed, found.sitting), (7, 2));
         rate(&mut store, Some(&found), usize::MAX).unwrap();
         assert_whole(folder.path());
         let nobody = Identity::new("S009", "1").unwrap();

@@ -5,7 +5,7 @@ use std::{fs, path::Path, time::Duration};
 use machband::{
     display::frames::Refresh,
     experiment::{
-        Effect, Event, FrameCount, Phase, Resumed, RowContext, Schedule, Session, SessionOptions, Shown, State,
+        Course, Effect, Event, FrameCount, Phase, Resumed, RowContext, Schedule, Session, SessionOptions, Shown, State,
         TrialRecord,
     },
     report::Study,
@@ -37,7 +37,7 @@ fn row(intervals_us: &[u32]) -> FrameRow {
 fn rate(store: &mut SessionStore, schedule: &Schedule, resumed: &Resumed, sitting: u32, trials: usize) {
     let (protocol, identity) = (small(), identity());
     let options = SessionOptions { pages: 0, frames: FrameCount::Against(1.0 / 60.0) };
-    let mut session = Session::new(protocol.clone(), schedule.clone(), resumed, options);
+    let mut session = Session::new(Course::new(protocol.clone(), schedule.clone()), resumed, options);
     let context = RowContext { protocol: &protocol, schedule, identity: &identity, sitting };
     let mut rated = 0;
     // Each sitting begins after the previous one.
@@ -127,7 +127,7 @@ fn every_error_in_a_frames_file_has_its_place() {
         ("1,mean,2,1,stimulus,16683.350,1", "f.csv:3:3: phase is \"mean\"; expected practice or main"),
         (
             "1,main,2,1,blank,16683.350,1",
-            "f.csv:3:12: state is \"blank\"; expected one of recovery, stimulus, response, closing",
+            "f.csv:3:12: state is \"blank\"; expected one of recovery, stimulus, gap, response, closing",
         ),
         ("1,main,2,1,stimulus,-1,1", "f.csv:3:21: refresh_us is \"-1\"; expected a positive number"),
         ("1,main,2,1,stimulus,16683.350,", "f.csv:3:31: intervals_us is"),

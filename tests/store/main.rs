@@ -16,4 +16,5 @@ mod participants;
 mod reading;
 mod recording;
 mod session;
+mod tasks;
 mod verify;

@@ -100,7 +100,7 @@ fn expected(files: &[PathBuf]) -> Vec<String> {
     let text = |row: &TrialRecord| {
         let values: Vec<String> = ["width", "tanh_k"].iter().map(|name| row.level(&protocol, name).unwrap()).collect();
         let place = (row.session_id.as_str(), row.repetition);
-        let (subject, rating, time) = (&row.subject_id, row.rating.0, Some(row.response_time_s.0));
+        let (subject, rating, time) = (&row.subject_id, row.rating.unwrap().0, Some(row.response_time_s.0));
         format!("{subject} {} {rating} 1 {place:?} {time:?}", values.join("|"))
     };
     sorted(last.values().map(text).collect())

@@ -5,8 +5,8 @@ use std::{path::Path, time::Duration};
 use jiff::Timestamp;
 use machband::{
     experiment::{
-        FrameCount, Identity, OrderedLogit, Protocol, RowContext, Schedule, Session, SessionOptions, TrialRecord,
-        TrialResponse, simulate,
+        Course, FrameCount, Identity, OrderedLogit, Protocol, RowContext, Schedule, Session, SessionOptions,
+        TrialRecord, TrialResponse, simulate, task::Answer,
     },
     store::{
         StoreError,
@@ -54,6 +54,12 @@ pub fn sitting() -> Sitting {
     Sitting { started_at: Timestamp::UNIX_EPOCH.to_string(), ..Sitting::default() }
 }
 
+/// Returns the rating at the other end of the paper's scale.
+fn other(answer: &Answer) -> Answer {
+    let Answer::Key(rating) = answer else { panic!("{answer:?}") };
+    Answer::Key(3 - rating)
+}
+
 /// Rates up to `limit` of the remaining trials, and ends the session if none remain. With `again`, every fourth rating
 /// is undone and given again.
 pub fn rate(
@@ -66,7 +72,7 @@ pub fn rate(
     let schedule = Schedule::new(protocol, identity, SEED).unwrap();
     let resumed = found.map(|found| found.resumed.clone()).unwrap_or_default();
     let options = SessionOptions { pages: 0, frames: FrameCount::Off };
-    let mut session = Session::new(protocol.clone(), schedule.clone(), &resumed, options);
+    let mut session = Session::new(Course::new(protocol.clone(), schedule.clone()), &resumed, options);
     let sitting = found.map_or(1, |found| found.sitting);
     let start = Duration::from_secs_f64(found.map_or(0.0, |found| found.elapsed_s));
     let mut left = limit;
@@ -81,7 +87,7 @@ pub fn rate(
             let onset = response.onset + response.response_time;
             append(&TrialResponse {
                 attempt: 2,
-                rating: 3 - response.rating,
+                answer: other(&response.answer),
                 onset,
                 response_time: Duration::from_millis(10),
                 ..response.clone()

@@ -7,8 +7,8 @@ use std::{
 
 use machband::{
     experiment::{
-        Effect, Event, FrameCount, Identity, Observer, OrderedLogit, Phase, Protocol, Resumed, Schedule, ScheduleError,
-        Session, SessionOptions, State, TrialResponse, UniformObserver, simulate,
+        Course, Effect, Event, FrameCount, Identity, Observer, OrderedLogit, Phase, Protocol, Resumed, Schedule,
+        ScheduleError, Session, SessionOptions, State, TrialResponse, UniformObserver, simulate,
     },
     stimulus::{MachBand, ParameterValue, Stimulus},
     store::definition,
@@ -183,7 +183,8 @@ impl Driver {
     fn new(protocol: &Protocol, frames: FrameCount, done: &[usize]) -> Self {
         let schedule = Schedule::new(protocol, &identity(1), 5).unwrap();
         let resumed = Resumed { done: done.iter().copied().collect(), ..Resumed::default() };
-        let session = Session::new(protocol.clone(), schedule, &resumed, SessionOptions { pages: 2, frames });
+        let session =
+            Session::new(Course::new(protocol.clone(), schedule), &resumed, SessionOptions { pages: 2, frames });
         Self { session, now: Duration::from_secs(3), records: Vec::new() }
     }
 
@@ -210,7 +211,7 @@ impl Driver {
             }
             match self.session.state() {
                 State::Stimulus { .. } | State::Response { .. } => self.rate(1),
-                State::Recovery { .. } | State::Closing { .. } => self.wait(0.5),
+                State::Recovery { .. } | State::Gap { .. } | State::Closing { .. } => self.wait(0.5),
                 State::Paused(_) => drop(self.step(Event::Resume)),
                 State::Instructions(_) | State::PhaseStart(_) | State::Break => drop(self.step(Event::Continue)),
                 State::Done | State::Left => break,
@@ -431,7 +432,7 @@ mod machine {
                     let taken = could && !driver.session.can_undo();
                     prop_assert!(taken || !could && *state == before);
                 }
-                if let (State::Stimulus { onset, recovery }, false) = (state, is_stimulus(&before)) {
+                if let (State::Stimulus { onset, recovery, .. }, false) = (state, is_stimulus(&before)) {
                     // Durations are rounded to whole refreshes, so an onset is at most half a refresh early.
                     prop_assert!(stored && *onset == driver.now && recovery.as_micros() >= 500_000 - 8_334);
                 }
@@ -536,11 +537,14 @@ mod observer {
             let schedule = Schedule::new(&protocol, &identity(1), 9).unwrap();
             let run = |done: BTreeSet<usize>, stop: usize| {
                 let options = SessionOptions { pages: 0, frames: FrameCount::Off };
-                let mut session =
-                    Session::new(protocol.clone(), schedule.clone(), &Resumed { done, ..Resumed::default() }, options);
+                let mut session = Session::new(
+                    Course::new(protocol.clone(), schedule.clone()),
+                    &Resumed { done, ..Resumed::default() },
+                    options,
+                );
                 let mut rows = Vec::new();
                 let _ = simulate(&mut session, &OrderedLogit::default(), &identity(1), Duration::ZERO, |response| {
-                    rows.push((response.trial, response.rating, response.response_time));
+                    rows.push((response.trial, response.answer.clone(), response.response_time));
                     assert!((response.recovery.as_secs_f64() - duration_s).abs() < 1e-9, "{:?}", response.recovery);
                     if rows.len() == stop { Err(()) } else { Ok(()) }
                 });

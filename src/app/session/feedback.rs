@@ -23,6 +23,8 @@ const DARK: u8 = 48;
 #[derive(Clone, Copy, PartialEq)]
 enum Mark {
     Answered,
+    Right,
+    Wrong,
     Undone,
 }
 
@@ -37,9 +39,16 @@ pub struct Feedback {
 }
 
 impl Feedback {
-    /// An answer was received.
-    pub fn answered(&mut self, now: Duration) {
-        self.mark = Some((Mark::Answered, now));
+    /// An answer was received; `right` if participants are told whether it was right.
+    pub fn answered(&mut self, now: Duration, right: Option<bool>) {
+        let mark = right.map_or(Mark::Answered, |right| if right { Mark::Right } else { Mark::Wrong });
+        self.mark = Some((mark, now));
+    }
+
+    /// Asks for the answer after the last interval.
+    pub fn ask(&self, ui: &Ui, center: Pos2, field: Color32, question: &str) {
+        let (font, color) = (FontId::proportional(18.0), shade(field, TEXT_SHADE));
+        ui.painter().text(center, Align2::CENTER_CENTER, question, font, color);
     }
 
     /// An answer was taken back.
@@ -93,15 +102,19 @@ impl Feedback {
     }
 }
 
-/// Draws a short line for an answer, and an arrow back for one that was taken back.
+/// Draws a short line for an answer, a check mark if it was right, a cross if it was wrong, and an arrow back for one
+/// that was taken back.
 fn draw_mark(ui: &Ui, mark: Mark, center: Pos2, color: Color32) {
-    let stroke = Stroke::new(4.0, color);
-    let (left, right) = (center - Vec2::new(HALF, 0.0), center + Vec2::new(HALF, 0.0));
-    ui.painter().line_segment([left, right], stroke);
-    if mark == Mark::Undone {
-        let tip = |y: f32| left + Vec2::new(HALF * 0.6, y * HALF * 0.6);
-        ui.painter().add(egui::Shape::line(vec![tip(-1.0), left, tip(1.0)], stroke));
-    }
+    let at = |x: f32, y: f32| center + Vec2::new(x, y) * HALF;
+    let lines = match mark {
+        Mark::Answered => vec![vec![at(-1.0, 0.0), at(1.0, 0.0)]],
+        Mark::Right => vec![vec![at(-0.8, 0.0), at(-0.2, 0.6), at(0.9, -0.7)]],
+        Mark::Wrong => vec![vec![at(-0.7, -0.7), at(0.7, 0.7)], vec![at(-0.7, 0.7), at(0.7, -0.7)]],
+        Mark::Undone => {
+            vec![vec![at(-1.0, 0.0), at(1.0, 0.0)], vec![at(-0.4, -0.6), at(-1.0, 0.0), at(-0.4, 0.6)]]
+        }
+    };
+    ui.painter().extend(lines.into_iter().map(|line| egui::Shape::line(line, Stroke::new(4.0, color))));
 }
 
 /// Returns a color of the field's hue that differs from it: darker, or lighter on a dark field.

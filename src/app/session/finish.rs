@@ -169,9 +169,9 @@ fn mean_lines(
     };
     let mut ratings: BTreeMap<usize, BTreeMap<usize, Vec<f64>>> = BTreeMap::new();
     for row in last.values() {
-        let Some(x) = index(row, along) else { continue };
+        let (Some(x), Some(rating)) = (index(row, along), row.rating) else { continue };
         let line = by.and_then(|by| index(row, by)).unwrap_or(0);
-        ratings.entry(line).or_default().entry(x).or_default().push(row.rating.0.into());
+        ratings.entry(line).or_default().entry(x).or_default().push(rating.0.into());
     }
     let lines = ratings.into_iter().map(|(line, points)| {
         let name = by.map_or_else(|| "rating".to_owned(), |by| format!("{} {}", by.name, by.levels[line]));

@@ -1,7 +1,6 @@
 //! Writes the files of a session: the rows, the frame intervals, and the sidecar, which contains the images' hashes.
 
 use std::{
-    collections::BTreeMap,
     path::Path,
     sync::mpsc::{Sender, channel},
     thread::{self, JoinHandle},
@@ -18,11 +17,12 @@ use super::{
 use crate::{
     app::{ui::Monitor, window::InputReport},
     experiment::{
-        Answers, Identity, Phase, Resumed, RowContext, Schedule, Session, SessionOptions, State, TrialRecord,
+        Answers, Course, Identity, Phase, Resumed, RowContext, Schedule, Session, SessionOptions, State, TrialRecord,
         TrialResponse, session_seed,
     },
     light::CodeImage,
     report::terminal::message,
+    stimulus::Stimulus,
     store::{
         StoreError,
         frames::FrameRow,
@@ -69,7 +69,7 @@ impl Recording {
             pictures: Some(Pictures::new(protocol, prepared.size_px, &display.transfers, Some(hash))),
             ..Sitting::default()
         };
-        let (mut store, schedule, resumed, elapsed_s, number, rows) = if request.resume {
+        let (mut store, course, resumed, elapsed_s, number, rows) = if request.resume {
             let (store, found) =
                 SessionStore::resume(results, protocol, identity, request.seed, sitting, request.changes)?;
             let mut resumed = found.resumed;
@@ -80,20 +80,20 @@ impl Recording {
                 let attempts = practice.map(|row| (row.trial as usize - 1, row.attempt));
                 resumed.repeat_practice(protocol.design.practice as usize, attempts);
             }
-            (store, found.schedule, resumed, found.elapsed_s, found.sitting, found.rows)
+            (store, found.course, resumed, found.elapsed_s, found.sitting, found.rows)
         } else {
             let seed = request.seed.unwrap_or_else(fresh_seed);
             let store = SessionStore::create(results, protocol, identity, seed, sitting)?;
             let schedule = Schedule::new(protocol, identity, seed)
                 .map_err(|error| StoreError::Mismatch { path: store.csv().to_owned(), what: error.to_string() })?;
-            (store, schedule, Resumed::default(), 0.0, 1, Vec::new())
+            (store, Course::new(protocol.clone(), schedule), Resumed::default(), 0.0, 1, Vec::new())
         };
         if let Some(answers) = answers {
             store.keep_participant(answers);
         }
         let offset = offset(elapsed_s, rows.first());
         let options = SessionOptions { pages: INSTRUCTION_PAGES, frames: screen.frames() };
-        let session = Session::new(protocol.clone(), schedule, &resumed, options);
+        let session = Session::new(course, &resumed, options);
         let recording = Self {
             store,
             identity: identity.clone(),
@@ -130,11 +130,11 @@ impl Recording {
         self.store.append_frames(&rows);
     }
 
-    /// Takes the image of a condition, which is hashed on another thread.
-    pub fn picture(&self, condition: usize, picture: CodeImage) {
+    /// Takes the image of a stimulus, which is hashed on another thread.
+    pub fn picture(&self, stimulus: Stimulus, picture: CodeImage) {
         if let Some(hasher) = &self.hasher {
             // If the thread has ended, the image is not hashed; the missing hash shows this.
-            let _ = hasher.pictures.send((condition, picture));
+            let _ = hasher.pictures.send((stimulus, picture));
         }
     }
 
@@ -161,8 +161,8 @@ impl Recording {
         let saved = if session.is_storing() { self.store.retry() } else { Ok(()) };
         self.store_frames(session);
         self.store.describe_input(self.input.summary());
-        for (condition, sha256) in self.hasher.take().map(Hasher::finish).unwrap_or_default() {
-            self.store.note_picture(condition, sha256);
+        for (stimulus, sha256) in self.hasher.take().map(Hasher::finish).unwrap_or_default() {
+            self.store.note_picture(&stimulus, sha256);
         }
         let summary = screen.summary(session.frame_times(), self.store.frames_file());
         let complete = *session.state() == State::Done;
@@ -180,26 +180,28 @@ impl Recording {
 
 /// Hashes images on a separate thread, so that no frame waits for them.
 struct Hasher {
-    pictures: Sender<(usize, CodeImage)>,
-    hashes: JoinHandle<BTreeMap<usize, String>>,
+    pictures: Sender<(Stimulus, CodeImage)>,
+    hashes: JoinHandle<Vec<(Stimulus, String)>>,
 }
 
 impl Hasher {
     /// Starts the thread; `None` if the system cannot create one. The images then have no hashes.
     fn start() -> Option<Self> {
-        let (pictures, shown) = channel::<(usize, CodeImage)>();
+        let (pictures, shown) = channel::<(Stimulus, CodeImage)>();
         let hash = move || {
-            let mut hashes = BTreeMap::new();
-            for (condition, picture) in shown {
-                hashes.entry(condition).or_insert_with(|| image::hash(&picture));
+            let mut hashes: Vec<(Stimulus, String)> = Vec::new();
+            for (stimulus, picture) in shown {
+                if hashes.iter().all(|(known, _)| *known != stimulus) {
+                    hashes.push((stimulus, image::hash(&picture)));
+                }
             }
             hashes
         };
         Some(Self { pictures, hashes: thread::Builder::new().name("hasher".to_owned()).spawn(hash).ok()? })
     }
 
-    /// Waits for the thread to end; returns the hash of each condition's image.
-    fn finish(self) -> BTreeMap<usize, String> {
+    /// Waits for the thread to end; returns the hash of each stimulus's image.
+    fn finish(self) -> Vec<(Stimulus, String)> {
         drop(self.pictures);
         self.hashes.join().unwrap_or_default()
     }

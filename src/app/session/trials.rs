@@ -21,13 +21,17 @@ use crate::{
         ui::{Monitor, Step, pixels, release_focus, theme, window_px},
         window::{Input, MIN_SIZE, PressTime},
     },
-    experiment::{Answers, Effect, Event, Identity, Phase, ResponseScale, Session, State},
+    experiment::{
+        Answers, Effect, Event, Identity, Phase, ResponseScale, Session, State,
+        task::{Dial, Layout},
+    },
     light::{Bits, Quantizer},
+    stimulus::Stimulus,
     store::{StoreError, sitting::PreflightNote},
 };
 
-/// Number of textures in memory: the current stimulus and the next one.
-const TEXTURES_KEPT: usize = 2;
+/// Number of textures in memory: the stimuli of the current trial and of the next one.
+const TEXTURES_KEPT: usize = 8;
 /// How long the cursor stays visible after mouse movement if the scale can be clicked, seconds.
 const CURSOR_S: f64 = 2.0;
 
@@ -41,10 +45,19 @@ const SCALE_HEIGHT: f32 = 68.0;
 /// off.
 const MIN_LABELED_WIDTH: f32 = 100.0;
 
+/// Maximum length of the slider, points.
+const SLIDER_LENGTH: f32 = 600.0;
+
 /// Distance of a mark from the lower edge of the stimulus, points.
 const MARK_BELOW: f32 = 28.0;
 /// Height above the lower edge of the window that stays free for the scale and the text below a mark, points.
 const SCALE_ABOVE: f32 = 116.0;
+
+/// The keys that turn a dial, and by how many steps.
+const DIAL_KEYS: [(Key, f64); 4] =
+    [(Key::ArrowLeft, -1.0), (Key::ArrowDown, -1.0), (Key::ArrowRight, 1.0), (Key::ArrowUp, 1.0)];
+/// How the keys of a dial are named to participants.
+const DIAL_HINT: &str = "← → ↵";
 
 /// A running session.
 pub struct Trials {
@@ -58,8 +71,8 @@ pub struct Trials {
     /// Color of the uniform field.
     field: Color32,
     size_px: u32,
-    /// Index and image of recent conditions, the latest last.
-    textures: Vec<(usize, TextureHandle)>,
+    /// Recent stimuli and their images, the latest last.
+    textures: Vec<(Stimulus, TextureHandle)>,
     categories: CategoryPictures,
     screen: ScreenRefresh,
     /// The rating clicked in the previous frame, which still showed the stimulus.
@@ -201,6 +214,7 @@ impl Trials {
         if ui.input(|input| input.pointer.delta() != egui::Vec2::ZERO) {
             self.mouse_moved_s = ui.input(|input| input.time);
         }
+        self.turn_dial(ui, now);
         for (key, place) in self.fresh_keys(ui) {
             match key {
                 // Leads from the instructions back to the pause page.
@@ -208,6 +222,13 @@ impl Trials {
                 Key::Escape => self.step(Event::Pause, now),
                 Key::Backspace => self.step(Event::Undo, now),
                 Key::S if self.is_trial() => self.scale_shown = !self.scale_shown,
+                Key::Enter if self.dial().is_some() => self.rate(0, input.key(place), now),
+                _ if self.dial().is_some() => {
+                    let turns = DIAL_KEYS.iter().any(|(dial, _)| *dial == key);
+                    if self.is_trial() && !turns {
+                        self.feedback.wrong_key();
+                    }
+                }
                 // On some keyboards, the top row produces digits only with Shift, so its physical keys count. Letters
                 // count by meaning, because their positions differ between keyboards.
                 _ => {
@@ -220,6 +241,33 @@ impl Trials {
                         self.feedback.wrong_key();
                     }
                 }
+            }
+        }
+    }
+
+    fn dial(&self) -> Option<Dial> {
+        self.session.protocol().task.dial()
+    }
+
+    /// Changes the value that participants set: by the arrow keys, which may be held, or the wheel.
+    fn turn_dial(&mut self, ui: &egui::Ui, now: Duration) {
+        let Some(dial) = self.dial().filter(|_| self.awaits_rating()) else { return };
+        for event in ui.input(|input| input.events.clone()) {
+            let (steps, fine) = match event {
+                egui::Event::Key { key, pressed: true, modifiers, .. } => {
+                    (DIAL_KEYS.iter().find(|(dial, _)| *dial == key).map_or(0.0, |(_, step)| *step), modifiers.shift)
+                }
+                egui::Event::MouseWheel { delta, modifiers, .. } => {
+                    // With Shift, some systems scroll sideways.
+                    let delta = if delta.y == 0.0 { delta.x } else { delta.y };
+                    (f64::from(if delta == 0.0 { 0.0 } else { delta.signum() }), modifiers.shift)
+                }
+                _ => continue,
+            };
+            if steps != 0.0 {
+                let steps = if fine { steps / Dial::FINE } else { steps };
+                let value = self.session.value().unwrap_or_else(|| dial.at(0.5));
+                self.step(Event::Adjust(dial.turned(value, steps)), now);
             }
         }
     }
@@ -242,7 +290,7 @@ impl Trials {
 
     fn is_trial(&self) -> bool {
         let state = self.session.state();
-        self.awaits_rating() || matches!(state, State::Recovery { .. } | State::Closing { .. })
+        self.awaits_rating() || matches!(state, State::Recovery { .. } | State::Gap { .. } | State::Closing { .. })
     }
 
     fn awaits_rating(&self) -> bool {
@@ -256,7 +304,9 @@ impl Trials {
             self.feedback.undone(now);
         }
         let Effect::Record(response) = effect else { return };
-        self.feedback.answered(now);
+        let task = &self.session.protocol().task;
+        let right = task.judge(&response.shown, &response.answer).filter(|_| task.feedback());
+        self.feedback.answered(now, right);
         // The row is saved before anything else happens. In the meantime, the screen shows the field.
         match self.recording.record(&mut self.session, &response) {
             Ok(()) => _ = self.session.step(Event::Stored, now),
@@ -286,10 +336,10 @@ impl Trials {
 
     fn too_small(&self, ctx: &egui::Context) -> Option<String> {
         let (width, height) = window_px(ctx);
-        (width.min(height) < self.size_px).then(|| {
+        let [wide, high] = pixels::grid_px(self.session.protocol().task.layout().grid(), self.size_px);
+        (width < wide || height < high).then(|| {
             format!(
-                "The window has {width} × {height} pixels and the stimulus needs {}. Make the window larger.",
-                self.size_px
+                "The window has {width} × {height} pixels and the stimulus needs {wide} × {high}. Make the window larger."
             )
         })
     }
@@ -300,21 +350,35 @@ impl Trials {
         }
     }
 
-    /// Prepares the image of the current trial before it is shown.
-    fn prepare(&mut self, ctx: &egui::Context) {
-        let Some(trial) = self.session.current() else { return };
-        let schedule = self.session.schedule();
-        let cell = schedule.trials[trial].condition;
-        if self.textures.iter().any(|(made, _)| *made == cell) {
-            return;
+    /// Returns the stimuli of the current trial, in the order of their places or intervals.
+    fn stimuli(&self) -> Vec<Stimulus> {
+        let Some(shown) = self.session.shown() else { return Vec::new() };
+        let mut stimuli = shown.stimuli.clone();
+        if let (Some(Dial { parameter: Some(name), .. }), Some(value)) = (self.dial(), self.session.value())
+            && self.awaits_rating()
+        {
+            // The definition was checked at both ends of the dial.
+            stimuli.iter_mut().for_each(|stimulus| _ = stimulus.set(&name, &value.into()));
         }
-        let stimulus = &schedule.conditions[cell].stimulus;
-        let codes = stimulus.codes(self.size_px, &self.quantizer);
-        let texture = pixels::texture_of(ctx, &format!("condition{cell}"), &codes);
-        self.recording.picture(cell, codes);
-        self.textures.push((cell, texture));
-        if self.textures.len() > TEXTURES_KEPT {
-            drop(self.textures.remove(0));
+        stimuli
+    }
+
+    /// Prepares the images of the current trial before they are shown.
+    fn prepare(&mut self, ctx: &egui::Context) {
+        for stimulus in self.stimuli() {
+            if self.textures.iter().any(|(made, _)| *made == stimulus) {
+                continue;
+            }
+            let codes = stimulus.codes(self.size_px, &self.quantizer);
+            let texture = pixels::texture_of(ctx, "stimulus", &codes);
+            // What participants set is recorded; of an adjustment, only its beginning is a picture of the trial.
+            if self.session.shown().is_some_and(|shown| shown.stimuli.contains(&stimulus)) {
+                self.recording.picture(stimulus.clone(), codes);
+            }
+            self.textures.push((stimulus, texture));
+            if self.textures.len() > TEXTURES_KEPT {
+                drop(self.textures.remove(0));
+            }
         }
     }
 
@@ -322,7 +386,11 @@ impl Trials {
         let back = self.session.can_go_back();
         let protocol = self.session.protocol();
         let answer = match self.session.state() {
-            State::Recovery { .. } | State::Stimulus { .. } | State::Response { .. } | State::Closing { .. } => {
+            State::Recovery { .. }
+            | State::Stimulus { .. }
+            | State::Gap { .. }
+            | State::Response { .. }
+            | State::Closing { .. } => {
                 self.draw_trial(ui, now, window_s, input);
                 Step::Stay
             }
@@ -383,24 +451,44 @@ impl Trials {
     fn draw_trial(&mut self, ui: &mut egui::Ui, now: Duration, window_s: f64, input: &mut Input) {
         let rating_now = self.awaits_rating();
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
-            if !matches!(self.session.state(), State::Stimulus { .. }) {
+            let State::Stimulus { interval, .. } = *self.session.state() else {
                 self.draw_feedback(ui, now);
                 return;
-            }
-            let schedule = self.session.schedule();
-            let cell = self.session.current().map(|trial| schedule.trials[trial].condition);
-            if let Some((_, texture)) = self.textures.iter().find(|(made, _)| Some(*made) == cell) {
-                pixels::draw_centered(ui, texture, ui.ctx().content_rect());
+            };
+            let (area, layout) = (ui.ctx().content_rect(), self.session.protocol().task.layout());
+            let stimuli = self.stimuli();
+            let at_once =
+                if let Layout::Intervals { .. } = layout { &stimuli[interval..=interval] } else { &stimuli[..] };
+            let places = pixels::places(area, ui.ctx().pixels_per_point(), layout.grid(), self.size_px);
+            for (stimulus, place) in at_once.iter().zip(places) {
+                if let Some((_, texture)) = self.textures.iter().find(|(made, _)| made == stimulus) {
+                    pixels::draw_centered(ui, texture, place);
+                }
             }
         });
         let scale = &self.session.protocol().response;
         // Nothing is ever drawn on a stimulus.
-        let lowest = ui.ctx().content_rect().center().y + self.size_px as f32 / ui.ctx().pixels_per_point() / 2.0;
+        let lowest = ui.ctx().content_rect().center().y + self.half_height(ui.ctx());
         let covers = lowest > ui.ctx().content_rect().bottom() - SCALE_HEIGHT;
         let hidden = covers && matches!(self.session.state(), State::Stimulus { .. });
         let is_shown = self.scale_shown && !hidden;
-        let clicked = if is_shown { draw_scale(ui.ctx(), scale, rating_now) } else { None };
-        if !self.scale_shown || window_s - self.mouse_moved_s > CURSOR_S {
+        let mut set = None;
+        let clicked = match self.dial() {
+            // A slider is always shown, because without it, nobody could answer.
+            Some(dial) if dial.parameter.is_none() => {
+                let value = self.session.value().map(|value| dial.share(value));
+                set = draw_slider(ui.ctx(), scale, rating_now, value).map(|share| dial.at(share));
+                None
+            }
+            Some(_) => None,
+            None if is_shown => draw_scale(ui.ctx(), scale, rating_now),
+            None => None,
+        };
+        let has_slider = self.dial().is_some_and(|dial| dial.parameter.is_none());
+        if let Some(value) = set {
+            self.step(Event::Adjust(value), now);
+        }
+        if !(self.scale_shown || has_slider) || window_s - self.mouse_moved_s > CURSOR_S {
             ui.ctx().set_cursor_icon(CursorIcon::None);
         }
         if let Some(rating) = clicked {
@@ -410,14 +498,24 @@ impl Trials {
         }
     }
 
+    /// Returns half the height of the stimuli, points.
+    fn half_height(&self, ctx: &egui::Context) -> f32 {
+        let [_, high] = pixels::grid_px(self.session.protocol().task.layout().grid(), self.size_px);
+        high as f32 / ctx.pixels_per_point() / 2.0
+    }
+
     /// Draws feedback on the uniform field, below the place of the stimulus and above the scale.
     fn draw_feedback(&mut self, ui: &egui::Ui, now: Duration) {
         let protocol = self.session.protocol();
         let area = ui.ctx().content_rect();
-        let below = area.center().y + self.size_px as f32 / ui.ctx().pixels_per_point() / 2.0 + MARK_BELOW;
+        let below = area.center().y + self.half_height(ui.ctx()) + MARK_BELOW;
         let center = egui::pos2(area.center().x, below.min(area.bottom() - SCALE_ABOVE));
         let keys: Vec<String> = protocol.response.categories.iter().map(|one| one.key.to_string()).collect();
-        let keys = protocol.instructions.answer_keys.replace("{keys}", &keys.join(" "));
+        let keys = if protocol.task.dial().is_some() { DIAL_HINT.to_owned() } else { keys.join(" ") };
+        let keys = protocol.instructions.answer_keys.replace("{keys}", &keys);
+        if let (Layout::Intervals { .. }, State::Response { .. }) = (protocol.task.layout(), self.session.state()) {
+            self.feedback.ask(ui, area.center(), self.field, &format!("{}  {keys}", protocol.response.question));
+        }
         let state = (self.session.state(), now);
         self.feedback.draw(ui, state, protocol.recovery_duration(), center, self.field, &keys);
     }
@@ -481,4 +579,37 @@ fn draw_scale(ctx: &egui::Context, scale: &ResponseScale, enabled: bool) -> Opti
         });
     });
     rated
+}
+
+/// Draws the slider with the labels of its ends. Returns the share of its length at which it was clicked or dragged.
+fn draw_slider(ctx: &egui::Context, scale: &ResponseScale, enabled: bool, share: Option<f64>) -> Option<f64> {
+    let mut set = None;
+    let length = (ctx.content_rect().width() - 40.0).min(SLIDER_LENGTH);
+    Area::new(Id::unique("slider")).anchor(Align2::CENTER_BOTTOM, [0.0, -8.0]).show(ctx, |ui| {
+        Frame::NONE.fill(theme::SHADE).corner_radius(6.0).inner_margin(10.0).show(ui, |ui| {
+            ui.set_width(length);
+            let sense = if enabled { egui::Sense::click_and_drag() } else { egui::Sense::hover() };
+            let (rect, response) = ui.allocate_exact_size(Vec2::new(length, 24.0), sense);
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Slider, enabled, &scale.question));
+            let color = ui.visuals().text_color().gamma_multiply(if enabled { 1.0 } else { 0.4 });
+            let line = rect.shrink2(Vec2::new(8.0, 0.0));
+            let stroke = egui::Stroke::new(2.0, color);
+            ui.painter().line_segment([line.left_center(), line.right_center()], stroke);
+            if let Some(share) = share {
+                let x = egui::lerp(line.x_range(), share as f32);
+                ui.painter().circle_filled(egui::pos2(x, line.center().y), 8.0, color);
+            }
+            if let Some(at) = response.interact_pointer_pos().filter(|_| enabled) {
+                set = Some(f64::from(((at.x - line.left()) / line.width()).clamp(0.0, 1.0)));
+            }
+            ui.horizontal(|ui| {
+                let labels: Vec<&str> = scale.categories.iter().map(|category| category.label.as_str()).collect();
+                ui.label(RichText::new(labels.first().copied().unwrap_or_default()).small());
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    ui.label(RichText::new(labels.last().copied().unwrap_or_default()).small());
+                });
+            });
+        });
+    });
+    set
 }

@@ -84,6 +84,25 @@ pub fn picture(ui: &mut egui::Ui, texture: &TextureHandle, label: &str) -> egui:
     response
 }
 
+/// The gap between two stimuli on the screen, as a share of their size.
+const GAP: f32 = 0.1;
+
+/// Returns the number of physical pixels that a grid of stimuli of `size` pixels needs.
+pub fn grid_px(grid: [usize; 2], size: u32) -> [u32; 2] {
+    grid.map(|count| (count as f32 * size as f32 + (count as f32 - 1.0) * (GAP * size as f32).round()) as u32)
+}
+
+/// Returns the place of each stimulus in a grid at the center of `area`, row by row.
+pub fn places(area: Rect, scale: f32, grid: [usize; 2], size: u32) -> Vec<Rect> {
+    let (side, pitch) = (size as f32 / scale, (size as f32 + (GAP * size as f32).round()) / scale);
+    let first = |axis: usize| -pitch * (grid[axis] as f32 - 1.0) / 2.0;
+    let center = |column: usize, row: usize| {
+        area.center() + Vec2::new(first(0) + pitch * column as f32, first(1) + pitch * row as f32)
+    };
+    let columns = |row| (0..grid[0]).map(move |column| Rect::from_center_size(center(column, row), Vec2::splat(side)));
+    (0..grid[1]).flat_map(columns).collect()
+}
+
 /// Draws a texture pixel for pixel, its corner on a whole pixel, centered in `area`.
 pub fn draw_centered(ui: &egui::Ui, texture: &TextureHandle, area: Rect) {
     let scale = ui.ctx().pixels_per_point();

@@ -53,7 +53,7 @@ pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<Strin
         let common = experiment.has_one_definition();
         let protocol = &experiment.sessions[0].protocol;
         if common {
-            write_json(&to.join(format!("task-{}_beh.json", protocol.task())), &of_task(protocol).into())?;
+            write_json(&to.join(format!("task-{}_beh.json", protocol.file_task())), &of_task(protocol).into())?;
         }
         for session in &experiment.sessions {
             write_session(session, &stimuli, common, to)?;
@@ -66,7 +66,7 @@ fn write_session(session: &Recorded, stimuli: &Stimuli, common: bool, to: &Path)
     let (subject, id) = (session.identity.subject(), session.identity.session());
     let folder = to.join(format!("sub-{subject}")).join(format!("ses-{id}")).join("beh");
     make_folder(&folder)?;
-    let stem = format!("sub-{subject}_ses-{id}_task-{}_beh", session.protocol.task());
+    let stem = format!("sub-{subject}_ses-{id}_task-{}_beh", session.protocol.file_task());
     write_file(&folder.join(format!("{stem}.tsv")), table(session, stimuli).as_bytes())?;
     let mut sidecar = of_session(session);
     if !common {
@@ -93,9 +93,9 @@ fn table(session: &Recorded, stimuli: &Stimuli) -> String {
     let columns = columns(&session.protocol);
     let ordered = ordered(&columns);
     let mut text = ordered.iter().map(|(_, name)| *name).collect::<Vec<_>>().join("\t") + "\n";
-    for row in &session.rows {
+    for (index, row) in session.rows.iter().enumerate() {
         let cells = row.cells();
-        let picture = stimuli.of(session, row).unwrap_or_default();
+        let picture = stimuli.of(session, index).unwrap_or_default();
         let cell = |(place, name): &(Option<usize>, &str)| clean(name, place.map_or(picture, |place| &cells[place]));
         text += &(ordered.iter().map(cell).collect::<Vec<_>>().join("\t") + "\n");
     }
@@ -116,7 +116,7 @@ fn clean(name: &str, cell: &str) -> String {
 fn of_task(protocol: &Protocol) -> Map<String, Value> {
     let columns = columns(protocol);
     let mut entries = keys([
-        ("TaskName", Some(protocol.task().into())),
+        ("TaskName", Some(protocol.file_task().into())),
         ("TaskDescription", Some(protocol.title.as_str().into())),
         ("Instructions", Some(instructions(protocol).into())),
     ]);
@@ -318,7 +318,7 @@ fn readme(experiments: &[Experiment]) -> String {
         let protocol = &experiment.sessions[0].protocol;
         text += &format!(
             "- task `{}`: {} (sessions: {}; definition: `{}`)\n",
-            protocol.task(),
+            protocol.file_task(),
             protocol.title,
             experiment.sessions.len(),
             experiment.name

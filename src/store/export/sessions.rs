@@ -183,7 +183,7 @@ pub(super) fn by_experiment(sessions: Vec<Recorded>) -> Result<Vec<Experiment>, 
             );
             errors.push(FileError::whole(&session.csv, message));
         }
-        let place = format!("{}/{subject}/{id}", session.protocol.task()).to_ascii_lowercase();
+        let place = format!("{}/{subject}/{id}", session.protocol.file_task()).to_ascii_lowercase();
         if let Some(other) = places.insert(place, session) {
             let message = format!(
                 "is the same session of the same task as {}; expected each session once, and experiment names that differ in more than hyphens",

@@ -2,7 +2,7 @@
 //! there.
 
 use std::{
-    collections::{BTreeMap, BTreeSet, HashMap, HashSet},
+    collections::{BTreeMap, HashMap, HashSet},
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -11,8 +11,8 @@ use rayon::prelude::*;
 
 use super::sessions::Experiment;
 use crate::{
-    experiment::{Condition, Protocol, TrialRecord},
-    stimulus::recipe::Recipe,
+    experiment::{Protocol, task::Adaptive},
+    stimulus::{Stimulus, recipe::Recipe},
     store::{
         FileErrors, StoreError,
         file::{make_folder, write_file},
@@ -27,15 +27,15 @@ const HASH_SHOWN: usize = 8;
 /// Maximum length of the part of a file name that lists the levels.
 const MAX_LABEL: usize = 150;
 
-/// The picture's file name for each data file, sitting (from 1) and condition (from 0).
+/// The picture's file name for each data file, sitting (from 1) and stimulus.
 #[derive(Default)]
-pub(super) struct Stimuli(HashMap<(PathBuf, u32, usize), String>);
+pub(super) struct Stimuli(HashMap<(PathBuf, u32, String), String>);
 
 impl Stimuli {
-    /// Returns the file of the picture shown in a row's trial, relative to the stimuli folder.
-    pub(super) fn of(&self, session: &Recorded, row: &TrialRecord) -> Option<&str> {
-        let condition = session.condition(row)?;
-        self.0.get(&(session.csv.clone(), row.sitting, condition)).map(String::as_str)
+    /// Returns the file of the picture that a row describes, relative to the stimuli folder.
+    pub(super) fn of(&self, session: &Recorded, row: usize) -> Option<&str> {
+        let described = session.stimuli(row).first()?.key();
+        self.0.get(&(session.csv.clone(), session.rows[row].sitting, described)).map(String::as_str)
     }
 }
 
@@ -55,11 +55,12 @@ pub(super) fn write(
     let (mut names, mut files) = (HashMap::<String, String>::new(), BTreeMap::new());
     let (mut shown, mut proved) = (HashMap::new(), HashSet::new());
     for session in sessions() {
-        let mut sittings = BTreeMap::<u32, BTreeSet<usize>>::new();
-        for row in &session.rows {
-            sittings.entry(row.sitting).or_default().extend(session.condition(row));
+        let mut sittings = BTreeMap::<u32, BTreeMap<String, &Stimulus>>::new();
+        for (index, row) in session.rows.iter().enumerate() {
+            let stimuli = session.stimuli(index).into_iter().map(|stimulus| (stimulus.key(), stimulus));
+            sittings.entry(row.sitting).or_default().extend(stimuli);
         }
-        for (sitting, conditions) in sittings {
+        for (sitting, stimuli) in sittings {
             let known = session.sidecar.sittings.get((sitting as usize).saturating_sub(1));
             let Some(pictures) = known.and_then(|sitting| sitting.pictures.as_ref()) else {
                 notes.push(format!(
@@ -69,21 +70,20 @@ pub(super) fn write(
                 continue;
             };
             let quantizer = Arc::new(pictures.recipe.quantizer());
-            let recipe = |index: &usize| pictures.recipe_of(&session.schedule.conditions[*index]);
-            let recipes: Vec<Recipe> = conditions.iter().map(recipe).collect();
+            let recipes: Vec<Recipe> = stimuli.values().map(|stimulus| pictures.recipe_of(stimulus)).collect();
             let hashes = renderer.hashes(&recipes);
-            for ((index, recipe), hash) in conditions.into_iter().zip(recipes).zip(hashes) {
-                if pictures.sha256.contains_key(&(index + 1)) {
+            for (((key, stimulus), recipe), hash) in stimuli.into_iter().zip(recipes).zip(hashes) {
+                if pictures.hash_of(&session.schedule.conditions, stimulus).is_some() {
                     proved.insert(hash.clone());
                 }
                 let name = names.entry(hash).or_insert_with_key(|hash| {
-                    let label = label(&session.protocol, &session.schedule.conditions[index]);
+                    let label = label(&session.protocol, stimulus);
                     let short = format!("{label}_{}.png", &hash[..HASH_SHOWN]);
                     let name = if files.contains_key(&short) { format!("{label}_{hash}.png") } else { short };
                     files.insert(name.clone(), (recipe, Arc::clone(&quantizer)));
                     name
                 });
-                shown.insert((session.csv.clone(), sitting, index), name.clone());
+                shown.insert((session.csv.clone(), sitting, key), name.clone());
             }
         }
     }
@@ -106,12 +106,13 @@ pub(super) fn write(
 
 /// Returns a label such as `mach-band_width-0.4_depth-1`. It is meant for people; the hash after it makes the name
 /// unique.
-fn label(protocol: &Protocol, condition: &Condition) -> String {
-    let mut label = condition.stimulus.kind().to_owned();
-    for (factor, level) in protocol.factors.iter().zip(&condition.levels) {
-        let level = factor.levels.get(*level).map_or_else(String::new, ToString::to_string);
+fn label(protocol: &Protocol, stimulus: &Stimulus) -> String {
+    let mut label = stimulus.kind().to_owned();
+    let adapted = protocol.adaptive.iter().flat_map(Adaptive::parameters);
+    for name in protocol.factors.iter().map(|factor| factor.name.as_str()).chain(adapted) {
+        let level = stimulus.get(name).map_or_else(String::new, |level| level.to_string());
         let clean = level.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '-' });
-        label += &format!("_{}-{}", factor.name, clean.collect::<String>());
+        label += &format!("_{name}-{}", clean.collect::<String>());
     }
     label.truncate(MAX_LABEL);
     label

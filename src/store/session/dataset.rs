@@ -54,7 +54,8 @@ impl SessionPaths {
     /// Returns the paths of a session's files in a results folder. These names are documented and stable.
     pub fn new(results: &Path, protocol: &Protocol, identity: &Identity) -> Self {
         let dataset = results.join(&protocol.name);
-        let stem = format!("subject-{}_session-{}_task-{}", identity.subject(), identity.session(), protocol.task());
+        let stem =
+            format!("subject-{}_session-{}_task-{}", identity.subject(), identity.session(), protocol.file_task());
         let data = dataset.join("data");
         Self {
             csv: data.join(format!("{stem}{DATA_FILE}")),

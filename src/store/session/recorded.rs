@@ -1,7 +1,7 @@
 //! Read-only access to recorded sessions, for code that reads whole data sets. Nothing is changed or locked.
 
 use std::{
-    collections::{HashMap, HashSet},
+    collections::{BTreeSet, HashMap, HashSet},
     path::{Path, PathBuf},
 };
 
@@ -12,7 +12,8 @@ use super::{
     sidecar::{Sidecar, missing},
 };
 use crate::{
-    experiment::{Identity, Phase, Protocol, RowContext, Schedule, TrialRecord, columns},
+    experiment::{Course, Identity, Phase, Protocol, Replay, Schedule, TrialRecord, columns},
+    stimulus::Stimulus,
     store::{FileError, FileErrors, StoreError, definition, file::exists},
 };
 
@@ -42,10 +43,23 @@ pub struct Recorded {
     pub sidecar: Sidecar,
     /// The rows, in the order of the file.
     pub rows: Vec<TrialRecord>,
+    /// What each row records, or why no session could have recorded it there.
+    replayed: Vec<Result<Replayed, String>>,
+    /// The number of trials that are still to be answered.
+    left: usize,
     /// An incomplete last line, if the session was interrupted and not resumed.
     pub partial_line: Option<String>,
     /// The files that differ from what the session wrote, according to its seals.
     pub changed: Vec<FileError>,
+}
+
+/// A row that follows from the definition, the seed and the rows before.
+#[derive(Clone, Debug)]
+struct Replayed {
+    /// Index into [`Schedule::trials`].
+    trial: usize,
+    /// What it showed, the stimulus that the row describes first; `None` if that is the trial's condition.
+    stimuli: Option<Vec<Stimulus>>,
 }
 
 /// How often a session is read if its sidecar changes in the meantime, which happens at the beginning and end of a sitting.
@@ -89,10 +103,15 @@ impl Recorded {
         let hashes = Hashes::read(csv, &sidecar, Some(&data))?;
         let (whole, partial_line) = results::whole(csv, data.clone(), &columns)?;
         let frames = csv.with_file_name(format!("{stem}{}", frames::SUFFIX));
+        let rows = results::parse(&csv.display().to_string(), &whole, &columns)?;
+        let course = Course::new(protocol.clone(), schedule.clone());
+        let (replayed, left) = replay(Replay::new(&identity, course, sidecar.is_repaired()), &rows);
         Ok(Self {
             changed: hashes.differences(csv, &sidecar).iter().map(Difference::error).collect(),
             frames_sha256: hashes.of_frames().map(str::to_owned),
-            rows: results::parse(&csv.display().to_string(), &whole, &columns)?,
+            rows,
+            replayed,
+            left,
             data,
             sidecar_text,
             is_running,
@@ -113,21 +132,35 @@ impl Recorded {
         name.strip_suffix(DATA_FILE).unwrap_or(&name).to_owned()
     }
 
-    /// Returns the context of the rows. Its `sitting` is a placeholder, because each row has its own.
-    pub fn context(&self) -> RowContext<'_> {
-        RowContext { protocol: &self.protocol, schedule: &self.schedule, identity: &self.identity, sitting: 1 }
+    /// Returns what a row's trial showed, the stimulus that the row describes first; nothing if the row is not planned.
+    pub fn stimuli(&self, row: usize) -> Vec<&Stimulus> {
+        match &self.replayed[row] {
+            Ok(Replayed { stimuli: Some(stimuli), .. }) => stimuli.iter().collect(),
+            Ok(Replayed { trial, .. }) => {
+                vec![&self.schedule.conditions[self.schedule.trials[*trial].condition].stimulus]
+            }
+            Err(_) => Vec::new(),
+        }
     }
 
-    /// Returns the index in [`Schedule::conditions`] of a row's condition; `None` if the row is not planned.
-    pub fn condition(&self, row: &TrialRecord) -> Option<usize> {
-        Some(self.schedule.trials[row.planned_trial(&self.context()).ok()?].condition)
+    /// Returns the different stimuli that the rows show.
+    pub fn shown(&self) -> Vec<&Stimulus> {
+        let of_conditions: BTreeSet<usize> = (self.replayed.iter().flatten())
+            .filter(|row| row.stimuli.is_none())
+            .map(|row| self.schedule.trials[row.trial].condition)
+            .collect();
+        let mut shown: Vec<&Stimulus> =
+            of_conditions.into_iter().map(|condition| &self.schedule.conditions[condition].stimulus).collect();
+        let mut known = HashSet::new();
+        let others = self.replayed.iter().flatten().filter_map(|row| row.stimuli.as_ref()).flatten();
+        shown.extend(others.filter(|stimulus| known.insert(stimulus.key())));
+        shown
     }
 
-    /// Returns the number of rated trials and the number of planned trials.
+    /// Returns the number of answered trials and the number of planned trials.
     pub fn rated(&self) -> (usize, usize) {
-        let context = self.context();
-        let rated: HashSet<_> = self.rows.iter().filter_map(|row| row.planned_trial(&context).ok()).collect();
-        (rated.len(), self.schedule.trials.len())
+        let rated = self.replayed.iter().flatten().map(|row| row.trial).collect::<HashSet<_>>().len();
+        (rated, rated + self.left)
     }
 
     /// True if every planned trial is rated and the last row is complete.
@@ -139,18 +172,37 @@ impl Recorded {
     /// Returns all errors in the rows. The definition and the seed must plan every row, and the rows must be in an
     /// order in which a session records them.
     pub fn row_errors(&self) -> Vec<FileError> {
-        let context = self.context();
         let (mut planned, mut errors) = (Vec::new(), Vec::new());
-        for (row, line) in self.rows.iter().zip(2..) {
-            match row.planned_trial(&context) {
+        for ((row, replayed), line) in self.rows.iter().zip(&self.replayed).zip(2..) {
+            match replayed {
                 Ok(_) => planned.push((row, line)),
-                Err(message) => errors.push(FileError::at(&self.csv, (line, 1), message)),
+                Err(message) => errors.push(FileError::at(&self.csv, (line, 1), message.clone())),
             }
         }
         errors.extend(order_errors(&self.csv, planned, self.sidecar.is_repaired()));
         errors.sort_by_key(|error| error.position);
         errors
     }
+}
+
+/// Replays rows. Also returns the number of trials that are still to be answered.
+fn replay(mut replay: Replay<'_>, rows: &[TrialRecord]) -> (Vec<Result<Replayed, String>>, usize) {
+    let is_planned = |course: &Course| course.protocol().task.is_default();
+    let replayed: Vec<_> = rows
+        .iter()
+        .map(|row| {
+            let (trial, shown) = replay.row(row)?;
+            let described = shown.described().clone();
+            let others = || shown.stimuli.iter().filter(|other| **other != described).cloned();
+            let all = || std::iter::once(described.clone()).chain(others()).collect();
+            Ok(Replayed { trial, stimuli: (!is_planned(replay.course())).then(all) })
+        })
+        .collect();
+    let done: HashSet<usize> = replayed.iter().flatten().map(|row: &Replayed| row.trial).collect();
+    let course = replay.course();
+    let is_left = |trial: &usize| !done.contains(trial) && !course.is_over(*trial);
+    let left = (0..course.schedule().trials.len()).filter(is_left).count();
+    (replayed, left)
 }
 
 /// Times may differ by this much, because they are rounded and come from different clocks.

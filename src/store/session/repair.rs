@@ -14,7 +14,7 @@ use super::{
     sidecar::{REPAIRED, Sidecar, missing},
 };
 use crate::{
-    experiment::{Column, Identity, Protocol, RowContext, Schedule, TrialRecord, columns},
+    experiment::{Column, Course, Identity, Protocol, Replay, Schedule, TrialRecord, columns},
     store::{
         FileErrors, StoreError, definition,
         error::io,
@@ -91,7 +91,7 @@ fn sort(
 ) -> Result<Sorted, StoreError> {
     let mismatch = |what: String| StoreError::Mismatch { path: csv.to_owned(), what };
     let schedule = Schedule::new(protocol, identity, seed).map_err(|error| mismatch(error.to_string()))?;
-    let context = RowContext { protocol, schedule: &schedule, identity, sitting: 1 };
+    let mut replay = Replay::new(identity, Course::new(protocol.clone(), schedule), true);
     let mut lines: Vec<&[u8]> = content.split_inclusive(|byte| *byte == b'\n').collect();
     let mut number = 1;
     let header = match lines.first() {
@@ -108,7 +108,7 @@ fn sort(
     let header_restored = number == 1;
     let mut sorted = Sorted { header_restored, lines: Vec::new(), damaged: Vec::new(), kept: header };
     for ((line, row), number) in lines.iter().zip(&rows).zip(number..) {
-        let row = row.as_ref().filter(|row| row.planned_trial(&context).is_ok());
+        let row = row.as_ref().filter(|row| replay.row(row).is_ok());
         planned += usize::from(row.is_some());
         if let Some(row) = row.filter(|row| order.errors(row).is_empty()) {
             order.add(row);

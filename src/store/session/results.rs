@@ -108,7 +108,12 @@ pub(super) fn header(columns: &[Column]) -> Vec<u8> {
 /// # Errors
 /// Reports every row that cannot be parsed, with its line and column, and a header that is not the expected one.
 pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<TrialRecord>, FileErrors> {
-    table::parse(file, content, |header: &[&str]| check_header(header, columns), TrialRecord::from_cells)
+    table::parse(
+        file,
+        content,
+        |header: &[&str]| check_header(header, columns),
+        |cells: &[&str]| TrialRecord::from_cells(cells, columns),
+    )
 }
 
 /// Checks the header, and names the first column that is not the expected one.

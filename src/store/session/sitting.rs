@@ -10,7 +10,7 @@ use crate::{
     display::{DisplayProfile, Measurement, Monitor},
     experiment::{Condition, OrderedLogit, Protocol, VisionRater},
     light::{Bits, Dither, Transfer, Transfers},
-    stimulus::recipe::Recipe,
+    stimulus::{Stimulus, recipe::Recipe},
     store::{image, profile},
 };
 
@@ -260,6 +260,18 @@ pub struct Pictures {
     /// [`image::hash`] of each condition's picture, by condition number. Conditions are numbered from 1 by crossing the
     /// factors, with the last factor varying fastest.
     pub sha256: BTreeMap<usize, String>,
+    /// The other pictures: what a task compares with a condition, and the levels that an adaptive method chose.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub others: Vec<OtherPicture>,
+}
+
+/// A picture that is no condition.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OtherPicture {
+    /// What it shows.
+    pub stimulus: Stimulus,
+    /// [`image::hash`] of the picture.
+    pub sha256: String,
 }
 
 impl Pictures {
@@ -275,7 +287,7 @@ impl Pictures {
             seed: 0,
             display_sha256,
         };
-        Self { recipe, sha256: BTreeMap::new() }
+        Self { recipe, sha256: BTreeMap::new(), others: Vec::new() }
     }
 
     /// Creates the pictures of a session without a screen: 256 pixels per side, sRGB. None of them is hashed yet.
@@ -284,16 +296,33 @@ impl Pictures {
         Self::new(protocol, SIZE_WITHOUT_SCREEN, &Transfer::Srgb.into(), None)
     }
 
-    /// Renders every condition's picture and returns the hashes, in order.
+    /// Renders pictures and returns their hashes, in order.
     #[must_use]
-    pub fn hashes(&self, conditions: &[Condition]) -> Vec<String> {
+    pub fn hashes(&self, stimuli: &[&Stimulus]) -> Vec<String> {
         let quantizer = self.recipe.quantizer();
-        conditions.par_iter().map(|condition| image::hash(&self.recipe_of(condition).codes(&quantizer))).collect()
+        stimuli.par_iter().map(|stimulus| image::hash(&self.recipe_of(stimulus).codes(&quantizer))).collect()
     }
 
-    /// Returns the recipe of a condition's picture.
+    /// Returns the recipe of a picture.
     #[must_use]
-    pub fn recipe_of(&self, condition: &Condition) -> Recipe {
-        Recipe { stimulus: condition.stimulus.clone(), ..self.recipe.clone() }
+    pub fn recipe_of(&self, stimulus: &Stimulus) -> Recipe {
+        Recipe { stimulus: stimulus.clone(), ..self.recipe.clone() }
+    }
+
+    /// Notes the hash of a picture: by the number of its condition if it is one.
+    pub fn note(&mut self, conditions: &[Condition], stimulus: &Stimulus, sha256: String) {
+        match conditions.iter().position(|condition| condition.stimulus == *stimulus) {
+            Some(condition) => _ = self.sha256.insert(condition + 1, sha256),
+            None if self.others.iter().any(|other| other.stimulus == *stimulus) => {}
+            None => self.others.push(OtherPicture { stimulus: stimulus.clone(), sha256 }),
+        }
+    }
+
+    /// Returns the hash of a picture, if there is one.
+    #[must_use]
+    pub fn hash_of(&self, conditions: &[Condition], stimulus: &Stimulus) -> Option<&str> {
+        let condition = conditions.iter().position(|condition| condition.stimulus == *stimulus);
+        let other = || self.others.iter().find(|other| other.stimulus == *stimulus).map(|other| &other.sha256);
+        condition.and_then(|condition| self.sha256.get(&(condition + 1))).or_else(other).map(String::as_str)
     }
 }

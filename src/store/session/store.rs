@@ -1,6 +1,6 @@
 //! A running session on disk: its rows, its sidecar, its frames and its data set.
 
-use std::path::Path;
+use std::{path::Path, sync::Arc};
 
 use super::{
     chain,
@@ -15,7 +15,8 @@ use super::{
     sitting::{FrameSummary, InputSummary, Seal, Sitting},
 };
 use crate::{
-    experiment::{Answers, Identity, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns},
+    experiment::{Answers, Course, Identity, Protocol, Replay, Resumed, Schedule, TrialRecord, columns},
+    stimulus::Stimulus,
     store::{FileError, FileErrors, StoreError, definition, file::exists},
 };
 
@@ -48,9 +49,9 @@ pub enum Changes {
 /// The state of an interrupted session.
 #[derive(Debug)]
 pub struct Interrupted {
-    /// The order of its trials.
-    pub schedule: Schedule,
-    /// The trials that are already rated.
+    /// Its trials, and the answers so far.
+    pub course: Course,
+    /// The trials that are already answered.
     pub resumed: Resumed,
     /// When the last rating was given, in seconds since the session's start; 0 if there is no rating yet.
     pub elapsed_s: f64,
@@ -63,9 +64,9 @@ pub struct Interrupted {
 
 impl Interrupted {
     /// Creates a session that has not shown a trial yet.
-    pub fn before_the_first_trial(schedule: Schedule) -> Self {
+    pub fn before_the_first_trial(course: Course) -> Self {
         let (resumed, rows) = (Resumed::default(), Vec::new());
-        Self { schedule, resumed, elapsed_s: 0.0, rows, sitting: 1, partial_line: None }
+        Self { course, resumed, elapsed_s: 0.0, rows, sitting: 1, partial_line: None }
     }
 }
 
@@ -131,7 +132,7 @@ impl SessionStore {
     ) -> Result<(Self, Interrupted), StoreError> {
         let found = Found::read(results, protocol, identity, seed, changes)?;
         let is_finished = found.is_finished();
-        let Found { paths, rows, sidecar, differences, schedule, resumed, recovered } = found;
+        let Found { paths, rows, sidecar, differences, course, resumed, recovered } = found;
         let sittings = recovered.rows.last().map_or(0, |row| row.sitting).max(sidecar.sittings.len() as u32);
         let frames = FrameFile::resume(&paths.frames);
         let without_frames = frames.as_ref().err().map(ToString::to_string);
@@ -161,13 +162,15 @@ impl SessionStore {
             store.rows.file.flush()?;
         }
         let last = recovered.rows.last();
+        // Times of answers are measured from the last interval, and onsets are those of the first.
+        let lead_s = course.protocol().task.layout().lead_s();
         let interrupted = Interrupted {
             resumed,
-            elapsed_s: last.map_or(0.0, |row| row.onset_s.0 + row.response_time_s.0),
+            elapsed_s: last.map_or(0.0, |row| row.onset_s.0 + lead_s + row.response_time_s.0),
             rows: recovered.rows,
             sitting: sittings.saturating_add(1),
             partial_line: recovered.partial_line,
-            schedule,
+            course,
         };
         Ok((store, interrupted))
     }
@@ -321,10 +324,11 @@ impl SessionStore {
         }
     }
 
-    /// Notes the hash of a displayed picture, to be saved with the sidecar; `condition` is counted from 0.
-    pub fn note_picture(&mut self, condition: usize, sha256: String) {
+    /// Notes the hash of a displayed picture, to be saved with the sidecar.
+    pub fn note_picture(&mut self, stimulus: &Stimulus, sha256: String) {
+        let conditions = Arc::clone(self.protocol.conditions());
         if let Some(pictures) = self.sitting().and_then(|sitting| sitting.pictures.as_mut()) {
-            pictures.sha256.insert(condition + 1, sha256);
+            pictures.note(&conditions, stimulus, sha256);
         }
     }
 
@@ -381,7 +385,7 @@ struct Found {
     sidecar: Sidecar,
     /// The differences between the files and their seals, which the user accepted.
     differences: Vec<Difference>,
-    schedule: Schedule,
+    course: Course,
     resumed: Resumed,
     recovered: Recovered,
 }
@@ -430,12 +434,12 @@ impl Found {
         }
         let mismatch = |what: String| StoreError::Mismatch { path: paths.csv.clone(), what };
         let schedule = Schedule::new(protocol, identity, sidecar.seed).map_err(|error| mismatch(error.to_string()))?;
-        let context = RowContext { protocol, schedule: &schedule, identity, sitting: 1 };
+        let mut replay = Replay::new(identity, Course::new(protocol.clone(), schedule), sidecar.is_repaired());
         let mut resumed = Resumed::default();
         let (mut planned, mut errors) = (Vec::new(), Vec::new());
         for (row, line) in recovered.rows.iter().zip(2..) {
-            match row.planned_trial(&context) {
-                Ok(trial) => {
+            match replay.row(row) {
+                Ok((trial, _)) => {
                     resumed.done.insert(trial);
                     planned.push((row, line));
                 }
@@ -446,13 +450,14 @@ impl Found {
         }
         errors.extend(order_errors(&paths.csv, planned, sidecar.is_repaired()));
         FileErrors::none(errors).map_err(repairable)?;
-        Ok(Self { paths, rows, sidecar, differences, schedule, resumed, recovered })
+        Ok(Self { paths, rows, sidecar, differences, course: replay.into_course(), resumed, recovered })
     }
 
     /// True if every trial is rated and the sidecar says so too, so that there is nothing to do.
     fn is_finished(&self) -> bool {
-        let is_rated = self.resumed.done.len() == self.schedule.trials.len() && self.recovered.partial_line.is_none();
-        is_rated && self.sidecar.is_complete() && self.differences.is_empty()
+        let mut trials = 0..self.course.schedule().trials.len();
+        let is_rated = trials.all(|trial| self.resumed.done.contains(&trial) || self.course.is_over(trial));
+        is_rated && self.recovered.partial_line.is_none() && self.sidecar.is_complete() && self.differences.is_empty()
     }
 }
 

@@ -15,10 +15,11 @@ use super::{
     frames::{self, FrameRow},
     recorded::Recorded,
     sidecar::Sidecar,
+    sitting::OtherPicture,
 };
 use crate::{
     experiment::{GENERATOR, Phase},
-    stimulus::recipe::Recipe,
+    stimulus::{Stimulus, recipe::Recipe},
     store::{FileError, FileErrors, StoreError, definition, error::io, image, ratings},
     system::{entries, unless_missing},
 };
@@ -259,10 +260,12 @@ fn check_seal(recorded: &Recorded, found: &mut Verified) {
 fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Verified) {
     found.errors.extend(picture_errors(recorded, renderer));
     let pictures = recorded.sidecar.sittings.iter().filter_map(|sitting| sitting.pictures.as_ref());
-    let hashed: Vec<usize> = pictures.flat_map(|pictures| pictures.sha256.keys().copied()).collect();
-    found.pictures = hashed.len();
-    let shown: BTreeSet<usize> = recorded.rows.iter().filter_map(|row| recorded.condition(row)).collect();
-    let unproved = shown.iter().filter(|index| !hashed.contains(&(*index + 1))).count();
+    let pictures: Vec<_> = pictures.collect();
+    found.pictures = pictures.iter().map(|pictures| pictures.sha256.len() + pictures.others.len()).sum();
+    let shown = recorded.shown();
+    let is_hashed =
+        |stimulus: &&Stimulus| pictures.iter().any(|of| of.hash_of(&recorded.schedule.conditions, stimulus).is_some());
+    let unproved = shown.iter().filter(|stimulus| !is_hashed(stimulus)).count();
     if unproved > 0 {
         found.notes.push(format!(
             "{unproved} of {} pictures have no hash because their sitting did not end properly",
@@ -280,7 +283,7 @@ pub(crate) fn picture_errors(recorded: &Recorded, renderer: &mut Renderer) -> Ve
         let Some(pictures) = pictures else { continue };
         let known: Vec<_> = pictures.sha256.iter().filter(|hash| (1..=conditions.len()).contains(hash.0)).collect();
         let side = pictures.recipe.size;
-        rendered += known.len() as u64 * u64::from(side).pow(2);
+        rendered += (known.len() + pictures.others.len()) as u64 * u64::from(side).pow(2);
         if side > MAX_SIDE || rendered > MAX_RENDERED {
             let message = format!(
                 "the {} pictures of sitting {sitting} have {side} × {side} pixels and were not rendered; expected at most {MAX_SIDE} per side, and {MAX_RENDERED} pixels for the session",
@@ -289,11 +292,16 @@ pub(crate) fn picture_errors(recorded: &Recorded, renderer: &mut Renderer) -> Ve
             errors.push(FileError::whole(path, message));
             break;
         }
-        let recipes: Vec<Recipe> = known.iter().map(|hash| pictures.recipe_of(&conditions[hash.0 - 1])).collect();
-        for ((number, expected), hash) in known.iter().zip(renderer.hashes(&recipes)) {
+        let mut all: Vec<(String, &Stimulus, &String)> = Vec::new();
+        all.extend(known.iter().map(|(n, hash)| (format!("condition {n}"), &conditions[**n - 1].stimulus, *hash)));
+        for (number, OtherPicture { stimulus, sha256 }) in (1..).zip(&pictures.others) {
+            all.push((format!("picture {number} of the others"), stimulus, sha256));
+        }
+        let recipes: Vec<Recipe> = all.iter().map(|(_, stimulus, _)| pictures.recipe_of(stimulus)).collect();
+        for ((name, _, expected), hash) in all.iter().zip(renderer.hashes(&recipes)) {
             if **expected != hash {
                 let message = format!(
-                    "condition {number} of sitting {sitting} renders to sha256 {hash}; expected {expected}, the hash of what was shown"
+                    "{name} of sitting {sitting} renders to sha256 {hash}; expected {expected}, the hash of what was shown"
                 );
                 errors.push(FileError::whole(path, message));
             }

@@ -1,0 +1,5 @@
+//! Analyses of tasks with right and wrong answers, comparisons and settings: psychometric functions of one person and of
+//! many, detection, scales from paired comparisons, and adjustments. All are functions of numbers.
+
+mod numeric;
+pub mod psychometric;

@@ -1,0 +1,200 @@
+//! What each trial of a session shows: a function of the definition, the seed and the answers so far. Nothing of it is
+//! stored, so a session can be resumed, and anyone can recompute it from its rows.
+
+use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
+
+use super::{
+    identity::fnv1a,
+    protocol::Protocol,
+    schedule::{Phase, Schedule},
+    task::{Adaptive, Answer, Method, Pick, Presentation, Quest, QuestPlus, Ranking, Track, Turn},
+};
+
+/// A session's trials, and the answers to them so far.
+#[derive(Clone, Debug)]
+pub struct Course {
+    protocol: Protocol,
+    schedule: Schedule,
+    /// The methods: one for each condition, or one for all comparisons; none if the schedule plans everything.
+    tracks: Vec<Track>,
+    /// The trial answered last, and its method before that answer.
+    last: Option<(usize, Option<(usize, Track)>)>,
+}
+
+impl Course {
+    /// Begins a session.
+    #[must_use]
+    pub fn new(protocol: Protocol, schedule: Schedule) -> Self {
+        let tracks = tracks(&protocol, &schedule);
+        Self { protocol, schedule, tracks, last: None }
+    }
+
+    /// Returns the definition.
+    #[must_use]
+    pub fn protocol(&self) -> &Protocol {
+        &self.protocol
+    }
+
+    /// Returns the planned order of the trials.
+    #[must_use]
+    pub fn schedule(&self) -> &Schedule {
+        &self.schedule
+    }
+
+    /// Returns the method that decides what a trial shows. Practice trials do not affect one.
+    fn track(&self, trial: usize) -> Option<usize> {
+        let planned = &self.schedule.trials[trial];
+        (planned.phase == Phase::Main && !self.tracks.is_empty()).then_some(planned.condition)
+    }
+
+    /// Returns whether a trial is left out, because its method has learned enough.
+    #[must_use]
+    pub fn is_over(&self, trial: usize) -> bool {
+        self.track(trial).is_some_and(|track| self.tracks[track].is_over())
+    }
+
+    /// Returns what a trial would show now.
+    #[must_use]
+    pub fn presentation(&self, trial: usize) -> Presentation {
+        self.present(trial, self.pick(trial))
+    }
+
+    fn pick(&self, trial: usize) -> Pick {
+        let draw = self.draw(trial);
+        match self.track(trial) {
+            Some(track) => self.tracks[track].pick(self.protocol.adaptive.as_ref(), draw),
+            None if self.protocol.task.ranking().is_some() => {
+                let pairs = self.protocol.pairs().unwrap_or_default();
+                pairs.get((draw * pairs.len() as f64) as usize).map_or(Pick::Planned, |pair| Pick::Pair(*pair))
+            }
+            None => self.protocol.adaptive.as_ref().map_or(Pick::Planned, |adaptive| practice(adaptive, draw)),
+        }
+    }
+
+    /// Returns the number that was drawn for a trial, in 0…1.
+    fn draw(&self, trial: usize) -> f64 {
+        f64::from(self.schedule.trials[trial].draw) / (f64::from(u32::MAX) + 1.0)
+    }
+
+    /// Returns what a trial shows if the method chooses `pick`.
+    fn present(&self, trial: usize, pick: Pick) -> Presentation {
+        let (planned, conditions) = (&self.schedule.trials[trial], &self.schedule.conditions);
+        let pair = match pick {
+            Pick::Pair(pair) => Some(pair),
+            _ => self.protocol.pairs().map(|pairs| pairs[planned.condition]),
+        };
+        let [one, other] = match pair {
+            Some([i, j]) if planned.place == 1 => [j, i],
+            Some(pair) => pair,
+            None => [planned.condition; 2],
+        };
+        let mut names = self.protocol.adaptive.iter().flat_map(Adaptive::parameters);
+        let (x, y) = if let Pick::Level(x, y) = pick { (Some(x), y) } else { (None, None) };
+        let turn = Turn {
+            condition: &conditions[one],
+            other: pair.map(|_| &conditions[other]),
+            place: planned.place,
+            draw: self.draw(trial),
+            level: names.next().zip(x),
+            second: names.next().zip(y),
+        };
+        self.protocol.task.present(&turn)
+    }
+
+    /// Takes the answer to a trial. If it was answered last, the new answer replaces the old one.
+    pub fn answer(&mut self, trial: usize, answer: &Answer) {
+        self.take_back(trial);
+        self.learn(trial, self.pick(trial), answer);
+    }
+
+    /// Takes the answer to a trial that showed `shown`, which need not follow from the answers before.
+    pub fn answer_as_shown(&mut self, trial: usize, shown: &Presentation, answer: &Answer) {
+        self.take_back(trial);
+        let pick = match shown.level {
+            Some(level) => Pick::Level(level, self.second_of(shown)),
+            None => self.pair_of(trial, shown).map_or(Pick::Planned, Pick::Pair),
+        };
+        self.learn(trial, pick, answer);
+    }
+
+    fn learn(&mut self, trial: usize, pick: Pick, answer: &Answer) {
+        let shown = self.present(trial, pick);
+        let before = self.track(trial).map(|track| (track, self.tracks[track].clone()));
+        let task = &self.protocol.task;
+        let mut outcome = task.outcome(&shown, answer);
+        if let (Pick::Pair(_), 1) = (pick, self.schedule.trials[trial].place) {
+            // The first of the pair was on the right.
+            outcome = !outcome;
+        }
+        let is_catch = task.catches().is_some() && shown.target == Some(0);
+        if let Some((track, _)) = before {
+            self.tracks[track].learn(self.protocol.adaptive.as_ref(), pick, outcome, is_catch);
+        }
+        self.last = Some((trial, before));
+    }
+
+    /// Forgets the answer to a trial if it is the last one.
+    pub fn take_back(&mut self, trial: usize) {
+        if let Some((_, before)) = self.last.take_if(|(last, _)| *last == trial)
+            && let Some((track, state)) = before
+        {
+            self.tracks[track] = state;
+        }
+    }
+
+    fn second_of(&self, shown: &Presentation) -> Option<f64> {
+        let name = self.protocol.adaptive.as_ref()?.parameters().nth(1)?;
+        crate::text::Cell::from(shown.described().get(name)?).as_number()
+    }
+
+    fn pair_of(&self, trial: usize, shown: &Presentation) -> Option<[usize; 2]> {
+        let is_shown = |pair: &&[usize; 2]| self.present(trial, Pick::Pair(**pair)).stimuli == shown.stimuli;
+        self.protocol.pairs()?.iter().find(is_shown).copied()
+    }
+
+    /// Returns what a trial could show, whatever the answers before, given the level that it has.
+    #[must_use]
+    pub fn possible(&self, trial: usize, level: Option<f64>) -> Vec<Presentation> {
+        let second = match self.protocol.adaptive.as_ref().map(|adaptive| &adaptive.method) {
+            Some(Method::QuestPlus(QuestPlus { second: Some(second), .. })) => second.levels.iter().map(Some).collect(),
+            _ => vec![None],
+        };
+        let picks: Vec<Pick> = match (level, self.protocol.pairs()) {
+            (Some(level), _) => second.into_iter().map(|second| Pick::Level(level, second.copied())).collect(),
+            (None, Some(pairs)) if !self.tracks.is_empty() => pairs.iter().map(|pair| Pick::Pair(*pair)).collect(),
+            _ => vec![Pick::Planned],
+        };
+        picks.into_iter().map(|pick| self.present(trial, pick)).collect()
+    }
+}
+
+/// Returns the methods of a session at its start.
+fn tracks(protocol: &Protocol, schedule: &Schedule) -> Vec<Track> {
+    if protocol.task.ranking().is_some() {
+        return vec![Track::Ranking(Ranking::new(protocol.conditions().len()))];
+    }
+    let Some(adaptive) = &protocol.adaptive else { return Vec::new() };
+    let quest: Option<Quest> = match &adaptive.method {
+        Method::QuestPlus(options) => Some(options.prepare(&adaptive.common, protocol.task.guess())),
+        _ => None,
+    };
+    let track = |condition: usize| {
+        let mut rng = ChaCha8Rng::seed_from_u64(schedule.seed);
+        rng.set_stream(fnv1a(format!("levels\0{}\0{condition}", schedule.stream).as_bytes()));
+        Track::new(adaptive, quest.as_ref(), &mut rng)
+    };
+    (0..protocol.slots()).map(track).collect()
+}
+
+/// Returns the level of a practice trial: any of the levels, or where a staircase begins.
+fn practice(adaptive: &Adaptive, draw: f64) -> Pick {
+    let any = |levels: &[f64]| levels.get((draw * levels.len() as f64) as usize).copied();
+    let (level, second) = match &adaptive.method {
+        Method::Staircase(staircase) => (Some(staircase.start), None),
+        Method::QuestPlus(quest) => {
+            (any(&quest.levels), quest.second.as_ref().and_then(|second| second.levels.first()).copied())
+        }
+        Method::Constant(constant) => (any(&constant.levels), None),
+    };
+    level.map_or(Pick::Planned, |level| Pick::Level(level, second))
+}

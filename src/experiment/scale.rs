@@ -1,0 +1,71 @@
+//! The answers that participants choose from.
+
+use std::ops::RangeInclusive;
+
+use serde::{Serialize, Serializer, ser::SerializeMap as _};
+
+/// The possible numbers of categories of a scale: ratings are 0…1 to 0…10.
+pub const CATEGORIES: RangeInclusive<usize> = 2..=11;
+
+/// Returns the key of a rating if the definition names none: its digit, and A for 10; `None` if there is no such rating.
+pub fn default_key(rating: usize) -> Option<char> {
+    char::from_digit(rating as u32, *CATEGORIES.end() as u32)
+}
+
+/// The rating scale: two to eleven categories, whose ratings count from 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResponseScale {
+    /// Shown next to the scale.
+    pub question: String,
+    /// Categories in the order of their ratings.
+    pub categories: Vec<Category>,
+}
+
+/// Serializes the scale as it appears in a definition: question, labels and keys.
+impl Serialize for ResponseScale {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(3))?;
+        map.serialize_entry("question", &self.question)?;
+        map.serialize_entry("labels", &self.categories.iter().map(|c| &c.label).collect::<Vec<_>>())?;
+        map.serialize_entry("keys", &self.categories.iter().map(|c| c.key).collect::<Vec<_>>())?;
+        map.end()
+    }
+}
+
+/// One possible answer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Category {
+    /// What the answer means.
+    pub label: String,
+    /// The key for this answer: one digit or letter.
+    pub key: char,
+}
+
+impl Default for ResponseScale {
+    /// The paper's four categories (Bangay §3.1).
+    fn default() -> Self {
+        let labels = ["No band", "Broad band", "Narrow band, indistinct boundaries", "Narrow band, clearly defined"];
+        Self {
+            question: "How visible is the brighter band?".to_owned(),
+            categories: labels
+                .iter()
+                .zip('0'..)
+                .map(|(label, key)| Category { label: (*label).to_owned(), key })
+                .collect(),
+        }
+    }
+}
+
+impl ResponseScale {
+    /// Creates a scale whose answers have the keys 1, 2, ….
+    #[must_use]
+    pub fn numbered(question: &str, labels: &[&str]) -> Self {
+        let categories = labels.iter().zip('1'..).map(|(label, key)| Category { label: (*label).to_owned(), key });
+        Self { question: question.to_owned(), categories: categories.collect() }
+    }
+
+    /// Returns the highest rating.
+    pub fn highest(&self) -> u8 {
+        self.categories.len().saturating_sub(1) as u8
+    }
+}

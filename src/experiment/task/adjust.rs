@@ -1,0 +1,105 @@
+//! Adjustment: participants change one parameter until a criterion holds.
+
+use serde::{Deserialize, Serialize};
+
+use super::kind::{Answer, Dial, Given, Kind, Measures, Presentation, Senses, Turn};
+use crate::experiment::{faults::DefinitionErrors, scale::ResponseScale};
+
+/// The share of the range, at either end, in which an adjustment begins.
+const START: f64 = 0.3;
+/// Number of values that a simulated observer tries.
+const TRIED: u32 = 400;
+
+/// Adjustment of a parameter, beginning in turn at low and at high values.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Adjust {
+    /// The parameter of the stimulus.
+    pub parameter: String,
+    /// Lowest value.
+    pub low: f64,
+    /// Highest value.
+    pub high: f64,
+    /// How far one key press goes: added, or on a logarithmic scale, multiplied by 10 to this power. Shift makes it ten
+    /// times finer.
+    pub step: f64,
+    /// Whether steps are equal ratios.
+    pub log: bool,
+}
+
+impl Default for Adjust {
+    fn default() -> Self {
+        Self { parameter: String::new(), low: 0.0, high: 1.0, step: 0.02, log: false }
+    }
+}
+
+impl Adjust {
+    fn own_dial(&self) -> Dial {
+        let Self { ref parameter, low, high, step, log } = *self;
+        Dial { parameter: Some(parameter.clone()), range: [low, high], step, log }
+    }
+}
+
+impl Kind for Adjust {
+    fn scale(&self) -> ResponseScale {
+        let question = "Change the image until the brighter band is just visible.".to_owned();
+        ResponseScale { question, categories: Vec::new() }
+    }
+
+    fn instructions(&self) -> String {
+        "You will see a dark and a bright area with a transition between them. Where the transition meets the bright area, you may see a line or band that is brighter still.\n\nChange the image with the arrow keys or the mouse wheel until the band is just visible. Hold Shift for finer steps. Press Enter when you are satisfied.\n\nBetween images, the screen shows one even color while your eyes recover.".to_owned()
+    }
+
+    fn check(&self, given: &Given<'_>, errors: &mut DefinitionErrors) {
+        if self.parameter.is_empty() {
+            let names: Vec<&str> = given.stimulus.parameters().iter().map(|parameter| parameter.name).collect();
+            let message = format!("task.parameter is missing; expected one of {}", names.join(", "));
+            errors.add("task.parameter", message);
+            return;
+        }
+        given.check_dial(&self.own_dial(), errors);
+    }
+
+    fn dial(&self) -> Option<Dial> {
+        Some(self.own_dial())
+    }
+
+    fn places(&self) -> Vec<u32> {
+        vec![0, 1]
+    }
+
+    fn present(&self, turn: &Turn<'_>) -> Presentation {
+        let share = if turn.place == 0 { START * turn.draw } else { 1.0 - START * turn.draw };
+        let start = self.own_dial().at(share);
+        let mut stimulus = turn.target();
+        // The definition was checked at both ends of the range.
+        let _ = stimulus.set(&self.parameter, &start.into());
+        Presentation { start: Some(start), ..Presentation::of(stimulus) }
+    }
+
+    /// The observer turns the dial away from its start until what they see crosses the criterion.
+    fn answer(&self, shown: &Presentation, senses: Senses<'_>) -> Answer {
+        let (dial, start) = (self.own_dial(), shown.start.unwrap_or_default());
+        let Senses { noisy, mean, criterion } = senses;
+        let seen = |value: f64| {
+            let mut stimulus = shown.stimuli[0].clone();
+            let _ = stimulus.set(&self.parameter, &value.into());
+            mean(&stimulus)
+        };
+        // The noise of one look moves the criterion of this trial.
+        let criterion = criterion + noisy(&shown.stimuli[0]) - mean(&shown.stimuli[0]);
+        let upward = start < dial.at(0.5);
+        let values = (0..=TRIED).map(|i| {
+            let share = f64::from(i) / f64::from(TRIED);
+            dial.at(if upward { share } else { 1.0 - share })
+        });
+        let mut ahead = values.filter(|value| if upward { *value >= start } else { *value <= start });
+        let above = seen(start) > criterion;
+        let end = dial.at(if upward { 1.0 } else { 0.0 });
+        Answer::Value(ahead.find(|value| (seen(*value) > criterion) != above).unwrap_or(end))
+    }
+
+    fn measures(&self) -> Measures {
+        Measures::Settings
+    }
+}

@@ -1,0 +1,59 @@
+//! Psychometric functions: the probability of an answer as a function of a level.
+
+use statrs::function::erf::erfc;
+
+use crate::text::names::named;
+
+named! {
+    /// The shape of a psychometric function: a sigmoid F that rises from 0 to 1.
+    Curve, CurveError {
+        /// F(x) = 1 − exp(−10^(β(x−t))), with x the decadic logarithm of the level; F(t) = 1 − 1/e (Watson 2017).
+        Weibull = "weibull",
+        /// F(x) = 1/(1 + e^(−β(x−t))); F(t) = ½.
+        Logistic = "logistic",
+        /// F(x) = Φ(β(x−t)), the cumulative normal distribution with standard deviation 1/β; F(t) = ½.
+        Normal = "normal",
+    }
+}
+
+/// The parameters of a psychometric function ψ(x) = γ + (1 − γ − λ)·F(x; t, β) (Wichmann & Hill 2001, eq. 1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Psychometric {
+    /// t, on the scale of x.
+    pub threshold: f64,
+    /// β, per unit of x; a negative slope makes F fall.
+    pub slope: f64,
+    /// γ, the probability of the answer at a level that cannot be seen, 0…1.
+    pub guess: f64,
+    /// λ, the probability of another answer at a level that cannot be missed, 0…1.
+    pub lapse: f64,
+}
+
+impl Curve {
+    /// Returns F for z = β(x − t).
+    #[must_use]
+    pub fn sigmoid(self, z: f64) -> f64 {
+        match self {
+            Self::Weibull => -f64::exp_m1(-f64::powf(10.0, z)),
+            Self::Logistic => 1.0 / (1.0 + (-z).exp()),
+            Self::Normal => 0.5 * erfc(-z / std::f64::consts::SQRT_2),
+        }
+    }
+
+    /// Returns ψ(x).
+    #[must_use]
+    pub fn probability(self, x: f64, parameters: &Psychometric) -> f64 {
+        let Psychometric { threshold, slope, guess, lapse } = *parameters;
+        guess + (1.0 - guess - lapse) * self.sigmoid(slope * (x - threshold))
+    }
+
+    /// Returns z with F = `share`, 0 < share < 1.
+    #[must_use]
+    pub fn inverse(self, share: f64) -> f64 {
+        match self {
+            Self::Weibull => (-(-share).ln_1p()).log10(),
+            Self::Logistic => (share / (1.0 - share)).ln(),
+            Self::Normal => -std::f64::consts::SQRT_2 * statrs::function::erf::erfc_inv(2.0 * share),
+        }
+    }
+}

@@ -1,0 +1,359 @@
+//! What every task states: its question, how a trial's stimuli are arranged, how an answer is judged, and how an
+//! observer answers.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    experiment::{
+        condition::{Condition, Factor},
+        faults::DefinitionErrors,
+        scale::ResponseScale,
+    },
+    stimulus::{ParameterError, ParameterValue, Stimulus},
+};
+
+/// Parameters of a stimulus and their values, as in `reference = { depth = "inf" }`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Settings(pub BTreeMap<String, ParameterValue>);
+
+impl Settings {
+    /// Returns a stimulus with these parameters.
+    ///
+    /// # Errors
+    /// Returns an error for the first parameter that does not exist or cannot have its value.
+    pub fn apply(&self, stimulus: &Stimulus) -> Result<Stimulus, ParameterError> {
+        let mut stimulus = stimulus.clone();
+        self.0.iter().try_for_each(|(name, value)| stimulus.set(name, value))?;
+        Ok(stimulus)
+    }
+}
+
+/// How the stimuli of a trial are arranged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Layout {
+    /// One stimulus at the center.
+    Single,
+    /// Several stimuli in a row, or four in a square.
+    Places(usize),
+    /// Several stimuli at the center, one after the other.
+    Intervals {
+        /// Their number.
+        count: usize,
+        /// How long each is shown, seconds.
+        duration_s: f64,
+        /// The uniform field between two of them, seconds.
+        gap_s: f64,
+    },
+}
+
+impl Layout {
+    /// Returns the number of stimuli of a trial.
+    #[must_use]
+    pub fn count(self) -> usize {
+        match self {
+            Self::Single => 1,
+            Self::Places(count) | Self::Intervals { count, .. } => count,
+        }
+    }
+
+    /// Returns the number of intervals.
+    #[must_use]
+    pub fn intervals(self) -> usize {
+        if let Self::Intervals { count, .. } = self { count } else { 1 }
+    }
+
+    /// Returns the time from the onset of the first interval to that of the last, seconds.
+    #[must_use]
+    pub fn lead_s(self) -> f64 {
+        let Self::Intervals { count, duration_s, gap_s } = self else { return 0.0 };
+        (count as f64 - 1.0) * (duration_s + gap_s)
+    }
+
+    /// Returns the number of columns and rows in which stimuli are on the screen at the same time.
+    #[must_use]
+    pub fn grid(self) -> [usize; 2] {
+        match self {
+            Self::Places(4) => [2, 2],
+            Self::Places(count) => [count, 1],
+            Self::Single | Self::Intervals { .. } => [1, 1],
+        }
+    }
+}
+
+/// A value that participants set instead of pressing the key of an answer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dial {
+    /// The parameter of the stimulus that it changes; `None` if the stimulus does not change.
+    pub parameter: Option<String>,
+    /// Lowest and highest value.
+    pub range: [f64; 2],
+    /// How far one key press goes: added, or on a logarithmic scale, multiplied by 10 to this power.
+    pub step: f64,
+    /// Whether steps are equal ratios.
+    pub log: bool,
+}
+
+impl Dial {
+    /// How many times finer a step with Shift is.
+    pub const FINE: f64 = 10.0;
+
+    /// Returns the value after `steps` steps.
+    #[must_use]
+    pub fn turned(&self, value: f64, steps: f64) -> f64 {
+        let by = self.step * steps;
+        let turned = if self.log { value * f64::powf(10.0, by) } else { value + by };
+        significant(turned.clamp(self.range[0], self.range[1]))
+    }
+
+    /// Returns the share of the range, 0…1, at a value; the inverse of [`Dial::at`].
+    #[must_use]
+    pub fn share(&self, value: f64) -> f64 {
+        let [low, high] = self.range;
+        if self.log { (value / low).ln() / (high / low).ln() } else { (value - low) / (high - low) }
+    }
+
+    /// Returns the value at a share of the range, 0…1.
+    #[must_use]
+    pub fn at(&self, share: f64) -> f64 {
+        let [low, high] = self.range;
+        significant(if self.log { low * (high / low).powf(share) } else { low + share * (high - low) })
+    }
+}
+
+/// Rounds to six significant digits, so that a level is the same on every machine, whatever its logarithms.
+#[must_use]
+pub fn significant(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+/// What a trial shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Presentation {
+    /// The stimuli in the order of their places or intervals.
+    pub stimuli: Vec<Stimulus>,
+    /// Place or interval of the target, from 1; 0 if the trial shows none, and `None` if the task has none.
+    pub target: Option<u32>,
+    /// The level that an adaptive method chose.
+    pub level: Option<f64>,
+    /// The value at which an adjustment begins.
+    pub start: Option<f64>,
+}
+
+impl Presentation {
+    /// Shows one stimulus.
+    #[must_use]
+    pub fn of(stimulus: Stimulus) -> Self {
+        Self { stimuli: vec![stimulus], target: None, level: None, start: None }
+    }
+
+    /// Returns the stimulus that a row describes: the target if it is shown, and otherwise the first.
+    #[must_use]
+    pub fn described(&self) -> &Stimulus {
+        let place = self.target.map_or(0, |target| target.saturating_sub(1) as usize);
+        &self.stimuli[place.min(self.stimuli.len() - 1)]
+    }
+}
+
+/// What is known about a trial before it is shown.
+#[derive(Clone, Copy, Debug)]
+pub struct Turn<'a> {
+    /// The condition of the trial; for a pair without a reference, the stimulus on the left.
+    pub condition: &'a Condition,
+    /// For a pair without a reference, the stimulus on the right.
+    pub other: Option<&'a Condition>,
+    /// Drawn in advance for each trial, and balanced over the trials of a condition: below [`Kind::places`].
+    pub place: u32,
+    /// Drawn in advance for each trial, uniform in 0…1.
+    pub draw: f64,
+    /// Parameter and value that the adaptive method chose.
+    pub level: Option<(&'a str, f64)>,
+    /// Its second parameter and value.
+    pub second: Option<(&'a str, f64)>,
+}
+
+impl Turn<'_> {
+    /// Returns the stimulus of the condition at the chosen level.
+    pub fn target(&self) -> Stimulus {
+        let mut stimulus = self.condition.stimulus.clone();
+        for (name, level) in self.level.into_iter().chain(self.second) {
+            // The definition was checked at both ends of the levels.
+            let _ = stimulus.set(name, &level.into());
+        }
+        stimulus
+    }
+}
+
+/// An answer.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Answer {
+    /// The answer of a key, from 0.
+    Key(u8),
+    /// A value that was set.
+    Value(f64),
+}
+
+/// The part of a definition that a task is checked against.
+pub struct Given<'a> {
+    /// The stimulus before any factor is set.
+    pub stimulus: &'a Stimulus,
+    /// The factors.
+    pub factors: &'a [Factor],
+    /// The parameters that an adaptive method varies.
+    pub adapted: Vec<&'a str>,
+}
+
+impl Given<'_> {
+    /// Returns whether a parameter has its value from elsewhere: it is a factor, or an adaptive method varies it.
+    fn varies(&self, name: &str) -> bool {
+        self.adapted.contains(&name) || self.factors.iter().any(|factor| factor.name == name)
+    }
+
+    /// Adds an error for each parameter of a reference that the stimulus lacks, that cannot have its value, or that is
+    /// a factor.
+    pub fn check_reference(&self, reference: &Settings, errors: &mut DefinitionErrors) {
+        if reference.0.is_empty() {
+            errors.add(
+                "task.reference",
+                "task.reference is missing; expected parameters that differ from the target, such as { depth = \"inf\" }",
+            );
+        }
+        for (name, value) in &reference.0 {
+            let path = format!("task.reference.{name}");
+            if self.factors.iter().any(|factor| factor.name == *name) {
+                let message = format!("reference {name} is a factor; expected a parameter that no factor varies");
+                errors.add(path, message);
+            } else if let Err(error) = self.stimulus.clone().set(name, value) {
+                errors.add(path, error.to_string());
+            }
+        }
+    }
+
+    /// Adds an error if the ends of a dial are not values of its parameter.
+    pub fn check_dial(&self, dial: &Dial, errors: &mut DefinitionErrors) {
+        let name = dial.parameter.as_deref().unwrap_or_default();
+        if self.varies(name) {
+            let message = format!("{name} is a factor; expected a parameter that no factor varies");
+            errors.add("task.parameter", message);
+        }
+        let [low, high] = dial.range;
+        for (key, value) in [("low", low), ("high", high)] {
+            if let Err(error) = self.stimulus.clone().set(name, &value.into()) {
+                let known = self.stimulus.get(name).is_some();
+                errors.add(if known { format!("task.{key}") } else { "task.parameter".to_owned() }, error.to_string());
+            }
+        }
+        if low >= high {
+            errors.add("task.high", format!("high {high} is not above low {low}; expected a higher number"));
+        }
+        if dial.log && low <= 0.0 {
+            let message =
+                format!("low {low} is not above 0; expected a positive number, because the scale is logarithmic");
+            errors.add("task.low", message);
+        }
+        if !(dial.step > 0.0 && dial.step.is_finite()) {
+            errors.add("task.step", format!("step {} is not above 0; expected a positive number", dial.step));
+        }
+    }
+}
+
+/// A simulated observer's view of a trial.
+pub struct Senses<'a> {
+    /// Returns how strongly the observer sees a stimulus this time, with noise of standard deviation 1.
+    pub noisy: &'a mut dyn FnMut(&Stimulus) -> f64,
+    /// Returns how strongly the observer sees a stimulus on average.
+    pub mean: &'a dyn Fn(&Stimulus) -> f64,
+    /// How strongly a stimulus must be seen to count as seen.
+    pub criterion: f64,
+}
+
+/// What the answers of a task are analyzed as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measures {
+    /// Ratings on a scale.
+    Ratings,
+    /// Values on a continuous scale, or settings of a parameter.
+    Settings,
+    /// The share of right answers by level.
+    Proportions,
+    /// Hits and false alarms.
+    Detection,
+    /// Comparisons of stimuli with each other.
+    Comparisons,
+}
+
+/// A task. Everything that is particular to it stands in its implementation.
+pub trait Kind {
+    /// Returns the question and the answers, unless the definition has its own.
+    fn scale(&self) -> ResponseScale;
+    /// Returns what participants are told on the first page, unless the definition has its own text.
+    fn instructions(&self) -> String;
+    /// Adds every error.
+    fn check(&self, given: &Given<'_>, errors: &mut DefinitionErrors);
+    /// Returns how the stimuli of a trial are arranged.
+    fn layout(&self) -> Layout {
+        Layout::Single
+    }
+    /// Returns the value that participants set; `None` if they press the key of an answer.
+    fn dial(&self) -> Option<Dial> {
+        None
+    }
+    /// Returns the places to draw from, balanced over the trials of a condition.
+    fn places(&self) -> Vec<u32> {
+        vec![0]
+    }
+    /// Returns the pairs of conditions to compare; `None` if the trials show one condition each.
+    fn pairs(&self, _conditions: &[Condition], _factors: &[Factor]) -> Option<Vec<[usize; 2]>> {
+        None
+    }
+    /// Returns the number of trials in which the answers so far decide which pair is compared.
+    fn ranking(&self) -> Option<u32> {
+        None
+    }
+    /// Returns what a trial shows.
+    fn present(&self, turn: &Turn<'_>) -> Presentation;
+    /// Returns whether an answer is right; `None` if there is no right or wrong.
+    fn judge(&self, _shown: &Presentation, _answer: &Answer) -> Option<bool> {
+        None
+    }
+    /// Returns what an adaptive method learns from an answer: whether the target was seen or chosen.
+    fn outcome(&self, shown: &Presentation, answer: &Answer) -> bool {
+        self.judge(shown, answer) == Some(true)
+    }
+    /// Returns the probability of the outcome without seeing anything; `None` if it depends on the participant.
+    fn guess(&self) -> Option<f64> {
+        None
+    }
+    /// Returns the number of labels of the answers; `None` if the definition decides.
+    fn answers(&self) -> Option<usize> {
+        Some(self.scale().categories.len())
+    }
+    /// Returns the share of trials without a target; `None` if all show one.
+    fn catches(&self) -> Option<f64> {
+        None
+    }
+    /// Returns whether participants are told if they were right.
+    fn feedback(&self) -> bool {
+        false
+    }
+    /// Returns an answer as it is written in a row.
+    fn response(&self, answer: &Answer) -> String {
+        match answer {
+            Answer::Key(key) => (u32::from(*key) + 1).to_string(),
+            Answer::Value(value) => value.to_string(),
+        }
+    }
+    /// Returns the answer of a simulated observer.
+    fn answer(&self, shown: &Presentation, senses: Senses<'_>) -> Answer;
+    /// Returns what the answers are analyzed as.
+    fn measures(&self) -> Measures;
+}
+
+/// Returns the number of the stimulus that is seen most strongly.
+pub(super) fn strongest(shown: &Presentation, senses: Senses<'_>) -> Answer {
+    let seen: Vec<f64> = shown.stimuli.iter().map(senses.noisy).collect();
+    let best = (0..seen.len()).fold(0, |best, place| if seen[place] > seen[best] { place } else { best });
+    Answer::Key(best as u8)
+}

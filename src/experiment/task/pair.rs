@@ -1,0 +1,162 @@
+//! Paired comparison: which of two stimuli has more of what the question asks about?
+
+use serde::{Deserialize, Serialize};
+
+use super::kind::{Answer, Given, Kind, Layout, Measures, Presentation, Senses, Settings, Turn, strongest};
+use crate::{
+    experiment::{
+        condition::{Condition, Factor},
+        faults::DefinitionErrors,
+        scale::ResponseScale,
+    },
+    text::names::named,
+};
+
+named! {
+    /// Which pairs of conditions are compared.
+    Pairs, PairsError {
+        /// Every condition with every other.
+        All = "all",
+        /// Neighboring levels of a factor, all else equal.
+        Chain = "chain",
+        /// Those whose comparison is expected to tell most.
+        Adaptive = "adaptive",
+    }
+}
+
+/// Comparison of conditions with each other, or of a condition with a reference.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Pair {
+    /// Which conditions are compared.
+    pub pairs: Pairs,
+    /// The factor of `chain`; by default the only one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub along: Option<String>,
+    /// The number of comparisons of `adaptive`, 1…10,000.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub trials: Option<u32>,
+    /// With an adaptive method: the parameters in which the reference differs from the target, whose level varies.
+    #[serde(skip_serializing_if = "is_empty")]
+    pub reference: Settings,
+}
+
+fn is_empty(settings: &Settings) -> bool {
+    settings.0.is_empty()
+}
+
+impl Default for Pair {
+    fn default() -> Self {
+        Self { pairs: Pairs::All, along: None, trials: None, reference: Settings::default() }
+    }
+}
+
+/// The number of comparisons of `adaptive` unless the definition says otherwise: six for each condition.
+const TRIALS: u32 = 60;
+
+impl Pair {
+    fn with_reference(&self) -> bool {
+        !is_empty(&self.reference)
+    }
+
+    /// Returns the position of the factor of `chain`.
+    fn chained(&self, factors: &[Factor]) -> Option<usize> {
+        match &self.along {
+            Some(name) => factors.iter().position(|factor| factor.name == *name),
+            None => (factors.len() == 1).then_some(0),
+        }
+    }
+}
+
+impl Kind for Pair {
+    fn scale(&self) -> ResponseScale {
+        ResponseScale::numbered("Which image has the more visible band?", &["Left", "Right"])
+    }
+
+    fn instructions(&self) -> String {
+        "You will see two images side by side.\n\nSay in which of them the brighter band is more visible. If you are not sure, guess.\n\nBetween trials, the screen shows one even color while your eyes recover.".to_owned()
+    }
+
+    fn check(&self, given: &Given<'_>, errors: &mut DefinitionErrors) {
+        if !given.adapted.is_empty() {
+            given.check_reference(&self.reference, errors);
+            return;
+        }
+        if self.with_reference() {
+            let message = "task.reference needs a method that varies the target; expected [adaptive], or no reference";
+            errors.add("task.reference", message);
+        }
+        let conditions: usize = given.factors.iter().map(|factor| factor.levels.len()).product();
+        if conditions < 2 {
+            errors.add("factors", "there is nothing to compare; expected factors with at least two conditions");
+        }
+        if self.pairs == Pairs::Chain && self.chained(given.factors).is_none() {
+            let names: Vec<&str> = given.factors.iter().map(|factor| factor.name.as_str()).collect();
+            let message = format!("along does not name a factor; expected one of {}", names.join(", "));
+            errors.add("task.along", message);
+        }
+        if self.pairs != Pairs::Adaptive && self.trials.is_some() {
+            let message =
+                "trials applies to adaptive pairs only; expected design.repetitions, which repeats every pair";
+            errors.add("task.trials", message);
+        }
+        errors.check_range("task.trials", self.trials.unwrap_or(1).into(), 1.0, 10_000.0, "the number of comparisons");
+    }
+
+    fn layout(&self) -> Layout {
+        Layout::Places(2)
+    }
+
+    fn places(&self) -> Vec<u32> {
+        vec![0, 1]
+    }
+
+    fn pairs(&self, conditions: &[Condition], factors: &[Factor]) -> Option<Vec<[usize; 2]>> {
+        if self.with_reference() {
+            return None;
+        }
+        let all = (0..conditions.len()).flat_map(|i| (i + 1..conditions.len()).map(move |j| [i, j]));
+        let chained = self.chained(factors).filter(|_| self.pairs == Pairs::Chain);
+        let neighbors = |[i, j]: &[usize; 2]| {
+            let levels = conditions[*i].levels.iter().zip(&conditions[*j].levels).enumerate();
+            chained.is_none_or(|along| {
+                levels.clone().all(|(factor, (one, other))| one.abs_diff(*other) == usize::from(factor == along))
+            })
+        };
+        Some(all.filter(neighbors).collect())
+    }
+
+    fn ranking(&self) -> Option<u32> {
+        (self.pairs == Pairs::Adaptive && !self.with_reference()).then(|| self.trials.unwrap_or(TRIALS))
+    }
+
+    fn present(&self, turn: &Turn<'_>) -> Presentation {
+        let target = turn.target();
+        let Some(other) = turn.other else {
+            let reference = self.reference.apply(&target).unwrap_or_else(|_| target.clone());
+            let mut stimuli = vec![target, reference];
+            stimuli.rotate_right(turn.place as usize);
+            let level = turn.level.map(|(_, level)| level);
+            return Presentation { stimuli, target: Some(turn.place + 1), level, start: None };
+        };
+        let stimuli = vec![target, other.stimulus.clone()];
+        Presentation { stimuli, target: None, level: None, start: None }
+    }
+
+    fn outcome(&self, shown: &Presentation, answer: &Answer) -> bool {
+        let Answer::Key(key) = answer else { return false };
+        shown.target.unwrap_or(1) == u32::from(*key) + 1
+    }
+
+    fn guess(&self) -> Option<f64> {
+        Some(0.0)
+    }
+
+    fn answer(&self, shown: &Presentation, senses: Senses<'_>) -> Answer {
+        strongest(shown, senses)
+    }
+
+    fn measures(&self) -> Measures {
+        if self.with_reference() { Measures::Proportions } else { Measures::Comparisons }
+    }
+}

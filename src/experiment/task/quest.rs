@@ -1,0 +1,312 @@
+//! QUEST+ (Watson 2017, J. Vis. 17(3):10): every trial has the level whose answer is expected to leave the least
+//! uncertainty about the parameters of the psychometric function.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::{
+    common::Common,
+    curve::{Curve, Psychometric},
+};
+use crate::experiment::faults::DefinitionErrors;
+
+/// Maximum number of pairs of levels and parameters.
+const MAX_CELLS: usize = 10_000_000;
+/// The share of the posterior between the ends of the interval whose width ends a run.
+const SHARE: f64 = 0.95;
+/// Levels whose expected entropies, in nats, differ by less are equal, and the first is taken. Rounding differs between
+/// machines, and must not decide.
+const EQUAL: f64 = 1e-12;
+
+/// QUEST+ as a definition says it. Parameters are on the scale of the levels; for a logarithmic one, a threshold is the
+/// decadic logarithm of a level.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct QuestPlus {
+    /// The levels to choose from.
+    pub levels: Vec<f64>,
+    /// The shape of the psychometric function.
+    pub function: Curve,
+    /// Possible thresholds, as levels; by default the levels.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub threshold: Vec<f64>,
+    /// Possible slopes; by default seven from shallow to steep.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub slope: Vec<f64>,
+    /// Possible guess rates; by default that of the task.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub guess: Vec<f64>,
+    /// Possible lapse rates.
+    pub lapse: Vec<f64>,
+    /// It stops when the 95 % interval of the threshold is this narrow, on the scale of the levels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stop_width: Option<f64>,
+    /// A second parameter, on which the threshold depends.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second: Option<Second>,
+}
+
+/// A second parameter of the stimulus. The threshold is t + g·(y − y₀), where y is its level, y₀ the middle of its levels
+/// (both in logarithms if the first parameter is) and g the gradient.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Second {
+    /// The parameter of the stimulus.
+    pub parameter: String,
+    /// Its levels.
+    pub levels: Vec<f64>,
+    /// Possible gradients.
+    pub gradient: Vec<f64>,
+}
+
+impl Default for QuestPlus {
+    fn default() -> Self {
+        Self {
+            levels: Vec::new(),
+            function: Curve::Weibull,
+            threshold: Vec::new(),
+            slope: Vec::new(),
+            guess: Vec::new(),
+            lapse: vec![0.0, 0.02, 0.04, 0.06],
+            stop_width: None,
+            second: None,
+        }
+    }
+}
+
+/// The default slopes of the Weibull function, per decadic logarithm.
+const SLOPES: [f64; 7] = [1.0, 1.5, 2.2, 3.2, 4.6, 6.8, 10.0];
+/// The default guess rates of a task in which they depend on the participant.
+const GUESSES: [f64; 5] = [0.01, 0.05, 0.1, 0.2, 0.3];
+
+impl QuestPlus {
+    /// Adds every error.
+    pub(super) fn check(&self, common: &Common, guess: Option<f64>, errors: &mut DefinitionErrors) {
+        if self.levels.len() < 2 {
+            errors
+                .add("adaptive.levels", format!("the number of levels is {}; expected at least 2", self.levels.len()));
+        }
+        if self.function == Curve::Weibull && !common.log {
+            let message =
+                "a Weibull function counts in logarithms of the level; expected log = true, logistic or normal";
+            errors.add("adaptive.function", message);
+        }
+        for (key, values, least, most) in [
+            ("guess", &self.guess, 0.0, 0.99),
+            ("lapse", &self.lapse, 0.0, 0.5),
+            ("slope", &self.slope, 1e-6, 1e6),
+            ("threshold", &self.threshold, if common.log { 1e-12 } else { -1e12 }, 1e12),
+        ] {
+            for (i, value) in values.iter().enumerate() {
+                errors.check_range(&format!("adaptive.{key}.{i}"), *value, least, most, "a number in this range");
+            }
+        }
+        if self.lapse.is_empty() {
+            errors.add("adaptive.lapse", "lapse is empty; expected at least one rate, such as [0.02]");
+        }
+        if let Some(width) = self.stop_width {
+            errors.check_range("adaptive.stop_width", width, 1e-6, 1e6, "the width of an interval");
+        }
+        if let Some(second) = &self.second {
+            if second.levels.len() < 2 || second.gradient.is_empty() {
+                let message = "second has too few values; expected at least two levels and one gradient";
+                errors.add("adaptive.second", message);
+            }
+            if common.log && second.levels.iter().any(|level| *level <= 0.0) {
+                errors
+                    .add("adaptive.second.levels", "a level is not above 0; expected positive levels, or log = false");
+            }
+        }
+        let cells = self.stimuli(common).len().saturating_mul(self.grid(common, guess).len());
+        if cells > MAX_CELLS {
+            let message = format!("the levels and parameters make {cells} cells; expected at most {MAX_CELLS}");
+            errors.add("adaptive.levels", message);
+        }
+    }
+
+    /// Returns the levels that a trial can have, with those of the second parameter.
+    fn stimuli(&self, common: &Common) -> Vec<(f64, f64)> {
+        let Some(second) = &self.second else { return self.levels.iter().map(|x| (common.scaled(*x), 0.0)).collect() };
+        let scaled: Vec<f64> = second.levels.iter().map(|y| common.scaled(*y)).collect();
+        let ends = [f64::min, f64::max].map(|end| scaled.iter().copied().fold(f64::NAN, end));
+        let middle = (ends[0] + ends[1]) / 2.0;
+        let pairs = self.levels.iter().flat_map(|x| scaled.iter().map(|y| (common.scaled(*x), y - middle)));
+        pairs.collect()
+    }
+
+    fn grid(&self, common: &Common, guess: Option<f64>) -> Grid {
+        let or = |given: &[f64], default: &[f64]| if given.is_empty() { default } else { given }.to_vec();
+        let thresholds = or(&self.threshold, &self.levels).into_iter().map(|level| common.scaled(level)).collect();
+        let span = common.scaled(self.levels.iter().copied().fold(f64::NAN, f64::max))
+            - common.scaled(self.levels.iter().copied().fold(f64::NAN, f64::min));
+        // The same steepness at the threshold; on a linear scale, over the levels instead of over two decades.
+        let unit = match self.function {
+            Curve::Weibull => 1.0,
+            Curve::Logistic => 3.39,
+            Curve::Normal => 2.12,
+        } * if common.log { 1.0 } else { 2.0 / span };
+        Grid {
+            thresholds,
+            slopes: or(&self.slope, &SLOPES.map(|slope| slope * unit)),
+            guesses: or(&self.guess, guess.as_ref().map_or(&GUESSES, std::slice::from_ref)),
+            lapses: self.lapse.clone(),
+            gradients: self.second.as_ref().map_or_else(|| vec![0.0], |second| second.gradient.clone()),
+        }
+    }
+
+    /// Prepares a run.
+    #[must_use]
+    pub fn prepare(&self, common: &Common, guess: Option<f64>) -> Quest {
+        let grid = self.grid(common, guess);
+        Quest::new(self.function, common.sign(), &self.stimuli(common), grid)
+    }
+}
+
+/// The possible values of each parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// Thresholds t.
+    pub thresholds: Vec<f64>,
+    /// Slopes β.
+    pub slopes: Vec<f64>,
+    /// Guess rates γ.
+    pub guesses: Vec<f64>,
+    /// Lapse rates λ.
+    pub lapses: Vec<f64>,
+    /// Gradients of the threshold over the second parameter; [0] if there is none.
+    pub gradients: Vec<f64>,
+}
+
+impl Grid {
+    fn len(&self) -> usize {
+        [&self.thresholds, &self.slopes, &self.guesses, &self.lapses, &self.gradients].iter().map(|v| v.len()).product()
+    }
+
+    /// Returns every combination, the lapse rate varying fastest, with its gradient.
+    fn cells(&self) -> impl Iterator<Item = (Psychometric, f64)> {
+        let Self { thresholds, slopes, guesses, lapses, gradients } = self;
+        gradients.iter().flat_map(move |&gradient| {
+            thresholds.iter().flat_map(move |&threshold| {
+                slopes.iter().flat_map(move |&slope| {
+                    guesses.iter().flat_map(move |&guess| {
+                        lapses.iter().map(move |&lapse| (Psychometric { threshold, slope, guess, lapse }, gradient))
+                    })
+                })
+            })
+        })
+    }
+}
+
+/// What does not change during a run.
+#[derive(Debug, PartialEq)]
+struct Tables {
+    cells: Vec<(Psychometric, f64)>,
+    /// For each stimulus and cell, the probability of the outcome.
+    likelihood: Vec<Vec<f64>>,
+    /// For each stimulus and cell, the entropy of the outcome, nats.
+    entropy: Vec<Vec<f64>>,
+}
+
+/// A run of QUEST+ at some trial.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quest {
+    tables: Arc<Tables>,
+    posterior: Vec<f64>,
+    width: f64,
+}
+
+/// −p ln p.
+fn surprise(p: f64) -> f64 {
+    if p > 0.0 { -p * p.ln() } else { 0.0 }
+}
+
+impl Quest {
+    /// Begins with equal probabilities. `sign` is −1 if higher levels are harder. A stimulus is its level and how far the
+    /// second parameter is from its middle.
+    #[must_use]
+    pub fn new(curve: Curve, sign: f64, stimuli: &[(f64, f64)], grid: Grid) -> Self {
+        let cells: Vec<_> = grid.cells().collect();
+        let likelihood_at = |&(x, y): &(f64, f64)| {
+            let seen = |(one, gradient): &(Psychometric, f64)| {
+                let threshold = one.threshold + gradient * y;
+                curve.probability(x, &Psychometric { threshold, slope: one.slope * sign, ..*one })
+            };
+            cells.iter().map(seen).collect()
+        };
+        let likelihood: Vec<Vec<f64>> = stimuli.iter().map(likelihood_at).collect();
+        let entropy_of = |row: &Vec<f64>| row.iter().map(|p| surprise(*p) + surprise(1.0 - p)).collect();
+        let entropy = likelihood.iter().map(entropy_of).collect();
+        let posterior = vec![1.0 / cells.len() as f64; cells.len()];
+        let mut quest = Self { tables: Arc::new(Tables { cells, likelihood, entropy }), posterior, width: 0.0 };
+        quest.width = quest.interval();
+        quest
+    }
+
+    /// Returns the number of the stimulus whose outcome is expected to leave the least entropy. It is that of the
+    /// posterior, plus the expected entropy of the outcome given the parameters, minus the entropy of the outcome.
+    #[must_use]
+    pub fn choose(&self) -> usize {
+        let expected = |(likelihood, entropy): (&Vec<f64>, &Vec<f64>)| {
+            let (mut seen, mut inner) = (0.0, 0.0);
+            for ((p, l), h) in self.posterior.iter().zip(likelihood).zip(entropy) {
+                seen += p * l;
+                inner += p * h;
+            }
+            inner - surprise(seen) - surprise(1.0 - seen)
+        };
+        let all: Vec<f64> = self.tables.likelihood.iter().zip(&self.tables.entropy).map(expected).collect();
+        let least = all.iter().copied().fold(f64::INFINITY, f64::min);
+        all.iter().position(|entropy| *entropy <= least + EQUAL).unwrap_or(0)
+    }
+
+    /// Learns from the outcome at a stimulus.
+    pub fn learn(&mut self, stimulus: usize, seen: bool) {
+        let tables = Arc::clone(&self.tables);
+        self.update(seen, tables.likelihood[stimulus].iter().copied());
+    }
+
+    /// Learns from the outcome of a catch trial, whose probability is the guess rate.
+    pub fn learn_catch(&mut self, seen: bool) {
+        let tables = Arc::clone(&self.tables);
+        self.update(seen, tables.cells.iter().map(|(one, _)| one.guess));
+    }
+
+    fn update(&mut self, seen: bool, likelihood: impl Iterator<Item = f64>) {
+        let updated = self.posterior.iter().zip(likelihood).map(|(p, l)| p * if seen { l } else { 1.0 - l });
+        let updated: Vec<f64> = updated.collect();
+        let sum: f64 = updated.iter().sum();
+        // An outcome that no parameters allow teaches nothing.
+        if sum > 0.0 {
+            self.posterior = updated.into_iter().map(|p| p / sum).collect();
+            self.width = self.interval();
+        }
+    }
+
+    /// Returns the mean of a function of the parameters.
+    #[must_use]
+    pub fn mean(&self, of: impl Fn(&Psychometric) -> f64) -> f64 {
+        self.posterior.iter().zip(&self.tables.cells).map(|(p, (one, _))| p * of(one)).sum()
+    }
+
+    /// Returns the width of the 95 % interval of the threshold, as far apart as the grid tells.
+    #[must_use]
+    pub fn width(&self) -> f64 {
+        self.width
+    }
+
+    fn interval(&self) -> f64 {
+        let mut marginal: Vec<(f64, f64)> =
+            self.tables.cells.iter().zip(&self.posterior).map(|((one, _), p)| (one.threshold, *p)).collect();
+        marginal.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let at = |share: f64| {
+            let mut sum = 0.0;
+            marginal.iter().find(|(_, p)| {
+                sum += p;
+                sum >= share
+            })
+        };
+        let ends = [at((1.0 - SHARE) / 2.0), at((1.0 + SHARE) / 2.0)];
+        if let [Some(low), Some(high)] = ends { high.0 - low.0 } else { f64::INFINITY }
+    }
+}

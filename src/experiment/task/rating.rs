@@ -1,0 +1,88 @@
+//! A rating of one stimulus: the categories of the definition, or a continuous scale.
+
+use serde::{Deserialize, Serialize};
+
+use super::kind::{Answer, Dial, Given, Kind, Measures, Presentation, Senses, Turn};
+use crate::{
+    experiment::{faults::DefinitionErrors, scale::ResponseScale, texts::Texts},
+    text::names::named,
+};
+
+named! {
+    /// What a rating is chosen from.
+    Scale, ScaleError {
+        /// The categories of the definition.
+        Categories = "categories",
+        /// A slider from 0 to 100, whose ends have the definition's labels: the visual analog scale.
+        Slider = "slider",
+    }
+}
+
+/// A rating of one stimulus.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Rating {
+    /// What the rating is chosen from.
+    pub scale: Scale,
+}
+
+impl Default for Rating {
+    fn default() -> Self {
+        Self { scale: Scale::Categories }
+    }
+}
+
+/// Lowest and highest value of the slider.
+const RANGE: [f64; 2] = [0.0, 100.0];
+
+impl Kind for Rating {
+    fn scale(&self) -> ResponseScale {
+        match self.scale {
+            Scale::Categories => ResponseScale::default(),
+            Scale::Slider => {
+                let ends = ["Not visible", "Very clearly visible"];
+                ResponseScale::numbered("How visible is the brighter band?", &ends)
+            }
+        }
+    }
+
+    fn instructions(&self) -> String {
+        match self.scale {
+            Scale::Categories => Texts::default().task,
+            Scale::Slider => "You will see a dark and a bright area with a transition between them. Where the transition meets the bright area, you may see a line or band that is brighter still.\n\nFor each image, set the slider to how visible this BRIGHTER band is, with the mouse or with the arrow keys, and press Enter. There is no right answer: report what you see.\n\nBetween images, the screen shows one even color while your eyes recover.".to_owned(),
+        }
+    }
+
+    fn check(&self, _: &Given<'_>, _: &mut DefinitionErrors) {}
+
+    fn dial(&self) -> Option<Dial> {
+        let dial = Dial { parameter: None, range: RANGE, step: 1.0, log: false };
+        (self.scale == Scale::Slider).then_some(dial)
+    }
+
+    fn answers(&self) -> Option<usize> {
+        (self.scale == Scale::Slider).then_some(2)
+    }
+
+    fn present(&self, turn: &Turn<'_>) -> Presentation {
+        Presentation::of(turn.target())
+    }
+
+    fn response(&self, answer: &Answer) -> String {
+        match answer {
+            Answer::Key(rating) => rating.to_string(),
+            Answer::Value(value) => value.to_string(),
+        }
+    }
+
+    /// The observer's criterion is in the middle of the slider.
+    fn answer(&self, shown: &Presentation, senses: Senses<'_>) -> Answer {
+        let Senses { noisy, criterion, .. } = senses;
+        let seen = noisy(&shown.stimuli[0]) - criterion;
+        Answer::Value((RANGE[1] / (1.0 + (-seen).exp())).round())
+    }
+
+    fn measures(&self) -> Measures {
+        if self.scale == Scale::Slider { Measures::Settings } else { Measures::Ratings }
+    }
+}

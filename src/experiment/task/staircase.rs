@@ -1,0 +1,119 @@
+//! Staircases: the level becomes harder after right answers and easier after wrong ones.
+
+use serde::{Deserialize, Serialize};
+
+use super::common::Common;
+use crate::experiment::faults::DefinitionErrors;
+
+/// A transformed and weighted up-down method (Levitt 1971; Kaernbach 1991).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Staircase {
+    /// The first level.
+    pub start: f64,
+    /// Lowest level.
+    pub low: f64,
+    /// Highest level.
+    pub high: f64,
+    /// How many right answers in a row make the level harder.
+    pub down: u32,
+    /// How many wrong answers in a row make it easier.
+    pub up: u32,
+    /// The size of a step toward harder levels, on the scale of the levels. Each reversal moves on to the next size,
+    /// and the last one stays.
+    pub steps: Vec<f64>,
+    /// The size of a step toward easier levels in steps toward harder ones.
+    pub weight: f64,
+    /// The number of reversals after which it stops; `None` if only the number of trials ends it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reversals: Option<u32>,
+}
+
+impl Default for Staircase {
+    /// Converges to 70.7 % right answers (Levitt 1971).
+    fn default() -> Self {
+        Self {
+            start: f64::NAN,
+            low: f64::NAN,
+            high: f64::NAN,
+            down: 2,
+            up: 1,
+            steps: vec![0.2, 0.2, 0.1, 0.1, 0.05],
+            weight: 1.0,
+            reversals: None,
+        }
+    }
+}
+
+impl Staircase {
+    /// Adds every error.
+    pub(super) fn check(&self, common: &Common, errors: &mut DefinitionErrors) {
+        let named = [("start", self.start), ("low", self.low), ("high", self.high)];
+        for (key, _) in named.iter().filter(|(_, value)| value.is_nan()) {
+            errors.add("adaptive", format!("adaptive.{key} is missing; expected {key} = …"));
+        }
+        if self.low >= self.high {
+            errors.add("adaptive.high", format!("high {} is not above low {}; expected more", self.high, self.low));
+        } else if self.start < self.low || self.start > self.high {
+            let range = format!("{}…{}", self.low, self.high);
+            errors.add("adaptive.start", format!("start {} is outside {range}; expected a level within", self.start));
+        }
+        for (key, count) in [("down", self.down), ("up", self.up), ("reversals", self.reversals.unwrap_or(1))] {
+            errors.check_range(&format!("adaptive.{key}"), count.into(), 1.0, 1000.0, "a count");
+        }
+        errors.check_range("adaptive.weight", self.weight, 0.01, 100.0, "the ratio of the two step sizes");
+        if self.steps.is_empty() {
+            errors.add("adaptive.steps", "steps is empty; expected at least one size");
+        }
+        for (i, step) in self.steps.iter().enumerate().filter(|(_, step)| !(**step > 0.0 && step.is_finite())) {
+            let unit = if common.log { "decadic logarithms of the level" } else { "units of the level" };
+            errors.add(format!("adaptive.steps.{i}"), format!("step {step} is not above 0; expected a size in {unit}"));
+        }
+    }
+}
+
+/// A staircase at some trial.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stairs {
+    /// The level of the next trial.
+    pub level: f64,
+    /// How often the direction of the steps has changed.
+    pub reversals: u32,
+    /// Right and wrong answers in a row since the last step.
+    right: u32,
+    wrong: u32,
+    /// Whether the last step was toward harder levels.
+    harder: Option<bool>,
+}
+
+impl Stairs {
+    /// Begins at the first level.
+    #[must_use]
+    pub fn new(staircase: &Staircase) -> Self {
+        Self { level: staircase.start, reversals: 0, right: 0, wrong: 0, harder: None }
+    }
+
+    /// Takes an answer. At a reversal, the new step size applies at once.
+    pub fn answer(&mut self, right: bool, staircase: &Staircase, common: &Common) {
+        (self.right, self.wrong) = if right { (self.right + 1, 0) } else { (0, self.wrong + 1) };
+        let harder = self.right >= staircase.down;
+        if !harder && self.wrong < staircase.up {
+            return;
+        }
+        (self.right, self.wrong) = (0, 0);
+        if self.harder.replace(harder).is_some_and(|before| before != harder) {
+            self.reversals += 1;
+        }
+        let last = staircase.steps.len().saturating_sub(1);
+        let step = staircase.steps.get(last.min(self.reversals as usize)).copied().unwrap_or_default();
+        let step = if harder { -step } else { step * staircase.weight };
+        let level = common.level(common.scaled(self.level) + step * common.sign());
+        self.level = level.clamp(staircase.low, staircase.high);
+    }
+
+    /// Returns whether it is over.
+    #[must_use]
+    pub fn is_over(&self, staircase: &Staircase) -> bool {
+        staircase.reversals.is_some_and(|most| self.reversals >= most)
+    }
+}

@@ -1,0 +1,90 @@
+//! Yes or no: participants say whether they see the target; catch trials show the reference.
+
+use serde::{Deserialize, Serialize};
+
+use super::kind::{Answer, Given, Kind, Measures, Presentation, Senses, Settings, Turn};
+use crate::experiment::{
+    faults::DefinitionErrors,
+    scale::{Category, ResponseScale},
+};
+
+/// Number of trials of a condition over which catch trials are balanced.
+const CYCLE: u32 = 20;
+
+/// Yes or no.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct YesNo {
+    /// The parameters in which the stimulus of a catch trial differs from the target.
+    pub reference: Settings,
+    /// The share of catch trials, 0.05…0.95, in steps of 0.05.
+    pub catch: f64,
+    /// Whether participants are told if they were right.
+    pub feedback: bool,
+}
+
+impl Default for YesNo {
+    fn default() -> Self {
+        Self { reference: Settings::default(), catch: 0.25, feedback: false }
+    }
+}
+
+impl Kind for YesNo {
+    fn scale(&self) -> ResponseScale {
+        let categories = [("No", 'n'), ("Yes", 'y')];
+        let categories = categories.map(|(label, key)| Category { label: label.to_owned(), key });
+        ResponseScale { question: "Do you see a brighter band?".to_owned(), categories: categories.to_vec() }
+    }
+
+    fn instructions(&self) -> String {
+        "You will see a dark and a bright area with a transition between them. Where the transition meets the bright area, you may see a line or band that is brighter still.\n\nAfter each image, say whether you see this BRIGHTER band. In some images, there is none.\n\nBetween images, the screen shows one even color while your eyes recover.".to_owned()
+    }
+
+    fn check(&self, given: &Given<'_>, errors: &mut DefinitionErrors) {
+        errors.check_range("task.catch", self.catch, 0.05, 0.95, "the share of trials that show the reference");
+        given.check_reference(&self.reference, errors);
+    }
+
+    fn places(&self) -> Vec<u32> {
+        let catch = (self.catch * f64::from(CYCLE)).round() as u32;
+        (0..CYCLE).map(|place| u32::from(place >= catch)).collect()
+    }
+
+    fn present(&self, turn: &Turn<'_>) -> Presentation {
+        let target = turn.target();
+        let is_catch = turn.place == 0;
+        let level = turn.level.map(|(_, level)| level);
+        let reference = is_catch.then(|| self.reference.apply(&target).ok()).flatten();
+        Presentation { stimuli: vec![reference.unwrap_or(target)], target: Some(turn.place), level, start: None }
+    }
+
+    fn judge(&self, shown: &Presentation, answer: &Answer) -> Option<bool> {
+        let Answer::Key(key) = answer else { return None };
+        Some(shown.target == Some((*key).into()))
+    }
+
+    fn outcome(&self, _: &Presentation, answer: &Answer) -> bool {
+        *answer == Answer::Key(1)
+    }
+
+    fn catches(&self) -> Option<f64> {
+        Some(self.catch)
+    }
+
+    fn feedback(&self) -> bool {
+        self.feedback
+    }
+
+    fn response(&self, answer: &Answer) -> String {
+        if *answer == Answer::Key(1) { "yes" } else { "no" }.to_owned()
+    }
+
+    fn answer(&self, shown: &Presentation, senses: Senses<'_>) -> Answer {
+        let Senses { noisy, criterion, .. } = senses;
+        Answer::Key(u8::from(noisy(&shown.stimuli[0]) > criterion))
+    }
+
+    fn measures(&self) -> Measures {
+        Measures::Detection
+    }
+}

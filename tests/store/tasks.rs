@@ -1,0 +1,377 @@
+//! Tasks and adaptive methods: what they show follows from the answers, in a session, after every interruption, and in
+//! the proof of its rows.
+
+use std::{collections::BTreeSet, fs, path::Path, time::Duration};
+
+use jiff::Timestamp;
+use machband::{
+    experiment::{
+        Course, FrameCount, Identity, OrderedLogit, Protocol, RowContext, Schedule, Session, SessionOptions,
+        TrialRecord, simulate,
+        task::{Common, Curve, Grid, Pick, Quest, Ranking, Staircase, Stairs, Track},
+    },
+    store::{
+        StoreError, definition,
+        session::{Changes, SessionStore},
+    },
+};
+
+use crate::{
+    common::{edit, golden_path, table, verified},
+    recording::sitting,
+};
+
+const HEAD: &str = "schema = 1\nname = \"tasks\"\n[stimulus]\nkind = \"mach-band\"\ncolor = \"gray\"\n";
+const CHOICE: &str = "[task]\nkind = \"choice\"\nreference = { depth = \"inf\" }\n";
+const YES_NO: &str = "[task]\nkind = \"yes-no\"\nreference = { depth = \"inf\" }\n";
+const ORIENTATIONS: &str = "[factors]\norientation_deg = [0, 90]\n[design]\npractice = 2\n";
+const DEPTHS: &str = "[factors]\ndepth = [1, 2, 3, \"inf\"]\n[design]\npractice = 2\n";
+const LEVELS: &str = "parameter = \"width\"\nlevels = [0.01, 0.02, 0.04, 0.08, 0.16]\n";
+
+/// Every task with every method, by name.
+fn tasks() -> Vec<(&'static str, String)> {
+    let quest = format!("[adaptive]\nmethod = \"quest-plus\"\ntrials = 12\n{LEVELS}");
+    let constant = format!("[adaptive]\nmethod = \"constant\"\ntrials = 10\n{LEVELS}");
+    let second = format!(
+        "{quest}second = {{ parameter = \"high\", levels = [0.5, 0.75], gradient = [-1, 0, 1] }}\nstop_width = 0.3\n"
+    );
+    let stairs = "[adaptive]\nmethod = \"staircase\"\nparameter = \"width\"\nstart = 0.2\nlow = 0.01\nhigh = 0.4\nreversals = 3\n";
+    vec![
+        ("quest", format!("{ORIENTATIONS}{CHOICE}{quest}")),
+        ("two", format!("{ORIENTATIONS}{CHOICE}{second}")),
+        ("four", format!("{ORIENTATIONS}{CHOICE}alternatives = 4\nshown = \"places\"\nfeedback = true\n{constant}")),
+        ("stairs", format!("{ORIENTATIONS}{CHOICE}{stairs}")),
+        ("yes", format!("{ORIENTATIONS}{YES_NO}{quest}")),
+        ("signal", format!("{DEPTHS}{}", YES_NO.replace("depth = \"inf\"", "width = 0"))),
+        ("all", format!("{DEPTHS}repetitions = 2\n[task]\nkind = \"pair\"\n")),
+        ("chain", format!("{DEPTHS}[task]\nkind = \"pair\"\npairs = \"chain\"\n")),
+        ("ranking", format!("{DEPTHS}[task]\nkind = \"pair\"\npairs = \"adaptive\"\ntrials = 15\n")),
+        ("equal", format!("{ORIENTATIONS}[task]\nkind = \"pair\"\nreference = {{ depth = \"inf\" }}\n{constant}")),
+        (
+            "adjust",
+            format!(
+                "{DEPTHS}repetitions = 2\n[task]\nkind = \"adjust\"\nparameter = \"width\"\nlow = 0.01\nhigh = 0.8\nlog = true\n"
+            ),
+        ),
+        ("slider", format!("{DEPTHS}[task]\nkind = \"rating\"\nscale = \"slider\"\n")),
+    ]
+}
+
+fn protocol(body: &str) -> Protocol {
+    definition::parse("tasks.toml", &format!("{HEAD}{body}")).unwrap()
+}
+
+fn identity() -> Identity {
+    Identity::new("S001", "1").unwrap()
+}
+
+/// Answers up to `limit` trials of a session, which is resumed if it exists. Returns whether it is complete.
+fn sit(results: &Path, protocol: &Protocol, limit: usize) -> bool {
+    let identity = identity();
+    let resumed = SessionStore::resume(results, protocol, &identity, Some(5), sitting(), Changes::Refuse);
+    let (mut store, course, resumed, elapsed, number) = match resumed {
+        Ok((store, found)) => (store, found.course, found.resumed, found.elapsed_s, found.sitting),
+        Err(StoreError::NothingToResume(_)) => {
+            let store = SessionStore::create(results, protocol, &identity, 5, sitting()).unwrap();
+            let schedule = Schedule::new(protocol, &identity, 5).unwrap();
+            (store, Course::new(protocol.clone(), schedule), Default::default(), 0.0, 1)
+        }
+        Err(error) => panic!("{error}"),
+    };
+    let schedule = course.schedule().clone();
+    let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting: number };
+    let options = SessionOptions { pages: 0, frames: FrameCount::Off };
+    let mut session = Session::new(course, &resumed, options);
+    let mut left = limit;
+    let observer = OrderedLogit { lapse: 0.1, ..OrderedLogit::default() };
+    let ended: Result<(), ()> =
+        simulate(&mut session, &observer, &identity, Duration::from_secs_f64(elapsed), |response| {
+            left = left.checked_sub(1).ok_or(())?;
+            store.append(&TrialRecord::new(&context, response, Timestamp::UNIX_EPOCH + response.onset)).unwrap();
+            Ok(())
+        });
+    if ended.is_ok() {
+        store.finish(true, Timestamp::UNIX_EPOCH.to_string(), None).unwrap();
+    }
+    ended.is_ok()
+}
+
+fn csv(results: &Path) -> std::path::PathBuf {
+    results.join("tasks/data/subject-S001_session-1_task-tasks_data.csv")
+}
+
+/// Returns what the rows show and answer: everything but the number of the sitting and the times since the session's
+/// start, which a later sitting knows only as they were written.
+fn shown(results: &Path) -> Vec<Vec<String>> {
+    let (header, mut rows) = table(&csv(results));
+    let without =
+        ["sitting", "onset_s", "started_at"].map(|wanted| header.iter().position(|name| name == wanted).unwrap());
+    rows.iter_mut().for_each(|row| without.iter().for_each(|column| row[*column].clear()));
+    rows
+}
+
+#[test]
+fn every_task_resumes_after_every_interruption_as_if_there_had_been_none() {
+    for (name, body) in tasks() {
+        let protocol = protocol(&body);
+        let whole = tempfile::tempdir().unwrap();
+        assert!(sit(whole.path(), &protocol, usize::MAX), "{name}");
+        let expected = shown(whole.path());
+        assert_eq!(verified(&csv(whole.path())).errors, [], "{name}");
+        for each in [1, 2, 5, 9] {
+            let folder = tempfile::tempdir().unwrap();
+            let mut sittings = 1;
+            while !sit(folder.path(), &protocol, each) {
+                sittings += 1;
+                assert!(sittings < 200, "{name}");
+            }
+            // A sitting that ends with its last answer leaves nothing for the next one but to notice.
+            assert_eq!(shown(folder.path()), expected, "{name}, {each} at a time");
+            let found = verified(&csv(folder.path()));
+            assert_eq!(found.errors, [], "{name}");
+            assert_eq!(found.rated.0, found.rated.1, "{name}");
+        }
+    }
+}
+
+#[test]
+fn an_altered_answer_is_found_by_the_trials_that_no_longer_follow() {
+    let mut altered = 0;
+    for (name, body) in
+        tasks().into_iter().filter(|(name, _)| ["quest", "two", "stairs", "yes", "ranking"].contains(name))
+    {
+        let protocol = protocol(&body);
+        let folder = tempfile::tempdir().unwrap();
+        sit(folder.path(), &protocol, usize::MAX);
+        // The seal would find any change. Here, the rows themselves must.
+        let sidecar = csv(folder.path()).with_extension("json");
+        edit(&sidecar, |text| {
+            let mut json: serde_json::Value = serde_json::from_str(text).unwrap();
+            json["sittings"][0].as_object_mut().unwrap().remove("seal");
+            json.to_string()
+        });
+        let text = fs::read_to_string(csv(folder.path())).unwrap();
+        let (header, rows) = table(&csv(folder.path()));
+        let at = |name: &str| header.iter().position(|column| column == name).unwrap();
+        let main: Vec<usize> = (0..rows.len()).filter(|row| rows[*row][at("phase")] == "main").collect();
+        for row in main.iter().copied().filter(|row| *row + 5 < rows.len()) {
+            let lines: Vec<String> = text.lines().map(str::to_owned).collect();
+            let mut cells: Vec<String> = lines[row + 1].split(',').map(str::to_owned).collect();
+            let answer = match cells[at("response")].as_str() {
+                "yes" => "no",
+                "no" => "yes",
+                "1" => "2",
+                _ => "1",
+            };
+            answer.clone_into(&mut cells[at("response")]);
+            if !cells[at("correct")].is_empty() {
+                let right = cells[at("correct")] == "1";
+                cells[at("correct")] = u8::from(!right).to_string();
+            }
+            let changed = [&lines[..=row], &[cells.join(",")], &lines[row + 2..]].concat().join("\n") + "\n";
+            fs::write(csv(folder.path()), changed).unwrap();
+            let found = verified(&csv(folder.path()));
+            let error = found.errors.first().unwrap_or_else(|| panic!("{name}: row {row} can be altered"));
+            assert!(error.message.contains("does not follow from the answers before it"), "{error}");
+            assert!(error.position.unwrap().0 > row + 2, "{error}");
+            altered += 1;
+        }
+        fs::write(csv(folder.path()), &text).unwrap();
+        assert!(verified(&csv(folder.path())).errors.iter().all(|error| error.position.is_none()));
+    }
+    assert!(altered >= 100, "{altered}");
+}
+
+#[test]
+fn a_wrong_level_target_or_mark_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let body = tasks().remove(0).1;
+    sit(folder.path(), &protocol(&body), usize::MAX);
+    let text = fs::read_to_string(csv(folder.path())).unwrap();
+    let (header, rows) = table(&csv(folder.path()));
+    for (column, value) in [
+        ("level", "0.16"),
+        ("level", "0.03"),
+        ("correct", "0"),
+        ("target", "3"),
+        ("response", "5"),
+        ("response", "yes"),
+    ] {
+        let at = header.iter().position(|name| name == column).unwrap();
+        let row = (4..rows.len()).find(|row| rows[*row][at] != value).unwrap();
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        let mut cells: Vec<&str> = lines[row + 1].split(',').collect();
+        cells[at] = value;
+        lines[row + 1] = cells.join(",");
+        fs::write(csv(folder.path()), lines.join("\n") + "\n").unwrap();
+        let errors = verified(&csv(folder.path())).errors;
+        assert!(
+            errors.iter().any(|error| error.position.is_some_and(|(line, _)| line == row + 2)),
+            "{column}: {errors:?}"
+        );
+    }
+}
+
+#[test]
+fn sides_places_and_catch_trials_are_balanced() {
+    for (name, body) in tasks() {
+        let protocol = protocol(&body);
+        let schedule = Schedule::new(&protocol, &identity(), 5).unwrap();
+        let places = protocol.task.places();
+        for condition in 0..schedule.trials.iter().map(|trial| trial.condition).max().unwrap_or(0) {
+            let main =
+                schedule.trials.iter().filter(|trial| trial.phase.name() == "main" && trial.condition == condition);
+            let seen: Vec<u32> = main.map(|trial| trial.place).collect();
+            let whole = &seen[..seen.len() / places.len() * places.len()];
+            for place in places.iter().collect::<BTreeSet<_>>() {
+                let share =
+                    |all: &[u32]| all.iter().filter(|one| *one == place).count() as f64 / all.len().max(1) as f64;
+                assert!(whole.is_empty() || (share(whole) - share(&places)).abs() < 1e-12, "{name}");
+            }
+        }
+    }
+}
+
+/// The levels of a 1-up-2-down staircase on a linear scale, worked out by hand.
+#[test]
+fn staircases_follow_their_rules() {
+    let common = Common { log: false, ..Common::default() };
+    let stairs = Staircase { start: 10.0, low: 0.0, high: 20.0, steps: vec![4.0, 2.0, 1.0], ..Staircase::default() };
+    let run = |stairs: &Staircase, common: &Common, answers: &str| {
+        let mut state = Stairs::new(stairs);
+        let step = |answer| {
+            state.answer(answer == '1', stairs, common);
+            state.level
+        };
+        (answers.chars().map(step).collect::<Vec<f64>>(), state.reversals)
+    };
+    // Two right: down 4. Wrong: up, the first reversal, with step 2. Two right: down, the second, with step 1.
+    let (levels, reversals) = run(&stairs, &common, "11011111000");
+    assert_eq!(levels, [10.0, 6.0, 8.0, 8.0, 7.0, 7.0, 6.0, 6.0, 7.0, 8.0, 9.0]);
+    assert_eq!(reversals, 3);
+    // Weighted: a step up is three times a step down, which converges to 75 % with one right answer.
+    let weighted = Staircase { down: 1, weight: 3.0, steps: vec![1.0], ..stairs.clone() };
+    assert_eq!(run(&weighted, &common, "1101").0, [9.0, 8.0, 11.0, 10.0]);
+    // Where low levels are easier, right answers raise the level.
+    let low = Common { easier: "low".parse().unwrap(), ..common.clone() };
+    assert_eq!(run(&weighted, &low, "110").0, [11.0, 12.0, 9.0]);
+    // On a logarithmic scale, steps are ratios; levels stay within their range.
+    let log = Staircase { down: 1, start: 1.0, low: 0.5, high: 2.0, steps: vec![0.301_029_995_663_981_2], ..stairs };
+    assert_eq!(run(&log, &Common::default(), "110001").0, [0.5, 0.5, 1.0, 2.0, 2.0, 1.0]);
+}
+
+/// 1,000 runs of the Python package `questplus`: the same level in every trial, the same posterior means at the end.
+#[test]
+fn quest_plus_chooses_what_another_program_chooses() {
+    let numbers = |text: &str| text.split(' ').map(|number| number.parse::<f64>().unwrap()).collect::<Vec<_>>();
+    let (_, configurations) = table(&golden_path("tasks").join("questplus_configurations.csv"));
+    let (_, runs) = table(&golden_path("tasks").join("questplus.csv"));
+    assert_eq!(runs.len(), 1000);
+    for configuration in &configurations {
+        let [name, function, levels, thresholds, slopes, guesses, lapses] = configuration.as_slice() else { panic!() };
+        let curve: Curve = function.replace("norm_cdf", "normal").parse().unwrap();
+        let [thresholds, slopes, guesses, lapses] = [thresholds, slopes, guesses, lapses].map(|text| numbers(text));
+        let grid = Grid { thresholds, slopes, guesses, lapses, gradients: vec![0.0] };
+        let stimuli: Vec<(f64, f64)> = numbers(levels).into_iter().map(|x| (x, 0.0)).collect();
+        let start = Quest::new(curve, 1.0, &stimuli, grid);
+        for run in runs.iter().filter(|run| run[0] == *name) {
+            let mut quest = start.clone();
+            for (trial, (pick, answer)) in numbers(&run[2]).into_iter().zip(run[3].chars()).enumerate() {
+                assert_eq!(quest.choose(), pick as usize, "{name}, seed {}, trial {trial}", run[1]);
+                quest.learn(pick as usize, answer == '1');
+            }
+            let slope = |slope: f64| if curve == Curve::Normal { 1.0 / slope } else { slope };
+            let means = [
+                quest.mean(|one| one.threshold),
+                quest.mean(|one| slope(one.slope)),
+                quest.mean(|one| one.guess),
+                quest.mean(|one| one.lapse),
+            ];
+            for (mean, expected) in means.iter().zip(&run[4..8]) {
+                assert!((mean - expected.parse::<f64>().unwrap()).abs() < 1e-9, "{name}, seed {}", run[1]);
+            }
+        }
+    }
+}
+
+#[test]
+fn adaptive_pairs_compare_neighbors_most() {
+    // Eight items whose order is told without noise.
+    let mut ranking = Ranking::new(8);
+    let mut distance = 0.0;
+    for trial in 0..60 {
+        let [i, j] = ranking.choose(0.37);
+        assert!(i < j && j < 8);
+        ranking.learn(i.max(j), i.min(j));
+        distance += if trial >= 30 { (j - i) as f64 / 30.0 } else { 0.0 };
+    }
+    // All pairs have a mean distance of 3.
+    assert!(distance < 2.0, "{distance}");
+    // Every pair is equally informative at first, and the tie decides.
+    let first: BTreeSet<[usize; 2]> = (0..28).map(|i| Ranking::new(8).choose((f64::from(i) + 0.5) / 28.0)).collect();
+    assert_eq!(first.len(), 28);
+    let track = Track::Ranking(ranking);
+    assert!(matches!(track.pick(None, 0.5), Pick::Pair(_)) && !track.is_over());
+}
+
+#[test]
+fn bad_tasks_are_named_with_their_place() {
+    let quest = format!("[adaptive]\nmethod = \"quest-plus\"\n{LEVELS}");
+    for (body, place, message) in [
+        (
+            "[task]\nkind = \"chioce\"\n".to_owned(),
+            "7:1",
+            "kind \"chioce\" is not known; expected one of rating, choice, yes-no, pair, adjust; did you mean choice?",
+        ),
+        ("[task]\nscale = \"slider\"\n".to_owned(), "6:2", "task.kind is missing; expected kind = …"),
+        ("[task]\nkind = \"choice\"\n".to_owned(), "6:2", "task.reference is missing"),
+        (format!("{CHOICE}alternatives = 3\n"), "9:1", "alternatives is 3; expected 2 or 4"),
+        (format!("{CHOICE}altern = 3\n"), "9:1", "unknown key \"altern\" in [task]"),
+        (format!("{CHOICE}duration_s = \"long\"\n"), "9:1", "task.duration_s is the text \"long\"; expected a number"),
+        (CHOICE.replace("depth", "deph"), "8:15", "deph"),
+        (CHOICE.replace("\"inf\"", "0"), "8:15", "depth 0"),
+        (format!("[factors]\ndepth = [1, 2]\n{CHOICE}"), "10:15", "reference depth is a factor"),
+        (YES_NO.to_owned() + "catch = 2\n", "9:1", "catch 2 is outside 0.05…0.95"),
+        ("[task]\nkind = \"pair\"\n".to_owned(), "1:1", "there is nothing to compare"),
+        (format!("{DEPTHS}[task]\nkind = \"pair\"\npairs = \"ladder\"\n"), "12:1", "pairs"),
+        (format!("{DEPTHS}[task]\nkind = \"pair\"\ntrials = 9\n"), "12:1", "trials applies to adaptive pairs only"),
+        (
+            format!("{DEPTHS}order = \"blocked:depth\"\n[task]\nkind = \"pair\"\n"),
+            "10:1",
+            "pairs have no levels of their own",
+        ),
+        (format!("{DEPTHS}[task]\nkind = \"adjust\"\n"), "10:2", "task.parameter is missing; expected one of width"),
+        (format!("{DEPTHS}[task]\nkind = \"adjust\"\nparameter = \"depth\"\n"), "12:1", "depth is a factor"),
+        (format!("[task]\nkind = \"adjust\"\nparameter = \"width\"\nlow = 0.5\nhigh = 7\n"), "10:1", "width 7"),
+        (format!("[task]\nkind = \"rating\"\nscale = \"dial\"\n"), "8:1", "scale"),
+        (format!("{CHOICE}[adaptive]\nparameter = \"width\"\n"), "9:2", "adaptive.method is missing"),
+        (
+            format!("{CHOICE}[adaptive]\nmethod = \"quest\"\n"),
+            "10:1",
+            "method \"quest\" is not known; expected one of staircase, quest-plus, constant",
+        ),
+        (format!("{CHOICE}{}", quest.replace("width", "wide")), "11:1", "parameter \"wide\" is not known"),
+        (format!("{CHOICE}{}", quest.replace("0.01,", "-1,")), "12:1", "width -1"),
+        (format!("{CHOICE}{}", quest.replace("0.01,", "0,")), "12:1", "level 0 is not above 0"),
+        (format!("{CHOICE}{quest}lapse = [0.9]\n"), "13:10", "0.9 is outside 0…0.5"),
+        (format!("{CHOICE}{quest}function = \"cubic\"\n"), "13:1", "function"),
+        (format!("{CHOICE}{quest}start = 1\n"), "13:1", "unknown key \"start\" in [adaptive]"),
+        (
+            format!("{CHOICE}{}", quest.replace("quest-plus", "constant")) + "trials = 7\n",
+            "13:1",
+            "trials 7 is no multiple of the 5 levels",
+        ),
+        (
+            format!("{CHOICE}[adaptive]\nmethod = \"staircase\"\nparameter = \"width\"\n"),
+            "9:2",
+            "adaptive.start is missing",
+        ),
+        (quest.clone(), "6:2", "a task of the kind rating has no levels to choose"),
+    ] {
+        let text = format!("{HEAD}{body}");
+        let errors = definition::parse("t.toml", &text).map(drop).unwrap_err().to_string();
+        let is_told =
+            errors.lines().any(|line| line.starts_with(&format!("t.toml:{place}: ")) && line.contains(message));
+        assert!(is_told, "{text}\nexpected {place} {message}\n{errors}");
+    }
+}
