@@ -1,6 +1,6 @@
 //! Simulated observers. They rate by a known rule, so that an analysis can be tested before any data are collected.
 
-use std::time::Duration;
+use std::{collections::HashMap, sync::Mutex, time::Duration};
 
 use rand_chacha::{
     ChaCha8Rng,
@@ -256,11 +256,14 @@ pub fn judged(
     viewing.visible(&conditions.iter().map(|condition| &condition.stimulus).collect::<Vec<_>>(), px)
 }
 
-/// A [`VisionRater`] with what it sees in an experiment's conditions, each computed once.
-#[derive(Clone, Debug)]
+/// A [`VisionRater`] with what it sees in an experiment's stimuli, each computed once.
+#[derive(Debug)]
 pub struct VisionObserver {
     rater: VisionRater,
+    viewing: ViewingConditions,
     seen: Vec<(Stimulus, f64)>,
+    /// What it sees in stimuli that are no conditions, by [`Stimulus::key`].
+    others: Mutex<HashMap<String, f64>>,
 }
 
 /// The reason why the vision observer cannot rate an experiment.
@@ -283,18 +286,30 @@ impl VisionObserver {
     /// Returns the reason why a stimulus cannot be rated.
     pub fn new(rater: VisionRater, protocol: &Protocol) -> Result<Self, Unrated> {
         let conditions = protocol.conditions();
-        let found = judged(conditions, &ViewingConditions::new(protocol.viewing.window_deg), None)?;
+        let viewing = ViewingConditions::new(protocol.viewing.window_deg);
+        let found = judged(conditions, &viewing, None)?;
         let seen = conditions.iter().zip(found).map(|(condition, visible)| {
             let rated = visible.rated().ok_or(Unrated::NoReference(condition.stimulus.kind()))?;
             Ok((condition.stimulus.clone(), rated))
         });
-        Ok(Self { rater, seen: seen.collect::<Result<_, Unrated>>()? })
+        let seen = seen.collect::<Result<_, Unrated>>()?;
+        Ok(Self { rater, viewing, seen, others: Mutex::default() })
     }
 
-    /// Returns what the observer sees in a stimulus of the experiment, in times threshold; 0 for any other stimulus.
+    /// Returns what the observer sees in a stimulus, in times threshold; 0 if the model does not say.
     #[must_use]
     pub fn seen(&self, stimulus: &Stimulus) -> f64 {
-        self.seen.iter().find(|(known, _)| known == stimulus).map_or(0.0, |(_, times)| *times)
+        let known = self.seen.iter().find(|(known, _)| known == stimulus).map(|(_, times)| *times);
+        known.unwrap_or_else(|| {
+            let key = stimulus.key();
+            let found = self.others.lock().ok().and_then(|others| others.get(&key).copied());
+            found.unwrap_or_else(|| {
+                let visible = self.viewing.visible(&[stimulus], None).ok().and_then(|visible| visible.first()?.rated());
+                let times = visible.unwrap_or(0.0);
+                self.others.lock().into_iter().for_each(|mut others| _ = others.insert(key.clone(), times));
+                times
+            })
+        })
     }
 }
 

@@ -1,6 +1,11 @@
 //! A definition without errors.
 
-use std::{collections::HashSet, ops::Deref, sync::Arc, time::Duration};
+use std::{
+    collections::{BTreeSet, HashSet},
+    ops::Deref,
+    sync::Arc,
+    time::Duration,
+};
 
 use serde::{Serialize, Serializer};
 
@@ -9,7 +14,7 @@ use super::{
     definition::{Definition, Order},
     faults::{DefinitionError, DefinitionErrors},
     scale::CATEGORIES,
-    task::{Given, Layout},
+    task::{Adaptive, Given, Layout, Turn},
 };
 use crate::stimulus::ParameterValue;
 
@@ -61,6 +66,9 @@ impl Protocol {
         let mut errors = DefinitionErrors::default();
         let conditions: Arc<[Condition]> = definition.check(&mut errors).into();
         let pairs = definition.pairs(&conditions, &mut errors);
+        if errors.0.is_empty() {
+            definition.check_shown(&conditions, &mut errors);
+        }
         if errors.0.is_empty() { Ok(Self { definition, conditions, pairs }) } else { Err(errors.0) }
     }
 
@@ -278,6 +286,30 @@ impl Definition {
             errors.add("adaptive", message);
         }
         adaptive.check(&self.stimulus, &self.factors, &*self.task, errors);
+    }
+
+    /// Adds an error if a parameter that the task or the adaptive method sets contradicts another one.
+    fn check_shown(&self, conditions: &[Condition], errors: &mut DefinitionErrors) {
+        if self.task.is_default() {
+            return;
+        }
+        let name = self.adaptive.as_ref().map(|adaptive| adaptive.common.parameter.as_str());
+        let ends = self.adaptive.as_ref().map_or([f64::NAN; 2], Adaptive::range);
+        let shown = conditions.iter().flat_map(|condition| {
+            let places = self.task.places().into_iter().collect::<BTreeSet<_>>();
+            let turn = move |place, level| {
+                let level = name.map(|name| (name, level));
+                Turn { condition, other: None, place, draw: 1.0, level, second: None }
+            };
+            places
+                .into_iter()
+                .flat_map(move |place| ends.map(|end| self.task.present(&turn(place, end)).stimuli))
+                .flatten()
+        });
+        let wrong = shown.filter_map(|stimulus| stimulus.validate().err()?.into_iter().next()).next();
+        if let Some(error) = wrong {
+            errors.add("task", error.to_string());
+        }
     }
 
     /// Returns the pairs of conditions to compare, and adds an error if their trials cannot be ordered as asked.

@@ -188,7 +188,7 @@ impl Stimulus {
     #[must_use]
     pub fn codes(&self, size: u32, quantizer: &Quantizer) -> CodeImage {
         match self.drawing() {
-            Drawing::Line(orientation_deg, profile) if quantizer.bits() == Bits::Eight => {
+            Drawing::Line(orientation_deg, profile) if quantizer.bits() == Bits::Eight && profile.is_plain() => {
                 let samples = Samples::Eight(drawing::codes(&*profile, orientation_deg, size, quantizer));
                 CodeImage { width: size, height: size, samples }
             }

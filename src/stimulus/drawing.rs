@@ -36,6 +36,11 @@ pub(super) trait Profile {
     /// Returns whether the light is constant to the last bit between the turning points on either side of `x`.
     fn is_level(&self, x: f64) -> bool;
 
+    /// Returns whether the turning points are known. If they are not, every pixel is computed.
+    fn is_plain(&self) -> bool {
+        true
+    }
+
     /// Returns the minimum and the maximum of the light between two positions that have no turning point between them;
     /// `light` is the light at the two positions.
     fn bounds(&self, _positions: [f64; 2], light: [[f64; 3]; 2]) -> [[f64; 3]; 2] {

@@ -4,7 +4,7 @@
 use super::{
     color::{self, StimulusColor},
     drawing::Profile,
-    parameter::{Range, kind},
+    parameter::{ParameterError, Range, kind, parameter_error},
     ramp_space::{ColorRamp, RampSpace},
 };
 use crate::light::{Depth, Interpolation, interpolation::TANH_K};
@@ -16,8 +16,12 @@ kind! {
     /// The plateaus have the light low·`color` and high·`color_high`. The ramp is the straight line between them in
     /// `space`, traversed at the fraction I_n(u). Equal plateaus of the same color make a uniform field: a catch trial.
     ///
-    /// Files omit the last two parameters if they have their default values, because most ramps have one color.
-    MachBand = "mach-band" {
+    /// With `rounding` r, the ramp is its mean over r window sides, which turns each corner into a parabola. `nulling` a
+    /// subtracts a·(high − low)·(g(x − width/2) − g(x + width/2)), with g a Gaussian of height 1 and standard deviation
+    /// 0.02 window sides: the opposite of the lines that people see.
+    ///
+    /// Files omit the last four parameters if they have their default values, because most ramps have one color.
+    MachBand = "mach-band" where contradictions {
         width: f64 = 0.4, Range::Within(0.0, 1.0), "1", "Proportion of the window that the ramp fills; 0 is a step", "the proportion of the window that the ramp fills", ["0", "0.05", "0.1", "0.2", "0.4", "0.8"];
         depth: Depth = Depth::Finite(1), Range::Any, "1", "Continuity depth n of the ramp: n − 1 derivatives vanish at its ends; inf is a scaled tanh", "a whole number from 1 to 32, or inf", ["1", "2", "3", "4", "inf"];
         tanh_k: f64 = TANH_K, Range::UpTo(100.0), "1", "Steepness k of a ramp of infinite depth: 5 as printed; 10 leaves no visible step at the ends", "a steepness above 0 and at most 100, such as 5", ["5", "10"];
@@ -29,10 +33,38 @@ kind! {
         color_high: Option<StimulusColor> = None, Range::Any, "", "Color of the brighter plateau; same means the color of the darker one", "same, or any color that the darker plateau can have, such as red, 1,0.5,0 or hsv:30,1,1", ["same", "gray"];
         #[serde(skip_serializing_if = "RampSpace::is_default")]
         space: RampSpace = RampSpace::Rgb, Range::Any, "", "Color space in which the ramp is a straight line; rgb is linear light", "rgb, hsv or lab", ["rgb", "hsv", "lab"];
+        #[serde(skip_serializing_if = "is_zero")]
+        rounding: f64 = 0.0, Range::Within(0.0, 1.0), "1", "Proportion of the window over which both corners of a ramp of depth 1 are rounded: the ramp is averaged over it", "the proportion of the window over which the corners are rounded", ["0", "0.1", "0.4"];
+        #[serde(skip_serializing_if = "is_zero")]
+        nulling: f64 = 0.0, Range::Within(-1.0, 1.0), "1", "Amplitude of a dark line at the bright end of the ramp and a bright one at its dark end, as a proportion of their difference", "the amplitude of an opposite profile, from -1 to 1", ["0", "0.05", "0.1"];
+    }
+}
+
+/// Standard deviation of the lines that `nulling` draws, window sides.
+const NULLING_SD: f64 = 0.02;
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+/// Returns ∫ I₁ from −∞ to `u`.
+fn integral(u: f64) -> f64 {
+    if u <= 0.0 {
+        0.0
+    } else if u < 1.0 {
+        0.5 * u * u
+    } else {
+        u - 0.5
     }
 }
 
 impl MachBand {
+    fn contradictions(&self) -> Option<ParameterError> {
+        let is_rounded = self.rounding > 0.0 && self.depth != Depth::Finite(1);
+        let problem = format!("rounds the corners of a ramp of depth 1, but the depth is {}", self.depth);
+        is_rounded.then(|| parameter_error(Self::PARAMETERS, "rounding", self.rounding, problem))?
+    }
+
     /// Returns the profile across the ramp, prepared for repeated evaluation.
     #[must_use]
     pub fn ramp(&self) -> Ramp {
@@ -43,6 +75,8 @@ impl MachBand {
         Ramp {
             interpolation: Interpolation::with_k(self.depth, self.tanh_k),
             width: self.width,
+            rounding: self.rounding,
+            nulling: self.nulling,
             low: self.low,
             high: self.high,
             color: self.color,
@@ -56,6 +90,8 @@ impl MachBand {
 pub struct Ramp {
     interpolation: Interpolation,
     width: f64,
+    rounding: f64,
+    nulling: f64,
     low: f64,
     high: f64,
     color: StimulusColor,
@@ -93,7 +129,21 @@ impl Ramp {
     fn fraction_at(&self, x: f64) -> f64 {
         // At a width of 0, x/0 is ±∞ off the line, which the interpolation maps to 0 and 1. Only 0/0 needs a decision
         // here.
-        self.interpolation.value(if x == 0.0 { 0.5 } else { x / self.width + 0.5 })
+        let at = |x: f64| if x == 0.0 { 0.5 } else { x / self.width + 0.5 };
+        let ramp = match self.rounding {
+            0.0 => self.interpolation.value(at(x)),
+            _ if self.width == 0.0 => (x / self.rounding + 0.5).clamp(0.0, 1.0),
+            rounding => {
+                let share = rounding / self.width;
+                (integral(at(x) + 0.5 * share) - integral(at(x) - 0.5 * share)) / share
+            }
+        };
+        if self.nulling == 0.0 {
+            return ramp;
+        }
+        let line = |center: f64| (-0.5 * ((x - center) / NULLING_SD).powi(2)).exp();
+        let opposite = line(0.5 * self.width) - line(-0.5 * self.width);
+        (ramp - self.nulling * opposite).clamp(0.0, 1.0)
     }
 }
 
@@ -108,6 +158,10 @@ impl Profile for Ramp {
 
     fn is_level(&self, x: f64) -> bool {
         x.abs() > 0.5 * self.width
+    }
+
+    fn is_plain(&self) -> bool {
+        self.rounding == 0.0 && self.nulling == 0.0
     }
 
     fn bounds(&self, [from, to]: [f64; 2], light: [[f64; 3]; 2]) -> [[f64; 3]; 2] {

@@ -39,7 +39,7 @@ macro_rules! built_in {
         }),*];
     };
 }
-built_in!("quick", "bangay2003", "orientation", "shaders");
+built_in!("quick", "bangay2003", "orientation", "shaders", "threshold-width", "pairs-shaders", "kink-threshold");
 
 /// Opens a built-in definition by its name, or a file by its path.
 ///

@@ -9,7 +9,7 @@
 //! twice the least distance of two levels and the range, and falls as a cosine to 0 at that distance and at 3 ranges; λ,
 //! a free γ, and η have the density 10(1 − λ)⁹.
 
-use std::f64::consts::PI;
+use std::{array::from_fn, f64::consts::PI};
 
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
@@ -154,7 +154,7 @@ impl Model {
 ///
 /// A level, a count, the range or γ is impossible, or there are trials at fewer than two levels.
 pub fn estimate(points: &[Point], model: &Model) -> Result<Estimate, FitError> {
-    Ok(Posterior::new(points, model)?.most_probable())
+    Ok(Posterior::new(points, model)?.maxima()[0].1)
 }
 
 /// Fits a psychometric function. The intervals are integrals of the posterior density over a grid that covers the
@@ -165,8 +165,9 @@ pub fn estimate(points: &[Point], model: &Model) -> Result<Estimate, FitError> {
 /// As for [`estimate`].
 pub fn fit(points: &[Point], model: &Model) -> Result<Fit, FitError> {
     let posterior = Posterior::new(points, model)?;
-    let estimate = posterior.most_probable();
-    let masses = posterior.masses();
+    let maxima = posterior.maxima();
+    let estimate = maxima[0].1;
+    let masses = posterior.masses(&maxima);
     let threshold = masses.interval(THRESHOLD);
     let [low, high] = posterior.range;
     // The slope is that of width 1, divided by the relative width.
@@ -197,7 +198,7 @@ pub fn goodness_of_fit(
     rng: &mut ChaCha8Rng,
 ) -> Result<GoodnessOfFit, FitError> {
     let mut posterior = Posterior::new(points, model)?;
-    let best = posterior.search(posterior.most_probable(), false);
+    let best = posterior.search(posterior.maxima()[0].1, false);
     let deviance = posterior.deviance(&best);
     let function = model.parameters(&best);
     let chances: Vec<f64> = posterior.points.iter().map(|point| model.curve.probability(point.x, &function)).collect();
@@ -223,10 +224,14 @@ const SHARPNESS: f64 = 10.0;
 /// The greatest λ and free γ.
 pub(super) const MAX_LAPSE: f64 = 0.5;
 /// Numbers of nodes of the grids: those that find the region, and the last.
-const COARSE: [usize; 5] = [15, 15, 4, 4, 3];
-const FINE: [usize; 5] = [28, 28, 5, 5, 4];
+const COARSE: [usize; 5] = [31, 31, 6, 6, 8];
+const FINE: [usize; 5] = [81, 81, 9, 9, 16];
 /// The grid leaves out where the marginal density is lower than this share of its highest value.
-const NEGLIGIBLE: f64 = 1e-4;
+const NEGLIGIBLE: f64 = 1e-5;
+/// Maxima whose logarithm is lower than the highest by more than this are not the start of the grid.
+const FAR: f64 = 10.0;
+/// Maximum number of grids that find the region.
+const MAX_ROUNDS: usize = 12;
 
 /// The posterior density of a study.
 struct Posterior<'a> {
@@ -329,13 +334,10 @@ impl<'a> Posterior<'a> {
         prior + shares + self.ln_likelihood(&sigmoids, at.guess, at.lapse, step) + self.ln_total(step)
     }
 
-    /// Searches for the highest density from several starts: it can have one maximum with few lapses and another one
-    /// with many, or one with η = 0 and another one above.
-    fn most_probable(&self) -> Estimate {
+    /// Searches for maxima of the density from several starts: it can have one with few lapses and another one with many,
+    /// or one with η = 0 and another one above. The highest comes first.
+    fn maxima(&self) -> Vec<(f64, Estimate)> {
         let [[low, high], [narrow, wide], ..] = self.bounds();
-        let higher = |best: Estimate, other: Estimate| {
-            if self.ln_density(&other) > self.ln_density(&best) { other } else { best }
-        };
         let start = |threshold: f64, width: f64, [lapse, overdispersion]: [f64; 2]| Estimate {
             threshold: low + threshold * (high - low),
             width: (narrow + width * (wide - narrow)).exp(),
@@ -346,11 +348,17 @@ impl<'a> Posterior<'a> {
         let searched = |shares: [f64; 2]| {
             let nodes = (1..12).flat_map(|i| (1..12).map(move |j| [f64::from(i) / 12.0, f64::from(j) / 12.0]));
             let starts = nodes.map(|[threshold, width]| start(threshold, width, shares));
-            self.search(starts.fold(start(0.5, 0.5, shares), higher), shares[1] > 0.0)
+            let (_, best) = self.highest_first(starts)[0];
+            self.search(best, shares[1] > 0.0)
         };
-        let others = [[0.03, 0.0], [0.3, 0.0], [0.03, 0.1], [0.03, 0.3]];
-        let others = &others[..if self.has_eta() { 4 } else { 2 }];
-        others.iter().copied().map(searched).fold(searched([0.0, 0.0]), higher)
+        let shares = [[0.0, 0.0], [0.03, 0.0], [0.3, 0.0], [0.03, 0.1], [0.03, 0.3]];
+        self.highest_first(shares[..if self.has_eta() { 5 } else { 3 }].iter().copied().map(searched))
+    }
+
+    fn highest_first(&self, estimates: impl Iterator<Item = Estimate>) -> Vec<(f64, Estimate)> {
+        let mut all: Vec<(f64, Estimate)> = estimates.map(|estimate| (self.ln_density(&estimate), estimate)).collect();
+        all.sort_by(|l, r| r.0.total_cmp(&l.0));
+        all
     }
 
     /// Searches for the highest density from a start, with η = 0 if it is not free. Squares keep the shares positive.
@@ -383,15 +391,20 @@ impl<'a> Posterior<'a> {
         terms.sum()
     }
 
-    /// Finds the region with the posterior mass, and computes the mass at each node of a grid there.
-    fn masses(&self) -> Masses {
-        let mut bounds = self.bounds();
-        for _ in 0..8 {
+    /// Computes the mass at each node of a grid over the region in which the density is not negligible. The search
+    /// begins around the maxima, because a grid over all parameters would miss a narrow one.
+    fn masses(&self, maxima: &[(f64, Estimate)]) -> Masses {
+        let all = self.bounds();
+        let near = maxima.iter().filter(|(ln, _)| *ln > maxima[0].0 - FAR).map(|(_, maximum)| self.surroundings(maximum));
+        let hull = |[low, high]: [f64; 2], other: [f64; 2]| [low.min(other[0]), high.max(other[1])];
+        let first = all.map(|[low, high]| [high, low]);
+        let mut bounds = near.fold(first, |bounds, other| from_fn(|axis| hull(bounds[axis], other[axis])));
+        for _ in 0..MAX_ROUNDS {
             let masses = self.masses_at(&bounds, COARSE);
-            let zoomed: [[f64; 2]; 5] = std::array::from_fn(|axis| masses.zoomed(axis, bounds[axis]));
-            let is_smaller = |(old, new): (&[f64; 2], &[f64; 2])| new[1] - new[0] < 0.8 * (old[1] - old[0]);
-            let has_changed = bounds.iter().zip(&zoomed).any(is_smaller);
-            bounds = zoomed;
+            let next: [[f64; 2]; 5] = from_fn(|axis| masses.region(axis, bounds[axis], all[axis]));
+            let change = |(old, new): (&[f64; 2], &[f64; 2])| (old[0] - new[0]).abs().max((old[1] - new[1]).abs()) / (old[1] - old[0]);
+            let has_changed = bounds.iter().zip(&next).any(|pair| change(pair) > 0.1);
+            bounds = next;
             if !has_changed {
                 break;
             }
@@ -399,9 +412,35 @@ impl<'a> Posterior<'a> {
         self.masses_at(&bounds, FINE)
     }
 
+    /// Returns, for each axis, how far from a maximum the density remains high if the other parameters do not change.
+    fn surroundings(&self, maximum: &Estimate) -> [[f64; 2]; 5] {
+        let shares = [maximum.lapse, if self.model.guess == Guess::Free { maximum.guess } else { 0.0 }, maximum.overdispersion];
+        let [lapse, guess, eta] = shares.map(prior_share);
+        let center = [maximum.threshold, maximum.width.ln(), lapse, guess, eta];
+        let ln_density = |x: &[f64; 5]| {
+            let [lapse, guess, overdispersion] = [x[LAPSE], x[GUESS], x[ETA]].map(prior_quantile);
+            let at = Estimate { threshold: x[THRESHOLD], width: x[WIDTH].exp(), lapse, guess: self.guess(guess), overdispersion };
+            self.ln_density(&at)
+        };
+        let least = ln_density(&center) - 2.0;
+        from_fn(|axis| {
+            let [low, high] = self.bounds()[axis];
+            [low, high].map(|end| {
+                let along = |share: f64| {
+                    let mut x = center;
+                    x[axis] += share * (end - center[axis]);
+                    x
+                };
+                let shares = (0..14).map(|halvings| 0.5_f64.powi(halvings));
+                // The end itself may be impossible.
+                shares.map(along).find(|x| ln_density(x) > least).unwrap_or(center)[axis]
+            })
+        })
+    }
+
     fn masses_at(&self, bounds: &[[f64; 2]; 5], sizes: [usize; 5]) -> Masses {
         let rule = |axis: usize| if axis <= WIDTH { uniform(bounds[axis], sizes[axis]) } else { gauss(bounds[axis], sizes[axis]) };
-        let axes: [Vec<(f64, f64)>; 5] = std::array::from_fn(rule);
+        let axes: [Vec<(f64, f64)>; 5] = from_fn(rule);
         let lapses: Vec<f64> = axes[LAPSE].iter().map(|(share, _)| prior_quantile(*share)).collect();
         let guesses: Vec<f64> = axes[GUESS].iter().map(|(share, _)| self.guess(prior_quantile(*share))).collect();
         let steps = axes[ETA].iter().map(|(share, _)| step_of(prior_quantile(*share)));
@@ -537,14 +576,17 @@ impl Masses {
         Self { axes, marginals, shares, widths }
     }
 
-    /// Returns the part of an axis in which the density is not negligible, with one node on either side.
-    fn zoomed(&self, axis: usize, [low, high]: [f64; 2]) -> [f64; 2] {
+    /// Returns the part of an axis in which the density is not negligible, with one node on either side. Where it is not
+    /// negligible at an end, the part extends beyond the grid.
+    fn region(&self, axis: usize, [low, high]: [f64; 2], all: [f64; 2]) -> [f64; 2] {
         let nodes = &self.axes[axis];
         let densities: Vec<f64> = nodes.iter().zip(&self.marginals[axis]).map(|((_, weight), mass)| mass / weight).collect();
         let least = NEGLIGIBLE * densities.iter().copied().fold(0.0, f64::max);
         let first = densities.iter().position(|density| *density > least).unwrap_or(0);
         let last = densities.iter().rposition(|density| *density > least).unwrap_or(nodes.len() - 1);
-        [if first == 0 { low } else { nodes[first - 1].0 }, nodes.get(last + 1).map_or(high, |node| node.0)]
+        let more = (high - low) / 2.0;
+        let below = first.checked_sub(1).map_or((low - more).max(all[0]), |before| nodes[before].0);
+        [below, nodes.get(last + 1).map_or((high + more).min(all[1]), |after| after.0)]
     }
 
     /// Returns the interval of the threshold or of the logarithm of the width.
