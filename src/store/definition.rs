@@ -212,9 +212,7 @@ impl Written {
         let stimulus = stimulus(&self.stimulus, &mut errors);
         let task = self.task.map(|table| task(table, &mut errors)).unwrap_or_default();
         let mut instructions = self.instructions;
-        if instructions.task == Texts::default().task {
-            instructions.task = task.instructions();
-        }
+        task.instruct(&mut instructions);
         let protocol = Protocol::new(Definition {
             title: self.title.unwrap_or_else(|| name.clone()),
             factors: factors(self.factors, &stimulus, &mut errors),

@@ -224,10 +224,12 @@ const SHARPNESS: f64 = 10.0;
 /// The greatest λ and free γ.
 pub(super) const MAX_LAPSE: f64 = 0.5;
 /// Numbers of nodes of the grids: those that find the region, and the last.
-const COARSE: [usize; 5] = [31, 31, 6, 6, 8];
-const FINE: [usize; 5] = [81, 81, 9, 9, 16];
+const COARSE: [usize; 5] = [15, 15, 4, 4, 3];
+const FINE: [usize; 5] = [26, 26, 6, 6, 4];
+const FIXED: [usize; 5] = [28, 28, 10, 1, 6];
 /// The grid leaves out where the marginal density is lower than this share of its highest value.
-const NEGLIGIBLE: f64 = 1e-5;
+const NEGLIGIBLE: f64 = 1e-3;
+const NEGLIGIBLE_SHARE: f64 = 5e-3;
 /// Maxima whose logarithm is lower than the highest by more than this are not the start of the grid.
 const FAR: f64 = 10.0;
 /// Maximum number of grids that find the region.
@@ -409,7 +411,7 @@ impl<'a> Posterior<'a> {
                 break;
             }
         }
-        self.masses_at(&bounds, FINE)
+        self.masses_at(&bounds, if self.model.guess == Guess::Free { FINE } else { FIXED })
     }
 
     /// Returns, for each axis, how far from a maximum the density remains high if the other parameters do not change.
@@ -581,7 +583,7 @@ impl Masses {
     fn region(&self, axis: usize, [low, high]: [f64; 2], all: [f64; 2]) -> [f64; 2] {
         let nodes = &self.axes[axis];
         let densities: Vec<f64> = nodes.iter().zip(&self.marginals[axis]).map(|((_, weight), mass)| mass / weight).collect();
-        let least = NEGLIGIBLE * densities.iter().copied().fold(0.0, f64::max);
+        let least = (if axis <= WIDTH { NEGLIGIBLE } else { NEGLIGIBLE_SHARE }) * densities.iter().copied().fold(0.0, f64::max);
         let first = densities.iter().position(|density| *density > least).unwrap_or(0);
         let last = densities.iter().rposition(|density| *density > least).unwrap_or(nodes.len() - 1);
         let more = (high - low) / 2.0;

@@ -12,7 +12,7 @@ use crate::{
         DisplayProfile, Screen, Viewing,
         frames::{FrameTimes, Refresh},
     },
-    experiment::Protocol,
+    experiment::{Protocol, task::Layout},
     store::{check::missing_fonts, dataset::SessionPaths, profile, sidecar::Sidecar, sitting::PreflightNote},
 };
 
@@ -231,11 +231,19 @@ fn geometry(
     let deg = request.protocol.viewing.window_deg;
     let size_px = stimulus_side_px(&viewing, deg);
     notes.extend(viewing.coarseness(deg).map(|sentence| note("coarse", false, sentence)));
-    let fits = size_px <= width.min(height);
+    let layout = request.protocol.task.layout();
+    let [wide, high] = layout.size_px(size_px);
+    let fits = wide <= width && high <= height;
+    let stimuli = match layout {
+        Layout::Places(count) => format!("The {count} stimuli of {deg}° side by side"),
+        Layout::Single | Layout::Intervals { .. } => format!("The {deg}° stimulus"),
+    };
+    let verb = |one: &str, several: &str| if layout.grid() == [1, 1] { one.to_owned() } else { several.to_owned() };
     let sentence = match fits {
-        true => format!("The {deg}° stimulus is {size_px} × {size_px} pixels and fits."),
+        true => format!("{stimuli} {} {wide} × {high} pixels and {}.", verb("is", "are"), verb("fits", "fit")),
         false => format!(
-            "The {deg}° stimulus needs {size_px} × {size_px} pixels; the window has {width} × {height}. Sit closer, or use a larger screen."
+            "{stimuli} {} {wide} × {high} pixels; the window has {width} × {height}. Sit closer, or use a larger screen.",
+            verb("needs", "need")
         ),
     };
     notes.push(note("stimulus_fits", fits, sentence));

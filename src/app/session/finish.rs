@@ -1,14 +1,14 @@
 //! The last page: thanks the participant and plots their ratings. A closed section tells the experimenter where the data
 //! are and how the frames were.
 
-use std::{collections::BTreeMap, path::PathBuf};
+use std::path::PathBuf;
 
 use eframe::egui::{self, Key};
-use egui_plot::{Corner, GridMark, Legend, Line, Points};
 
+use super::own_plot::OwnPlot;
 use crate::{
-    app::ui::{self, Step, still_plot, theme},
-    experiment::{Factor, Phase, Protocol, TrialRecord},
+    app::ui::{self, Step, theme},
+    experiment::{Protocol, TrialRecord},
 };
 
 pub struct Finish {
@@ -16,11 +16,7 @@ pub struct Finish {
     path: PathBuf,
     /// Whether every planned trial is rated.
     complete: bool,
-    /// The factor of the horizontal axis; `by` is the factor with one line per level.
-    along: Option<Factor>,
-    by: Option<Factor>,
-    /// Name and points of each plotted line.
-    lines: Vec<(String, Vec<[f64; 2]>)>,
+    plot: Option<OwnPlot>,
     opened: Option<String>,
     /// One sentence about the frames of the sitting, if there were any.
     frames: Option<String>,
@@ -38,14 +34,8 @@ impl Finish {
         frames: Option<String>,
         error: Option<String>,
     ) -> Self {
-        let factors = &protocol.factors;
-        let factor = |wanted: &str, other: usize| {
-            factors.iter().find(|factor| factor.name == wanted).or_else(|| factors.get(other)).cloned()
-        };
-        let along = factor("width", 0);
-        let by = factor("depth", 1).filter(|by| along.as_ref().is_none_or(|along| along.name != by.name));
-        let lines = along.as_ref().map(|along| mean_lines(&protocol, rows, along, by.as_ref())).unwrap_or_default();
-        Self { protocol, path, complete, along, by, lines, opened: None, frames, error }
+        let plot = OwnPlot::new(&protocol, rows);
+        Self { protocol, path, complete, plot, opened: None, frames, error }
     }
 
     /// Returns whether every planned trial is rated.
@@ -67,9 +57,8 @@ impl Finish {
                 ui.label(&texts.left);
             }
             ui.add_space(8.0);
-            if self.complete && self.protocol.session.own_means && !self.lines.is_empty() {
-                self.plot(ui);
-            }
+            let own = self.plot.as_ref().filter(|_| self.complete && self.protocol.session.own_means);
+            own.into_iter().for_each(|plot| plot.show(ui));
             ui.add_space(8.0);
             if let Some(error) = &self.error {
                 ui::show_error(
@@ -119,64 +108,4 @@ impl Finish {
     fn data_set(&self) -> Option<PathBuf> {
         Some(self.path.parent()?.parent()?.to_owned())
     }
-
-    fn plot(&self, ui: &mut egui::Ui) {
-        let Some(along) = &self.along else { return };
-        let lines = self.by.as_ref().map_or("experiment", |by| &by.name);
-        ui.label(self.protocol.instructions.ratings.replace("{x}", &along.name).replace("{lines}", lines));
-        let labels: Vec<String> = along.levels.iter().map(ToString::to_string).collect();
-        let last = labels.len().saturating_sub(1) as f64;
-        let (ink, highest) = (theme::ink(ui), self.protocol.response.highest());
-        still_plot("ratings")
-            .height(280.0)
-            .include_x(-0.3)
-            .include_x(last + 1.0)
-            .include_y(-0.1)
-            .include_y(f64::from(highest) + 0.1)
-            .x_axis_label(along.name.clone())
-            .y_axis_label(self.protocol.instructions.mean_rating.clone())
-            .legend(Legend::default().position(Corner::RightTop))
-            .x_grid_spacer(move |_| (0..=last as i64).map(|i| GridMark { value: i as f64, step_size: 1.0 }).collect())
-            .y_grid_spacer(move |_| (0..=highest).map(|i| GridMark { value: f64::from(i), step_size: 1.0 }).collect())
-            .x_axis_formatter(move |mark, _| {
-                let index = mark.value.round();
-                if index < 0.0 { String::new() } else { labels.get(index as usize).cloned().unwrap_or_default() }
-            })
-            .show(ui, |plot| {
-                for (i, (name, points)) in self.lines.iter().enumerate() {
-                    let (color, marker) = ink.series(i);
-                    plot.line(Line::new(name, points.clone()).color(color).width(2.0));
-                    plot.points(Points::new(name, points.clone()).shape(marker).radius(5.0).color(color));
-                }
-            });
-    }
-}
-
-/// Returns the mean rating for each level, over the last attempts of the main trials. The horizontal position of a
-/// level is its index.
-fn mean_lines(
-    protocol: &Protocol,
-    rows: &[TrialRecord],
-    along: &Factor,
-    by: Option<&Factor>,
-) -> Vec<(String, Vec<[f64; 2]>)> {
-    // Later attempts overwrite earlier ones, because rows are in chronological order.
-    let last: BTreeMap<u32, &TrialRecord> =
-        rows.iter().filter(|row| row.phase == Phase::Main).map(|row| (row.trial, row)).collect();
-    let index = |row: &TrialRecord, factor: &Factor| {
-        let text = row.level(protocol, &factor.name)?;
-        factor.levels.iter().position(|level| level.to_string() == text)
-    };
-    let mut ratings: BTreeMap<usize, BTreeMap<usize, Vec<f64>>> = BTreeMap::new();
-    for row in last.values() {
-        let (Some(x), Some(rating)) = (index(row, along), row.rating) else { continue };
-        let line = by.and_then(|by| index(row, by)).unwrap_or(0);
-        ratings.entry(line).or_default().entry(x).or_default().push(rating.0.into());
-    }
-    let lines = ratings.into_iter().map(|(line, points)| {
-        let name = by.map_or_else(|| "rating".to_owned(), |by| format!("{} {}", by.name, by.levels[line]));
-        let mean = |(x, ratings): (usize, Vec<f64>)| [x as f64, ratings.iter().sum::<f64>() / ratings.len() as f64];
-        (name, points.into_iter().map(mean).collect())
-    });
-    lines.collect()
 }

@@ -98,7 +98,7 @@ pub fn instructions(
             ui.heading(&texts.categories);
             ui.label(&protocol.response.question);
             ui.add_space(8.0);
-            if protocol.response.categories.len() != EXAMPLES.len() {
+            if !protocol.task.is_default() || protocol.response.categories.len() != EXAMPLES.len() {
                 key_list(ui, protocol);
                 ui.add_space(8.0);
                 ui.label(&texts.keys);
@@ -142,8 +142,7 @@ pub fn phase_start(ui: &mut egui::Ui, phase: Phase, protocol: &Protocol, progres
             Phase::Practice => (&texts.practice, &texts.practice_scale),
             Phase::Main => (&texts.main, &texts.main_scale),
         };
-        ui.label(text);
-        ui.label(scale);
+        [text, scale].into_iter().filter(|text| !text.is_empty()).for_each(|text| _ = ui.label(text));
         ui.add_space(theme::GAP);
         if phase == Phase::Main {
             draw_progress(ui, progress, texts);

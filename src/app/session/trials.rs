@@ -336,7 +336,7 @@ impl Trials {
 
     fn too_small(&self, ctx: &egui::Context) -> Option<String> {
         let (width, height) = window_px(ctx);
-        let [wide, high] = pixels::grid_px(self.session.protocol().task.layout().grid(), self.size_px);
+        let [wide, high] = self.session.protocol().task.layout().size_px(self.size_px);
         (width < wide || height < high).then(|| {
             format!(
                 "The window has {width} × {height} pixels and the stimulus needs {wide} × {high}. Make the window larger."
@@ -459,7 +459,7 @@ impl Trials {
             let stimuli = self.stimuli();
             let at_once =
                 if let Layout::Intervals { .. } = layout { &stimuli[interval..=interval] } else { &stimuli[..] };
-            let places = pixels::places(area, ui.ctx().pixels_per_point(), layout.grid(), self.size_px);
+            let places = pixels::places(area, ui.ctx().pixels_per_point(), layout, self.size_px);
             for (stimulus, place) in at_once.iter().zip(places) {
                 if let Some((_, texture)) = self.textures.iter().find(|(made, _)| made == stimulus) {
                     pixels::draw_centered(ui, texture, place);
@@ -500,7 +500,7 @@ impl Trials {
 
     /// Returns half the height of the stimuli, points.
     fn half_height(&self, ctx: &egui::Context) -> f32 {
-        let [_, high] = pixels::grid_px(self.session.protocol().task.layout().grid(), self.size_px);
+        let [_, high] = self.session.protocol().task.layout().size_px(self.size_px);
         high as f32 / ctx.pixels_per_point() / 2.0
     }
 

@@ -183,11 +183,15 @@ impl SessionForm {
         let deg = protocol.as_ref().map(|protocol| protocol.viewing.window_deg);
         let stimulus_px = viewing.zip(deg).map(|(viewing, deg)| {
             let side = stimulus_side_px(&viewing, deg);
-            let least = monitor.width_px.min(monitor.height_px);
-            if side > least {
+            let needed = protocol.as_ref().map_or([side; 2], |protocol| protocol.task.layout().size_px(side));
+            let screen = [monitor.width_px, monitor.height_px];
+            if let Some(axis) = (0..2).find(|axis| needed[*axis] > screen[*axis]) {
                 let error = format!(
-                    "The {deg}° stimulus needs {side} pixels, but the screen has only {least}. Enter a shorter \
-                        distance, or use a larger screen."
+                    "The {deg}° stimulus needs {} pixels {}, but the screen has only {}. Enter a shorter distance, or \
+                        use a larger screen.",
+                    needed[axis],
+                    ["across", "down"][axis],
+                    screen[axis]
                 );
                 errors.insert(SessionField::Distance, error);
             }

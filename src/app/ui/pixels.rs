@@ -13,6 +13,7 @@ use super::{
     text::describe,
 };
 use crate::{
+    experiment::task::Layout,
     light::{CodeImage, Quantizer},
     stimulus::Stimulus,
 };
@@ -84,23 +85,15 @@ pub fn picture(ui: &mut egui::Ui, texture: &TextureHandle, label: &str) -> egui:
     response
 }
 
-/// The gap between two stimuli on the screen, as a share of their size.
-const GAP: f32 = 0.1;
-
-/// Returns the number of physical pixels that a grid of stimuli of `size` pixels needs.
-pub fn grid_px(grid: [usize; 2], size: u32) -> [u32; 2] {
-    grid.map(|count| (count as f32 * size as f32 + (count as f32 - 1.0) * (GAP * size as f32).round()) as u32)
-}
-
-/// Returns the place of each stimulus in a grid at the center of `area`, row by row.
-pub fn places(area: Rect, scale: f32, grid: [usize; 2], size: u32) -> Vec<Rect> {
-    let (side, pitch) = (size as f32 / scale, (size as f32 + (GAP * size as f32).round()) / scale);
-    let first = |axis: usize| -pitch * (grid[axis] as f32 - 1.0) / 2.0;
-    let center = |column: usize, row: usize| {
-        area.center() + Vec2::new(first(0) + pitch * column as f32, first(1) + pitch * row as f32)
-    };
-    let columns = |row| (0..grid[0]).map(move |column| Rect::from_center_size(center(column, row), Vec2::splat(side)));
-    (0..grid[1]).flat_map(columns).collect()
+/// Returns the place of each stimulus of `side` physical pixels that is shown at the same time, at the center of `area`,
+/// row by row.
+pub fn places(area: Rect, scale: f32, layout: Layout, side: u32) -> Vec<Rect> {
+    let [columns, rows] = layout.grid();
+    let pitch = (side + Layout::gap_px(side)) as f32 / scale;
+    let from_center = |index: usize, count: usize| pitch * (index as f32 - (count as f32 - 1.0) / 2.0);
+    let at = |column, row| area.center() + Vec2::new(from_center(column, columns), from_center(row, rows));
+    let place = |column, row| Rect::from_center_size(at(column, row), Vec2::splat(side as f32 / scale));
+    (0..rows).flat_map(|row| (0..columns).map(move |column| place(column, row))).collect()
 }
 
 /// Draws a texture pixel for pixel, its corner on a whole pixel, centered in `area`.

@@ -72,6 +72,18 @@ impl Layout {
         (count as f64 - 1.0) * (duration_s + gap_s)
     }
 
+    /// Returns the gap between two stimuli that are shown at the same time, in pixels: a tenth of their side.
+    #[must_use]
+    pub fn gap_px(side: u32) -> u32 {
+        side.div_ceil(10)
+    }
+
+    /// Returns the width and the height of all stimuli that are shown at the same time, in pixels.
+    #[must_use]
+    pub fn size_px(self, side: u32) -> [u32; 2] {
+        self.grid().map(|count| count as u32 * (side + Self::gap_px(side)) - Self::gap_px(side))
+    }
+
     /// Returns the number of columns and rows in which stimuli are on the screen at the same time.
     #[must_use]
     pub fn grid(self) -> [usize; 2] {

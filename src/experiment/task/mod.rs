@@ -36,6 +36,8 @@ pub use yes_no::YesNo;
 
 use kinds::kinds;
 
+use super::texts::Texts;
+
 kinds! {
     /// What participants do in a trial.
     Task, "kind" {
@@ -72,7 +74,31 @@ impl Default for Task {
     }
 }
 
+/// How a dial is turned.
+const DIAL: &str = "Change the value with the arrow keys or the mouse wheel; with Shift, the steps are finer. Press Enter to answer. While the screen shows one even color, Backspace undoes the last answer. Esc pauses.";
+/// How answers with keys of their own are given.
+const KEYS: &str = "Answer with these keys. While the screen shows one even color, Backspace undoes the last answer. S shows or hides the answers. Esc pauses.";
+
 impl Task {
+    /// Replaces the default texts, which are those of a rating, by texts that suit this task.
+    pub fn instruct(&self, texts: &mut Texts) {
+        if self.is_default() {
+            return;
+        }
+        let (default, has_dial) = (Texts::default(), self.dial().is_some());
+        let keys = if has_dial { DIAL } else { KEYS };
+        let own =
+            [(&mut texts.task, &default.task, self.instructions()), (&mut texts.keys, &default.keys, keys.to_owned())];
+        // A dial has no scale that can be hidden.
+        let of_scale =
+            [(&mut texts.practice_scale, &default.practice_scale), (&mut texts.main_scale, &default.main_scale)];
+        let of_scale = of_scale.into_iter().filter(|_| has_dial).map(|(text, default)| (text, default, String::new()));
+        own.into_iter()
+            .chain(of_scale)
+            .filter(|(text, default, _)| text == default)
+            .for_each(|(text, _, own)| *text = own);
+    }
+
     /// Returns whether this is the rating that a definition without a task asks for.
     pub fn is_default(&self) -> bool {
         *self == Self::default()

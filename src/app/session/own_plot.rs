@@ -1,0 +1,197 @@
+//! The plot on the last page: what participants answered, in a form that they understand.
+
+use std::collections::BTreeMap;
+
+use eframe::egui;
+use egui_plot::{Corner, GridMark, Legend, Line, Points};
+
+use crate::{
+    app::ui::{still_plot, theme},
+    experiment::{Factor, Phase, Protocol, TaskAnswer, TrialRecord, task::Measures},
+};
+
+/// A plot of one participant's answers.
+pub struct OwnPlot {
+    /// What it shows, in a sentence.
+    caption: String,
+    x_label: String,
+    y_label: String,
+    /// The names of the places 0, 1, … on the horizontal axis; none if it has numbers.
+    places: Vec<String>,
+    /// The ends of the vertical axis.
+    y: [f64; 2],
+    /// Whether the vertical axis shows powers of ten.
+    log: bool,
+    /// Name and points of each line.
+    lines: Vec<(String, Vec<[f64; 2]>)>,
+}
+
+impl OwnPlot {
+    /// Plots the last attempts of the main trials; `None` if there is nothing to plot.
+    pub fn new(protocol: &Protocol, rows: &[TrialRecord]) -> Option<Self> {
+        // Later attempts overwrite earlier ones, because rows are in chronological order.
+        let last: BTreeMap<u32, &TrialRecord> =
+            rows.iter().filter(|row| row.phase == Phase::Main).map(|row| (row.trial, row)).collect();
+        let rows: Vec<&TrialRecord> = last.into_values().collect();
+        let plot = match protocol.task.measures() {
+            Measures::Ratings => {
+                let label = protocol.instructions.mean_rating.clone();
+                let y = [0.0, protocol.response.highest().into()];
+                means(protocol, &rows, (label, y), |row| Some(row.rating?.0.into()))
+            }
+            Measures::Settings => {
+                let dial = protocol.task.dial()?;
+                let label = dial.parameter.clone().unwrap_or_else(|| protocol.instructions.mean_rating.clone());
+                means(protocol, &rows, (label, dial.range), |row| row.answer.as_ref()?.response.parse().ok())
+            }
+            Measures::Comparisons => chosen(protocol, &rows),
+            Measures::Proportions | Measures::Detection if protocol.adaptive.is_some() => levels(protocol, &rows),
+            Measures::Proportions | Measures::Detection => {
+                let label = protocol.instructions.right.clone();
+                means(protocol, &rows, (label, [0.0, 1.0]), |row| {
+                    row.answer.as_ref()?.correct.map(|right| f64::from(u8::from(right)))
+                })
+            }
+        };
+        plot.filter(|plot| !plot.lines.is_empty())
+    }
+
+    /// Draws the plot below its caption.
+    pub fn show(&self, ui: &mut egui::Ui) {
+        ui.label(&self.caption);
+        let ([low, high], log) = (self.y, self.log);
+        let pad = 0.05 * (high - low);
+        let last = self.places.len().saturating_sub(1) as f64;
+        let (ink, places) = (theme::ink(ui), self.places.clone());
+        let mut plot = still_plot("ratings")
+            .height(280.0)
+            .include_y(low - pad)
+            .include_y(high + pad)
+            .x_axis_label(self.x_label.clone())
+            .y_axis_label(self.y_label.clone())
+            .legend(Legend::default().position(Corner::RightTop));
+        if log {
+            plot = plot.y_axis_formatter(|mark, _| format!("{:.3}", f64::powf(10.0, mark.value)));
+        } else if high - low <= 11.0 && high.fract() == 0.0 && high > 1.0 {
+            let marks = low as i64..=high as i64;
+            plot = plot.y_grid_spacer(move |_| marks.clone().map(mark).collect());
+        }
+        if !places.is_empty() {
+            plot = plot
+                .include_x(-0.3)
+                .include_x(last + 1.0)
+                .x_grid_spacer(move |_| (0..=last as i64).map(mark).collect())
+                .x_axis_formatter(move |mark, _| {
+                    let index = mark.value.round();
+                    if index < 0.0 { String::new() } else { places.get(index as usize).cloned().unwrap_or_default() }
+                });
+        }
+        plot.show(ui, |plot| {
+            for (i, (name, points)) in self.lines.iter().enumerate() {
+                let (color, marker) = ink.series(i);
+                plot.line(Line::new(name, points.clone()).color(color).width(2.0));
+                plot.points(Points::new(name, points.clone()).shape(marker).radius(5.0).color(color));
+            }
+        });
+    }
+}
+
+fn mark(at: i64) -> GridMark {
+    GridMark { value: at as f64, step_size: 1.0 }
+}
+
+/// Plots the mean of a value by the level of a factor, with one line for each level of another.
+fn means(
+    protocol: &Protocol,
+    rows: &[&TrialRecord],
+    (y_label, y): (String, [f64; 2]),
+    value: impl Fn(&TrialRecord) -> Option<f64>,
+) -> Option<OwnPlot> {
+    let factors = &protocol.factors;
+    let factor =
+        |wanted: &str, other: usize| factors.iter().find(|factor| factor.name == wanted).or_else(|| factors.get(other));
+    let along = factor("width", 0)?;
+    let by = factor("depth", 1).filter(|by| along.name != by.name);
+    let index = |row: &TrialRecord, factor: &Factor| {
+        let text = row.level(protocol, &factor.name)?;
+        factor.levels.iter().position(|level| level.to_string() == text)
+    };
+    let mut values: BTreeMap<usize, BTreeMap<usize, Vec<f64>>> = BTreeMap::new();
+    for row in rows {
+        let (Some(x), Some(value)) = (index(row, along), value(row)) else { continue };
+        let line = by.and_then(|by| index(row, by)).unwrap_or(0);
+        values.entry(line).or_default().entry(x).or_default().push(value);
+    }
+    let lines = values.into_iter().map(|(line, points)| {
+        let name = by.map_or_else(|| "rating".to_owned(), |by| format!("{} {}", by.name, by.levels[line]));
+        let mean = |(x, values): (usize, Vec<f64>)| [x as f64, values.iter().sum::<f64>() / values.len() as f64];
+        (name, points.into_iter().map(mean).collect())
+    });
+    let by_name = by.map_or("experiment", |by| &by.name);
+    let caption = protocol.instructions.ratings.replace("{x}", &along.name).replace("{lines}", by_name);
+    let caption = if y_label == protocol.instructions.mean_rating { caption } else { y_label.clone() };
+    Some(OwnPlot {
+        caption,
+        x_label: along.name.clone(),
+        y_label,
+        places: along.levels.iter().map(ToString::to_string).collect(),
+        y,
+        log: false,
+        lines: lines.collect(),
+    })
+}
+
+/// Plots the level of each trial, with one line for each condition.
+fn levels(protocol: &Protocol, rows: &[&TrialRecord]) -> Option<OwnPlot> {
+    let common = &protocol.adaptive.as_ref()?.common;
+    let mut lines: BTreeMap<String, Vec<[f64; 2]>> = BTreeMap::new();
+    for row in rows {
+        let Some(TaskAnswer { level: Some(level), target, .. }) = &row.answer else { continue };
+        if *target == Some(0) {
+            continue;
+        }
+        let level_of =
+            |factor: &Factor| row.level(protocol, &factor.name).map(|level| format!("{} {level}", factor.name));
+        let name = protocol.factors.iter().filter_map(level_of).collect::<Vec<_>>().join(", ");
+        let name = if name.is_empty() { common.parameter.clone() } else { name };
+        let line = lines.entry(name).or_default();
+        line.push([line.len() as f64 + 1.0, common.scaled(*level)]);
+    }
+    let all = || lines.values().flatten().map(|point| point[1]);
+    let y = [all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max)];
+    Some(OwnPlot {
+        caption: protocol.instructions.levels.clone(),
+        x_label: protocol.instructions.trial.clone(),
+        y_label: common.parameter.clone(),
+        places: Vec::new(),
+        y,
+        log: common.log,
+        lines: lines.into_iter().collect(),
+    })
+}
+
+/// Plots the share of comparisons that each condition won, lowest first.
+fn chosen(protocol: &Protocol, rows: &[&TrialRecord]) -> Option<OwnPlot> {
+    let mut tallies: BTreeMap<String, [f64; 2]> = BTreeMap::new();
+    for row in rows {
+        let answer = row.answer.as_ref()?;
+        for (place, suffix) in [("1", ""), ("2", "_2")] {
+            let level = |factor: &Factor| row.level(protocol, &format!("{}{suffix}", factor.name));
+            let name = protocol.factors.iter().filter_map(level).collect::<Vec<_>>().join(", ");
+            let [won, all] = tallies.entry(name).or_default();
+            (*won, *all) = (*won + f64::from(u8::from(answer.response == place)), *all + 1.0);
+        }
+    }
+    let mut shares: Vec<(String, f64)> = tallies.into_iter().map(|(name, [won, all])| (name, won / all)).collect();
+    shares.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let points = shares.iter().enumerate().map(|(x, (_, share))| [x as f64, *share]).collect();
+    Some(OwnPlot {
+        caption: protocol.instructions.chosen.clone(),
+        x_label: protocol.factors.iter().map(|factor| factor.name.as_str()).collect::<Vec<_>>().join(", "),
+        y_label: protocol.instructions.share.clone(),
+        places: shares.into_iter().map(|(name, _)| name).collect(),
+        y: [0.0, 1.0],
+        log: false,
+        lines: vec![(protocol.instructions.share.clone(), points)],
+    })
+}
