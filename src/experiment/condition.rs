@@ -13,6 +13,12 @@ pub struct Factor {
     pub levels: Vec<ParameterValue>,
 }
 
+impl From<(String, Vec<ParameterValue>)> for Factor {
+    fn from((name, levels): (String, Vec<ParameterValue>)) -> Self {
+        Self { name, levels }
+    }
+}
+
 /// One cell of the crossed factors: the stimulus with every parameter set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Condition {
@@ -27,6 +33,9 @@ pub struct Condition {
 /// # Errors
 /// Returns an error for the first parameter that a cell would set to an impossible value.
 pub(super) fn cross(base: &Stimulus, factors: &[Factor]) -> Result<Vec<Condition>, ParameterError> {
+    if let Stimulus::Image(pictures) = base {
+        return Ok(pictures.each().map(|picture| of_picture(picture.into(), factors)).collect());
+    }
     let mut cells = vec![Condition { levels: Vec::new(), stimulus: base.clone() }];
     for factor in factors {
         let mut next = Vec::with_capacity(cells.len() * factor.levels.len());
@@ -41,6 +50,15 @@ pub(super) fn cross(base: &Stimulus, factors: &[Factor]) -> Result<Vec<Condition
         cells = next;
     }
     Ok(cells)
+}
+
+/// Returns the condition of a picture, which has its own level of each factor.
+fn of_picture(stimulus: Stimulus, factors: &[Factor]) -> Condition {
+    let level = |factor: &Factor| {
+        let own = stimulus.get(&factor.name);
+        factor.levels.iter().position(|level| Some(level) == own.as_ref()).unwrap_or(0)
+    };
+    Condition { levels: factors.iter().map(level).collect(), stimulus }
 }
 
 /// Serializes factors as they appear in a definition, in JSON `{"width": [0.02, …], …}`.

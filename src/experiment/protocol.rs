@@ -16,7 +16,7 @@ use super::{
     scale::CATEGORIES,
     task::{Adaptive, Given, Layout, Turn},
 };
-use crate::stimulus::ParameterValue;
+use crate::stimulus::{ParameterValue, Stimulus};
 
 /// Maximum number of trials per session.
 const MAX_TRIALS: usize = 100_000;
@@ -234,7 +234,8 @@ impl Definition {
         // With repetitions = 0, which is reported as its own error, there are no trials, but there are still cells.
         let adaptive = self.adaptive.as_ref().map(|adaptive| adaptive.common.trials);
         let repetitions = adaptive.unwrap_or(self.design.repetitions).max(1) as usize;
-        let cells = self.factors.iter().fold(1, |n: usize, factor| n.saturating_mul(factor.levels.len()));
+        let crossed = self.factors.iter().fold(1, |n: usize, factor| n.saturating_mul(factor.levels.len()));
+        let cells = if let Stimulus::Image(pictures) = &self.stimulus { pictures.each().count() } else { crossed };
         let main = cells.saturating_mul(repetitions);
         let trials = main.saturating_add(self.design.practice as usize);
         if trials > MAX_TRIALS {

@@ -324,6 +324,15 @@ impl Session {
         self.pending
     }
 
+    /// Returns whether the trial can be answered now: the last of its stimuli is or was shown.
+    pub fn can_answer(&self) -> bool {
+        match self.state {
+            State::Stimulus { interval, .. } => interval + 1 == self.protocol().task.layout().intervals(),
+            State::Response { .. } => true,
+            _ => false,
+        }
+    }
+
     /// Returns whether [`Event::Undo`] would have an effect now.
     pub fn can_undo(&self) -> bool {
         let between =
@@ -532,9 +541,8 @@ impl Session {
     }
 
     fn rate(&mut self, key: u8, at: Duration, uncertainty: Option<Duration>, now: Duration) -> Effect {
-        let intervals = self.protocol().task.layout().intervals();
         let (onset, recovery, stimulus, first) = match self.state {
-            State::Stimulus { onset, recovery, interval, first } if interval + 1 == intervals => {
+            State::Stimulus { onset, recovery, first, .. } if self.can_answer() => {
                 (onset, recovery, now.saturating_sub(onset), first)
             }
             State::Response { onset, recovery, stimulus, first } => (onset, recovery, stimulus, first),

@@ -9,6 +9,7 @@ use super::{
     figures::{Kanizsa, Vasarely},
     mach_band::MachBand,
     parameter::{Parameter, ParameterError, ParameterValue},
+    picture::Picture,
     profiles::{Chevreul, Cornsweet, Cylinder},
     shaded_mesh::ShadedMesh,
 };
@@ -25,6 +26,8 @@ macro_rules! stimuli {
         #[serde(tag = "kind", rename_all = "kebab-case")]
         pub enum Stimulus {
             $($(#[$meta])* $name($name),)*
+            /// One of a study's own pictures. It has no defaults, so it is none of the [`KINDS`].
+            Image(Picture),
         }
 
         $(impl From<$name> for Stimulus {
@@ -45,6 +48,7 @@ macro_rules! stimuli {
             pub fn kind(&self) -> &'static str {
                 match self {
                     $(Self::$name(_) => $name::KIND,)*
+                    Self::Image(_) => Picture::KIND,
                 }
             }
 
@@ -63,6 +67,7 @@ macro_rules! stimuli {
             pub fn parameters(&self) -> &'static [Parameter] {
                 match self {
                     $(Self::$name(_) => $name::PARAMETERS,)*
+                    Self::Image(_) => Picture::PARAMETERS,
                 }
             }
 
@@ -75,6 +80,7 @@ macro_rules! stimuli {
             pub fn set(&mut self, name: &str, value: &ParameterValue) -> Result<(), ParameterError> {
                 match self {
                     $(Self::$name(stimulus) => stimulus.set(name, value),)*
+                    Self::Image(picture) => picture.set(name, value),
                 }
             }
 
@@ -83,6 +89,7 @@ macro_rules! stimuli {
             pub fn get(&self, name: &str) -> Option<ParameterValue> {
                 match self {
                     $(Self::$name(stimulus) => stimulus.get(name),)*
+                    Self::Image(picture) => picture.get(name),
                 }
             }
 
@@ -93,12 +100,14 @@ macro_rules! stimuli {
             pub fn validate(&self) -> Result<(), Vec<ParameterError>> {
                 match self {
                     $(Self::$name(stimulus) => stimulus.validate(),)*
+                    Self::Image(picture) => picture.validate(),
                 }
             }
 
             fn color(&self) -> StimulusColor {
                 match self {
                     $(Self::$name(stimulus) => stimulus.color,)*
+                    Self::Image(picture) => picture.color,
                 }
             }
         }
@@ -123,11 +132,18 @@ stimuli! {
     Cylinder,
 }
 
+impl From<Picture> for Stimulus {
+    fn from(picture: Picture) -> Self {
+        Self::Image(picture)
+    }
+}
+
 /// How a kind is drawn.
 enum Drawing<'a> {
     /// Varies only along an orientation, in degrees.
     Line(f64, Box<dyn Profile + 'a>),
     Area(&'a dyn Area),
+    Picture(&'a Picture),
 }
 
 impl Stimulus {
@@ -140,6 +156,7 @@ impl Stimulus {
             Self::Vasarely(vasarely) => Drawing::Area(vasarely),
             Self::Kanizsa(kanizsa) => Drawing::Area(kanizsa),
             Self::ShadedMesh(mesh) => Drawing::Area(mesh),
+            Self::Image(picture) => Drawing::Picture(picture),
         }
     }
 
@@ -181,6 +198,7 @@ impl Stimulus {
         match self.drawing() {
             Drawing::Line(orientation_deg, profile) => drawing::linear(&*profile, orientation_deg, size),
             Drawing::Area(area) => area.linear(size),
+            Drawing::Picture(picture) => picture.linear(size),
         }
     }
 
@@ -192,8 +210,21 @@ impl Stimulus {
                 let samples = Samples::Eight(drawing::codes(&*profile, orientation_deg, size, quantizer));
                 CodeImage { width: size, height: size, samples }
             }
+            Drawing::Picture(picture) => picture.codes(size, quantizer),
             _ => quantizer.quantize(&self.linear(size)),
         }
+    }
+
+    /// Returns whether everything that is needed to draw the stimulus is known: of a study's own picture, the pixels.
+    #[must_use]
+    pub fn is_drawable(&self) -> bool {
+        if let Self::Image(picture) = self { picture.is_read() } else { true }
+    }
+
+    /// Returns the side of the window in pixels, if the stimulus has a size of its own.
+    #[must_use]
+    pub fn side(&self) -> Option<u32> {
+        if let Self::Image(picture) = self { picture.side() } else { None }
     }
 
     /// Returns the requested light at the centers of a row of `size` pixels through the center of the window, along the
@@ -205,6 +236,10 @@ impl Stimulus {
                 (0..size).map(|i| profile.light(place(i, size), 0.0).map(|light| light as f32)).collect()
             }
             Drawing::Area(area) => area.profile(size),
+            Drawing::Picture(picture) => {
+                let image = picture.linear(size);
+                (0..size).map(|x| image.pixel(x, size / 2)).collect()
+            }
         }
     }
 

@@ -8,6 +8,7 @@ mod drawing;
 mod figures;
 mod mach_band;
 pub mod parameter;
+pub mod picture;
 mod predicted;
 mod profiles;
 mod ramp_space;

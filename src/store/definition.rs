@@ -9,6 +9,7 @@ use super::{
     FileErrors, StoreError, Writer,
     error::io,
     file::{read_text, sha256},
+    pictures,
     toml::{self, TableReader, unknown_key},
 };
 use crate::{
@@ -17,7 +18,10 @@ use crate::{
         Protocol, Recovery, ResponseScale, SessionRules, Texts, ViewingPlan, default_key,
         task::{Adaptive, Common, Method, OptionReader as _, Task},
     },
-    stimulus::{KINDS, MachBand, ParameterValue, Stimulus},
+    stimulus::{
+        KINDS, MachBand, ParameterValue, Stimulus,
+        picture::{Gallery, Picture},
+    },
     system::found,
     text::names::expected_one_of,
 };
@@ -87,7 +91,8 @@ pub fn built_in(name: &Path) -> Option<&'static BuiltIn> {
 /// Returns every error, with its line and column.
 pub fn parse(file: &str, text: &str) -> Result<Protocol, FileErrors> {
     let (written, mut document) = toml::read::<Written>(file, text)?;
-    match written.protocol() {
+    let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+    match written.protocol(Some(folder)) {
         Ok(protocol) => document.finish(protocol),
         Err(errors) => {
             errors.into_iter().for_each(|error| document.error(&error.path, error.message));
@@ -111,7 +116,7 @@ pub fn from_json(file: &str, definition: &Value) -> Result<Protocol, FileErrors>
         return Err(fail("the schema of the definition is missing or not 1; expected schema 1".to_owned()));
     }
     written
-        .protocol()
+        .protocol(None)
         .map_err(|errors| FileErrors(errors.into_iter().flat_map(|error| fail(error.message).0).collect()))
 }
 
@@ -199,23 +204,30 @@ struct WrittenScale {
 }
 
 impl Written {
-    /// Returns the definition.
+    /// Returns the definition. `folder` is where its pictures are; without it, they are only described.
     ///
     /// # Errors
     /// Returns every error.
-    fn protocol(self) -> Result<Protocol, Vec<DefinitionError>> {
+    fn protocol(mut self, folder: Option<&Path>) -> Result<Protocol, Vec<DefinitionError>> {
         let mut errors = DefinitionErrors::default();
+        let stimulus = if self.stimulus.get("kind").and_then(Value::as_str) == Some(Picture::KIND) {
+            self.pictures(folder, &mut errors).into()
+        } else {
+            stimulus(&self.stimulus, &mut errors)
+        };
         let name = self.name.unwrap_or_else(|| {
             errors.add("name", "name is missing; expected name = …");
             "unnamed".to_owned()
         });
-        let stimulus = stimulus(&self.stimulus, &mut errors);
         let task = self.task.map(|table| task(table, &mut errors)).unwrap_or_default();
         let mut instructions = self.instructions;
         task.instruct(&mut instructions);
         let protocol = Protocol::new(Definition {
             title: self.title.unwrap_or_else(|| name.clone()),
-            factors: factors(self.factors, &stimulus, &mut errors),
+            factors: match &stimulus {
+                Stimulus::Image(pictures) => pictures.factors().into_iter().map(Factor::from).collect(),
+                _ => factors(self.factors, &stimulus, &mut errors),
+            },
             design: self.design,
             recovery: self.recovery,
             presentation: self.presentation,
@@ -237,6 +249,27 @@ impl Written {
         let found = protocol.err().unwrap_or_default();
         errors.0.extend(found.into_iter().filter(|error| !unread.contains(&error.path)));
         Err(errors.0)
+    }
+}
+
+impl Written {
+    /// Returns the study's own pictures.
+    fn pictures(&mut self, folder: Option<&Path>, errors: &mut DefinitionErrors) -> Picture {
+        let mut table = std::mem::take(&mut self.stimulus);
+        table.shift_remove("kind");
+        let Some(folder) = folder else {
+            return TableReader { path: "stimulus", table, errors }.read::<Gallery>().into();
+        };
+        for key in self.factors.keys() {
+            errors.add(format!("factors.{key}"), "pictures have their factors in pictures.csv; expected no [factors]");
+        }
+        for key in
+            ["background", "factors", "pictures", "references"].into_iter().filter(|key| table.contains_key(*key))
+        {
+            errors.add(format!("stimulus.{key}"), unknown_key("stimulus", key, &["kind", "files", "show", "size"]));
+        }
+        let reference = self.task.as_ref().and_then(|task| task.get("reference")?.get(Picture::PICTURE)?.as_str());
+        pictures::gallery(table, folder, reference, self.recovery.level, errors).into()
     }
 }
 

@@ -32,6 +32,7 @@ pub mod mesh;
 pub mod observer;
 mod open;
 mod output;
+mod pictures;
 pub mod profile;
 pub mod ratings;
 pub mod readings;

@@ -2,4 +2,5 @@
 //! many, detection, scales from paired comparisons, and adjustments. All are functions of numbers.
 
 mod numeric;
+pub mod population;
 pub mod psychometric;

@@ -123,12 +123,28 @@ pub struct GoodnessOfFit {
     pub p: f64,
 }
 
+impl Guess {
+    /// Returns γ, which is `free` if it is estimated.
+    pub(super) fn or(self, free: f64) -> f64 {
+        match self {
+            Self::Fixed(guess) => guess,
+            Self::Free => free,
+        }
+    }
+}
+
 impl Model {
     /// Returns β of F = [`Curve::sigmoid`]`(z + β(x − m))` for a width, and z, where the sigmoid is ½.
-    pub(super) fn slope(&self, width: f64) -> (f64, f64) {
+    fn slope(&self, width: f64) -> (f64, f64) {
         let [low, half, high] = [0.05, 0.5, 0.95].map(|share| self.curve.inverse(share));
         let sign = if self.falls { -1.0 } else { 1.0 };
         (sign * (high - low) / width, half)
+    }
+
+    /// Returns F at each point.
+    pub(super) fn sigmoids(&self, points: &[Point], threshold: f64, width: f64) -> impl Iterator<Item = f64> {
+        let (slope, half) = self.slope(width);
+        points.iter().map(move |point| self.curve.sigmoid(half + slope * (point.x - threshold)))
     }
 
     /// Returns the slope of ψ at the threshold, per unit of x.
@@ -169,7 +185,7 @@ pub fn fit(points: &[Point], model: &Model) -> Result<Fit, FitError> {
     let estimate = maxima[0].1;
     let masses = posterior.masses(&maxima);
     let threshold = masses.interval(THRESHOLD);
-    let [low, high] = posterior.range;
+    let [low, high] = posterior.priors.range;
     // The slope is that of width 1, divided by the relative width.
     let steepest = model.slope_at_threshold(1.0, 0.0, 0.0).abs();
     let relative = exp(masses.relative_width());
@@ -224,7 +240,7 @@ const SHARPNESS: f64 = 10.0;
 /// The greatest λ and free γ.
 pub(super) const MAX_LAPSE: f64 = 0.5;
 /// Numbers of nodes of the grids: those that find the region, and the last.
-const COARSE: [usize; 5] = [15, 15, 4, 4, 3];
+const COARSE: [usize; 5] = [13, 13, 4, 4, 5];
 const FINE: [usize; 5] = [26, 26, 6, 6, 4];
 const FIXED: [usize; 5] = [28, 28, 10, 1, 6];
 /// The grid leaves out where the marginal density is lower than this share of its highest value.
@@ -235,60 +251,50 @@ const FAR: f64 = 10.0;
 /// Maximum number of grids that find the region.
 const MAX_ROUNDS: usize = 12;
 
-/// The posterior density of a study.
-struct Posterior<'a> {
-    model: &'a Model,
-    points: Vec<Point>,
-    range: [f64; 2],
-    /// The least width that the prior allows.
+/// The prior distributions.
+#[derive(Clone, Copy)]
+pub(super) struct Priors {
+    /// The lowest and the highest level.
+    pub range: [f64; 2],
+    /// The least width.
     least_width: f64,
+    /// Whether γ is estimated.
+    pub has_free_guess: bool,
+    /// The greatest λ.
+    max_lapse: f64,
 }
 
-impl<'a> Posterior<'a> {
-    fn new(points: &[Point], model: &'a Model) -> Result<Self, FitError> {
+impl Priors {
+    /// Returns the priors for these data.
+    pub fn new(points: &[Point], model: &Model) -> Result<Self, FitError> {
         check(points, model)?;
-        let points: Vec<Point> = points.iter().copied().filter(|point| point.total > 0).collect();
-        let mut levels: Vec<f64> = points.iter().map(|point| point.x).collect();
+        let mut levels: Vec<f64> = points.iter().filter(|point| point.total > 0).map(|point| point.x).collect();
         levels.sort_by(f64::total_cmp);
         let steps = levels.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
         let nearest = steps.min_by(f64::total_cmp).ok_or(FitError::Levels)?;
-        let range = model.range.unwrap_or([levels[0], levels[levels.len() - 1]]);
         // psignifit's rule for a range that was stated.
-        let least_width = model.range.map_or(nearest, |[low, high]| (high - low) / 100.0);
-        Ok(Self { model, points, range, least_width })
+        let stated = |[low, high]: [f64; 2]| ([low, high], (high - low) / 100.0);
+        let (range, least_width) = model.range.map_or(([levels[0], levels[levels.len() - 1]], nearest), stated);
+        let (has_free_guess, max_lapse) = match model.guess {
+            Guess::Fixed(guess) => (false, MAX_LAPSE.min(1.0 - guess)),
+            Guess::Free => (true, MAX_LAPSE),
+        };
+        Ok(Self { range, least_width, has_free_guess, max_lapse })
     }
 
-    /// The bounds of the parameters on the axes of a grid: the threshold, the logarithm of the width, and the
-    /// probabilities to which λ, γ and η correspond in their priors.
-    fn bounds(&self) -> [[f64; 2]; 5] {
-        let [low, high] = self.range;
-        let span = high - low;
-        let lapse = [0.0, prior_share(self.max_lapse())];
-        let guess = [0.0, if self.model.guess == Guess::Free { prior_share(MAX_LAPSE) } else { 0.0 }];
-        let eta = [0.0, if self.has_eta() { 1.0 } else { 0.0 }];
-        [[low - span / 2.0, high + span / 2.0], [self.least_width.ln(), (3.0 * span).ln()], lapse, guess, eta]
-    }
-
-    /// Whether η matters: a single trial cannot vary more than binomially.
-    fn has_eta(&self) -> bool {
-        self.model.overdispersed && self.points.iter().any(|point| point.total > 1)
-    }
-
-    /// λ must leave ψ something to rise by.
-    fn max_lapse(&self) -> f64 {
-        MAX_LAPSE.min(1.0 - self.guess(MAX_LAPSE))
-    }
-
-    /// γ, which is the given one if it is free.
-    fn guess(&self, free: f64) -> f64 {
-        match self.model.guess {
-            Guess::Fixed(guess) => guess,
-            Guess::Free => free,
+    /// The logarithm of the density of the parameters, except for a constant.
+    pub fn ln_density(&self, at: &Estimate) -> f64 {
+        let shares = [at.lapse, if self.has_free_guess { at.guess } else { 0.0 }, at.overdispersion];
+        let greatest = [self.max_lapse, MAX_LAPSE, 1.0];
+        if shares.iter().zip(greatest).any(|(share, greatest)| *share >= greatest) {
+            return f64::NEG_INFINITY;
         }
+        let ln_shares = shares.iter().map(|share| (SHARPNESS - 1.0) * (-share).ln_1p());
+        self.ln_place(at.threshold, at.width) + ln_shares.sum::<f64>()
     }
 
-    /// The logarithm of the prior density of the threshold and the width, except for a constant.
-    fn ln_prior(&self, threshold: f64, width: f64) -> f64 {
+    /// The part of the threshold and the width.
+    fn ln_place(&self, threshold: f64, width: f64) -> f64 {
         let [low, high] = self.range;
         let (span, least) = (high - low, self.least_width);
         let fall = |share: f64| if share < 1.0 { ((1.0 + (PI * share).cos()) / 2.0).ln() } else { f64::NEG_INFINITY };
@@ -296,11 +302,40 @@ impl<'a> Posterior<'a> {
         let beyond = if width >= span { (width - span) / (2.0 * span) } else { (2.0 - width / least).max(0.0) };
         fall(2.0 * outside / span) + fall(beyond)
     }
+}
+
+/// The posterior density of a study.
+struct Posterior<'a> {
+    model: &'a Model,
+    points: Vec<Point>,
+    priors: Priors,
+}
+
+impl<'a> Posterior<'a> {
+    fn new(points: &[Point], model: &'a Model) -> Result<Self, FitError> {
+        let points: Vec<Point> = points.iter().copied().filter(|point| point.total > 0).collect();
+        Ok(Self { model, priors: Priors::new(&points, model)?, points })
+    }
+
+    /// The bounds of the parameters on the axes of a grid: the threshold, the logarithm of the width, and the
+    /// probabilities to which λ, γ and η correspond in their priors.
+    fn bounds(&self) -> [[f64; 2]; 5] {
+        let Priors { range: [low, high], least_width, has_free_guess, max_lapse } = self.priors;
+        let span = high - low;
+        let guess = if has_free_guess { prior_share(MAX_LAPSE) } else { 0.0 };
+        let eta = if self.has_eta() { 1.0 } else { 0.0 };
+        let threshold = [low - span / 2.0, high + span / 2.0];
+        [threshold, [least_width.ln(), (3.0 * span).ln()], [0.0, prior_share(max_lapse)], [0.0, guess], [0.0, eta]]
+    }
+
+    /// Whether η matters: a single trial cannot vary more than binomially.
+    fn has_eta(&self) -> bool {
+        self.model.overdispersed && self.points.iter().any(|point| point.total > 1)
+    }
 
     /// F at each point.
     fn sigmoids(&self, threshold: f64, width: f64) -> Vec<f64> {
-        let (slope, half) = self.model.slope(width);
-        self.points.iter().map(|point| self.model.curve.sigmoid(half + slope * (point.x - threshold))).collect()
+        self.model.sigmoids(&self.points, threshold, width).collect()
     }
 
     /// The logarithm of the likelihood except for the term of [`Self::ln_total`], for 1/ν = `step`. The beta-binomial
@@ -309,31 +344,27 @@ impl<'a> Posterior<'a> {
         let mut product = Product { factor: 1.0, ln: 0.0 };
         for (point, sigmoid) in self.points.iter().zip(sigmoids) {
             let chance = guess + (1.0 - guess - lapse) * sigmoid;
-            product.multiply(chance, step, point.correct);
-            product.multiply(1.0 - chance, step, point.total - point.correct);
+            product.answers(point, chance, step);
         }
-        product.ln + product.factor.ln()
+        product.ln()
     }
 
     /// The denominators of the beta-binomial probabilities.
     fn ln_total(&self, step: f64) -> f64 {
         let mut product = Product { factor: 1.0, ln: 0.0 };
         self.points.iter().for_each(|point| product.multiply(1.0, step, point.total));
-        -product.ln - product.factor.ln()
+        -product.ln()
     }
 
     /// The logarithm of the posterior density, except for a constant.
     fn ln_density(&self, at: &Estimate) -> f64 {
-        let prior = self.ln_prior(at.threshold, at.width);
-        let free = [at.lapse, if self.model.guess == Guess::Free { at.guess } else { 0.0 }, at.overdispersion];
-        let greatest = [self.max_lapse(), MAX_LAPSE, 1.0];
-        if prior == f64::NEG_INFINITY || free.iter().zip(greatest).any(|(share, greatest)| *share >= greatest) {
-            return f64::NEG_INFINITY;
+        let prior = self.priors.ln_density(at);
+        if prior == f64::NEG_INFINITY {
+            return prior;
         }
-        let shares: f64 = free.iter().map(|share| (SHARPNESS - 1.0) * (-share).ln_1p()).sum();
         let step = step_of(at.overdispersion);
         let sigmoids = self.sigmoids(at.threshold, at.width);
-        prior + shares + self.ln_likelihood(&sigmoids, at.guess, at.lapse, step) + self.ln_total(step)
+        prior + self.ln_likelihood(&sigmoids, at.guess, at.lapse, step) + self.ln_total(step)
     }
 
     /// Searches for maxima of the density from several starts: it can have one with few lapses and another one with many,
@@ -343,8 +374,8 @@ impl<'a> Posterior<'a> {
         let start = |threshold: f64, width: f64, [lapse, overdispersion]: [f64; 2]| Estimate {
             threshold: low + threshold * (high - low),
             width: (narrow + width * (wide - narrow)).exp(),
-            lapse: lapse * self.max_lapse(),
-            guess: self.guess(0.02),
+            lapse: lapse * self.priors.max_lapse,
+            guess: self.model.guess.or(0.02),
             overdispersion,
         };
         let searched = |shares: [f64; 2]| {
@@ -366,12 +397,12 @@ impl<'a> Posterior<'a> {
     /// Searches for the highest density from a start, with η = 0 if it is not free. Squares keep the shares positive.
     fn search(&self, start: Estimate, free_eta: bool) -> Estimate {
         let [[low, high], ..] = self.bounds();
-        let free_guess = self.model.guess == Guess::Free;
+        let free_guess = self.priors.has_free_guess;
         let estimate = |x: &[f64; 5]| Estimate {
             threshold: x[THRESHOLD],
             width: x[WIDTH].exp(),
             lapse: x[LAPSE].powi(2),
-            guess: self.guess(x[GUESS].powi(2)),
+            guess: self.model.guess.or(x[GUESS].powi(2)),
             overdispersion: if free_eta { x[ETA].powi(2) } else { 0.0 },
         };
         let shares = [start.lapse, start.guess, start.overdispersion].map(f64::sqrt);
@@ -411,17 +442,17 @@ impl<'a> Posterior<'a> {
                 break;
             }
         }
-        self.masses_at(&bounds, if self.model.guess == Guess::Free { FINE } else { FIXED })
+        self.masses_at(&bounds, if self.priors.has_free_guess { FINE } else { FIXED })
     }
 
     /// Returns, for each axis, how far from a maximum the density remains high if the other parameters do not change.
     fn surroundings(&self, maximum: &Estimate) -> [[f64; 2]; 5] {
-        let shares = [maximum.lapse, if self.model.guess == Guess::Free { maximum.guess } else { 0.0 }, maximum.overdispersion];
+        let shares = [maximum.lapse, if self.priors.has_free_guess { maximum.guess } else { 0.0 }, maximum.overdispersion];
         let [lapse, guess, eta] = shares.map(prior_share);
         let center = [maximum.threshold, maximum.width.ln(), lapse, guess, eta];
         let ln_density = |x: &[f64; 5]| {
             let [lapse, guess, overdispersion] = [x[LAPSE], x[GUESS], x[ETA]].map(prior_quantile);
-            let at = Estimate { threshold: x[THRESHOLD], width: x[WIDTH].exp(), lapse, guess: self.guess(guess), overdispersion };
+            let at = Estimate { threshold: x[THRESHOLD], width: x[WIDTH].exp(), lapse, guess: self.model.guess.or(guess), overdispersion };
             self.ln_density(&at)
         };
         let least = ln_density(&center) - 2.0;
@@ -444,14 +475,14 @@ impl<'a> Posterior<'a> {
         let rule = |axis: usize| if axis <= WIDTH { uniform(bounds[axis], sizes[axis]) } else { gauss(bounds[axis], sizes[axis]) };
         let axes: [Vec<(f64, f64)>; 5] = from_fn(rule);
         let lapses: Vec<f64> = axes[LAPSE].iter().map(|(share, _)| prior_quantile(*share)).collect();
-        let guesses: Vec<f64> = axes[GUESS].iter().map(|(share, _)| self.guess(prior_quantile(*share))).collect();
+        let guesses: Vec<f64> = axes[GUESS].iter().map(|(share, _)| self.model.guess.or(prior_quantile(*share))).collect();
         let steps = axes[ETA].iter().map(|(share, _)| step_of(prior_quantile(*share)));
         let steps: Vec<(f64, f64)> = steps.map(|step| (step, self.ln_total(step))).collect();
         let mut densities = Vec::with_capacity(axes.iter().map(Vec::len).product());
         for (threshold, _) in &axes[THRESHOLD] {
             for (ln_width, _) in &axes[WIDTH] {
                 // The density is per unit of the logarithm.
-                let prior = self.ln_prior(*threshold, ln_width.exp()) + ln_width;
+                let prior = self.priors.ln_place(*threshold, ln_width.exp()) + ln_width;
                 let sigmoids = self.sigmoids(*threshold, ln_width.exp());
                 for &lapse in &lapses {
                     for &guess in &guesses {
@@ -463,6 +494,15 @@ impl<'a> Posterior<'a> {
         }
         Masses::new(axes, &densities, [lapses, guesses])
     }
+}
+
+/// Returns the logarithm of the binomial likelihood of these points, without the coefficients.
+pub(super) fn ln_binomial(model: &Model, points: &[Point], at: &Estimate) -> f64 {
+    let mut product = Product { factor: 1.0, ln: 0.0 };
+    for (point, sigmoid) in points.iter().zip(model.sigmoids(points, at.threshold, at.width)) {
+        product.answers(point, at.guess + (1.0 - at.guess - at.lapse) * sigmoid, 0.0);
+    }
+    product.ln()
 }
 
 fn check(points: &[Point], model: &Model) -> Result<(), FitError> {
@@ -521,6 +561,16 @@ struct Product {
 }
 
 impl Product {
+    fn ln(&self) -> f64 {
+        self.ln + self.factor.ln()
+    }
+
+    /// Multiplies with the numerator of the probability of a point's answers.
+    fn answers(&mut self, point: &Point, chance: f64, step: f64) {
+        self.multiply(chance, step, point.correct);
+        self.multiply(1.0 - chance, step, point.total - point.correct);
+    }
+
     /// Multiplies with start·(start + step)·…, `count` factors. Beyond the first 16, their logarithms are summed by the
     /// formula of Euler and Maclaurin.
     fn multiply(&mut self, start: f64, step: f64, count: u32) {

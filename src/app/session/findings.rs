@@ -229,7 +229,7 @@ fn geometry(
     let sentence = format!("{origin} At {distance} cm, one degree is {per_degree:.1} pixels.");
     notes.push(note("physical_size", known_cm.is_some(), sentence));
     let deg = request.protocol.viewing.window_deg;
-    let size_px = stimulus_side_px(&viewing, deg);
+    let size_px = stimulus_side_px(&viewing, &request.protocol);
     notes.extend(viewing.coarseness(deg).map(|sentence| note("coarse", false, sentence)));
     let layout = request.protocol.task.layout();
     let [wide, high] = layout.size_px(size_px);

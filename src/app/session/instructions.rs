@@ -154,8 +154,13 @@ pub fn phase_start(ui: &mut egui::Ui, phase: Phase, protocol: &Protocol, progres
     })
 }
 
-/// Lists the keys and what they mean.
+/// Lists the keys and what they mean; of a slider, the ends.
 fn key_list(ui: &mut egui::Ui, protocol: &Protocol) {
+    if protocol.task.dial().is_some() {
+        let ends: Vec<&str> = protocol.response.categories.iter().map(|end| end.label.as_str()).collect();
+        ui.label(ends.join("  —  "));
+        return;
+    }
     for category in &protocol.response.categories {
         ui.horizontal(|ui| {
             ui.label(egui::RichText::new(category.key.to_string()).strong());

@@ -33,8 +33,9 @@ pub struct Request {
 }
 
 /// Returns the side of a stimulus in whole physical pixels, at least one.
-pub fn stimulus_side_px(viewing: &Viewing, window_deg: f64) -> u32 {
-    viewing.px_from_deg(window_deg).round().clamp(1.0, f64::from(u32::MAX)) as u32
+pub fn stimulus_side_px(viewing: &Viewing, protocol: &Protocol) -> u32 {
+    let planned = viewing.px_from_deg(protocol.viewing.window_deg).round().clamp(1.0, f64::from(u32::MAX)) as u32;
+    protocol.stimulus.side().unwrap_or(planned)
 }
 
 /// The values determined by the preflight.

@@ -290,11 +290,15 @@ impl Trials {
 
     fn is_trial(&self) -> bool {
         let state = self.session.state();
-        self.awaits_rating() || matches!(state, State::Recovery { .. } | State::Gap { .. } | State::Closing { .. })
+        self.awaits_rating()
+            || matches!(
+                state,
+                State::Recovery { .. } | State::Stimulus { .. } | State::Gap { .. } | State::Closing { .. }
+            )
     }
 
     fn awaits_rating(&self) -> bool {
-        matches!(self.session.state(), State::Stimulus { .. } | State::Response { .. })
+        self.session.can_answer()
     }
 
     fn step(&mut self, event: Event, now: Duration) {

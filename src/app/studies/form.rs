@@ -181,9 +181,9 @@ impl SessionForm {
         }
         let viewing = self.viewing(monitor, &mut errors);
         let deg = protocol.as_ref().map(|protocol| protocol.viewing.window_deg);
-        let stimulus_px = viewing.zip(deg).map(|(viewing, deg)| {
-            let side = stimulus_side_px(&viewing, deg);
-            let needed = protocol.as_ref().map_or([side; 2], |protocol| protocol.task.layout().size_px(side));
+        let stimulus_px = viewing.zip(deg).zip(protocol.as_ref()).map(|((viewing, deg), protocol)| {
+            let side = stimulus_side_px(&viewing, protocol);
+            let needed = protocol.task.layout().size_px(side);
             let screen = [monitor.width_px, monitor.height_px];
             if let Some(axis) = (0..2).find(|axis| needed[*axis] > screen[*axis]) {
                 let error = format!(

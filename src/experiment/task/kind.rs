@@ -11,7 +11,7 @@ use crate::{
         faults::DefinitionErrors,
         scale::ResponseScale,
     },
-    stimulus::{ParameterError, ParameterValue, Stimulus},
+    stimulus::{ParameterError, ParameterValue, Stimulus, picture::Picture},
 };
 
 /// Parameters of a stimulus and their values, as in `reference = { depth = "inf" }`.
@@ -234,7 +234,8 @@ impl Given<'_> {
         }
         for (name, value) in &reference.0 {
             let path = format!("task.reference.{name}");
-            if self.factors.iter().any(|factor| factor.name == *name) {
+            // A picture to compare with is none of those that the factor has.
+            if self.factors.iter().any(|factor| factor.name == *name) && name != Picture::PICTURE {
                 let message = format!("reference {name} is a factor; expected a parameter that no factor varies");
                 errors.add(path, message);
             } else if let Err(error) = self.stimulus.clone().set(name, value) {

@@ -57,7 +57,9 @@ pub(super) fn write(
     for session in sessions() {
         let mut sittings = BTreeMap::<u32, BTreeMap<String, &Stimulus>>::new();
         for (index, row) in session.rows.iter().enumerate() {
-            let stimuli = session.stimuli(index).into_iter().map(|stimulus| (stimulus.key(), stimulus));
+            // Files of the study's own are not in the data set, so they cannot be exported either.
+            let drawable = session.stimuli(index).into_iter().filter(|stimulus| stimulus.is_drawable());
+            let stimuli = drawable.map(|stimulus| (stimulus.key(), stimulus));
             sittings.entry(row.sitting).or_default().extend(stimuli);
         }
         for (sitting, stimuli) in sittings {

@@ -54,7 +54,12 @@ impl SessionState {
         let (path, sidecar) = Sidecar::of(&self.csv)?;
         let viewing = sidecar.sittings.last().and_then(|sitting| sitting.viewing.as_ref());
         let distance_cm = viewing.map(|viewing| viewing.distance_cm);
-        Ok((definition::from_json(&path.display().to_string(), &sidecar.definition)?, distance_cm))
+        let protocol = definition::from_json(&path.display().to_string(), &sidecar.definition)?;
+        if protocol.conditions().iter().any(|condition| !condition.stimulus.is_drawable()) {
+            let what = "shows pictures of its own; expected to be resumed with the definition beside them".to_owned();
+            return Err(StoreError::Mismatch { path, what });
+        }
+        Ok((protocol, distance_cm))
     }
 
     /// Removes the files of a session in which nothing was rated. What the participant answered stays in the table of

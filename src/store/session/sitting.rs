@@ -293,7 +293,8 @@ impl Pictures {
     /// Creates the pictures of a session without a screen: 256 pixels per side, sRGB. None of them is hashed yet.
     #[must_use]
     pub fn without_screen(protocol: &Protocol) -> Self {
-        Self::new(protocol, SIZE_WITHOUT_SCREEN, &Transfer::Srgb.into(), None)
+        let size = protocol.stimulus.side().unwrap_or(SIZE_WITHOUT_SCREEN);
+        Self::new(protocol, size, &Transfer::Srgb.into(), None)
     }
 
     /// Renders pictures and returns their hashes, in order.

@@ -1,0 +1,244 @@
+//! The threshold of a population: a psychometric function whose threshold differs between people, for one condition.
+//!
+//! Person i answers correctly with probability γ + (1 − γ − λ)·F(x; t_i, w), where t_i is normally distributed with mean
+//! μ and standard deviation τ; w, λ and γ are common to all people. The parameters maximize the likelihood, in which t_i
+//! is integrated out by adaptive Gauss–Hermite quadrature (Pinheiro & Bates 1995, J. Comput. Graph. Stat. 4, 12),
+//! multiplied by the priors of a single function; that of the threshold is for μ.
+//!
+//! The standard error of μ is that of the sandwich (Liang & Zeger 1986, Biometrika 73, 13): each person moves μ by some
+//! amount, and these amounts vary between people. It holds also where the data do not tell τ from w, and where τ is
+//! estimated as 0, which is common with few people; the observed information does not.
+
+use std::array::from_fn;
+
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+
+use super::{
+    numeric::{curvature, hermite, highest},
+    psychometric::{Estimate, FitError, Model, Point, Priors, estimate, ln_binomial},
+};
+use crate::statistics::{Interval, mean_and_sd};
+
+/// The thresholds of people in one condition.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Population {
+    /// μ, the mean threshold, on the scale of x.
+    pub mean: f64,
+    /// Its 95 % interval, with the t quantile for one degree of freedom less than there are people.
+    pub interval: Option<Interval>,
+    /// τ, the standard deviation of the people's thresholds, on the scale of x. With few people, it is often too small.
+    pub sd: f64,
+    /// The common w, on the scale of x: 3.29 standard deviations s of a normal curve.
+    pub width: f64,
+    /// The common λ, 0…½.
+    pub lapse: f64,
+    /// The common γ.
+    pub guess: f64,
+    /// The people, in the order of their answers.
+    pub people: Vec<Person>,
+    /// The logarithm of the likelihood, without binomial coefficients.
+    pub log_likelihood: f64,
+}
+
+/// The threshold of one person, on the scale of x.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Person {
+    /// The mean of t_i given the person's answers and the population: shrunken toward μ, the more so the less the
+    /// answers say.
+    pub threshold: f64,
+    /// The standard deviation of t_i given the same.
+    pub se: f64,
+    /// What the person contributes to μ, which is the mean of the contributions: not shrunken, so that contributions can
+    /// be compared between conditions. It is no estimate of the person's threshold where people have unequal numbers of
+    /// trials.
+    pub contribution: f64,
+}
+
+/// The mean of paired differences between two conditions.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Difference {
+    /// The mean of the first condition minus that of the second, on the scale of x.
+    pub mean: f64,
+    /// Its 95 % t interval; `None` for fewer than two people.
+    pub interval: Option<Interval>,
+    /// Number of people.
+    pub people: usize,
+}
+
+impl Difference {
+    /// Compares values of the same people in two conditions, such as [`Person::contribution`]: each pair is one person.
+    #[must_use]
+    pub fn new(pairs: &[(f64, f64)]) -> Self {
+        let differences: Vec<f64> = pairs.iter().map(|(first, second)| first - second).collect();
+        let (mean, _) = mean_and_sd(&differences);
+        Self { mean, interval: Interval::of_mean(&differences), people: pairs.len() }
+    }
+}
+
+/// Fits a population; each person has points. The model's `overdispersed` has no effect, because people's answers vary
+/// binomially about their own function here.
+///
+/// # Errors
+///
+/// There are fewer than two people, one has trials at fewer than two levels, or a level, a count, the range or γ is
+/// impossible.
+pub fn fit(people: &[Vec<Point>], model: &Model) -> Result<Population, FitError> {
+    if people.len() < 2 {
+        return Err(FitError::People);
+    }
+    let all = people.concat();
+    let priors = Priors::new(&all, model)?;
+    let single = Model { range: Some(priors.range), overdispersed: false, ..*model };
+    let own = people.iter().map(|points| estimate(points, &single)).collect::<Result<Vec<_>, _>>()?;
+    let common = estimate(&all, &single)?;
+    let starts: Vec<f64> = own.iter().map(|own| own.threshold).collect();
+    let answers = Answers { model, priors, people, starts, rule: hermite(NODES) };
+    let x = answers.search(&own, &common);
+    let at = answers.parameters(&x);
+    let (people, interval) = answers.persons(&x);
+    Ok(Population {
+        mean: at.threshold,
+        interval,
+        sd: x[SD].abs(),
+        width: at.width,
+        lapse: at.lapse,
+        guess: at.guess,
+        people,
+        log_likelihood: answers.ln_density(&x) - priors.ln_density(&at),
+    })
+}
+
+/// The parameters of the search: μ, τ with any sign, the logarithm of w, and the roots of λ and γ.
+const MEAN: usize = 0;
+const SD: usize = 1;
+const WIDTH: usize = 2;
+const LAPSE: usize = 3;
+const GUESS: usize = 4;
+/// Number of nodes of the quadrature.
+const NODES: usize = 11;
+
+struct Answers<'a> {
+    model: &'a Model,
+    priors: Priors,
+    people: &'a [Vec<Point>],
+    /// The threshold of each person alone: where the search for the peak of the integrand begins.
+    starts: Vec<f64>,
+    rule: Vec<(f64, f64)>,
+}
+
+impl Answers<'_> {
+    fn parameters(&self, x: &[f64; 5]) -> Estimate {
+        let [lapse, guess] = [x[LAPSE], x[GUESS]].map(|root| root.powi(2));
+        let guess = self.model.guess.or(guess);
+        Estimate { threshold: x[MEAN], width: x[WIDTH].exp(), lapse, guess, overdispersion: 0.0 }
+    }
+
+    /// The logarithm of the likelihood of all people, times the priors.
+    fn ln_density(&self, x: &[f64; 5]) -> f64 {
+        let prior = self.priors.ln_density(&self.parameters(x));
+        if prior == f64::NEG_INFINITY {
+            return prior;
+        }
+        prior + (0..self.people.len()).map(|person| self.integral(person, x).ln).sum::<f64>()
+    }
+
+    /// Searches from the parameters of each person alone, and of all people's answers together.
+    fn search(&self, own: &[Estimate], common: &Estimate) -> [f64; 5] {
+        let (mean, sd) = mean_and_sd(&self.starts);
+        let [low, high] = self.priors.range;
+        let sd = sd.max((high - low) / 50.0);
+        let width = own.iter().map(|own| own.width.ln()).sum::<f64>() / own.len() as f64;
+        let [lapse, guess] = [common.lapse, common.guess].map(|share| share.sqrt().min(0.2));
+        let steps = [sd, sd / 2.0, 0.2, 0.1, if self.priors.has_free_guess { 0.1 } else { 0.0 }];
+        highest(|x| self.ln_density(x), [mean, sd, width, lapse, guess], steps, 1e-7).0
+    }
+
+    /// Integrates a person's likelihood over the threshold.
+    fn integral(&self, person: usize, x: &[f64; 5]) -> Integral {
+        let at = self.parameters(x);
+        // A population without differences is a narrow one.
+        let sd = x[SD].abs().max(1e-4 * at.width);
+        let ln_likelihood = |threshold: f64| ln_binomial(self.model, &self.people[person], &Estimate { threshold, ..at });
+        let ln_normal = |threshold: f64| -((threshold - at.threshold) / sd).powi(2) / 2.0;
+        let start = self.starts[person].clamp(at.threshold - 5.0 * sd, at.threshold + 5.0 * sd);
+        let (peak, scale) = peak(&ln_likelihood, at.threshold, sd, at.width, start);
+        let top = ln_likelihood(peak) + ln_normal(peak);
+        let mass = |&(node, weight): &(f64, f64)| {
+            let threshold = peak + scale * node;
+            (threshold, weight * (ln_likelihood(threshold) + ln_normal(threshold) - top + node * node / 2.0).exp())
+        };
+        let masses: Vec<(f64, f64)> = self.rule.iter().map(mass).collect();
+        let total: f64 = masses.iter().map(|(_, mass)| mass).sum();
+        let mean = masses.iter().map(|(threshold, mass)| threshold * mass).sum::<f64>() / total;
+        let variance = masses.iter().map(|(threshold, mass)| (threshold - mean).powi(2) * mass).sum::<f64>() / total;
+        Integral { ln: top + (scale / sd * total).ln(), mean, sd: variance.sqrt() }
+    }
+
+    /// Returns the people, and the interval of the mean.
+    fn persons(&self, x: &[f64; 5]) -> (Vec<Person>, Option<Interval>) {
+        let n = self.people.len();
+        let influences = self.influences(x);
+        let (middle, _) = mean_and_sd(&influences);
+        let person = |person: usize| {
+            let Integral { mean, sd, .. } = self.integral(person, x);
+            // The priors, too, move μ; the contributions exclude this.
+            Person { threshold: mean, se: sd, contribution: x[MEAN] + n as f64 * (influences[person] - middle) }
+        };
+        let people: Vec<Person> = (0..n).map(person).collect();
+        let interval = Interval::of_mean(&people.iter().map(|person| person.contribution).collect::<Vec<_>>());
+        (people, interval)
+    }
+
+    /// Returns by how much each person moves μ: a row of the inverse of the observed information, times the person's
+    /// score. Parameters of which the information is not positive definite are taken as known.
+    fn influences(&self, x: &[f64; 5]) -> Vec<f64> {
+        let width = x[WIDTH].exp();
+        let steps = [0.02 * width, 0.02 * width, 0.02, 0.01, if self.priors.has_free_guess { 0.01 } else { 0.0 }];
+        let second = curvature(|x| self.ln_density(x), x, steps);
+        let free = if self.priors.has_free_guess { 5 } else { 4 };
+        let information = |size: usize| DMatrix::from_fn(size, size, |i, j| -second[(i, j)]).cholesky();
+        let unit = |size: usize| DVector::from_fn(size, |i, _| if i == MEAN { 1.0 } else { 0.0 });
+        let row = (1..=free).rev().find_map(|size| Some(information(size)?.solve(&unit(size))));
+        let weights = row.unwrap_or_else(|| DVector::zeros(0));
+        let score = |person: usize, axis: usize| {
+            let at = |sign: f64| self.integral(person, &from_fn(|i| x[i] + if i == axis { sign * steps[i] } else { 0.0 })).ln;
+            (at(1.0) - at(-1.0)) / (2.0 * steps[axis])
+        };
+        let influence = |person: usize| weights.iter().enumerate().map(|(axis, weight)| weight * score(person, axis)).sum();
+        (0..self.people.len()).map(influence).collect()
+    }
+}
+
+/// The integral of a person's likelihood.
+struct Integral {
+    /// Its logarithm.
+    ln: f64,
+    /// The mean and the standard deviation of the threshold, given the answers.
+    mean: f64,
+    sd: f64,
+}
+
+/// Finds the peak of a likelihood times a normal density by Newton's method, and the standard deviation of the normal
+/// density with the same curvature there.
+fn peak(ln_likelihood: &impl Fn(f64) -> f64, mean: f64, sd: f64, width: f64, start: f64) -> (f64, f64) {
+    let step = 1e-3 * width;
+    let ln = |x: f64, ln_likelihood: f64| ln_likelihood - ((x - mean) / sd).powi(2) / 2.0;
+    let (mut x, mut scale) = (start, sd);
+    for _ in 0..50 {
+        let [below, middle, above] = [x - step, x, x + step].map(ln_likelihood);
+        // The likelihood need not be concave; the normal density is.
+        let curvature = ((below - 2.0 * middle + above) / step.powi(2)).min(0.0) - sd.powi(-2);
+        scale = (-curvature).sqrt().recip();
+        let rise = (above - below) / (2.0 * step) - (x - mean) / sd.powi(2);
+        let mut by = (rise * scale.powi(2)).clamp(-width, width);
+        while by.abs() > 1e-7 * scale && ln(x + by, ln_likelihood(x + by)) < ln(x, middle) {
+            by /= 2.0;
+        }
+        if by.abs() <= 1e-7 * scale {
+            break;
+        }
+        x += by;
+    }
+    (x, scale)
+}

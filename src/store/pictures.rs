@@ -1,0 +1,163 @@
+//! The pictures that a study brings itself: files beside its definition, and a table of their levels.
+
+use std::{
+    collections::HashMap,
+    path::{Path, PathBuf},
+};
+
+use rayon::prelude::*;
+use serde_json::{Map, Value};
+
+use super::{
+    FileErrors, StoreError,
+    file::{read_bytes, sha256},
+    image::{self, parse_picture},
+    toml::TableReader,
+};
+use crate::{
+    experiment::{DefinitionErrors, task::OptionReader as _},
+    light::{Bits, Dither, Quantizer, Transfer},
+    stimulus::{
+        ParameterValue,
+        picture::{Gallery, PictureContent, PictureFile},
+    },
+    system::found,
+    text::names::natural,
+};
+
+/// The table of the pictures' levels, in their folder.
+const TABLE: &str = "pictures.csv";
+/// Its column with the names of the files.
+const FILE: &str = "file";
+/// Maximum number of pictures of a study, and of bytes of a file.
+const MAX_PICTURES: usize = 1000;
+const MAX_FILE: u64 = 256 << 20;
+/// Maximum number of pixels of a picture. No screen has more.
+const MAX_PIXELS: u64 = 8192 * 8192;
+
+/// Reads what a definition in `folder` says about its pictures, and the pictures. `reference` is the one that a task
+/// compares with the others.
+pub(super) fn gallery(
+    table: Map<String, Value>,
+    folder: &Path,
+    reference: Option<&str>,
+    background: f64,
+    errors: &mut DefinitionErrors,
+) -> Gallery {
+    let read: Gallery = TableReader { path: "stimulus", table, errors }.read();
+    let mut gallery = Gallery { background, ..read };
+    if gallery.files.is_empty() {
+        errors.add("stimulus", "stimulus.files is missing; expected files = \"pictures/*.png\"");
+        return gallery;
+    }
+    let mut failed = |error: String| errors.add("stimulus.files", error);
+    let (factors, levels) = match levels(folder, &gallery.files) {
+        Ok(table) => table,
+        Err(error) => {
+            failed(error.to_string());
+            return gallery;
+        }
+    };
+    let files = match matching(folder, &gallery.files) {
+        Ok(files) => files,
+        Err(error) => {
+            failed(error.to_string());
+            Vec::new()
+        }
+    };
+    if files.len() < 2 || files.len() > MAX_PICTURES {
+        failed(format!("{} matches {} PNG files; expected 2 to {MAX_PICTURES}", gallery.files, files.len()));
+    }
+    let (references, shown): (Vec<String>, _) = files.into_iter().partition(|file| Some(file.as_str()) == reference);
+    let missing = reference.into_iter().map(str::to_owned).filter(|file| !references.contains(file));
+    let references: Vec<String> = references.iter().cloned().chain(missing).collect();
+    let mut all: Vec<PictureFile> = Vec::new();
+    let read: Vec<_> = shown.par_iter().chain(&references).map(|file| picture(folder, file)).collect();
+    for picture in read {
+        match picture {
+            Ok(picture) => all.push(picture),
+            Err(error) => failed(error.to_string()),
+        }
+    }
+    for picture in all.iter_mut().take(shown.len()).filter(|_| !factors.is_empty()) {
+        match name_of(&picture.file).and_then(|name| levels.get(name)) {
+            Some(own) => picture.levels.clone_from(own),
+            None => failed(format!("{} has no row for {}; expected one for each picture", TABLE, picture.file)),
+        }
+    }
+    gallery.references = all.split_off(shown.len().min(all.len()));
+    (gallery.pictures, gallery.factors) = (all, factors);
+    gallery
+}
+
+fn name_of(file: &str) -> Option<&str> {
+    Path::new(file).file_name()?.to_str()
+}
+
+/// Returns the files that a pattern names, relative to `folder`, in natural order.
+fn matching(folder: &Path, pattern: &str) -> Result<Vec<String>, StoreError> {
+    let (place, name) = pattern.rsplit_once('/').unwrap_or(("", pattern));
+    let parts: Vec<&str> = name.split('*').collect();
+    let fits = |path: &PathBuf| {
+        let name = path.file_name()?.to_str()?;
+        let rest = name.strip_prefix(parts[0])?;
+        let fits = if let [_, last] = parts[..] { rest.ends_with(last) } else { rest.is_empty() };
+        fits.then(|| if place.is_empty() { name.to_owned() } else { format!("{place}/{name}") })
+    };
+    let mut files: Vec<String> = image::listed(&folder.join(place))?.iter().filter_map(fits).collect();
+    files.sort_by(|a, b| natural(a, b));
+    Ok(files)
+}
+
+fn picture(folder: &Path, file: &str) -> Result<PictureFile, StoreError> {
+    let path = folder.join(file);
+    let bytes = read_bytes(&path, MAX_FILE, "a picture")?;
+    let picture = parse_picture(&path.display().to_string(), &bytes, None, MAX_PIXELS)?;
+    let light = picture.codes.light(&picture.transfers);
+    let is_fine = picture.codes.bytes().is_none();
+    let codes = if is_fine {
+        let srgb: Transfer = Transfer::Srgb;
+        let light = picture.codes.light(&srgb.clone().into());
+        Quantizer::new(srgb, Bits::Eight).quantize_with(&light, &Dither::BlueNoise)
+    } else {
+        picture.codes
+    };
+    let content = Some(PictureContent { codes, light, is_fine });
+    Ok(PictureFile { file: file.to_owned(), sha256: sha256(&bytes), levels: Vec::new(), content })
+}
+
+/// Names of factors, and the levels of each file.
+type Levels = (Vec<String>, HashMap<String, Vec<ParameterValue>>);
+
+/// Reads the table of levels, if there is one.
+fn levels(folder: &Path, pattern: &str) -> Result<Levels, StoreError> {
+    let path = folder.join(pattern.rsplit_once('/').map_or("", |(place, _)| place)).join(TABLE);
+    if found(&path).map_err(|error| StoreError::io(&path, "access", error))?.is_none() {
+        return Ok(Levels::default());
+    }
+    let fail = |message: String| StoreError::from(FileErrors::whole(&path, message));
+    let bytes = read_bytes(&path, MAX_FILE, "a table of pictures")?;
+    let mut reader = csv::Reader::from_reader(&bytes[..]);
+    let header = reader.headers().map_err(|error| fail(error.to_string()))?.clone();
+    let file = header.iter().position(|name| name == FILE);
+    let file = file.ok_or_else(|| fail(format!("has no column {FILE:?}; expected the name of each picture in it")))?;
+    let others = |record: &csv::StringRecord| {
+        let cells = record.iter().enumerate().filter(|(at, _)| *at != file).map(|(_, cell)| cell.trim().to_owned());
+        cells.collect::<Vec<String>>()
+    };
+    let mut levels = HashMap::new();
+    for record in reader.records() {
+        let record = record.map_err(|error| fail(error.to_string()))?;
+        let cells = others(&record).into_iter().map(|cell| cell.parse().unwrap_or_else(|never| match never {}));
+        let name = record.get(file).unwrap_or_default().trim().to_owned();
+        if levels.insert(name.clone(), cells.collect()).is_some() {
+            return Err(fail(format!("{name} appears twice; expected one row for each picture")));
+        }
+    }
+    let names = others(&header);
+    let reserved = |name: &&String| name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if let Some(name) = names.iter().find(reserved) {
+        return Err(fail(format!("the column {name:?} is not the name of a factor; expected letters, digits and _")));
+    }
+    Ok((names, levels))
+}
