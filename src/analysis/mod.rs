@@ -26,6 +26,7 @@ pub mod power;
 pub mod rank_tests;
 pub mod results;
 pub mod summary;
+pub mod tasks;
 
 pub(crate) use frame::find_factor;
 #[cfg(feature = "window")]

@@ -9,9 +9,11 @@ use crate::{
         prediction::StudyPrediction,
         skins,
         study::{Parts, document, shell_command},
+        task_files,
+        tasks::{self, TaskResults, TaskStudy},
         write_all,
     },
-    store::Writer,
+    store::{FileErrors, Writer},
     system::now,
     work::{Analyze, Watcher as _, words},
 };
@@ -39,6 +41,9 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
     check_folder(writer, &arguments.out)?;
     let progress = Bar::spinner("reading");
+    if let Some(study) = arguments.analysis.read_task()? {
+        return run_task(arguments, writer, &study, &progress);
+    }
     let study = arguments.analysis.read()?;
     progress.stage("analyzing");
     let results = arguments.analysis.analyze(&study, &progress)?;
@@ -71,6 +76,26 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let place = report.map_or(&*arguments.out, |report| report);
     super::print_line(&format!("{} files written; see {}", files.len(), place.display()))?;
     super::ratings::problems(&study.source)
+}
+
+/// Analyzes the answers to a task other than a rating.
+fn run_task(arguments: &Arguments, writer: &Writer, study: &TaskStudy, progress: &Bar) -> anyhow::Result<()> {
+    progress.stage("analyzing");
+    let results = TaskResults::of(study, arguments.analysis.resampling.seed);
+    progress.stage("drawing and writing");
+    let words = std::iter::once("analyze".to_owned()).chain(words(arguments));
+    let provenance = Provenance::new(shell_command(words), now());
+    writer.make_folder(&arguments.out)?;
+    let contents = task_files(study, &results, &provenance, &arguments.out, arguments.tables_only)?;
+    let files: Vec<_> = contents.into_iter().map(|(name, content)| (arguments.out.join(name), content)).collect();
+    writer.write_all(&files)?;
+    progress.clear();
+    let document = tasks::document(study, &results, &[], None);
+    for line in document.sections.first().iter().flat_map(|summary| skins::terminal(summary)) {
+        super::print_line(&line)?;
+    }
+    super::print_line(&format!("{} files written; see {}", files.len(), arguments.out.join("report.html").display()))?;
+    FileErrors::none(study.errors.clone()).map_err(Into::into)
 }
 
 /// Summarizes the vision model's prediction in one line.

@@ -13,7 +13,10 @@ mod script;
 pub mod skins;
 pub mod study;
 pub mod tables;
+pub mod tasks;
 pub mod terminal;
 
-pub use output::{AnalysisOutput, Contents, Predicted, check_folder, png, report_files, table_files, write_all};
+pub use output::{
+    AnalysisOutput, Contents, Predicted, check_folder, png, report_files, table_files, task_files, write_all,
+};
 pub use study::{Provenance, Study, StudyError};

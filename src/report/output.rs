@@ -10,6 +10,7 @@ use super::{
     script, skins,
     study::{Parts, Provenance, Study, document},
     tables,
+    tasks::{self, TaskResults, TaskStudy},
 };
 use crate::{
     analysis::Results,
@@ -80,6 +81,30 @@ pub fn report_files(
     let pictures: Result<Vec<_>, StoreError> = figures.par_iter().map(|figure| pictures(figure, folder)).collect();
     contents.extend(pictures?.into_iter().flatten());
     Ok((contents, predicted))
+}
+
+/// Returns the files of the analysis of a task: its tables and, unless `tables_only` is set, the figures and the report.
+/// `folder` is where they will be, for error messages.
+///
+/// # Errors
+/// A figure cannot be drawn.
+pub fn task_files(
+    study: &TaskStudy,
+    results: &TaskResults,
+    provenance: &Provenance,
+    folder: &Path,
+    tables_only: bool,
+) -> Result<Contents, StoreError> {
+    let tables = tasks::tables(study, results).into_iter();
+    let mut contents: Contents = tables.map(|(name, table)| (format!("{name}.csv"), table.csv())).collect();
+    if !tables_only {
+        let figures = tasks::figures(study, results);
+        let page = skins::html(&tasks::document(study, results, &figures, Some(provenance)), provenance);
+        contents.push(("report.html".to_owned(), page.into_bytes()));
+        let pictures: Result<Vec<_>, StoreError> = figures.par_iter().map(|figure| pictures(figure, folder)).collect();
+        contents.extend(pictures?.into_iter().flatten());
+    }
+    Ok(contents)
 }
 
 /// Checks before work starts that an analysis can be written into a folder, which need not exist yet.

@@ -225,7 +225,7 @@ impl StoreError {
 
 impl StoreError {
     /// Converts the error to a list of errors in the file at `path`.
-    pub(super) fn errors(self, path: &Path) -> Vec<FileError> {
+    pub(crate) fn errors(self, path: &Path) -> Vec<FileError> {
         match self {
             Self::FileErrors(FileErrors(errors)) | Self::LargeImage(FileErrors(errors)) => errors,
             Self::Io { path, action, source } => {

@@ -4,10 +4,10 @@ use std::collections::HashSet;
 
 use serde::Serialize;
 
-use super::{Model, Ratings, RequestError, Watcher, named, ratings::explained};
+use super::{Model, Ratings, RequestError, Watcher, changed, named, ratings::explained};
 use crate::{
     analysis::{ModelError, Options, Random, Resampling, Results, analyze_with, counts::Trial},
-    report::{Study, StudyError},
+    report::{Study, StudyError, tasks::TaskStudy},
     store::{
         Columns,
         ratings::Source,
@@ -15,6 +15,9 @@ use crate::{
     },
     text::names::expected_one_of,
 };
+
+/// The fields that apply to every task; the others are about ratings.
+const OF_TASKS: [&str; 4] = ["paths", "exclude", "seed", "draws"];
 
 /// What to analyze, and how.
 #[derive(Clone, Debug, Default, PartialEq, clap::Args, Serialize)]
@@ -92,6 +95,24 @@ impl Analyze {
             format!("{}: {texts} are not numbers; expected their order, lowest first", study.source.shape.response);
         // Not an order of these words, which somebody would copy.
         Err(RequestError::value("response", message).such_as("categories", "LOWEST,…,HIGHEST").into())
+    }
+
+    /// Reads the answers to a task, if the sessions have a task other than a rating.
+    ///
+    /// # Errors
+    /// The sessions cannot be read, they have different definitions, or an option applies to ratings only.
+    pub fn read_task(&self) -> anyhow::Result<Option<TaskStudy>> {
+        let paths = &self.ratings.paths;
+        let Some(task) = paths.first().map(|path| TaskStudy::task_at(path)).transpose()?.flatten() else {
+            return Ok(None);
+        };
+        let other = changed(self).into_iter().find(|(option, _)| !OF_TASKS.contains(&option.as_str()));
+        if let Some((option, _)) = other {
+            let message = format!("does not apply to the task {}; expected only --exclude and --seed", task.name());
+            return Err(RequestError::new(&option, message).into());
+        }
+        let exclude = self.ratings.exclude.clone().unwrap_or_default().0;
+        Ok(Some(TaskStudy::read(paths, &exclude)?))
     }
 
     /// Returns the options of the analysis of ratings from this source.

@@ -90,9 +90,7 @@ pub(super) fn curvature<const N: usize>(
         (0.0, _) => 0.0,
         (area, true) => (shifted((i, 1.0), (i, 0.0)) - 2.0 * middle + shifted((i, -1.0), (i, 0.0))) / area,
         (area, false) => {
-            let [same, other] = [1.0, -1.0].map(|sign| {
-                shifted((i, 1.0), (j, sign)) + shifted((i, -1.0), (j, -sign))
-            });
+            let [same, other] = [1.0, -1.0].map(|sign| shifted((i, 1.0), (j, sign)) + shifted((i, -1.0), (j, -sign)));
             (same - other) / (4.0 * area)
         }
     })

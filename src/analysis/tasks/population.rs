@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::{
     numeric::{curvature, hermite, highest},
-    psychometric::{Estimate, FitError, Model, Point, Priors, estimate, ln_binomial},
+    psychometric::{Estimate, FitError, Model, Point, Priors, estimate_with, ln_binomial},
 };
 use crate::statistics::{Interval, mean_and_sd};
 
@@ -89,9 +89,9 @@ pub fn fit(people: &[Vec<Point>], model: &Model) -> Result<Population, FitError>
     }
     let all = people.concat();
     let priors = Priors::new(&all, model)?;
-    let single = Model { range: Some(priors.range), overdispersed: false, ..*model };
-    let own = people.iter().map(|points| estimate(points, &single)).collect::<Result<Vec<_>, _>>()?;
-    let common = estimate(&all, &single)?;
+    let binomial = Model { overdispersed: false, ..*model };
+    let own: Vec<Estimate> = people.iter().map(|points| estimate_with(points, &binomial, priors)).collect();
+    let common = estimate_with(&all, &binomial, priors);
     let starts: Vec<f64> = own.iter().map(|own| own.threshold).collect();
     let answers = Answers { model, priors, people, starts, rule: hermite(NODES) };
     let x = answers.search(&own, &common);
@@ -159,7 +159,8 @@ impl Answers<'_> {
         let at = self.parameters(x);
         // A population without differences is a narrow one.
         let sd = x[SD].abs().max(1e-4 * at.width);
-        let ln_likelihood = |threshold: f64| ln_binomial(self.model, &self.people[person], &Estimate { threshold, ..at });
+        let ln_likelihood =
+            |threshold: f64| ln_binomial(self.model, &self.people[person], &Estimate { threshold, ..at });
         let ln_normal = |threshold: f64| -((threshold - at.threshold) / sd).powi(2) / 2.0;
         let start = self.starts[person].clamp(at.threshold - 5.0 * sd, at.threshold + 5.0 * sd);
         let (peak, scale) = peak(&ln_likelihood, at.threshold, sd, at.width, start);
@@ -202,10 +203,13 @@ impl Answers<'_> {
         let row = (1..=free).rev().find_map(|size| Some(information(size)?.solve(&unit(size))));
         let weights = row.unwrap_or_else(|| DVector::zeros(0));
         let score = |person: usize, axis: usize| {
-            let at = |sign: f64| self.integral(person, &from_fn(|i| x[i] + if i == axis { sign * steps[i] } else { 0.0 })).ln;
+            let at = |sign: f64| {
+                self.integral(person, &from_fn(|i| x[i] + if i == axis { sign * steps[i] } else { 0.0 })).ln
+            };
             (at(1.0) - at(-1.0)) / (2.0 * steps[axis])
         };
-        let influence = |person: usize| weights.iter().enumerate().map(|(axis, weight)| weight * score(person, axis)).sum();
+        let influence =
+            |person: usize| weights.iter().enumerate().map(|(axis, weight)| weight * score(person, axis)).sum();
         (0..self.people.len()).map(influence).collect()
     }
 }

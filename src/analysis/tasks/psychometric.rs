@@ -313,8 +313,8 @@ struct Posterior<'a> {
 
 impl<'a> Posterior<'a> {
     fn new(points: &[Point], model: &'a Model) -> Result<Self, FitError> {
-        let points: Vec<Point> = points.iter().copied().filter(|point| point.total > 0).collect();
-        Ok(Self { model, priors: Priors::new(&points, model)?, points })
+        let priors = Priors::new(points, model)?;
+        Ok(Self { model, priors, points: points.iter().copied().filter(|point| point.total > 0).collect() })
     }
 
     /// The bounds of the parameters on the axes of a grid: the threshold, the logarithm of the width, and the
@@ -428,14 +428,17 @@ impl<'a> Posterior<'a> {
     /// begins around the maxima, because a grid over all parameters would miss a narrow one.
     fn masses(&self, maxima: &[(f64, Estimate)]) -> Masses {
         let all = self.bounds();
-        let near = maxima.iter().filter(|(ln, _)| *ln > maxima[0].0 - FAR).map(|(_, maximum)| self.surroundings(maximum));
+        let near =
+            maxima.iter().filter(|(ln, _)| *ln > maxima[0].0 - FAR).map(|(_, maximum)| self.surroundings(maximum));
         let hull = |[low, high]: [f64; 2], other: [f64; 2]| [low.min(other[0]), high.max(other[1])];
         let first = all.map(|[low, high]| [high, low]);
         let mut bounds = near.fold(first, |bounds, other| from_fn(|axis| hull(bounds[axis], other[axis])));
         for _ in 0..MAX_ROUNDS {
             let masses = self.masses_at(&bounds, COARSE);
             let next: [[f64; 2]; 5] = from_fn(|axis| masses.region(axis, bounds[axis], all[axis]));
-            let change = |(old, new): (&[f64; 2], &[f64; 2])| (old[0] - new[0]).abs().max((old[1] - new[1]).abs()) / (old[1] - old[0]);
+            let change = |(old, new): (&[f64; 2], &[f64; 2])| {
+                (old[0] - new[0]).abs().max((old[1] - new[1]).abs()) / (old[1] - old[0])
+            };
             let has_changed = bounds.iter().zip(&next).any(|pair| change(pair) > 0.1);
             bounds = next;
             if !has_changed {
@@ -447,12 +450,19 @@ impl<'a> Posterior<'a> {
 
     /// Returns, for each axis, how far from a maximum the density remains high if the other parameters do not change.
     fn surroundings(&self, maximum: &Estimate) -> [[f64; 2]; 5] {
-        let shares = [maximum.lapse, if self.priors.has_free_guess { maximum.guess } else { 0.0 }, maximum.overdispersion];
+        let shares =
+            [maximum.lapse, if self.priors.has_free_guess { maximum.guess } else { 0.0 }, maximum.overdispersion];
         let [lapse, guess, eta] = shares.map(prior_share);
         let center = [maximum.threshold, maximum.width.ln(), lapse, guess, eta];
         let ln_density = |x: &[f64; 5]| {
             let [lapse, guess, overdispersion] = [x[LAPSE], x[GUESS], x[ETA]].map(prior_quantile);
-            let at = Estimate { threshold: x[THRESHOLD], width: x[WIDTH].exp(), lapse, guess: self.model.guess.or(guess), overdispersion };
+            let at = Estimate {
+                threshold: x[THRESHOLD],
+                width: x[WIDTH].exp(),
+                lapse,
+                guess: self.model.guess.or(guess),
+                overdispersion,
+            };
             self.ln_density(&at)
         };
         let least = ln_density(&center) - 2.0;
@@ -472,10 +482,13 @@ impl<'a> Posterior<'a> {
     }
 
     fn masses_at(&self, bounds: &[[f64; 2]; 5], sizes: [usize; 5]) -> Masses {
-        let rule = |axis: usize| if axis <= WIDTH { uniform(bounds[axis], sizes[axis]) } else { gauss(bounds[axis], sizes[axis]) };
+        let rule = |axis: usize| {
+            if axis <= WIDTH { uniform(bounds[axis], sizes[axis]) } else { gauss(bounds[axis], sizes[axis]) }
+        };
         let axes: [Vec<(f64, f64)>; 5] = from_fn(rule);
         let lapses: Vec<f64> = axes[LAPSE].iter().map(|(share, _)| prior_quantile(*share)).collect();
-        let guesses: Vec<f64> = axes[GUESS].iter().map(|(share, _)| self.model.guess.or(prior_quantile(*share))).collect();
+        let guesses: Vec<f64> =
+            axes[GUESS].iter().map(|(share, _)| self.model.guess.or(prior_quantile(*share))).collect();
         let steps = axes[ETA].iter().map(|(share, _)| step_of(prior_quantile(*share)));
         let steps: Vec<(f64, f64)> = steps.map(|step| (step, self.ln_total(step))).collect();
         let mut densities = Vec::with_capacity(axes.iter().map(Vec::len).product());
@@ -486,7 +499,9 @@ impl<'a> Posterior<'a> {
                 let sigmoids = self.sigmoids(*threshold, ln_width.exp());
                 for &lapse in &lapses {
                     for &guess in &guesses {
-                        let density = |(step, total): &(f64, f64)| prior + total + self.ln_likelihood(&sigmoids, guess, lapse, *step);
+                        let density = |(step, total): &(f64, f64)| {
+                            prior + total + self.ln_likelihood(&sigmoids, guess, lapse, *step)
+                        };
                         densities.extend(steps.iter().map(density));
                     }
                 }
@@ -494,6 +509,11 @@ impl<'a> Posterior<'a> {
         }
         Masses::new(axes, &densities, [lapses, guesses])
     }
+}
+
+/// Estimates a function with the priors of a larger study.
+pub(super) fn estimate_with(points: &[Point], model: &Model, priors: Priors) -> Estimate {
+    Posterior { model, points: points.to_vec(), priors }.maxima()[0].1
 }
 
 /// Returns the logarithm of the binomial likelihood of these points, without the coefficients.
@@ -632,8 +652,10 @@ impl Masses {
     /// negligible at an end, the part extends beyond the grid.
     fn region(&self, axis: usize, [low, high]: [f64; 2], all: [f64; 2]) -> [f64; 2] {
         let nodes = &self.axes[axis];
-        let densities: Vec<f64> = nodes.iter().zip(&self.marginals[axis]).map(|((_, weight), mass)| mass / weight).collect();
-        let least = (if axis <= WIDTH { NEGLIGIBLE } else { NEGLIGIBLE_SHARE }) * densities.iter().copied().fold(0.0, f64::max);
+        let densities: Vec<f64> =
+            nodes.iter().zip(&self.marginals[axis]).map(|((_, weight), mass)| mass / weight).collect();
+        let least =
+            (if axis <= WIDTH { NEGLIGIBLE } else { NEGLIGIBLE_SHARE }) * densities.iter().copied().fold(0.0, f64::max);
         let first = densities.iter().position(|density| *density > least).unwrap_or(0);
         let last = densities.iter().rposition(|density| *density > least).unwrap_or(nodes.len() - 1);
         let more = (high - low) / 2.0;
@@ -650,10 +672,11 @@ impl Masses {
     /// this ratio.
     fn relative_width(&self) -> Interval {
         let [lapses, guesses] = &self.shares;
-        let parts: Vec<(f64, &[f64])> = (lapses.iter().flat_map(|lapse| guesses.iter().map(move |guess| lapse + guess)))
-            .zip(self.widths.chunks(self.axes[WIDTH].len()))
-            .map(|(share, masses)| (-(-share).ln_1p(), masses))
-            .collect();
+        let parts: Vec<(f64, &[f64])> =
+            (lapses.iter().flat_map(|lapse| guesses.iter().map(move |guess| lapse + guess)))
+                .zip(self.widths.chunks(self.axes[WIDTH].len()))
+                .map(|(share, masses)| (-(-share).ln_1p(), masses))
+                .collect();
         central(&self.axes[WIDTH], &parts)
     }
 }
@@ -666,7 +689,9 @@ fn exp(interval: Interval) -> Interval {
 /// which its density is linear.
 fn central(nodes: &[(f64, f64)], parts: &[(f64, impl AsRef<[f64]>)]) -> Interval {
     let (first, step) = (nodes[0].0, nodes[1].0 - nodes[0].0);
-    let below = |x: f64| -> f64 { parts.iter().map(|(shift, masses)| cumulative(masses.as_ref(), (x - shift - first) / step)).sum() };
+    let below = |x: f64| -> f64 {
+        parts.iter().map(|(shift, masses)| cumulative(masses.as_ref(), (x - shift - first) / step)).sum()
+    };
     let ends = |x: f64| parts.iter().fold([x; 2], |[low, high], (shift, _)| [low.min(x + shift), high.max(x + shift)]);
     let ([low, _], [_, high]) = (ends(first), ends(nodes[nodes.len() - 1].0));
     let all = below(high);

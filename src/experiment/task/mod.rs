@@ -8,7 +8,7 @@ mod adaptive;
 mod adjust;
 mod choice;
 mod common;
-mod curve;
+pub mod curve;
 mod kind;
 mod kinds;
 mod pair;

@@ -15,6 +15,7 @@ mod predictive;
 mod proportions;
 mod regroup;
 mod svg;
+pub(super) mod tasks;
 mod times;
 
 use rayon::prelude::*;

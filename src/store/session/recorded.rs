@@ -132,6 +132,11 @@ impl Recorded {
         name.strip_suffix(DATA_FILE).unwrap_or(&name).to_owned()
     }
 
+    /// Returns the index in [`Schedule::trials`] of a row's trial; `None` if the row is not planned.
+    pub fn trial(&self, row: usize) -> Option<usize> {
+        self.replayed[row].as_ref().ok().map(|row| row.trial)
+    }
+
     /// Returns what a row's trial showed, the stimulus that the row describes first; nothing if the row is not planned.
     pub fn stimuli(&self, row: usize) -> Vec<&Stimulus> {
         match &self.replayed[row] {

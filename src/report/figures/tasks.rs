@@ -1,0 +1,97 @@
+//! Charts of a task: psychometric functions and thresholds.
+
+use super::{
+    axes::{EDGE, MARKER, PANEL, TEXT, Values, below, number_axis},
+    figure::Figure,
+    labels,
+    palette::{Series, Stroke},
+    svg::WIDTH,
+};
+use crate::statistics::Interval;
+
+/// The shares of right answers in a condition, and its psychometric function.
+pub(crate) struct Curve {
+    /// Name of the condition.
+    pub name: String,
+    /// Level, share and number of trials.
+    pub points: Vec<(f64, f64, u32)>,
+    /// The function, at equally spaced levels over `range`.
+    pub line: Vec<f64>,
+}
+
+/// Draws `psychometric`: all people's answers by level, and the function of the mean threshold. Levels are on the scale
+/// named by `axis`, between the two of `range`.
+pub(crate) fn psychometric(curves: &[Curve], range: [f64; 2], axis: &str, caption: String) -> Option<Figure> {
+    if curves.is_empty() {
+        return None;
+    }
+    let values = Values::from_zero(1.0);
+    let legend =
+        24.0 + curves.iter().map(|curve| labels::width(&curve.name, TEXT).min(160.0)).fold(0.0, f64::max) + 66.0;
+    let panel = values.panel(values.margin(), WIDTH - EDGE - legend, EDGE, PANEL);
+    let title = "Answers by level, and psychometric functions".to_owned();
+    Some(Figure::draw("psychometric", title, caption, panel.bottom + below(TEXT), |svg| {
+        values.draw(svg, &panel, Some("Share of answers"));
+        number_axis(svg, &panel, (range[0], range[1]), axis);
+        let share = |x: f64| (x - range[0]) / (range[1] - range[0]);
+        let largest = curves.iter().flat_map(|curve| &curve.points).map(|point| point.2).max().unwrap_or(1);
+        for (index, curve) in curves.iter().enumerate() {
+            let series = Series::of(index);
+            let last = curve.line.len().saturating_sub(1).max(1) as f64;
+            let line = curve.line.iter().enumerate().map(|(i, y)| (panel.x(i as f64 / last), panel.y(*y)));
+            svg.line(&line.collect::<Vec<_>>(), series.line());
+            for (x, y, n) in &curve.points {
+                // The area of a marker stands for the number of trials.
+                let radius = MARKER * (0.3 + 0.9 * (f64::from(*n) / f64::from(largest)).sqrt());
+                svg.marker((panel.x(share(*x)), panel.y(*y)), radius, series);
+            }
+            let y = panel.top + TEXT * (1.5 * index as f64 + 1.0);
+            let name = labels::fit(&curve.name, 160.0, TEXT);
+            svg.legend_entry((panel.right + 24.0, y), series, true, &name, TEXT);
+        }
+    }))
+}
+
+/// Draws `name`: estimates with their intervals, one for each place, in one series for each person or condition.
+pub(crate) fn estimates(
+    name: &'static str,
+    places: &[String],
+    series: &[(String, Vec<Option<(f64, Option<Interval>)>>)],
+    (title, axis, caption): (&str, &str, String),
+) -> Option<Figure> {
+    let ends = series.iter().flat_map(|(_, all)| all.iter().flatten());
+    let ends = ends.flat_map(|(value, interval)| [Some(*value), interval.map(|i| i.low), interval.map(|i| i.high)]);
+    let (low, high) = super::axes::ends(ends.flatten().filter(|end| end.is_finite()))?;
+    let pad = if high > low { 0.06 * (high - low) } else { 0.5 };
+    let values = Values::between(low - pad, high + pad);
+    let named = series.len() > 1;
+    let legend = if named {
+        90.0 + series.iter().map(|(name, _)| labels::width(name, TEXT).min(160.0)).fold(0.0, f64::max)
+    } else {
+        0.0
+    };
+    let panel = values.panel(values.margin(), WIDTH - EDGE - legend, EDGE, PANEL);
+    let levels = super::axes::Levels::evenly(places, false);
+    let height = panel.bottom + levels.below(panel.width());
+    Some(Figure::draw(name, title.to_owned(), caption, height, |svg| {
+        values.draw(svg, &panel, Some(axis));
+        levels.draw(svg, &panel, "");
+        let room = 0.6 * levels.gap() * panel.width();
+        for (index, (name, all)) in series.iter().enumerate() {
+            let one = if named { Series::of(index) } else { Series::only() };
+            let shift = if named { room * ((index as f64 + 0.5) / series.len() as f64 - 0.5) } else { 0.0 };
+            for (at, estimate) in levels.at.iter().zip(all) {
+                let Some((value, interval)) = estimate else { continue };
+                let x = panel.x(*at) + shift;
+                if let Some(interval) = interval {
+                    svg.interval(x, panel.y(interval.low), panel.y(interval.high), 6.0, Stroke::new(one.color, 3.0));
+                }
+                svg.marker((x, panel.y(*value)), MARKER, one);
+            }
+            if named {
+                let y = panel.top + TEXT * (1.5 * index as f64 + 1.0);
+                svg.legend_entry((panel.right + 24.0, y), one, false, &labels::fit(name, 160.0, TEXT), TEXT);
+            }
+        }
+    }))
+}

@@ -1,0 +1,269 @@
+//! Describes the answers to a task in a document.
+
+use super::{
+    results::{PersonFunction, TaskResults, model},
+    study::TaskStudy,
+};
+use crate::{
+    analysis::tasks::{population::Population, psychometric::Guess},
+    experiment::task::{Common, Curve, Measures},
+    report::{
+        document::{
+            Document, Section, Shown,
+            numbers::{count, fixed, list, probability, range, short_list, unit, whole},
+        },
+        figures::Figure,
+        study::Provenance,
+    },
+    statistics::Interval,
+};
+
+/// Below this p, the answers vary more than a psychometric function allows.
+const POOR_FIT: f64 = 0.05;
+
+/// Describes a study; `provenance` says how to repeat the analysis.
+pub fn document(
+    study: &TaskStudy,
+    results: &TaskResults,
+    figures: &[Figure],
+    provenance: Option<&Provenance>,
+) -> Document {
+    let mut sections = vec![summary(study, results), data(study)];
+    sections.extend(thresholds(study, results, figures));
+    sections.push(methods(study, results));
+    sections.extend(provenance.map(|provenance| repeat(study, provenance)));
+    let title = if study.protocol.title.trim().is_empty() { &study.protocol.name } else { &study.protocol.title };
+    let subtitle = format!("Experiment {}, task {}", study.protocol.name, study.protocol.task.name());
+    Document { title: title.clone(), subtitle, sections }
+}
+
+/// Formats a level, which is given on the scale on which the method counts.
+pub(super) fn level(common: &Common, scaled: f64) -> Shown {
+    let value = if common.log { f64::powf(10.0, scaled) } else { scaled };
+    let decimals = (2.0 - value.abs().max(1e-12).log10().floor()).clamp(0.0, 8.0) as usize;
+    fixed(value, decimals)
+}
+
+fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
+    let mut section = Section::new("summary", "Summary");
+    let who = count(study.people.len() as u64, "participant");
+    let what = count(study.trials.len() as u64, "answer");
+    section.text(format!("{who} gave {what}."));
+    if study.simulated > 0 {
+        let simulated = count(study.simulated as u64, "session");
+        section.warning(format!("Simulated: a program answered in {simulated}. These are not answers of people."));
+    }
+    if !study.excluded.is_empty() {
+        section.text(format!("Left out on request: {}.", list(&study.excluded)));
+    }
+    let Some(adaptive) = &study.protocol.adaptive else { return section };
+    let (common, name) = (&adaptive.common, &adaptive.common.parameter);
+    let sentence = |(condition, population): &(usize, Population)| {
+        let of = named(study, *condition);
+        let interval = told(common, population.interval);
+        format!("The threshold of {name}{of} is {} on average over people{interval}.", level(common, population.mean))
+    };
+    section.list(results.populations.iter().map(sentence).collect());
+    if results.populations.is_empty() {
+        let of_person = |function: &PersonFunction| {
+            let fit = function.fit.as_ref().ok()?;
+            let who = &study.people[function.person];
+            let of = named(study, function.condition);
+            let interval = told(common, Some(fit.threshold));
+            Some(format!("{who}: the threshold of {name}{of} is {}{interval}.", level(common, fit.estimate.threshold)))
+        };
+        section.list(results.functions.iter().filter_map(of_person).collect());
+    }
+    for ([one, two], difference) in &results.differences {
+        let Some(interval) = difference.interval else { continue };
+        let clear = interval.low > 0.0 || interval.high < 0.0;
+        let (one, two) = (study.name(*one), study.name(*two));
+        let ratio = |value: f64| if common.log { fixed(f64::powf(10.0, value), 2) } else { fixed(value, 3) };
+        let between = format!("{} to {}", ratio(interval.low), ratio(interval.high));
+        let kind = if common.log { "ratio of the thresholds" } else { "difference of the thresholds" };
+        section.text(format!(
+            "The {kind} at {one} and at {two} is {} (95\u{a0}% interval {between}), {}.",
+            ratio(difference.mean),
+            if clear { "so they differ" } else { "so it is not clear that they differ" }
+        ));
+    }
+    section
+}
+
+/// Returns ` at CONDITION`, or nothing if there is only one.
+fn named(study: &TaskStudy, condition: usize) -> String {
+    let name = study.name(condition);
+    if name.is_empty() { name } else { format!(" at {name}") }
+}
+
+fn told(common: &Common, interval: Option<Interval>) -> String {
+    let shown = |interval: Interval| {
+        format!(" (95\u{a0}% interval {} to {})", level(common, interval.low), level(common, interval.high))
+    };
+    interval.map_or_else(String::new, shown)
+}
+
+fn data(study: &TaskStudy) -> Section {
+    let mut section = Section::new("data", "Data");
+    let protocol = &study.protocol;
+    let mut facts = vec![
+        ("Task", protocol.task.name().to_owned()),
+        ("Question", protocol.response.question.clone()),
+        ("Participants", short_list(&study.people, 20)),
+        ("Sessions", whole(study.files.len() as u64).to_string()),
+        ("Answers", whole(study.trials.len() as u64).to_string()),
+    ];
+    if let Some(adaptive) = &protocol.adaptive {
+        let [low, high] = adaptive.range();
+        facts.push((
+            "Levels",
+            format!("{} from {low} to {high}, chosen by {}", adaptive.common.parameter, adaptive.method.name()),
+        ));
+    }
+    section.facts("What was asked and answered", facts);
+    if study.unfinished > 0 {
+        section.note(format!("Not complete: {}.", count(study.unfinished as u64, "session")));
+    }
+    if !study.errors.is_empty() {
+        let errors: Vec<String> = study.errors.iter().take(20).map(ToString::to_string).collect();
+        section.warning("Sessions with errors were left out:");
+        section.list(errors);
+    }
+    section
+}
+
+fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Option<Section> {
+    let adaptive = study.protocol.adaptive.as_ref()?;
+    let common = &adaptive.common;
+    if results.functions.is_empty() {
+        return None;
+    }
+    let mut section = Section::new("thresholds", "Thresholds");
+    section.figures(figures, &["psychometric", "thresholds"]);
+    if !results.populations.is_empty() {
+        let row = |(condition, population): &(usize, Population)| {
+            vec![
+                study.name(*condition).into(),
+                whole(population.people.len() as u64),
+                level(common, population.mean),
+                range(population.interval, |end| level(common, end)),
+                fixed(population.sd, 3),
+                fixed(population.width, 3),
+                unit(population.lapse),
+            ]
+        };
+        let numbers = ["People", "Threshold", "95 % interval", "SD of people", "Width", "Lapse rate"];
+        let rows = results.populations.iter().map(row).collect();
+        section.table("The thresholds of people, by condition", &["Condition"], &numbers, rows);
+        if common.log {
+            section.note("The standard deviation and the width are in decadic logarithms of the level.");
+        }
+    }
+    let row = |function: &PersonFunction| {
+        let fit = function.fit.as_ref().ok();
+        let total: u32 = function.points.iter().map(|point| point.total).sum();
+        vec![
+            study.people[function.person].as_str().into(),
+            study.name(function.condition).into(),
+            whole(total.into()),
+            fit.map_or_else(|| fixed(None, 0), |fit| level(common, fit.estimate.threshold)),
+            range(fit.map(|fit| fit.threshold), |end| level(common, end)),
+            fixed(fit.map(|fit| fit.slope), 2),
+            range(fit.map(|fit| fit.slope_interval), |end| fixed(end, 2)),
+            unit(fit.map(|fit| fit.estimate.guess)),
+            unit(fit.map(|fit| fit.estimate.lapse)),
+            probability(function.goodness.map(|goodness| goodness.p)),
+        ]
+    };
+    let numbers =
+        ["Trials", "Threshold", "95 % interval", "Slope", "95 % interval", "Guess rate", "Lapse rate", "p of the fit"];
+    let rows = results.functions.iter().map(row).collect();
+    section.table("The psychometric function of each person", &["Participant", "Condition"], &numbers, rows);
+    let of =
+        |function: &&PersonFunction| format!("{}{}", study.people[function.person], named(study, function.condition));
+    let told = |wanted: &dyn Fn(&PersonFunction) -> bool| -> Vec<String> {
+        results.functions.iter().filter(|function| wanted(function)).map(|function| of(&function)).collect()
+    };
+    let beyond = told(&|function| function.fit.as_ref().is_ok_and(|fit| fit.is_extrapolated));
+    if !beyond.is_empty() {
+        section.warning(format!(
+            "The interval of a threshold reaches beyond the levels that could be shown, where only the prior limits it: {}.",
+            short_list(&beyond, 12)
+        ));
+    }
+    let poor = told(&|function| function.goodness.is_some_and(|goodness| goodness.p < POOR_FIT));
+    let expected = POOR_FIT * results.functions.len() as f64;
+    if poor.len() as f64 > expected.max(1.0) {
+        section.warning(format!(
+            "The answers vary more than a psychometric function allows (p below .05): {}. About {} of {} would by chance.",
+            short_list(&poor, 12),
+            fixed(expected, 1),
+            count(results.functions.len() as u64, "function")
+        ));
+    }
+    let failed: Vec<String> = results
+        .functions
+        .iter()
+        .filter_map(|function| Some(format!("{}: {}", of(&function), function.fit.as_ref().err()?)))
+        .collect();
+    section.list(failed);
+    Some(section)
+}
+
+fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
+    let mut section = Section::new("methods", "Methods");
+    let protocol = &study.protocol;
+    let how = match protocol.task.measures() {
+        Measures::Proportions => "An answer counts as seen if the target was chosen.",
+        Measures::Detection => "An answer counts as seen if it was yes; catch trials show no target.",
+        Measures::Comparisons => "Each answer is a comparison of two conditions.",
+        Measures::Settings | Measures::Ratings => "Each answer is a value that the participant set.",
+    };
+    section.text(format!("Practice trials are left out, and of a corrected trial, the last attempt counts. {how}"));
+    let Some(model) = model(study).filter(|_| !results.functions.is_empty()) else { return section };
+    let curve = match model.curve {
+        Curve::Weibull => "Weibull",
+        Curve::Logistic => "logistic",
+        Curve::Normal => "cumulative normal",
+    };
+    let guess = match model.guess {
+        Guess::Fixed(guess) => format!("the guess rate γ is {}", unit(guess)),
+        Guess::Free => "the guess rate γ is estimated".to_owned(),
+    };
+    section.text(format!(
+        "The psychometric function is ψ(x) = γ + (1 − γ − λ)·F(x) with a {curve} F; {guess}, and the lapse rate λ is \
+         estimated. The threshold is the level with F = ½, so that guesses and lapses do not move it{}. It is the most probable one \
+         under the priors of Schütt, Harmeling, Macke & Wichmann (2016, Vision Res. 122, 105), over the range of levels that could be \
+         shown; its 95\u{a0}% interval lies between quantiles of its marginal posterior distribution. The goodness of fit compares the \
+         deviance with those of 1,000 simulated studies (Wichmann & Hill 2001, Percept. Psychophys. 63, 1293).",
+        match model.guess {
+            Guess::Fixed(guess) if guess > 0.0 => format!(" ({} right answers without lapses)", unit((1.0 + guess) / 2.0)),
+            _ => String::new(),
+        }
+    ));
+    section.text(
+        "Over people, each has a threshold of their own from a normal distribution, and the width and the lapse rate are common: a \
+         mixed model whose likelihood is integrated by adaptive Gauss–Hermite quadrature. The interval of the mean uses the t \
+         distribution. Conditions are compared by the differences between the thresholds of the same people.",
+    );
+    section
+}
+
+fn repeat(study: &TaskStudy, provenance: &Provenance) -> Section {
+    let mut section = Section::new("repeat", "Repeat this analysis");
+    section.text("The same program, command and files produce the same numbers on every machine.");
+    section.code(provenance.command.clone());
+    section.facts(
+        "How this page was created",
+        [
+            ("Program", format!("machband {}", provenance.version)),
+            ("Commit", provenance.commit.clone()),
+            ("Created at", provenance.made_at.strftime("%Y-%m-%d %H:%M:%S UTC").to_string()),
+        ],
+    );
+    let row = |(path, rows): &(std::path::PathBuf, usize)| vec![path.display().to_string().into(), whole(*rows as u64)];
+    section.table("Files", &["File"], &["Rows"], study.files.iter().map(row).collect());
+    section.heading("The definition");
+    section.code(toml::to_string(&study.protocol).unwrap_or_else(|error| format!("# cannot be written: {error}")));
+    section
+}

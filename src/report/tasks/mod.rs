@@ -1,0 +1,13 @@
+//! The report of a task other than a rating: psychometric functions, detection, scales from comparisons, and settings.
+
+mod document;
+mod figures;
+mod results;
+mod study;
+mod tables;
+
+pub use document::document;
+pub use figures::figures;
+pub use results::TaskResults;
+pub use study::{TaskAnswered, TaskStudy, TaskTrial};
+pub use tables::tables;

@@ -1,0 +1,218 @@
+//! Reads the answers to a task from the sessions of a data set.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
+
+use crate::{
+    experiment::{
+        Phase, Protocol, TrialRecord,
+        task::{Measures, Task},
+    },
+    store::{FileError, FileErrors, StoreError, definition, ratings::Listed, recorded::Recorded, sidecar::Sidecar},
+};
+
+/// The answers to a task.
+#[derive(Clone, Debug)]
+pub struct TaskStudy {
+    /// The definition in the sidecars.
+    pub protocol: Protocol,
+    /// Each file and its number of rows.
+    pub files: Vec<(PathBuf, usize)>,
+    /// The participants' IDs, in natural order of the files.
+    pub people: Vec<String>,
+    /// How many sessions a program answered.
+    pub simulated: usize,
+    /// How many sessions are not complete.
+    pub unfinished: usize,
+    /// The last attempts of all main trials.
+    pub trials: Vec<TaskTrial>,
+    /// What is wrong with the files.
+    pub errors: Vec<FileError>,
+    /// The participants that were left out.
+    pub excluded: Vec<String>,
+}
+
+/// One answered trial.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TaskTrial {
+    /// Index into [`TaskStudy::people`].
+    pub person: usize,
+    /// Index into the protocol's conditions; of a comparison, that of the first stimulus.
+    pub condition: usize,
+    /// The answer.
+    pub answer: TaskAnswered,
+}
+
+/// What was answered.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TaskAnswered {
+    /// Whether the target was seen or chosen.
+    Seen {
+        /// The level, if an adaptive method chose one.
+        level: Option<f64>,
+        /// Whether the trial showed a target.
+        is_target: bool,
+        /// Whether the answer says so: the right answer, or yes.
+        seen: bool,
+    },
+    /// Two conditions were compared.
+    Compared {
+        /// The condition on the right.
+        other: usize,
+        /// Whether the one on the left was chosen.
+        first_won: bool,
+    },
+    /// A value was set.
+    Set {
+        /// The value.
+        value: f64,
+        /// Whether the adjustment began in the upper half of its range; `None` without a start.
+        from_above: Option<bool>,
+    },
+}
+
+impl TaskStudy {
+    /// Returns the definition of the first session at a path if its task is no rating on a scale of categories.
+    ///
+    /// # Errors
+    /// The path cannot be read.
+    pub fn task_at(path: &Path) -> Result<Option<Task>, StoreError> {
+        let listed = Listed::sessions(path);
+        let sidecar = listed.files.first().map(|csv| csv.with_extension("json"));
+        let Some((path, sidecar)) = sidecar.and_then(|path| Some((path.clone(), Sidecar::read(&path).transpose()?)))
+        else {
+            return Ok(None);
+        };
+        let protocol = definition::from_json(&path.display().to_string(), &sidecar?.definition)?;
+        Ok(Some(protocol.task.clone()).filter(|task| !task.is_default()))
+    }
+
+    /// Reads the sessions at these paths, without the participants in `exclude`. Sessions with errors are left out and
+    /// told.
+    ///
+    /// # Errors
+    /// There are no sessions, or they have different definitions.
+    pub fn read(paths: &[PathBuf], exclude: &[String]) -> Result<Self, FileErrors> {
+        let (mut errors, mut sessions) = (Vec::new(), Vec::<Recorded>::new());
+        for path in paths {
+            let listed = Listed::sessions(path);
+            errors.extend(listed.errors.clone());
+            if listed.files.is_empty() {
+                return Err(listed.nothing(path));
+            }
+            for csv in listed.files {
+                match Recorded::open(&csv) {
+                    Ok(session) if session.row_errors().is_empty() => sessions.push(session),
+                    Ok(session) => errors.extend(session.row_errors()),
+                    Err(error) => errors.extend(error.errors(&csv)),
+                }
+            }
+        }
+        let Some(first) = sessions.first() else { return Err(FileErrors(errors)) };
+        let protocol = first.protocol.clone();
+        let mut study = Self {
+            files: Vec::new(),
+            people: Vec::new(),
+            simulated: 0,
+            unfinished: 0,
+            trials: Vec::new(),
+            errors,
+            excluded: Vec::new(),
+            protocol,
+        };
+        for session in &sessions {
+            if session.protocol != study.protocol {
+                let message =
+                    "has another definition than the sessions before it; expected the sessions of one definition";
+                return Err(FileErrors::whole(&session.csv, message));
+            }
+            study.add(session, exclude);
+        }
+        let unknown = exclude.iter().find(|id| !study.excluded.contains(id));
+        if let Some(unknown) = unknown {
+            return Err(FileErrors::whole(
+                &paths[0],
+                format!("has no participant {unknown:?}; expected one of its IDs"),
+            ));
+        }
+        if study.trials.is_empty() {
+            return Err(FileErrors::whole(&paths[0], "has no answers of main trials; expected at least one"));
+        }
+        Ok(study)
+    }
+
+    fn add(&mut self, session: &Recorded, exclude: &[String]) {
+        let id = session.identity.subject().to_owned();
+        if exclude.contains(&id) {
+            self.excluded.push(id);
+            return;
+        }
+        self.files.push((session.csv.clone(), session.rows.len()));
+        self.simulated += usize::from(session.sidecar.sittings.iter().any(|sitting| sitting.observer.is_some()));
+        self.unfinished += usize::from(!session.is_complete());
+        let known = self.people.iter().position(|known| *known == id);
+        let person = known.unwrap_or_else(|| {
+            self.people.push(id);
+            self.people.len() - 1
+        });
+        // Later attempts replace earlier ones, because rows are in chronological order.
+        let main = session.rows.iter().enumerate().filter(|(_, row)| row.phase == Phase::Main);
+        let last: BTreeMap<u32, usize> = main.map(|(index, row)| (row.trial, index)).collect();
+        for index in last.into_values() {
+            self.trials.extend(answered(session, index, person));
+        }
+    }
+
+    /// Returns the name of a condition: its levels of the factors.
+    #[must_use]
+    pub fn name(&self, condition: usize) -> String {
+        let levels = self.levels(condition);
+        let several = self.protocol.factors.len() > 1;
+        let named = self.protocol.factors.iter().zip(levels);
+        let names = named.map(|(factor, level)| if several { format!("{} {level}", factor.name) } else { level });
+        names.collect::<Vec<_>>().join(", ")
+    }
+
+    /// Returns a condition's level of each factor.
+    #[must_use]
+    pub fn levels(&self, condition: usize) -> Vec<String> {
+        let levels = &self.protocol.conditions()[condition].levels;
+        self.protocol.factors.iter().zip(levels).map(|(factor, level)| factor.levels[*level].to_string()).collect()
+    }
+}
+
+/// Returns the answer of a row.
+fn answered(session: &Recorded, index: usize, person: usize) -> Option<TaskTrial> {
+    let (row, protocol) = (&session.rows[index], &session.protocol);
+    let TrialRecord { answer: Some(given), .. } = row else { return None };
+    let task = &protocol.task;
+    let condition = session.schedule.trials[session.trial(index)?].condition;
+    let (condition, answer) = match task.measures() {
+        Measures::Comparisons => {
+            let stimuli = session.stimuli(index);
+            let of = |place: usize| {
+                let stimulus = *stimuli.get(place).or(stimuli.first())?;
+                protocol.conditions().iter().position(|condition| condition.stimulus == *stimulus)
+            };
+            (of(0)?, TaskAnswered::Compared { other: of(1)?, first_won: given.response == "1" })
+        }
+        Measures::Settings | Measures::Ratings => {
+            let dial = task.dial();
+            let upper = |start: f64| dial.as_ref().is_some_and(|dial| dial.share(start) > 0.5);
+            let value = given.response.parse().ok()?;
+            (condition, TaskAnswered::Set { value, from_above: given.start.map(upper) })
+        }
+        Measures::Proportions | Measures::Detection => {
+            let is_target = given.target != Some(0);
+            let seen = match given.response.as_str() {
+                "yes" => true,
+                "no" => false,
+                place => given.target.is_some_and(|target| target.to_string() == place),
+            };
+            (condition, TaskAnswered::Seen { level: given.level, is_target, seen })
+        }
+    };
+    Some(TaskTrial { person, condition, answer })
+}

@@ -1,0 +1,117 @@
+//! The results of a task as tables.
+
+use super::{results::TaskResults, study::TaskStudy};
+use crate::{
+    experiment::task::Common,
+    statistics::Interval,
+    text::{Cell, Column, Table},
+};
+
+/// Returns the tables by the names of their files.
+#[must_use]
+pub fn tables(study: &TaskStudy, results: &TaskResults) -> Vec<(&'static str, Table)> {
+    let mut all = Vec::new();
+    if let Some(adaptive) = &study.protocol.adaptive
+        && !results.functions.is_empty()
+    {
+        all.push(("answers", answers(study, results, &adaptive.common)));
+        all.push(("thresholds", thresholds(study, results, &adaptive.common)));
+        all.push(("population", population(study, results, &adaptive.common)));
+    }
+    all
+}
+
+fn columns(study: &TaskStudy, first: &[(&str, &str)], last: &[(&str, &str, &str)]) -> Vec<Column> {
+    let first = first.iter().map(|(name, text)| Column::new(*name, "", *text));
+    let factors =
+        study.protocol.factors.iter().map(|factor| Column::new(factor.name.clone(), "", "Level of the factor."));
+    let last = last.iter().map(|(name, unit, text)| Column::new(*name, unit, *text));
+    first.chain(factors).chain(last).collect()
+}
+
+/// Returns the levels of a condition as cells.
+fn levels(study: &TaskStudy, condition: usize) -> impl Iterator<Item = Cell> {
+    study.levels(condition).into_iter().map(|level| {
+        let number = level.parse().ok();
+        Cell::Level(level, number)
+    })
+}
+
+const PERSON: (&str, &str) = ("subject_id", "Participant.");
+
+fn answers(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
+    let last = [
+        ("level", "", "Level of the adapted parameter."),
+        ("correct", "", "Number of right answers, or of answers yes."),
+        ("total", "", "Number of trials with a target."),
+    ];
+    let rows = results.functions.iter().flat_map(|function| {
+        function.points.iter().map(|point| {
+            let person = std::iter::once(Cell::from(study.people[function.person].as_str()));
+            let numbers =
+                [Cell::from(common.level(point.x)), u64::from(point.correct).into(), u64::from(point.total).into()];
+            person.chain(levels(study, function.condition)).chain(numbers).collect()
+        })
+    });
+    Table::new(columns(study, &[PERSON], &last), rows)
+}
+
+/// Returns the ends of an interval on the scale of the levels.
+fn ends(common: &Common, interval: Option<Interval>) -> [Cell; 2] {
+    let of = |end: fn(Interval) -> f64| interval.map(|interval| common.level(end(interval))).into();
+    [of(|interval| interval.low), of(|interval| interval.high)]
+}
+
+fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
+    let last = [
+        ("trials", "", "Number of trials with a target."),
+        ("threshold", "", "Level with F = 1/2."),
+        ("threshold_low", "", "Lower end of its 95 % interval."),
+        ("threshold_high", "", "Upper end of its 95 % interval."),
+        ("slope", "per unit of the scale of the levels", "Slope of the psychometric function at the threshold."),
+        ("slope_low", "", "Lower end of its 95 % interval."),
+        ("slope_high", "", "Upper end of its 95 % interval."),
+        ("guess", "", "Guess rate."),
+        ("lapse", "", "Lapse rate."),
+        ("deviance", "", "Deviance of the best function."),
+        ("p", "", "Share of simulated studies with at least this deviance."),
+    ];
+    let rows = results.functions.iter().map(|function| {
+        let fit = function.fit.as_ref().ok();
+        let total: u32 = function.points.iter().map(|point| point.total).sum();
+        let mut row = vec![Cell::from(study.people[function.person].as_str())];
+        row.extend(levels(study, function.condition));
+        row.push(u64::from(total).into());
+        row.push(fit.map(|fit| common.level(fit.estimate.threshold)).into());
+        row.extend(ends(common, fit.map(|fit| fit.threshold)));
+        let slope = fit.map(|fit| fit.slope_interval);
+        row.extend(
+            [fit.map(|fit| fit.slope), slope.map(|slope| slope.low), slope.map(|slope| slope.high)].map(Cell::from),
+        );
+        row.extend([fit.map(|fit| fit.estimate.guess), fit.map(|fit| fit.estimate.lapse)].map(Cell::from));
+        let goodness = function.goodness;
+        row.extend([goodness.map(|goodness| goodness.deviance), goodness.map(|goodness| goodness.p)].map(Cell::from));
+        row
+    });
+    Table::new(columns(study, &[PERSON], &last), rows)
+}
+
+fn population(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
+    let last = [
+        ("people", "", "Number of participants."),
+        ("threshold", "", "Mean threshold of people, on the scale of the levels."),
+        ("threshold_low", "", "Lower end of its 95 % interval."),
+        ("threshold_high", "", "Upper end of its 95 % interval."),
+        ("sd", "scale of the levels", "Standard deviation of people's thresholds."),
+        ("width", "scale of the levels", "Distance of the levels with F = .05 and F = .95."),
+        ("lapse", "", "Common lapse rate."),
+    ];
+    let rows = results.populations.iter().map(|(condition, population)| {
+        let mut row: Vec<Cell> = levels(study, *condition).collect();
+        row.extend([(population.people.len() as u64).into(), common.level(population.mean).into()]);
+        row.extend(ends(common, population.interval));
+        row.extend([population.sd, population.width, population.lapse].map(Cell::from));
+        row
+    });
+    Table::new(columns(study, &[], &last), rows)
+}
