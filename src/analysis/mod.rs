@@ -18,13 +18,16 @@
 
 pub mod agreement;
 
+pub mod comparisons;
 pub mod counts;
+pub mod detection;
 mod frame;
 mod levels;
 mod ordinal;
 pub mod power;
 pub mod rank_tests;
 pub mod results;
+pub mod settings;
 pub mod summary;
 pub mod tasks;
 

@@ -1,6 +1,7 @@
 //! Describes the answers to a task in a document.
 
 use super::{
+    further,
     results::{PersonFunction, TaskResults, model},
     study::TaskStudy,
 };
@@ -30,6 +31,7 @@ pub fn document(
 ) -> Document {
     let mut sections = vec![summary(study, results), data(study)];
     sections.extend(thresholds(study, results, figures));
+    sections.extend(further::sections(study, results, figures));
     sections.push(methods(study, results));
     sections.extend(provenance.map(|provenance| repeat(study, provenance)));
     let title = if study.protocol.title.trim().is_empty() { &study.protocol.name } else { &study.protocol.title };
@@ -56,6 +58,7 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
     if !study.excluded.is_empty() {
         section.text(format!("Left out on request: {}.", list(&study.excluded)));
     }
+    section.list(further::summary(study, results));
     let Some(adaptive) = &study.protocol.adaptive else { return section };
     let (common, name) = (&adaptive.common, &adaptive.common.parameter);
     let sentence = |(condition, population): &(usize, Population)| {
@@ -91,7 +94,7 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
 }
 
 /// Returns ` at CONDITION`, or nothing if there is only one.
-fn named(study: &TaskStudy, condition: usize) -> String {
+pub(super) fn named(study: &TaskStudy, condition: usize) -> String {
     let name = study.name(condition);
     if name.is_empty() { name } else { format!(" at {name}") }
 }
@@ -161,11 +164,10 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
     }
     let row = |function: &PersonFunction| {
         let fit = function.fit.as_ref().ok();
-        let total: u32 = function.points.iter().map(|point| point.total).sum();
         vec![
             study.people[function.person].as_str().into(),
             study.name(function.condition).into(),
-            whole(total.into()),
+            whole(function.trials()),
             fit.map_or_else(|| fixed(None, 0), |fit| level(common, fit.estimate.threshold)),
             range(fit.map(|fit| fit.threshold), |end| level(common, end)),
             fixed(fit.map(|fit| fit.slope), 2),

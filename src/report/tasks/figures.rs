@@ -5,7 +5,7 @@ use super::{
     study::TaskStudy,
 };
 use crate::{
-    analysis::tasks::psychometric::Estimate,
+    analysis::{settings::OverPeople, tasks::psychometric::Estimate},
     report::{
         document::numbers::count,
         figures::{
@@ -22,7 +22,8 @@ const DRAWN: usize = 81;
 /// Draws every chart for which there are data.
 #[must_use]
 pub fn figures(study: &TaskStudy, results: &TaskResults) -> Vec<Figure> {
-    [functions(study, results), thresholds(study, results)].into_iter().flatten().collect()
+    let kinds = [functions, thresholds, detection, scale, settings];
+    kinds.into_iter().filter_map(|kind| kind(study, results)).collect()
 }
 
 fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
@@ -60,7 +61,7 @@ fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     };
     let curves: Vec<Curve> = conditions.iter().map(curve).collect();
     let name = &adaptive.common.parameter;
-    let axis = if adaptive.common.log { format!("log₁₀ {name}") } else { name.clone() };
+    let axis = if adaptive.common.log { format!("log10 {name}") } else { name.clone() };
     let caption = format!(
         "Share of right answers, or of answers yes, by level; the area of a marker stands for the number of trials. \
          Lines are the functions {}; {}, {}.",
@@ -89,11 +90,75 @@ fn thresholds(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         (study.name(condition), all)
     };
     let places: Vec<String> = study.people.iter().cloned().chain(["mean".to_owned()]).collect();
-    let axis = if common.log { format!("log₁₀ {}", common.parameter) } else { common.parameter.clone() };
+    let axis = if common.log { format!("log10 {}", common.parameter) } else { common.parameter.clone() };
     let caption = format!(
         "The threshold of each participant, and the mean of people, with 95\u{a0}% intervals; {}.",
         count(study.trials.len() as u64, "answer")
     );
     let series: Vec<_> = conditions.iter().map(series).collect();
     estimates("thresholds", &places, &series, ("Thresholds", &axis, caption))
+}
+
+/// Returns the estimates of each condition, one for each person and at last their mean.
+fn by_person(
+    study: &TaskStudy,
+    value: impl Fn(usize, usize) -> Option<f64>,
+) -> Vec<(String, Vec<Option<(f64, Option<Interval>)>>)> {
+    let condition = |condition: usize| {
+        let own: Vec<Option<f64>> = (0..study.people.len()).map(|person| value(condition, person)).collect();
+        let known: Vec<f64> = own.iter().flatten().copied().collect();
+        let mut all: Vec<_> = own.into_iter().map(|own| Some((own?, None))).collect();
+        all.push(OverPeople::of(&known).map(|mean| (mean.mean, mean.interval)));
+        (study.name(condition), all)
+    };
+    (0..study.protocol.conditions().len()).map(condition).collect()
+}
+
+fn people_and_mean(study: &TaskStudy) -> Vec<String> {
+    study.people.iter().cloned().chain(["mean".to_owned()]).collect()
+}
+
+fn detection(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
+    let value = |condition: usize, person: usize| {
+        let mut all = results.detection.iter();
+        let own = all.find(|answers| answers.condition == condition && answers.person == person)?;
+        Some(own.answers.detection()?.d_prime)
+    };
+    let series: Vec<_> =
+        by_person(study, value).into_iter().filter(|(_, all)| all.iter().any(Option::is_some)).collect();
+    let caption = format!(
+        "d′ of each participant, and the mean of people with its 95\u{a0}% interval; {}.",
+        count(study.trials.len() as u64, "answer")
+    );
+    estimates("detection", &people_and_mean(study), &series, ("Sensitivity", "d′", caption))
+}
+
+fn scale(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
+    let comparisons = results.comparisons.as_ref()?;
+    let mut order: Vec<usize> = (0..comparisons.scales[0].values.len()).collect();
+    order.sort_by(|a, b| comparisons.scales[0].values[*a].total_cmp(&comparisons.scales[0].values[*b]));
+    let interval = |item: usize| comparisons.intervals.as_ref().map(|intervals| intervals[item]);
+    let values = order.iter().map(|item| Some((comparisons.scales[0].values[*item], interval(*item)))).collect();
+    let places: Vec<String> = order.iter().map(|item| study.levels(*item).join(", ")).collect();
+    let caption = format!(
+        "Scale values of Thurstone\u{2019}s Case V, lowest first; two conditions one JND apart are told apart in 75\u{a0}% of comparisons. Bars          are 95\u{a0}% intervals over people; {}, {}.",
+        count(study.people.len() as u64, "participant"),
+        count(study.trials.len() as u64, "comparison")
+    );
+    estimates("scale", &places, &[(String::new(), values)], ("Scale of the comparisons", "Scale value (JND)", caption))
+}
+
+fn settings(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
+    let dial = study.protocol.task.dial()?;
+    let value = |condition: usize, person: usize| {
+        let mut all = results.settings.iter();
+        all.find(|own| own.condition == condition && own.person == person).map(|own| own.settings.mean)
+    };
+    let name = dial.parameter.unwrap_or_else(|| "rating".to_owned());
+    let axis = if dial.log { format!("log10 {name}") } else { name };
+    let caption = format!(
+        "The mean setting of each participant, and the mean of people with its 95\u{a0}% interval; {}.",
+        count(study.trials.len() as u64, "setting")
+    );
+    estimates("settings", &people_and_mean(study), &by_person(study, value), ("Settings", &axis, caption))
 }

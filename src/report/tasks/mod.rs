@@ -2,12 +2,13 @@
 
 mod document;
 mod figures;
+mod further;
 mod results;
 mod study;
 mod tables;
 
 pub use document::document;
 pub use figures::figures;
-pub use results::TaskResults;
+pub use results::{Comparisons, PersonAnswers, PersonFunction, PersonSettings, TaskResults};
 pub use study::{TaskAnswered, TaskStudy, TaskTrial};
 pub use tables::tables;

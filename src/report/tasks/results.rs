@@ -7,11 +7,17 @@ use rayon::prelude::*;
 
 use super::study::{TaskAnswered, TaskStudy};
 use crate::{
-    analysis::tasks::{
-        population::{self, Difference, Population},
-        psychometric::{self, Fit, FitError, GoodnessOfFit, Guess, Model, Point},
+    analysis::{
+        comparisons::{Scale, Scaling, Triads, Wins},
+        detection::Answers,
+        settings::Settings,
+        tasks::{
+            population::{self, Difference, Population},
+            psychometric::{self, Fit, FitError, GoodnessOfFit, Guess, Model, Point},
+        },
     },
     experiment::task::{Common, Curve, Easier, Measures, Method},
+    statistics::Interval,
 };
 
 /// The results of a task.
@@ -23,6 +29,57 @@ pub struct TaskResults {
     pub populations: Vec<(usize, Population)>,
     /// Differences between the thresholds of two conditions that the same people saw.
     pub differences: Vec<([usize; 2], Difference)>,
+    /// Hits and false alarms of each person and condition.
+    pub detection: Vec<PersonAnswers>,
+    /// The scale of comparisons.
+    pub comparisons: Option<Comparisons>,
+    /// The settings of each person and condition, on the scale of the dial.
+    pub settings: Vec<PersonSettings>,
+}
+
+/// The answers of a person to targets and catch trials in a condition.
+#[derive(Clone, Copy, Debug)]
+pub struct PersonAnswers {
+    /// Index into [`TaskStudy::people`].
+    pub person: usize,
+    /// Index into the protocol's conditions.
+    pub condition: usize,
+    /// The answers.
+    pub answers: Answers,
+}
+
+/// The settings of a person in a condition.
+#[derive(Clone, Debug)]
+pub struct PersonSettings {
+    /// Index into [`TaskStudy::people`].
+    pub person: usize,
+    /// Index into the protocol's conditions.
+    pub condition: usize,
+    /// The settings.
+    pub settings: Settings,
+}
+
+/// The scale of comparisons.
+#[derive(Clone, Debug)]
+pub struct Comparisons {
+    /// How often each condition was chosen over each other, by each person.
+    pub people: Vec<Wins>,
+    /// The scale of all people by Thurstone's Case V, and by the model of Bradley and Terry.
+    pub scales: [Scale; 2],
+    /// The 95 % intervals of Thurstone's scale.
+    pub intervals: Option<Vec<Interval>>,
+    /// Each person's own scale.
+    pub own: Vec<Option<Scale>>,
+    /// Each person's contradictions.
+    pub triads: Vec<Triads>,
+}
+
+impl PersonFunction {
+    /// Returns the number of trials.
+    #[must_use]
+    pub fn trials(&self) -> u64 {
+        self.points.iter().map(|point| u64::from(point.total)).sum()
+    }
 }
 
 /// The psychometric function of a person in a condition.
@@ -47,7 +104,12 @@ impl TaskResults {
     /// Analyzes a study. `seed` is that of simulated studies.
     #[must_use]
     pub fn of(study: &TaskStudy, seed: u64) -> Self {
-        let mut results = Self::default();
+        let mut results = Self {
+            detection: detection(study),
+            comparisons: comparisons(study, seed),
+            settings: settings(study),
+            ..Self::default()
+        };
         if let Some(model) = model(study) {
             results.functions = functions(study, &model, seed);
             results.populations = populations(study, &results.functions, &model);
@@ -55,6 +117,55 @@ impl TaskResults {
         }
         results
     }
+}
+
+fn detection(study: &TaskStudy) -> Vec<PersonAnswers> {
+    if study.protocol.task.measures() != Measures::Detection {
+        return Vec::new();
+    }
+    let mut all: BTreeMap<(usize, usize), Answers> = BTreeMap::new();
+    for trial in &study.trials {
+        let TaskAnswered::Seen { is_target, seen, .. } = trial.answer else { continue };
+        let answers = all.entry((trial.condition, trial.person)).or_default();
+        *match (is_target, seen) {
+            (true, true) => &mut answers.hits,
+            (true, false) => &mut answers.misses,
+            (false, true) => &mut answers.false_alarms,
+            (false, false) => &mut answers.correct_rejections,
+        } += 1;
+    }
+    let one = |((condition, person), answers)| PersonAnswers { person, condition, answers };
+    all.into_iter().map(one).collect()
+}
+
+fn comparisons(study: &TaskStudy, seed: u64) -> Option<Comparisons> {
+    let items = study.protocol.conditions().len();
+    let mut people = vec![Wins::zeros(items, items); study.people.len()];
+    for trial in &study.trials {
+        let TaskAnswered::Compared { other, first_won } = trial.answer else { continue };
+        let place = if first_won { (trial.condition, other) } else { (other, trial.condition) };
+        people[trial.person][place] += 1.0;
+    }
+    let all: Wins = people.iter().sum();
+    let scales = [Scaling::Thurstone.fit(&all)?, Scaling::BradleyTerry.fit(&all)?];
+    let intervals = Scaling::Thurstone.intervals(&people, SIMULATIONS, &mut ChaCha8Rng::seed_from_u64(seed));
+    let own = people.iter().map(|wins| Scaling::Thurstone.fit(wins)).collect();
+    let triads = people.iter().map(Triads::of).collect();
+    Some(Comparisons { people, scales, intervals, own, triads })
+}
+
+fn settings(study: &TaskStudy) -> Vec<PersonSettings> {
+    let log = study.protocol.task.dial().is_some_and(|dial| dial.log);
+    let mut all: BTreeMap<(usize, usize), Vec<(f64, Option<bool>)>> = BTreeMap::new();
+    for trial in &study.trials {
+        let TaskAnswered::Set { value, from_above } = trial.answer else { continue };
+        let value = if log { value.log10() } else { value };
+        all.entry((trial.condition, trial.person)).or_default().push((value, from_above));
+    }
+    let one = |((condition, person), values): ((usize, usize), Vec<_>)| {
+        Some(PersonSettings { person, condition, settings: Settings::of(&values)? })
+    };
+    all.into_iter().filter_map(one).collect()
 }
 
 /// Returns what is known about the psychometric functions; `None` if no levels were varied.

@@ -168,11 +168,8 @@ impl TaskStudy {
     /// Returns the name of a condition: its levels of the factors.
     #[must_use]
     pub fn name(&self, condition: usize) -> String {
-        let levels = self.levels(condition);
-        let several = self.protocol.factors.len() > 1;
-        let named = self.protocol.factors.iter().zip(levels);
-        let names = named.map(|(factor, level)| if several { format!("{} {level}", factor.name) } else { level });
-        names.collect::<Vec<_>>().join(", ")
+        let named = self.protocol.factors.iter().zip(self.levels(condition));
+        named.map(|(factor, level)| format!("{} {level}", factor.name)).collect::<Vec<_>>().join(", ")
     }
 
     /// Returns a condition's level of each factor.

@@ -1,6 +1,9 @@
 //! The results of a task as tables.
 
-use super::{results::TaskResults, study::TaskStudy};
+use super::{
+    results::{Comparisons, TaskResults},
+    study::TaskStudy,
+};
 use crate::{
     experiment::task::Common,
     statistics::Interval,
@@ -17,6 +20,15 @@ pub fn tables(study: &TaskStudy, results: &TaskResults) -> Vec<(&'static str, Ta
         all.push(("answers", answers(study, results, &adaptive.common)));
         all.push(("thresholds", thresholds(study, results, &adaptive.common)));
         all.push(("population", population(study, results, &adaptive.common)));
+    }
+    if !results.detection.is_empty() {
+        all.push(("detection", detection(study, results)));
+    }
+    if let Some(found) = &results.comparisons {
+        all.extend([("comparisons", comparisons(study, found)), ("scale", scale(study, found))]);
+    }
+    if !results.settings.is_empty() {
+        all.push(("settings", settings(study, results)));
     }
     all
 }
@@ -78,10 +90,9 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
     ];
     let rows = results.functions.iter().map(|function| {
         let fit = function.fit.as_ref().ok();
-        let total: u32 = function.points.iter().map(|point| point.total).sum();
         let mut row = vec![Cell::from(study.people[function.person].as_str())];
         row.extend(levels(study, function.condition));
-        row.push(u64::from(total).into());
+        row.push(function.trials().into());
         row.push(fit.map(|fit| common.level(fit.estimate.threshold)).into());
         row.extend(ends(common, fit.map(|fit| fit.threshold)));
         let slope = fit.map(|fit| fit.slope_interval);
@@ -114,4 +125,82 @@ fn population(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
         row
     });
     Table::new(columns(study, &[], &last), rows)
+}
+
+fn detection(study: &TaskStudy, results: &TaskResults) -> Table {
+    let last = [
+        ("hits", "", "Targets answered yes."),
+        ("misses", "", "Targets answered no."),
+        ("false_alarms", "", "Catch trials answered yes."),
+        ("correct_rejections", "", "Catch trials answered no."),
+        ("d_prime", "", "Sensitivity, with the log-linear correction."),
+        ("d_prime_se", "", "Its standard error."),
+        ("criterion", "", "Criterion c."),
+        ("criterion_se", "", "Its standard error."),
+    ];
+    let rows = results.detection.iter().map(|own| {
+        let mut row = vec![Cell::from(study.people[own.person].as_str())];
+        row.extend(levels(study, own.condition));
+        let counts = [own.answers.hits, own.answers.misses, own.answers.false_alarms, own.answers.correct_rejections];
+        row.extend(counts.map(|count| Cell::from(u64::from(count))));
+        let found = own.answers.detection();
+        row.extend([found.map(|f| f.d_prime), found.map(|f| f.d_prime_se)].map(Cell::from));
+        row.extend([found.map(|f| f.criterion), found.map(|f| f.criterion_se)].map(Cell::from));
+        row
+    });
+    Table::new(columns(study, &[PERSON], &last), rows)
+}
+
+/// Returns how often each person chose each condition over each other.
+fn comparisons(study: &TaskStudy, found: &Comparisons) -> Table {
+    let names = ["winner", "loser"].map(|name| Column::new(name, "", "Levels of the condition."));
+    let count = Column::new("count", "", "How often it was chosen over the other.");
+    let columns = [vec![Column::new(PERSON.0, "", PERSON.1)], names.to_vec(), vec![count]].concat();
+    let rows = found.people.iter().zip(&study.people).flat_map(|(wins, person)| {
+        let pairs = (0..wins.nrows()).flat_map(|i| (0..wins.ncols()).map(move |j| (i, j)));
+        let compared = pairs.filter(|place| wins[*place] > 0.0);
+        compared.map(|(i, j)| {
+            let [winner, loser] = [i, j].map(|item| Cell::from(study.levels(item).join(", ").as_str()));
+            vec![Cell::from(person.as_str()), winner, loser, (wins[(i, j)] as u64).into()]
+        })
+    });
+    Table::new(columns, rows)
+}
+
+fn scale(study: &TaskStudy, found: &Comparisons) -> Table {
+    let last = [
+        ("thurstone", "JND", "Scale value of Thurstone's Case V, all people."),
+        ("low", "JND", "Lower end of its 95 % interval over people."),
+        ("high", "JND", "Upper end of its 95 % interval over people."),
+        ("bradley_terry", "JND", "Scale value of the model of Bradley and Terry."),
+    ];
+    let [thurstone, bradley_terry] = &found.scales;
+    let rows = (0..thurstone.values.len()).map(|item| {
+        let mut row: Vec<Cell> = levels(study, item).collect();
+        let interval = found.intervals.as_ref().map(|intervals| intervals[item]);
+        row.push(thurstone.values[item].into());
+        row.extend([interval.map(|interval| interval.low), interval.map(|interval| interval.high)].map(Cell::from));
+        row.push(bradley_terry.values[item].into());
+        row
+    });
+    Table::new(columns(study, &[], &last), rows)
+}
+
+fn settings(study: &TaskStudy, results: &TaskResults) -> Table {
+    let log = study.protocol.task.dial().is_some_and(|dial| dial.log);
+    let unit = if log { "log10 of the value" } else { "" };
+    let last = [
+        ("n", "", "Number of settings."),
+        ("mean", unit, "Mean of the settings."),
+        ("sd", unit, "Standard deviation of the settings."),
+        ("direction", unit, "Mean of those that began above minus that of those that began below."),
+    ];
+    let rows = results.settings.iter().map(|own| {
+        let mut row = vec![Cell::from(study.people[own.person].as_str())];
+        row.extend(levels(study, own.condition));
+        row.push((own.settings.n as u64).into());
+        row.extend([Cell::from(own.settings.mean), own.settings.sd.into(), own.settings.direction.into()]);
+        row
+    });
+    Table::new(columns(study, &[PERSON], &last), rows)
 }

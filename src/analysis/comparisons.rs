@@ -1,0 +1,181 @@
+//! Scales from paired comparisons: Thurstone's Case V and the model of Bradley and Terry.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+use rand_chacha::{ChaCha8Rng, rand_core::Rng as _};
+use serde::Serialize;
+use statrs::function::erf::erfc;
+
+use crate::statistics::{Interval, mean_and_sd, t_quantile};
+
+/// How often each item (row) was chosen over each other (column).
+pub type Wins = DMatrix<f64>;
+
+/// How the difference of two scale values becomes the probability of a choice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Scaling {
+    /// Φ(s_i − s_j) (Thurstone 1927, Case V).
+    Thurstone,
+    /// 1/(1 + e^(s_j − s_i)) (Bradley & Terry 1952).
+    BradleyTerry,
+}
+
+/// The scale values of items.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Scale {
+    /// The values in units of one JND, the difference that is told apart in 75 % of comparisons; their mean is 0.
+    pub values: Vec<f64>,
+    /// The logarithm of the likelihood.
+    pub log_likelihood: f64,
+    /// Whether the values are limited by a weak prior, because some items were always or never chosen over all others
+    /// (Ford 1957), so that the most likely values are infinite.
+    pub is_limited: bool,
+}
+
+/// Standard deviation of the weak prior, in JND.
+const WEAK_SD: f64 = 5.0;
+/// Newton steps.
+const STEPS: usize = 200;
+/// A step this small ends the search.
+const SMALL: f64 = 1e-11;
+
+impl Scaling {
+    /// Returns one JND on the model's own scale: z(.75), or ln 3.
+    #[must_use]
+    pub fn jnd(self) -> f64 {
+        match self {
+            Self::Thurstone => 0.674_489_750_196_081_7,
+            Self::BradleyTerry => 3.0_f64.ln(),
+        }
+    }
+
+    /// Returns ln P of a difference, its derivative, and the negative of its second derivative.
+    fn log_probability(self, d: f64) -> [f64; 3] {
+        match self {
+            Self::Thurstone => {
+                let p = (0.5 * erfc(-d / std::f64::consts::SQRT_2)).max(f64::MIN_POSITIVE);
+                let ratio = (-0.5 * d * d).exp() / (2.0 * std::f64::consts::PI).sqrt() / p;
+                [p.ln(), ratio, ratio * (d + ratio)]
+            }
+            Self::BradleyTerry => {
+                let p = 1.0 / (1.0 + (-d).exp());
+                [-(-d).exp().ln_1p(), 1.0 - p, p * (1.0 - p)]
+            }
+        }
+    }
+
+    /// Finds the most likely scale values by Newton's method.
+    ///
+    /// Returns `None` for fewer than two items, or if nothing was compared.
+    #[must_use]
+    pub fn fit(self, wins: &Wins) -> Option<Scale> {
+        let items = wins.nrows();
+        if items < 2 || wins.sum() <= 0.0 {
+            return None;
+        }
+        let is_limited = !is_connected(wins);
+        // A penalty on the sum fixes the origin, which the comparisons do not.
+        let precision = if is_limited { (WEAK_SD * self.jnd()).powi(-2) } else { 0.0 };
+        let mut values = DVector::zeros(items);
+        for _ in 0..STEPS {
+            let (mut gradient, mut information) = (
+                &values * -precision,
+                DMatrix::from_element(items, items, 1.0) + DMatrix::identity(items, items) * precision,
+            );
+            for (i, j, n) in compared(wins) {
+                let [_, slope, curvature] = self.log_probability(values[i] - values[j]);
+                gradient[i] += n * slope;
+                gradient[j] -= n * slope;
+                for (a, b, sign) in [(i, i, 1.0), (j, j, 1.0), (i, j, -1.0), (j, i, -1.0)] {
+                    information[(a, b)] += sign * n * curvature;
+                }
+            }
+            let step = Cholesky::new(information)?.solve(&gradient);
+            // Far from the most likely values, a whole step could leave the region in which the model is accurate.
+            let scale = (2.0 / step.amax().max(1e-300)).min(1.0);
+            values += &step * scale;
+            if step.amax() < SMALL {
+                break;
+            }
+        }
+        let mean = values.mean();
+        let log_likelihood = compared(wins).map(|(i, j, n)| n * self.log_probability(values[i] - values[j])[0]).sum();
+        let values = values.iter().map(|value| (value - mean) / self.jnd()).collect();
+        Some(Scale { values, log_likelihood, is_limited })
+    }
+
+    /// Returns the 95 % interval of each scale value, for people like these: the standard error is that of `draws` studies
+    /// whose people are drawn from these with replacement (Efron 1979), and the quantile is that of the t distribution.
+    /// `None` for fewer than two people.
+    #[must_use]
+    pub fn intervals(self, people: &[Wins], draws: usize, rng: &mut ChaCha8Rng) -> Option<Vec<Interval>> {
+        let all = self.fit(&people.iter().sum())?;
+        if people.len() < 2 {
+            return None;
+        }
+        let mut drawn = vec![Vec::with_capacity(draws); all.values.len()];
+        for _ in 0..draws {
+            let pick = |_| &people[((u128::from(rng.next_u64()) * people.len() as u128) >> 64) as usize];
+            let study = (0..people.len()).map(pick).sum();
+            let scale = self.fit(&study).filter(|scale| !scale.is_limited || all.is_limited);
+            scale.into_iter().for_each(|scale| drawn.iter_mut().zip(scale.values).for_each(|(all, one)| all.push(one)));
+        }
+        let n = people.len() as f64;
+        let reach = t_quantile(n - 1.0) * (n / (n - 1.0)).sqrt();
+        let interval = |(value, drawn): (&f64, &Vec<f64>)| Interval::around(*value, Some(mean_and_sd(drawn).1), reach);
+        all.values.iter().zip(&drawn).map(interval).collect()
+    }
+}
+
+fn compared(wins: &Wins) -> impl Iterator<Item = (usize, usize, f64)> {
+    let items = wins.nrows();
+    let pairs = (0..items).flat_map(move |i| (0..items).map(move |j| (i, j)));
+    pairs.map(|(i, j)| (i, j, wins[(i, j)])).filter(|(.., n)| *n > 0.0)
+}
+
+/// Returns whether every item was chosen over every other, directly or through others (Ford 1957).
+fn is_connected(wins: &Wins) -> bool {
+    let reaches_all = |forward: bool| {
+        let (mut seen, mut next) = (vec![false; wins.nrows()], vec![0]);
+        while let Some(i) = next.pop() {
+            if !std::mem::replace(&mut seen[i], true) {
+                let edge = |j: &usize| if forward { wins[(i, *j)] } else { wins[(*j, i)] } > 0.0;
+                next.extend((0..wins.nrows()).filter(edge));
+            }
+        }
+        seen.into_iter().all(|seen| seen)
+    };
+    reaches_all(true) && reaches_all(false)
+}
+
+/// Comparisons that contradict each other: a over b, b over c, and c over a.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Triads {
+    /// The number of contradictions.
+    pub circular: u32,
+    /// The number of triads all of whose pairs were decided.
+    pub all: u32,
+}
+
+impl Triads {
+    /// Counts the triads of one person (Kendall & Babington Smith 1940, Biometrika 31, 324). A pair that was compared
+    /// several times is decided by the majority.
+    #[must_use]
+    pub fn of(wins: &Wins) -> Self {
+        let over = |i: usize, j: usize| wins[(i, j)] - wins[(j, i)];
+        let items = wins.nrows();
+        let (mut circular, mut all) = (0, 0);
+        for i in 0..items {
+            for j in i + 1..items {
+                for k in j + 1..items {
+                    let signs = [over(i, j), over(j, k), over(k, i)];
+                    if signs.iter().all(|sign| *sign != 0.0) {
+                        all += 1;
+                        circular +=
+                            u32::from(signs.iter().all(|sign| *sign > 0.0) || signs.iter().all(|sign| *sign < 0.0));
+                    }
+                }
+            }
+        }
+        Self { circular, all }
+    }
+}

@@ -1,0 +1,56 @@
+//! Signal detection: how well targets are told from catch trials, and how readily an observer says yes.
+
+use serde::Serialize;
+use statrs::function::erf::erfc_inv;
+
+/// The answers of a person to targets and to catch trials.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Answers {
+    /// Targets answered yes.
+    pub hits: u32,
+    /// Targets answered no.
+    pub misses: u32,
+    /// Catch trials answered yes.
+    pub false_alarms: u32,
+    /// Catch trials answered no.
+    pub correct_rejections: u32,
+}
+
+/// Sensitivity and criterion under the equal-variance model, with the log-linear correction, which adds ½ to each count
+/// (Hautus 1995, Behav. Res. Methods 27, 46), so that shares of 0 and 1 stay finite.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Detection {
+    /// d′ = z(H) − z(F): the distance between targets and catch trials, in standard deviations of the noise.
+    pub d_prime: f64,
+    /// Its standard error (Gourevitch & Galanter 1967, Psychometrika 32, 25).
+    pub d_prime_se: f64,
+    /// c = −(z(H) + z(F))/2: above 0 if the observer says yes less readily than an unbiased one.
+    pub criterion: f64,
+    /// Its standard error.
+    pub criterion_se: f64,
+}
+
+/// Returns z(p), the quantile of the standard normal distribution.
+fn quantile(p: f64) -> f64 {
+    -std::f64::consts::SQRT_2 * erfc_inv(2.0 * p)
+}
+
+impl Answers {
+    /// Returns sensitivity and criterion; `None` without targets or without catch trials.
+    #[must_use]
+    pub fn detection(&self) -> Option<Detection> {
+        let [targets, catches] = [self.hits + self.misses, self.false_alarms + self.correct_rejections];
+        if targets == 0 || catches == 0 {
+            return None;
+        }
+        let share = |yes: u32, all: u32| (f64::from(yes) + 0.5) / (f64::from(all) + 1.0);
+        let (hit, false_alarm) = (share(self.hits, targets), share(self.false_alarms, catches));
+        let (h, f) = (quantile(hit), quantile(false_alarm));
+        let variance = |p: f64, z: f64, n: u32| {
+            let density = (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt();
+            p * (1.0 - p) / (f64::from(n) * density * density)
+        };
+        let se = (variance(hit, h, targets) + variance(false_alarm, f, catches)).sqrt();
+        Some(Detection { d_prime: h - f, d_prime_se: se, criterion: -0.5 * (h + f), criterion_se: 0.5 * se })
+    }
+}

@@ -1,0 +1,59 @@
+//! Settings of a value: the method of adjustment, and ratings on a continuous scale.
+
+use serde::Serialize;
+
+use crate::statistics::{Interval, mean_and_sd};
+
+/// The settings of a person in a condition.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Settings {
+    /// The mean.
+    pub mean: f64,
+    /// The standard deviation between settings; 0 for a single one.
+    pub sd: f64,
+    /// The number of settings.
+    pub n: usize,
+    /// The mean of those that began above, minus the mean of those that began below; `None` without both.
+    pub direction: Option<f64>,
+}
+
+impl Settings {
+    /// Summarizes settings, each with whether it began above; `None` if there are none. The values are on the scale to
+    /// summarize on: logarithms, if ratios matter.
+    #[must_use]
+    pub fn of(settings: &[(f64, Option<bool>)]) -> Option<Self> {
+        let values: Vec<f64> = settings.iter().map(|(value, _)| *value).collect();
+        let from = |above: bool| {
+            let own: Vec<f64> =
+                settings.iter().filter(|(_, from)| *from == Some(above)).map(|(value, _)| *value).collect();
+            (!own.is_empty()).then(|| mean_and_sd(&own).0)
+        };
+        let (mean, sd) = mean_and_sd(&values);
+        let direction = from(true).zip(from(false)).map(|(above, below)| above - below);
+        let sd = if values.len() > 1 { sd } else { 0.0 };
+        (!values.is_empty()).then_some(Self { mean, sd, n: values.len(), direction })
+    }
+}
+
+/// A mean over people with its 95 % t interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct OverPeople {
+    /// The mean of the people's values.
+    pub mean: f64,
+    /// Its interval; `None` for fewer than two people, or if all have the same value.
+    pub interval: Option<Interval>,
+    /// The number of people.
+    pub people: usize,
+}
+
+impl OverPeople {
+    /// Averages one value of each person; `None` if there are none.
+    #[must_use]
+    pub fn of(values: &[f64]) -> Option<Self> {
+        (!values.is_empty()).then(|| Self {
+            mean: mean_and_sd(values).0,
+            interval: Interval::of_mean(values),
+            people: values.len(),
+        })
+    }
+}
