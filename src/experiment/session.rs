@@ -56,7 +56,7 @@ pub enum Effect {
     /// Only show the current state.
     None,
     /// Store this on disk and reply with [`Event::Stored`]. Until then, no further stimulus is shown.
-    Record(TrialResponse),
+    Record(Box<TrialResponse>),
 }
 
 /// What the screen shows. Times are measured from the session's start.
@@ -462,11 +462,11 @@ impl Session {
                 }
                 _ => self.frames += 1,
             },
-            State::Gap { since, recovery, next, first } => {
-                if self.is_over(now.saturating_sub(since), self.protocol().gap_duration()) {
-                    self.frames += 1;
-                    self.state = State::Stimulus { onset: now, recovery, interval: next, first };
-                }
+            State::Gap { since, recovery, next, first }
+                if self.is_over(now.saturating_sub(since), self.protocol().gap_duration()) =>
+            {
+                self.frames += 1;
+                self.state = State::Stimulus { onset: now, recovery, interval: next, first };
             }
             State::Closing { since } if self.is_recovered(since, now) => self.state = State::Done,
             _ => {}
@@ -581,7 +581,7 @@ impl Session {
             dropped_frames: judged.then_some(self.dropped),
         };
         self.after(trial, now);
-        Effect::Record(response)
+        Effect::Record(Box::new(response))
     }
 
     /// Notes that a trial is answered. Trials before it that were left out stay in `missing`, because an answer that is

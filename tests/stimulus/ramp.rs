@@ -133,7 +133,7 @@ prop_compose! {
         (low, high) in luminances(), color in color(), color_high in prop::option::of(color()),
         space in prop::sample::select(RampSpace::ALL),
     ) -> MachBand {
-        MachBand { width, depth, tanh_k, orientation_deg, low, high, color, color_high, space }
+        MachBand { width, depth, tanh_k, orientation_deg, low, high, color, color_high, space, rounding: 0.0, nulling: 0.0 }
     }
 }
 

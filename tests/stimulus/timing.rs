@@ -243,7 +243,7 @@ impl Sitting {
         if let Some(event) = event
             && let Effect::Record(row) = self.session.step(event, now)
         {
-            self.rows.push(row);
+            self.rows.push(*row);
             self.session.step(Event::Stored, now);
         }
         self.session.step(Event::Frame, now);

@@ -192,7 +192,7 @@ impl Driver {
         match self.session.step(event, self.now) {
             Effect::None => false,
             Effect::Record(response) => {
-                self.records.push(response);
+                self.records.push(*response);
                 true
             }
         }

@@ -262,7 +262,7 @@ fn staircases_follow_their_rules() {
     let low = Common { easier: "low".parse().unwrap(), ..common.clone() };
     assert_eq!(run(&weighted, &low, "110").0, [11.0, 12.0, 9.0]);
     // On a logarithmic scale, steps are ratios; levels stay within their range.
-    let log = Staircase { down: 1, start: 1.0, low: 0.5, high: 2.0, steps: vec![0.301_029_995_663_981_2], ..stairs };
+    let log = Staircase { down: 1, start: 1.0, low: 0.5, high: 2.0, steps: vec![std::f64::consts::LOG10_2], ..stairs };
     assert_eq!(run(&log, &Common::default(), "110001").0, [0.5, 0.5, 1.0, 2.0, 2.0, 1.0]);
 }
 
@@ -348,8 +348,8 @@ fn bad_tasks_are_named_with_their_place() {
         ),
         (format!("{DEPTHS}[task]\nkind = \"adjust\"\n"), "10:2", "task.parameter is missing; expected one of width"),
         (format!("{DEPTHS}[task]\nkind = \"adjust\"\nparameter = \"depth\"\n"), "12:1", "depth is a factor"),
-        (format!("[task]\nkind = \"adjust\"\nparameter = \"width\"\nlow = 0.5\nhigh = 7\n"), "10:1", "width 7"),
-        (format!("[task]\nkind = \"rating\"\nscale = \"dial\"\n"), "8:1", "scale"),
+        ("[task]\nkind = \"adjust\"\nparameter = \"width\"\nlow = 0.5\nhigh = 7\n".to_owned(), "10:1", "width 7"),
+        ("[task]\nkind = \"rating\"\nscale = \"dial\"\n".to_owned(), "8:1", "scale"),
         (format!("{CHOICE}[adaptive]\nparameter = \"width\"\n"), "9:2", "adaptive.method is missing"),
         (
             format!("{CHOICE}[adaptive]\nmethod = \"quest\"\n"),

@@ -1,6 +1,7 @@
 //! Tables for the documentation, timings and long runs: `cargo run --release -p tools -- COMMAND`.
 
 mod calibration;
+mod efficiency;
 mod facts;
 mod package;
 mod peers;
@@ -33,6 +34,8 @@ enum Tool {
         #[arg(long)]
         verbose: bool,
     },
+    /// Print the tables of docs/tasks.md: how many trials each adaptive method needs.
+    Efficiency,
     /// Print how well the ordinal models recover known effects in simulated studies: bias, standard errors, coverage of
     /// the 95 % intervals, type I error.
     Coverage {
@@ -87,6 +90,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     match Tool::parse() {
         Tool::Residuals => residuals::residuals(),
         Tool::Creases => shaders::creases(),
+        Tool::Efficiency => {
+            efficiency::print();
+            Ok(())
+        }
         Tool::Facts => facts::run(),
         Tool::Thresholds { fit, verbose } => tools::thresholds::run(fit, verbose),
         Tool::Coverage { studies, seed } => tools::coverage::run(studies, seed).map_err(|fault| fault as _),

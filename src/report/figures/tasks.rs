@@ -52,11 +52,14 @@ pub(crate) fn psychometric(curves: &[Curve], range: [f64; 2], axis: &str, captio
     }))
 }
 
+/// The estimates of one person or condition at each place, with their intervals, and its name.
+pub(crate) type Estimates = (String, Vec<Option<(f64, Option<Interval>)>>);
+
 /// Draws `name`: estimates with their intervals, one for each place, in one series for each person or condition.
 pub(crate) fn estimates(
     name: &'static str,
     places: &[String],
-    series: &[(String, Vec<Option<(f64, Option<Interval>)>>)],
+    series: &[Estimates],
     (title, axis, caption): (&str, &str, String),
 ) -> Option<Figure> {
     let ends = series.iter().flat_map(|(_, all)| all.iter().flatten());

@@ -10,10 +10,9 @@ use crate::{
         document::numbers::count,
         figures::{
             Figure,
-            tasks::{Curve, estimates, psychometric},
+            tasks::{Curve, Estimates, estimates, psychometric},
         },
     },
-    statistics::Interval,
 };
 
 /// Number of levels at which a function is drawn.
@@ -84,7 +83,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
             let fit = function.fit.as_ref().ok()?;
             Some((fit.estimate.threshold, Some(fit.threshold)))
         };
-        let mut all: Vec<Option<(f64, Option<Interval>)>> = (0..study.people.len()).map(own).collect();
+        let mut all: Vec<_> = (0..study.people.len()).map(own).collect();
         let of_people = results.populations.iter().find(|(of, _)| *of == condition);
         all.push(of_people.map(|(_, population)| (population.mean, population.interval)));
         (study.name(condition), all)
@@ -100,10 +99,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
 }
 
 /// Returns the estimates of each condition, one for each person and at last their mean.
-fn by_person(
-    study: &TaskStudy,
-    value: impl Fn(usize, usize) -> Option<f64>,
-) -> Vec<(String, Vec<Option<(f64, Option<Interval>)>>)> {
+fn by_person(study: &TaskStudy, value: impl Fn(usize, usize) -> Option<f64>) -> Vec<Estimates> {
     let condition = |condition: usize| {
         let own: Vec<Option<f64>> = (0..study.people.len()).map(|person| value(condition, person)).collect();
         let known: Vec<f64> = own.iter().flatten().copied().collect();

@@ -154,15 +154,18 @@ fn comparisons(study: &TaskStudy, seed: u64) -> Option<Comparisons> {
     Some(Comparisons { people, scales, intervals, own, triads })
 }
 
+/// Settings, each with whether it began above.
+type Values = Vec<(f64, Option<bool>)>;
+
 fn settings(study: &TaskStudy) -> Vec<PersonSettings> {
     let log = study.protocol.task.dial().is_some_and(|dial| dial.log);
-    let mut all: BTreeMap<(usize, usize), Vec<(f64, Option<bool>)>> = BTreeMap::new();
+    let mut all: BTreeMap<(usize, usize), Values> = BTreeMap::new();
     for trial in &study.trials {
         let TaskAnswered::Set { value, from_above } = trial.answer else { continue };
         let value = if log { value.log10() } else { value };
         all.entry((trial.condition, trial.person)).or_default().push((value, from_above));
     }
-    let one = |((condition, person), values): ((usize, usize), Vec<_>)| {
+    let one = |((condition, person), values): ((usize, usize), Values)| {
         Some(PersonSettings { person, condition, settings: Settings::of(&values)? })
     };
     all.into_iter().filter_map(one).collect()
