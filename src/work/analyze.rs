@@ -103,7 +103,7 @@ impl Analyze {
     /// The sessions cannot be read, they have different definitions, or an option applies to ratings only.
     pub fn read_task(&self) -> anyhow::Result<Option<TaskStudy>> {
         let paths = &self.ratings.paths;
-        let Some(task) = paths.first().map(|path| TaskStudy::task_at(path)).transpose()?.flatten() else {
+        let Some(task) = paths.first().and_then(|path| TaskStudy::task_at(path)) else {
             return Ok(None);
         };
         let other = changed(self).into_iter().find(|(option, _)| !OF_TASKS.contains(&option.as_str()));

@@ -134,6 +134,14 @@ impl Plan {
     /// A file cannot be read, an effect or a term does not exist, there is nothing to test, or the study is too large.
     pub fn plan(&self, watcher: &dyn Watcher) -> anyhow::Result<Planned> {
         let protocol = definition::open(&self.experiment)?;
+        if !protocol.task.is_default() {
+            let message = format!(
+                "{} has the task {}; expected a rating on a scale of categories (docs/tasks.md says how many trials a threshold needs)",
+                protocol.name,
+                protocol.task.name()
+            );
+            return Err(RequestError::whole(message).into());
+        }
         let (observer, name) = match &self.observer_file {
             Some(path) => (observer::open(path)?, path.display().to_string()),
             None => (observer::parse("paper.toml", observer::PAPER)?, "paper".to_owned()),

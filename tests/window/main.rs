@@ -16,6 +16,7 @@ mod harness;
 #[path = "../app/window.rs"]
 mod pane;
 mod start;
+mod tasks;
 
 use std::{
     collections::{BTreeMap, BTreeSet},

@@ -1,6 +1,11 @@
 //! Analyses of tasks with right and wrong answers, comparisons and settings: psychometric functions of one person and of
-//! many, detection, scales from paired comparisons, and adjustments. All are functions of numbers.
+//! many, detection, scales from paired comparisons, and adjustments. All are functions of numbers, and randomness is an
+//! argument.
 
+pub mod adjustment;
+pub mod detection;
+pub mod means;
 mod numeric;
 pub mod population;
 pub mod psychometric;
+pub mod scaling;

@@ -50,30 +50,9 @@ pub struct Person {
     /// The standard deviation of t_i given the same.
     pub se: f64,
     /// What the person contributes to μ, which is the mean of the contributions: not shrunken, so that contributions can
-    /// be compared between conditions. It is no estimate of the person's threshold where people have unequal numbers of
+    /// be compared between conditions ([`Mean::of_differences`](super::means::Mean::of_differences)). It is no estimate of the person's threshold where people have unequal numbers of
     /// trials.
     pub contribution: f64,
-}
-
-/// The mean of paired differences between two conditions.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Difference {
-    /// The mean of the first condition minus that of the second, on the scale of x.
-    pub mean: f64,
-    /// Its 95 % t interval; `None` for fewer than two people.
-    pub interval: Option<Interval>,
-    /// Number of people.
-    pub people: usize,
-}
-
-impl Difference {
-    /// Compares values of the same people in two conditions, such as [`Person::contribution`]: each pair is one person.
-    #[must_use]
-    pub fn new(pairs: &[(f64, f64)]) -> Self {
-        let differences: Vec<f64> = pairs.iter().map(|(first, second)| first - second).collect();
-        let (mean, _) = mean_and_sd(&differences);
-        Self { mean, interval: Interval::of_mean(&differences), people: pairs.len() }
-    }
 }
 
 /// Fits a population; each person has points. The model's `overdispersed` has no effect, because people's answers vary

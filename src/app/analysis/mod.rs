@@ -10,5 +10,6 @@ mod page;
 mod query;
 mod questions;
 mod table;
+mod task;
 
 pub use page::Analysis;

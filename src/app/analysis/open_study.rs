@@ -445,7 +445,7 @@ fn problems(ui: &mut egui::Ui, title: &str, problems: &[FileError], color: egui:
 }
 
 /// Makes the page dense, with small text and thin scroll bars.
-fn dense(ui: &mut egui::Ui) {
+pub(super) fn dense(ui: &mut egui::Ui) {
     theme::compact(ui);
     ui.spacing_mut().scroll = egui::style::ScrollStyle::thin();
 }

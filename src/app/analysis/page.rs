@@ -7,13 +7,14 @@ use eframe::egui::{self, Key};
 use super::{
     open_study::{OpenStudy, Request},
     questions::{CategoryOrder, Columns},
+    task::{OpenTask, TaskDocument},
 };
 use crate::{
     app::ui::{
         Dialog, Field, FileKind, Step, escaped, heading, hint, page_from, paragraph, section, show_error,
         work::{BackgroundTask, Progress},
     },
-    report::{Study, StudyError},
+    report::Study,
     system::{entries, unless_missing},
     work::{Analyze, Ratings},
 };
@@ -37,6 +38,25 @@ pub struct Analysis {
     /// The files and folders opened last, and how they are read.
     asked: Analyze,
     open: Option<Box<OpenStudy>>,
+    /// The results of a task other than a rating.
+    task: Option<Box<OpenTask>>,
+}
+
+/// What was read.
+enum Read {
+    Ratings(Box<Study>),
+    Task(TaskDocument),
+}
+
+/// Reads what is asked for: ratings, or the answers to another task, which are analyzed at once.
+fn read(asked: &Analyze) -> Result<Read, String> {
+    match asked.read_task() {
+        Ok(Some(study)) => Ok(Read::Task(TaskDocument::of(&study, asked))),
+        Ok(None) => {
+            asked.read_unordered().map(|study| Read::Ratings(study.into())).map_err(|errors| errors.to_string())
+        }
+        Err(error) => Err(error.to_string()),
+    }
 }
 
 /// Files that are being read.
@@ -44,7 +64,7 @@ struct Pending {
     asked: Analyze,
     /// Whether the files that are already open are read again with other options.
     again: bool,
-    work: BackgroundTask<Result<Study, StudyError>>,
+    work: BackgroundTask<Result<Read, String>>,
 }
 
 impl Analysis {
@@ -77,7 +97,7 @@ impl Analysis {
         self.dialog.forget();
         (self.error, self.order) = (None, None);
         let request = asked.clone();
-        let work = BackgroundTask::start(ctx, move || request.read_unordered());
+        let work = BackgroundTask::start(ctx, move || read(&request));
         self.reading = Some(Pending { asked, again, work });
     }
 
@@ -101,6 +121,12 @@ impl Analysis {
         self.take_study();
         // While its files are read again, the study stays in view.
         let is_reading = self.reading.as_ref().is_some_and(|pending| !pending.again);
+        if let Some(task) = self.task.as_mut().filter(|_| !is_reading) {
+            if task.show(ui) || escaped {
+                self.task = None;
+            }
+            return Step::Stay;
+        }
         let open = self.open.as_mut().filter(|_| self.columns.is_none() && !is_reading);
         let back = match open.map(|open| open.show(ui)) {
             None => self.show_start(ui, recent),
@@ -128,12 +154,17 @@ impl Analysis {
         let Some(pending) = &self.reading else { return };
         let read = match pending.work.poll() {
             Progress::Running => return,
-            Progress::Done(read) => read.map_err(|errors| errors.to_string()),
+            Progress::Done(read) => read,
             Progress::Lost => Err("The files could not be read: reading ended unexpectedly".to_owned()),
         };
         let Some(Pending { asked, again, .. }) = self.reading.take() else { return };
         match read {
-            Ok(study) => {
+            Ok(Read::Task(document)) => {
+                (self.columns, self.open) = (None, None);
+                self.task = Some(Box::new(OpenTask::new(document, &asked)));
+            }
+            Ok(Read::Ratings(study)) => {
+                let study = *study;
                 self.columns = None;
                 let before = self.open.take().filter(|_| again);
                 self.order = CategoryOrder::needed(&study, &asked.ratings);

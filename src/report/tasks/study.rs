@@ -10,7 +10,7 @@ use crate::{
         Phase, Protocol, TrialRecord,
         task::{Measures, Task},
     },
-    store::{FileError, FileErrors, StoreError, definition, ratings::Listed, recorded::Recorded, sidecar::Sidecar},
+    store::{FileError, FileErrors, definition, ratings::Listed, recorded::Recorded, sidecar::Sidecar},
 };
 
 /// The answers to a task.
@@ -74,19 +74,15 @@ pub enum TaskAnswered {
 }
 
 impl TaskStudy {
-    /// Returns the definition of the first session at a path if its task is no rating on a scale of categories.
-    ///
-    /// # Errors
-    /// The path cannot be read.
-    pub fn task_at(path: &Path) -> Result<Option<Task>, StoreError> {
+    /// Returns the task of the first session at a path if it is no rating on a scale of categories.
+    #[must_use]
+    pub fn task_at(path: &Path) -> Option<Task> {
         let listed = Listed::sessions(path);
-        let sidecar = listed.files.first().map(|csv| csv.with_extension("json"));
-        let Some((path, sidecar)) = sidecar.and_then(|path| Some((path.clone(), Sidecar::read(&path).transpose()?)))
-        else {
-            return Ok(None);
-        };
-        let protocol = definition::from_json(&path.display().to_string(), &sidecar?.definition)?;
-        Ok(Some(protocol.task.clone()).filter(|task| !task.is_default()))
+        let path = listed.files.first()?.with_extension("json");
+        // What is wrong with a sidecar, or that the file beside the data is none, is told when the data are read.
+        let sidecar = Sidecar::read(&path).ok().flatten()?;
+        let protocol = definition::from_json(&path.display().to_string(), &sidecar.definition).ok()?;
+        Some(protocol.task.clone()).filter(|task| !task.is_default())
     }
 
     /// Reads the sessions at these paths, without the participants in `exclude`. Sessions with errors are left out and

@@ -1,0 +1,31 @@
+//! Means over people.
+
+use serde::Serialize;
+
+use crate::statistics::{Interval, mean_and_sd};
+
+/// The mean of one value of each person.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Mean {
+    /// The mean, in the unit of the values; NaN without people.
+    pub mean: f64,
+    /// Its 95 % t interval; `None` for fewer than two people, or if all values are the same.
+    pub interval: Option<Interval>,
+    /// Number of people.
+    pub people: usize,
+}
+
+impl Mean {
+    /// Returns the mean of one value of each person.
+    #[must_use]
+    pub fn new(values: &[f64]) -> Self {
+        Self { mean: mean_and_sd(values).0, interval: Interval::of_mean(values), people: values.len() }
+    }
+
+    /// Returns the mean difference of the same people's values in two conditions, the first minus the second. Each pair
+    /// is one person.
+    #[must_use]
+    pub fn of_differences(pairs: &[(f64, f64)]) -> Self {
+        Self::new(&pairs.iter().map(|(first, second)| first - second).collect::<Vec<_>>())
+    }
+}
