@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::statistics::{Interval, mean_and_sd};
+use crate::statistics::mean_and_sd;
 
 /// The settings of a person in a condition.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -32,28 +32,5 @@ impl Settings {
         let direction = from(true).zip(from(false)).map(|(above, below)| above - below);
         let sd = if values.len() > 1 { sd } else { 0.0 };
         (!values.is_empty()).then_some(Self { mean, sd, n: values.len(), direction })
-    }
-}
-
-/// A mean over people with its 95 % t interval.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct OverPeople {
-    /// The mean of the people's values.
-    pub mean: f64,
-    /// Its interval; `None` for fewer than two people, or if all have the same value.
-    pub interval: Option<Interval>,
-    /// The number of people.
-    pub people: usize,
-}
-
-impl OverPeople {
-    /// Averages one value of each person; `None` if there are none.
-    #[must_use]
-    pub fn of(values: &[f64]) -> Option<Self> {
-        (!values.is_empty()).then(|| Self {
-            mean: mean_and_sd(values).0,
-            interval: Interval::of_mean(values),
-            people: values.len(),
-        })
     }
 }

@@ -7,7 +7,8 @@ use machband::{
     analysis::{
         comparisons::{Scaling, Triads, Wins},
         detection::Answers,
-        settings::{OverPeople, Settings},
+        settings::Settings,
+        tasks::means::Mean,
     },
     statistics::Interval,
 };
@@ -138,7 +139,7 @@ fn settings_are_averaged_over_people() {
     let studies: Vec<(Interval, f64)> = (0..2000)
         .map(|_| {
             let values: Vec<f64> = (0..5).map(|_| 0.7 + 0.3 * normal(&mut rng)).collect();
-            (OverPeople::of(&values).unwrap().interval.unwrap(), 0.7)
+            (Mean::new(&values).interval.unwrap(), 0.7)
         })
         .collect();
     assert!((0.93..=0.97).contains(&covered(&studies)), "{}", covered(&studies));

@@ -1,11 +1,12 @@
 //! The charts of a task.
 
 use super::{
+    further::over_people,
     results::{TaskResults, model},
     study::TaskStudy,
 };
 use crate::{
-    analysis::{settings::OverPeople, tasks::psychometric::Estimate},
+    analysis::tasks::psychometric::Estimate,
     report::{
         document::numbers::count,
         figures::{
@@ -104,7 +105,7 @@ fn by_person(study: &TaskStudy, value: impl Fn(usize, usize) -> Option<f64>) -> 
         let own: Vec<Option<f64>> = (0..study.people.len()).map(|person| value(condition, person)).collect();
         let known: Vec<f64> = own.iter().flatten().copied().collect();
         let mut all: Vec<_> = own.into_iter().map(|own| Some((own?, None))).collect();
-        all.push(OverPeople::of(&known).map(|mean| (mean.mean, mean.interval)));
+        all.push(over_people(&known).map(|mean| (mean.mean, mean.interval)));
         (study.name(condition), all)
     };
     (0..study.protocol.conditions().len()).map(condition).collect()

@@ -6,7 +6,7 @@ use super::{
     study::TaskStudy,
 };
 use crate::{
-    analysis::settings::OverPeople,
+    analysis::tasks::means::Mean,
     experiment::task::Dial,
     report::{
         document::{
@@ -30,6 +30,11 @@ pub(super) fn summary(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
     all
 }
 
+/// Averages one value of each person; `None` if there are none.
+pub(super) fn over_people(values: &[f64]) -> Option<Mean> {
+    (!values.is_empty()).then(|| Mean::new(values))
+}
+
 fn with_interval(value: &Shown, interval: Option<Interval>, format: impl Fn(f64) -> Shown) -> String {
     let interval = interval.map(|i| format!(" (95\u{a0}% interval {} to {})", format(i.low), format(i.high)));
     format!("{value}{}", interval.unwrap_or_default())
@@ -37,7 +42,7 @@ fn with_interval(value: &Shown, interval: Option<Interval>, format: impl Fn(f64)
 
 fn sensitivity(study: &TaskStudy, results: &TaskResults, condition: usize) -> Option<String> {
     let own = results.detection.iter().filter(|own| own.condition == condition);
-    let found = OverPeople::of(&own.filter_map(|own| Some(own.answers.detection()?.d_prime)).collect::<Vec<_>>())?;
+    let found = over_people(&own.filter_map(|own| Some(own.answers.detection()?.d_prime)).collect::<Vec<_>>())?;
     let two = |value: f64| fixed(value, 2);
     let value = with_interval(&two(found.mean), found.interval, two);
     Some(format!("The sensitivity d′{} is {value} on average over people.", named(study, condition)))
@@ -76,7 +81,7 @@ fn shown(dial: &Dial, value: f64) -> Shown {
 
 fn setting(study: &TaskStudy, results: &TaskResults, dial: &Dial, condition: usize) -> Option<String> {
     let own = results.settings.iter().filter(|own| own.condition == condition);
-    let found = OverPeople::of(&own.map(|own| own.settings.mean).collect::<Vec<_>>())?;
+    let found = over_people(&own.map(|own| own.settings.mean).collect::<Vec<_>>())?;
     let value = with_interval(&shown(dial, found.mean), found.interval, |end| shown(dial, end));
     let what = dial.parameter.as_deref().unwrap_or("the rating");
     let mean = if dial.log { "geometric mean" } else { "mean" };
@@ -88,9 +93,9 @@ fn direction(results: &TaskResults, dial: &Dial) -> Option<String> {
     let people = results.settings.iter().map(|own| own.person).max()? + 1;
     let of_person = |person: usize| {
         let own = results.settings.iter().filter(|own| own.person == person);
-        OverPeople::of(&own.filter_map(|own| own.settings.direction).collect::<Vec<_>>()).map(|own| own.mean)
+        over_people(&own.filter_map(|own| own.settings.direction).collect::<Vec<_>>()).map(|own| own.mean)
     };
-    let found = OverPeople::of(&(0..people).filter_map(of_person).collect::<Vec<_>>())?;
+    let found = over_people(&(0..people).filter_map(of_person).collect::<Vec<_>>())?;
     let interval = found.interval?;
     let format = |value: f64| if dial.log { fixed(f64::powf(10.0, value), 2) } else { fixed(value, 3) };
     let value = with_interval(&format(found.mean), Some(interval), format);

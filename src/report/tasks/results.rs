@@ -12,7 +12,8 @@ use crate::{
         detection::Answers,
         settings::Settings,
         tasks::{
-            population::{self, Difference, Population},
+            means::Mean,
+            population::{self, Population},
             psychometric::{self, Fit, FitError, GoodnessOfFit, Guess, Model, Point},
         },
     },
@@ -28,7 +29,7 @@ pub struct TaskResults {
     /// The thresholds of people, by condition.
     pub populations: Vec<(usize, Population)>,
     /// Differences between the thresholds of two conditions that the same people saw.
-    pub differences: Vec<([usize; 2], Difference)>,
+    pub differences: Vec<([usize; 2], Mean)>,
     /// Hits and false alarms of each person and condition.
     pub detection: Vec<PersonAnswers>,
     /// The scale of comparisons.
@@ -225,7 +226,7 @@ fn populations(study: &TaskStudy, functions: &[PersonFunction], model: &Model) -
 }
 
 /// Compares the conditions whose people are the same.
-fn differences(populations: &[(usize, Population)], functions: &[PersonFunction]) -> Vec<([usize; 2], Difference)> {
+fn differences(populations: &[(usize, Population)], functions: &[PersonFunction]) -> Vec<([usize; 2], Mean)> {
     let of = |condition: usize| -> Vec<usize> {
         functions.iter().filter(|function| function.condition == condition).map(|function| function.person).collect()
     };
@@ -233,7 +234,7 @@ fn differences(populations: &[(usize, Population)], functions: &[PersonFunction]
         populations.iter().enumerate().flat_map(|(i, one)| populations[i + 1..].iter().map(move |two| (one, two)));
     let compared = pairs.filter(|(one, two)| of(one.0) == of(two.0)).map(|((one, first), (two, second))| {
         let values = first.people.iter().zip(&second.people).map(|(a, b)| (a.contribution, b.contribution));
-        ([*one, *two], Difference::new(&values.collect::<Vec<_>>()))
+        ([*one, *two], Mean::of_differences(&values.collect::<Vec<_>>()))
     });
     compared.collect()
 }
