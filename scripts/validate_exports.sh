@@ -26,6 +26,12 @@ run machband simulate examples/quick-ja.toml --participants 1 --results "$result
 grep -q $'^sub-S001\t27\tother\t' "$results/quick-ja/participants.tsv"
 # A task with shaded meshes.
 run machband simulate shaders --participants 1 --results "$results"
+# Every other task.
+run machband simulate threshold-width --participants 2 --results "$results"
+run machband simulate pairs-shaders --participants 1 --results "$results"
+for task in yes-no nulling slider; do
+    run machband simulate "examples/tasks/$task.toml" --participants 2 --results "$results"
+done
 for format in bids psych-ds; do
     run machband export "$results" --format "$format" --out "$folder/$format"
 done

@@ -10,10 +10,10 @@ use std::{
 use rayon::prelude::*;
 use serde::{Serialize, Serializer};
 
-use super::{Image, Watcher, request::paths};
+use super::{Image, RequestError, Watcher, request::paths};
 use crate::{
     experiment::Condition,
-    stimulus::recipe::Recipe,
+    stimulus::{Stimulus, recipe::Recipe},
     store::{Writer, definition, manifest::Manifest},
 };
 
@@ -92,6 +92,10 @@ impl RenderAll {
     /// The definition or the display profile cannot be read, or a file cannot be written.
     pub fn render(&self, out: &Path, writer: &Writer, watcher: &dyn Watcher) -> anyhow::Result<Rendered> {
         let protocol = definition::open(&self.experiment)?;
+        if let Stimulus::Image(_) = protocol.stimulus {
+            let message = format!("{} shows pictures that are files already; expected stimuli to draw", protocol.name);
+            return Err(RequestError::whole(message).into());
+        }
         let conditions = protocol.conditions();
         let like = self.image.recipe(protocol.stimulus.clone(), watcher)?;
         let of = |condition: &Condition| Recipe { stimulus: condition.stimulus.clone(), ..like.clone() };

@@ -27,11 +27,12 @@ use crate::common::MACHBAND;
 pub const SEED: u64 = 7;
 
 /// Short sessions that differ in structure: one with an extra column and a color that needs quotes, one with
-/// repetitions and no practice, and one with a single trial.
-pub const DEFINITIONS: [&str; 3] = [
+/// repetitions and no practice, one with a single trial, and one whose levels follow from the answers.
+pub const DEFINITIONS: [&str; 4] = [
     "schema = 1\nname = \"small-one\"\ntitle = \"Small\"\n[stimulus]\nkind = \"mach-band\"\ncolor = \"1,0.5,0\"\n[factors]\nwidth = [0.1, 0.4]\ntanh_k = [5, 7.5]\n[design]\npractice = 2\n",
     "schema = 1\nname = \"twice\"\ntitle = \"Twice\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\ndepth = [1, \"inf\"]\norientation_deg = [0, 90]\n[design]\nrepetitions = 2\n",
     "schema = 1\nname = \"single\"\ntitle = \"Single\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.3]\n",
+    "schema = 1\nname = \"adaptive\"\ntitle = \"Adaptive\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\norientation_deg = [0, 90]\n[design]\npractice = 1\n[task]\nkind = \"choice\"\nreference = { depth = \"inf\" }\n[adaptive]\nmethod = \"quest-plus\"\nparameter = \"width\"\nlevels = [0.01, 0.02, 0.04, 0.08, 0.16]\ntrials = 5\n",
 ];
 
 pub fn protocol(index: usize) -> Protocol {
@@ -133,7 +134,7 @@ fn print_line(line: &str) {
 /// A session whose files have been created or opened.
 struct Begun {
     store: SessionStore,
-    schedule: Schedule,
+    course: Course,
     resumed: Resumed,
     elapsed: Duration,
     sitting: u32,
@@ -144,17 +145,12 @@ fn begin(protocol: &Protocol, results: &Path, resume: bool) -> Result<Begun, Sto
         let (store, found) =
             SessionStore::resume(results, protocol, &identity(), Some(SEED), sitting(), Changes::Refuse)?;
         let (resumed, elapsed) = (found.resumed, Duration::from_secs_f64(found.elapsed_s));
-        return Ok(Begun {
-            store,
-            schedule: found.course.schedule().clone(),
-            resumed,
-            elapsed,
-            sitting: found.sitting,
-        });
+        return Ok(Begun { store, course: found.course, resumed, elapsed, sitting: found.sitting });
     }
     let store = SessionStore::create(results, protocol, &identity(), SEED, sitting())?;
     let schedule = Schedule::new(protocol, &identity(), SEED).unwrap();
-    Ok(Begun { store, schedule, resumed: Resumed::default(), elapsed: Duration::ZERO, sitting: 1 })
+    let course = Course::new(protocol.clone(), schedule);
+    Ok(Begun { store, course, resumed: Resumed::default(), elapsed: Duration::ZERO, sitting: 1 })
 }
 
 /// Rates every remaining trial, until `record` returns an error. Returns the store and whether the session was
@@ -164,10 +160,11 @@ fn rate(
     begun: Begun,
     mut record: impl FnMut(&mut SessionStore, &TrialRecord) -> Result<(), ()>,
 ) -> (SessionStore, bool) {
-    let Begun { mut store, schedule, resumed, elapsed, sitting } = begun;
+    let Begun { mut store, course, resumed, elapsed, sitting } = begun;
+    let schedule = course.schedule().clone();
     let (identity, origin) = (identity(), Timestamp::now() - elapsed);
     let options = SessionOptions { pages: 0, frames: FrameCount::Off };
-    let mut session = Session::new(Course::new(protocol.clone(), schedule.clone()), &resumed, options);
+    let mut session = Session::new(course, &resumed, options);
     let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting };
     let rated = simulate(&mut session, &OrderedLogit::default(), &identity, elapsed, |response| {
         record(&mut store, &TrialRecord::new(&context, response, origin + response.onset))

@@ -154,7 +154,7 @@ impl Sweep {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(number as u64);
         let rng = &mut rng;
-        let definition = pick(rng, &[0, 0, 1, 1, 2]);
+        let definition = pick(rng, &[0, 0, 1, 1, 2, 3, 3]);
         let rows = pick(rng, &[None, None, Some(0), Some(2), Some(4)]).filter(|rows| *rows < 4 || definition != 2);
         let rows = rows.map(|rows| rows.min(self.planned[definition].len() - 1));
         let before = Before {

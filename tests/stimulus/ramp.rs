@@ -218,8 +218,7 @@ fn parameters_are_set_and_read_by_name() {
         let parameters = stimulus.parameters().iter();
         parameters.map(|p| format!("{}={}", p.name, stimulus.get(p.name).unwrap())).collect::<Vec<_>>().join(" ")
     };
-    let defaults =
-        "width=0.4 depth=1 tanh_k=5 orientation_deg=0 low=0.25 high=0.75 color=yellow color_high=same space=rgb";
+    let defaults = "width=0.4 depth=1 tanh_k=5 orientation_deg=0 low=0.25 high=0.75 color=yellow color_high=same space=rgb rounding=0 nulling=0";
     assert_eq!(read(&stimulus), defaults);
     // Every suggested level can be set and reads back as it was written.
     for parameter in stimulus.parameters() {

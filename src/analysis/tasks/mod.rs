@@ -4,8 +4,11 @@
 
 pub mod adjustment;
 pub mod detection;
+mod likelihood;
 pub mod means;
+mod model;
 mod numeric;
 pub mod population;
+mod posterior;
 pub mod psychometric;
 pub mod scaling;

@@ -15,8 +15,10 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::{
+    likelihood::ln_binomial,
+    model::{Estimate, FitError, Model, Point, Priors},
     numeric::{curvature, hermite, highest},
-    psychometric::{Estimate, FitError, Model, Point, Priors, estimate_with, ln_binomial},
+    posterior::Posterior,
 };
 use crate::statistics::{Interval, mean_and_sd};
 
@@ -69,8 +71,9 @@ pub fn fit(people: &[Vec<Point>], model: &Model) -> Result<Population, FitError>
     let all = people.concat();
     let priors = Priors::new(&all, model)?;
     let binomial = Model { overdispersed: false, ..*model };
-    let own: Vec<Estimate> = people.iter().map(|points| estimate_with(points, &binomial, priors)).collect();
-    let common = estimate_with(&all, &binomial, priors);
+    let single = |points: &[Point]| Posterior::with(points, &binomial, priors).most_probable();
+    let own: Vec<Estimate> = people.iter().map(|points| single(points)).collect();
+    let common = single(&all);
     let starts: Vec<f64> = own.iter().map(|own| own.threshold).collect();
     let answers = Answers { model, priors, people, starts, rule: hermite(NODES) };
     let x = answers.search(&own, &common);
@@ -96,6 +99,8 @@ const LAPSE: usize = 3;
 const GUESS: usize = 4;
 /// Number of nodes of the quadrature.
 const NODES: usize = 11;
+/// The peak of an integrand is found to this share of its width.
+const CLOSE: f64 = 1e-4;
 
 struct Answers<'a> {
     model: &'a Model,
@@ -206,22 +211,25 @@ struct Integral {
 /// density with the same curvature there.
 fn peak(ln_likelihood: &impl Fn(f64) -> f64, mean: f64, sd: f64, width: f64, start: f64) -> (f64, f64) {
     let step = 1e-3 * width;
-    let ln = |x: f64, ln_likelihood: f64| ln_likelihood - ((x - mean) / sd).powi(2) / 2.0;
-    let (mut x, mut scale) = (start, sd);
+    let ln_normal = |x: f64| -((x - mean) / sd).powi(2) / 2.0;
+    let (mut x, mut scale, mut middle) = (start, sd, ln_likelihood(start));
     for _ in 0..50 {
-        let [below, middle, above] = [x - step, x, x + step].map(ln_likelihood);
+        let [below, above] = [x - step, x + step].map(ln_likelihood);
         // The likelihood need not be concave; the normal density is.
         let curvature = ((below - 2.0 * middle + above) / step.powi(2)).min(0.0) - sd.powi(-2);
         scale = (-curvature).sqrt().recip();
         let rise = (above - below) / (2.0 * step) - (x - mean) / sd.powi(2);
         let mut by = (rise * scale.powi(2)).clamp(-width, width);
-        while by.abs() > 1e-7 * scale && ln(x + by, ln_likelihood(x + by)) < ln(x, middle) {
+        let mut next = ln_likelihood(x + by);
+        // The quadrature does not need the exact peak.
+        while by.abs() > CLOSE * scale && next + ln_normal(x + by) < middle + ln_normal(x) {
             by /= 2.0;
+            next = ln_likelihood(x + by);
         }
-        if by.abs() <= 1e-7 * scale {
+        (x, middle) = (x + by, next);
+        if by.abs() <= CLOSE * scale {
             break;
         }
-        x += by;
     }
     (x, scale)
 }

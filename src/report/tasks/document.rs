@@ -62,7 +62,7 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
     let Some(adaptive) = &study.protocol.adaptive else { return section };
     let (common, name) = (&adaptive.common, &adaptive.common.parameter);
     let sentence = |(condition, population): &(usize, Population)| {
-        let of = named(study, *condition);
+        let of = study.at(*condition);
         let interval = told(common, population.interval);
         format!("The threshold of {name}{of} is {} on average over people{interval}.", level(common, population.mean))
     };
@@ -71,7 +71,7 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         let of_person = |function: &PersonFunction| {
             let fit = function.fit.as_ref().ok()?;
             let who = &study.people[function.person];
-            let of = named(study, function.condition);
+            let of = study.at(function.condition);
             let interval = told(common, Some(fit.threshold));
             Some(format!("{who}: the threshold of {name}{of} is {}{interval}.", level(common, fit.estimate.threshold)))
         };
@@ -91,12 +91,6 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         ));
     }
     section
-}
-
-/// Returns ` at CONDITION`, or nothing if there is only one.
-pub(super) fn named(study: &TaskStudy, condition: usize) -> String {
-    let name = study.name(condition);
-    if name.is_empty() { name } else { format!(" at {name}") }
 }
 
 fn told(common: &Common, interval: Option<Interval>) -> String {
@@ -181,8 +175,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
         ["Trials", "Threshold", "95 % interval", "Slope", "95 % interval", "Guess rate", "Lapse rate", "p of the fit"];
     let rows = results.functions.iter().map(row).collect();
     section.table("The psychometric function of each person", &["Participant", "Condition"], &numbers, rows);
-    let of =
-        |function: &&PersonFunction| format!("{}{}", study.people[function.person], named(study, function.condition));
+    let of = |function: &&PersonFunction| format!("{}{}", study.people[function.person], study.at(function.condition));
     let told = |wanted: &dyn Fn(&PersonFunction) -> bool| -> Vec<String> {
         results.functions.iter().filter(|function| wanted(function)).map(|function| of(&function)).collect()
     };

@@ -1,7 +1,6 @@
 //! Sections about detection, comparisons and settings.
 
 use super::{
-    document::named,
     results::{Comparisons, PersonAnswers, PersonSettings, TaskResults},
     study::TaskStudy,
 };
@@ -45,7 +44,7 @@ fn sensitivity(study: &TaskStudy, results: &TaskResults, condition: usize) -> Op
     let found = over_people(&own.filter_map(|own| Some(own.answers.detection()?.d_prime)).collect::<Vec<_>>())?;
     let two = |value: f64| fixed(value, 2);
     let value = with_interval(&two(found.mean), found.interval, two);
-    Some(format!("The sensitivity d′{} is {value} on average over people.", named(study, condition)))
+    Some(format!("The sensitivity d′{} is {value} on average over people.", study.at(condition)))
 }
 
 /// Says which conditions are highest and lowest on the scale, and whether neighbors differ by a JND.
@@ -85,7 +84,7 @@ fn setting(study: &TaskStudy, results: &TaskResults, dial: &Dial, condition: usi
     let value = with_interval(&shown(dial, found.mean), found.interval, |end| shown(dial, end));
     let what = dial.parameter.as_deref().unwrap_or("the rating");
     let mean = if dial.log { "geometric mean" } else { "mean" };
-    Some(format!("The {mean} of {what}{} is {value} over people.", named(study, condition)))
+    Some(format!("The {mean} of {what}{} is {value} over people.", study.at(condition)))
 }
 
 /// Says whether settings depend on where they began: one value of each person.

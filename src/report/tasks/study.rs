@@ -168,6 +168,13 @@ impl TaskStudy {
         named.map(|(factor, level)| format!("{} {level}", factor.name)).collect::<Vec<_>>().join(", ")
     }
 
+    /// Returns ` at CONDITION`, or nothing if there is only one.
+    #[must_use]
+    pub fn at(&self, condition: usize) -> String {
+        let name = self.name(condition);
+        if name.is_empty() { name } else { format!(" at {name}") }
+    }
+
     /// Returns a condition's level of each factor.
     #[must_use]
     pub fn levels(&self, condition: usize) -> Vec<String> {

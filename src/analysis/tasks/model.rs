@@ -1,0 +1,217 @@
+//! The model of a psychometric function, and what is assumed about its parameters before the answers.
+
+use std::f64::consts::PI;
+
+use serde::Serialize;
+
+use crate::experiment::task::curve::{Curve, Psychometric};
+
+/// The answers at one level, or in one block of trials at a level.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Point {
+    /// The level, on the scale of the curve: its decadic logarithm on a logarithmic axis.
+    pub x: f64,
+    /// Number of correct answers, or of answers yes.
+    pub correct: u32,
+    /// Number of trials.
+    pub total: u32,
+}
+
+/// γ, the probability of a correct answer, or of yes, at a level that cannot be seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Guess {
+    /// A known probability, at least 0 and below 1: 1/n for n alternatives.
+    Fixed(f64),
+    /// Estimated, 0…½, as for answers yes and no.
+    Free,
+}
+
+/// What is known about a psychometric function before the answers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Model {
+    /// The shape of F.
+    pub curve: Curve,
+    /// γ.
+    pub guess: Guess,
+    /// Whether F falls with x. It is mirrored, as by a negative slope in [`Psychometric`].
+    pub falls: bool,
+    /// Whether η is free; otherwise it is 0. Blocks of a few trials say little about it, and single trials nothing.
+    pub overdispersed: bool,
+    /// The lowest and the highest level that could have been shown; those of the points if `None`. After an adaptive
+    /// procedure, the points cover only a part of the range, which would make the priors too narrow.
+    pub range: Option<[f64; 2]>,
+}
+
+/// Why a function cannot be fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FitError {
+    /// A level is infinite or not a number.
+    #[error("a level is not a finite number")]
+    Level,
+    /// There are more correct answers than trials.
+    #[error("a level has more correct answers than trials")]
+    Count,
+    /// All trials are at one level, or there are none.
+    #[error("expected trials at two or more levels")]
+    Levels,
+    /// The range is empty or not finite.
+    #[error("the range of levels must be two finite numbers in ascending order")]
+    Range,
+    /// γ is not a probability below 1.
+    #[error("the probability of a correct guess must be at least 0 and below 1")]
+    Guess,
+    /// There are too few people.
+    #[error("expected two or more people")]
+    People,
+}
+
+/// The parameters of a psychometric function: those at which the posterior density is highest.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Estimate {
+    /// m, the level with F = ½, on the scale of x.
+    pub threshold: f64,
+    /// w, the distance between the levels with F = .05 and .95, on the scale of x; above 0.
+    pub width: f64,
+    /// λ, 0…½.
+    pub lapse: f64,
+    /// γ, 0…½ if it is free.
+    pub guess: f64,
+    /// η, 0…1; 0 if the answers vary as the binomial distribution says.
+    pub overdispersion: f64,
+}
+
+impl Guess {
+    /// Returns γ, which is `free` if it is estimated.
+    pub(super) fn or(self, free: f64) -> f64 {
+        match self {
+            Self::Fixed(guess) => guess,
+            Self::Free => free,
+        }
+    }
+}
+
+impl Model {
+    /// Returns β of F = [`Curve::sigmoid`]`(z + β(x − m))` for a width, and z, where the sigmoid is ½.
+    fn slope(&self, width: f64) -> (f64, f64) {
+        let [low, half, high] = [0.05, 0.5, 0.95].map(|share| self.curve.inverse(share));
+        let sign = if self.falls { -1.0 } else { 1.0 };
+        (sign * (high - low) / width, half)
+    }
+
+    /// Returns F at each point.
+    pub(super) fn sigmoids(&self, points: &[Point], threshold: f64, width: f64) -> impl Iterator<Item = f64> {
+        let (slope, half) = self.slope(width);
+        points.iter().map(move |point| self.curve.sigmoid(half + slope * (point.x - threshold)))
+    }
+
+    /// Returns the slope of ψ at the threshold, per unit of x.
+    pub(super) fn slope_at_threshold(&self, width: f64, lapse: f64, guess: f64) -> f64 {
+        const STEP: f64 = 1e-4;
+        let (slope, half) = self.slope(width);
+        let rise = self.curve.sigmoid(half + STEP) - self.curve.sigmoid(half - STEP);
+        (1.0 - guess - lapse) * slope * rise / (2.0 * STEP)
+    }
+
+    /// Returns these parameters as the experiment uses them; its threshold is that of [`Curve`].
+    #[must_use]
+    pub fn parameters(&self, estimate: &Estimate) -> Psychometric {
+        let (slope, half) = self.slope(estimate.width);
+        let Estimate { threshold, lapse, guess, .. } = *estimate;
+        Psychometric { threshold: threshold - half / slope, slope, guess, lapse }
+    }
+}
+
+/// The exponent of the priors of λ, γ and η, whose distribution function is 1 − (1 − λ)¹⁰.
+const SHARPNESS: f64 = 10.0;
+/// The greatest λ and free γ.
+const MAX_LAPSE: f64 = 0.5;
+
+/// The prior distributions.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Priors {
+    /// The lowest and the highest level.
+    pub range: [f64; 2],
+    /// The least width.
+    least_width: f64,
+    /// Whether γ is estimated.
+    pub has_free_guess: bool,
+    /// The greatest λ.
+    max_lapse: f64,
+}
+
+impl Priors {
+    /// Returns the priors for these data.
+    pub fn new(points: &[Point], model: &Model) -> Result<Self, FitError> {
+        check(points, model)?;
+        let mut levels: Vec<f64> = points.iter().filter(|point| point.total > 0).map(|point| point.x).collect();
+        levels.sort_by(f64::total_cmp);
+        let steps = levels.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
+        let nearest = steps.min_by(f64::total_cmp).ok_or(FitError::Levels)?;
+        // psignifit's rule for a range that was stated.
+        let stated = |[low, high]: [f64; 2]| ([low, high], (high - low) / 100.0);
+        let (range, least_width) = model.range.map_or(([levels[0], levels[levels.len() - 1]], nearest), stated);
+        let (has_free_guess, max_lapse) = match model.guess {
+            Guess::Fixed(guess) => (false, MAX_LAPSE.min(1.0 - guess)),
+            Guess::Free => (true, MAX_LAPSE),
+        };
+        Ok(Self { range, least_width, has_free_guess, max_lapse })
+    }
+
+    /// The logarithm of the density of the parameters, except for a constant.
+    pub fn ln_density(&self, at: &Estimate) -> f64 {
+        let shares = [at.lapse, if self.has_free_guess { at.guess } else { 0.0 }, at.overdispersion];
+        let greatest = [self.max_lapse, MAX_LAPSE, 1.0];
+        if shares.iter().zip(greatest).any(|(share, greatest)| *share >= greatest) {
+            return f64::NEG_INFINITY;
+        }
+        let ln_shares = shares.iter().map(|share| (SHARPNESS - 1.0) * (-share).ln_1p());
+        self.ln_place(at.threshold, at.width) + ln_shares.sum::<f64>()
+    }
+
+    /// The part of the threshold and the width.
+    pub fn ln_place(&self, threshold: f64, width: f64) -> f64 {
+        let [low, high] = self.range;
+        let (span, least) = (high - low, self.least_width);
+        let fall = |share: f64| if share < 1.0 { ((1.0 + (PI * share).cos()) / 2.0).ln() } else { f64::NEG_INFINITY };
+        let outside = (low - threshold).max(threshold - high).max(0.0);
+        let beyond = if width >= span { (width - span) / (2.0 * span) } else { (2.0 - width / least).max(0.0) };
+        fall(2.0 * outside / span) + fall(beyond)
+    }
+
+    /// The bounds of the threshold, the logarithm of the width, and the probabilities to which λ, γ and η correspond in
+    /// their priors.
+    pub fn bounds(&self) -> [[f64; 2]; 5] {
+        let [low, high] = self.range;
+        let span = high - low;
+        let guess = if self.has_free_guess { prior_share(MAX_LAPSE) } else { 0.0 };
+        let width = [self.least_width.ln(), (3.0 * span).ln()];
+        let lapse = [0.0, prior_share(self.max_lapse)];
+        [[low - span / 2.0, high + span / 2.0], width, lapse, [0.0, guess], [0.0, 1.0]]
+    }
+}
+
+fn check(points: &[Point], model: &Model) -> Result<(), FitError> {
+    if points.iter().any(|point| !point.x.is_finite()) {
+        return Err(FitError::Level);
+    }
+    if points.iter().any(|point| point.correct > point.total) {
+        return Err(FitError::Count);
+    }
+    if model.range.is_some_and(|[low, high]| !(low < high && (high - low).is_finite())) {
+        return Err(FitError::Range);
+    }
+    match model.guess {
+        Guess::Fixed(guess) if !(0.0..1.0).contains(&guess) => Err(FitError::Guess),
+        _ => Ok(()),
+    }
+}
+
+/// The distribution function of the priors of λ, γ and η.
+pub(super) fn prior_share(value: f64) -> f64 {
+    -(SHARPNESS * (-value).ln_1p()).exp_m1()
+}
+
+/// The inverse of [`prior_share`].
+pub(super) fn prior_quantile(share: f64) -> f64 {
+    -((-share).ln_1p() / SHARPNESS).exp_m1()
+}
