@@ -10,3 +10,4 @@ mod inference;
 mod ordinal_faults;
 mod report;
 mod studies;
+mod tasks;

@@ -53,7 +53,9 @@ fn only_what_is_edited_changes() {
                 let key = format!("factors.{factor}");
                 draft.set(&key, &draft.get(&key).unwrap(), Typed::Values);
             }
-            draft.set("design.repetitions", &draft.get("design.repetitions").unwrap(), Typed::Value);
+            if let Some(repetitions) = draft.get("design.repetitions") {
+                draft.set("design.repetitions", &repetitions, Typed::Value);
+            }
             draft.set("title", &draft.get("title").unwrap(), Typed::Text);
             assert_eq!(draft.text(), text);
             let name = draft.get("name").unwrap();

@@ -107,9 +107,9 @@ fn two_intervals_show_the_target_and_the_reference() {
     );
     let mut level = String::new();
     for _ in 0..4 {
-        let first = wait_for(&mut harness, [0, -40], true);
-        wait_for(&mut harness, [0, -40], false);
-        let second = wait_for(&mut harness, [0, -40], true);
+        let first = wait_for(&mut harness, [-60, -40], true);
+        wait_for(&mut harness, [-60, -40], false);
+        let second = wait_for(&mut harness, [-60, -40], true);
         let row = answer(&mut harness, &csv, &["1"]);
         let side = size(&harness, "choice");
         for (place, screen) in [("1", first), ("2", second)] {
@@ -165,7 +165,7 @@ fn a_value_is_set_by_keys_and_a_yes_is_said() {
         "[design]\nrepetitions = 2\n[task]\nkind = \"adjust\"\nparameter = \"width\"\nlow = 0.1\nhigh = 0.9\nstep = 0.05\n",
     );
     for _ in 0..2 {
-        wait_for(&mut harness, [0, -40], true);
+        wait_for(&mut harness, [-60, -40], true);
         harness.press("Right");
         harness.press("shift+Left");
         std::thread::sleep(Duration::from_millis(200));
@@ -184,14 +184,14 @@ fn a_value_is_set_by_keys_and_a_yes_is_said() {
         "[design]\nrepetitions = 4\n[task]\nkind = \"yes-no\"\ncatch = 0.5\nreference = { width = 0 }\n",
     );
     for _ in 0..4 {
-        wait_for(&mut harness, [0, -40], true);
+        wait_for(&mut harness, [-60, -40], true);
         let row = answer(&mut harness, &csv, &["y"]);
         assert_eq!((&*row["response"], &*row["correct"]), ("yes", &*row["target"]));
     }
     complete(&mut harness, "yes", &csv);
     let csv =
         start(&mut harness, "slide", "[design]\nrepetitions = 1\n[task]\nkind = \"rating\"\nscale = \"slider\"\n");
-    wait_for(&mut harness, [0, -40], true);
+    wait_for(&mut harness, [-60, -40], true);
     // Without a value, there is nothing to accept.
     harness.press("Return");
     harness.press("Right");

@@ -96,25 +96,15 @@ pub(super) fn curvature<const N: usize>(
     })
 }
 
-/// Returns the nodes and weights of the Gauss–Legendre rule on 0…1, in ascending order; the weights sum to 1.
+/// Returns the nodes and weights of the Gauss–Legendre rule on 0…1, in ascending order; the weights sum to 1 (Golub &
+/// Welsch 1969, Math. Comput. 23, 221).
 pub(super) fn legendre(nodes: usize) -> Vec<(f64, f64)> {
-    let rule = gaussian(nodes, |k| k / (4.0 * k * k - 1.0).sqrt());
-    rule.into_iter().map(|(node, weight)| (f64::midpoint(1.0, node), weight)).collect()
-}
-
-/// Returns the nodes and weights of the Gauss–Hermite rule for the standard normal density, in ascending order; the
-/// weights sum to 1.
-pub(super) fn hermite(nodes: usize) -> Vec<(f64, f64)> {
-    gaussian(nodes, f64::sqrt)
-}
-
-/// Computes a Gaussian rule from the coefficients of the recurrence of its orthonormal polynomials, for a weight that is
-/// symmetric about 0 and has integral 1 (Golub & Welsch 1969, Math. Comput. 23, 221).
-fn gaussian(nodes: usize, coefficient: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+    let coefficient = |k: f64| k / (4.0 * k * k - 1.0).sqrt();
     let beside = |i: usize, j: usize| if i.abs_diff(j) == 1 { coefficient(i.max(j) as f64) } else { 0.0 };
     let eigen = DMatrix::from_fn(nodes, nodes, beside).symmetric_eigen();
-    let weight = |column: usize| eigen.eigenvectors[(0, column)].powi(2);
-    let mut rule: Vec<(f64, f64)> = eigen.eigenvalues.iter().copied().zip((0..nodes).map(weight)).collect();
+    let weights = (0..nodes).map(|column| eigen.eigenvectors[(0, column)].powi(2));
+    let mut rule: Vec<(f64, f64)> =
+        eigen.eigenvalues.iter().map(|node| f64::midpoint(1.0, *node)).zip(weights).collect();
     rule.sort_by(|l, r| l.0.total_cmp(&r.0));
     rule
 }

@@ -2,14 +2,15 @@
 //!
 //! Person i answers correctly with probability γ + (1 − γ − λ)·F(x; t_i, w), where t_i is normally distributed with mean
 //! μ and standard deviation τ; w, λ and γ are common to all people. The parameters maximize the likelihood, in which t_i
-//! is integrated out by adaptive Gauss–Hermite quadrature (Pinheiro & Bates 1995, J. Comput. Graph. Stat. 4, 12),
-//! multiplied by the priors of a single function; that of the threshold is for μ.
+//! is integrated out, multiplied by the priors of a single function; that of the threshold is for μ. The integrals are
+//! sums over equidistant nodes about the peak of each person's likelihood (Trefethen & Weideman 2014, SIAM Rev. 56, 385);
+//! Gauss–Hermite quadrature fails where the likelihood is a step, as with a small w.
 //!
 //! The standard error of μ is that of the sandwich (Liang & Zeger 1986, Biometrika 73, 13): each person moves μ by some
 //! amount, and these amounts vary between people. It holds also where the data do not tell τ from w, and where τ is
 //! estimated as 0, which is common with few people; the observed information does not.
 
-use std::array::from_fn;
+use std::{array::from_fn, f64::consts::PI};
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -17,7 +18,7 @@ use serde::Serialize;
 use super::{
     likelihood::ln_binomial,
     model::{Estimate, FitError, Model, Point, Priors},
-    numeric::{curvature, hermite, highest},
+    numeric::{curvature, highest},
     posterior::Posterior,
 };
 use crate::statistics::{Interval, mean_and_sd};
@@ -75,7 +76,7 @@ pub fn fit(people: &[Vec<Point>], model: &Model) -> Result<Population, FitError>
     let own: Vec<Estimate> = people.iter().map(|points| single(points)).collect();
     let common = single(&all);
     let starts: Vec<f64> = own.iter().map(|own| own.threshold).collect();
-    let answers = Answers { model, priors, people, starts, rule: hermite(NODES) };
+    let answers = Answers { model, priors, people, starts };
     let x = answers.search(&own, &common);
     let at = answers.parameters(&x);
     let (people, interval) = answers.persons(&x);
@@ -97,8 +98,8 @@ const SD: usize = 1;
 const WIDTH: usize = 2;
 const LAPSE: usize = 3;
 const GUESS: usize = 4;
-/// Number of nodes of the quadrature.
-const NODES: usize = 11;
+/// Maximum number of nodes of the quadrature on either side of the peak.
+const MAX_NODES: u32 = 1_000;
 /// The peak of an integrand is found to this share of its width.
 const CLOSE: f64 = 1e-4;
 
@@ -108,7 +109,6 @@ struct Answers<'a> {
     people: &'a [Vec<Point>],
     /// The threshold of each person alone: where the search for the peak of the integrand begins.
     starts: Vec<f64>,
-    rule: Vec<(f64, f64)>,
 }
 
 impl Answers<'_> {
@@ -149,15 +149,17 @@ impl Answers<'_> {
         let start = self.starts[person].clamp(at.threshold - 5.0 * sd, at.threshold + 5.0 * sd);
         let (peak, scale) = peak(&ln_likelihood, at.threshold, sd, at.width, start);
         let top = ln_likelihood(peak) + ln_normal(peak);
-        let mass = |&(node, weight): &(f64, f64)| {
-            let threshold = peak + scale * node;
-            (threshold, weight * (ln_likelihood(threshold) + ln_normal(threshold) - top + node * node / 2.0).exp())
-        };
-        let masses: Vec<(f64, f64)> = self.rule.iter().map(mass).collect();
+        let step = scale.min(at.width / 4.0);
+        let mass = |threshold: f64| (threshold, (ln_likelihood(threshold) + ln_normal(threshold) - top).exp());
+        let mut masses = vec![(peak, 1.0)];
+        for side in [-step, step] {
+            let outward = (1..=MAX_NODES).map(|node| mass(peak + f64::from(node) * side));
+            masses.extend(outward.take_while(|(_, mass)| *mass > 1e-12));
+        }
         let total: f64 = masses.iter().map(|(_, mass)| mass).sum();
         let mean = masses.iter().map(|(threshold, mass)| threshold * mass).sum::<f64>() / total;
         let variance = masses.iter().map(|(threshold, mass)| (threshold - mean).powi(2) * mass).sum::<f64>() / total;
-        Integral { ln: top + (scale / sd * total).ln(), mean, sd: variance.sqrt() }
+        Integral { ln: top + (step / sd * total).ln() - (2.0 * PI).ln() / 2.0, mean, sd: variance.sqrt() }
     }
 
     /// Returns the people, and the interval of the mean.
@@ -178,8 +180,8 @@ impl Answers<'_> {
     /// Returns by how much each person moves μ: a row of the inverse of the observed information, times the person's
     /// score. Parameters of which the information is not positive definite are taken as known.
     fn influences(&self, x: &[f64; 5]) -> Vec<f64> {
-        let width = x[WIDTH].exp();
-        let steps = [0.02 * width, 0.02 * width, 0.02, 0.01, if self.priors.has_free_guess { 0.01 } else { 0.0 }];
+        let step = 0.05 * x[SD].hypot(x[WIDTH].exp() / 4.0);
+        let steps = [step, step, 0.02, 0.01, if self.priors.has_free_guess { 0.01 } else { 0.0 }];
         let second = curvature(|x| self.ln_density(x), x, steps);
         let free = if self.priors.has_free_guess { 5 } else { 4 };
         let information = |size: usize| DMatrix::from_fn(size, size, |i, j| -second[(i, j)]).cholesky();

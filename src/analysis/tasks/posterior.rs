@@ -4,7 +4,7 @@ use std::array::from_fn;
 
 use super::{
     likelihood::{ln_likelihood, ln_total, step_of},
-    model::{Estimate, FitError, Model, Point, Priors, prior_quantile, prior_share},
+    model::{Estimate, FitError, Model, Point, Priors, prior_quantile},
     numeric::{highest, legendre},
 };
 use crate::statistics::Interval;

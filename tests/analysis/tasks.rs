@@ -1,0 +1,350 @@
+//! Compares psychometric functions with psignifit (`tests/golden/tasks`, made by `scripts/golden_tasks.py`), and checks on
+//! simulated studies that intervals and tests are calibrated.
+
+use std::collections::BTreeMap;
+
+use machband::{
+    analysis::tasks::{
+        means::Mean,
+        population,
+        psychometric::{Estimate, FitError, Guess, Model, Point, estimate, fit, goodness_of_fit},
+    },
+    experiment::task::curve::Curve,
+    statistics::Interval,
+};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Beta, Distribution, StandardNormal};
+
+use crate::common::{golden_path, table};
+
+/// The rows of a golden file as maps from column names to fields.
+fn rows(name: &str) -> Vec<BTreeMap<String, String>> {
+    let (header, rows) = table(&golden_path("tasks").join(name));
+    rows.into_iter().map(|row| header.iter().cloned().zip(row).collect()).collect()
+}
+
+fn number<T: std::str::FromStr<Err: std::fmt::Debug>>(row: &BTreeMap<String, String>, column: &str) -> T {
+    row[column].parse().unwrap()
+}
+
+fn point(row: &BTreeMap<String, String>) -> Point {
+    Point { x: number(row, "level"), correct: number(row, "correct"), total: number(row, "total") }
+}
+
+const MODEL: Model =
+    Model { curve: Curve::Normal, guess: Guess::Fixed(0.5), falls: false, overdispersed: true, range: None };
+
+fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(rng)
+}
+
+fn binomial(total: u32, chance: f64, rng: &mut ChaCha8Rng) -> u32 {
+    (0..total).filter(|_| rng.random::<f64>() < chance).count() as u32
+}
+
+/// Answers at equidistant levels from −3 to 3.
+fn study(model: &Model, truth: &Estimate, levels: u32, total: u32, rng: &mut ChaCha8Rng) -> Vec<Point> {
+    let function = model.parameters(truth);
+    let mut point = |level: u32| {
+        let x = -3.0 + 6.0 * f64::from(level) / f64::from(levels - 1);
+        let mut chance = model.curve.probability(x, &function);
+        if truth.overdispersion > 0.0 {
+            let nu = truth.overdispersion.powi(-2) - 1.0;
+            // Beyond, the distribution has no mass that a number could represent.
+            chance = chance.clamp(1e-9, 1.0 - 1e-9);
+            chance = Beta::new(chance * nu, (1.0 - chance) * nu).unwrap().sample(rng);
+        }
+        Point { x, correct: binomial(total, chance, rng), total }
+    };
+    (0..levels).map(&mut point).collect()
+}
+
+fn contains(interval: Interval, value: f64) -> bool {
+    interval.low <= value && value <= interval.high
+}
+
+/// Checks that a share of studies is as near to the expected one as two standard errors allow, and at most 2 %.
+#[track_caller]
+fn assert_covers(covered: usize, studies: usize) {
+    let share = covered as f64 / studies as f64;
+    assert!((0.93..=0.97).contains(&share), "{covered} of {studies}");
+}
+
+#[test]
+fn estimates_and_intervals_match_psignifit() {
+    let mut data: BTreeMap<String, Vec<Point>> = BTreeMap::new();
+    rows("psignifit_data.csv").iter().for_each(|row| data.entry(row["dataset"].clone()).or_default().push(point(row)));
+    let expected = rows("psignifit.csv");
+    for row in &expected {
+        let curve = match row["sigmoid"].as_str() {
+            "weibull" => Curve::Weibull,
+            "logistic" => Curve::Logistic,
+            _ => Curve::Normal,
+        };
+        let guess = match row["experiment"].as_str() {
+            "2AFC" => Guess::Fixed(0.5),
+            "4AFC" => Guess::Fixed(0.25),
+            _ => Guess::Free,
+        };
+        let mut points = data[&row["dataset"]].clone();
+        if curve == Curve::Weibull {
+            points.iter_mut().for_each(|point| point.x = point.x.log10());
+        }
+        let fit = fit(&points, &Model { curve, guess, ..MODEL }).unwrap();
+        let value = |column: &str| number::<f64>(row, column);
+        let width = value("width");
+        let near = |found: f64, expected: &str, most: f64| {
+            let difference = (found - value(expected)).abs();
+            assert!(difference <= most, "{} {expected}: {found}, not {}", row["dataset"], row[expected]);
+        };
+        // psignifit's search ends early; the others are the same maximum to more digits.
+        near(fit.estimate.threshold, "threshold", 0.01 * width);
+        near(fit.slope, "slope", 0.03 * fit.slope);
+        near(fit.estimate.threshold, "tight_threshold", 1e-4 * width);
+        near(fit.estimate.width, "tight_width", 1e-4 * width);
+        near(fit.estimate.lapse, "tight_lapse", 1e-4);
+        near(fit.estimate.guess, "tight_guess", 1e-4);
+        near(fit.estimate.overdispersion, "tight_eta", 1e-3);
+        // The limits of psignifit are about half a step of its grid, 3 % of an interval, too low.
+        let [threshold, widths] =
+            ["threshold", "width"].map(|name| value(&format!("{name}_high")) - value(&format!("{name}_low")));
+        near(fit.threshold.low, "threshold_low", 0.1 * threshold);
+        near(fit.threshold.high, "threshold_high", 0.1 * threshold);
+        near(fit.width.low, "width_low", 0.1 * widths);
+        near(fit.width.high, "width_high", 0.1 * widths);
+    }
+    assert_eq!(expected.len(), 50);
+}
+
+#[test]
+fn a_falling_curve_is_the_mirror_image() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    for curve in [Curve::Normal, Curve::Logistic, Curve::Weibull] {
+        let rising = Model { curve, ..MODEL };
+        let truth = Estimate { threshold: 0.4, width: 2.0, lapse: 0.02, guess: 0.5, overdispersion: 0.0 };
+        let points = study(&rising, &truth, 9, 40, &mut rng);
+        let mirrored: Vec<Point> = points.iter().map(|point| Point { x: -point.x, ..*point }).collect();
+        let [up, down] = [(&points, rising), (&mirrored, Model { falls: true, ..rising })];
+        let (up, down) = (fit(up.0, &up.1).unwrap(), fit(down.0, &down.1).unwrap());
+        let near = |l: f64, r: f64| assert!((l - r).abs() < 1e-4 * (1.0 + l.abs()), "{curve}: {up:?} {down:?}");
+        near(up.estimate.threshold, -down.estimate.threshold);
+        near(up.estimate.width, down.estimate.width);
+        near(up.slope, -down.slope);
+        near(up.threshold.low, -down.threshold.high);
+        near(up.slope_interval.low, -down.slope_interval.high);
+        assert!(down.slope < 0.0 && contains(down.slope_interval, down.slope));
+    }
+}
+
+#[test]
+fn threshold_width_and_slope_are_those_of_the_curve() {
+    for (curve, falls) in
+        [(Curve::Normal, false), (Curve::Logistic, true), (Curve::Weibull, false), (Curve::Weibull, true)]
+    {
+        let model = Model { curve, falls, ..MODEL };
+        let at = Estimate { threshold: 0.7, width: 2.5, lapse: 0.04, guess: 0.5, overdispersion: 0.0 };
+        let function = model.parameters(&at);
+        let rise = |x: f64| (curve.probability(x, &function) - 0.5) / 0.46;
+        assert!((rise(0.7) - 0.5).abs() < 1e-12);
+        let place = |share: f64| {
+            (0..50_000)
+                .map(|i| -4.0 + 2e-4 * f64::from(i))
+                .min_by(|l, r| (rise(*l) - share).abs().total_cmp(&(rise(*r) - share).abs()))
+                .unwrap()
+        };
+        assert!(((place(0.95) - place(0.05)).abs() - 2.5).abs() < 1e-3, "{curve} {falls}");
+    }
+}
+
+/// A threshold and a width from the priors of psignifit for levels from −3 to 3 at distances of 1.
+fn from_priors(guess: Guess, rng: &mut ChaCha8Rng) -> Estimate {
+    let mut draw = |low: f64, high: f64, density: &dyn Fn(f64) -> f64| {
+        loop {
+            let x = rng.random_range(low..high);
+            if rng.random::<f64>() < density(x) {
+                return x;
+            }
+        }
+    };
+    let fall = |share: f64| (1.0 + (std::f64::consts::PI * share.clamp(0.0, 1.0)).cos()) / 2.0;
+    let threshold = draw(-6.0, 6.0, &|x| fall((x.abs() - 3.0) / 3.0));
+    let width = draw(1.0, 18.0, &|x| if x < 2.0 { fall(2.0 - x) } else { fall((x - 6.0) / 12.0) });
+    let mut share = || Beta::new(1.0, 10.0).unwrap().sample(rng);
+    let [lapse, free, overdispersion] = [share(), share(), share()];
+    let guess = if let Guess::Fixed(guess) = guess { guess } else { free };
+    Estimate { threshold, width, lapse: lapse.min(0.49), guess: guess.min(0.5), overdispersion }
+}
+
+#[test]
+fn intervals_cover_parameters_from_the_priors() {
+    for guess in [Guess::Fixed(0.5), Guess::Free] {
+        let model = Model { guess, ..MODEL };
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let (mut covered, studies) = ([0; 3], 400);
+        for _ in 0..studies {
+            let truth = from_priors(guess, &mut rng);
+            let fit = fit(&study(&model, &truth, 7, 20, &mut rng), &model).unwrap();
+            let function = model.parameters(&truth);
+            let [below, above] = [-1e-4, 1e-4].map(|by| model.curve.probability(truth.threshold + by, &function));
+            covered[0] += usize::from(contains(fit.threshold, truth.threshold));
+            covered[1] += usize::from(contains(fit.width, truth.width));
+            covered[2] += usize::from(contains(fit.slope_interval, (above - below) / 2e-4));
+        }
+        covered.into_iter().for_each(|covered| assert_covers(covered, studies));
+    }
+}
+
+/// Single trials at many levels, as adaptive procedures give them, and studies that say nothing.
+#[test]
+fn any_answers_have_a_fit() {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let truth = Estimate { threshold: 0.0, width: 2.0, lapse: 0.02, guess: 0.5, overdispersion: 0.0 };
+    let single = study(&MODEL, &truth, 60, 1, &mut rng);
+    let adaptive = fit(&single, &Model { range: Some([-3.0, 3.0]), ..MODEL }).unwrap();
+    assert!(contains(adaptive.threshold, 0.0) && adaptive.estimate.overdispersion == 0.0, "{adaptive:?}");
+    let all = |correct: fn(i32) -> u32| -> Vec<Point> {
+        (-3..=3).map(|x| Point { x: f64::from(x), correct: correct(x), total: 20 }).collect()
+    };
+    for points in [
+        all(|_| 20),
+        all(|_| 0),
+        all(|_| 10),
+        all(|x| if x > 0 { 20 } else { 10 }),
+        all(|x| if x < 0 { 20 } else { 10 }),
+    ] {
+        for guess in [Guess::Fixed(0.5), Guess::Fixed(0.0), Guess::Fixed(0.99), Guess::Free] {
+            let fit = fit(&points, &Model { guess, ..MODEL }).unwrap();
+            for interval in [fit.threshold, fit.width, fit.slope_interval] {
+                assert!(interval.low < interval.high && interval.high.is_finite(), "{guess:?} {points:?} {fit:?}");
+            }
+        }
+    }
+    assert!(fit(&all(|_| 20), &MODEL).unwrap().is_extrapolated);
+    assert!(!adaptive.is_extrapolated);
+}
+
+#[test]
+fn impossible_answers_are_errors() {
+    let points = [Point { x: 0.0, correct: 5, total: 10 }, Point { x: 1.0, correct: 9, total: 10 }];
+    let changed = |x: f64, correct: u32| [points[0], Point { x, correct, total: 10 }];
+    assert_eq!(estimate(&changed(f64::NAN, 9), &MODEL), Err(FitError::Level));
+    assert_eq!(estimate(&changed(1.0, 11), &MODEL), Err(FitError::Count));
+    assert_eq!(estimate(&changed(0.0, 9), &MODEL), Err(FitError::Levels));
+    assert_eq!(estimate(&[], &MODEL), Err(FitError::Levels));
+    for range in [[1.0, 1.0], [0.0, f64::INFINITY]] {
+        assert_eq!(estimate(&points, &Model { range: Some(range), ..MODEL }), Err(FitError::Range));
+    }
+    assert_eq!(estimate(&points, &Model { guess: Guess::Fixed(1.0), ..MODEL }), Err(FitError::Guess));
+    assert_eq!(population::fit(&[points.to_vec()], &MODEL), Err(FitError::People));
+    assert!(estimate(&points, &MODEL).is_ok());
+}
+
+#[test]
+fn the_test_of_the_fit_is_calibrated_and_finds_overdispersion() {
+    let mut rng = ChaCha8Rng::seed_from_u64(6);
+    let mut rejected = |overdispersion: f64, total: u32| {
+        let truth = Estimate { threshold: 0.3, width: 3.0, lapse: 0.02, guess: 0.5, overdispersion };
+        let one =
+            |_| goodness_of_fit(&study(&MODEL, &truth, 7, total, &mut rng), &MODEL, 59, &mut rng).unwrap().p <= 0.1;
+        (0..200).map(one).filter(|is_rejected| *is_rejected).count()
+    };
+    let few = rejected(0.0, 30);
+    assert!((10..=30).contains(&few), "{few} of 200");
+    let many = rejected(0.2, 100);
+    assert!(many > 140, "{many} of 200");
+}
+
+/// The people of a simulated study: their points in each condition.
+fn people() -> BTreeMap<String, Vec<Vec<Point>>> {
+    let mut conditions: BTreeMap<String, BTreeMap<String, Vec<Point>>> = BTreeMap::new();
+    for row in rows("people.csv") {
+        let own = conditions.entry(row["condition"].clone()).or_default();
+        own.entry(row["person"].clone()).or_default().push(point(&row));
+    }
+    conditions.into_iter().map(|(condition, people)| (condition, people.into_values().collect())).collect()
+}
+
+#[test]
+fn the_population_of_a_study_is_found() {
+    let people = people();
+    let fits: Vec<population::Population> = people.values().map(|own| population::fit(own, &MODEL).unwrap()).collect();
+    for (fit, mean) in fits.iter().zip([3.0, 3.8, 5.1]) {
+        assert!(contains(fit.interval.unwrap(), mean), "{fit:?}");
+        assert!((0.6..1.1).contains(&fit.sd) && (3.5..6.5).contains(&fit.width) && fit.lapse < 0.03, "{fit:?}");
+        let contributions: Vec<f64> = fit.people.iter().map(|person| person.contribution).collect();
+        assert!((Mean::new(&contributions).mean - fit.mean).abs() < 1e-9);
+        // Shrunken thresholds vary less than the contributions, and as much as the population without their errors.
+        let sd = |value: fn(&population::Person) -> f64| {
+            machband::statistics::mean_and_sd(&fit.people.iter().map(value).collect::<Vec<_>>()).1
+        };
+        assert!(sd(|person| person.threshold) < fit.sd.min(sd(|person| person.contribution)));
+    }
+    let difference = |first: usize, second: usize| {
+        let pairs = fits[first].people.iter().zip(&fits[second].people);
+        Mean::of_differences(&pairs.map(|(l, r)| (l.contribution, r.contribution)).collect::<Vec<_>>())
+    };
+    for (first, second, expected) in [(1, 0, 0.8), (2, 0, 2.1), (2, 1, 1.3)] {
+        let difference = difference(first, second);
+        assert!((difference.mean - fits[first].mean + fits[second].mean).abs() < 1e-9);
+        let interval = difference.interval.unwrap();
+        assert!(contains(interval, expected) && interval.high - interval.low < 1.0, "{difference:?}");
+    }
+    // The first of the true thresholds, which the file tells.
+    let truth = [2.8468, 2.9563, 3.0830, 4.0949, 3.3965, 3.5740, 2.9168, 3.4349, 1.6797, 3.1160, 4.1092, 4.6601];
+    let z = truth.iter().zip(&fits[0].people).map(|(truth, person)| ((person.threshold - truth) / person.se).abs());
+    assert!(z.fold(0.0, f64::max) < 3.0, "{:?}", fits[0]);
+}
+
+/// Integrates over each person's threshold by the midpoint rule.
+#[test]
+fn the_likelihood_of_a_population_is_the_integral() {
+    for (name, own) in people() {
+        let fit = population::fit(&own, &MODEL).unwrap();
+        let steps = 4000;
+        let person = |points: &Vec<Point>| {
+            let density = |step: u32| {
+                let z = -8.0 + 16.0 * (f64::from(step) + 0.5) / f64::from(steps);
+                let threshold = fit.mean + fit.sd * z;
+                let at = Estimate { threshold, width: fit.width, lapse: fit.lapse, guess: 0.5, overdispersion: 0.0 };
+                let function = MODEL.parameters(&at);
+                let ln = |point: &Point| {
+                    let chance = MODEL.curve.probability(point.x, &function);
+                    f64::from(point.correct) * chance.ln()
+                        + f64::from(point.total - point.correct) * (1.0 - chance).ln()
+                };
+                (points.iter().map(ln).sum::<f64>() - z * z / 2.0).exp()
+            };
+            let sum: f64 = (0..steps).map(density).sum();
+            (sum * 16.0 / f64::from(steps) / (2.0 * std::f64::consts::PI).sqrt()).ln()
+        };
+        let expected: f64 = own.iter().map(person).sum();
+        assert!((fit.log_likelihood - expected).abs() < 1e-3, "{name}: {} {expected}", fit.log_likelihood);
+    }
+}
+
+#[test]
+fn means_and_differences_of_populations_are_covered() {
+    for (people, studies) in [(3, 300), (8, 300)] {
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let condition = |mean: f64, shifts: &[f64], rng: &mut ChaCha8Rng| {
+            let mut own = |shift: &f64| {
+                let threshold = mean + shift + 0.3 * normal(rng);
+                let truth = Estimate { threshold, width: 4.0, lapse: 0.03, guess: 0.5, overdispersion: 0.0 };
+                study(&MODEL, &truth, 7, 15, rng)
+            };
+            population::fit(&shifts.iter().map(&mut own).collect::<Vec<_>>(), &MODEL).unwrap()
+        };
+        let (mut means, mut differences) = (0, 0);
+        for _ in 0..studies {
+            let shifts: Vec<f64> = (0..people).map(|_| 0.7 * normal(&mut rng)).collect();
+            let [first, second] = [0.0, 0.5].map(|mean| condition(mean, &shifts, &mut rng));
+            let pairs = second.people.iter().zip(&first.people).map(|(l, r)| (l.contribution, r.contribution));
+            let difference = Mean::of_differences(&pairs.collect::<Vec<_>>());
+            means += usize::from(contains(first.interval.unwrap(), 0.0));
+            differences += usize::from(contains(difference.interval.unwrap(), 0.5));
+        }
+        assert_covers(means, studies);
+        assert_covers(differences, studies);
+    }
+}
