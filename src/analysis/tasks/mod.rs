@@ -1,6 +1,5 @@
-//! Analyses of tasks with right and wrong answers: psychometric functions of one person and of
-//! many. All are functions of numbers, and randomness is an
-//! argument.
+//! Analyses of tasks with right and wrong answers: psychometric functions of one person and of many. All are functions
+//! of numbers, and randomness is an argument.
 
 mod likelihood;
 pub mod means;

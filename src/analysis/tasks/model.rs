@@ -60,8 +60,8 @@ pub enum FitError {
     /// γ is not a probability below 1.
     #[error("the probability of a correct guess must be at least 0 and below 1")]
     Guess,
-    /// There are too few people.
-    #[error("expected two or more people")]
+    /// There are too few people, or one has no trials.
+    #[error("expected two or more people, each with trials")]
     People,
 }
 

@@ -63,10 +63,11 @@ pub struct Person {
 ///
 /// # Errors
 ///
-/// There are fewer than two people, one has trials at fewer than two levels, or a level, a count, the range or γ is
+/// There are fewer than two people, one has no trials, all trials are at one level, or a level, a count, the range or γ is
 /// impossible.
 pub fn fit(people: &[Vec<Point>], model: &Model) -> Result<Population, FitError> {
-    if people.len() < 2 {
+    let has_trials = |points: &Vec<Point>| points.iter().any(|point| point.total > 0);
+    if people.len() < 2 || !people.iter().all(has_trials) {
         return Err(FitError::People);
     }
     let all = people.concat();
