@@ -15,6 +15,7 @@ use machband::{
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Beta, Distribution, StandardNormal};
+use rayon::prelude::*;
 
 use crate::common::{golden_path, table};
 
@@ -176,22 +177,27 @@ fn from_priors(guess: Guess, rng: &mut ChaCha8Rng) -> Estimate {
     Estimate { threshold, width, lapse: lapse.min(0.49), guess: guess.min(0.5), overdispersion }
 }
 
+/// Counts, for each of several checks, the studies that pass it; each study has its own random numbers.
+fn passed<const N: usize>(studies: u64, study: impl Fn(&mut ChaCha8Rng) -> [bool; N] + Sync) -> [usize; N] {
+    let one = |seed: u64| study(&mut ChaCha8Rng::seed_from_u64(seed)).map(usize::from);
+    let sum = |l: [usize; N], r: [usize; N]| std::array::from_fn(|i| l[i] + r[i]);
+    (0..studies).into_par_iter().map(one).reduce(|| [0; N], sum)
+}
+
 #[test]
 fn intervals_cover_parameters_from_the_priors() {
     for guess in [Guess::Fixed(0.5), Guess::Free] {
         let model = Model { guess, ..MODEL };
-        let mut rng = ChaCha8Rng::seed_from_u64(4);
-        let (mut covered, studies) = ([0; 3], 400);
-        for _ in 0..studies {
-            let truth = from_priors(guess, &mut rng);
-            let fit = fit(&study(&model, &truth, 7, 20, &mut rng), &model).unwrap();
+        let covered = passed(300, |rng| {
+            let truth = from_priors(guess, rng);
+            let fit = fit(&study(&model, &truth, 7, 20, rng), &model).unwrap();
             let function = model.parameters(&truth);
             let [below, above] = [-1e-4, 1e-4].map(|by| model.curve.probability(truth.threshold + by, &function));
-            covered[0] += usize::from(contains(fit.threshold, truth.threshold));
-            covered[1] += usize::from(contains(fit.width, truth.width));
-            covered[2] += usize::from(contains(fit.slope_interval, (above - below) / 2e-4));
-        }
-        covered.into_iter().for_each(|covered| assert_covers(covered, studies));
+            let pairs = [(fit.threshold, truth.threshold), (fit.width, truth.width)];
+            let [threshold, width] = pairs.map(|(interval, value)| contains(interval, value));
+            [threshold, width, contains(fit.slope_interval, (above - below) / 2e-4)]
+        });
+        covered.into_iter().for_each(|covered| assert_covers(covered, 300));
     }
 }
 
@@ -326,26 +332,21 @@ fn the_likelihood_of_a_population_is_the_integral() {
 
 #[test]
 fn means_and_differences_of_populations_are_covered() {
-    for (people, studies) in [(3, 300), (8, 300)] {
-        let mut rng = ChaCha8Rng::seed_from_u64(7);
-        let condition = |mean: f64, shifts: &[f64], rng: &mut ChaCha8Rng| {
-            let mut own = |shift: &f64| {
-                let threshold = mean + shift + 0.3 * normal(rng);
-                let truth = Estimate { threshold, width: 4.0, lapse: 0.03, guess: 0.5, overdispersion: 0.0 };
-                study(&MODEL, &truth, 7, 15, rng)
-            };
-            population::fit(&shifts.iter().map(&mut own).collect::<Vec<_>>(), &MODEL).unwrap()
-        };
-        let (mut means, mut differences) = (0, 0);
-        for _ in 0..studies {
-            let shifts: Vec<f64> = (0..people).map(|_| 0.7 * normal(&mut rng)).collect();
-            let [first, second] = [0.0, 0.5].map(|mean| condition(mean, &shifts, &mut rng));
+    for people in [3, 6] {
+        let covered = passed(200, |rng| {
+            let shifts: Vec<f64> = (0..people).map(|_| 0.7 * normal(rng)).collect();
+            let [first, second] = [0.0, 0.5].map(|mean| {
+                let mut own = |shift: &f64| {
+                    let threshold = mean + shift + 0.3 * normal(rng);
+                    let truth = Estimate { threshold, width: 4.0, lapse: 0.03, guess: 0.5, overdispersion: 0.0 };
+                    study(&MODEL, &truth, 7, 15, rng)
+                };
+                population::fit(&shifts.iter().map(&mut own).collect::<Vec<_>>(), &MODEL).unwrap()
+            });
             let pairs = second.people.iter().zip(&first.people).map(|(l, r)| (l.contribution, r.contribution));
             let difference = Mean::of_differences(&pairs.collect::<Vec<_>>());
-            means += usize::from(contains(first.interval.unwrap(), 0.0));
-            differences += usize::from(contains(difference.interval.unwrap(), 0.5));
-        }
-        assert_covers(means, studies);
-        assert_covers(differences, studies);
+            [contains(first.interval.unwrap(), 0.0), contains(difference.interval.unwrap(), 0.5)]
+        });
+        covered.into_iter().for_each(|covered| assert_covers(covered, 200));
     }
 }

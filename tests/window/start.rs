@@ -211,6 +211,8 @@ fn an_experiment_is_duplicated_run_and_analyzed() {
     desk.type_into("Name", "own");
     desk.type_into("Levels of width", "0.3, 0.6, 0.9");
     let path = desk.harness.dir.path().join("own.toml");
+    // Where the first factor is, in view.
+    desk.click("Move width down");
     desk.click("Remove depth");
     desk.harness.press("ctrl+s");
     desk.harness.until("the definition", |_| path.exists());
