@@ -174,7 +174,7 @@ pub struct Grid {
     pub guesses: Vec<f64>,
     /// Lapse rates λ.
     pub lapses: Vec<f64>,
-    /// Gradients of the threshold over the second parameter; [0] if there is none.
+    /// Gradients of the threshold over the second parameter; a single 0 if there is none.
     pub gradients: Vec<f64>,
 }
 
