@@ -10,8 +10,9 @@ use super::{
 };
 use crate::{
     analysis::counts::{ExclusionError, Exclusions},
-    report::{Study, StudyError},
+    report::{Study, StudyError, tasks::TaskStudy},
     store::{
+        FileErrors,
         ratings::ReadOptions,
         table::{List, list, split_list},
     },
@@ -147,6 +148,13 @@ impl Ratings {
     /// # Errors
     /// No file can be read, or an exclusion is not possible.
     pub fn read(&self, also: [Vec<String>; 2], details: bool, large: bool) -> Result<Study, StudyError> {
+        if let Some((path, task)) = self.paths.iter().find_map(|path| Some((path, TaskStudy::task_at(path)?))) {
+            let message = format!(
+                "has answers to the task {}, which are no ratings; expected ratings (machband analyze reads every task)",
+                task.name()
+            );
+            return Err(FileErrors::whole(path, message).into());
+        }
         Study::read(&self.paths, &self.options(also, details, large))
     }
 

@@ -17,7 +17,7 @@ use machband::{
 };
 
 use crate::{
-    common::{edit, golden_path, table, verified},
+    common::{edit, fails, golden_path, succeeds, table, verified},
     recording::sitting,
 };
 
@@ -40,9 +40,10 @@ fn tasks() -> Vec<(&'static str, String)> {
         ("quest", format!("{ORIENTATIONS}{CHOICE}{quest}")),
         ("two", format!("{ORIENTATIONS}{CHOICE}{second}")),
         ("four", format!("{ORIENTATIONS}{CHOICE}alternatives = 4\nshown = \"places\"\nfeedback = true\n{constant}")),
+        ("plain", format!("{ORIENTATIONS}repetitions = 4\n{CHOICE}")),
         ("stairs", format!("{ORIENTATIONS}{CHOICE}{stairs}")),
         ("yes", format!("{ORIENTATIONS}{YES_NO}{quest}")),
-        ("signal", format!("{DEPTHS}{}", YES_NO.replace("depth = \"inf\"", "width = 0"))),
+        ("signal", format!("{DEPTHS}repetitions = 8\n{}", YES_NO.replace("depth = \"inf\"", "width = 0"))),
         ("all", format!("{DEPTHS}repetitions = 2\n[task]\nkind = \"pair\"\n")),
         ("chain", format!("{DEPTHS}[task]\nkind = \"pair\"\npairs = \"chain\"\n")),
         ("ranking", format!("{DEPTHS}[task]\nkind = \"pair\"\npairs = \"adaptive\"\ntrials = 15\n")),
@@ -379,5 +380,26 @@ fn bad_tasks_are_named_with_their_place() {
         let is_told =
             errors.lines().any(|line| line.starts_with(&format!("t.toml:{place}: ")) && line.contains(message));
         assert!(is_told, "{text}\nexpected {place} {message}\n{errors}");
+    }
+}
+
+/// The commands that read ratings say that there are none; `analyze` reads every task.
+#[test]
+fn every_task_is_analyzed_and_none_is_taken_for_ratings() {
+    for (name, body) in tasks() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("tasks.toml"), format!("{HEAD}{body}")).unwrap();
+        succeeds(folder.path(), &["simulate", "tasks.toml", "--participants", "3", "--results", "results"]);
+        let printed = succeeds(folder.path(), &["analyze", "results/tasks", "--out", "analysis"]);
+        assert!(printed.starts_with("3 participants gave "), "{name}: {printed}");
+        assert!(printed.contains("Simulated: a program answered"), "{name}: {printed}");
+        let report = fs::read_to_string(folder.path().join("analysis/report.html")).unwrap();
+        assert!(report.contains("Repeat this analysis") && report.contains("<svg"), "{name}");
+        let without = ["analyze", "results/tasks", "--out", "without", "--exclude", "S002", "--tables-only"];
+        assert!(succeeds(folder.path(), &without).contains("Left out on request: S002."), "{name}");
+        let refused = fails(folder.path(), &["counts", "results/tasks", "--out", "counts.csv"], 1);
+        assert!(refused.contains("which are no ratings"), "{name}: {refused}");
+        let refused = fails(folder.path(), &["analyze", "results/tasks", "--out", "x", "--terms", "depth"], 2);
+        assert!(refused.contains("does not apply to the task"), "{name}: {refused}");
     }
 }

@@ -22,7 +22,7 @@ const DRAWN: usize = 81;
 /// Draws every chart for which there are data.
 #[must_use]
 pub fn figures(study: &TaskStudy, results: &TaskResults) -> Vec<Figure> {
-    let kinds = [functions, thresholds, detection, scale, settings];
+    let kinds = [functions, thresholds, shares, detection, scale, settings];
     kinds.into_iter().filter_map(|kind| kind(study, results)).collect()
 }
 
@@ -113,6 +113,23 @@ fn by_person(study: &TaskStudy, value: impl Fn(usize, usize) -> Option<f64>) -> 
 
 fn people_and_mean(study: &TaskStudy) -> Vec<String> {
     study.people.iter().cloned().chain(["mean".to_owned()]).collect()
+}
+
+fn shares(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
+    let value = |condition: usize, person: usize| {
+        let mut all = results.shares.iter();
+        all.find(|own| own.condition == condition && own.person == person).map(|own| own.share())
+    };
+    let caption = format!(
+        "The share of right answers of each participant, and the mean of people with its 95\u{a0}% interval; {}.",
+        count(study.trials.len() as u64, "answer")
+    );
+    estimates(
+        "shares",
+        &people_and_mean(study),
+        &by_person(study, value),
+        ("Right answers", "Share of right answers", caption),
+    )
 }
 
 fn detection(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {

@@ -1,7 +1,7 @@
 //! Sections about detection, comparisons and settings.
 
 use super::{
-    results::{Comparisons, PersonAnswers, PersonSettings, TaskResults},
+    results::{Comparisons, PersonAnswers, PersonSettings, PersonShare, TaskResults},
     study::TaskStudy,
 };
 use crate::{
@@ -10,7 +10,7 @@ use crate::{
     report::{
         document::{
             Section, Shown,
-            numbers::{count, fixed, list, range, whole},
+            numbers::{count, fixed, list, range, unit, whole},
         },
         figures::Figure,
     },
@@ -20,7 +20,8 @@ use crate::{
 /// Returns the sentences of the summary.
 pub(super) fn summary(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
     let conditions = || 0..study.protocol.conditions().len();
-    let mut all: Vec<String> = conditions().filter_map(|condition| sensitivity(study, results, condition)).collect();
+    let mut all: Vec<String> = conditions().filter_map(|condition| right(study, results, condition)).collect();
+    all.extend(conditions().filter_map(|condition| sensitivity(study, results, condition)));
     all.extend(results.comparisons.iter().flat_map(|found| order(study, found)));
     if let Some(dial) = study.protocol.task.dial() {
         all.extend(conditions().filter_map(|condition| setting(study, results, &dial, condition)));
@@ -37,6 +38,17 @@ pub(super) fn over_people(values: &[f64]) -> Option<Mean> {
 fn with_interval(value: &Shown, interval: Option<Interval>, format: impl Fn(f64) -> Shown) -> String {
     let interval = interval.map(|i| format!(" (95\u{a0}% interval {} to {})", format(i.low), format(i.high)));
     format!("{value}{}", interval.unwrap_or_default())
+}
+
+fn right(study: &TaskStudy, results: &TaskResults, condition: usize) -> Option<String> {
+    let own = results.shares.iter().filter(|own| own.condition == condition);
+    let found = over_people(&own.map(PersonShare::share).collect::<Vec<_>>())?;
+    let value = with_interval(&unit(found.mean), found.interval, unit);
+    let guess = unit(study.protocol.task.guess());
+    Some(format!(
+        "The share of right answers{} is {value} on average over people; guessing gives {guess}.",
+        study.at(condition)
+    ))
 }
 
 fn sensitivity(study: &TaskStudy, results: &TaskResults, condition: usize) -> Option<String> {
@@ -110,11 +122,24 @@ fn direction(results: &TaskResults, dial: &Dial) -> Option<String> {
 
 /// Returns the sections for which there are data.
 pub(super) fn sections(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Vec<Section> {
+    let answered = (!results.shares.is_empty()).then(|| shares(study, results, figures));
     let detected = (!results.detection.is_empty()).then(|| detection(study, results, figures));
     let compared = results.comparisons.as_ref().map(|found| comparisons(study, found, figures));
     let set = study.protocol.task.dial().filter(|_| !results.settings.is_empty());
     let set = set.map(|dial| settings(study, results, &dial, figures));
-    detected.into_iter().chain(compared).chain(set).collect()
+    answered.into_iter().chain(detected).chain(compared).chain(set).collect()
+}
+
+fn shares(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Section {
+    let mut section = Section::new("shares", "Right answers");
+    section.figures(figures, &["shares"]);
+    let row = |own: &PersonShare| {
+        let [right, all] = own.right.map(|count| whole(count.into()));
+        vec![study.people[own.person].as_str().into(), study.name(own.condition).into(), all, right, unit(own.share())]
+    };
+    let rows = results.shares.iter().map(row).collect();
+    section.table("Right answers of each person", &["Participant", "Condition"], &["Trials", "Right", "Share"], rows);
+    section
 }
 
 fn detection(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Section {

@@ -30,12 +30,33 @@ pub struct TaskResults {
     pub populations: Vec<(usize, Population)>,
     /// Differences between the thresholds of two conditions that the same people saw.
     pub differences: Vec<([usize; 2], Mean)>,
+    /// The answers of each person and condition, if no levels were varied.
+    pub shares: Vec<PersonShare>,
     /// Hits and false alarms of each person and condition.
     pub detection: Vec<PersonAnswers>,
     /// The scale of comparisons.
     pub comparisons: Option<Comparisons>,
     /// The settings of each person and condition, on the scale of the dial.
     pub settings: Vec<PersonSettings>,
+}
+
+/// How often a person was right in a condition.
+#[derive(Clone, Copy, Debug)]
+pub struct PersonShare {
+    /// Index into [`TaskStudy::people`].
+    pub person: usize,
+    /// Index into the protocol's conditions.
+    pub condition: usize,
+    /// Number of right answers, and of all.
+    pub right: [u32; 2],
+}
+
+impl PersonShare {
+    /// Returns the share of right answers.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        f64::from(self.right[0]) / f64::from(self.right[1])
+    }
 }
 
 /// The answers of a person to targets and catch trials in a condition.
@@ -106,6 +127,7 @@ impl TaskResults {
     #[must_use]
     pub fn of(study: &TaskStudy, seed: u64) -> Self {
         let mut results = Self {
+            shares: shares(study),
             detection: detection(study),
             comparisons: comparisons(study, seed),
             settings: settings(study),
@@ -118,6 +140,19 @@ impl TaskResults {
         }
         results
     }
+}
+
+fn shares(study: &TaskStudy) -> Vec<PersonShare> {
+    if study.protocol.task.measures() != Measures::Proportions || study.protocol.adaptive.is_some() {
+        return Vec::new();
+    }
+    let mut all: BTreeMap<(usize, usize), [u32; 2]> = BTreeMap::new();
+    for trial in &study.trials {
+        let TaskAnswered::Seen { seen, .. } = trial.answer else { continue };
+        let [right, total] = all.entry((trial.condition, trial.person)).or_default();
+        (*right, *total) = (*right + u32::from(seen), *total + 1);
+    }
+    all.into_iter().map(|((condition, person), right)| PersonShare { person, condition, right }).collect()
 }
 
 fn detection(study: &TaskStudy) -> Vec<PersonAnswers> {
@@ -182,7 +217,9 @@ pub(super) fn model(study: &TaskStudy) -> Option<Model> {
     let guess = study.protocol.task.guess().map_or(Guess::Free, Guess::Fixed);
     let falls = adaptive.common.easier == Easier::Low;
     let range = Some(adaptive.range().map(|level| adaptive.common.scaled(level)));
-    Some(Model { curve, guess, falls, overdispersed: false, range })
+    // Blocks of constant stimuli can vary more than binomially; blocks of a few trials say nothing about it.
+    let overdispersed = matches!(adaptive.method, Method::Constant(_));
+    Some(Model { curve, guess, falls, overdispersed, range })
 }
 
 /// Returns the answers at each level of each person and condition.

@@ -21,6 +21,9 @@ pub fn tables(study: &TaskStudy, results: &TaskResults) -> Vec<(&'static str, Ta
         all.push(("thresholds", thresholds(study, results, &adaptive.common)));
         all.push(("population", population(study, results, &adaptive.common)));
     }
+    if !results.shares.is_empty() {
+        all.push(("shares", shares(study, results)));
+    }
     if !results.detection.is_empty() {
         all.push(("detection", detection(study, results)));
     }
@@ -125,6 +128,15 @@ fn population(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
         row
     });
     Table::new(columns(study, &[], &last), rows)
+}
+
+fn shares(study: &TaskStudy, results: &TaskResults) -> Table {
+    let last = [("correct", "", "Number of right answers."), ("total", "", "Number of trials.")];
+    let rows = results.shares.iter().map(|own| {
+        let person = std::iter::once(Cell::from(study.people[own.person].as_str()));
+        person.chain(levels(study, own.condition)).chain(own.right.map(|count| Cell::from(u64::from(count)))).collect()
+    });
+    Table::new(columns(study, &[PERSON], &last), rows)
 }
 
 fn detection(study: &TaskStudy, results: &TaskResults) -> Table {
