@@ -65,7 +65,8 @@ impl Protocol {
     pub fn new(definition: Definition) -> Result<Self, Vec<DefinitionError>> {
         let mut errors = DefinitionErrors::default();
         let conditions: Arc<[Condition]> = definition.check(&mut errors).into();
-        let pairs = definition.pairs(&conditions, &mut errors);
+        // Pairs are many: they are listed only if the task allows this number of conditions.
+        let pairs = if errors.0.is_empty() { definition.pairs(&conditions, &mut errors) } else { None };
         if errors.0.is_empty() {
             definition.check_shown(&conditions, &mut errors);
         }
@@ -85,6 +86,15 @@ impl Protocol {
     /// Returns all cells of the design, at least one. The last factor varies fastest.
     pub fn conditions(&self) -> &Arc<[Condition]> {
         &self.conditions
+    }
+
+    /// Returns why the conditions are not what the trials show: an adaptive method chooses a parameter. `None` if they
+    /// are.
+    #[must_use]
+    pub fn chosen_later(&self) -> Option<String> {
+        let names: Vec<&str> = self.adaptive.as_ref()?.parameters().collect();
+        let names = names.join(" and ");
+        Some(format!("{}: the answers decide {names}; expected a definition without [adaptive]", self.name))
     }
 
     /// Returns the pairs of conditions that the schedule plans to compare, if the task compares conditions. The answers

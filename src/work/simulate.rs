@@ -223,11 +223,11 @@ impl Simulation<'_> {
             let conditions: Vec<&Stimulus> = schedule.conditions.iter().map(|condition| &condition.stimulus).collect();
             if protocol.task.is_default() {
                 let hashes = self.hashes.get_or_init(|| self.hash(&conditions));
-                conditions.iter().zip(hashes).for_each(|(stimulus, hash)| store.note_picture(stimulus, hash.clone()));
+                store.note_pictures(conditions.into_iter().zip(hashes.iter().cloned()));
             } else {
                 let shown: Vec<&Stimulus> = shown.values().collect();
                 let hashes = self.hash(&shown);
-                shown.iter().zip(hashes).for_each(|(stimulus, hash)| store.note_picture(stimulus, hash));
+                store.note_pictures(shown.into_iter().zip(hashes));
             }
         }
         store.finish(complete, now().to_string(), None)?;

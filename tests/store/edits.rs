@@ -106,7 +106,7 @@ fn record(results: &Path, state: State) {
                 intervals_us: vec![16_667, 16_666, longest],
             };
             store.append_frames(&trials.map(row));
-            stimuli.iter().zip(&hashes).for_each(|(stimulus, hash)| store.note_picture(stimulus, hash.clone()));
+            store.note_pictures(stimuli.iter().copied().zip(hashes.iter().cloned()));
         };
         let mut store = SessionStore::create(results, &protocol, &identity, SEED, sitting()).unwrap();
         rate(&mut store, (&protocol, &identity), None, 4, true).unwrap();

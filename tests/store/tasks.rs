@@ -225,7 +225,7 @@ fn sides_places_and_catch_trials_are_balanced() {
         let protocol = protocol(&body);
         let schedule = Schedule::new(&protocol, &identity(), 5).unwrap();
         let places = protocol.task.places();
-        for condition in 0..schedule.trials.iter().map(|trial| trial.condition).max().unwrap_or(0) {
+        for condition in 0..=schedule.trials.iter().map(|trial| trial.condition).max().unwrap() {
             let main =
                 schedule.trials.iter().filter(|trial| trial.phase.name() == "main" && trial.condition == condition);
             let seen: Vec<u32> = main.map(|trial| trial.place).collect();

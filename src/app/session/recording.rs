@@ -1,6 +1,7 @@
 //! Writes the files of a session: the rows, the frame intervals, and the sidecar, which contains the images' hashes.
 
 use std::{
+    collections::BTreeMap,
     path::Path,
     sync::mpsc::{Sender, channel},
     thread::{self, JoinHandle},
@@ -161,9 +162,8 @@ impl Recording {
         let saved = if session.is_storing() { self.store.retry() } else { Ok(()) };
         self.store_frames(session);
         self.store.describe_input(self.input.summary());
-        for (stimulus, sha256) in self.hasher.take().map(Hasher::finish).unwrap_or_default() {
-            self.store.note_picture(&stimulus, sha256);
-        }
+        let hashed = self.hasher.take().map(Hasher::finish).unwrap_or_default();
+        self.store.note_pictures(hashed.values().map(|(stimulus, sha256)| (stimulus, sha256.clone())));
         let summary = screen.summary(session.frame_times(), self.store.frames_file());
         let complete = *session.state() == State::Done;
         let ended = self.store.finish(complete, now().to_string(), summary);
@@ -181,7 +181,8 @@ impl Recording {
 /// Hashes images on a separate thread, so that no frame waits for them.
 struct Hasher {
     pictures: Sender<(Stimulus, CodeImage)>,
-    hashes: JoinHandle<Vec<(Stimulus, String)>>,
+    /// By [`Stimulus::key`].
+    hashes: JoinHandle<BTreeMap<String, (Stimulus, String)>>,
 }
 
 impl Hasher {
@@ -189,11 +190,9 @@ impl Hasher {
     fn start() -> Option<Self> {
         let (pictures, shown) = channel::<(Stimulus, CodeImage)>();
         let hash = move || {
-            let mut hashes: Vec<(Stimulus, String)> = Vec::new();
+            let mut hashes = BTreeMap::new();
             for (stimulus, picture) in shown {
-                if hashes.iter().all(|(known, _)| *known != stimulus) {
-                    hashes.push((stimulus, image::hash(&picture)));
-                }
+                hashes.entry(stimulus.key()).or_insert_with(|| (stimulus, image::hash(&picture)));
             }
             hashes
         };
@@ -201,7 +200,7 @@ impl Hasher {
     }
 
     /// Waits for the thread to end; returns the hash of each stimulus's image.
-    fn finish(self) -> Vec<(Stimulus, String)> {
+    fn finish(self) -> BTreeMap<String, (Stimulus, String)> {
         drop(self.pictures);
         self.hashes.join().unwrap_or_default()
     }

@@ -67,10 +67,16 @@ impl Studies {
                 ui.add(egui::Label::new(RichText::new(title).heading().strong()).wrap());
                 if let Some(protocol) = &checked.protocol {
                     let (conditions, sessions) = (protocol.conditions().len(), protocol.plan.sessions);
-                    let categories = protocol.response.categories.len();
+                    let task = match &protocol.adaptive {
+                        Some(adaptive) => format!("{}, {}", protocol.task.name(), adaptive.method.name()),
+                        None if protocol.task.is_default() => {
+                            format!("rating, {} categories", protocol.response.categories.len())
+                        }
+                        None => protocol.task.name().to_owned(),
+                    };
                     let mut parts = vec![
                         file.clone(),
-                        format!("rating, {categories} categories"),
+                        task,
                         if conditions == 1 { "1 condition".to_owned() } else { format!("{conditions} conditions") },
                         ui::extent(protocol),
                     ];

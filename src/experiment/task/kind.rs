@@ -218,6 +218,11 @@ pub struct Given<'a> {
 }
 
 impl Given<'_> {
+    /// Returns whether the conditions are listed, as pictures are, so that factors are not crossed.
+    pub fn is_listed(&self) -> bool {
+        matches!(self.stimulus, Stimulus::Image(_))
+    }
+
     /// Returns whether a parameter has its value from elsewhere: it is a factor, or an adaptive method varies it.
     fn varies(&self, name: &str) -> bool {
         self.adapted.contains(&name) || self.factors.iter().any(|factor| factor.name == name)

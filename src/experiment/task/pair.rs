@@ -53,6 +53,9 @@ impl Default for Pair {
 
 /// The number of comparisons of `adaptive` unless the definition says otherwise: six for each condition.
 const TRIALS: u32 = 60;
+/// Maximum number of conditions to compare, and of those whose comparisons follow from the answers.
+const MAX_COMPARED: usize = 1000;
+const MAX_RANKED: usize = 100;
 
 impl Pair {
     fn with_reference(&self) -> bool {
@@ -86,9 +89,16 @@ impl Kind for Pair {
             let message = "task.reference needs a method that varies the target; expected [adaptive], or no reference";
             errors.add("task.reference", message);
         }
-        let conditions: usize = given.factors.iter().map(|factor| factor.levels.len()).product();
+        let levels = given.factors.iter().map(|factor| factor.levels.len());
+        let conditions = levels.fold(1, usize::saturating_mul);
+        let most = if self.pairs == Pairs::Adaptive { MAX_RANKED } else { MAX_COMPARED };
         if conditions < 2 {
             errors.add("factors", "there is nothing to compare; expected factors with at least two conditions");
+        } else if conditions > most && !given.is_listed() {
+            errors.add(
+                "factors",
+                format!("the number of conditions to compare is {conditions}; expected at most {most}"),
+            );
         }
         if self.pairs == Pairs::Chain && self.chained(given.factors).is_none() {
             let names: Vec<&str> = given.factors.iter().map(|factor| factor.name.as_str()).collect();

@@ -118,7 +118,8 @@ impl QuestPlus {
                     .add("adaptive.second.levels", "a level is not above 0; expected positive levels, or log = false");
             }
         }
-        let cells = self.stimuli(common).len().saturating_mul(self.grid(common, guess).len());
+        let second = self.second.as_ref().map_or(1, |second| second.levels.len());
+        let cells = self.grid(common, guess).len().saturating_mul(self.levels.len()).saturating_mul(second);
         if cells > MAX_CELLS {
             let message = format!("the levels and parameters make {cells} cells; expected at most {MAX_CELLS}");
             errors.add("adaptive.levels", message);
@@ -180,7 +181,8 @@ pub struct Grid {
 
 impl Grid {
     fn len(&self) -> usize {
-        [&self.thresholds, &self.slopes, &self.guesses, &self.lapses, &self.gradients].iter().map(|v| v.len()).product()
+        let all = [&self.thresholds, &self.slopes, &self.guesses, &self.lapses, &self.gradients];
+        all.iter().fold(1, |product: usize, values| product.saturating_mul(values.len()))
     }
 
     /// Returns every combination, the lapse rate varying fastest, with its gradient.

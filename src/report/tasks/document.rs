@@ -202,6 +202,10 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
         .filter_map(|function| Some(format!("{}: {}", of(&function), function.fit.as_ref().err()?)))
         .collect();
     section.list(failed);
+    let without = results.without_mean.iter();
+    section.list(
+        without.map(|(condition, error)| format!("No mean over people{}: {error}.", study.at(*condition))).collect(),
+    );
     Some(section)
 }
 

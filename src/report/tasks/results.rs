@@ -28,6 +28,8 @@ pub struct TaskResults {
     pub functions: Vec<PersonFunction>,
     /// The thresholds of people, by condition.
     pub populations: Vec<(usize, Population)>,
+    /// The conditions of which there is no mean over people, and why.
+    pub without_mean: Vec<(usize, FitError)>,
     /// Differences between the thresholds of two conditions that the same people saw.
     pub differences: Vec<([usize; 2], Mean)>,
     /// The answers of each person and condition, if no levels were varied.
@@ -135,7 +137,12 @@ impl TaskResults {
         };
         if let Some(model) = model(study) {
             results.functions = functions(study, &model, seed);
-            results.populations = populations(study, &results.functions, &model);
+            for (condition, population) in populations(study, &results.functions, &model) {
+                match population {
+                    Ok(population) => results.populations.push((condition, population)),
+                    Err(error) => results.without_mean.push((condition, error)),
+                }
+            }
             results.differences = differences(&results.populations, &results.functions);
         }
         results
@@ -252,12 +259,17 @@ fn functions(study: &TaskStudy, model: &Model, seed: u64) -> Vec<PersonFunction>
     all.into_par_iter().enumerate().map(function).collect()
 }
 
-fn populations(study: &TaskStudy, functions: &[PersonFunction], model: &Model) -> Vec<(usize, Population)> {
+/// Fits the people of each condition that several people saw.
+fn populations(
+    study: &TaskStudy,
+    functions: &[PersonFunction],
+    model: &Model,
+) -> Vec<(usize, Result<Population, FitError>)> {
     let conditions = 0..study.protocol.conditions().len();
     let fit = |condition: usize| {
         let of_people = functions.iter().filter(|function| function.condition == condition);
         let people: Vec<Vec<Point>> = of_people.map(|function| function.points.clone()).collect();
-        Some((condition, population::fit(&people, model).ok()?))
+        (people.len() > 1).then(|| (condition, population::fit(&people, model)))
     };
     conditions.into_par_iter().filter_map(fit).collect()
 }

@@ -72,10 +72,11 @@ pub(super) fn write(
                 continue;
             };
             let quantizer = Arc::new(pictures.recipe.quantizer());
+            let hashed = pictures.by_key(&session.schedule.conditions);
             let recipes: Vec<Recipe> = stimuli.values().map(|stimulus| pictures.recipe_of(stimulus)).collect();
             let hashes = renderer.hashes(&recipes);
             for (((key, stimulus), recipe), hash) in stimuli.into_iter().zip(recipes).zip(hashes) {
-                if pictures.hash_of(&session.schedule.conditions, stimulus).is_some() {
+                if hashed.contains_key(&key) {
                     proved.insert(hash.clone());
                 }
                 let name = names.entry(hash).or_insert_with_key(|hash| {

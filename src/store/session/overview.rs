@@ -51,15 +51,20 @@ impl SessionState {
     /// # Errors
     /// The sidecar cannot be read.
     pub fn to_resume(&self) -> Result<(Protocol, Option<f64>), StoreError> {
-        let (path, sidecar) = Sidecar::of(&self.csv)?;
+        let (path, sidecar, protocol) = self.protocol()?;
         let viewing = sidecar.sittings.last().and_then(|sitting| sitting.viewing.as_ref());
         let distance_cm = viewing.map(|viewing| viewing.distance_cm);
-        let protocol = definition::from_json(&path.display().to_string(), &sidecar.definition)?;
         if protocol.conditions().iter().any(|condition| !condition.stimulus.is_drawable()) {
             let what = "shows pictures of its own; expected to be resumed with the definition beside them".to_owned();
             return Err(StoreError::Mismatch { path, what });
         }
         Ok((protocol, distance_cm))
+    }
+
+    fn protocol(&self) -> Result<(PathBuf, Sidecar, Protocol), StoreError> {
+        let (path, sidecar) = Sidecar::of(&self.csv)?;
+        let protocol = definition::from_json(&path.display().to_string(), &sidecar.definition)?;
+        Ok((path, sidecar, protocol))
     }
 
     /// Removes the files of a session in which nothing was rated. What the participant answered stays in the table of
@@ -68,7 +73,7 @@ impl SessionState {
     /// # Errors
     /// There are rows, the session is being recorded, or a file cannot be read or removed. Then nothing is lost.
     pub fn remove(&self) -> Result<(), StoreError> {
-        let (protocol, _) = self.to_resume()?;
+        let (_, _, protocol) = self.protocol()?;
         let refuse = |what: &str| Err(StoreError::Protected { path: self.csv.clone(), what: what.to_owned() });
         if lock::is_held(&self.csv)? {
             return Err(StoreError::InUse(self.csv.clone()));

@@ -1,6 +1,6 @@
 //! What a sidecar says about one sitting.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -310,20 +310,28 @@ impl Pictures {
         Recipe { stimulus: stimulus.clone(), ..self.recipe.clone() }
     }
 
-    /// Notes the hash of a picture: by the number of its condition if it is one.
-    pub fn note(&mut self, conditions: &[Condition], stimulus: &Stimulus, sha256: String) {
-        match conditions.iter().position(|condition| condition.stimulus == *stimulus) {
-            Some(condition) => _ = self.sha256.insert(condition + 1, sha256),
-            None if self.others.iter().any(|other| other.stimulus == *stimulus) => {}
-            None => self.others.push(OtherPicture { stimulus: stimulus.clone(), sha256 }),
+    /// Notes the hashes of pictures, each by the number of its condition if it is one.
+    pub fn note<'a>(&mut self, conditions: &[Condition], hashed: impl IntoIterator<Item = (&'a Stimulus, String)>) {
+        let numbers: HashMap<String, usize> =
+            conditions.iter().zip(1..).map(|(condition, number)| (condition.stimulus.key(), number)).collect();
+        let mut known: HashSet<String> = self.others.iter().map(|other| other.stimulus.key()).collect();
+        for (stimulus, sha256) in hashed {
+            let key = stimulus.key();
+            if let Some(number) = numbers.get(&key) {
+                self.sha256.insert(*number, sha256);
+            } else if known.insert(key) {
+                self.others.push(OtherPicture { stimulus: stimulus.clone(), sha256 });
+            }
         }
     }
 
-    /// Returns the hash of a picture, if there is one.
+    /// Returns the hash of each picture by [`Stimulus::key`].
     #[must_use]
-    pub fn hash_of(&self, conditions: &[Condition], stimulus: &Stimulus) -> Option<&str> {
-        let condition = conditions.iter().position(|condition| condition.stimulus == *stimulus);
-        let other = || self.others.iter().find(|other| other.stimulus == *stimulus).map(|other| &other.sha256);
-        condition.and_then(|condition| self.sha256.get(&(condition + 1))).or_else(other).map(String::as_str)
+    pub fn by_key(&self, conditions: &[Condition]) -> HashMap<String, &str> {
+        let numbered = self.sha256.iter().filter_map(|(number, sha256)| {
+            Some((conditions.get(number.checked_sub(1)?)?.stimulus.key(), sha256.as_str()))
+        });
+        let others = self.others.iter().map(|other| (other.stimulus.key(), other.sha256.as_str()));
+        numbered.chain(others).collect()
     }
 }

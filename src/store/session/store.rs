@@ -324,11 +324,11 @@ impl SessionStore {
         }
     }
 
-    /// Notes the hash of a displayed picture, to be saved with the sidecar.
-    pub fn note_picture(&mut self, stimulus: &Stimulus, sha256: String) {
+    /// Notes the hashes of displayed pictures, to be saved with the sidecar.
+    pub fn note_pictures<'a>(&mut self, hashed: impl IntoIterator<Item = (&'a Stimulus, String)>) {
         let conditions = Arc::clone(self.protocol.conditions());
         if let Some(pictures) = self.sitting().and_then(|sitting| sitting.pictures.as_mut()) {
-            pictures.note(&conditions, stimulus, sha256);
+            pictures.note(&conditions, hashed);
         }
     }
 

@@ -2,7 +2,7 @@
 //! recorded hashes, and nothing was changed after the session ended.
 
 use std::{
-    collections::{BTreeMap, BTreeSet, HashMap},
+    collections::{BTreeMap, BTreeSet, HashMap, HashSet},
     path::{Path, PathBuf},
 };
 
@@ -269,9 +269,9 @@ fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Veri
         ));
     }
     let shown = recorded.shown();
-    let is_hashed =
-        |stimulus: &&Stimulus| pictures.iter().any(|of| of.hash_of(&recorded.schedule.conditions, stimulus).is_some());
-    let unproved = shown.iter().filter(|stimulus| !is_hashed(stimulus)).count();
+    let hashed: HashSet<String> =
+        pictures.iter().flat_map(|of| of.by_key(&recorded.schedule.conditions).into_keys()).collect();
+    let unproved = shown.iter().filter(|stimulus| !hashed.contains(&stimulus.key())).count();
     if unproved > 0 {
         found.notes.push(format!(
             "{unproved} of {} pictures have no hash because their sitting did not end properly",
