@@ -31,7 +31,8 @@ pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, Visi
 pub use participant::{AnswerError, Answers, FieldKind, FieldSpec, MAX_ANSWER, ParticipantField, ParticipantFields};
 pub use protocol::{Protocol, name_error};
 pub use record::{
-    Column, Rating, RatingRow, Replay, RowContext, Seconds, TaskAnswer, TrialRecord, columns, columns_by_header,
+    Column, Rating, RatingRow, Replay, Replayed, RowContext, Seconds, TaskAnswer, TrialRecord, columns,
+    columns_by_header,
 };
 pub use scale::{CATEGORIES, Category, ResponseScale, default_key};
 pub use schedule::{GENERATOR, Phase, Schedule, ScheduleError, Trial, session_seed};

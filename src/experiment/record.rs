@@ -480,7 +480,7 @@ impl TrialRecord {
     }
 
     /// Returns the answer in this row; `None` if the task has no such answer.
-    fn given(&self, protocol: &Protocol) -> Option<Answer> {
+    pub fn given(&self, protocol: &Protocol) -> Option<Answer> {
         let Some(TaskAnswer { response, .. }) = &self.answer else { return Some(Answer::Key(self.rating?.0)) };
         if let Some(dial) = protocol.task.dial() {
             let value = response.parse().ok().filter(|value| (dial.range[0]..=dial.range[1]).contains(value))?;
@@ -489,6 +489,17 @@ impl TrialRecord {
         let keys = (0..protocol.response.categories.len()).map(|key| Answer::Key(key as u8));
         keys.into_iter().find(|answer| protocol.task.response(answer) == *response)
     }
+}
+
+/// What a row records.
+#[derive(Clone, Debug)]
+pub struct Replayed {
+    /// Index into [`Schedule::trials`].
+    pub trial: usize,
+    /// What the trial showed.
+    pub shown: Presentation,
+    /// The answer.
+    pub answer: Answer,
 }
 
 /// Recomputes a session from its rows, one after the other.
@@ -519,12 +530,12 @@ impl<'a> Replay<'a> {
         self.course
     }
 
-    /// Takes the next row, and returns the index of the trial that it records and what it showed.
+    /// Takes the next row, and returns what it records.
     ///
     /// # Errors
     /// Returns a message if the schedule does not plan this trial, if what it showed does not follow from the answers
     /// before, or if there is no such answer. The row then teaches an adaptive method nothing.
-    pub fn row(&mut self, row: &TrialRecord) -> Result<(usize, Presentation), String> {
+    pub fn row(&mut self, row: &TrialRecord) -> Result<Replayed, String> {
         let protocol = self.course.protocol();
         let highest = protocol.response.highest();
         if let Some(rating) = row.rating.filter(|rating| row.answer.is_none() && rating.0 > highest) {
@@ -550,7 +561,7 @@ impl<'a> Replay<'a> {
         let shown = self.course.presentation(index);
         if !is_over && self.shows(row, index, (&shown, &given)) {
             self.course.answer_as_shown(index, &shown, &given);
-            return Ok((index, shown));
+            return Ok(Replayed { trial: index, shown, answer: given });
         }
         let level = row.answer.as_ref().and_then(|answer| answer.level);
         let possible = self.course.possible(index, level);
@@ -565,7 +576,7 @@ impl<'a> Replay<'a> {
             ));
         }
         self.course.answer_as_shown(index, &shown, &given);
-        Ok((index, shown))
+        Ok(Replayed { trial: index, shown, answer: given })
     }
 
     /// Returns whether a row is the one that a trial with this presentation and answer records.

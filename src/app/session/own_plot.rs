@@ -7,7 +7,10 @@ use egui_plot::{Corner, GridMark, Legend, Line, Points};
 
 use crate::{
     app::ui::{still_plot, theme},
-    experiment::{Factor, Phase, Protocol, TaskAnswer, TrialRecord, task::Measures},
+    experiment::{
+        Factor, Phase, Protocol, TaskAnswer, TrialRecord,
+        task::{Answer, Measures},
+    },
 };
 
 /// A plot of one participant's answers.
@@ -42,7 +45,10 @@ impl OwnPlot {
             Measures::Settings => {
                 let dial = protocol.task.dial()?;
                 let label = dial.parameter.clone().unwrap_or_else(|| protocol.instructions.mean_rating.clone());
-                means(protocol, &rows, (label, dial.range), |row| row.answer.as_ref()?.response.parse().ok())
+                means(protocol, &rows, (label, dial.range), |row| match row.given(protocol)? {
+                    Answer::Value(value) => Some(value),
+                    Answer::Key(_) => None,
+                })
             }
             Measures::Comparisons => chosen(protocol, &rows),
             Measures::Proportions | Measures::Detection if protocol.adaptive.is_some() => levels(protocol, &rows),
@@ -174,12 +180,12 @@ fn levels(protocol: &Protocol, rows: &[&TrialRecord]) -> Option<OwnPlot> {
 fn chosen(protocol: &Protocol, rows: &[&TrialRecord]) -> Option<OwnPlot> {
     let mut tallies: BTreeMap<String, [f64; 2]> = BTreeMap::new();
     for row in rows {
-        let answer = row.answer.as_ref()?;
-        for (place, suffix) in [("1", ""), ("2", "_2")] {
+        let answer = row.given(protocol)?;
+        for (place, suffix) in [(Answer::Key(0), ""), (Answer::Key(1), "_2")] {
             let level = |factor: &Factor| row.level(protocol, &format!("{}{suffix}", factor.name));
             let name = protocol.factors.iter().filter_map(level).collect::<Vec<_>>().join(", ");
             let [won, all] = tallies.entry(name).or_default();
-            (*won, *all) = (*won + f64::from(u8::from(answer.response == place)), *all + 1.0);
+            (*won, *all) = (*won + f64::from(u8::from(answer == place)), *all + 1.0);
         }
     }
     let mut shares: Vec<(String, f64)> = tallies.into_iter().map(|(name, [won, all])| (name, won / all)).collect();

@@ -7,10 +7,12 @@ use std::{
 
 use crate::{
     experiment::{
-        Phase, Protocol, TrialRecord,
-        task::{Measures, Task},
+        Phase, Protocol, Replayed,
+        task::{Answer, Measures, Task},
     },
+    stimulus::Stimulus,
     store::{FileError, FileErrors, definition, ratings::Listed, recorded::Recorded, sidecar::Sidecar},
+    text::Cell,
 };
 
 /// The answers to a task.
@@ -175,6 +177,12 @@ impl TaskStudy {
         if name.is_empty() { name } else { format!(" at {name}") }
     }
 
+    /// Returns a condition's level of each factor as a cell.
+    pub fn cells(&self, condition: usize) -> impl Iterator<Item = Cell> {
+        let levels = &self.protocol.conditions()[condition].levels;
+        self.protocol.factors.iter().zip(levels).map(|(factor, level)| factor.levels[*level].clone().into())
+    }
+
     /// Returns a condition's level of each factor.
     #[must_use]
     pub fn levels(&self, condition: usize) -> Vec<String> {
@@ -185,33 +193,27 @@ impl TaskStudy {
 
 /// Returns the answer of a row.
 fn answered(session: &Recorded, index: usize, person: usize) -> Option<TaskTrial> {
-    let (row, protocol) = (&session.rows[index], &session.protocol);
-    let TrialRecord { answer: Some(given), .. } = row else { return None };
-    let task = &protocol.task;
-    let condition = session.schedule.trials[session.trial(index)?].condition;
-    let (condition, answer) = match task.measures() {
-        Measures::Comparisons => {
-            let stimuli = session.stimuli(index);
-            let of = |place: usize| {
-                let stimulus = *stimuli.get(place).or(stimuli.first())?;
+    let protocol = &session.protocol;
+    let (task, Replayed { trial, shown, answer }) = (&protocol.task, session.replayed(index)?);
+    let condition = session.schedule.trials[*trial].condition;
+    let seen = task.outcome(shown, answer);
+    let (condition, answer) = match (task.measures(), answer) {
+        (Measures::Comparisons, _) => {
+            let [left, right] = shown.stimuli.as_slice() else { return None };
+            let of = |stimulus: &Stimulus| {
                 protocol.conditions().iter().position(|condition| condition.stimulus == *stimulus)
             };
-            (of(0)?, TaskAnswered::Compared { other: of(1)?, first_won: given.response == "1" })
+            (of(left)?, TaskAnswered::Compared { other: of(right)?, first_won: seen })
         }
-        Measures::Settings | Measures::Ratings => {
+        (Measures::Settings | Measures::Ratings, Answer::Value(value)) => {
             let dial = task.dial();
             let upper = |start: f64| dial.as_ref().is_some_and(|dial| dial.share(start) > 0.5);
-            let value = given.response.parse().ok()?;
-            (condition, TaskAnswered::Set { value, from_above: given.start.map(upper) })
+            (condition, TaskAnswered::Set { value: *value, from_above: shown.start.map(upper) })
         }
-        Measures::Proportions | Measures::Detection => {
-            let is_target = given.target != Some(0);
-            let seen = match given.response.as_str() {
-                "yes" => true,
-                "no" => false,
-                place => given.target.is_some_and(|target| target.to_string() == place),
-            };
-            (condition, TaskAnswered::Seen { level: given.level, is_target, seen })
+        (Measures::Settings | Measures::Ratings, Answer::Key(_)) => return None,
+        (Measures::Proportions | Measures::Detection, _) => {
+            let is_target = shown.target != Some(0);
+            (condition, TaskAnswered::Seen { level: shown.level, is_target, seen })
         }
     };
     Some(TaskTrial { person, condition, answer })

@@ -44,14 +44,6 @@ fn columns(study: &TaskStudy, first: &[(&str, &str)], last: &[(&str, &str, &str)
     first.chain(factors).chain(last).collect()
 }
 
-/// Returns the levels of a condition as cells.
-fn levels(study: &TaskStudy, condition: usize) -> impl Iterator<Item = Cell> {
-    study.levels(condition).into_iter().map(|level| {
-        let number = level.parse().ok();
-        Cell::Level(level, number)
-    })
-}
-
 const PERSON: (&str, &str) = ("subject_id", "Participant.");
 
 fn answers(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
@@ -65,7 +57,7 @@ fn answers(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
             let person = std::iter::once(Cell::from(study.people[function.person].as_str()));
             let numbers =
                 [Cell::from(common.level(point.x)), u64::from(point.correct).into(), u64::from(point.total).into()];
-            person.chain(levels(study, function.condition)).chain(numbers).collect()
+            person.chain(study.cells(function.condition)).chain(numbers).collect()
         })
     });
     Table::new(columns(study, &[PERSON], &last), rows)
@@ -94,7 +86,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
     let rows = results.functions.iter().map(|function| {
         let fit = function.fit.as_ref().ok();
         let mut row = vec![Cell::from(study.people[function.person].as_str())];
-        row.extend(levels(study, function.condition));
+        row.extend(study.cells(function.condition));
         row.push(function.trials().into());
         row.push(fit.map(|fit| common.level(fit.estimate.threshold)).into());
         row.extend(ends(common, fit.map(|fit| fit.threshold)));
@@ -121,7 +113,7 @@ fn population(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
         ("lapse", "", "Common lapse rate."),
     ];
     let rows = results.populations.iter().map(|(condition, population)| {
-        let mut row: Vec<Cell> = levels(study, *condition).collect();
+        let mut row: Vec<Cell> = study.cells(*condition).collect();
         row.extend([(population.people.len() as u64).into(), common.level(population.mean).into()]);
         row.extend(ends(common, population.interval));
         row.extend([population.sd, population.width, population.lapse].map(Cell::from));
@@ -134,7 +126,7 @@ fn shares(study: &TaskStudy, results: &TaskResults) -> Table {
     let last = [("correct", "", "Number of right answers."), ("total", "", "Number of trials.")];
     let rows = results.shares.iter().map(|own| {
         let person = std::iter::once(Cell::from(study.people[own.person].as_str()));
-        person.chain(levels(study, own.condition)).chain(own.right.map(|count| Cell::from(u64::from(count)))).collect()
+        person.chain(study.cells(own.condition)).chain(own.right.map(|count| Cell::from(u64::from(count)))).collect()
     });
     Table::new(columns(study, &[PERSON], &last), rows)
 }
@@ -152,7 +144,7 @@ fn detection(study: &TaskStudy, results: &TaskResults) -> Table {
     ];
     let rows = results.detection.iter().map(|own| {
         let mut row = vec![Cell::from(study.people[own.person].as_str())];
-        row.extend(levels(study, own.condition));
+        row.extend(study.cells(own.condition));
         let counts = [own.answers.hits, own.answers.misses, own.answers.false_alarms, own.answers.correct_rejections];
         row.extend(counts.map(|count| Cell::from(u64::from(count))));
         let found = own.answers.detection();
@@ -188,7 +180,7 @@ fn scale(study: &TaskStudy, found: &Comparisons) -> Table {
     ];
     let [thurstone, bradley_terry] = &found.scales;
     let rows = (0..thurstone.values.len()).map(|item| {
-        let mut row: Vec<Cell> = levels(study, item).collect();
+        let mut row: Vec<Cell> = study.cells(item).collect();
         let interval = found.intervals.as_ref().map(|intervals| intervals[item]);
         row.push(thurstone.values[item].into());
         row.extend([interval.map(|interval| interval.low), interval.map(|interval| interval.high)].map(Cell::from));
@@ -209,7 +201,7 @@ fn settings(study: &TaskStudy, results: &TaskResults) -> Table {
     ];
     let rows = results.settings.iter().map(|own| {
         let mut row = vec![Cell::from(study.people[own.person].as_str())];
-        row.extend(levels(study, own.condition));
+        row.extend(study.cells(own.condition));
         row.push((own.settings.n as u64).into());
         row.extend([Cell::from(own.settings.mean), own.settings.sd.into(), own.settings.direction.into()]);
         row

@@ -1,7 +1,7 @@
 //! Read-only access to recorded sessions, for code that reads whole data sets. Nothing is changed or locked.
 
 use std::{
-    collections::{BTreeSet, HashMap, HashSet},
+    collections::{HashMap, HashSet},
     path::{Path, PathBuf},
 };
 
@@ -12,7 +12,7 @@ use super::{
     sidecar::{Sidecar, missing},
 };
 use crate::{
-    experiment::{Course, Identity, Phase, Protocol, Replay, Schedule, TrialRecord, columns},
+    experiment::{Course, Identity, Phase, Protocol, Replay, Replayed, Schedule, TrialRecord, columns},
     stimulus::Stimulus,
     store::{FileError, FileErrors, StoreError, definition, file::exists},
 };
@@ -51,15 +51,6 @@ pub struct Recorded {
     pub partial_line: Option<String>,
     /// The files that differ from what the session wrote, according to its seals.
     pub changed: Vec<FileError>,
-}
-
-/// A row that follows from the definition, the seed and the rows before.
-#[derive(Clone, Debug)]
-struct Replayed {
-    /// Index into [`Schedule::trials`].
-    trial: usize,
-    /// What it showed, the stimulus that the row describes first; `None` if that is the trial's condition.
-    stimuli: Option<Vec<Stimulus>>,
 }
 
 /// How often a session is read if its sidecar changes in the meantime, which happens at the beginning and end of a sitting.
@@ -132,34 +123,24 @@ impl Recorded {
         name.strip_suffix(DATA_FILE).unwrap_or(&name).to_owned()
     }
 
-    /// Returns the index in [`Schedule::trials`] of a row's trial; `None` if the row is not planned.
-    pub fn trial(&self, row: usize) -> Option<usize> {
-        self.replayed[row].as_ref().ok().map(|row| row.trial)
+    /// Returns what a row records; `None` if the row is not planned.
+    pub fn replayed(&self, row: usize) -> Option<&Replayed> {
+        self.replayed[row].as_ref().ok()
     }
 
     /// Returns what a row's trial showed, the stimulus that the row describes first; nothing if the row is not planned.
     pub fn stimuli(&self, row: usize) -> Vec<&Stimulus> {
-        match &self.replayed[row] {
-            Ok(Replayed { stimuli: Some(stimuli), .. }) => stimuli.iter().collect(),
-            Ok(Replayed { trial, .. }) => {
-                vec![&self.schedule.conditions[self.schedule.trials[*trial].condition].stimulus]
-            }
-            Err(_) => Vec::new(),
-        }
+        let Some(Replayed { shown, .. }) = self.replayed(row) else { return Vec::new() };
+        let described = shown.described();
+        let others = shown.stimuli.iter().filter(|other| *other != described);
+        std::iter::once(described).chain(others).collect()
     }
 
     /// Returns the different stimuli that the rows show.
     pub fn shown(&self) -> Vec<&Stimulus> {
-        let of_conditions: BTreeSet<usize> = (self.replayed.iter().flatten())
-            .filter(|row| row.stimuli.is_none())
-            .map(|row| self.schedule.trials[row.trial].condition)
-            .collect();
-        let mut shown: Vec<&Stimulus> =
-            of_conditions.into_iter().map(|condition| &self.schedule.conditions[condition].stimulus).collect();
         let mut known = HashSet::new();
-        let others = self.replayed.iter().flatten().filter_map(|row| row.stimuli.as_ref()).flatten();
-        shown.extend(others.filter(|stimulus| known.insert(stimulus.key())));
-        shown
+        let all = self.replayed.iter().flatten().flat_map(|row| &row.shown.stimuli);
+        all.filter(|stimulus| known.insert(stimulus.key())).collect()
     }
 
     /// Returns the number of answered trials and the number of planned trials.
@@ -192,17 +173,7 @@ impl Recorded {
 
 /// Replays rows. Also returns the number of trials that are still to be answered.
 fn replay(mut replay: Replay<'_>, rows: &[TrialRecord]) -> (Vec<Result<Replayed, String>>, usize) {
-    let is_planned = |course: &Course| course.protocol().task.is_default();
-    let replayed: Vec<_> = rows
-        .iter()
-        .map(|row| {
-            let (trial, shown) = replay.row(row)?;
-            let described = shown.described().clone();
-            let others = || shown.stimuli.iter().filter(|other| **other != described).cloned();
-            let all = || std::iter::once(described.clone()).chain(others()).collect();
-            Ok(Replayed { trial, stimuli: (!is_planned(replay.course())).then(all) })
-        })
-        .collect();
+    let replayed: Vec<_> = rows.iter().map(|row| replay.row(row)).collect();
     let done: HashSet<usize> = replayed.iter().flatten().map(|row: &Replayed| row.trial).collect();
     let course = replay.course();
     let is_left = |trial: &usize| !done.contains(trial) && !course.is_over(*trial);

@@ -15,7 +15,7 @@ use super::{
     sitting::{FrameSummary, InputSummary, Seal, Sitting},
 };
 use crate::{
-    experiment::{Answers, Course, Identity, Protocol, Replay, Resumed, Schedule, TrialRecord, columns},
+    experiment::{Answers, Course, Identity, Protocol, Replay, Replayed, Resumed, Schedule, TrialRecord, columns},
     stimulus::Stimulus,
     store::{FileError, FileErrors, StoreError, definition, file::exists},
 };
@@ -439,7 +439,7 @@ impl Found {
         let (mut planned, mut errors) = (Vec::new(), Vec::new());
         for (row, line) in recovered.rows.iter().zip(2..) {
             match replay.row(row) {
-                Ok((trial, _)) => {
+                Ok(Replayed { trial, .. }) => {
                     resumed.done.insert(trial);
                     planned.push((row, line));
                 }
