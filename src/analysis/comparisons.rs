@@ -1,23 +1,10 @@
 //! Scales from paired comparisons: Thurstone's Case V and the model of Bradley and Terry.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
 use rand_chacha::{ChaCha8Rng, rand_core::Rng as _};
 use serde::Serialize;
-use statrs::function::erf::erfc;
 
+pub use crate::experiment::task::{Scaling, Wins};
 use crate::statistics::{Interval, mean_and_sd, t_quantile};
-
-/// How often each item (row) was chosen over each other (column).
-pub type Wins = DMatrix<f64>;
-
-/// How the difference of two scale values becomes the probability of a choice.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub enum Scaling {
-    /// Φ(s_i − s_j) (Thurstone 1927, Case V).
-    Thurstone,
-    /// 1/(1 + e^(s_j − s_i)) (Bradley & Terry 1952).
-    BradleyTerry,
-}
 
 /// The scale values of items.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -33,11 +20,6 @@ pub struct Scale {
 
 /// Standard deviation of the weak prior, in JND.
 const WEAK_SD: f64 = 5.0;
-/// Newton steps.
-const STEPS: usize = 200;
-/// A step this small ends the search.
-const SMALL: f64 = 1e-11;
-
 impl Scaling {
     /// Returns one JND on the model's own scale: z(.75), or ln 3.
     #[must_use]
@@ -48,22 +30,7 @@ impl Scaling {
         }
     }
 
-    /// Returns ln P of a difference, its derivative, and the negative of its second derivative.
-    fn log_probability(self, d: f64) -> [f64; 3] {
-        match self {
-            Self::Thurstone => {
-                let p = (0.5 * erfc(-d / std::f64::consts::SQRT_2)).max(f64::MIN_POSITIVE);
-                let ratio = (-0.5 * d * d).exp() / (2.0 * std::f64::consts::PI).sqrt() / p;
-                [p.ln(), ratio, ratio * (d + ratio)]
-            }
-            Self::BradleyTerry => {
-                let p = 1.0 / (1.0 + (-d).exp());
-                [-(-d).exp().ln_1p(), 1.0 - p, p * (1.0 - p)]
-            }
-        }
-    }
-
-    /// Finds the most likely scale values by Newton's method.
+    /// Finds the most likely scale values.
     ///
     /// Returns `None` for fewer than two items, or if nothing was compared.
     #[must_use]
@@ -73,34 +40,11 @@ impl Scaling {
             return None;
         }
         let is_limited = !is_connected(wins);
-        // A penalty on the sum fixes the origin, which the comparisons do not.
         let precision = if is_limited { (WEAK_SD * self.jnd()).powi(-2) } else { 0.0 };
-        let mut values = DVector::zeros(items);
-        for _ in 0..STEPS {
-            let (mut gradient, mut information) = (
-                &values * -precision,
-                DMatrix::from_element(items, items, 1.0) + DMatrix::identity(items, items) * precision,
-            );
-            for (i, j, n) in compared(wins) {
-                let [_, slope, curvature] = self.log_probability(values[i] - values[j]);
-                gradient[i] += n * slope;
-                gradient[j] -= n * slope;
-                for (a, b, sign) in [(i, i, 1.0), (j, j, 1.0), (i, j, -1.0), (j, i, -1.0)] {
-                    information[(a, b)] += sign * n * curvature;
-                }
-            }
-            let step = Cholesky::new(information)?.solve(&gradient);
-            // Far from the most likely values, a whole step could leave the region in which the model is accurate.
-            let scale = (2.0 / step.amax().max(1e-300)).min(1.0);
-            values += &step * scale;
-            if step.amax() < SMALL {
-                break;
-            }
-        }
-        let mean = values.mean();
-        let log_likelihood = compared(wins).map(|(i, j, n)| n * self.log_probability(values[i] - values[j])[0]).sum();
-        let values = values.iter().map(|value| (value - mean) / self.jnd()).collect();
-        Some(Scale { values, log_likelihood, is_limited })
+        let mode = self.mode(wins, precision)?;
+        let mean = mode.values.mean();
+        let values = mode.values.iter().map(|value| (value - mean) / self.jnd()).collect();
+        Some(Scale { values, log_likelihood: mode.log_likelihood, is_limited })
     }
 
     /// Returns the 95 % interval of each scale value, for people like these: the standard error is that of `draws` studies
@@ -124,12 +68,6 @@ impl Scaling {
         let interval = |(value, drawn): (&f64, &Vec<f64>)| Interval::around(*value, Some(mean_and_sd(drawn).1), reach);
         all.values.iter().zip(&drawn).map(interval).collect()
     }
-}
-
-fn compared(wins: &Wins) -> impl Iterator<Item = (usize, usize, f64)> {
-    let items = wins.nrows();
-    let pairs = (0..items).flat_map(move |i| (0..items).map(move |j| (i, j)));
-    pairs.map(|(i, j)| (i, j, wins[(i, j)])).filter(|(.., n)| *n > 0.0)
 }
 
 /// Returns whether every item was chosen over every other, directly or through others (Ford 1957).

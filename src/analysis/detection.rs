@@ -1,7 +1,8 @@
 //! Signal detection: how well targets are told from catch trials, and how readily an observer says yes.
 
 use serde::Serialize;
-use statrs::function::erf::erfc_inv;
+
+use crate::experiment::task::Curve;
 
 /// The answers of a person to targets and to catch trials.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -30,11 +31,6 @@ pub struct Detection {
     pub criterion_se: f64,
 }
 
-/// Returns z(p), the quantile of the standard normal distribution.
-fn quantile(p: f64) -> f64 {
-    -std::f64::consts::SQRT_2 * erfc_inv(2.0 * p)
-}
-
 impl Answers {
     /// Returns sensitivity and criterion; `None` without targets or without catch trials.
     #[must_use]
@@ -45,7 +41,7 @@ impl Answers {
         }
         let share = |yes: u32, all: u32| (f64::from(yes) + 0.5) / (f64::from(all) + 1.0);
         let (hit, false_alarm) = (share(self.hits, targets), share(self.false_alarms, catches));
-        let (h, f) = (quantile(hit), quantile(false_alarm));
+        let (h, f) = (Curve::Normal.inverse(hit), Curve::Normal.inverse(false_alarm));
         let variance = |p: f64, z: f64, n: u32| {
             let density = (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt();
             p * (1.0 - p) / (f64::from(n) * density * density)

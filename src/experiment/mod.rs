@@ -14,6 +14,7 @@ mod observer;
 mod participant;
 mod protocol;
 mod record;
+mod replay;
 mod scale;
 mod schedule;
 mod scripts;
@@ -30,10 +31,8 @@ pub use identity::{Identity, IdentityError};
 pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, judged, simulate};
 pub use participant::{AnswerError, Answers, FieldKind, FieldSpec, MAX_ANSWER, ParticipantField, ParticipantFields};
 pub use protocol::{Protocol, name_error};
-pub use record::{
-    Column, Rating, RatingRow, Replay, Replayed, RowContext, Seconds, TaskAnswer, TrialRecord, columns,
-    columns_by_header,
-};
+pub use record::{Column, Rating, RatingRow, RowContext, Seconds, TaskAnswer, TrialRecord, columns, columns_by_header};
+pub use replay::{Replay, Replayed};
 pub use scale::{CATEGORIES, Category, ResponseScale, default_key};
 pub use schedule::{GENERATOR, Phase, Schedule, ScheduleError, Trial, session_seed};
 pub use session::{Effect, Event, FrameCount, Progress, Resumed, Session, SessionOptions, State, TrialResponse};

@@ -33,6 +33,20 @@ impl Provenance {
     }
 }
 
+impl Provenance {
+    /// Says how to repeat an analysis, and how its page was created; `further` are other facts.
+    pub fn tell(&self, section: &mut Section, further: impl IntoIterator<Item = (&'static str, String)>) {
+        section.text("The same program, command and files produce the same numbers on every machine.");
+        section.code(self.command.clone());
+        let facts = [
+            ("Program", format!("machband {}", self.version)),
+            ("Commit", self.commit.clone()),
+            ("Created at", self.made_at.strftime("%Y-%m-%d %H:%M:%S UTC").to_string()),
+        ];
+        section.facts("How this page was created", facts.into_iter().chain(further));
+    }
+}
+
 /// Returns this program's name and the arguments, quoted for a POSIX shell.
 pub fn shell_command(arguments: impl IntoIterator<Item = String>) -> String {
     let command: Vec<String> = std::iter::once(env!("CARGO_PKG_NAME").to_owned()).chain(arguments).collect();
@@ -43,18 +57,11 @@ pub fn shell_command(arguments: impl IntoIterator<Item = String>) -> String {
 pub(super) fn section(source: &Source, results: &Results, provenance: &Provenance) -> Section {
     let mut section = Section::new("repeat", "Repeat this analysis");
     let resampling = results.options.resampling;
-    section.text("The same program, command and files produce the same numbers on every machine.");
-    section.code(provenance.command.clone());
-    section.facts(
-        "How this page was created",
-        [
-            ("Program", format!("machband {}", provenance.version)),
-            ("Commit", provenance.commit.clone()),
-            ("Created at", provenance.made_at.strftime("%Y-%m-%d %H:%M:%S UTC").to_string()),
-            ("Seed of the simulated studies", resampling.seed.to_string()),
-            ("Simulated studies, at most", whole(resampling.draws.into()).to_string()),
-        ],
-    );
+    let further = [
+        ("Seed of the simulated studies", resampling.seed.to_string()),
+        ("Simulated studies, at most", whole(resampling.draws.into()).to_string()),
+    ];
+    provenance.tell(&mut section, further);
     let row = |file: &FileRead| {
         let layout = match file.layout {
             Layout::Results => "results",

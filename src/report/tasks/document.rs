@@ -33,7 +33,7 @@ pub fn document(
     sections.extend(thresholds(study, results, figures));
     sections.extend(further::sections(study, results, figures));
     sections.push(methods(study, results));
-    sections.extend(provenance.map(|provenance| repeat(study, provenance)));
+    sections.extend(provenance.map(|provenance| repeat(study, results, provenance)));
     let title = if study.protocol.title.trim().is_empty() { &study.protocol.name } else { &study.protocol.title };
     let subtitle = format!("Experiment {}, task {}", study.protocol.name, study.protocol.task.name());
     Document { title: title.clone(), subtitle, sections }
@@ -248,18 +248,9 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
     section
 }
 
-fn repeat(study: &TaskStudy, provenance: &Provenance) -> Section {
+fn repeat(study: &TaskStudy, results: &TaskResults, provenance: &Provenance) -> Section {
     let mut section = Section::new("repeat", "Repeat this analysis");
-    section.text("The same program, command and files produce the same numbers on every machine.");
-    section.code(provenance.command.clone());
-    section.facts(
-        "How this page was created",
-        [
-            ("Program", format!("machband {}", provenance.version)),
-            ("Commit", provenance.commit.clone()),
-            ("Created at", provenance.made_at.strftime("%Y-%m-%d %H:%M:%S UTC").to_string()),
-        ],
-    );
+    provenance.tell(&mut section, [("Seed of the simulated studies", results.seed.to_string())]);
     let row = |(path, rows): &(std::path::PathBuf, usize)| vec![path.display().to_string().into(), whole(*rows as u64)];
     section.table("Files", &["File"], &["Rows"], study.files.iter().map(row).collect());
     section.heading("The definition");

@@ -1,0 +1,126 @@
+//! Recomputes a session from its rows: what each trial showed must follow from the definition, the seed and the answers
+//! before it.
+
+use super::{
+    course::Course,
+    identity::Identity,
+    record::{RowContext, TrialRecord},
+    schedule::Phase,
+    task::{Answer, Presentation},
+};
+
+/// What a row records.
+#[derive(Clone, Debug)]
+pub struct Replayed {
+    /// Index into [`Schedule::trials`].
+    pub trial: usize,
+    /// What the trial showed.
+    pub shown: Presentation,
+    /// The answer.
+    pub answer: Answer,
+}
+
+/// Recomputes a session from its rows, one after the other.
+#[derive(Debug)]
+pub struct Replay<'a> {
+    identity: &'a Identity,
+    course: Course,
+    /// Whether rows may be missing, so that what an adaptive method showed need not follow from the rows.
+    has_gaps: bool,
+}
+
+impl<'a> Replay<'a> {
+    /// Begins a session. `has_gaps` if rows were removed by a repair.
+    #[must_use]
+    pub fn new(identity: &'a Identity, course: Course, has_gaps: bool) -> Self {
+        Self { identity, course, has_gaps }
+    }
+
+    /// Returns the session after the rows so far.
+    #[must_use]
+    pub fn course(&self) -> &Course {
+        &self.course
+    }
+
+    /// Returns the session after the rows so far.
+    #[must_use]
+    pub fn into_course(self) -> Course {
+        self.course
+    }
+
+    /// Takes the next row, and returns what it records.
+    ///
+    /// # Errors
+    /// Returns a message if the schedule does not plan this trial, if what it showed does not follow from the answers
+    /// before, or if there is no such answer. The row then teaches an adaptive method nothing.
+    pub fn row(&mut self, row: &TrialRecord) -> Result<Replayed, String> {
+        let protocol = self.course.protocol();
+        let highest = protocol.response.highest();
+        if let Some(rating) = row.rating.filter(|rating| row.answer.is_none() && rating.0 > highest) {
+            return Err(format!("row {} has the rating {}; expected 0 to {highest}", row.row_id, rating.0));
+        }
+        let given = row.given(protocol).ok_or_else(|| {
+            let response = row.answer.as_ref().map_or("", |answer| &answer.response);
+            format!(
+                "row {} has the response {response:?}; expected an answer of the task {}",
+                row.row_id,
+                protocol.task.name()
+            )
+        })?;
+        // Practice trials come first, and each phase is numbered from 1.
+        let practice = protocol.design.practice as usize;
+        let before = if row.phase == Phase::Main { practice } else { 0 };
+        let trials = &self.course.schedule().trials;
+        let index = (before + row.trial as usize).checked_sub(1);
+        let index = index.filter(|index| trials.get(*index).is_some_and(|trial| trial.phase == row.phase));
+        let index = index.ok_or_else(|| self.unplanned(row))?;
+        self.course.take_back(index);
+        let is_over = self.course.is_over(index);
+        let shown = self.course.presentation(index);
+        if !is_over && self.shows(row, index, (&shown, &given)) {
+            self.course.answer_as_shown(index, &shown, &given);
+            return Ok(Replayed { trial: index, shown, answer: given });
+        }
+        let level = row.answer.as_ref().and_then(|answer| answer.level);
+        let possible = self.course.possible(index, level);
+        let Some(shown) = possible.into_iter().find(|shown| self.shows(row, index, (shown, &given))) else {
+            return Err(self.unplanned(row));
+        };
+        if !self.has_gaps {
+            return Err(format!(
+                "row {} does not follow from the answers before it; expected {}",
+                row.row_id,
+                if is_over { "no further trial of its condition".to_owned() } else { self.expected(index) }
+            ));
+        }
+        self.course.answer_as_shown(index, &shown, &given);
+        Ok(Replayed { trial: index, shown, answer: given })
+    }
+
+    /// Returns whether a row is the one that a trial with this presentation and answer records.
+    fn shows(&self, row: &TrialRecord, index: usize, trial: (&Presentation, &Answer)) -> bool {
+        let context = RowContext {
+            protocol: self.course.protocol(),
+            schedule: self.course.schedule(),
+            identity: self.identity,
+            sitting: row.sitting,
+        };
+        row.clone().of_trial(&context, index, row.attempt, trial) == *row
+    }
+
+    fn expected(&self, index: usize) -> String {
+        let shown = self.course.presentation(index);
+        match shown.level {
+            Some(level) => format!("the level {level}"),
+            None => "the pair that tells most".to_owned(),
+        }
+    }
+
+    fn unplanned(&self, row: &TrialRecord) -> String {
+        format!(
+            "row {} is not planned by the definition and seed {}; expected the row as it was recorded",
+            row.row_id,
+            self.course.schedule().seed
+        )
+    }
+}
