@@ -118,8 +118,12 @@ impl Course {
     }
 
     fn learn(&mut self, trial: usize, pick: Pick, answer: &Answer) {
+        let Some(track) = self.track(trial) else {
+            self.last = Some((trial, None));
+            return;
+        };
         let shown = self.present(trial, pick);
-        let before = self.track(trial).map(|track| (track, self.tracks[track].clone()));
+        let before = self.tracks[track].clone();
         let task = &self.protocol.task;
         let mut outcome = task.outcome(&shown, answer);
         if let (Pick::Pair(_), 1) = (pick, self.schedule.trials[trial].place) {
@@ -127,10 +131,8 @@ impl Course {
             outcome = !outcome;
         }
         let is_catch = task.catches().is_some() && shown.target == Some(0);
-        if let Some((track, _)) = before {
-            self.tracks[track].learn(self.protocol.adaptive.as_ref(), pick, outcome, is_catch);
-        }
-        self.last = Some((trial, before));
+        self.tracks[track].learn(self.protocol.adaptive.as_ref(), pick, outcome, is_catch);
+        self.last = Some((trial, Some((track, before))));
     }
 
     /// Forgets the answer to a trial if it is the last one.

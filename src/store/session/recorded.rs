@@ -138,8 +138,11 @@ impl Recorded {
 
     /// Returns the different stimuli that the rows show.
     pub fn shown(&self) -> Vec<&Stimulus> {
-        let mut known = HashSet::new();
-        let all = self.replayed.iter().flatten().flat_map(|row| &row.shown.stimuli);
+        let (mut known, mut conditions) = (HashSet::new(), HashSet::new());
+        // A rating shows its condition, so most rows need not be looked at.
+        let is_rating = self.protocol.task.is_default();
+        let is_new = |row: &&Replayed| !is_rating || conditions.insert(self.schedule.trials[row.trial].condition);
+        let all = self.replayed.iter().flatten().filter(is_new).flat_map(|row| &row.shown.stimuli);
         all.filter(|stimulus| known.insert(stimulus.key())).collect()
     }
 
