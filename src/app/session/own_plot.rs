@@ -74,8 +74,13 @@ impl OwnPlot {
             .include_y(low - pad)
             .include_y(high + pad)
             .x_axis_label(self.x_label.clone())
-            .y_axis_label(self.y_label.clone())
-            .legend(Legend::default().position(Corner::RightTop));
+            .y_axis_label(self.y_label.clone());
+        if self.lines.len() > 1 {
+            // The legend is beside the last points, not on them.
+            let longest = self.lines.iter().flat_map(|(_, points)| points).map(|point| point[0]).fold(0.0, f64::max);
+            let room = if self.places.is_empty() { 1.4 * longest } else { longest };
+            plot = plot.include_x(room).legend(Legend::default().position(Corner::RightTop));
+        }
         if log {
             plot = plot.y_axis_formatter(|mark, _| format!("{:.3}", f64::powf(10.0, mark.value)));
         } else if high - low <= 11.0 && high.fract() == 0.0 && high > 1.0 {
