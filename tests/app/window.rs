@@ -98,7 +98,8 @@ pub fn open_study(window: &mut Window, definition: &str) {
 /// Whether a study is chosen.
 pub fn is_chosen(window: &Window, definition: &str) -> bool {
     let file = Path::new(definition).file_name().unwrap().to_str().unwrap().to_owned();
-    window.query_by_label_contains(&format!("{file} · rating")).is_some() || window.query_by_label(&file).is_some()
+    let facts = format!("{file} · ");
+    texts(window).iter().any(|text| *text == file || text.starts_with(&facts) && text.contains(" condition"))
 }
 
 /// The text in a field.
