@@ -403,3 +403,18 @@ fn every_task_is_analyzed_and_none_is_taken_for_ratings() {
         assert!(refused.contains("does not apply to the task"), "{name}: {refused}");
     }
 }
+
+/// Where every answer is right, however hard the level, there is a threshold somewhere below, and no number for it.
+#[test]
+fn a_threshold_beyond_the_levels_is_no_number() {
+    let folder = tempfile::tempdir().unwrap();
+    succeeds(folder.path(), &["simulate", "threshold-width", "--participants", "8", "--results", "results"]);
+    let printed = succeeds(folder.path(), &["analyze", "results/threshold-width", "--out", "analysis"]);
+    assert_eq!(printed.matches("was not measured").count(), 2, "{printed}");
+    assert!(printed.contains("lies below the lowest level, 0.005"), "{printed}");
+    assert!(!printed.contains("differ") && !printed.contains("on average"), "{printed}");
+    let (header, rows) = table(&folder.path().join("analysis/thresholds.csv"));
+    let beyond = header.iter().position(|name| name == "is_beyond").unwrap();
+    assert!(rows.iter().filter(|row| row[beyond] == "1").count() >= 14, "{rows:?}");
+    assert!(table(&folder.path().join("analysis/population.csv")).1.is_empty());
+}

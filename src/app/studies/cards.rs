@@ -142,7 +142,8 @@ impl Studies {
                 ui::note(ui, format!("{simulated} of these sessions are simulated: a program rated."));
             }
             if planned.is_none() {
-                ui::hint(ui, "The definition plans no number of participants; machband plan finds one.");
+                let find = if protocol.task.is_default() { "; machband plan finds one" } else { "" };
+                ui::hint(ui, format!("The definition plans no number of participants{find}."));
             }
         });
         let found = self.found.clone().filter(|found| found.folder == self.folder());

@@ -2,7 +2,7 @@
 
 use super::{
     further,
-    results::{PersonFunction, TaskResults, model},
+    results::{PersonFunction, Side, TaskResults, model},
     study::TaskStudy,
 };
 use crate::{
@@ -67,9 +67,25 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         format!("The threshold of {name}{of} is {} on average over people{interval}.", level(common, population.mean))
     };
     section.list(results.populations.iter().map(sentence).collect());
-    if results.populations.is_empty() {
+    let range = adaptive.range();
+    let beyond = |(condition, side): &(usize, Side)| {
+        let (place, answers) = ends(*side, range);
+        format!(
+            "The threshold of {name}{} was not measured: that of at least half of the people lies {place}, where {answers}.",
+            study.at(*condition)
+        )
+    };
+    results.beyond.iter().map(beyond).for_each(|sentence| section.warning(sentence));
+    if results.populations.is_empty() && results.beyond.is_empty() {
         let of_person = |function: &PersonFunction| {
             let fit = function.fit.as_ref().ok()?;
+            if let Some(side) = function.beyond {
+                let (who, of) = (&study.people[function.person], study.at(function.condition));
+                let (place, answers) = ends(side, range);
+                return Some(format!(
+                    "{who}: the threshold of {name}{of} was not measured: it lies {place}, where {answers}."
+                ));
+            }
             let who = &study.people[function.person];
             let of = study.at(function.condition);
             let interval = told(common, Some(fit.threshold));
@@ -81,7 +97,7 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         let Some(interval) = difference.interval else { continue };
         let clear = interval.low > 0.0 || interval.high < 0.0;
         let (one, two) = (study.name(*one), study.name(*two));
-        let ratio = |value: f64| if common.log { fixed(f64::powf(10.0, value), 2) } else { fixed(value, 3) };
+        let ratio = |value: f64| if common.log { fixed(f64::powf(10.0, value), 3) } else { fixed(value, 3) };
         let between = format!("{} to {}", ratio(interval.low), ratio(interval.high));
         let kind = if common.log { "ratio of the thresholds" } else { "difference of the thresholds" };
         section.text(format!(
@@ -91,6 +107,15 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         ));
     }
     section
+}
+
+/// Says where beyond the levels a threshold lies, and what is known there.
+fn ends(side: Side, [low, high]: [f64; 2]) -> (String, &'static str) {
+    let place = match side {
+        Side::Below => format!("below the lowest level, {low}"),
+        Side::Above => format!("above the highest level, {high}"),
+    };
+    (place, "no trial could be shown")
 }
 
 fn told(common: &Common, interval: Option<Interval>) -> String {
@@ -162,7 +187,16 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
             study.people[function.person].as_str().into(),
             study.name(function.condition).into(),
             whole(function.trials()),
-            fit.map_or_else(|| fixed(None, 0), |fit| level(common, fit.estimate.threshold)),
+            match (fit, function.beyond) {
+                (None, _) => fixed(None, 0),
+                (Some(fit), None) => level(common, fit.estimate.threshold),
+                (Some(fit), Some(Side::Below)) => {
+                    Shown::new(fit.estimate.threshold, format!("below {}", adaptive.range()[0]))
+                }
+                (Some(fit), Some(Side::Above)) => {
+                    Shown::new(fit.estimate.threshold, format!("above {}", adaptive.range()[1]))
+                }
+            },
             range(fit.map(|fit| fit.threshold), |end| level(common, end)),
             fixed(fit.map(|fit| fit.slope), 2),
             range(fit.map(|fit| fit.slope_interval), |end| fixed(end, 2)),
@@ -185,6 +219,19 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
             "The interval of a threshold reaches beyond the levels that could be shown, where only the prior limits it: {}.",
             short_list(&beyond, 12)
         ));
+    }
+    for (condition, population) in &results.populations {
+        let own =
+            results.functions.iter().filter(|function| function.condition == *condition && function.beyond.is_some());
+        let count = own.count();
+        if count > 0 {
+            section.warning(format!(
+                "The thresholds of {count} of {} people{} lie beyond the levels, where only the prior places them; the mean over people \
+                 contains them.",
+                population.people.len(),
+                study.at(*condition)
+            ));
+        }
     }
     let poor = told(&|function| function.goodness.is_some_and(|goodness| goodness.p < POOR_FIT));
     let expected = POOR_FIT * results.functions.len() as f64;

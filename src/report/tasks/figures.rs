@@ -81,7 +81,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         let own = |person: usize| {
             let mut all = results.functions.iter();
             let function = all.find(|function| function.condition == condition && function.person == person)?;
-            let fit = function.fit.as_ref().ok()?;
+            let fit = function.fit.as_ref().ok().filter(|_| function.beyond.is_none())?;
             Some((fit.estimate.threshold, Some(fit.threshold)))
         };
         let mut all: Vec<_> = (0..study.people.len()).map(own).collect();

@@ -9,6 +9,6 @@ mod tables;
 
 pub use document::document;
 pub use figures::figures;
-pub use results::{Comparisons, PersonAnswers, PersonFunction, PersonSettings, PersonShare, TaskResults};
+pub use results::{Comparisons, PersonAnswers, PersonFunction, PersonSettings, PersonShare, Side, TaskResults};
 pub use study::{TaskAnswered, TaskStudy, TaskTrial};
 pub use tables::tables;

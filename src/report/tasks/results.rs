@@ -30,6 +30,9 @@ pub struct TaskResults {
     pub functions: Vec<PersonFunction>,
     /// The thresholds of people, by condition.
     pub populations: Vec<(usize, Population)>,
+    /// The conditions whose thresholds lie beyond the levels that could be shown, where only the prior places them, and on
+    /// which side: at least half of the people's, or their mean.
+    pub beyond: Vec<(usize, Side)>,
     /// The conditions of which there is no mean over people, and why.
     pub without_mean: Vec<(usize, FitError)>,
     /// Differences between the thresholds of two conditions that the same people saw.
@@ -108,6 +111,26 @@ impl PersonFunction {
     }
 }
 
+/// A side of the levels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Below the lowest level.
+    Below,
+    /// Above the highest level.
+    Above,
+}
+
+impl Side {
+    /// Returns on which side of a range a value lies; `None` within it. A value at an end is beyond: the search ends there
+    /// if the answers say only that the threshold is not in the range.
+    #[must_use]
+    pub fn of([low, high]: [f64; 2], value: f64) -> Option<Self> {
+        let near = 1e-6 * (high - low);
+        let above = (value >= high - near).then_some(Self::Above);
+        if value <= low + near { Some(Self::Below) } else { above }
+    }
+}
+
 /// The psychometric function of a person in a condition.
 #[derive(Clone, Debug)]
 pub struct PersonFunction {
@@ -121,6 +144,8 @@ pub struct PersonFunction {
     pub fit: Result<Fit, FitError>,
     /// How well it fits.
     pub goodness: Option<GoodnessOfFit>,
+    /// On which side of the levels the threshold lies; `None` within them.
+    pub beyond: Option<Side>,
 }
 
 /// Number of simulated studies for the goodness of fit.
@@ -141,8 +166,13 @@ impl TaskResults {
         if let Some(model) = model(study) {
             results.functions = functions(study, &model, seed);
             for (condition, population) in populations(study, &results.functions, &model) {
-                match population {
-                    Ok(population) => results.populations.push((condition, population)),
+                let range = model.range.unwrap_or([f64::MIN, f64::MAX]);
+                let side = |population: &Population| {
+                    majority(&results.functions, condition).or(Side::of(range, population.mean))
+                };
+                match population.map(|population| (side(&population), population)) {
+                    Ok((Some(side), _)) => results.beyond.push((condition, side)),
+                    Ok((None, population)) => results.populations.push((condition, population)),
                     Err(error) => results.without_mean.push((condition, error)),
                 }
             }
@@ -257,7 +287,9 @@ fn functions(study: &TaskStudy, model: &Model, seed: u64) -> Vec<PersonFunction>
         rng.set_stream(index as u64);
         let fit = psychometric::fit(&points, model);
         let goodness = psychometric::goodness_of_fit(&points, model, SIMULATIONS, &mut rng).ok();
-        PersonFunction { person, condition, points, fit, goodness }
+        let range = model.range.unwrap_or([f64::MIN, f64::MAX]);
+        let beyond = fit.as_ref().ok().and_then(|fit| Side::of(range, fit.estimate.threshold));
+        PersonFunction { person, condition, points, fit, goodness, beyond }
     };
     all.into_par_iter().enumerate().map(function).collect()
 }
@@ -275,6 +307,13 @@ fn populations(
         (people.len() > 1).then(|| (condition, population::fit(&people, model)))
     };
     conditions.into_par_iter().filter_map(fit).collect()
+}
+
+/// Returns the side of the levels on which the thresholds of at least half of the people lie, if they do.
+fn majority(functions: &[PersonFunction], condition: usize) -> Option<Side> {
+    let own = || functions.iter().filter(|function| function.condition == condition);
+    let on = |side: &Side| 2 * own().filter(|function| function.beyond == Some(*side)).count() >= own().count();
+    [Side::Below, Side::Above].into_iter().find(on)
 }
 
 /// Compares the conditions whose people are the same.

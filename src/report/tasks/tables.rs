@@ -80,6 +80,11 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
         ("slope_high", "", "Upper end of its 95 % interval."),
         ("guess", "", "Guess rate."),
         ("lapse", "", "Lapse rate."),
+        (
+            "is_beyond",
+            "",
+            "1 if the threshold lies beyond the levels that could be shown, where only the prior places it.",
+        ),
         ("deviance", "", "Deviance of the best function."),
         ("p", "", "Share of simulated studies with at least this deviance."),
     ];
@@ -95,6 +100,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
             [fit.map(|fit| fit.slope), slope.map(|slope| slope.low), slope.map(|slope| slope.high)].map(Cell::from),
         );
         row.extend([fit.map(|fit| fit.estimate.guess), fit.map(|fit| fit.estimate.lapse)].map(Cell::from));
+        row.push(u64::from(function.beyond.is_some()).into());
         let goodness = function.goodness;
         row.extend([goodness.map(|goodness| goodness.deviance), goodness.map(|goodness| goodness.p)].map(Cell::from));
         row
