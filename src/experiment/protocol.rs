@@ -289,7 +289,7 @@ impl Definition {
         let given = Given { stimulus: &self.stimulus, factors: &self.factors, adapted };
         self.task.check(&given, errors);
         let Some(adaptive) = &self.adaptive else { return };
-        if self.task.guess().is_none() && self.task.catches().is_none() {
+        if !self.task.adapts() {
             let message = format!(
                 "a task of the kind {} has no levels to choose; expected choice, yes-no or pair",
                 self.task.name()

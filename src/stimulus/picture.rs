@@ -45,7 +45,7 @@ pub struct PictureFile {
     pub levels: Vec<ParameterValue>,
     /// The pixels; `None` if the file was not read, as when a recorded session is read elsewhere.
     #[serde(skip)]
-    pub content: Option<PictureContent>,
+    pub content: Option<Arc<PictureContent>>,
 }
 
 /// The pixels of a file.

@@ -9,7 +9,7 @@ use super::{
     FileErrors, StoreError, Writer,
     error::io,
     file::{read_text, sha256},
-    pictures,
+    pictures::{self, Place},
     toml::{self, TableReader, unknown_key},
 };
 use crate::{
@@ -90,9 +90,20 @@ pub fn built_in(name: &Path) -> Option<&'static BuiltIn> {
 /// # Errors
 /// Returns every error, with its line and column.
 pub fn parse(file: &str, text: &str) -> Result<Protocol, FileErrors> {
+    parse_again(file, text, None)
+}
+
+/// Like [`parse`], for a definition that is edited: pictures that it had `before` are not read again.
+///
+/// # Errors
+/// Returns every error, with its line and column.
+pub fn parse_again(file: &str, text: &str, before: Option<&Protocol>) -> Result<Protocol, FileErrors> {
     let (written, mut document) = toml::read::<Written>(file, text)?;
-    let folder = Path::new(file).parent().unwrap_or(Path::new(""));
-    match written.protocol(Some(folder)) {
+    let known = match before.map(|before| &before.stimulus) {
+        Some(Stimulus::Image(picture)) => Some(&*picture.gallery),
+        _ => None,
+    };
+    match written.protocol(Some(Place { folder: Path::new(file).parent().unwrap_or(Path::new("")), known })) {
         Ok(protocol) => document.finish(protocol),
         Err(errors) => {
             errors.into_iter().for_each(|error| document.error(&error.path, error.message));
@@ -204,14 +215,14 @@ struct WrittenScale {
 }
 
 impl Written {
-    /// Returns the definition. `folder` is where its pictures are; without it, they are only described.
+    /// Returns the definition. `place` is where its pictures are; without it, they are only described.
     ///
     /// # Errors
     /// Returns every error.
-    fn protocol(mut self, folder: Option<&Path>) -> Result<Protocol, Vec<DefinitionError>> {
+    fn protocol(mut self, place: Option<Place<'_>>) -> Result<Protocol, Vec<DefinitionError>> {
         let mut errors = DefinitionErrors::default();
         let stimulus = if self.stimulus.get("kind").and_then(Value::as_str) == Some(Picture::KIND) {
-            self.pictures(folder, &mut errors).into()
+            self.pictures(place, &mut errors).into()
         } else {
             stimulus(&self.stimulus, &mut errors)
         };
@@ -254,10 +265,10 @@ impl Written {
 
 impl Written {
     /// Returns the study's own pictures.
-    fn pictures(&mut self, folder: Option<&Path>, errors: &mut DefinitionErrors) -> Picture {
+    fn pictures(&mut self, place: Option<Place<'_>>, errors: &mut DefinitionErrors) -> Picture {
         let mut table = std::mem::take(&mut self.stimulus);
         table.shift_remove("kind");
-        let Some(folder) = folder else {
+        let Some(place) = place else {
             return TableReader { path: "stimulus", table, errors }.read::<Gallery>().into();
         };
         for key in self.factors.keys() {
@@ -269,7 +280,7 @@ impl Written {
             errors.add(format!("stimulus.{key}"), unknown_key("stimulus", key, &["kind", "files", "show", "size"]));
         }
         let reference = self.task.as_ref().and_then(|task| task.get("reference")?.get(Picture::PICTURE)?.as_str());
-        pictures::gallery(table, folder, reference, self.recovery.level, errors).into()
+        pictures::gallery(table, place, reference, self.recovery.level, errors).into()
     }
 }
 

@@ -1,14 +1,24 @@
 //! Edits the text of a definition. Comments, order and layout stay as they are, except where a value changes.
 
+use std::path::{Path, PathBuf};
+
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
 use super::{FileErrors, definition, toml};
-use crate::{experiment::Protocol, stimulus::Stimulus};
+use crate::{
+    experiment::{
+        Protocol,
+        task::{Common, Method, Task},
+    },
+    stimulus::{Stimulus, picture::Picture},
+};
 
 /// The text of a definition while it is edited. Values are addressed by their keys: `name`, `design.repetitions`,
 /// `participant.age.required`.
 #[derive(Clone, Debug)]
 pub struct Draft {
+    /// The folder from which pictures are named.
+    pub folder: PathBuf,
     document: DocumentMut,
     /// Whether the lines end in a carriage return and a line feed.
     crlf: bool,
@@ -26,7 +36,7 @@ pub enum Typed {
 }
 
 impl Draft {
-    /// Reads a definition; `file` identifies it in messages. It may contain errors, which [`Draft::check`] reports.
+    /// Reads a definition; `file` is its path, or identifies it in messages. It may contain errors, which [`Draft::check`] reports.
     ///
     /// # Errors
     /// The first place where the text is not TOML.
@@ -36,7 +46,8 @@ impl Draft {
         let crlf = text.contains("\r\n");
         let document = text.replace("\r\n", "\n").parse();
         let document = document.map_err(|error: toml_edit::TomlError| FileErrors::whole(file, error.to_string()))?;
-        Ok(Self { document, crlf })
+        let folder = Path::new(file).parent().unwrap_or(Path::new("")).to_owned();
+        Ok(Self { folder, document, crlf })
     }
 
     /// Returns the text of the file.
@@ -45,12 +56,13 @@ impl Draft {
         if self.crlf { text.replace('\n', "\r\n") } else { text }
     }
 
-    /// Returns the definition.
+    /// Returns the definition. Pictures that it had `before` are not read again.
     ///
     /// # Errors
     /// Returns every error, with its key.
-    pub fn check(&self) -> Result<Protocol, FileErrors> {
-        definition::parse(&self.get("name").unwrap_or_default(), &self.text())
+    pub fn check(&self, before: Option<&Protocol>) -> Result<Protocol, FileErrors> {
+        let file = self.folder.join(self.get("name").unwrap_or_default());
+        definition::parse_again(&file.display().to_string(), &self.text(), before)
     }
 
     /// Returns a value as it would be typed; `None` if the file does not have it.
@@ -121,9 +133,37 @@ impl Draft {
         self.put("stimulus.kind", kind.into());
         let known = Stimulus::default_of(kind);
         let known = |name: &str| known.as_ref().is_some_and(|stimulus| stimulus.get(name).is_some());
-        let unknown: Vec<String> =
-            self.keys("stimulus").into_iter().filter(|key| key != "kind" && !known(key)).collect();
-        unknown.iter().for_each(|key| self.remove(&format!("stimulus.{key}")));
+        self.retain("stimulus", |name| name == "kind" || known(name));
+        if kind == Picture::KIND {
+            // Pictures bring their factors.
+            self.remove("factors");
+        }
+    }
+
+    /// Changes what participants do. Options that the new task does not have are removed, and so are the question and
+    /// the answers of the old one.
+    pub fn set_task(&mut self, kind: &str) {
+        self.put("task.kind", kind.into());
+        let options = Task::options(kind);
+        self.retain("task", |name| name == "kind" || options.iter().any(|option| option.key == name));
+        self.remove("response");
+    }
+
+    /// Changes how levels are chosen; `None` if the factors alone have levels. Options that the new method does not have
+    /// are removed.
+    pub fn set_method(&mut self, method: Option<&str>) {
+        let Some(method) = method else { return self.remove("adaptive") };
+        self.put("adaptive.method", method.into());
+        let has = |name: &str| {
+            let mut options = Common::OPTIONS.iter().chain(Method::options(method));
+            options.any(|option| option.key.split('.').next() == Some(name))
+        };
+        self.retain("adaptive", |name| name == "method" || has(name));
+    }
+
+    fn retain(&mut self, table: &str, keep: impl Fn(&str) -> bool) {
+        let removed: Vec<String> = self.keys(table).into_iter().filter(|key| !keep(key)).collect();
+        removed.iter().for_each(|key| self.remove(&format!("{table}.{key}")));
     }
 
     /// Returns the names of the factors, in their order.

@@ -3,6 +3,7 @@
 use std::{
     collections::HashMap,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 use rayon::prelude::*;
@@ -35,17 +36,33 @@ const MAX_FILE: u64 = 256 << 20;
 /// Maximum number of pixels of a picture. No screen has more.
 const MAX_PIXELS: u64 = 8192 * 8192;
 
-/// Reads what a definition in `folder` says about its pictures, and the pictures. `reference` is the one that a task
-/// compares with the others.
+/// Where a definition's pictures are.
+#[derive(Clone, Copy)]
+pub(super) struct Place<'a> {
+    /// The folder of the definition.
+    pub folder: &'a Path,
+    /// Pictures of this folder that were read before.
+    pub known: Option<&'a Gallery>,
+}
+
+/// Reads what a definition says about its pictures, and the pictures, unless they are known. `reference` is the one that
+/// a task compares with the others.
 pub(super) fn gallery(
     table: Map<String, Value>,
-    folder: &Path,
+    Place { folder, known }: Place<'_>,
     reference: Option<&str>,
     background: f64,
     errors: &mut DefinitionErrors,
 ) -> Gallery {
     let read: Gallery = TableReader { path: "stimulus", table, errors }.read();
     let mut gallery = Gallery { background, ..read };
+    let is_known = |known: &&Gallery| {
+        known.files == gallery.files && known.references.iter().map(|picture| picture.file.as_str()).eq(reference)
+    };
+    if let Some(known) = known.filter(is_known) {
+        let Gallery { factors, pictures, references, .. } = known.clone();
+        return Gallery { factors, pictures, references, ..gallery };
+    }
     if gallery.files.is_empty() {
         errors.add("stimulus", "stimulus.files is missing; expected files = \"pictures/*.png\"");
         return gallery;
@@ -122,7 +139,7 @@ fn picture(folder: &Path, file: &str) -> Result<PictureFile, StoreError> {
     } else {
         picture.codes
     };
-    let content = Some(PictureContent { codes, light, is_fine });
+    let content = Some(Arc::new(PictureContent { codes, light, is_fine }));
     Ok(PictureFile { file: file.to_owned(), sha256: sha256(&bytes), levels: Vec::new(), content })
 }
 

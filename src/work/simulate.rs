@@ -18,7 +18,7 @@ use super::{RequestError, Watcher, request::paths};
 use crate::{
     experiment::{
         self, Course, FrameCount, Identity, Observer, Protocol, RowContext, Schedule, Session, SessionOptions,
-        TrialRecord, UniformObserver, VisionObserver,
+        TrialRecord, UniformObserver, VisionObserver, VisionRater,
     },
     stimulus::Stimulus,
     store::{
@@ -130,6 +130,27 @@ pub fn simulate(request: &Simulate, protocol: &Protocol, watcher: &dyn Watcher) 
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).spawn_handler(begin).build()?;
     pool.install(|| (1..=total).into_par_iter().try_for_each(|number| simulation.session(number)))?;
     Ok(Simulated { folder: request.results.join(&protocol.name), sessions, rows: simulation.rows })
+}
+
+/// Returns the rows of a session of the vision observer, which is not stored.
+///
+/// # Errors
+/// The observer cannot see the stimuli, or the trials cannot be ordered as the definition asks.
+pub fn one_session(protocol: &Protocol) -> anyhow::Result<Vec<TrialRecord>> {
+    let observer = VisionObserver::new(VisionRater::default(), protocol)?;
+    let identity = Identity::new("S001", "1")?;
+    let schedule = Schedule::new(protocol, &identity, 1)?;
+    let Interrupted { course, resumed, .. } =
+        Interrupted::before_the_first_trial(Course::new(protocol.clone(), schedule));
+    let schedule = course.schedule().clone();
+    let mut session = Session::new(course, &resumed, SessionOptions { pages: 0, frames: FrameCount::Off });
+    let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting: 1 };
+    let (mut rows, start) = (Vec::new(), now());
+    experiment::simulate(&mut session, &observer, &identity, Duration::ZERO, |response| {
+        rows.push(TrialRecord::new(&context, response, after(start, response.onset)));
+        anyhow::Ok(())
+    })?;
+    Ok(rows)
 }
 
 /// Returns the observer, and how the sidecars describe it.

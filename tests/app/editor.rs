@@ -2,7 +2,10 @@
 
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
-use machband::store::definition;
+use machband::{
+    experiment::task::{Adaptive, ChoiceShown, Method, Task},
+    store::definition,
+};
 
 use crate::window::{self, Window, choose, click, is_chosen, open_study, press, texts, type_into, value, wait_for};
 
@@ -96,7 +99,93 @@ fn a_copy_is_edited_and_saved() {
     assert!(scale.eq(expected), "{saved}");
 }
 
-/// Every built-in definition can be opened without being changed, and the form works in a small window too.
+/// The form has every task, and their methods with levels to begin with.
+#[test]
+fn a_task_and_its_method_are_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = duplicate("orientation");
+    click(&mut window, "Choice");
+    window.get_by_label_contains("task.reference is missing");
+    click(&mut window, "Remove depth");
+    choose(&mut window, "Add to reference", "depth");
+    assert_eq!(value(&window, "Reference depth"), "inf");
+    choose(&mut window, "Shown as", "places");
+    type_into(&mut window, "Question", "Which has a line?");
+    click(&mut window, "Remove width");
+    choose(&mut window, "Levels chosen by", "Staircase");
+    type_into(&mut window, "Name", "narrow");
+    wait_for(&mut window, "One trial");
+    type_into(&mut window, "First level", "7");
+    window.get_by_label_contains("start 7 is outside");
+    type_into(&mut window, "First level", "0.5");
+    type_into(&mut window, "Steps", "0.3, 0.1");
+    type_into(&mut window, "Stops after reversals", "9");
+    wait_for(&mut window, "The levels of a simulated observer");
+    type_into(&mut window, "Folder", folder.path().to_str().unwrap());
+    click(&mut window, "Save");
+    let path = folder.path().join("narrow.toml");
+    is_left(&mut window, path.to_str().unwrap());
+    let protocol = definition::open(&path).unwrap();
+    let Task::Choice(choice) = &protocol.task else { panic!("{:?}", protocol.task) };
+    assert_eq!((choice.shown, choice.reference.0["depth"].to_string()), (ChoiceShown::Places, "inf".to_owned()));
+    let Some(Adaptive { common, method: Method::Staircase(stairs) }) = &protocol.adaptive else { panic!() };
+    assert_eq!((common.parameter.as_str(), stairs.start, stairs.reversals), ("width", 0.5, Some(9)));
+    assert_eq!(stairs.steps, [0.3, 0.1]);
+    assert_eq!(protocol.response.question, "Which has a line?");
+
+    // Each task can be chosen after each other one, and a rating says nothing of a task again.
+    let mut window = duplicate(path.to_str().unwrap());
+    for (task, shown) in [
+        ("Yes-no", "Catch trials, share"),
+        ("Pair", "Chain along"),
+        ("Adjust", "Lowest value"),
+        ("Rating", "Scale"),
+        ("Choice", "Alternatives"),
+        ("Pair", "Adaptive trials"),
+        ("Rating", "Rating 3"),
+    ] {
+        click(&mut window, task);
+        window.run_steps(3);
+        assert!(window.query_all_by_label(shown).next().is_some(), "{task}: {:?}", texts(&window));
+    }
+    type_into(&mut window, "Name", "rated");
+    click(&mut window, "Save");
+    let protocol = definition::open(folder.path().join("rated.toml")).unwrap();
+    assert!(protocol.task.is_default() && protocol.adaptive.is_none());
+}
+
+/// A study of pictures is designed in the form, beside the pictures.
+#[test]
+fn pictures_are_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("renders")).unwrap();
+    for (name, gray) in [("a", 60), ("b", 120), ("truth", 200)] {
+        let file = std::fs::File::create(folder.path().join(format!("renders/{name}.png"))).unwrap();
+        let mut encoder = png::Encoder::new(file, 16, 16);
+        encoder.set_color(png::ColorType::Grayscale);
+        encoder.write_header().unwrap().write_image_data(&[gray; 256]).unwrap();
+    }
+    let table = "file,shader\na.png,gouraud\nb.png,phong\ntruth.png,phong\n";
+    std::fs::write(folder.path().join("renders/pictures.csv"), table).unwrap();
+    let mut window = duplicate("quick");
+    choose(&mut window, "Kind", "Pictures of your own");
+    type_into(&mut window, "Name", "renders");
+    type_into(&mut window, "Files", "renders/*.png");
+    window.get_by_label_contains("renders");
+    type_into(&mut window, "Folder", folder.path().to_str().unwrap());
+    wait_for(&mut window, "3 pictures; levels from pictures.csv: shader.");
+    choose(&mut window, "Size", "pixels");
+    click(&mut window, "Choice");
+    choose(&mut window, "Add to reference", "picture");
+    type_into(&mut window, "Reference picture", "renders/truth.png");
+    wait_for(&mut window, "2 pictures; levels from pictures.csv: shader.");
+    click(&mut window, "Save");
+    let protocol = definition::open(folder.path().join("renders.toml")).unwrap();
+    assert_eq!(protocol.conditions().len(), 2);
+    assert_eq!(protocol.task.name(), "choice");
+}
+
+/// Every built-in definition and example can be opened without being changed, and the form works in a small window too.
 #[test]
 fn only_unsaved_changes_need_an_answer() {
     for built_in in definition::BUILT_IN {
@@ -104,6 +193,14 @@ fn only_unsaved_changes_need_an_answer() {
         window.run_steps(5);
         press(&mut window, Key::Escape);
         is_left(&mut window, built_in.name);
+    }
+    for example in std::fs::read_dir("examples/tasks").unwrap() {
+        let path = example.unwrap().path();
+        if path.extension().is_some_and(|ending| ending == "toml") {
+            let mut window = duplicate(path.to_str().unwrap());
+            press(&mut window, Key::Escape);
+            is_left(&mut window, path.to_str().unwrap());
+        }
     }
     let mut window = duplicate("shaders");
     window.set_size([600.0, 500.0].into());

@@ -109,11 +109,13 @@ pub fn value(window: &Window, label: &str) -> String {
 
 /// Chooses an entry from a drop-down list.
 pub fn choose(window: &mut Window, label: &str, entry: &str) {
+    // A field of the page may have the name of an entry.
+    let is_entry = |node: &egui_kittest::Node<'_>| node.accesskit_node().role() == Role::Button;
     click(window, label);
-    // The list is drawn last, above the page.
-    window.query_all_by_label(entry).last().unwrap_or_else(|| panic!("{label} has no {entry:?}")).scroll_to_me();
+    let found = window.query_all_by_label(entry).filter(is_entry).last();
+    found.unwrap_or_else(|| panic!("{label} has no {entry:?}; there is {:?}", texts(window))).scroll_to_me();
     window.run_steps(30);
-    window.query_all_by_label(entry).last().unwrap().click();
+    window.query_all_by_label(entry).filter(is_entry).last().unwrap().click();
     window.run_steps(3);
     window.remove_cursor();
     // Wait until the list has faded out.

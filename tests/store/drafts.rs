@@ -61,7 +61,7 @@ fn only_what_is_edited_changes() {
             let name = draft.get("name").unwrap();
             draft.set("name", "a-copy", Typed::Text);
             assert_eq!(draft.text(), text.replacen(&format!("name = \"{name}\""), "name = \"a-copy\"", 1));
-            assert_eq!(draft.check().unwrap().name, "a-copy");
+            assert_eq!(draft.check(None).unwrap().name, "a-copy");
         }
     }
 }
@@ -91,7 +91,7 @@ fn edits_keep_comments_and_give_the_expected_definition() {
         .replace("\"breit, weich\"", "\"breit\"")
         .replace("scharf\"]\n", "scharf\"]\n\n[presentation]\nduration_s = 0.5\n\n[instructions]\nwelcome = \"\"\"\nGuten Tag\n\"Freund\"\"\"\"\n");
     assert_eq!(draft.text(), expected);
-    let protocol = draft.check().unwrap();
+    let protocol = draft.check(None).unwrap();
     let levels = protocol.factors.iter().map(|factor| {
         let levels: Vec<_> = factor.levels.iter().map(ToString::to_string).collect();
         (factor.name.as_str(), levels.join(" "))
@@ -112,12 +112,12 @@ fn edits_keep_comments_and_give_the_expected_definition() {
     assert_eq!(draft.get("factors.width").unwrap(), "0.1");
     // Parameters that the new kind does not have are removed. Factors are kept, with an error.
     draft.set_kind("kanizsa");
-    let errors = draft.check().unwrap_err();
+    let errors = draft.check(None).unwrap_err();
     let keys: Vec<&str> = errors.0.iter().map(|error| error.key.as_str()).collect();
     assert_eq!(keys, ["factors.width", "factors.depth", "design.order"], "{errors}");
     draft.remove("factors.width");
     draft.remove("factors.depth");
     draft.set("design.order", "random", Typed::Text);
-    assert_eq!(draft.check().unwrap().main_trials(), 2 * 2);
+    assert_eq!(draft.check(None).unwrap().main_trials(), 2 * 2);
     assert!(draft.text().contains("# What varies.\n[factors]\norientation_deg"), "{}", draft.text());
 }

@@ -52,6 +52,7 @@ impl DefinitionForm {
     pub fn open(name_or_path: &str, folder: Option<&Path>) -> Result<Self, FileErrors> {
         let mut draft = Draft::parse(name_or_path, &definition::text(Path::new(name_or_path))?)?;
         if let Some(folder) = folder {
+            folder.clone_into(&mut draft.folder);
             let name = draft.get("name").unwrap_or_else(|| "my-study".to_owned());
             let copy = |number: u32| if number == 1 { format!("{name}-copy") } else { format!("{name}-copy-{number}") };
             // Saving never replaces a file, whatever is said here.
@@ -126,6 +127,15 @@ impl DefinitionForm {
         self.check();
     }
 
+    /// Changes the folder from which pictures are named.
+    pub fn set_folder(&mut self, folder: &Path) {
+        if self.draft.folder != folder {
+            folder.clone_into(&mut self.draft.folder);
+            self.protocol = None;
+            self.check();
+        }
+    }
+
     /// Changes the draft so that other fields have new values, and forgets what was typed in them.
     pub fn rebuild(&mut self, change: impl FnOnce(&mut Draft)) {
         self.typed.clear();
@@ -135,7 +145,7 @@ impl DefinitionForm {
     fn check(&mut self) {
         self.revision += 1;
         self.changed = self.draft.text() != self.original;
-        match self.draft.check() {
+        match self.draft.check(self.protocol.as_ref()) {
             Ok(protocol) => (self.protocol, self.errors) = (Some(protocol), Vec::new()),
             Err(FileErrors(errors)) => self.errors = errors,
         }
@@ -198,6 +208,19 @@ impl DefinitionForm {
         self.field(key, &default.to_string(), Typed::Value, about, |error, text| {
             Field::new(label).column(LABELS).error(error).width(NUMBER).text(ui, text)
         });
+    }
+
+    /// Draws a field for a list of numbers, with its errors; a long list wraps. An empty one is removed; `absent` says
+    /// what that means.
+    pub fn list(&mut self, ui: &mut Ui, label: &str, key: &str, [default, absent]: [&str; 2], about: &str) {
+        let width = (ui.available_width() - LABELS - 40.0).clamp(120.0, 420.0);
+        self.field(key, default, Typed::Values, about, |error, text| {
+            let edit = TextEdit::multiline(text).id_salt(("field", label)).desired_rows(1).hint_text(absent);
+            Field::new(label).column(LABELS).error(error).add(ui, edit.desired_width(width).return_key(None))
+        });
+        if self.typed.get(key).is_some_and(|text| text.trim().is_empty()) && self.draft.get(key).is_some() {
+            self.edit(|draft| draft.remove(key));
+        }
     }
 
     /// Draws a field for a number that can be absent; `absent` says what that means, and `owner` is then removed.

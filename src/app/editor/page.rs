@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf, absolute};
 
 use eframe::egui::{CentralPanel, Context, Frame, Key, KeyboardShortcut, Modifiers, Panel, ScrollArea, Ui};
 
-use super::{form::DefinitionForm, sections, thumbnails::Thumbnails};
+use super::{form::DefinitionForm, preview::Preview, sections, thumbnails::Thumbnails};
 use crate::{
     app::ui::{self, Dialog, Field, FileKind, Saving, Step, theme},
     store::definition,
@@ -42,6 +42,7 @@ pub struct Editor {
     folder: String,
     dialog: Dialog,
     saving: Saving,
+    preview: Preview,
     thumbnails: Thumbnails,
     /// Whether no frame was drawn yet, so that the form begins at its top.
     is_new: bool,
@@ -68,6 +69,7 @@ impl Editor {
             folder: folder.display().to_string(),
             dialog: Dialog::default(),
             saving: Saving::default(),
+            preview: Preview::default(),
             thumbnails: Thumbnails::default(),
             is_new: true,
             leaving: false,
@@ -176,10 +178,10 @@ impl Editor {
         }
         if self.copy {
             Self::folder_field(ui, &mut self.folder, &mut self.dialog);
+            form.set_folder(&absolute(self.folder.trim()).unwrap_or_else(|_| self.folder.trim().into()));
         }
         let path = if self.copy {
-            let folder = absolute(self.folder.trim()).unwrap_or_else(|_| self.folder.trim().into());
-            folder.join(format!("{}.toml", form.draft().get("name").unwrap_or_default()))
+            form.draft().folder.join(format!("{}.toml", form.draft().get("name").unwrap_or_default()))
         } else {
             self.place()
         };
@@ -243,6 +245,7 @@ impl Editor {
     fn conditions(&mut self, ui: &mut Ui) {
         let Ok(form) = &self.form else { return };
         let Some(protocol) = form.protocol() else { return };
+        self.preview.show(ui, protocol, form.revision());
         self.thumbnails.show(ui, protocol, form.revision());
     }
 

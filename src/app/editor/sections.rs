@@ -2,11 +2,17 @@
 
 use eframe::egui::{Align, CollapsingHeader, ComboBox, Layout, Response, Role, TextEdit, Ui, WidgetInfo};
 
-use super::form::{DefinitionForm, LABELS};
+use super::{
+    form::{DefinitionForm, LABELS},
+    task,
+};
 use crate::{
     app::ui::{self, Field, parameter, theme::Icon},
-    experiment::{CATEGORIES, Design, ParticipantFields, Recovery, ResponseScale, Texts, ViewingPlan, default_key},
-    stimulus::{KINDS, Parameter, Stimulus, catalog},
+    experiment::{Design, ParticipantFields, Recovery, Texts, ViewingPlan},
+    stimulus::{
+        KINDS, Parameter, Stimulus, catalog,
+        picture::{Picture, PictureSize, ShownAs},
+    },
     store::draft::Typed,
 };
 
@@ -17,12 +23,12 @@ const LONG: usize = 70;
 pub fn show(form: &mut DefinitionForm, ui: &mut Ui) {
     form.text(ui, "Name", "name", "", "The name of the file, the experiment and its data: a–z, 0–9 and hyphens.");
     form.text(ui, "Title", "title", "", "One line that describes the experiment.");
+    task::show(form, ui);
     stimulus(form, ui);
     factors(form, ui);
     design(form, ui);
     timing(form, ui);
     viewing(form, ui);
-    answers(form, ui);
     participant(form, ui);
     session(form, ui);
     texts(form, ui);
@@ -33,17 +39,24 @@ fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
     let kind = form.value("stimulus.kind", "");
     let mut chosen = kind.clone();
     let error = form.error("stimulus.kind");
-    let kinds: Vec<String> = KINDS.iter().map(|kind| (*kind).to_owned()).collect();
-    let title = |kind: &String| catalog::entry(kind).map_or_else(|| kind.clone(), |entry| entry.title.to_owned());
+    let kinds: Vec<String> = KINDS.iter().chain(&[Picture::KIND]).map(|kind| (*kind).to_owned()).collect();
+    let title = |kind: &String| match catalog::entry(kind) {
+        Some(entry) => entry.title.to_owned(),
+        None if kind == Picture::KIND => "Pictures of your own".to_owned(),
+        None => kind.clone(),
+    };
     Field::new("Kind").column(LABELS).error(&error).width(260.0).choice(ui, &mut chosen, &kinds, title);
     if chosen != kind {
         form.rebuild(|draft| draft.set_kind(&chosen));
+    }
+    if chosen == Picture::KIND {
+        return pictures(form, ui);
     }
     let Some(default) = Stimulus::default_of(&chosen) else { return };
     if let Some(entry) = catalog::entry(&chosen) {
         ui::hint(ui, entry.about);
     }
-    show_errors(ui, &form.own_error("stimulus"));
+    ui::text::errors(ui, &form.own_error("stimulus"));
     let factors = form.draft().factors();
     for parameter in default.parameters() {
         if factors.iter().any(|factor| factor == parameter.name) {
@@ -60,14 +73,53 @@ fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
         if text != before {
             form.type_value(&key, &text, Typed::Value);
         }
-        show_errors(ui, &form.error(&key));
+        ui::text::errors(ui, &form.error(&key));
+    }
+}
+
+fn pictures(form: &mut DefinitionForm, ui: &mut Ui) {
+    let about = "A folder beside the definition, a slash, and a name in which * stands for any letters.";
+    form.text(ui, "Files", "stimulus.files", "", about);
+    if let Some(Stimulus::Image(picture)) = form.protocol().map(|protocol| &protocol.stimulus) {
+        let (count, factors) = (picture.gallery.pictures.len(), &picture.gallery.factors);
+        let levels = if factors.is_empty() { "they have no other levels".to_owned() } else { factors.join(", ") };
+        ui::hint(ui, format!("{count} pictures; levels from pictures.csv: {levels}. The data have their SHA-256."));
+    } else {
+        ui::hint(ui, "Opaque PNG with 8 or 16 bits. A table pictures.csv beside them gives them levels of factors.");
+    }
+    ui::text::errors(ui, &form.own_error("stimulus"));
+    for (label, key, names, about) in [
+        (
+            "Shown",
+            "stimulus.show",
+            ShownAs::NAMES,
+            "Display: the file's light. Codes: the file's codes, whatever the display.",
+        ),
+        (
+            "Size",
+            "stimulus.size",
+            PictureSize::NAMES,
+            "Pixels: one for one. Degrees: the longer side fills the stimulus window.",
+        ),
+    ] {
+        let (before, error) = (form.value(key, names[names.len() - 1]), form.error(key));
+        let mut chosen = before.as_str();
+        let field = Field::new(label).column(LABELS).error(&error).width(200.0);
+        field.choice(ui, &mut chosen, names, |name| (*name).to_owned()).on_hover_text(about);
+        if chosen != before {
+            let chosen = chosen.to_owned();
+            form.type_value(key, &chosen, Typed::Text);
+        }
     }
 }
 
 fn factors(form: &mut DefinitionForm, ui: &mut Ui) {
+    if form.value("stimulus.kind", "") == Picture::KIND && form.draft().factors().is_empty() {
+        return;
+    }
     ui::section(ui, "Factors");
     ui::hint(ui, "Every combination of their levels is a condition. Separate levels with commas: 0.02, 0.05, 0.1");
-    show_errors(ui, &form.own_error("factors"));
+    ui::text::errors(ui, &form.own_error("factors"));
     let names = form.draft().factors();
     let kind = Stimulus::default_of(&form.value("stimulus.kind", ""));
     let parameters = kind.map_or(&[][..], |stimulus| stimulus.parameters());
@@ -209,66 +261,6 @@ fn viewing(form: &mut DefinitionForm, ui: &mut Ui) {
     form.number(ui, "Stimulus size, °", "viewing.window_deg", default.window_deg, about);
 }
 
-fn answers(form: &mut DefinitionForm, ui: &mut Ui) {
-    ui::section(ui, "Answers");
-    let default = ResponseScale::default();
-    form.text(ui, "Question", "response.question", &default.question, "Shown next to the scale.");
-    let mut labels = form.draft().texts("response.labels").unwrap_or_default();
-    let mut keys = form.draft().texts("response.keys").unwrap_or_default();
-    if labels.is_empty() {
-        // A definition without labels or keys uses the defaults.
-        labels = default.categories.into_iter().map(|category| category.label).collect();
-    }
-    keys.truncate(labels.len());
-    keys.extend((keys.len()..labels.len()).map(|rating| default_key(rating).map_or_else(String::new, String::from)));
-    let [mut labels_changed, mut keys_changed] = [false; 2];
-    let mut removed = None;
-    for rating in 0..labels.len() {
-        let errors = ["labels", "keys"].map(|list| form.error(&format!("response.{list}.{rating}")));
-        let errors = errors.join("\n");
-        let name = format!("Rating {rating}");
-        Field::new(&name).column(LABELS).error(errors.trim()).show(ui, |ui, _| {
-            ui.horizontal(|ui| {
-                let key = ui.add(TextEdit::singleline(&mut keys[rating]).id_salt(("key", rating)).desired_width(24.0));
-                ui::text::name(ui, &key, &format!("Key for rating {rating}"));
-                keys_changed |=
-                    key.on_hover_text("The key for this answer: a digit or a letter other than S.").changed();
-                let width = (ui.available_width() - 100.0).clamp(120.0, 380.0);
-                let label =
-                    ui.add(TextEdit::singleline(&mut labels[rating]).id_salt(("label", rating)).desired_width(width));
-                ui::text::name(ui, &label, &format!("Label of rating {rating}"));
-                labels_changed |= label.on_hover_text("What this answer means.").changed();
-                let few = labels.len() <= *CATEGORIES.start();
-                ui.add_enabled_ui(!few, |ui| {
-                    if ui::quiet(ui, Icon::Close, "", &format!("Remove rating {rating}")).clicked() {
-                        removed = Some(rating);
-                    }
-                });
-            });
-        });
-    }
-    let many = labels.len() >= *CATEGORIES.end();
-    let field = Field::new("").column(LABELS);
-    let added = field.show(ui, |ui, _| ui.add_enabled_ui(!many, |ui| ui::action(ui, Icon::Plus, "Category")).inner);
-    if added.on_hover_text("2 to 11 categories, from the weakest to the strongest.").clicked() {
-        let free = ('0'..='9').chain('a'..='z').map(String::from);
-        keys.push(free.filter(|key| key != "s").find(|key| !keys.contains(key)).unwrap_or_default());
-        labels.push(String::new());
-        [labels_changed, keys_changed] = [true; 2];
-    }
-    if let Some(rating) = removed {
-        labels.remove(rating);
-        keys.remove(rating);
-        [labels_changed, keys_changed] = [true; 2];
-    }
-    for (changed, key, texts) in [(labels_changed, "response.labels", labels), (keys_changed, "response.keys", keys)] {
-        if changed {
-            form.edit(|draft| draft.set_texts(key, &texts));
-        }
-        show_errors(ui, &form.own_error(key));
-    }
-}
-
 /// What a session asks about the participant.
 fn participant(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Participant");
@@ -276,7 +268,7 @@ fn participant(form: &mut DefinitionForm, ui: &mut Ui) {
         ui,
         "What a session asks before its first page. Answers are separated by commas; without any, text is typed.",
     );
-    show_errors(ui, &form.own_error("participant"));
+    ui::text::errors(ui, &form.own_error("participant"));
     let names = form.draft().keys("participant");
     for name in &names {
         question(form, ui, name);
@@ -385,10 +377,6 @@ fn texts(form: &mut DefinitionForm, ui: &mut Ui) {
             }
         }
     });
-}
-
-fn show_errors(ui: &mut Ui, errors: &str) {
-    errors.lines().for_each(|error| ui::show_error(ui, error));
 }
 
 /// Draws a button that screen readers call `name`.

@@ -5,9 +5,8 @@ use std::path::PathBuf;
 
 use eframe::egui::{self, Key};
 
-use super::own_plot::OwnPlot;
 use crate::{
-    app::ui::{self, Step, theme},
+    app::ui::{self, Step, own_plot::OwnPlot, theme},
     experiment::{Protocol, TrialRecord},
 };
 

@@ -6,7 +6,6 @@ mod findings;
 mod finish;
 mod frames;
 mod instructions;
-mod own_plot;
 mod participant;
 mod preflight;
 mod recording;

@@ -11,7 +11,7 @@
 //! | [`side_bar`], [`status`] | the places of the program; the line with its messages |
 //! | [`history`] | undo and redo |
 //! | [`dialog`] | the desktop's file dialogs, the Browse button |
-//! | [`plot`] | static plots and their legends; tables |
+//! | [`plot`], [`own_plot`] | static plots and their legends; tables; the plot of one participant's answers |
 //! | [`saving`] | the button that writes a file, and its question before it replaces one |
 //! | [`pixels`], [`blit`] | pictures, one pixel of the image for each pixel of the screen |
 //! | [`screen`], [`platform`] | the monitor, and what the window system reports about it |
@@ -23,6 +23,7 @@ pub mod fields;
 pub mod fonts;
 pub mod history;
 pub mod logo;
+pub mod own_plot;
 pub mod page;
 pub mod parameter;
 pub mod pixels;

@@ -47,6 +47,11 @@ pub fn outcome(ui: &mut Ui, outcome: Option<&Result<String, String>>) {
     }
 }
 
+/// Draws errors, one a line.
+pub fn errors(ui: &mut Ui, errors: &str) {
+    errors.lines().for_each(|error| show_error(ui, error));
+}
+
 /// Draws a heading within a page.
 pub fn section(ui: &mut Ui, text: impl Into<String>) {
     ui.add_space(6.0);

@@ -341,6 +341,11 @@ pub enum Icon {
     Done,
     None,
     Part,
+    Rating,
+    Choice,
+    YesNo,
+    Pair,
+    Adjust,
 }
 
 impl Icon {
@@ -370,6 +375,11 @@ impl Icon {
             Self::Done => "o 8 8 6|M5 8.3L7.2 10.5L11 6",
             Self::None => "o 8 8 6",
             Self::Part => "o 8 8 6|M8 2V8L12 12.2",
+            Self::Rating => "M5 1H11V7H5Z|M1 11H4V14H1Z|M6.5 11H9.5V14H6.5Z|M12 11H15V14H12Z",
+            Self::Choice => "M1 4.5H6V9.5H1Z|M10 4.5H15V9.5H10Z|M7 7H9",
+            Self::YesNo => "M5 1H11V7H5Z|M2 11H7V14H2Z|M9 11H14V14H9Z",
+            Self::Pair => "M1 2H7V8H1Z|M9 2H15V8H9Z|M3 12H5|M11 12H13",
+            Self::Adjust => "M5 1H11V7H5Z|M1 12.5H7.5|M10.5 12.5H15|o 9 12.5 1.5",
         }
     }
 

@@ -4,7 +4,14 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
-use super::{common::Common, kind::Kind, kinds::kinds, quest::QuestPlus, staircase::Staircase};
+use super::{
+    common::Common,
+    kind::Kind,
+    kinds::kinds,
+    options::{OptionValue, TaskOption},
+    quest::QuestPlus,
+    staircase::Staircase,
+};
 use crate::{
     experiment::{condition::Factor, faults::DefinitionErrors},
     stimulus::Stimulus,
@@ -16,6 +23,12 @@ use crate::{
 pub struct Constant {
     /// The levels.
     pub levels: Vec<f64>,
+}
+
+impl Constant {
+    /// The options, as a form lists them.
+    pub const OPTIONS: &[TaskOption] =
+        &[TaskOption::new("levels", "Levels", OptionValue::Numbers(""), "The levels; each occurs equally often.")];
 }
 
 kinds! {

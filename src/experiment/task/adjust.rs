@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Answer, Dial, Given, Kind, Measures, Presentation, Senses, Turn};
+use super::{
+    kind::{Answer, Dial, Given, Kind, Measures, Presentation, Senses, Turn},
+    options::{OptionValue, TaskOption},
+};
 use crate::experiment::{faults::DefinitionErrors, scale::ResponseScale};
 
 /// The share of the range, at either end, in which an adjustment begins.
@@ -34,6 +37,30 @@ impl Default for Adjust {
 }
 
 impl Adjust {
+    /// The options, as a form lists them.
+    pub const OPTIONS: &[TaskOption] = &[
+        TaskOption::new(
+            "parameter",
+            "Parameter",
+            OptionValue::Parameter(false),
+            "The parameter that participants change.",
+        ),
+        TaskOption::new("low", "Lowest value", OptionValue::Number, "The lowest value that can be set."),
+        TaskOption::new("high", "Highest value", OptionValue::Number, "The highest value that can be set."),
+        TaskOption::new(
+            "step",
+            "Step",
+            OptionValue::Number,
+            "How far one key press goes: added, or on a logarithmic scale, multiplied by 10 to this power. Shift makes it ten times finer.",
+        ),
+        TaskOption::new(
+            "log",
+            "Steps are ratios",
+            OptionValue::Flag,
+            "Steps are equal ratios instead of equal differences.",
+        ),
+    ];
+
     fn own_dial(&self) -> Dial {
         let Self { ref parameter, low, high, step, log } = *self;
         Dial { parameter: Some(parameter.clone()), range: [low, high], step, log }

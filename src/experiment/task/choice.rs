@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Answer, Given, Kind, Layout, Measures, Presentation, Senses, Settings, Turn, strongest};
+use super::{
+    kind::{Answer, Given, Kind, Layout, Measures, Presentation, Senses, Settings, Turn, strongest},
+    options::{OptionValue, TaskOption},
+};
 use crate::{
     experiment::{faults::DefinitionErrors, scale::ResponseScale},
     text::names::named,
@@ -47,6 +50,33 @@ impl Default for Choice {
             feedback: false,
         }
     }
+}
+
+impl Choice {
+    /// The options, as a form lists them.
+    pub const OPTIONS: &[TaskOption] = &[
+        TaskOption::new("alternatives", "Alternatives", OptionValue::OneOf(&["2", "4"]), "Number of stimuli."),
+        TaskOption::new(
+            "shown",
+            "Shown as",
+            OptionValue::OneOf(Shown::NAMES),
+            "Intervals: one after the other, at the same place. Places: at the same time, side by side.",
+        ),
+        TaskOption::new("duration_s", "Each interval, s", OptionValue::Number, "How long each interval lasts."),
+        TaskOption::new("gap_s", "Gap, s", OptionValue::Number, "The uniform field between two intervals."),
+        TaskOption::new(
+            "reference",
+            "Reference",
+            OptionValue::Settings,
+            "The parameters in which the other stimuli differ from the target.",
+        ),
+        TaskOption::new(
+            "feedback",
+            "Feedback",
+            OptionValue::Flag,
+            "A mark after each answer says whether it was right.",
+        ),
+    ];
 }
 
 impl Kind for Choice {

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::kind::significant;
+use super::{
+    kind::significant,
+    options::{OptionValue, TaskOption},
+};
 use crate::text::names::named;
 
 named! {
@@ -38,6 +41,29 @@ impl Default for Common {
 impl Common {
     /// The keys of a definition that every method has.
     pub const KEYS: [&str; 4] = ["parameter", "log", "easier", "trials"];
+
+    /// The options, as a form lists them.
+    pub const OPTIONS: &[TaskOption] = &[
+        TaskOption::new("parameter", "Varies", OptionValue::Parameter(false), "The parameter whose levels are chosen."),
+        TaskOption::new(
+            "log",
+            "Steps are ratios",
+            OptionValue::Flag,
+            "The method counts in decadic logarithms of the level.",
+        ),
+        TaskOption::new(
+            "easier",
+            "Easier to see",
+            OptionValue::OneOf(Easier::NAMES),
+            "The end of the levels at which the target is easier to see.",
+        ),
+        TaskOption::new(
+            "trials",
+            "Trials",
+            OptionValue::Number,
+            "The number of trials of each condition, or the most if the method can stop earlier.",
+        ),
+    ];
 
     /// Returns a level on the scale on which the method counts.
     #[must_use]

@@ -344,6 +344,10 @@ pub trait Kind {
     fn guess(&self) -> Option<f64> {
         None
     }
+    /// Returns whether an adaptive method can choose levels.
+    fn adapts(&self) -> bool {
+        self.guess().is_some() || self.catches().is_some()
+    }
     /// Returns the number of labels of the answers; `None` if the definition decides.
     fn answers(&self) -> Option<usize> {
         Some(self.scale().categories.len())

@@ -1,6 +1,7 @@
 //! Options of which there are several kinds, as tables of a definition.
 
 use serde::de::DeserializeOwned;
+use serde_json::Value;
 
 /// Reads the options of a task or of a method from a table, whatever their type.
 pub trait OptionReader {
@@ -8,25 +9,58 @@ pub trait OptionReader {
     fn read<T: DeserializeOwned + Default>(&mut self) -> T;
 }
 
+/// Leaves every option at its default.
+pub struct Defaults;
+
+impl OptionReader for Defaults {
+    fn read<T: DeserializeOwned + Default>(&mut self) -> T {
+        T::default()
+    }
+}
+
+/// Returns an option as it is typed in a form; empty if there is none.
+#[must_use]
+pub fn typed(options: &Value, key: &str) -> String {
+    let found = key.split('.').try_fold(options, |table, key| table.get(key));
+    let plain = |value: &Value| value.as_str().map_or_else(|| value.to_string(), ToOwned::to_owned);
+    match found {
+        None | Some(Value::Null | Value::Object(_)) => String::new(),
+        Some(Value::Array(list)) => list.iter().map(plain).collect::<Vec<_>>().join(", "),
+        Some(value) => plain(value),
+    }
+}
+
 /// Declares an enum of options of several kinds, which a definition names with a tag.
 macro_rules! kinds {
-    ($(#[$meta:meta])* $enum:ident, $tag:literal { $($(#[$doc:meta])* $variant:ident($kind:ty) = $name:literal,)* }) => {
+    ($(#[$meta:meta])* $enum:ident, $tag:literal { $(#[doc = $doc:literal] $variant:ident($kind:ty) = $name:literal,)* }) => {
         $(#[$meta])*
         #[derive(Clone, Debug, PartialEq, serde::Serialize)]
         #[serde(tag = $tag)]
         pub enum $enum {
-            $($(#[$doc])* #[serde(rename = $name)] $variant($kind),)*
+            $(#[doc = $doc] #[serde(rename = $name)] $variant($kind),)*
         }
 
         impl $enum {
             /// The names in definitions.
             pub const NAMES: &[&str] = &[$($name),*];
+            /// What each is, in the same order, in a sentence.
+            pub const ABOUT: &[&str] = &[$($doc),*];
 
             /// Returns the name in a definition.
             #[must_use]
             pub fn name(&self) -> &'static str {
                 match self {
                     $(Self::$variant(_) => $name,)*
+                }
+            }
+
+            /// Returns the options of the kind `name`, in the order in which a form lists them; none if there is no such
+            /// kind.
+            #[must_use]
+            pub fn options(name: &str) -> &'static [$crate::experiment::task::options::TaskOption] {
+                match name {
+                    $($name => <$kind>::OPTIONS,)*
+                    _ => &[],
                 }
             }
 

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Answer, Given, Kind, Layout, Measures, Presentation, Senses, Settings, Turn, strongest};
+use super::{
+    kind::{Answer, Given, Kind, Layout, Measures, Presentation, Senses, Settings, Turn, strongest},
+    options::{OptionValue, TaskOption},
+};
 use crate::{
     experiment::{
         condition::{Condition, Factor},
@@ -58,6 +61,34 @@ const MAX_COMPARED: usize = 1000;
 const MAX_RANKED: usize = 100;
 
 impl Pair {
+    /// The options, as a form lists them.
+    pub const OPTIONS: &[TaskOption] = &[
+        TaskOption::new(
+            "pairs",
+            "Pairs",
+            OptionValue::OneOf(Pairs::NAMES),
+            "All: every condition with every other. Chain: neighboring levels of a factor. Adaptive: the pair whose comparison is expected to tell most.",
+        ),
+        TaskOption::new(
+            "along",
+            "Chain along",
+            OptionValue::Factor,
+            "The factor whose neighboring levels a chain compares.",
+        ),
+        TaskOption::new(
+            "trials",
+            "Adaptive trials",
+            OptionValue::Optional("6 a condition"),
+            "The number of comparisons of adaptive pairs.",
+        ),
+        TaskOption::new(
+            "reference",
+            "Reference",
+            OptionValue::Settings,
+            "With a method that chooses levels: the parameters in which the reference differs from the target.",
+        ),
+    ];
+
     fn with_reference(&self) -> bool {
         !is_empty(&self.reference)
     }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     common::Common,
     curve::{Curve, Psychometric},
+    options::{OptionValue, TaskOption},
 };
 use crate::experiment::faults::DefinitionErrors;
 
@@ -81,6 +82,55 @@ const SLOPES: [f64; 7] = [1.0, 1.5, 2.2, 3.2, 4.6, 6.8, 10.0];
 const GUESSES: [f64; 5] = [0.01, 0.05, 0.1, 0.2, 0.3];
 
 impl QuestPlus {
+    /// The options, as a form lists them.
+    pub const OPTIONS: &[TaskOption] = &[
+        TaskOption::new("levels", "Levels", OptionValue::Numbers(""), "The levels to choose from."),
+        TaskOption::new(
+            "function",
+            "Function",
+            OptionValue::OneOf(Curve::NAMES),
+            "The shape of the psychometric function.",
+        ),
+        TaskOption::new("lapse", "Lapse rates", OptionValue::Numbers(""), "Possible lapse rates."),
+        TaskOption::new(
+            "threshold",
+            "Thresholds",
+            OptionValue::Numbers("the levels"),
+            "Possible thresholds, as levels; by default the levels.",
+        ),
+        TaskOption::new(
+            "slope",
+            "Slopes",
+            OptionValue::Numbers("seven, from shallow to steep"),
+            "Possible slopes; by default seven from shallow to steep.",
+        ),
+        TaskOption::new(
+            "guess",
+            "Guess rates",
+            OptionValue::Numbers("that of the task"),
+            "Possible guess rates; by default that of the task.",
+        ),
+        TaskOption::new(
+            "stop_width",
+            "Stops at a width of",
+            OptionValue::Optional("never"),
+            "It stops when the 95 % interval of the threshold is this narrow, on the scale of the levels.",
+        ),
+        TaskOption::new(
+            "second.parameter",
+            "Second parameter",
+            OptionValue::Parameter(true),
+            "A second parameter, on which the threshold depends.",
+        ),
+        TaskOption::new("second.levels", "Its levels", OptionValue::Numbers(""), "The levels of the second parameter."),
+        TaskOption::new(
+            "second.gradient",
+            "Its gradients",
+            OptionValue::Numbers(""),
+            "Possible changes of the threshold for each unit of the second parameter, on the scale of the levels.",
+        ),
+    ];
+
     /// Adds every error.
     pub(super) fn check(&self, common: &Common, guess: Option<f64>, errors: &mut DefinitionErrors) {
         if self.levels.len() < 2 {

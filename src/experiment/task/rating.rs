@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Answer, Dial, Given, Kind, Measures, Presentation, Senses, Turn};
+use super::{
+    kind::{Answer, Dial, Given, Kind, Measures, Presentation, Senses, Turn},
+    options::{OptionValue, TaskOption},
+};
 use crate::{
     experiment::{faults::DefinitionErrors, scale::ResponseScale, texts::Texts},
     text::names::named,
@@ -34,6 +37,16 @@ impl Default for Rating {
 
 /// Lowest and highest value of the slider.
 const RANGE: [f64; 2] = [0.0, 100.0];
+
+impl Rating {
+    /// The options, as a form lists them.
+    pub const OPTIONS: &[TaskOption] = &[TaskOption::new(
+        "scale",
+        "Scale",
+        OptionValue::OneOf(Scale::NAMES),
+        "Categories, or a slider from 0 to 100 whose ends have labels.",
+    )];
+}
 
 impl Kind for Rating {
     fn scale(&self) -> ResponseScale {

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::common::Common;
+use super::{
+    common::Common,
+    options::{OptionValue, TaskOption},
+};
 use crate::experiment::faults::DefinitionErrors;
 
 /// A transformed and weighted up-down method (Levitt 1971; Kaernbach 1991).
@@ -46,6 +49,38 @@ impl Default for Staircase {
 }
 
 impl Staircase {
+    /// The options, as a form lists them.
+    pub const OPTIONS: &[TaskOption] = &[
+        TaskOption::new("start", "First level", OptionValue::Number, "The level of the first trial."),
+        TaskOption::new("low", "Lowest level", OptionValue::Number, "The lowest level."),
+        TaskOption::new("high", "Highest level", OptionValue::Number, "The highest level."),
+        TaskOption::new(
+            "down",
+            "Right in a row",
+            OptionValue::Number,
+            "How many right answers in a row make the level harder.",
+        ),
+        TaskOption::new("up", "Wrong in a row", OptionValue::Number, "How many wrong answers in a row make it easier."),
+        TaskOption::new(
+            "steps",
+            "Steps",
+            OptionValue::Numbers(""),
+            "The size of a step toward harder levels, on the scale of the levels. Each reversal moves on to the next size, and the last one stays.",
+        ),
+        TaskOption::new(
+            "weight",
+            "Step up, in steps down",
+            OptionValue::Number,
+            "The size of a step toward easier levels in steps toward harder ones.",
+        ),
+        TaskOption::new(
+            "reversals",
+            "Stops after reversals",
+            OptionValue::Optional("never"),
+            "The number of reversals after which it stops.",
+        ),
+    ];
+
     /// Adds every error.
     pub(super) fn check(&self, common: &Common, errors: &mut DefinitionErrors) {
         let named = [("start", self.start), ("low", self.low), ("high", self.high)];

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::kind::{Answer, Given, Kind, Measures, Presentation, Senses, Settings, Turn};
+use super::{
+    kind::{Answer, Given, Kind, Measures, Presentation, Senses, Settings, Turn},
+    options::{OptionValue, TaskOption},
+};
 use crate::experiment::{
     faults::DefinitionErrors,
     scale::{Category, ResponseScale},
@@ -27,6 +30,30 @@ impl Default for YesNo {
     fn default() -> Self {
         Self { reference: Settings::default(), catch: 0.25, feedback: false }
     }
+}
+
+impl YesNo {
+    /// The options, as a form lists them.
+    pub const OPTIONS: &[TaskOption] = &[
+        TaskOption::new(
+            "reference",
+            "Reference",
+            OptionValue::Settings,
+            "The parameters in which the stimulus of a catch trial differs from the target.",
+        ),
+        TaskOption::new(
+            "catch",
+            "Catch trials, share",
+            OptionValue::Number,
+            "The share of trials that show the reference: 0.05 to 0.95.",
+        ),
+        TaskOption::new(
+            "feedback",
+            "Feedback",
+            OptionValue::Flag,
+            "A mark after each answer says whether it was right.",
+        ),
+    ];
 }
 
 impl Kind for YesNo {

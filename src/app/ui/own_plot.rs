@@ -65,12 +65,17 @@ impl OwnPlot {
     /// Draws the plot below its caption.
     pub fn show(&self, ui: &mut egui::Ui) {
         ui.label(&self.caption);
+        self.draw(ui, 280.0);
+    }
+
+    /// Draws the plot alone, this high, points.
+    pub fn draw(&self, ui: &mut egui::Ui, height: f32) {
         let ([low, high], log) = (self.y, self.log);
         let pad = 0.05 * (high - low);
         let last = self.places.len().saturating_sub(1) as f64;
         let (ink, places) = (theme::ink(ui), self.places.clone());
         let mut plot = still_plot("ratings")
-            .height(280.0)
+            .height(height)
             .include_y(low - pad)
             .include_y(high + pad)
             .x_axis_label(self.x_label.clone())

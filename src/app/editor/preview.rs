@@ -1,0 +1,132 @@
+//! What one trial shows, and what a simulated observer answers.
+
+use eframe::egui::{Align2, FontId, Rect, Sense, TextureHandle, Ui, Vec2, vec2};
+
+use crate::{
+    app::ui::{
+        self,
+        own_plot::OwnPlot,
+        pixels,
+        theme::{self, GAP},
+        work::Latest,
+    },
+    experiment::{
+        Course, Identity, Phase, Protocol, Schedule,
+        task::{Layout, Presentation},
+    },
+    light::{Bits, CodeImage, Quantizer, Transfer},
+    work,
+};
+
+/// Largest size of the picture of a trial, and of a stimulus in it, points.
+const ROOM: Vec2 = vec2(420.0, 200.0);
+const SIDE: f32 = 140.0;
+/// Size of the plot, points.
+const PLOT: Vec2 = vec2(640.0, 180.0);
+/// Room for the captions below the stimuli, points.
+const CAPTION: f32 = 22.0;
+/// Maximum number of trials for which an observer is simulated.
+const MAX_TRIALS: usize = 2000;
+
+#[derive(Default)]
+pub struct Preview {
+    /// The revision of the form, and the side of a stimulus in pixels.
+    of: Option<(u64, u32)>,
+    trial: Option<Presentation>,
+    layout: Option<Layout>,
+    drawn: Latest<(u64, u32), Vec<CodeImage>>,
+    textures: Option<((u64, u32), Vec<TextureHandle>)>,
+    pilot: Latest<u64, Option<OwnPlot>>,
+}
+
+impl Preview {
+    /// Draws the first trial of the main part and, of an adaptive method, the levels that a simulated observer would see.
+    /// A rating is shown by its conditions alone.
+    pub fn show(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64) {
+        if protocol.task.is_default() {
+            return;
+        }
+        self.trial(ui, protocol, revision);
+        if protocol.adaptive.is_some() && protocol.main_trials() <= MAX_TRIALS {
+            self.pilot(ui, protocol, revision);
+        }
+    }
+
+    fn trial(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64) {
+        let layout = protocol.task.layout();
+        let [columns, rows] = if layout.intervals() > 1 { [layout.count(), 1] } else { layout.grid() };
+        let room = vec2(ROOM.x.min(ui.available_width()), ROOM.y);
+        let side = ((room.x - GAP) / columns as f32).min((room.y - CAPTION) / rows as f32) - GAP;
+        let side = side.clamp(16.0, SIDE);
+        let key = (revision, (side * ui.ctx().pixels_per_point()).round() as u32);
+        if self.of != Some(key) {
+            (self.of, self.layout) = (Some(key), Some(layout));
+            self.trial = first_trial(protocol);
+        }
+        let Some(trial) = &self.trial else { return };
+        self.drawn.want(ui.ctx(), key, || {
+            let stimuli = trial.stimuli.clone();
+            move || {
+                let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
+                Ok(stimuli.iter().map(|stimulus| stimulus.codes(key.1, &quantizer)).collect())
+            }
+        });
+        if let Some(Ok(images)) = self.drawn.get(&key)
+            && self.textures.as_ref().is_none_or(|(of, _)| *of != key)
+        {
+            let ctx = ui.ctx();
+            let textures = images.iter().map(|image| pixels::texture_of(ctx, "trial", image)).collect();
+            self.textures = Some((key, textures));
+        }
+        ui::section(ui, "One trial");
+        let field = pixels::field(&Quantizer::new(&Transfer::Srgb, Bits::Eight), [protocol.recovery.level as f32; 3]);
+        let height = rows as f32 * (side + GAP) + GAP + CAPTION;
+        let (rect, response) = ui.allocate_exact_size(vec2(room.x, height), Sense::hover());
+        ui::describe(&response, "One trial");
+        ui.painter().rect_filled(rect, 4.0, field);
+        let textures = self.textures.iter().flat_map(|(_, textures)| textures);
+        let left = (rect.width() - columns as f32 * (side + GAP) + GAP) / 2.0;
+        for (i, texture) in textures.enumerate().take(columns * rows) {
+            let (column, row) = (i % columns, i / columns);
+            let at = rect.min + vec2(left + column as f32 * (side + GAP), GAP + row as f32 * (side + GAP));
+            pixels::draw_centered(ui, texture, Rect::from_min_size(at, Vec2::splat(side)));
+            let caption = match layout {
+                Layout::Intervals { duration_s, .. } => format!("{} · {} ms", i + 1, (1e3 * duration_s).round()),
+                _ => continue,
+            };
+            // Black or white, whichever is easier to read on the field.
+            let ink = if protocol.recovery.level > 0.2 { theme::MARK_DARK } else { theme::MARK };
+            let at = at + vec2(side / 2.0, side + 3.0);
+            ui.painter().text(at, Align2::CENTER_TOP, caption, FontId::proportional(theme::NOTE), ink);
+        }
+        let keys: Vec<String> =
+            protocol.response.categories.iter().map(|answer| format!("{}: {}", answer.key, answer.label)).collect();
+        let question = protocol.response.question.clone();
+        let answers = if protocol.task.dial().is_some() { "a value, then Enter".to_owned() } else { keys.join(" · ") };
+        ui::hint(ui, format!("{question} {answers}"));
+    }
+
+    fn pilot(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64) {
+        self.pilot.want(ui.ctx(), revision, || {
+            let protocol = protocol.clone();
+            move || {
+                let rows = work::simulate::one_session(&protocol).map_err(|error| error.to_string())?;
+                Ok(OwnPlot::new(&protocol, &rows))
+            }
+        });
+        if let Some(Ok(Some(plot))) = self.pilot.get(&revision) {
+            ui::section(ui, "The levels of a simulated observer");
+            ui.scope(|ui| {
+                ui.set_max_width(PLOT.x);
+                plot.draw(ui, PLOT.y);
+            });
+        }
+    }
+}
+
+/// Returns the first trial of the main part.
+fn first_trial(protocol: &Protocol) -> Option<Presentation> {
+    let schedule = Schedule::new(protocol, &Identity::new("P001", "1").ok()?, 1).ok()?;
+    let trial = schedule.trials.iter().position(|trial| trial.phase == Phase::Main)?;
+    Some(Course::new(protocol.clone(), schedule).presentation(trial))
+}

@@ -1,0 +1,406 @@
+//! What participants do, how the levels are chosen, and the answers.
+
+use eframe::egui::{FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, TextEdit, Ui, Vec2, WidgetInfo, vec2};
+
+use super::form::{DefinitionForm, LABELS};
+use crate::{
+    app::ui::{
+        self, Field, parameter,
+        theme::{self, Icon},
+    },
+    experiment::{
+        CATEGORIES, ResponseScale, default_key,
+        task::{Adaptive, Common, Defaults, Method, OptionValue, Task, TaskOption, typed},
+    },
+    stimulus::{Parameter, Stimulus, picture::Picture},
+    store::draft::{Draft, Typed},
+};
+
+/// Smallest size of the card of a task, and the side of its icon, points.
+const CARD: Vec2 = vec2(112.0, 104.0);
+const PICTOGRAM: f32 = 28.0;
+/// Width of a list, and of the fields of a reference, points.
+const LIST: f32 = 200.0;
+/// What a list shows if there is no value.
+const NONE: &str = "none";
+/// Trials at each level of the method of constant stimuli, to begin with.
+const AT_EACH_LEVEL: usize = 10;
+
+/// Draws the fields.
+pub fn show(form: &mut DefinitionForm, ui: &mut Ui) {
+    ui::section(ui, "Task");
+    let kind = form.value("task.kind", Task::default().name());
+    cards(form, ui, &kind);
+    let error = [form.own_error("task"), form.error("task.kind")].join("\n");
+    ui::text::errors(ui, error.trim());
+    let Some(default) = Task::read(&kind, &mut Defaults) else { return };
+    options(form, ui, "task", Task::options(&kind), &serde_json::to_value(&default).unwrap_or_default());
+    if !form.draft().keys("task").is_empty() && form.draft().get("task.kind").is_none() {
+        form.edit(|draft| draft.set("task.kind", &kind, Typed::Text));
+    }
+    // The options decide the usual question and answers, and whether levels can be chosen.
+    let task = form.protocol().map(|protocol| protocol.task.clone()).filter(|task| task.name() == kind);
+    let task = task.unwrap_or(default);
+    if task.adapts() {
+        method(form, ui);
+    } else {
+        ui::text::errors(ui, &form.error("adaptive"));
+    }
+    answers(form, ui, &task);
+}
+
+fn cards(form: &mut DefinitionForm, ui: &mut Ui, kind: &str) {
+    let count = Task::NAMES.len() as f32;
+    let gap = ui.spacing().item_spacing.x;
+    // Leaves room for the scroll bar.
+    let room = ui.available_width() - 8.0 + gap;
+    let across = (room / (CARD.x + gap)).floor().clamp(1.0, count);
+    let width = (room / across - gap).floor();
+    let mut chosen = None;
+    ui.horizontal_wrapped(|ui| {
+        for (name, about) in Task::NAMES.iter().zip(Task::ABOUT) {
+            let clicked = card(ui, width, name, about.trim(), *name == kind).clicked();
+            chosen = chosen.or(clicked.then_some(*name));
+        }
+    });
+    if let Some(name) = chosen.filter(|name| *name != kind) {
+        let found = varied(form);
+        form.rebuild(|draft| {
+            draft.set_task(name);
+            let is_adjusted = Task::options(name).iter().any(|option| option.value == OptionValue::Parameter(false));
+            if let Some((parameter, levels)) = found.filter(|_| is_adjusted) {
+                draft.set("task.parameter", parameter, Typed::Text);
+                set_ends(draft, "task", &levels);
+            }
+            if !Task::read(name, &mut Defaults).is_some_and(|task| task.adapts()) {
+                draft.set_method(None);
+            }
+        });
+    }
+}
+
+/// Draws the card of a task.
+fn card(ui: &mut Ui, width: f32, name: &str, about: &str, selected: bool) -> Response {
+    let icon = match name {
+        "rating" => Icon::Rating,
+        "choice" => Icon::Choice,
+        "yes-no" => Icon::YesNo,
+        "pair" => Icon::Pair,
+        "adjust" => Icon::Adjust,
+        _ => Icon::None,
+    };
+    let title = capitalized(name);
+    let (rect, response) = ui.allocate_exact_size(vec2(width, CARD.y), Sense::click());
+    let ink = theme::ink(ui);
+    let edge = match () {
+        () if selected => Stroke::new(2.0, ink.ink),
+        () if response.has_focus() || response.hovered() => Stroke::new(1.0, ink.edge),
+        () => Stroke::new(1.0, ink.line),
+    };
+    ui.painter().rect(rect, 6.0, ink.card, edge, StrokeKind::Inside);
+    let at = rect.min + Vec2::splat(8.0);
+    icon.paint(ui.painter(), Rect::from_min_size(at, Vec2::splat(PICTOGRAM)), ink.text);
+    let room = width - 16.0;
+    let mut below = at + vec2(0.0, PICTOGRAM + 2.0);
+    for (text, size, color) in [(title.as_str(), theme::BODY, ink.text), (about, theme::NOTE, ink.dim)] {
+        let text = ui.painter().layout(text.to_owned(), FontId::proportional(size), color, room);
+        let height = text.size().y;
+        ui.painter_at(rect).galley(below, text, color);
+        below.y += height;
+    }
+    response.widget_info(|| WidgetInfo::selected(Role::RadioButton, true, selected, &title));
+    response.on_hover_text(about)
+}
+
+fn capitalized(name: &str) -> String {
+    let mut name = name.to_owned();
+    name[..1].make_ascii_uppercase();
+    name
+}
+
+/// Draws how levels are chosen.
+fn method(form: &mut DefinitionForm, ui: &mut Ui) {
+    ui::section(ui, "Method");
+    let before = if form.draft().keys("adaptive").is_empty() {
+        NONE.to_owned()
+    } else {
+        form.value("adaptive.method", Method::default().name())
+    };
+    let mut chosen = before.clone();
+    let all: Vec<String> = [NONE].iter().chain(Method::NAMES).map(|name| (*name).to_owned()).collect();
+    let error = form.error("adaptive.method");
+    let field = Field::new("Levels chosen by").column(LABELS).error(&error).width(LIST);
+    let title = |name: &String| match name.as_str() {
+        NONE => "the factors alone".to_owned(),
+        "quest-plus" => "QUEST+".to_owned(),
+        name => capitalized(name),
+    };
+    field.choice(ui, &mut chosen, &all, title);
+    if chosen != before {
+        let method = (chosen != NONE).then_some(chosen.as_str());
+        let found = varied(form).filter(|_| form.draft().get("adaptive.parameter").is_none());
+        form.rebuild(|draft| {
+            draft.set_method(method);
+            if let (Some(method), Some((parameter, levels))) = (method, found) {
+                draft.set("adaptive.parameter", parameter, Typed::Text);
+                begin(draft, method, &levels);
+            }
+        });
+    }
+    let about = Method::NAMES.iter().position(|name| *name == chosen).map(|index| Method::ABOUT[index].trim());
+    ui::hint(ui, about.unwrap_or("Every combination of the factors' levels is shown equally often."));
+    if chosen == NONE {
+        return;
+    }
+    ui::text::errors(ui, &form.own_error("adaptive"));
+    let Some(method) = Method::read(&chosen, &mut Defaults) else { return };
+    let defaults = Adaptive { method, ..Adaptive::default() };
+    let defaults = serde_json::to_value(&defaults).unwrap_or_default();
+    let all: Vec<TaskOption> = Common::OPTIONS.iter().chain(Method::options(&chosen)).copied().collect();
+    options(form, ui, "adaptive", &all, &defaults);
+}
+
+/// Returns the first parameter with several suggested numbers that no factor varies, with these numbers.
+fn varied(form: &DefinitionForm) -> Option<(&'static str, Vec<f64>)> {
+    let factors = form.draft().factors();
+    let numbers = |parameter: &Parameter| {
+        let mut numbers: Vec<f64> = parameter.levels_hint.iter().filter_map(|level| level.parse().ok()).collect();
+        numbers.retain(|number| *number > 0.0);
+        numbers.sort_by(f64::total_cmp);
+        numbers
+    };
+    let free = parameters(form).iter().filter(|parameter| !factors.iter().any(|factor| factor == parameter.name));
+    free.map(|parameter| (parameter.name, numbers(parameter))).find(|(_, numbers)| numbers.len() > 1)
+}
+
+/// Gives a method levels to begin with.
+fn begin(draft: &mut Draft, method: &str, levels: &[f64]) {
+    let has = |key: &str| Method::options(method).iter().any(|option| option.key == key);
+    if has("levels") {
+        let texts: Vec<String> = levels.iter().map(ToString::to_string).collect();
+        draft.set("adaptive.levels", &texts.join(", "), Typed::Values);
+    }
+    if has("start") {
+        set_ends(draft, "adaptive", levels);
+        draft.set("adaptive.start", &levels[levels.len() - 1].to_string(), Typed::Value);
+    }
+    if method == "constant" {
+        draft.set("adaptive.trials", &(levels.len() * AT_EACH_LEVEL).to_string(), Typed::Value);
+    }
+}
+
+fn set_ends(draft: &mut Draft, table: &str, levels: &[f64]) {
+    for (key, level) in [("low", levels[0]), ("high", levels[levels.len() - 1])] {
+        draft.set(&format!("{table}.{key}"), &level.to_string(), Typed::Value);
+    }
+}
+
+/// Returns the parameters of the stimulus.
+fn parameters(form: &DefinitionForm) -> &'static [Parameter] {
+    let kind = form.value("stimulus.kind", "");
+    if kind == Picture::KIND {
+        return Picture::PARAMETERS;
+    }
+    Stimulus::default_of(&kind).map_or(&[], |stimulus| stimulus.parameters())
+}
+
+/// Draws the options of a table.
+fn options(form: &mut DefinitionForm, ui: &mut Ui, table: &str, options: &[TaskOption], defaults: &serde_json::Value) {
+    let opened = |option: &TaskOption| option.key.split_once('.').map(|(inner, _)| inner);
+    for (i, option) in options.iter().enumerate() {
+        let opens = opened(option).is_some_and(|inner| options[..i].iter().all(|before| opened(before) != Some(inner)));
+        if let Some(inner) = opened(option).filter(|_| !opens)
+            && form.draft().keys(&format!("{table}.{inner}")).is_empty()
+        {
+            continue;
+        }
+        // A table of its own goes with the option that opens it.
+        let owner = if opens { opened(option).unwrap_or(option.key) } else { option.key };
+        control(form, ui, option, [&format!("{table}.{}", option.key), &format!("{table}.{owner}")], defaults);
+    }
+}
+
+/// Draws the control of an option.
+fn control(
+    form: &mut DefinitionForm,
+    ui: &mut Ui,
+    option: &TaskOption,
+    [key, owner]: [&str; 2],
+    defaults: &serde_json::Value,
+) {
+    let TaskOption { label, about, value, .. } = *option;
+    let default = typed(defaults, option.key);
+    match value {
+        OptionValue::Number => form.number(ui, label, key, default, about),
+        OptionValue::Optional(absent) => form.optional(ui, label, [key, owner], absent, about),
+        OptionValue::Numbers(absent) => form.list(ui, label, key, [&default, absent], about),
+        OptionValue::Flag => {
+            let before = form.value(key, &default) == "true";
+            let mut flag = before;
+            let error = form.error(key);
+            Field::new(label).column(LABELS).error(&error).show(ui, |ui, label| {
+                ui.checkbox(&mut flag, "").labelled_by(label).on_hover_text(about);
+            });
+            if flag != before {
+                form.edit(|draft| draft.set_flag(key, flag));
+            }
+        }
+        OptionValue::OneOf(names) => {
+            let names = names.iter().map(|name| (*name).to_owned()).collect();
+            list(form, ui, option, [key, owner], names, &default);
+        }
+        OptionValue::Parameter(optional) => {
+            let factors = form.draft().factors();
+            let free = parameters(form).iter().filter(|parameter| !factors.iter().any(|name| name == parameter.name));
+            let none = optional.then(|| NONE.to_owned());
+            let names = none.into_iter().chain(free.map(|parameter| parameter.name.to_owned())).collect();
+            list(form, ui, option, [key, owner], names, if optional { NONE } else { "" });
+        }
+        OptionValue::Factor => {
+            let names = std::iter::once(NONE.to_owned()).chain(form.draft().factors()).collect();
+            list(form, ui, option, [key, owner], names, NONE);
+        }
+        OptionValue::Settings => settings(form, ui, option, key),
+    }
+}
+
+fn list(
+    form: &mut DefinitionForm,
+    ui: &mut Ui,
+    option: &TaskOption,
+    [key, owner]: [&str; 2],
+    names: Vec<String>,
+    default: &str,
+) {
+    let before = form.value(key, default);
+    let (mut chosen, error) = (before.clone(), form.error(key));
+    let field = Field::new(option.label).column(LABELS).error(&error).width(LIST);
+    field.choice(ui, &mut chosen, &names, |name| parameter::label(name)).on_hover_text(option.about);
+    if chosen == before {
+    } else if chosen == NONE {
+        form.rebuild(|draft| draft.remove(owner));
+    } else {
+        form.type_value(key, &chosen, Typed::Value);
+    }
+}
+
+/// Draws parameters of the stimulus with their values.
+fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &str) {
+    let names = form.draft().keys(key);
+    for (i, name) in names.iter().enumerate() {
+        let (inner, title) = (format!("{key}.{name}"), format!("{} {}", option.label, parameter::label(name)));
+        let (before, error) = (form.value(&inner, ""), form.error(&inner));
+        let mut text = before.clone();
+        let field = Field::new(if i == 0 { option.label } else { "" }).column(LABELS).error(&error);
+        let removed = field.show(ui, |ui, _| {
+            ui.horizontal(|ui| {
+                ui.label(parameter::label(name));
+                let edit = ui.add(TextEdit::singleline(&mut text).id_salt(("setting", &inner)).desired_width(120.0));
+                ui::text::name(ui, &edit, &title);
+                edit.on_hover_text(option.about);
+                ui::quiet(ui, Icon::Close, "", &format!("Remove {title}")).clicked()
+            })
+            .inner
+        });
+        if removed {
+            let last = names.len() == 1;
+            form.rebuild(|draft| draft.remove(if last { key } else { &inner }));
+        } else if text != before {
+            form.type_value(&inner, &text, Typed::Value);
+        }
+    }
+    let free: Vec<String> = parameters(form).iter().map(|parameter| parameter.name.to_owned()).collect();
+    let free: Vec<String> = free.into_iter().filter(|name| !names.contains(name)).collect();
+    let (mut chosen, error) = (String::new(), form.own_error(key));
+    let title = format!("Add to {}", option.label.to_lowercase());
+    let field = Field::new(if names.is_empty() { option.label } else { "" }).column(LABELS).named(&title).error(&error);
+    let shown = |name: &String| if name.is_empty() { "Add a parameter…".to_owned() } else { parameter::label(name) };
+    field.width(LIST).choice(ui, &mut chosen, &free, shown).on_hover_text(option.about);
+    if !chosen.is_empty() {
+        let factors = form.draft().factors();
+        let now = form.value(&format!("stimulus.{chosen}"), "");
+        let hint = parameters(form).iter().find(|parameter| parameter.name == chosen);
+        // A value that differs from that of the target, and no factor has.
+        let other = hint.and_then(|parameter| parameter.levels_hint.iter().rev().find(|level| **level != now));
+        let value = other.filter(|_| !factors.contains(&chosen)).map_or(now.as_str(), |level| level);
+        form.edit(|draft| {
+            if names.is_empty() {
+                draft.add_table(key);
+            }
+            draft.set(&format!("{key}.{chosen}"), value, Typed::Value);
+        });
+    }
+}
+
+/// Draws the question and the answers.
+fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
+    ui::section(ui, "Answers");
+    let ResponseScale { question, categories } = task.scale();
+    form.text(ui, "Question", "response.question", &question, "Shown next to the scale.");
+    let mut labels = form.draft().texts("response.labels").unwrap_or_default();
+    let mut keys = form.draft().texts("response.keys").unwrap_or_default();
+    // A definition without labels or keys uses the defaults.
+    let own: Vec<String> = categories.iter().map(|category| category.key.into()).collect();
+    if labels.is_empty() {
+        labels = categories.into_iter().map(|category| category.label).collect();
+    }
+    let has_keys = task.dial().is_none();
+    let default = |answer: usize| own.get(answer).cloned().filter(|_| own.len() == labels.len());
+    let default = |answer| default(answer).or_else(|| default_key(answer).map(String::from)).unwrap_or_default();
+    keys.truncate(labels.len());
+    keys.extend((keys.len()..labels.len()).map(default));
+    // Ratings are counted from 0, as in the data.
+    let (noun, first) = if task.answers().is_none() { ("rating", 0) } else { ("answer", 1) };
+    let [mut labels_changed, mut keys_changed] = [false; 2];
+    let mut removed = None;
+    for answer in 0..labels.len() {
+        let errors = ["labels", "keys"].map(|list| form.error(&format!("response.{list}.{answer}")));
+        let errors = errors.join("\n");
+        let shown = format!("{noun} {}", answer + first);
+        Field::new(&capitalized(&shown)).column(LABELS).error(errors.trim()).show(ui, |ui, _| {
+            ui.horizontal(|ui| {
+                if has_keys {
+                    let key = TextEdit::singleline(&mut keys[answer]).id_salt(("key", answer)).desired_width(24.0);
+                    let key = ui.add(key);
+                    ui::text::name(ui, &key, &format!("Key for {shown}"));
+                    let key = key.on_hover_text("The key for this answer: a digit or a letter other than S.");
+                    keys_changed |= key.changed();
+                }
+                let width = (ui.available_width() - 100.0).clamp(120.0, 380.0);
+                let label = TextEdit::singleline(&mut labels[answer]).id_salt(("label", answer)).desired_width(width);
+                let label = ui.add(label);
+                ui::text::name(ui, &label, &format!("Label of {shown}"));
+                labels_changed |= label.on_hover_text("What this answer means.").changed();
+                if task.answers().is_none() {
+                    ui.add_enabled_ui(labels.len() > *CATEGORIES.start(), |ui| {
+                        if ui::quiet(ui, Icon::Close, "", &format!("Remove {shown}")).clicked() {
+                            removed = Some(answer);
+                        }
+                    });
+                }
+            });
+        });
+    }
+    let many = labels.len() >= *CATEGORIES.end();
+    if task.answers().is_none() {
+        let field = Field::new("").column(LABELS);
+        let added = field.show(ui, |ui, _| ui.add_enabled_ui(!many, |ui| ui::action(ui, Icon::Plus, "Category")).inner);
+        if added.on_hover_text("2 to 11 categories, from the weakest to the strongest.").clicked() {
+            let free = ('0'..='9').chain('a'..='z').map(String::from);
+            keys.push(free.filter(|key| key != "s").find(|key| !keys.contains(key)).unwrap_or_default());
+            labels.push(String::new());
+            [labels_changed, keys_changed] = [true; 2];
+        }
+    }
+    if let Some(answer) = removed {
+        labels.remove(answer);
+        keys.remove(answer);
+        [labels_changed, keys_changed] = [true; 2];
+    }
+    for (changed, key, texts) in [(labels_changed, "response.labels", labels), (keys_changed, "response.keys", keys)] {
+        if changed {
+            form.edit(|draft| draft.set_texts(key, &texts));
+        }
+        ui::text::errors(ui, &form.own_error(key));
+    }
+}
