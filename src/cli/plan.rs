@@ -4,11 +4,15 @@ use super::{Bar, OutPath, columns, print_line};
 use crate::{
     analysis::{
         Slopes,
-        power::{Effect, Hypothesis, Power, Sampling},
+        power::{Effect, Hypothesis, Power, Precision, Quantity, Sampling, ThresholdObserver},
     },
     report::document::Shown,
     store::Writer,
-    work::plan::{Plan, Planned},
+    work::{
+        RequestError,
+        plan::{Found, Plan, Planned},
+        plan_thresholds::PlannedThresholds,
+    },
 };
 
 /// Find how many participants a study needs, by simulating its power.
@@ -27,10 +31,14 @@ use crate::{
     normal value, as in R's (1 | subject:factor). The more they differ, the lower the power.\n\n\
     Up to 40 participants, p values of the model come from simulated studies without the effect: as many as --studies, \
     but at least 199 and at most 999.\n\n\
+    Thresholds: of a task with [adaptive], the precision of a person's threshold, of the mean and of differences, and the \
+    power to find FACTOR:LEVEL=SHIFT, in decadic logarithms of the level if the method is logarithmic. NAME=VALUE: \
+    threshold, subject_sd, slope, lapse, false_alarms. --trials compares numbers of trials.\n\n\
     Results depend on the seed but not on the number of threads (ChaCha8, one stream per participant and study).\n\n\
     Examples:\n  machband plan orientation --participants 4,8,12 --effect oblique=0.5\n  \
     machband plan orientation --participants 12 --effect oblique=0.5 --slope orientation_deg=0.5\n  \
-    machband plan shaders --participants 8 --effect shader:gouraud=1 --effect shader:flat=2"
+    machband plan shaders --participants 8 --effect shader:gouraud=1 --effect shader:flat=2\n  \
+    machband plan threshold-width --participants 4,8 --trials 20,40 --effect orientation_deg:90=0.1 --studies 100"
 )]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -47,16 +55,71 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let bar = Bar::new("simulated participants");
     let planned = arguments.request.plan(&bar);
     bar.clear();
-    let planned = planned?;
-    lines(&planned).iter().try_for_each(|line| print_line(line))?;
+    let (lines, table, preregistration) = match planned? {
+        Found::Ratings(planned) => {
+            (lines(&planned), planned.table(), Some(arguments.request.preregistration(&planned)))
+        }
+        Found::Thresholds(planned) => (thresholds(&planned), planned.table(), None),
+    };
+    lines.iter().try_for_each(|line| print_line(line))?;
     // Written last, so that no result is lost if the path cannot be written.
     if let Some(path) = &arguments.out {
-        writer.write(path, &planned.table().csv())?;
+        writer.write(path, &table.csv())?;
     }
-    if let Some(path) = &arguments.preregistration {
-        writer.write(path, arguments.request.preregistration(&planned).as_bytes())?;
+    match (&arguments.preregistration, preregistration) {
+        (Some(path), Some(text)) => Ok(writer.write(path, text.as_bytes())?),
+        (Some(_), None) => {
+            let message = "has no text for a study of thresholds; expected a definition of ratings";
+            Err(RequestError::new("preregistration", message).into())
+        }
+        (None, _) => Ok(()),
     }
-    Ok(())
+}
+
+/// Returns the lines about a study of thresholds.
+fn thresholds(planned: &PlannedThresholds) -> Vec<String> {
+    const HEADER: [&str; 8] = [
+        "participants",
+        "trials",
+        "estimate",
+        "true difference",
+        "± (95 % interval)",
+        "rms error",
+        "power",
+        "false alarms",
+    ];
+    let ThresholdObserver { threshold, subject_sd, slope, lapse, false_alarms } = planned.observer;
+    let heading = format!(
+        "{}: {} studies per number of participants, seed {}; observer threshold={threshold} subject_sd={subject_sd} slope={slope} \
+         lapse={lapse} false_alarms={false_alarms}; differences and errors in {}",
+        planned.protocol.name,
+        planned.sampling.studies,
+        planned.sampling.seed,
+        planned.unit(),
+    );
+    let row = |found: &Precision| {
+        let truth = match found.quantity {
+            Quantity::Difference { truth, .. } => Some(truth),
+            _ => None,
+        };
+        let number =
+            |value: Option<f64>| Shown::new(value, value.map_or_else(String::new, |value| format!("{value:.3}")));
+        let (share, interval) = found.share();
+        let percent = format!("{:.1} % ({:.1}–{:.1})", 100.0 * share, 100.0 * interval.low, 100.0 * interval.high);
+        let percent = |shown: bool| if shown { Shown::new(share, percent.clone()) } else { Shown::from("") };
+        vec![
+            Shown::new(found.participants, found.participants.to_string()),
+            Shown::new(found.trials, found.trials.to_string()),
+            planned.name(&found.quantity).as_str().into(),
+            number(truth),
+            number(found.half_width),
+            number(found.error),
+            percent(truth.is_some_and(|truth| truth != 0.0)),
+            percent(truth == Some(0.0)),
+        ]
+    };
+    let table = columns(&HEADER, &planned.found.iter().map(row).collect::<Vec<_>>());
+    [vec![heading, String::new()], table, vec![String::new()], planned.sentences()].concat()
 }
 
 /// Returns the lines to print.

@@ -16,6 +16,7 @@ mod image;
 mod model;
 mod paths;
 pub mod plan;
+pub mod plan_thresholds;
 pub mod predict;
 mod preregistration;
 mod ratings;

@@ -9,7 +9,7 @@ use std::{
 
 use serde::Serialize;
 
-use super::{Model, RequestError, Watcher, analyze, request::paths};
+use super::{Model, RequestError, Watcher, analyze, plan_thresholds::PlannedThresholds, request::paths};
 use crate::{
     analysis::power::{self, Hypothesis, ModelChoice, PlanError, Power, Sampling, Shift, Slope, Test},
     experiment::{OrderedLogit, Protocol},
@@ -44,6 +44,10 @@ pub struct Plan {
     /// Target power.
     #[arg(long, value_name = "P", default_value_t = 0.8, value_parser = proportion)]
     pub target: f64,
+    /// Number of trials of each condition of a task with [adaptive]; give several numbers to compare them. Without it,
+    /// that of the definition.
+    #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub trials: Vec<u32>,
     /// Seed of the simulated ratings.
     #[arg(long, value_name = "N", default_value_t = Sampling::default().seed)]
     pub seed: u64,
@@ -112,6 +116,14 @@ fn proportion(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected a number between 0 and 1, such as 0.05".to_owned())
 }
 
+/// What a plan found.
+pub enum Found {
+    /// The power of a study of ratings.
+    Ratings(Box<Planned>),
+    /// The precision of a study of thresholds.
+    Thresholds(Box<PlannedThresholds>),
+}
+
 /// The simulated powers of a plan, and the settings they depend on.
 #[derive(Clone, Debug)]
 pub struct Planned {
@@ -132,15 +144,22 @@ impl Plan {
     ///
     /// # Errors
     /// A file cannot be read, an effect or a term does not exist, there is nothing to test, or the study is too large.
-    pub fn plan(&self, watcher: &dyn Watcher) -> anyhow::Result<Planned> {
+    pub fn plan(&self, watcher: &dyn Watcher) -> anyhow::Result<Found> {
         let protocol = definition::open(&self.experiment)?;
+        if protocol.adaptive.is_some() {
+            return Ok(Found::Thresholds(Box::new(self.thresholds(protocol, watcher)?)));
+        }
         if !protocol.task.is_default() {
             let message = format!(
-                "{} has the task {}; expected a rating on a scale of categories (docs/tasks.md says how many trials a threshold needs)",
+                "{} has the task {}; expected a rating on a scale of categories, or a task with [adaptive]",
                 protocol.name,
                 protocol.task.name()
             );
             return Err(RequestError::whole(message).into());
+        }
+        if !self.trials.is_empty() {
+            let message = "does not apply to ratings; expected a task with [adaptive]";
+            return Err(RequestError::new("trials", message).into());
         }
         let (observer, name) = match &self.observer_file {
             Some(path) => (observer::open(path)?, path.display().to_string()),
@@ -154,16 +173,12 @@ impl Plan {
         let model = ModelChoice { terms, link, slopes: random, large };
         let plan = power::Plan::new(&protocol, &observer, &shifts, &slopes, &model).map_err(refused)?;
         let sampling = Sampling { studies: self.studies, alpha: self.alpha, seed: self.seed };
-        let mut participants = self.participants.clone();
-        participants.sort_unstable();
-        participants.dedup();
-        let (done, all) = (AtomicU64::new(0), plan.simulated(&participants, &sampling));
-        let powers = plan.run(&participants, &sampling, &|people| {
-            watcher.progress(done.fetch_add(people, Ordering::Relaxed) + people, all);
-        });
+        let participants = in_order(&self.participants);
+        let all = plan.simulated(&participants, &sampling);
+        let powers = plan.run(&participants, &sampling, &progress(watcher, all));
         let given = self.effects.iter().map(ToString::to_string);
         let observer = std::iter::once(name).chain(given).collect::<Vec<_>>().join(" ");
-        Ok(Planned { protocol, observer, plan, sampling, target: self.target, powers })
+        Ok(Found::Ratings(Box::new(Planned { protocol, observer, plan, sampling, target: self.target, powers })))
     }
 
     /// Returns the observer with the requested effects, and the effects that none of its parameters can express.
@@ -191,8 +206,22 @@ impl Plan {
     }
 }
 
+/// Returns the numbers in ascending order, each once.
+pub(super) fn in_order(numbers: &[u32]) -> Vec<u32> {
+    let mut numbers = numbers.to_vec();
+    numbers.sort_unstable();
+    numbers.dedup();
+    numbers
+}
+
+/// Counts simulated participants.
+pub(super) fn progress(watcher: &dyn Watcher, all: u64) -> impl Fn(u64) + Sync {
+    let done = AtomicU64::new(0);
+    move |people| watcher.progress(done.fetch_add(people, Ordering::Relaxed) + people, all)
+}
+
 /// Checks that each name has one value.
-fn once(field: &str, given: &[Assignment]) -> Result<(), RequestError> {
+pub(super) fn once(field: &str, given: &[Assignment]) -> Result<(), RequestError> {
     let twice = given.iter().enumerate().find(|(i, one)| given[..*i].iter().any(|other| other.name == one.name));
     twice.map_or(Ok(()), |(_, one)| {
         Err(RequestError::value(field, format!("{one}: {} is given twice; expected it once", one.name)))

@@ -19,7 +19,9 @@
 mod hypothesis;
 mod plan;
 mod scenario;
+mod thresholds;
 
 pub use hypothesis::{Effect, Hypothesis, Test};
 pub use plan::{ModelChoice, Plan, Power, Sampling};
 pub use scenario::{PlanError, Shift, Slope};
+pub use thresholds::{Precision, Quantity, ThresholdObserver, ThresholdPlan};

@@ -4,7 +4,13 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
-use crate::experiment::task::curve::{Curve, Psychometric};
+use crate::experiment::{
+    Protocol,
+    task::{
+        Easier, Measures, Method,
+        curve::{Curve, Psychometric},
+    },
+};
 
 /// The answers at one level, or in one block of trials at a level.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -91,6 +97,22 @@ impl Guess {
 }
 
 impl Model {
+    /// Returns what is known about the psychometric functions of a study; `None` if no levels are varied.
+    #[must_use]
+    pub fn of(protocol: &Protocol) -> Option<Self> {
+        let adaptive = protocol.adaptive.as_ref()?;
+        if !matches!(protocol.task.measures(), Measures::Proportions | Measures::Detection) {
+            return None;
+        }
+        let curve = if let Method::QuestPlus(quest) = &adaptive.method { quest.function } else { Curve::Normal };
+        let guess = protocol.task.guess().map_or(Guess::Free, Guess::Fixed);
+        let falls = adaptive.common.easier == Easier::Low;
+        let range = Some(adaptive.range().map(|level| adaptive.common.scaled(level)));
+        // Blocks of constant stimuli can vary more than binomially; blocks of a few trials say nothing about it.
+        let overdispersed = matches!(adaptive.method, Method::Constant(_));
+        Some(Self { curve, guess, falls, overdispersed, range })
+    }
+
     /// Returns β of F = [`Curve::sigmoid`]`(z + β(x − m))` for a width, and z, where the sigmoid is ½.
     fn slope(&self, width: f64) -> (f64, f64) {
         let [low, half, high] = [0.05, 0.5, 0.95].map(|share| self.curve.inverse(share));

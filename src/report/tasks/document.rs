@@ -2,11 +2,14 @@
 
 use super::{
     further,
-    results::{PersonFunction, Side, TaskResults, model},
+    results::{PersonFunction, Side, TaskResults},
     study::TaskStudy,
 };
 use crate::{
-    analysis::tasks::{population::Population, psychometric::Guess},
+    analysis::tasks::{
+        population::Population,
+        psychometric::{Guess, Model},
+    },
     experiment::task::{Common, Curve, Measures},
     report::{
         document::{
@@ -266,7 +269,7 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
         Measures::Settings | Measures::Ratings => "Each answer is a value that the participant set.",
     };
     section.text(format!("Practice trials are left out, and of a corrected trial, the last attempt counts. {how}"));
-    let Some(model) = model(study).filter(|_| !results.functions.is_empty()) else { return section };
+    let Some(model) = Model::of(&study.protocol).filter(|_| !results.functions.is_empty()) else { return section };
     let curve = match model.curve {
         Curve::Weibull => "Weibull",
         Curve::Logistic => "logistic",

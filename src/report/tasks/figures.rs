@@ -1,12 +1,8 @@
 //! The charts of a task.
 
-use super::{
-    further::over_people,
-    results::{TaskResults, model},
-    study::TaskStudy,
-};
+use super::{further::over_people, results::TaskResults, study::TaskStudy};
 use crate::{
-    analysis::tasks::psychometric::Estimate,
+    analysis::tasks::psychometric::{Estimate, Model},
     report::{
         document::numbers::count,
         figures::{
@@ -27,7 +23,7 @@ pub fn figures(study: &TaskStudy, results: &TaskResults) -> Vec<Figure> {
 }
 
 fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
-    let (adaptive, model) = (study.protocol.adaptive.as_ref()?, model(study)?);
+    let (adaptive, model) = (study.protocol.adaptive.as_ref()?, Model::of(&study.protocol)?);
     let range = adaptive.range().map(|level| adaptive.common.scaled(level));
     let conditions: Vec<usize> = (0..study.protocol.conditions().len())
         .filter(|condition| results.functions.iter().any(|function| function.condition == *condition))

@@ -14,10 +14,10 @@ use crate::{
         tasks::{
             means::Mean,
             population::{self, Population},
-            psychometric::{self, Fit, FitError, GoodnessOfFit, Guess, Model, Point},
+            psychometric::{self, Fit, FitError, GoodnessOfFit, Model, Point},
         },
     },
-    experiment::task::{Common, Curve, Easier, Measures, Method},
+    experiment::task::{Common, Measures},
     statistics::Interval,
 };
 
@@ -163,7 +163,7 @@ impl TaskResults {
             settings: settings(study),
             ..Self::default()
         };
-        if let Some(model) = model(study) {
+        if let Some(model) = Model::of(&study.protocol) {
             results.functions = functions(study, &model, seed);
             for (condition, population) in populations(study, &results.functions, &model) {
                 let range = model.range.unwrap_or([f64::MIN, f64::MAX]);
@@ -245,21 +245,6 @@ fn settings(study: &TaskStudy) -> Vec<PersonSettings> {
         Some(PersonSettings { person, condition, settings: Settings::of(&values)? })
     };
     all.into_iter().filter_map(one).collect()
-}
-
-/// Returns what is known about the psychometric functions; `None` if no levels were varied.
-pub(super) fn model(study: &TaskStudy) -> Option<Model> {
-    let adaptive = study.protocol.adaptive.as_ref()?;
-    if !matches!(study.protocol.task.measures(), Measures::Proportions | Measures::Detection) {
-        return None;
-    }
-    let curve = if let Method::QuestPlus(quest) = &adaptive.method { quest.function } else { Curve::Normal };
-    let guess = study.protocol.task.guess().map_or(Guess::Free, Guess::Fixed);
-    let falls = adaptive.common.easier == Easier::Low;
-    let range = Some(adaptive.range().map(|level| adaptive.common.scaled(level)));
-    // Blocks of constant stimuli can vary more than binomially; blocks of a few trials say nothing about it.
-    let overdispersed = matches!(adaptive.method, Method::Constant(_));
-    Some(Model { curve, guess, falls, overdispersed, range })
 }
 
 /// Returns the answers at each level of each person and condition.

@@ -1,0 +1,321 @@
+//! Precision and power of studies of thresholds: sessions are simulated trial by trial, with the definition's own task
+//! and method, and each study is analyzed as recorded answers are.
+//!
+//! Every participant answers by a psychometric function of their own. Its threshold is that of the population, plus a
+//! normal deviation of the person, the [`Shift`]s of the levels of the condition, and for each [`Slope`] a normal
+//! deviation at each level of its factor, all on the scale on which the method counts.
+
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::{Sampling, Shift, Slope};
+use crate::{
+    analysis::tasks::{
+        means::Mean,
+        population::{self, Population},
+        psychometric::{Model, Point, estimate},
+    },
+    experiment::{
+        Condition, Course, Identity, Phase, Protocol, Schedule,
+        task::{Adaptive, Answer, Presentation, Psychometric},
+    },
+    statistics::{Interval, median},
+    system::checkpoint,
+};
+
+/// How participants see.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ThresholdObserver {
+    /// The mean threshold of the population, as a level: there, F = ½.
+    pub threshold: f64,
+    /// The standard deviation of thresholds between people, on the scale of the method: in decadic logarithms if it is
+    /// logarithmic.
+    pub subject_sd: f64,
+    /// The slope β of the function that the method assumes, on that scale.
+    pub slope: f64,
+    /// The share of answers that do not depend on the stimulus, 0…0.5.
+    pub lapse: f64,
+    /// The share of answers yes to a stimulus without a target, 0…0.9, in tasks in which it depends on the participant.
+    pub false_alarms: f64,
+}
+
+impl ThresholdObserver {
+    /// Returns an observer whose threshold lies in the middle of the levels. People differ by a twentieth of the range,
+    /// and the function rises within a third of it.
+    #[must_use]
+    pub fn of(adaptive: &Adaptive) -> Self {
+        let [low, high] = adaptive.range().map(|level| adaptive.common.scaled(level));
+        let threshold = adaptive.common.level((low + high) / 2.0);
+        let rounded = |value: f64| format!("{value:.1e}").parse().unwrap_or(value);
+        Self {
+            threshold,
+            subject_sd: rounded((high - low) / 20.0),
+            slope: rounded(6.0 / (high - low)),
+            lapse: 0.02,
+            false_alarms: 0.1,
+        }
+    }
+}
+
+/// A quantity that a study estimates.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Quantity {
+    /// The threshold of one participant in one condition.
+    Person,
+    /// The mean threshold over people in one condition.
+    Mean,
+    /// The difference of thresholds between a level of a factor and its first level.
+    Difference {
+        /// Position of the factor in the definition.
+        factor: usize,
+        /// Position of the level.
+        level: usize,
+        /// The true difference, on the scale of the method.
+        truth: f64,
+    },
+}
+
+/// What studies of one size find.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Precision {
+    /// Number of participants.
+    pub participants: u32,
+    /// Number of trials of each condition.
+    pub trials: u32,
+    /// What is estimated.
+    pub quantity: Quantity,
+    /// Number of studies.
+    pub studies: usize,
+    /// Number of studies whose interval of a difference excludes 0.
+    pub found: usize,
+    /// Number of studies without an estimate.
+    pub missing: usize,
+    /// The median of half the width of the 95 % interval, on the scale of the method.
+    pub half_width: Option<f64>,
+    /// The root mean square of estimate minus truth.
+    pub error: Option<f64>,
+}
+
+impl Precision {
+    /// Returns the share of studies whose interval excludes 0, with its 95 % interval (Clopper and Pearson).
+    #[must_use]
+    pub fn share(&self) -> (f64, Interval) {
+        (self.found as f64 / self.studies as f64, Interval::of_proportion(self.found, self.studies))
+    }
+}
+
+/// A study of thresholds.
+#[derive(Clone, Debug)]
+pub struct ThresholdPlan {
+    protocol: Protocol,
+    adaptive: Adaptive,
+    model: Model,
+    observer: ThresholdObserver,
+    shifts: Vec<Shift>,
+    slopes: Vec<Slope>,
+}
+
+/// An estimate of one study: the estimated value, half the width of its interval, and the true value.
+type Estimated = Option<(f64, Option<Interval>, f64)>;
+
+impl ThresholdPlan {
+    /// Plans a study; `None` if its task has no method that varies a level. The names of shifts and slopes must be those
+    /// of factors and levels.
+    #[must_use]
+    pub fn new(
+        protocol: &Protocol,
+        observer: ThresholdObserver,
+        shifts: Vec<Shift>,
+        slopes: Vec<Slope>,
+    ) -> Option<Self> {
+        let (adaptive, model) = (protocol.adaptive.clone()?, Model::of(protocol)?);
+        Some(Self { protocol: protocol.clone(), adaptive, model, observer, shifts, slopes })
+    }
+
+    /// Returns the quantities that are estimated: a difference for each level of a factor but the first.
+    #[must_use]
+    pub fn quantities(&self) -> Vec<Quantity> {
+        let factors = self.protocol.factors.iter().enumerate();
+        let differences = factors.flat_map(|(factor, of)| {
+            (1..of.levels.len()).map(move |level| {
+                let truth = self.shift(factor, level) - self.shift(factor, 0);
+                Quantity::Difference { factor, level, truth }
+            })
+        });
+        [Quantity::Person, Quantity::Mean].into_iter().chain(differences).collect()
+    }
+
+    fn shift(&self, factor: usize, level: usize) -> f64 {
+        let of = &self.protocol.factors[factor];
+        let level = of.levels[level].to_string();
+        let own = self.shifts.iter().filter(|shift| shift.factor == of.name && shift.level == level);
+        own.map(|shift| shift.logits).sum()
+    }
+
+    /// Returns the true mean threshold of a condition.
+    fn truth(&self, condition: &Condition) -> f64 {
+        let shifts = condition.levels.iter().enumerate().map(|(factor, level)| self.shift(factor, *level));
+        self.adaptive.common.scaled(self.observer.threshold) + shifts.sum::<f64>()
+    }
+
+    /// Simulates studies of each number of participants. `progress` learns of participants whose sessions are done.
+    pub fn run(&self, participants: &[u32], sampling: &Sampling, progress: &(dyn Fn(u64) + Sync)) -> Vec<Precision> {
+        let quantities = self.quantities();
+        let of_size = |people: u32| {
+            let study = |study: u32| {
+                let found = self.study(people, u64::from(study), sampling.seed, &quantities);
+                progress(people.into());
+                found
+            };
+            let studies: Vec<Vec<Vec<Estimated>>> = (0..sampling.studies).into_par_iter().map(study).collect();
+            let precision = |(i, quantity): (usize, &Quantity)| {
+                let all = || studies.iter().flat_map(|study| &study[i]);
+                let known = || all().filter_map(|one| one.as_ref());
+                let half =
+                    |(_, interval, _): &(f64, Option<Interval>, f64)| interval.map(|one| (one.high - one.low) / 2.0);
+                let excludes = |one: &Interval| one.low > 0.0 || one.high < 0.0;
+                let errors: Vec<f64> = known().map(|(value, _, truth)| (value - truth).powi(2)).collect();
+                let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+                Precision {
+                    participants: people,
+                    trials: self.adaptive.common.trials,
+                    quantity: quantity.clone(),
+                    studies: all().count(),
+                    found: known().filter(|(_, interval, _)| interval.as_ref().is_some_and(excludes)).count(),
+                    missing: all().filter(|one| one.is_none()).count(),
+                    half_width: median(known().filter_map(half).collect()),
+                    error: (!errors.is_empty()).then_some(mean.sqrt()),
+                }
+            };
+            quantities.iter().enumerate().map(precision).collect::<Vec<_>>()
+        };
+        participants.iter().flat_map(|people| of_size(*people)).collect()
+    }
+
+    /// Simulates a study; returns the estimates of each quantity.
+    fn study(&self, people: u32, study: u64, seed: u64, quantities: &[Quantity]) -> Vec<Vec<Estimated>> {
+        let sessions: Vec<Answered> = (0..people).map(|person| self.session(person, study, seed)).collect();
+        let conditions = self.protocol.conditions();
+        let populations: Vec<Option<Population>> = (0..conditions.len())
+            .map(|condition| {
+                let points: Vec<Vec<Point>> =
+                    sessions.iter().map(|session| session.points[condition].clone()).collect();
+                population::fit(&points, &self.model).ok()
+            })
+            .collect();
+        // The mean over the conditions that have a level of a factor, of each person.
+        let at = |factor: usize, level: usize| -> Option<Vec<f64>> {
+            let has = |(condition, _): &(&Condition, &Option<Population>)| condition.levels[factor] == level;
+            let all: Option<Vec<&Population>> =
+                conditions.iter().zip(&populations).filter(has).map(|(_, population)| population.as_ref()).collect();
+            let all = all.filter(|all| !all.is_empty())?;
+            let mean =
+                |person: usize| all.iter().map(|of| of.people[person].contribution).sum::<f64>() / all.len() as f64;
+            Some((0..people as usize).map(mean).collect())
+        };
+        let of = |quantity: &Quantity| -> Vec<Estimated> {
+            match *quantity {
+                Quantity::Person => {
+                    let own = sessions.iter().flat_map(|session| session.points.iter().zip(&session.thresholds));
+                    own.map(|(points, truth)| Some((estimate(points, &self.model).ok()?.threshold, None, *truth)))
+                        .collect()
+                }
+                Quantity::Mean => {
+                    let all = populations.iter().zip(conditions.iter());
+                    all.map(|(found, of)| found.as_ref().map(|found| (found.mean, found.interval, self.truth(of))))
+                        .collect()
+                }
+                Quantity::Difference { factor, level, truth } => {
+                    let pairs = at(factor, level).zip(at(factor, 0));
+                    let mean =
+                        pairs.map(|(one, first)| Mean::of_differences(&one.into_iter().zip(first).collect::<Vec<_>>()));
+                    vec![mean.map(|mean| (mean.mean, mean.interval, truth))]
+                }
+            }
+        };
+        quantities.iter().map(of).collect()
+    }
+
+    /// Simulates the session of one participant.
+    fn session(&self, person: u32, study: u64, seed: u64) -> Answered {
+        checkpoint();
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(study << 32 | u64::from(person));
+        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+        let common = &self.adaptive.common;
+        let deviations: Vec<(usize, Vec<f64>)> = (self.slopes.iter())
+            .filter_map(|slope| {
+                let factor = self.protocol.factors.iter().position(|factor| factor.name == slope.factor)?;
+                Some((factor, self.protocol.factors[factor].levels.iter().map(|_| slope.sd * normal()).collect()))
+            })
+            .collect();
+        let conditions = self.protocol.conditions();
+        let own = self.observer.subject_sd * normal();
+        let threshold = |condition: &Condition| {
+            let deviation = |(factor, by_level): &(usize, Vec<f64>)| by_level[condition.levels[*factor]];
+            own + self.truth(condition) + deviations.iter().map(deviation).sum::<f64>()
+        };
+        let thresholds: Vec<f64> = conditions.iter().map(threshold).collect();
+        let mut points: Vec<Vec<Point>> = vec![Vec::new(); conditions.len()];
+        // Names of people and seeds only order the trials.
+        let schedule = Identity::new(&format!("S{person:05}"), "1").ok().and_then(|identity| {
+            Schedule::new(&self.protocol, &identity, seed.wrapping_add(study.wrapping_mul(0x9e37_79b9_7f4a_7c15))).ok()
+        });
+        let Some(schedule) = schedule else { return Answered { points, thresholds } };
+        let mut course = Course::new(self.protocol.clone(), schedule);
+        for trial in 0..course.schedule().trials.len() {
+            let planned = &course.schedule().trials[trial];
+            let (condition, phase) = (planned.condition, planned.phase);
+            if phase != Phase::Main || course.is_over(trial) {
+                continue;
+            }
+            let shown = course.presentation(trial);
+            let is_target = shown.target != Some(0);
+            let Some(level) = shown.level else { continue };
+            let x = common.scaled(level);
+            let seen = rng.random::<f64>()
+                < if is_target { self.chance(x, thresholds[condition]) } else { self.observer.false_alarms };
+            course.answer(trial, &self.answer(&shown, seen));
+            if is_target {
+                add(&mut points[condition], x, seen);
+            }
+        }
+        Answered { points, thresholds }
+    }
+
+    /// Returns the probability that a target is seen or chosen.
+    fn chance(&self, x: f64, threshold: f64) -> f64 {
+        let (curve, sign) = (self.model.curve, self.adaptive.common.sign());
+        let slope = sign * self.observer.slope;
+        let guess = self.protocol.task.guess().unwrap_or(self.observer.false_alarms);
+        // The curve's own threshold need not be where F is ½.
+        let threshold = threshold - curve.inverse(0.5) / slope;
+        curve.probability(x, &Psychometric { threshold, slope, guess, lapse: self.observer.lapse })
+    }
+
+    /// Returns an answer that means that the target was seen or chosen, or not.
+    fn answer(&self, shown: &Presentation, seen: bool) -> Answer {
+        let keys = self.protocol.response.categories.len().max(2) as u8;
+        let means = |answer: &Answer| self.protocol.task.outcome(shown, answer) == seen;
+        (0..keys).map(Answer::Key).find(means).unwrap_or(Answer::Key(0))
+    }
+}
+
+/// The answers of one participant, by condition, and the true thresholds.
+struct Answered {
+    points: Vec<Vec<Point>>,
+    thresholds: Vec<f64>,
+}
+
+fn add(points: &mut Vec<Point>, x: f64, seen: bool) {
+    let known = points.iter().position(|point| point.x == x).unwrap_or_else(|| {
+        points.push(Point { x, correct: 0, total: 0 });
+        points.len() - 1
+    });
+    points[known].total += 1;
+    points[known].correct += u32::from(seen);
+}

@@ -1,0 +1,240 @@
+//! How many participants and trials a study of thresholds needs.
+
+use super::{
+    RequestError, Watcher,
+    plan::{Assignment, Plan, in_order, once, progress},
+};
+use crate::{
+    analysis::power::{Precision, Quantity, Sampling, Shift, Slope, ThresholdObserver, ThresholdPlan},
+    experiment::{Definition, Protocol},
+    text::{Cell, Column, Table, names::expected_one_of},
+};
+
+/// The simulated precision of a plan, and the settings on which it depends.
+#[derive(Clone, Debug)]
+pub struct PlannedThresholds {
+    pub protocol: Protocol,
+    pub observer: ThresholdObserver,
+    pub sampling: Sampling,
+    /// Target power.
+    pub target: f64,
+    /// For each number of trials and of participants, each quantity.
+    pub found: Vec<Precision>,
+}
+
+impl Plan {
+    /// Simulates studies of a definition with `[adaptive]`.
+    pub(super) fn thresholds(&self, protocol: Protocol, watcher: &dyn Watcher) -> anyhow::Result<PlannedThresholds> {
+        for (field, given) in [("observer_file", self.observer_file.is_some()), ("terms", self.model.terms.is_some())] {
+            if given {
+                let message = "does not apply to thresholds; expected a definition of ratings";
+                return Err(RequestError::new(field, message).into());
+            }
+        }
+        let sampling = Sampling { studies: self.studies, alpha: self.alpha, seed: self.seed };
+        if sampling.alpha != Sampling::default().alpha {
+            let message =
+                format!("is {}; expected 0.05, because a difference is found by its 95 % interval", self.alpha);
+            return Err(RequestError::new("alpha", message).into());
+        }
+        once("effects", &self.effects)?;
+        once("deviations", &self.deviations)?;
+        let (observer, shifts) = self.threshold_observer(&protocol)?;
+        let slope = |given: &Assignment| {
+            let known = protocol.factors.iter().any(|factor| factor.name == given.name);
+            let slope = Slope { factor: given.name.clone(), sd: given.value };
+            known
+                .then_some(slope)
+                .ok_or_else(|| RequestError::value("deviations", unknown_factor(&given.name, &protocol)))
+        };
+        let slopes = self.deviations.iter().map(slope).collect::<Result<Vec<_>, _>>()?;
+        let plans = self.with_trials(&protocol)?.into_iter().map(|protocol| {
+            ThresholdPlan::new(&protocol, observer.clone(), shifts.clone(), slopes.clone()).ok_or_else(|| {
+                let message = format!("{} has no method that varies a level; expected [adaptive]", protocol.name);
+                RequestError::whole(message)
+            })
+        });
+        let plans = plans.collect::<Result<Vec<_>, _>>()?;
+        let participants = in_order(&self.participants);
+        let all = participants.iter().map(|people| u64::from(*people)).sum::<u64>() * u64::from(self.studies);
+        let progress = progress(watcher, all * plans.len() as u64);
+        let found = plans.iter().flat_map(|plan| plan.run(&participants, &sampling, &progress)).collect();
+        Ok(PlannedThresholds { protocol, observer, sampling, target: self.target, found })
+    }
+
+    /// Returns the definition with each number of trials.
+    fn with_trials(&self, protocol: &Protocol) -> Result<Vec<Protocol>, RequestError> {
+        if self.trials.is_empty() {
+            return Ok(vec![protocol.clone()]);
+        }
+        let with = |trials: u32| {
+            let mut definition: Definition = (**protocol).clone();
+            if let Some(adaptive) = &mut definition.adaptive {
+                adaptive.common.trials = trials;
+            }
+            Protocol::new(definition).map_err(|errors| {
+                let message = errors.into_iter().next().map_or_else(String::new, |error| error.message);
+                RequestError::value("trials", message)
+            })
+        };
+        in_order(&self.trials).into_iter().map(with).collect()
+    }
+
+    /// Returns the observer with the requested effects, and those of the levels of factors.
+    fn threshold_observer(&self, protocol: &Protocol) -> Result<(ThresholdObserver, Vec<Shift>), RequestError> {
+        let adaptive = protocol.adaptive.clone().unwrap_or_default();
+        let (mut observer, mut shifts) = (ThresholdObserver::of(&adaptive), Vec::new());
+        for effect in &self.effects {
+            let wrong = |message: String| RequestError::value("effects", format!("{effect}: {message}"));
+            if let Some((factor, level)) = effect.name.split_once(':') {
+                let (factor, level) = (factor.trim(), level.trim());
+                let of = protocol.factors.iter().find(|known| known.name == factor);
+                let of = of.ok_or_else(|| wrong(unknown_factor(factor, protocol)))?;
+                let levels: Vec<String> = of.levels.iter().map(ToString::to_string).collect();
+                if !levels.iter().any(|known| known == level) {
+                    let expected = expected_one_of(level, &levels);
+                    return Err(wrong(format!("{factor} has no level {level}; {expected}")));
+                }
+                shifts.push(Shift { factor: factor.to_owned(), level: level.to_owned(), logits: effect.value });
+                continue;
+            }
+            let [low, high] = adaptive.range();
+            let (parameter, [least, most]) = match effect.name.as_str() {
+                "threshold" => (&mut observer.threshold, [low, high]),
+                "subject_sd" => (&mut observer.subject_sd, [0.0, 1e6]),
+                "slope" => (&mut observer.slope, [1e-6, 1e6]),
+                "lapse" => (&mut observer.lapse, [0.0, 0.5]),
+                "false_alarms" => (&mut observer.false_alarms, [0.0, 0.9]),
+                name => {
+                    let known = ["threshold", "subject_sd", "slope", "lapse", "false_alarms"];
+                    let expected = expected_one_of(name, &known);
+                    return Err(wrong(format!("the observer has no such parameter; {expected}; or FACTOR:LEVEL")));
+                }
+            };
+            if !(least..=most).contains(&effect.value) {
+                return Err(wrong(format!("the value is out of range; expected {least}…{most}")));
+            }
+            *parameter = effect.value;
+        }
+        Ok((observer, shifts))
+    }
+}
+
+fn unknown_factor(name: &str, protocol: &Protocol) -> String {
+    let known: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
+    if known.is_empty() {
+        return format!("{name} is not a factor; {} has none", protocol.name);
+    }
+    format!("{name} is not a factor; {}", expected_one_of(name, &known))
+}
+
+impl PlannedThresholds {
+    /// Returns the unit of thresholds.
+    #[must_use]
+    pub fn unit(&self) -> &'static str {
+        let log = self.protocol.adaptive.as_ref().is_some_and(|adaptive| adaptive.common.log);
+        if log { "log10 units" } else { "units of the level" }
+    }
+
+    /// Returns what a precision is that of: `threshold of a person`, `depth 2 − 1`.
+    #[must_use]
+    pub fn name(&self, quantity: &Quantity) -> String {
+        match *quantity {
+            Quantity::Person => "threshold of one person".to_owned(),
+            Quantity::Mean => "mean threshold".to_owned(),
+            Quantity::Difference { factor, level, .. } => {
+                let of = &self.protocol.factors[factor];
+                format!("{} {} − {}", of.name, of.levels[level], of.levels[0])
+            }
+        }
+    }
+
+    /// Returns the smallest study of those planned that finds each true difference with the target power.
+    #[must_use]
+    pub fn sentences(&self) -> Vec<String> {
+        let mut told: Vec<&Quantity> = Vec::new();
+        for one in &self.found {
+            if matches!(one.quantity, Quantity::Difference { truth, .. } if truth != 0.0)
+                && !told.contains(&&one.quantity)
+            {
+                told.push(&one.quantity);
+            }
+        }
+        let sentence = |quantity: &Quantity| {
+            let reaches = |one: &&Precision| one.quantity == *quantity && one.share().0 >= self.target;
+            let name = self.name(quantity);
+            let target = format!("{:.0} %", 100.0 * self.target);
+            match self.found.iter().filter(reaches).min_by_key(|one| (one.participants, one.trials)) {
+                Some(Precision { participants, trials, .. }) => {
+                    format!(
+                        "{name}: {participants} participants with {trials} trials of each condition reach a power of {target}."
+                    )
+                }
+                None => format!("{name}: none of these studies reaches a power of {target}."),
+            }
+        };
+        told.into_iter().map(sentence).collect()
+    }
+
+    /// Returns one row for each number of participants and of trials, and each quantity.
+    #[must_use]
+    pub fn table(&self) -> Table {
+        let columns = COLUMNS.iter().map(|(name, unit, description)| Column::new(*name, unit, *description)).collect();
+        Table::new(columns, self.found.iter().map(|found| self.row(found)))
+    }
+
+    fn row(&self, found: &Precision) -> Vec<Cell> {
+        let truth = match found.quantity {
+            Quantity::Difference { truth, .. } => Some(truth),
+            _ => None,
+        };
+        let share = truth.map(|truth| (found.share(), truth != 0.0));
+        let observer = &self.observer;
+        vec![
+            self.protocol.name.as_str().into(),
+            found.participants.into(),
+            found.trials.into(),
+            self.name(&found.quantity).as_str().into(),
+            truth.into(),
+            found.studies.into(),
+            truth.map(|_| found.found as f64).into(),
+            found.missing.into(),
+            share.filter(|(_, is_true)| *is_true).map(|((share, _), _)| share).into(),
+            share.filter(|(_, is_true)| !*is_true).map(|((share, _), _)| share).into(),
+            share.map(|((_, interval), _)| interval.low).into(),
+            share.map(|((_, interval), _)| interval.high).into(),
+            found.half_width.into(),
+            found.error.into(),
+            observer.threshold.into(),
+            observer.subject_sd.into(),
+            observer.slope.into(),
+            observer.lapse.into(),
+            observer.false_alarms.into(),
+            self.sampling.seed.into(),
+        ]
+    }
+}
+
+/// Name, unit and description of the columns of the CSV file.
+const COLUMNS: [(&str, &str, &str); 20] = [
+    ("experiment", "", "Name of the definition."),
+    ("participants", "", "Number of participants."),
+    ("trials", "", "Number of trials of each condition."),
+    ("estimate", "", "What is estimated."),
+    ("truth", "", "True difference, on the scale of the method: decadic logarithms of the level if it is logarithmic."),
+    ("estimates", "", "Number of estimates in the simulated studies."),
+    ("found", "", "Number of studies whose 95 % interval excludes 0."),
+    ("missing", "", "Number of estimates that are not possible."),
+    ("power", "", "Proportion of studies that find the difference."),
+    ("false_alarms", "", "Proportion of studies that find a difference that is not there."),
+    ("ci_low", "", "Lower end of the 95 % interval of this proportion."),
+    ("ci_high", "", "Upper end of the 95 % interval of this proportion."),
+    ("half_width", "", "Median of half the width of the 95 % interval, on the scale of the method."),
+    ("error", "", "Root mean square of estimate minus truth, on the scale of the method."),
+    ("threshold", "", "Mean threshold of the simulated people, as a level."),
+    ("subject_sd", "", "Standard deviation of their thresholds, on the scale of the method."),
+    ("slope", "", "Slope of their psychometric functions, on the scale of the method."),
+    ("lapse", "", "Their lapse rate."),
+    ("false_alarm_rate", "", "Their rate of answers yes to stimuli without a target."),
+    ("seed", "", "Seed of the simulation."),
+];
