@@ -55,16 +55,15 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let bar = Bar::new("simulated participants");
     let planned = arguments.request.plan(&bar);
     bar.clear();
-    let (lines, table, preregistration) = match planned? {
-        Found::Ratings(planned) => {
-            (lines(&planned), planned.table(), Some(arguments.request.preregistration(&planned)))
-        }
-        Found::Thresholds(planned) => (thresholds(&planned), planned.table(), None),
+    let found = planned?;
+    let (lines, preregistration) = match &found {
+        Found::Ratings(planned) => (lines(planned), Some(arguments.request.preregistration(planned))),
+        Found::Thresholds(planned) => (thresholds(planned), None),
     };
     lines.iter().try_for_each(|line| print_line(line))?;
     // Written last, so that no result is lost if the path cannot be written.
     if let Some(path) = &arguments.out {
-        writer.write(path, &table.csv())?;
+        writer.write(path, &found.table().csv())?;
     }
     match (&arguments.preregistration, preregistration) {
         (Some(path), Some(text)) => Ok(writer.write(path, text.as_bytes())?),

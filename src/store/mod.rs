@@ -16,6 +16,7 @@
 //! [`Writer`] writes every file that the user named. Private modules provide atomic and append-only files, and readers
 //! of tables and TOML that keep track of locations.
 
+pub mod answers;
 mod calibrations;
 pub mod check;
 mod columns;

@@ -1,23 +1,37 @@
 //! The analysis of ratings.
 
-use std::collections::HashSet;
+use std::{collections::HashSet, fmt, str::FromStr};
 
 use serde::Serialize;
 
 use super::{Model, Ratings, RequestError, Watcher, changed, named, ratings::explained};
 use crate::{
-    analysis::{ModelError, Options, Random, Resampling, Results, analyze_with, counts::Trial},
-    report::{Study, StudyError, tasks::TaskStudy},
+    analysis::{
+        ModelError, Options, Random, Resampling, Results, analyze_with,
+        counts::Trial,
+        tasks::psychometric::{self, Guess},
+    },
+    experiment::task::{Common, Curve, Easier},
+    report::{
+        Study, StudyError,
+        tasks::{Levels, TaskStudy},
+    },
     store::{
         Columns,
+        answers::{self, AnswerColumns},
         ratings::Source,
         table::{List, list},
     },
-    text::names::expected_one_of,
+    text::names::{expected_one_of, serde_as_text},
 };
 
 /// The fields that apply to every task; the others are about ratings.
 const OF_TASKS: [&str; 4] = ["paths", "exclude", "seed", "draws"];
+/// Those that apply to a table of answers at levels.
+const OF_LEVELS: [&str; 12] = [
+    "paths", "exclude", "seed", "draws", "subject", "factors", "level", "correct", "total", "guess", "function",
+    "easier",
+];
 
 /// What to analyze, and how.
 #[derive(Clone, Debug, Default, PartialEq, clap::Args, Serialize)]
@@ -42,7 +56,65 @@ pub struct Analyze {
     #[command(flatten)]
     #[serde(flatten)]
     pub resampling: Resampling,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub levels: AnswersAtLevels,
 }
+
+/// The columns of a table of answers at levels, from which thresholds are estimated.
+#[derive(Clone, Debug, Default, PartialEq, clap::Args, Serialize)]
+pub struct AnswersAtLevels {
+    /// Column with the levels of a psychometric function: the table has answers at levels instead of ratings.
+    #[arg(long, value_name = "COL", requires_all = ["correct", "guess"])]
+    pub level: Option<String>,
+    /// Column with the number of right answers, or of answers yes; without --total, 1 or 0.
+    #[arg(long, value_name = "COL", requires = "level")]
+    pub correct: Option<String>,
+    /// Column with the number of trials [default: each row is one trial].
+    #[arg(long, value_name = "COL", requires = "level")]
+    pub total: Option<String>,
+    /// Probability of a right answer by guessing, such as 0.5 of two alternatives; free if it is estimated, as of answers yes.
+    #[arg(long, value_name = "P|free", requires = "level")]
+    pub guess: Option<GuessRate>,
+    /// Shape of the psychometric function [default: normal].
+    #[arg(long, requires = "level", value_parser = named::<Curve>(Curve::NAMES))]
+    pub function: Option<Curve>,
+    /// The end of the levels that is easier to see [default: high].
+    #[arg(long, requires = "level", value_parser = named::<Easier>(Easier::NAMES))]
+    pub easier: Option<Easier>,
+    /// Fit the function to the decadic logarithms of the levels.
+    #[arg(long, requires = "level")]
+    pub log: bool,
+}
+
+/// The probability of a right answer by guessing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GuessRate(Guess);
+
+impl fmt::Display for GuessRate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Guess::Fixed(guess) => write!(f, "{guess}"),
+            Guess::Free => f.write_str("free"),
+        }
+    }
+}
+
+impl FromStr for GuessRate {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "free" {
+            return Ok(Self(Guess::Free));
+        }
+        let guess = text.parse().ok().filter(|guess: &f64| (0.0..1.0).contains(guess));
+        let guess =
+            guess.ok_or("expected free, or a probability from 0 to below 1, such as 0.5 of two alternatives")?;
+        Ok(Self(Guess::Fixed(guess)))
+    }
+}
+
+serde_as_text!(GuessRate);
 
 impl Analyze {
     /// Returns the names of the columns that the terms use, and of the covariates and the items.
@@ -103,6 +175,9 @@ impl Analyze {
     /// The sessions cannot be read, they have different definitions, or an option applies to ratings only.
     pub fn read_task(&self) -> anyhow::Result<Option<TaskStudy>> {
         let paths = &self.ratings.paths;
+        if self.levels.level.is_some() {
+            return self.read_levels().map(Some);
+        }
         let Some(task) = paths.first().and_then(|path| TaskStudy::task_at(path)) else {
             return Ok(None);
         };
@@ -113,6 +188,56 @@ impl Analyze {
         }
         let exclude = self.ratings.exclude.clone().unwrap_or_default().0;
         Ok(Some(TaskStudy::read(paths, &exclude)?))
+    }
+
+    /// Reads a table of answers at levels.
+    fn read_levels(&self) -> anyhow::Result<TaskStudy> {
+        let other = changed(self).into_iter().find(|(field, _)| field != "log" && !OF_LEVELS.contains(&field.as_str()));
+        if let Some((option, _)) = other {
+            let message =
+                "does not apply to answers at levels; expected only --subject, --factors, --exclude and --seed";
+            return Err(RequestError::new(&option, message).into());
+        }
+        let [path] = &self.ratings.paths[..] else {
+            return Err(RequestError::whole("several files have answers at levels; expected one table").into());
+        };
+        let given = self.levels.clone();
+        let factors = self.ratings.factors.clone().unwrap_or_default().0;
+        let columns = AnswerColumns {
+            level: given.level.unwrap_or_default(),
+            correct: given.correct.unwrap_or_default(),
+            total: given.total,
+            subject: self.ratings.subject.clone(),
+            factors: factors.clone(),
+        };
+        let mut rows = answers::read(path, &columns)?;
+        let exclude = self.ratings.exclude.clone().unwrap_or_default().0;
+        if let Some(unknown) = exclude.iter().find(|id| !rows.iter().any(|row| row.subject == **id)) {
+            return Err(RequestError::value("exclude", format!("{unknown}: no row has this participant")).into());
+        }
+        rows.retain(|row| !exclude.contains(&row.subject));
+        let common = Common {
+            parameter: columns.level,
+            log: given.log,
+            easier: given.easier.unwrap_or(Easier::High),
+            ..Common::default()
+        };
+        let range = [f64::min, f64::max].map(|end| rows.iter().map(|row| row.level).fold(f64::NAN, end));
+        if given.log && range[0] <= 0.0 {
+            let message = format!("a level is {}; expected levels above 0 for a logarithmic scale", range[0]);
+            return Err(RequestError::new("log", message).into());
+        }
+        let model = psychometric::Model {
+            curve: given.function.unwrap_or(Curve::Normal),
+            guess: given.guess.map_or(Guess::Free, |GuessRate(guess)| guess),
+            falls: common.easier == Easier::Low,
+            // Blocks can vary more than binomially; single trials say nothing about it.
+            overdispersed: columns.total.is_some(),
+            range: Some(range.map(|level| common.scaled(level))),
+        };
+        let mut study = TaskStudy::of_answers(path, &rows, &factors, Levels { common, range, model, chosen_by: "" });
+        study.excluded = exclude;
+        Ok(study)
     }
 
     /// Returns the options of the analysis of ratings from this source.

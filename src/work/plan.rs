@@ -124,6 +124,17 @@ pub enum Found {
     Thresholds(Box<PlannedThresholds>),
 }
 
+impl Found {
+    /// Returns the table that a CSV file has.
+    #[must_use]
+    pub fn table(&self) -> Table {
+        match self {
+            Self::Ratings(planned) => planned.table(),
+            Self::Thresholds(planned) => planned.table(),
+        }
+    }
+}
+
 /// The simulated powers of a plan, and the settings they depend on.
 #[derive(Clone, Debug)]
 pub struct Planned {

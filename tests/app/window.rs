@@ -112,10 +112,10 @@ pub fn choose(window: &mut Window, label: &str, entry: &str) {
     // A field of the page may have the name of an entry.
     let is_entry = |node: &egui_kittest::Node<'_>| node.accesskit_node().role() == Role::Button;
     click(window, label);
-    let found = window.query_all_by_label(entry).filter(is_entry).last();
+    let found = window.query_all_by_label(entry).rfind(is_entry);
     found.unwrap_or_else(|| panic!("{label} has no {entry:?}; there is {:?}", texts(window))).scroll_to_me();
     window.run_steps(30);
-    window.query_all_by_label(entry).filter(is_entry).last().unwrap().click();
+    window.query_all_by_label(entry).rfind(is_entry).unwrap().click();
     window.run_steps(3);
     window.remove_cursor();
     // Wait until the list has faded out.

@@ -16,3 +16,4 @@ mod requests;
 mod security;
 mod shade;
 mod tables;
+mod thresholds;

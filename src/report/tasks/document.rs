@@ -1,15 +1,13 @@
 //! Describes the answers to a task in a document.
 
 use super::{
+    asked::{Asked, Levels},
     further,
     results::{PersonFunction, Side, TaskResults},
     study::TaskStudy,
 };
 use crate::{
-    analysis::tasks::{
-        population::Population,
-        psychometric::{Guess, Model},
-    },
+    analysis::tasks::{population::Population, psychometric::Guess},
     experiment::task::{Common, Curve, Measures},
     report::{
         document::{
@@ -37,8 +35,11 @@ pub fn document(
     sections.extend(further::sections(study, results, figures));
     sections.push(methods(study, results));
     sections.extend(provenance.map(|provenance| repeat(study, results, provenance)));
-    let title = if study.protocol.title.trim().is_empty() { &study.protocol.name } else { &study.protocol.title };
-    let subtitle = format!("Experiment {}, task {}", study.protocol.name, study.protocol.task.name());
+    let Asked { title, name, task, protocol, .. } = &study.asked;
+    let subtitle = match protocol {
+        Some(_) => format!("Experiment {name}, task {task}"),
+        None => format!("A {task}"),
+    };
     Document { title: title.clone(), subtitle, sections }
 }
 
@@ -52,7 +53,7 @@ pub(super) fn level(common: &Common, scaled: f64) -> Shown {
 fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
     let mut section = Section::new("summary", "Summary");
     let who = count(study.people.len() as u64, "participant");
-    let what = count(study.trials.len() as u64, "answer");
+    let what = count(study.answers(), "answer");
     section.text(format!("{who} gave {what}."));
     if study.simulated > 0 {
         let simulated = count(study.simulated as u64, "session");
@@ -62,15 +63,14 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         section.text(format!("Left out on request: {}.", list(&study.excluded)));
     }
     section.list(further::summary(study, results));
-    let Some(adaptive) = &study.protocol.adaptive else { return section };
-    let (common, name) = (&adaptive.common, &adaptive.common.parameter);
+    let Some(Levels { common, range, .. }) = &study.asked.levels else { return section };
+    let (name, range) = (&common.parameter, *range);
     let sentence = |(condition, population): &(usize, Population)| {
         let of = study.at(*condition);
         let interval = told(common, population.interval);
         format!("The threshold of {name}{of} is {} on average over people{interval}.", level(common, population.mean))
     };
     section.list(results.populations.iter().map(sentence).collect());
-    let range = adaptive.range();
     let beyond = |(condition, side): &(usize, Side)| {
         let (place, answers) = ends(*side, range);
         format!(
@@ -130,20 +130,16 @@ fn told(common: &Common, interval: Option<Interval>) -> String {
 
 fn data(study: &TaskStudy) -> Section {
     let mut section = Section::new("data", "Data");
-    let protocol = &study.protocol;
-    let mut facts = vec![
-        ("Task", protocol.task.name().to_owned()),
-        ("Question", protocol.response.question.clone()),
-        ("Participants", short_list(&study.people, 20)),
-        ("Sessions", whole(study.files.len() as u64).to_string()),
-        ("Answers", whole(study.trials.len() as u64).to_string()),
-    ];
-    if let Some(adaptive) = &protocol.adaptive {
-        let [low, high] = adaptive.range();
-        facts.push((
-            "Levels",
-            format!("{} from {low} to {high}, chosen by {}", adaptive.common.parameter, adaptive.method.name()),
-        ));
+    let asked = &study.asked;
+    let mut facts = vec![("Task", asked.task.clone())];
+    if asked.protocol.is_some() {
+        facts.push(("Question", asked.question.clone()));
+        facts.push(("Sessions", whole(study.files.len() as u64).to_string()));
+    }
+    facts.extend([("Participants", short_list(&study.people, 20)), ("Answers", whole(study.answers()).to_string())]);
+    if let Some(Levels { common, range: [low, high], chosen_by, .. }) = &asked.levels {
+        let by = if chosen_by.is_empty() { String::new() } else { format!(", chosen by {chosen_by}") };
+        facts.push(("Levels", format!("{} from {low} to {high}{by}", common.parameter)));
     }
     section.facts("What was asked and answered", facts);
     if study.unfinished > 0 {
@@ -158,8 +154,7 @@ fn data(study: &TaskStudy) -> Section {
 }
 
 fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Option<Section> {
-    let adaptive = study.protocol.adaptive.as_ref()?;
-    let common = &adaptive.common;
+    let Levels { common, range: shown, .. } = study.asked.levels.as_ref()?;
     if results.functions.is_empty() {
         return None;
     }
@@ -193,12 +188,8 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
             match (fit, function.beyond) {
                 (None, _) => fixed(None, 0),
                 (Some(fit), None) => level(common, fit.estimate.threshold),
-                (Some(fit), Some(Side::Below)) => {
-                    Shown::new(fit.estimate.threshold, format!("below {}", adaptive.range()[0]))
-                }
-                (Some(fit), Some(Side::Above)) => {
-                    Shown::new(fit.estimate.threshold, format!("above {}", adaptive.range()[1]))
-                }
+                (Some(fit), Some(Side::Below)) => Shown::new(fit.estimate.threshold, format!("below {}", shown[0])),
+                (Some(fit), Some(Side::Above)) => Shown::new(fit.estimate.threshold, format!("above {}", shown[1])),
             },
             range(fit.map(|fit| fit.threshold), |end| level(common, end)),
             fixed(fit.map(|fit| fit.slope), 2),
@@ -261,15 +252,18 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
 
 fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
     let mut section = Section::new("methods", "Methods");
-    let protocol = &study.protocol;
-    let how = match protocol.task.measures() {
+    let how = match study.asked.measures {
+        _ if study.asked.protocol.is_none() => "",
         Measures::Proportions => "An answer counts as seen if the target was chosen.",
         Measures::Detection => "An answer counts as seen if it was yes; catch trials show no target.",
         Measures::Comparisons => "Each answer is a comparison of two conditions.",
         Measures::Settings | Measures::Ratings => "Each answer is a value that the participant set.",
     };
-    section.text(format!("Practice trials are left out, and of a corrected trial, the last attempt counts. {how}"));
-    let Some(model) = Model::of(&study.protocol).filter(|_| !results.functions.is_empty()) else { return section };
+    if !how.is_empty() {
+        section.text(format!("Practice trials are left out, and of a corrected trial, the last attempt counts. {how}"));
+    }
+    let levels = study.asked.levels.as_ref().filter(|_| !results.functions.is_empty());
+    let Some(Levels { model, .. }) = levels else { return section };
     let curve = match model.curve {
         Curve::Weibull => "Weibull",
         Curve::Logistic => "logistic",
@@ -303,7 +297,9 @@ fn repeat(study: &TaskStudy, results: &TaskResults, provenance: &Provenance) -> 
     provenance.tell(&mut section, [("Seed of the simulated studies", results.seed.to_string())]);
     let row = |(path, rows): &(std::path::PathBuf, usize)| vec![path.display().to_string().into(), whole(*rows as u64)];
     section.table("Files", &["File"], &["Rows"], study.files.iter().map(row).collect());
-    section.heading("The definition");
-    section.code(toml::to_string(&study.protocol).unwrap_or_else(|error| format!("# cannot be written: {error}")));
+    if let Some(protocol) = &study.asked.protocol {
+        section.heading("The definition");
+        section.code(toml::to_string(protocol).unwrap_or_else(|error| format!("# cannot be written: {error}")));
+    }
     section
 }

@@ -1,8 +1,8 @@
 //! The charts of a task.
 
-use super::{further::over_people, results::TaskResults, study::TaskStudy};
+use super::{asked::Levels, further::over_people, results::TaskResults, study::TaskStudy};
 use crate::{
-    analysis::tasks::psychometric::{Estimate, Model},
+    analysis::tasks::psychometric::Estimate,
     report::{
         document::numbers::count,
         figures::{
@@ -23,9 +23,9 @@ pub fn figures(study: &TaskStudy, results: &TaskResults) -> Vec<Figure> {
 }
 
 fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
-    let (adaptive, model) = (study.protocol.adaptive.as_ref()?, Model::of(&study.protocol)?);
-    let range = adaptive.range().map(|level| adaptive.common.scaled(level));
-    let conditions: Vec<usize> = (0..study.protocol.conditions().len())
+    let Levels { common, range, model, .. } = study.asked.levels.as_ref()?;
+    let range = range.map(|level| common.scaled(level));
+    let conditions: Vec<usize> = (0..study.asked.conditions.len())
         .filter(|condition| results.functions.iter().any(|function| function.condition == *condition))
         .collect();
     let curve = |&condition: &usize| {
@@ -56,21 +56,21 @@ fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         }
     };
     let curves: Vec<Curve> = conditions.iter().map(curve).collect();
-    let name = &adaptive.common.parameter;
-    let axis = if adaptive.common.log { format!("log10 {name}") } else { name.clone() };
+    let name = &common.parameter;
+    let axis = if common.log { format!("log10 {name}") } else { name.clone() };
     let caption = format!(
         "Share of right answers, or of answers yes, by level; the area of a marker stands for the number of trials. \
          Lines are the functions {}; {}, {}.",
         if results.populations.is_empty() { "of the participant" } else { "at the mean threshold of people" },
         count(study.people.len() as u64, "participant"),
-        count(study.trials.len() as u64, "answer")
+        count(study.answers(), "answer")
     );
     psychometric(&curves, range, &axis, caption)
 }
 
 fn thresholds(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
-    let common = &study.protocol.adaptive.as_ref()?.common;
-    let conditions: Vec<usize> = (0..study.protocol.conditions().len())
+    let common = &study.asked.levels.as_ref()?.common;
+    let conditions: Vec<usize> = (0..study.asked.conditions.len())
         .filter(|condition| results.functions.iter().any(|function| function.condition == *condition))
         .collect();
     let series = |&condition: &usize| {
@@ -89,7 +89,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     let axis = if common.log { format!("log10 {}", common.parameter) } else { common.parameter.clone() };
     let caption = format!(
         "The threshold of each participant, and the mean of people, with 95\u{a0}% intervals; {}.",
-        count(study.trials.len() as u64, "answer")
+        count(study.answers(), "answer")
     );
     let series: Vec<_> = conditions.iter().map(series).collect();
     estimates("thresholds", &places, &series, ("Thresholds", &axis, caption))
@@ -104,7 +104,7 @@ fn by_person(study: &TaskStudy, value: impl Fn(usize, usize) -> Option<f64>) -> 
         all.push(over_people(&known).map(|mean| (mean.mean, mean.interval)));
         (study.name(condition), all)
     };
-    (0..study.protocol.conditions().len()).map(condition).collect()
+    (0..study.asked.conditions.len()).map(condition).collect()
 }
 
 fn people_and_mean(study: &TaskStudy) -> Vec<String> {
@@ -118,7 +118,7 @@ fn shares(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     };
     let caption = format!(
         "The share of right answers of each participant, and the mean of people with its 95\u{a0}% interval; {}.",
-        count(study.trials.len() as u64, "answer")
+        count(study.answers(), "answer")
     );
     estimates(
         "shares",
@@ -138,7 +138,7 @@ fn detection(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         by_person(study, value).into_iter().filter(|(_, all)| all.iter().any(Option::is_some)).collect();
     let caption = format!(
         "d′ of each participant, and the mean of people with its 95\u{a0}% interval; {}.",
-        count(study.trials.len() as u64, "answer")
+        count(study.answers(), "answer")
     );
     estimates("detection", &people_and_mean(study), &series, ("Sensitivity", "d′", caption))
 }
@@ -159,12 +159,12 @@ fn scale(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
 }
 
 fn settings(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
-    let dial = study.protocol.task.dial()?;
+    let dial = study.asked.dial.as_ref()?;
     let value = |condition: usize, person: usize| {
         let mut all = results.settings.iter();
         all.find(|own| own.condition == condition && own.person == person).map(|own| own.settings.mean)
     };
-    let name = dial.parameter.unwrap_or_else(|| "rating".to_owned());
+    let name = dial.parameter.clone().unwrap_or_else(|| "rating".to_owned());
     let axis = if dial.log { format!("log10 {name}") } else { name };
     let caption = format!(
         "The mean setting of each participant, and the mean of people with its 95\u{a0}% interval; {}.",

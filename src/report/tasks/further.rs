@@ -19,13 +19,13 @@ use crate::{
 
 /// Returns the sentences of the summary.
 pub(super) fn summary(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
-    let conditions = || 0..study.protocol.conditions().len();
+    let conditions = || 0..study.asked.conditions.len();
     let mut all: Vec<String> = conditions().filter_map(|condition| right(study, results, condition)).collect();
     all.extend(conditions().filter_map(|condition| sensitivity(study, results, condition)));
     all.extend(results.comparisons.iter().flat_map(|found| order(study, found)));
-    if let Some(dial) = study.protocol.task.dial() {
-        all.extend(conditions().filter_map(|condition| setting(study, results, &dial, condition)));
-        all.extend(direction(results, &dial));
+    if let Some(dial) = study.asked.dial.as_ref() {
+        all.extend(conditions().filter_map(|condition| setting(study, results, dial, condition)));
+        all.extend(direction(results, dial));
     }
     all
 }
@@ -44,7 +44,7 @@ fn right(study: &TaskStudy, results: &TaskResults, condition: usize) -> Option<S
     let own = results.shares.iter().filter(|own| own.condition == condition);
     let found = over_people(&own.map(PersonShare::share).collect::<Vec<_>>())?;
     let value = with_interval(&unit(found.mean), found.interval, unit);
-    let guess = unit(study.protocol.task.guess());
+    let guess = unit(study.asked.guess);
     Some(format!(
         "The share of right answers{} is {value} on average over people; guessing gives {guess}.",
         study.at(condition)
@@ -125,8 +125,8 @@ pub(super) fn sections(study: &TaskStudy, results: &TaskResults, figures: &[Figu
     let answered = (!results.shares.is_empty()).then(|| shares(study, results, figures));
     let detected = (!results.detection.is_empty()).then(|| detection(study, results, figures));
     let compared = results.comparisons.as_ref().map(|found| comparisons(study, found, figures));
-    let set = study.protocol.task.dial().filter(|_| !results.settings.is_empty());
-    let set = set.map(|dial| settings(study, results, &dial, figures));
+    let set = study.asked.dial.as_ref().filter(|_| !results.settings.is_empty());
+    let set = set.map(|dial| settings(study, results, dial, figures));
     answered.into_iter().chain(detected).chain(compared).chain(set).collect()
 }
 

@@ -1,5 +1,6 @@
 //! The report of a task other than a rating: psychometric functions, detection, scales from comparisons, and settings.
 
+mod asked;
 mod document;
 mod figures;
 mod further;
@@ -7,6 +8,7 @@ mod results;
 mod study;
 mod tables;
 
+pub use asked::{Asked, Levels};
 pub use document::document;
 pub use figures::figures;
 pub use results::{Comparisons, PersonAnswers, PersonFunction, PersonSettings, PersonShare, Side, TaskResults};

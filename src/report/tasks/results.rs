@@ -5,7 +5,10 @@ use std::collections::BTreeMap;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 use rayon::prelude::*;
 
-use super::study::{TaskAnswered, TaskStudy};
+use super::{
+    asked::Levels,
+    study::{TaskAnswered, TaskStudy},
+};
 use crate::{
     analysis::{
         comparisons::{Scale, Scaling, Triads, Wins},
@@ -52,7 +55,7 @@ pub struct TaskResults {
 pub struct PersonShare {
     /// Index into [`TaskStudy::people`].
     pub person: usize,
-    /// Index into the protocol's conditions.
+    /// Index into the conditions.
     pub condition: usize,
     /// Number of right answers, and of all.
     pub right: [u32; 2],
@@ -71,7 +74,7 @@ impl PersonShare {
 pub struct PersonAnswers {
     /// Index into [`TaskStudy::people`].
     pub person: usize,
-    /// Index into the protocol's conditions.
+    /// Index into the conditions.
     pub condition: usize,
     /// The answers.
     pub answers: Answers,
@@ -82,7 +85,7 @@ pub struct PersonAnswers {
 pub struct PersonSettings {
     /// Index into [`TaskStudy::people`].
     pub person: usize,
-    /// Index into the protocol's conditions.
+    /// Index into the conditions.
     pub condition: usize,
     /// The settings.
     pub settings: Settings,
@@ -136,7 +139,7 @@ impl Side {
 pub struct PersonFunction {
     /// Index into [`TaskStudy::people`].
     pub person: usize,
-    /// Index into the protocol's conditions.
+    /// Index into the conditions.
     pub condition: usize,
     /// The answers at each level.
     pub points: Vec<Point>,
@@ -163,9 +166,9 @@ impl TaskResults {
             settings: settings(study),
             ..Self::default()
         };
-        if let Some(model) = Model::of(&study.protocol) {
-            results.functions = functions(study, &model, seed);
-            for (condition, population) in populations(study, &results.functions, &model) {
+        if let Some(Levels { common, model, .. }) = &study.asked.levels {
+            results.functions = functions(study, common, model, seed);
+            for (condition, population) in populations(study, &results.functions, model) {
                 let range = model.range.unwrap_or([f64::MIN, f64::MAX]);
                 let side = |population: &Population| {
                     majority(&results.functions, condition).or(Side::of(range, population.mean))
@@ -183,7 +186,7 @@ impl TaskResults {
 }
 
 fn shares(study: &TaskStudy) -> Vec<PersonShare> {
-    if study.protocol.task.measures() != Measures::Proportions || study.protocol.adaptive.is_some() {
+    if study.asked.measures != Measures::Proportions || study.asked.levels.is_some() {
         return Vec::new();
     }
     let mut all: BTreeMap<(usize, usize), [u32; 2]> = BTreeMap::new();
@@ -196,7 +199,7 @@ fn shares(study: &TaskStudy) -> Vec<PersonShare> {
 }
 
 fn detection(study: &TaskStudy) -> Vec<PersonAnswers> {
-    if study.protocol.task.measures() != Measures::Detection {
+    if study.asked.measures != Measures::Detection {
         return Vec::new();
     }
     let mut all: BTreeMap<(usize, usize), Answers> = BTreeMap::new();
@@ -215,7 +218,7 @@ fn detection(study: &TaskStudy) -> Vec<PersonAnswers> {
 }
 
 fn comparisons(study: &TaskStudy, seed: u64) -> Option<Comparisons> {
-    let items = study.protocol.conditions().len();
+    let items = study.asked.conditions.len();
     let mut people = vec![Wins::zeros(items, items); study.people.len()];
     for trial in &study.trials {
         let TaskAnswered::Compared { other, first_won } = trial.answer else { continue };
@@ -234,7 +237,7 @@ fn comparisons(study: &TaskStudy, seed: u64) -> Option<Comparisons> {
 type Values = Vec<(f64, Option<bool>)>;
 
 fn settings(study: &TaskStudy) -> Vec<PersonSettings> {
-    let log = study.protocol.task.dial().is_some_and(|dial| dial.log);
+    let log = study.asked.dial.as_ref().is_some_and(|dial| dial.log);
     let mut all: BTreeMap<(usize, usize), Values> = BTreeMap::new();
     for trial in &study.trials {
         let TaskAnswered::Set { value, from_above } = trial.answer else { continue };
@@ -251,22 +254,25 @@ fn settings(study: &TaskStudy) -> Vec<PersonSettings> {
 fn points(study: &TaskStudy, common: &Common) -> BTreeMap<(usize, usize), Vec<Point>> {
     let mut all: BTreeMap<(usize, usize), Vec<Point>> = BTreeMap::new();
     for trial in &study.trials {
-        let TaskAnswered::Seen { level: Some(level), is_target: true, seen } = trial.answer else { continue };
+        let (level, seen, total) = match trial.answer {
+            TaskAnswered::Seen { level: Some(level), is_target: true, seen } => (level, u32::from(seen), 1),
+            TaskAnswered::Counted { level, seen, total } => (level, seen, total),
+            _ => continue,
+        };
         let (points, x) = (all.entry((trial.condition, trial.person)).or_default(), common.scaled(level));
         let known = points.iter().position(|point| point.x == x).unwrap_or_else(|| {
             points.push(Point { x, correct: 0, total: 0 });
             points.len() - 1
         });
-        points[known].total += 1;
-        points[known].correct += u32::from(seen);
+        points[known].total += total;
+        points[known].correct += seen;
     }
     all.values_mut().for_each(|points| points.sort_by(|a, b| a.x.total_cmp(&b.x)));
     all
 }
 
-fn functions(study: &TaskStudy, model: &Model, seed: u64) -> Vec<PersonFunction> {
-    let Some(adaptive) = &study.protocol.adaptive else { return Vec::new() };
-    let all: Vec<_> = points(study, &adaptive.common).into_iter().collect();
+fn functions(study: &TaskStudy, common: &Common, model: &Model, seed: u64) -> Vec<PersonFunction> {
+    let all: Vec<_> = points(study, common).into_iter().collect();
     let function = |(index, ((condition, person), points)): (usize, ((usize, usize), Vec<Point>))| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(index as u64);
@@ -285,7 +291,7 @@ fn populations(
     functions: &[PersonFunction],
     model: &Model,
 ) -> Vec<(usize, Result<Population, FitError>)> {
-    let conditions = 0..study.protocol.conditions().len();
+    let conditions = 0..study.asked.conditions.len();
     let fit = |condition: usize| {
         let of_people = functions.iter().filter(|function| function.condition == condition);
         let people: Vec<Vec<Point>> = of_people.map(|function| function.points.clone()).collect();

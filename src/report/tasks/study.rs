@@ -5,21 +5,25 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use super::asked::{Asked, Levels};
 use crate::{
+    analysis::tasks::psychometric::Guess,
     experiment::{
-        Phase, Protocol, Replayed,
+        Factor, Phase, Replayed,
         task::{Answer, Measures, Task},
     },
-    stimulus::Stimulus,
-    store::{FileError, FileErrors, definition, ratings::Listed, recorded::Recorded, sidecar::Sidecar},
+    stimulus::{ParameterValue, Stimulus},
+    store::{
+        FileError, FileErrors, answers::AnswerRow, definition, ratings::Listed, recorded::Recorded, sidecar::Sidecar,
+    },
     text::Cell,
 };
 
 /// The answers to a task.
 #[derive(Clone, Debug)]
 pub struct TaskStudy {
-    /// The definition in the sidecars.
-    pub protocol: Protocol,
+    /// What was asked.
+    pub asked: Asked,
     /// Each file and its number of rows.
     pub files: Vec<(PathBuf, usize)>,
     /// The participants' IDs, in natural order of the files.
@@ -41,7 +45,7 @@ pub struct TaskStudy {
 pub struct TaskTrial {
     /// Index into [`TaskStudy::people`].
     pub person: usize,
-    /// Index into the protocol's conditions; of a comparison, that of the first stimulus.
+    /// Index into the conditions; of a comparison, that of the first stimulus.
     pub condition: usize,
     /// The answer.
     pub answer: TaskAnswered,
@@ -58,6 +62,15 @@ pub enum TaskAnswered {
         is_target: bool,
         /// Whether the answer says so: the right answer, or yes.
         seen: bool,
+    },
+    /// Targets at a level were seen or chosen in some trials.
+    Counted {
+        /// The level.
+        level: f64,
+        /// The number of trials in which they were.
+        seen: u32,
+        /// The number of trials.
+        total: u32,
     },
     /// Two conditions were compared.
     Compared {
@@ -109,7 +122,6 @@ impl TaskStudy {
             }
         }
         let Some(first) = sessions.first() else { return Err(FileErrors(errors)) };
-        let protocol = first.protocol.clone();
         let mut study = Self {
             files: Vec::new(),
             people: Vec::new(),
@@ -118,10 +130,10 @@ impl TaskStudy {
             trials: Vec::new(),
             errors,
             excluded: Vec::new(),
-            protocol,
+            asked: Asked::from(&first.protocol),
         };
         for session in &sessions {
-            if session.protocol != study.protocol {
+            if session.protocol != first.protocol {
                 let message =
                     "has another definition than the sessions before it; expected the sessions of one definition";
                 return Err(FileErrors::whole(&session.csv, message));
@@ -139,6 +151,52 @@ impl TaskStudy {
             return Err(FileErrors::whole(&paths[0], "has no answers of main trials; expected at least one"));
         }
         Ok(study)
+    }
+
+    /// Takes the rows of a table of answers; `levels` says what is known about them.
+    #[must_use]
+    pub fn of_answers(path: &Path, rows: &[AnswerRow], factors: &[String], levels: Levels) -> Self {
+        let mut found: Vec<Vec<String>> = factors.iter().map(|_| Vec::new()).collect();
+        let (mut people, mut conditions, mut trials) = (Vec::new(), Vec::new(), Vec::new());
+        for row in rows {
+            let of = row.factors.iter().zip(&mut found).map(|(level, known)| place(known, level.clone())).collect();
+            trials.push(TaskTrial {
+                person: place(&mut people, row.subject.clone()),
+                condition: place(&mut conditions, of),
+                answer: TaskAnswered::Counted { level: row.level, seen: row.correct, total: row.total },
+            });
+        }
+        let factor = |(name, levels): (&String, Vec<String>)| {
+            let levels = levels.into_iter().map(|level| ParameterValue::from(level.as_str())).collect();
+            Factor { name: name.clone(), levels }
+        };
+        let name = path.file_stem().unwrap_or_default().display().to_string();
+        let guess = if let Guess::Fixed(guess) = levels.model.guess { Some(guess) } else { None };
+        let asked = Asked {
+            title: name.clone(),
+            name,
+            task: "table of answers".to_owned(),
+            question: String::new(),
+            measures: if guess.is_some() { Measures::Proportions } else { Measures::Detection },
+            factors: factors.iter().zip(found).map(factor).collect(),
+            conditions,
+            levels: Some(levels),
+            dial: None,
+            guess,
+            protocol: None,
+        };
+        let files = vec![(path.to_owned(), rows.len())];
+        Self { asked, files, people, simulated: 0, unfinished: 0, trials, errors: Vec::new(), excluded: Vec::new() }
+    }
+
+    /// Returns the number of answers.
+    #[must_use]
+    pub fn answers(&self) -> u64 {
+        let count = |trial: &TaskTrial| match trial.answer {
+            TaskAnswered::Counted { total, .. } => u64::from(total),
+            _ => 1,
+        };
+        self.trials.iter().map(count).sum()
     }
 
     fn add(&mut self, session: &Recorded, exclude: &[String]) {
@@ -166,7 +224,7 @@ impl TaskStudy {
     /// Returns the name of a condition: its levels of the factors.
     #[must_use]
     pub fn name(&self, condition: usize) -> String {
-        let named = self.protocol.factors.iter().zip(self.levels(condition));
+        let named = self.asked.factors.iter().zip(self.levels(condition));
         named.map(|(factor, level)| format!("{} {level}", factor.name)).collect::<Vec<_>>().join(", ")
     }
 
@@ -179,16 +237,24 @@ impl TaskStudy {
 
     /// Returns a condition's level of each factor as a cell.
     pub fn cells(&self, condition: usize) -> impl Iterator<Item = Cell> {
-        let levels = &self.protocol.conditions()[condition].levels;
-        self.protocol.factors.iter().zip(levels).map(|(factor, level)| factor.levels[*level].clone().into())
+        let levels = &self.asked.conditions[condition];
+        self.asked.factors.iter().zip(levels).map(|(factor, level)| factor.levels[*level].clone().into())
     }
 
     /// Returns a condition's level of each factor.
     #[must_use]
     pub fn levels(&self, condition: usize) -> Vec<String> {
-        let levels = &self.protocol.conditions()[condition].levels;
-        self.protocol.factors.iter().zip(levels).map(|(factor, level)| factor.levels[*level].to_string()).collect()
+        let levels = &self.asked.conditions[condition];
+        self.asked.factors.iter().zip(levels).map(|(factor, level)| factor.levels[*level].to_string()).collect()
     }
+}
+
+/// Returns the place of a value in a list, to which it is added if it is missing.
+fn place<T: PartialEq>(known: &mut Vec<T>, value: T) -> usize {
+    known.iter().position(|one| *one == value).unwrap_or_else(|| {
+        known.push(value);
+        known.len() - 1
+    })
 }
 
 /// Returns the answer of a row.

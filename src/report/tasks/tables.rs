@@ -1,6 +1,7 @@
 //! The results of a task as tables.
 
 use super::{
+    asked::Levels,
     results::{Comparisons, TaskResults},
     study::TaskStudy,
 };
@@ -14,12 +15,12 @@ use crate::{
 #[must_use]
 pub fn tables(study: &TaskStudy, results: &TaskResults) -> Vec<(&'static str, Table)> {
     let mut all = Vec::new();
-    if let Some(adaptive) = &study.protocol.adaptive
+    if let Some(Levels { common, .. }) = &study.asked.levels
         && !results.functions.is_empty()
     {
-        all.push(("answers", answers(study, results, &adaptive.common)));
-        all.push(("thresholds", thresholds(study, results, &adaptive.common)));
-        all.push(("population", population(study, results, &adaptive.common)));
+        all.push(("answers", answers(study, results, common)));
+        all.push(("thresholds", thresholds(study, results, common)));
+        all.push(("population", population(study, results, common)));
     }
     if !results.shares.is_empty() {
         all.push(("shares", shares(study, results)));
@@ -38,8 +39,7 @@ pub fn tables(study: &TaskStudy, results: &TaskResults) -> Vec<(&'static str, Ta
 
 fn columns(study: &TaskStudy, first: &[(&str, &str)], last: &[(&str, &str, &str)]) -> Vec<Column> {
     let first = first.iter().map(|(name, text)| Column::new(*name, "", *text));
-    let factors =
-        study.protocol.factors.iter().map(|factor| Column::new(factor.name.clone(), "", "Level of the factor."));
+    let factors = study.asked.factors.iter().map(|factor| Column::new(factor.name.clone(), "", "Level of the factor."));
     let last = last.iter().map(|(name, unit, text)| Column::new(*name, unit, *text));
     first.chain(factors).chain(last).collect()
 }
@@ -197,7 +197,7 @@ fn scale(study: &TaskStudy, found: &Comparisons) -> Table {
 }
 
 fn settings(study: &TaskStudy, results: &TaskResults) -> Table {
-    let log = study.protocol.task.dial().is_some_and(|dial| dial.log);
+    let log = study.asked.dial.as_ref().is_some_and(|dial| dial.log);
     let unit = if log { "log10 of the value" } else { "" };
     let last = [
         ("n", "", "Number of settings."),

@@ -203,7 +203,7 @@ const MAX_HEAD: u64 = 1 << 16;
 
 /// The head of a file.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Header {
+pub(in crate::store) struct Header {
     /// Names of the columns.
     pub names: Vec<String>,
     /// The separator: a comma, a semicolon, a tab, or what the first line says.
@@ -219,7 +219,7 @@ pub(super) struct Header {
     /// Size of the file in bytes.
     pub size: u64,
     /// The content of the file, if it had to be converted.
-    pub converted: Option<Converted>,
+    pub(super) converted: Option<Converted>,
     /// The table, if it is not a file.
     pub columns: Option<Columns>,
 }

@@ -1,0 +1,112 @@
+//! Thresholds as a user's script sees them: planned studies, and tables of answers from other programs.
+
+use std::{fs, path::Path};
+
+use crate::common::{fails, golden_path, succeeds, table};
+
+/// Writes the rows of a golden file, without comments, that `keep` chooses.
+fn copied(name: &str, to: &Path, keep: impl Fn(&str) -> bool) {
+    let text = fs::read_to_string(golden_path("tasks").join(name)).unwrap();
+    let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).collect();
+    let rows = lines[1..].iter().filter(|line| keep(line)).map(|line| format!("{line}\n"));
+    fs::write(to, format!("{}\n{}", lines[0], rows.collect::<String>())).unwrap();
+}
+
+/// Returns a column of a table as numbers.
+fn numbers(path: &Path, column: &str) -> Vec<f64> {
+    let (header, rows) = table(path);
+    let place = header.iter().position(|name| name == column).unwrap_or_else(|| panic!("{header:?}"));
+    rows.iter().map(|row| row[place].parse().unwrap_or(f64::NAN)).collect()
+}
+
+/// The example of psignifit's documentation has psignifit's threshold, also as single trials, with decimal commas, and on
+/// levels that fall.
+#[test]
+fn tables_of_other_programs_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    copied("psignifit_data.csv", &path("counts.csv"), |line| line.starts_with("documentation,"));
+    let (_, rows) = table(&path("counts.csv"));
+    let expected = 0.004646442173983336;
+    let commas: String =
+        rows.iter().map(|row| format!("{};{};{}\n", row[1].replace('.', ","), row[2], row[3])).collect();
+    fs::write(path("commas.csv"), format!("Reiz;richtig;Anzahl\n{commas}")).unwrap();
+    let single = rows.iter().flat_map(|row| {
+        let [right, total] = [2, 3].map(|at| row[at].parse::<u32>().unwrap());
+        (0..total).map(move |trial| format!("-{},{}\n", row[1], u32::from(trial < right)))
+    });
+    fs::write(path("trials.csv"), format!("x,right\n{}", single.collect::<String>())).unwrap();
+    for (file, columns, sign) in [
+        ("counts.csv", &["--level=level", "--correct=correct", "--total=total"][..], 1.0),
+        ("commas.csv", &["--level=Reiz", "--correct=richtig", "--total=Anzahl"], 1.0),
+        ("trials.csv", &["--level=x", "--correct=right", "--easier=low"], -1.0),
+    ] {
+        let out = format!("{file}.analysis");
+        let fixed = ["analyze", file, "--guess=0.5", "--out", &out];
+        succeeds(folder.path(), &[&fixed[..], columns].concat());
+        let threshold = numbers(&path(&out).join("thresholds.csv"), "threshold")[0];
+        assert!((sign * threshold / expected - 1.0).abs() < 0.01, "{file}: {threshold}");
+    }
+
+    copied("people.csv", &path("people.csv"), |_| true);
+    let mut arguments = vec!["analyze", "people.csv", "--level=level", "--correct=correct", "--total=total"];
+    arguments.extend(["--guess=0.5", "--subject=person", "--factors=condition", "--out=people"]);
+    let printed = succeeds(folder.path(), &arguments);
+    assert!(printed.contains("12 participants gave 5,040 answers."), "{printed}");
+    let [low, high] = ["threshold_low", "threshold_high"].map(|end| numbers(&path("people/population.csv"), end));
+    for (i, mean) in [3.0, 3.8, 5.1].into_iter().enumerate() {
+        assert!(low[i] < mean && mean < high[i], "{mean} is not in {}…{}", low[i], high[i]);
+    }
+
+    fs::write(path("wrong.csv"), "x,right,n\n0.1,5,10\n0.2,12,10\nhigh,3,10\n").unwrap();
+    let columns = ["analyze", "wrong.csv", "--level=x", "--correct=right", "--total=n", "--guess=0.5", "--out=wrong"];
+    let told = fails(folder.path(), &columns, 1);
+    assert!(told.contains("wrong.csv:3:5: is \"12\"; expected no more right answers than trials"), "{told}");
+    assert!(told.contains("wrong.csv:4:1: is \"high\"; expected a level, which is a number"), "{told}");
+    let told = fails(folder.path(), &[&columns[..], &["--log"]].concat(), 1);
+    assert!(told.contains("wrong.csv:3:5"), "{told}");
+    let told = fails(folder.path(), &[&columns[..], &["--link=probit"]].concat(), 2);
+    assert!(told.contains("--link: does not apply to answers at levels"), "{told}");
+    assert!(!path("wrong").exists());
+}
+
+/// Planned studies find a difference that is not there in about 5 % of cases, and a large one nearly always; more people
+/// and more trials are more precise.
+#[test]
+fn studies_of_thresholds_are_planned() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = |words: &[&str]| {
+        succeeds(folder.path(), &[&["plan", "threshold-width", "--out=plan.csv", "--force"], words].concat());
+        folder.path().join("plan.csv")
+    };
+    let none = plan(&["--participants=5", "--studies=200"]);
+    let false_alarms = numbers(&none, "false_alarms")[2];
+    assert!((0.01..0.1).contains(&false_alarms), "{false_alarms}");
+
+    let large = plan(&["--participants=4,10", "--trials=20,50", "--studies=16", "--effect=orientation_deg:90=0.3"]);
+    let (error, width, power) = (numbers(&large, "error"), numbers(&large, "half_width"), numbers(&large, "power"));
+    // Rows: 20 trials of 4 people, of 10, 50 trials of 4, of 10; each with person, mean and difference.
+    assert_eq!(numbers(&large, "participants").len(), 12);
+    assert!(power[11] > 0.8, "{power:?}");
+    assert!(error[6] < 0.8 * error[0], "{error:?}");
+    assert!(width[4] < width[1] && width[7] < width[1] && width[10] < width[4], "{width:?}");
+
+    for (words, expected) in [
+        (
+            &["--effect=orientation:90=0.3"][..],
+            "orientation is not a factor; expected one of orientation_deg; did you mean",
+        ),
+        (&["--effect=orientation_deg:45=0.3"], "orientation_deg has no level 45; expected one of 0, 90"),
+        (&["--effect=slop=3"], "the observer has no such parameter; expected one of threshold"),
+        (&["--effect=lapse=0.9"], "expected 0…0.5"),
+        (&["--terms=width"], "does not apply to thresholds"),
+        (&["--alpha=0.01"], "expected 0.05, because a difference is found by its 95 % interval"),
+    ] {
+        let told = fails(folder.path(), &[&["plan", "threshold-width", "--participants=4"], words].concat(), 2);
+        assert!(told.contains(expected), "{told}");
+    }
+    let told = fails(folder.path(), &["plan", "quick", "--participants=4", "--trials=20"], 2);
+    assert!(told.contains("--trials: does not apply to ratings"), "{told}");
+    let told = fails(folder.path(), &["plan", "pairs-shaders", "--participants=4"], 2);
+    assert!(told.contains("expected a rating on a scale of categories, or a task with [adaptive]"), "{told}");
+}
