@@ -10,8 +10,8 @@ use crate::{
     store::Writer,
     work::{
         RequestError,
-        plan::{Found, Plan, Planned},
-        plan_thresholds::PlannedThresholds,
+        plan::{Plan, Planned},
+        plan_thresholds::{Found, PlannedThresholds},
     },
 };
 

@@ -9,11 +9,11 @@ use std::{
 
 use serde::Serialize;
 
-use super::{Model, RequestError, Watcher, analyze, plan_thresholds::PlannedThresholds, request::paths};
+use super::{Model, RequestError, Watcher, analyze, request::paths};
 use crate::{
     analysis::power::{self, Hypothesis, ModelChoice, PlanError, Power, Sampling, Shift, Slope, Test},
     experiment::{OrderedLogit, Protocol},
-    store::{definition, observer},
+    store::observer,
     text::{
         Cell, Column, Table,
         names::{expected_one_of, serde_as_text},
@@ -116,25 +116,6 @@ fn proportion(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected a number between 0 and 1, such as 0.05".to_owned())
 }
 
-/// What a plan found.
-pub enum Found {
-    /// The power of a study of ratings.
-    Ratings(Box<Planned>),
-    /// The precision of a study of thresholds.
-    Thresholds(Box<PlannedThresholds>),
-}
-
-impl Found {
-    /// Returns the table that a CSV file has.
-    #[must_use]
-    pub fn table(&self) -> Table {
-        match self {
-            Self::Ratings(planned) => planned.table(),
-            Self::Thresholds(planned) => planned.table(),
-        }
-    }
-}
-
 /// The simulated powers of a plan, and the settings they depend on.
 #[derive(Clone, Debug)]
 pub struct Planned {
@@ -150,28 +131,8 @@ pub struct Planned {
 }
 
 impl Plan {
-    /// Simulates the studies. Progress is counted in participants, because the time per study is proportional to their
-    /// number.
-    ///
-    /// # Errors
-    /// A file cannot be read, an effect or a term does not exist, there is nothing to test, or the study is too large.
-    pub fn plan(&self, watcher: &dyn Watcher) -> anyhow::Result<Found> {
-        let protocol = definition::open(&self.experiment)?;
-        if protocol.adaptive.is_some() {
-            return Ok(Found::Thresholds(Box::new(self.thresholds(protocol, watcher)?)));
-        }
-        if !protocol.task.is_default() {
-            let message = format!(
-                "{} has the task {}; expected a rating on a scale of categories, or a task with [adaptive]",
-                protocol.name,
-                protocol.task.name()
-            );
-            return Err(RequestError::whole(message).into());
-        }
-        if !self.trials.is_empty() {
-            let message = "does not apply to ratings; expected a task with [adaptive]";
-            return Err(RequestError::new("trials", message).into());
-        }
+    /// Simulates studies of ratings.
+    pub(super) fn ratings(&self, protocol: Protocol, watcher: &dyn Watcher) -> anyhow::Result<Planned> {
         let (observer, name) = match &self.observer_file {
             Some(path) => (observer::open(path)?, path.display().to_string()),
             None => (observer::parse("paper.toml", observer::PAPER)?, "paper".to_owned()),
@@ -189,7 +150,7 @@ impl Plan {
         let powers = plan.run(&participants, &sampling, &progress(watcher, all));
         let given = self.effects.iter().map(ToString::to_string);
         let observer = std::iter::once(name).chain(given).collect::<Vec<_>>().join(" ");
-        Ok(Found::Ratings(Box::new(Planned { protocol, observer, plan, sampling, target: self.target, powers })))
+        Ok(Planned { protocol, observer, plan, sampling, target: self.target, powers })
     }
 
     /// Returns the observer with the requested effects, and the effects that none of its parameters can express.

@@ -1,12 +1,13 @@
-//! How many participants and trials a study of thresholds needs.
+//! How many participants a study needs, whatever its task, and how precise thresholds are after so many trials.
 
 use super::{
     RequestError, Watcher,
-    plan::{Assignment, Plan, in_order, once, progress},
+    plan::{Assignment, Plan, Planned, in_order, once, progress},
 };
 use crate::{
     analysis::power::{Precision, Quantity, Sampling, Shift, Slope, ThresholdObserver, ThresholdPlan},
     experiment::{Definition, Protocol},
+    store::definition,
     text::{Cell, Column, Table, names::expected_one_of},
 };
 
@@ -22,9 +23,53 @@ pub struct PlannedThresholds {
     pub found: Vec<Precision>,
 }
 
+/// What a plan found.
+pub enum Found {
+    /// The power of a study of ratings.
+    Ratings(Box<Planned>),
+    /// The precision of a study of thresholds.
+    Thresholds(Box<PlannedThresholds>),
+}
+
+impl Found {
+    /// Returns the table that a CSV file has.
+    #[must_use]
+    pub fn table(&self) -> Table {
+        match self {
+            Self::Ratings(planned) => planned.table(),
+            Self::Thresholds(planned) => planned.table(),
+        }
+    }
+}
+
 impl Plan {
+    /// Simulates the studies. Progress is counted in participants, because the time per study is proportional to their
+    /// number.
+    ///
+    /// # Errors
+    /// A file cannot be read, an effect or a term does not exist, there is nothing to test, or the study is too large.
+    pub fn plan(&self, watcher: &dyn Watcher) -> anyhow::Result<Found> {
+        let protocol = definition::open(&self.experiment)?;
+        if protocol.adaptive.is_some() {
+            return Ok(Found::Thresholds(Box::new(self.thresholds(protocol, watcher)?)));
+        }
+        if !protocol.task.is_default() {
+            let message = format!(
+                "{} has the task {}; expected a rating on a scale of categories, or a task with [adaptive]",
+                protocol.name,
+                protocol.task.name()
+            );
+            return Err(RequestError::whole(message).into());
+        }
+        if !self.trials.is_empty() {
+            let message = "does not apply to ratings; expected a task with [adaptive]";
+            return Err(RequestError::new("trials", message).into());
+        }
+        Ok(Found::Ratings(Box::new(self.ratings(protocol, watcher)?)))
+    }
+
     /// Simulates studies of a definition with `[adaptive]`.
-    pub(super) fn thresholds(&self, protocol: Protocol, watcher: &dyn Watcher) -> anyhow::Result<PlannedThresholds> {
+    fn thresholds(&self, protocol: Protocol, watcher: &dyn Watcher) -> anyhow::Result<PlannedThresholds> {
         for (field, given) in [("observer_file", self.observer_file.is_some()), ("terms", self.model.terms.is_some())] {
             if given {
                 let message = "does not apply to thresholds; expected a definition of ratings";
