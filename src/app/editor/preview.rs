@@ -102,7 +102,11 @@ impl Preview {
         let keys: Vec<String> =
             protocol.response.categories.iter().map(|answer| format!("{}: {}", answer.key, answer.label)).collect();
         let question = protocol.response.question.clone();
-        let answers = if protocol.task.dial().is_some() { "a value, then Enter".to_owned() } else { keys.join(" · ") };
+        let answers = if protocol.task.dial().is_some() {
+            "Participants set a value and press Enter.".to_owned()
+        } else {
+            keys.join(" · ")
+        };
         ui::hint(ui, format!("{question} {answers}"));
     }
 

@@ -9,7 +9,7 @@ use crate::{
     app::ui::{still_plot, theme},
     experiment::{
         Factor, Phase, Protocol, TaskAnswer, TrialRecord,
-        task::{Answer, Measures},
+        task::{Answer, Measures, significant},
     },
 };
 
@@ -87,7 +87,11 @@ impl OwnPlot {
             plot = plot.include_x(room).legend(Legend::default().position(Corner::RightTop));
         }
         if log {
-            plot = plot.y_axis_formatter(|mark, _| format!("{:.3}", f64::powf(10.0, mark.value)));
+            plot = plot
+                .y_grid_spacer(|grid| {
+                    round_levels(grid.bounds).map(|value| GridMark { value, step_size: 1.0 }).collect()
+                })
+                .y_axis_formatter(|mark, _| significant(f64::powf(10.0, mark.value)).to_string());
         } else if high - low <= 11.0 && high.fract() == 0.0 && high > 1.0 {
             let marks = low as i64..=high as i64;
             plot = plot.y_grid_spacer(move |_| marks.clone().map(mark).collect());
@@ -110,6 +114,13 @@ impl OwnPlot {
             }
         });
     }
+}
+
+/// Returns the logarithms of 1, 2 and 5 times the powers of ten between the ends of an axis.
+fn round_levels((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
+    let decades = (low.floor() as i32)..=(high.ceil() as i32);
+    let all = decades.flat_map(|decade| [1.0_f64, 2.0, 5.0].map(|digit| f64::from(decade) + digit.log10()));
+    all.filter(move |level| (low..=high).contains(level))
 }
 
 fn mark(at: i64) -> GridMark {

@@ -22,7 +22,11 @@ impl OptionReader for Defaults {
 #[must_use]
 pub fn typed(options: &Value, key: &str) -> String {
     let found = key.split('.').try_fold(options, |table, key| table.get(key));
-    let plain = |value: &Value| value.as_str().map_or_else(|| value.to_string(), ToOwned::to_owned);
+    let plain = |value: &Value| match (value.as_str(), value.as_f64()) {
+        (Some(text), _) => text.to_owned(),
+        (None, Some(number)) => number.to_string(),
+        (None, None) => value.to_string(),
+    };
     match found {
         None | Some(Value::Null | Value::Object(_)) => String::new(),
         Some(Value::Array(list)) => list.iter().map(plain).collect::<Vec<_>>().join(", "),
