@@ -25,6 +25,8 @@ const SIDE: f32 = 140.0;
 const PLOT: Vec2 = vec2(640.0, 180.0);
 /// Room for the captions below the stimuli, points.
 const CAPTION: f32 = 22.0;
+/// How long a definition must be unchanged before an observer is simulated, seconds.
+const SETTLED_S: f64 = 0.7;
 /// Maximum number of trials for which an observer is simulated.
 const MAX_TRIALS: usize = 2000;
 
@@ -37,6 +39,8 @@ pub struct Preview {
     drawn: Latest<(u64, u32), Vec<CodeImage>>,
     textures: Option<((u64, u32), Vec<TextureHandle>)>,
     pilot: Latest<u64, Option<OwnPlot>>,
+    /// The last revision, and when it appeared, seconds.
+    changed: (u64, f64),
 }
 
 impl Preview {
@@ -111,6 +115,14 @@ impl Preview {
     }
 
     fn pilot(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64) {
+        let now = ui.input(|input| input.time);
+        if self.changed.0 != revision {
+            self.changed = (revision, now);
+        }
+        // A session is not simulated for every key that is typed.
+        if now - self.changed.1 < SETTLED_S {
+            return ui.ctx().request_repaint_after_secs(SETTLED_S as f32);
+        }
         self.pilot.want(ui.ctx(), revision, || {
             let protocol = protocol.clone();
             move || {
