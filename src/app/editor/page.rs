@@ -12,6 +12,9 @@ use crate::{
 
 /// In a window narrower than this, in points, the summary is below the form.
 const NARROW: f32 = 1100.0;
+/// In a window wider than this, in points, the parts of the form are listed beside it; the width of that list, points.
+const WIDE: f32 = 1500.0;
+const PARTS: f32 = 132.0;
 /// Width of the form, points.
 const FORM: f32 = 640.0;
 /// The keys that save the definition.
@@ -44,6 +47,8 @@ pub struct Editor {
     saving: Saving,
     preview: Preview,
     thumbnails: Thumbnails,
+    /// The part of the form to scroll to.
+    wanted: Option<usize>,
     /// Whether no frame was drawn yet, so that the form begins at its top.
     is_new: bool,
     /// Whether the user is being asked to discard the changes.
@@ -71,6 +76,7 @@ impl Editor {
             saving: Saving::default(),
             preview: Preview::default(),
             thumbnails: Thumbnails::default(),
+            wanted: None,
             is_new: true,
             leaving: false,
         }
@@ -117,6 +123,15 @@ impl Editor {
                 });
             });
         } else {
+            if ui.available_width() > WIDE {
+                Panel::left("parts").resizable(false).exact_size(PARTS).frame(frame).show(ui, |ui| {
+                    for (i, (name, _)) in sections::PARTS.iter().enumerate() {
+                        if ui.selectable_label(false, *name).clicked() {
+                            self.wanted = Some(i);
+                        }
+                    }
+                });
+            }
             Panel::left("editor").resizable(false).exact_size(FORM).frame(frame).show(ui, |ui| {
                 theme::compact(ui);
                 back = ui::heading(ui, &heading);
@@ -158,7 +173,7 @@ impl Editor {
                 ),
             );
         }
-        sections::show(form, ui);
+        sections::show(form, ui, self.wanted.take());
     }
 
     /// Draws the number of trials, the errors that no field shows, and the button that saves; returns the saved

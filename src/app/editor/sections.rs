@@ -1,6 +1,6 @@
 //! The fields of a definition, in the order of its file.
 
-use eframe::egui::{Align, CollapsingHeader, ComboBox, Layout, Response, Role, TextEdit, Ui, WidgetInfo};
+use eframe::egui::{Align, CollapsingHeader, ComboBox, Layout, Rect, Response, Role, TextEdit, Ui, Vec2, WidgetInfo};
 
 use super::{
     form::{DefinitionForm, LABELS},
@@ -19,19 +19,37 @@ use crate::{
 /// A default text longer than this gets a field of several lines, bytes.
 const LONG: usize = 70;
 
-/// Draws all fields.
-pub fn show(form: &mut DefinitionForm, ui: &mut Ui) {
+/// Draws a part of the form.
+type Part = fn(&mut DefinitionForm, &mut Ui);
+
+/// The parts of the form, in their order.
+pub const PARTS: [(&str, Part); 10] = [
+    ("Study", study),
+    ("Task", task::show),
+    ("Stimulus", stimulus),
+    ("Factors", factors),
+    ("Trials", design),
+    ("Timing", timing),
+    ("Viewing", viewing),
+    ("Participant", participant),
+    ("Session", session),
+    ("Texts", texts),
+];
+
+/// Draws all fields, and scrolls to a part.
+pub fn show(form: &mut DefinitionForm, ui: &mut Ui, wanted: Option<usize>) {
+    for (i, (_, part)) in PARTS.iter().enumerate() {
+        if wanted == Some(i) {
+            let top = ui.cursor().min;
+            ui.scroll_to_rect(Rect::from_min_size(top, Vec2::ZERO), Some(Align::TOP));
+        }
+        part(form, ui);
+    }
+}
+
+fn study(form: &mut DefinitionForm, ui: &mut Ui) {
     form.text(ui, "Name", "name", "", "The name of the file, the experiment and its data: a–z, 0–9 and hyphens.");
     form.text(ui, "Title", "title", "", "One line that describes the experiment.");
-    task::show(form, ui);
-    stimulus(form, ui);
-    factors(form, ui);
-    design(form, ui);
-    timing(form, ui);
-    viewing(form, ui);
-    participant(form, ui);
-    session(form, ui);
-    texts(form, ui);
 }
 
 fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
