@@ -91,11 +91,13 @@ impl DocumentView {
     /// Draws the summary. It begins with the figures that show the result.
     fn show_summary(&mut self, ui: &mut egui::Ui) -> bool {
         let place = |id: &str| self.sections.iter().position(|section| section.id == id);
-        let (Some(summary), description) = (place(SUMMARY), place("description")) else { return false };
+        let is_figure = |block: &BlockView| matches!(block, BlockView::Figure(_));
+        let first = || self.sections.iter().position(|section| section.blocks.iter().any(is_figure));
+        let (Some(summary), description) = (place(SUMMARY), place("description").or_else(first)) else { return false };
         ScrollArea::vertical().id_salt(SUMMARY).auto_shrink(false).show(ui, |ui| {
             self.show_warnings(ui);
             let figures = description.map(|index| &mut self.sections[index].blocks);
-            let key = figures.into_iter().flatten().filter(|block| matches!(block, BlockView::Figure(_)));
+            let key = figures.into_iter().flatten().filter(|block| is_figure(block));
             let many = if ui.available_width() >= TWO_COLUMNS { 2 } else { 1 };
             show_blocks(ui, key.take(many));
             let is_rest = |block: &&mut BlockView| !matches!(block, BlockView::Text(Block::Warning(_)));

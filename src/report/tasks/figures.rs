@@ -4,7 +4,7 @@ use super::{asked::Levels, further::over_people, results::TaskResults, study::Ta
 use crate::{
     analysis::tasks::psychometric::Estimate,
     report::{
-        document::numbers::count,
+        document::numbers::{count, list},
         figures::{
             Figure,
             tasks::{Curve, Estimates, estimates, psychometric},
@@ -50,7 +50,7 @@ fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         let line =
             parameters.map(|parameters| (0..DRAWN).map(|i| model.curve.probability(at(i), &parameters)).collect());
         Curve {
-            name: study.name(condition),
+            name: study.levels(condition).join(", "),
             points: tallies.into_iter().map(|(x, seen, n)| (x, f64::from(seen) / f64::from(n), n)).collect(),
             line: line.unwrap_or_default(),
         }
@@ -60,10 +60,11 @@ fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     let axis = if common.log { format!("log10 {name}") } else { name.clone() };
     let caption = format!(
         "Share of right answers, or of answers yes, by level; the area of a marker stands for the number of trials. \
-         Lines are the functions {}; {}, {}.",
+         Lines are the functions {}; {}, {}.{}",
         if results.populations.is_empty() { "of the participant" } else { "at the mean threshold of people" },
         count(study.people.len() as u64, "participant"),
-        count(study.answers(), "answer")
+        count(study.answers(), "answer"),
+        symbols(study)
     );
     psychometric(&curves, range, &axis, caption)
 }
@@ -83,16 +84,26 @@ fn thresholds(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         let mut all: Vec<_> = (0..study.people.len()).map(own).collect();
         let of_people = results.populations.iter().find(|(of, _)| *of == condition);
         all.push(of_people.map(|(_, population)| (population.mean, population.interval)));
-        (study.name(condition), all)
+        (study.levels(condition).join(", "), all)
     };
     let places: Vec<String> = study.people.iter().cloned().chain(["mean".to_owned()]).collect();
     let axis = if common.log { format!("log10 {}", common.parameter) } else { common.parameter.clone() };
     let caption = format!(
-        "The threshold of each participant, and the mean of people, with 95\u{a0}% intervals; {}.",
-        count(study.answers(), "answer")
+        "The threshold of each participant, and the mean of people, with 95\u{a0}% intervals; {}.{}",
+        count(study.answers(), "answer"),
+        symbols(study)
     );
     let series: Vec<_> = conditions.iter().map(series).collect();
     estimates("thresholds", &places, &series, ("Thresholds", &axis, caption))
+}
+
+/// Says what the symbols of a figure stand for, if there are several.
+fn symbols(study: &TaskStudy) -> String {
+    let names: Vec<&str> = study.asked.factors.iter().map(|factor| factor.name.as_str()).collect();
+    match study.asked.conditions.len() {
+        0 | 1 => String::new(),
+        _ => format!(" The symbols are the levels of {}.", list(&names)),
+    }
 }
 
 /// Returns the estimates of each condition, one for each person and at last their mean.
@@ -102,7 +113,7 @@ fn by_person(study: &TaskStudy, value: impl Fn(usize, usize) -> Option<f64>) -> 
         let known: Vec<f64> = own.iter().flatten().copied().collect();
         let mut all: Vec<_> = own.into_iter().map(|own| Some((own?, None))).collect();
         all.push(over_people(&known).map(|mean| (mean.mean, mean.interval)));
-        (study.name(condition), all)
+        (study.levels(condition).join(", "), all)
     };
     (0..study.asked.conditions.len()).map(condition).collect()
 }
@@ -117,8 +128,9 @@ fn shares(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         all.find(|own| own.condition == condition && own.person == person).map(|own| own.share())
     };
     let caption = format!(
-        "The share of right answers of each participant, and the mean of people with its 95\u{a0}% interval; {}.",
-        count(study.answers(), "answer")
+        "The share of right answers of each participant, and the mean of people with its 95\u{a0}% interval; {}.{}",
+        count(study.answers(), "answer"),
+        symbols(study)
     );
     estimates(
         "shares",
@@ -137,8 +149,9 @@ fn detection(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     let series: Vec<_> =
         by_person(study, value).into_iter().filter(|(_, all)| all.iter().any(Option::is_some)).collect();
     let caption = format!(
-        "d′ of each participant, and the mean of people with its 95\u{a0}% interval; {}.",
-        count(study.answers(), "answer")
+        "d′ of each participant, and the mean of people with its 95\u{a0}% interval; {}.{}",
+        count(study.answers(), "answer"),
+        symbols(study)
     );
     estimates("detection", &people_and_mean(study), &series, ("Sensitivity", "d′", caption))
 }
@@ -151,7 +164,7 @@ fn scale(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     let values = order.iter().map(|item| Some((comparisons.scales[0].values[*item], interval(*item)))).collect();
     let places: Vec<String> = order.iter().map(|item| study.levels(*item).join(", ")).collect();
     let caption = format!(
-        "Scale values of Thurstone\u{2019}s Case V, lowest first; two conditions one JND apart are told apart in 75\u{a0}% of comparisons. Bars          are 95\u{a0}% intervals over people; {}, {}.",
+        "Scale values of Thurstone\u{2019}s Case V, lowest first; two conditions one JND apart are told apart in 75\u{a0}% of comparisons. Bars are 95\u{a0}% intervals over people; {}, {}.",
         count(study.people.len() as u64, "participant"),
         count(study.trials.len() as u64, "comparison")
     );
@@ -167,8 +180,9 @@ fn settings(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     let name = dial.parameter.clone().unwrap_or_else(|| "rating".to_owned());
     let axis = if dial.log { format!("log10 {name}") } else { name };
     let caption = format!(
-        "The mean setting of each participant, and the mean of people with its 95\u{a0}% interval; {}.",
-        count(study.trials.len() as u64, "setting")
+        "The mean setting of each participant, and the mean of people with its 95\u{a0}% interval; {}.{}",
+        count(study.trials.len() as u64, "setting"),
+        symbols(study)
     );
     estimates("settings", &people_and_mean(study), &by_person(study, value), ("Settings", &axis, caption))
 }
