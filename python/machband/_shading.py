@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Fields, flag, options, suggests, whole
-from ._stimulus import Codes
+from ._common import Dither, Fields, flag, options, suggests, whole
+from ._stimulus import Codes, Transfer
 
 Triple = Sequence[float]
 
@@ -114,10 +114,10 @@ def shade(
     naive: bool = False,
     window_deg: float = 10,
     size: int = 1024,
-    transfer: str | None = None,
+    transfer: str | Transfer | None = None,
     display: str | PathLike[str] | None = None,
-    bits: int = 8,
-    dither: str = "none",
+    bits: Literal[8, 16] = 8,
+    dither: Dither = "none",
     seed: int = 1,
     white: float | None = None,
     black: float | None = None,

@@ -13,9 +13,15 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _machband
-from ._common import Table, options, progress, suggests, table, words
+from ._common import Table, levels, named, options, plotted, progress, suggests, table, texts, words
+from ._tables import Levels, columns, encoded
+
+
+class DataWarning(UserWarning):
+    """A warning about data that are analyzed anyway, such as missing responses."""
 
 
 def read_results(folder: str | PathLike[str]) -> Table:
@@ -29,17 +35,17 @@ def read_results(folder: str | PathLike[str]) -> Table:
     Returns
     -------
     A table with one row for each recorded trial: practice trials, and ratings that were corrected later, are included.
-    IDs are text; times of day are UTC; depth is a number and can be infinite. In a DataFrame, ``attrs["units"]`` and
-    ``attrs["descriptions"]`` say what the columns mean, and ``attrs["simulated"]`` whether any rating is simulated;
-    pandas drops ``attrs`` in some operations, such as a merge. `analyze` uses the rows whose phase is ``main``, and only
-    the last attempt of each trial::
+    IDs are text; times of day are UTC; depth is a number and can be infinite. The column ``simulated`` says whether a
+    program answered; reports of these rows say so too. In a DataFrame, ``attrs["units"]`` and ``attrs["descriptions"]``
+    say what the columns mean. `analyze` uses the rows whose phase is ``main``, and only the last attempt of each trial::
 
         main = rows[rows.phase == "main"]
         last = main.sort_values("attempt").drop_duplicates(["subject_id", "session_id", "trial"], keep="last")
     """
     with progress("sessions") as show:
-        columns, described, simulated = _machband.read_results(os.fspath(folder), show)
-    return table(columns, described, simulated)
+        found, described = _machband.read_results(os.fspath(folder), show)
+    found["simulated"] = found["simulated"].astype(bool)
+    return table(found, described)
 
 
 class Figure(NamedTuple):
@@ -49,8 +55,16 @@ class Figure(NamedTuple):
     svg: str
     png: bytes
 
+    def __repr__(self) -> str:
+        """Name the figure."""
+        return f"<Figure {self.name!r}>"
+
     def _repr_svg_(self) -> str:
         return self.svg
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the figure on axes of matplotlib, by default new ones, and return them."""
+        return plotted(self.png, ax)
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write the figure to a file, whose name ends in ``.svg`` or ``.png``."""
@@ -61,7 +75,10 @@ class Figure(NamedTuple):
 
 
 class Analysis:
-    """An analysis of ratings, from `analyze`. A notebook shows its summary and figures.
+    """An analysis of ratings or of the answers to a task, from `analyze`.
+
+    It can be pickled and copied. A notebook shows its summary and figures. The attributes of the model have the names that
+    they have in statsmodels; the analysis of a task has no such model, only `tables`.
 
     Attributes
     ----------
@@ -77,13 +94,19 @@ class Analysis:
     def __init__(self, native: _machband.Analysis) -> None:
         """Wrap the results."""
         self._native = native
-        self._is_simulated = False
         self.warnings, self.errors = native.problems()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle everything that can be asked for; the model cannot be fitted again without the data."""
+        for name, member in vars(Analysis).items():
+            if isinstance(member, cached_property) and (name != "model" or "model.json" in self.files):
+                getattr(self, name)
+        return {name: kept for name, kept in vars(self).items() if name != "_native"}
 
     @cached_property
     def tables(self) -> dict[str, Table]:
-        """The tables that ``machband analyze`` writes: ``cells``, ``by_FACTOR``, ``tests``, ``agreement``, …"""
-        return {name: table(columns, described) for name, columns, described in self._native.tables()}
+        """The tables that ``machband analyze`` writes: ``cells``, ``by_FACTOR``, ``tests``, ``thresholds`` of a task, …"""
+        return {name: table(found, described) for name, found, described in self._native.tables()}
 
     @cached_property
     def files(self) -> dict[str, bytes]:
@@ -93,31 +116,85 @@ class Analysis:
     @cached_property
     def model(self) -> dict[str, Any]:
         """The ordinal model, as in ``model.json``: thresholds, coefficients, their standard errors and p."""
+        if "model.json" not in self.files:
+            raise _machband.Error(f"a task has no ordinal model; expected one of the tables {', '.join(self.tables)}")
         model: dict[str, Any] = json.loads(self.files["model.json"])
         return model
+
+    @cached_property
+    def _covariance(self) -> npt.NDArray[np.float64]:
+        return self._native.covariance()
+
+    @cached_property
+    def _summaries(self) -> tuple[str, str]:
+        return "\n".join(self._native.summary()), self._native.summary_html()
+
+    @cached_property
+    def _inputs(self) -> list[str]:
+        return [os.fspath(path) for path in self._native.inputs()]
+
+    @cached_property
+    def _report_files(self) -> dict[str, bytes]:
+        return dict(self._native.report_files())
+
+    @property
+    def _rows(self) -> list[dict[str, Any]]:
+        return [*self.model["thresholds"], *self.model["coefficients"]]
+
+    def _named(self, key: str) -> Any:
+        """Return a property of every threshold and coefficient by name."""
+        found = [np.nan if row.get(key) is None else row[key] for row in self._rows]
+        return named([row["name"] for row in self._rows], np.array(found, np.float64))
+
+    @property
+    def params(self) -> Any:
+        """Estimates of the thresholds, such as ``0|1``, and of the coefficients, by name: a Series, or a dict."""
+        return self._named("estimate")
+
+    @property
+    def bse(self) -> Any:
+        """Standard errors of `params`, from the observed information."""
+        return self._named("se")
+
+    def cov_params(self) -> Table:
+        """Return the covariance of the thresholds, the coefficients and the standard deviation of the random intercept."""
+        names = [row["name"] for row in self._rows]
+        names += [f"sd {i}" if i else "sd" for i in range(len(self._covariance) - len(names))]
+        return named(names, self._covariance)
+
+    @property
+    def llf(self) -> float:
+        """Log-likelihood, without constants that depend only on the counts."""
+        return float(self.model["loglik"])
+
+    @property
+    def aic(self) -> float:
+        """Akaike's information criterion."""
+        return float(self.model["aic"])
+
+    @property
+    def bic(self) -> float:
+        """The Bayesian information criterion with the number of ratings."""
+        return float(self.model["bic"])
+
+    @property
+    def nobs(self) -> int:
+        """Number of ratings."""
+        return int(self.model["nobs"])
 
     @property
     def coefficients(self) -> Table:
         """The thresholds and the coefficients of the model: estimate, standard error, z and p (NaN for thresholds).
 
-        These are Wald's p. With few people they are too small; the table ``tests`` has p from simulated studies.
+        These are Wald's p. With few people they are too small; `pvalues` has p from simulated studies.
         """
-        rows = [*self.model["thresholds"], *self.model["coefficients"]]
-        numbers = {
-            key: np.array([np.nan if row.get(key) is None else row[key] for row in rows], dtype=np.float64)
-            for key in ("estimate", "se", "z", "p")
-        }
-        return table({"name": np.array([row["name"] for row in rows], dtype=object), **numbers})
+        keys = ("estimate", "se", "z", "p")
+        found = {key: np.array([np.nan if row.get(key) is None else row[key] for row in self._rows]) for key in keys}
+        return table({"name": np.array([row["name"] for row in self._rows], dtype=object), **found})
 
-    @property
     def summary(self) -> str:
-        """The sentences at the beginning of the report."""
-        first = ["The ratings are simulated."] if self._is_simulated else []
-        return "\n".join([*first, *self._native.summary()])
-
-    @cached_property
-    def _report_files(self) -> dict[str, bytes]:
-        return dict(self._native.report_files())
+        """Return the sentences at the beginning of the report."""
+        return self._summaries[0]
 
     @cached_property
     def figures(self) -> dict[str, Figure]:
@@ -126,67 +203,24 @@ class Analysis:
         names = [name.removesuffix(".svg") for name in files if name.endswith(".svg")]
         return {name: Figure(name, files[f"{name}.svg"].decode(), files[f"{name}.png"]) for name in names}
 
-    @cached_property
+    @property
     def report(self) -> str:
         """The whole report as an HTML page."""
         return self._report_files["report.html"].decode()
 
     def save(self, folder: str | PathLike[str], *, tables_only: bool = False, force: bool = False) -> list[Path]:
         """Write the tables, figures and report into a folder; with `force`, replace an earlier analysis there."""
-        return [Path(path) for path in self._native.save(os.fspath(folder), tables_only, force)]
+        files = {**self.files, **({} if tables_only else self._report_files)}
+        return [Path(path) for path in _machband.write_analysis(folder, list(files.items()), self._inputs, force)]
 
     def __repr__(self) -> str:
         """Return the summary."""
-        return self.summary
+        return self.summary()
 
     def _repr_html_(self) -> str:
         drawings = (figure.svg[figure.svg.find("<svg") + 4 :] for figure in self.figures.values())
         figures = "".join(f'<div style="flex: 1 1 26em; max-width: 40em"><svg style="width: 100%; height: auto"{drawing}</div>' for drawing in drawings)
-        first = "<p>The ratings are simulated.</p>" if self._is_simulated else ""
-        return f'{first}{self._native.summary_html()}<div style="display: flex; flex-wrap: wrap">{figures}</div>'
-
-
-def _columns(data: Any) -> Mapping[str, Any] | None:
-    """Return the columns of a table, or `None` if `data` is not a table. Named index levels are columns too."""
-    if hasattr(data, "reset_index") and hasattr(data, "columns"):
-        if data.columns.nlevels > 1:
-            raise _machband.Error(f"the columns have {data.columns.nlevels} levels; expected one, such as after droplevel")
-        if twice := data.columns[data.columns.duplicated()].tolist():
-            raise _machband.Error(f"two columns are named {twice[0]!r}; expected a different name for each")
-        named = [level for level, name in enumerate(data.index.names) if name is not None and name not in data.columns]
-        return data.reset_index(level=named) if named else data  # type: ignore[no-any-return]
-    if getattr(getattr(data, "dtype", None), "names", None):
-        return {name: data[name] for name in data.dtype.names}
-    if isinstance(data, Mapping) or (hasattr(data, "columns") and hasattr(data, "__getitem__")):
-        columns: Mapping[str, Any] = data
-        return columns
-    return None
-
-
-def _cells(data: Mapping[str, Any]) -> list[tuple[str, Any]]:
-    """Return the columns of a table with their names: arrays of numbers, or texts, which are empty if missing."""
-    if not len(list(data)):
-        raise _machband.Error("the table has no columns; expected at least a participant, a rating and a factor")
-    columns: list[tuple[str, Any]] = []
-    for name in data:
-        column = data[name]
-        if getattr(getattr(column, "dtype", None), "tz", None) is not None:
-            column = column.dt.tz_convert(None)
-        array = np.asarray(column)
-        if array.ndim != 1:
-            raise _machband.Error(f"column {name!r} has shape {array.shape}; expected one dimension")
-        cells: Any
-        if array.dtype.kind in "ib" or (array.dtype.kind == "u" and array.dtype.itemsize < 8):
-            cells = np.ascontiguousarray(array, np.int64)
-        elif array.dtype.kind == "f":
-            cells = np.ascontiguousarray(array, np.float64)
-        elif array.dtype.kind == "M":
-            cells = [f"{time}Z" for time in np.datetime_as_string(array, "ms")]
-        else:
-            missing = np.asarray(column.isna()) if hasattr(column, "isna") else [cell is None for cell in array]
-            cells = ["" if gone else str(cell) for gone, cell in zip(missing, array, strict=True)]
-        columns.append((str(name), cells))
-    return columns
+        return f'{self._summaries[1]}<div style="display: flex; flex-wrap: wrap">{figures}</div>'
 
 
 def _paths(data: object) -> Iterator[str]:
@@ -209,7 +243,7 @@ def analyze(
     missing: str | Sequence[str] | None = None,
     categories: str | Sequence[str] | None = None,
     count: str | None = None,
-    factors: str | Sequence[str] | None = None,
+    factors: str | Sequence[str] | Mapping[str, Sequence[Any]] | None = None,
     direction: str | Sequence[str] | None = None,
     exclude: str | Sequence[str] | None = None,
     only: Mapping[str, Sequence[Any]] | None = None,
@@ -227,21 +261,22 @@ def analyze(
     items: str | None = None,
     draws: int = 999,
     seed: int = 1,
+    on_error: Literal["raise", "drop"] = "raise",
 ) -> Analysis:
     """Analyze ratings, as ``machband analyze`` does: descriptive statistics, ordinal mixed model, tests, figures.
 
     Parameters
     ----------
     data
-        A DataFrame, whose named index levels count as columns, or a dict of columns; or result files, folders, tables of
-        counts, or any CSV files. An ordered `Categorical` says which categories the response has, and their order. In
-        rows of `read_results` or `simulate`, the factors are the parameters of the stimulus that vary, and every column
-        that you added.
+        A table: a DataFrame of pandas, whose named index levels count as columns, or of polars; a table of pyarrow or a
+        relation of DuckDB, through the Arrow C stream, which needs pyarrow; a structured array, or a dict of columns. Or
+        result files, folders, tables of counts, or any CSV files. Answers to a task are read from their folder. Ordered
+        categories (`Categorical`, `Enum`) say which values a column has, and their order. A masked value is missing.
     subject
         Column with the participant ID [default: subject_id, or the only column participant, participant_id, subject or
         subject_nr].
     response
-        Column with the ordered response [default: rating, 0–3].
+        Column with the ordered response [default: rating; 0–3 in result files].
     wide
         Columns with the ordered responses at each level of a factor, which is named condition unless NAME= says
         otherwise.
@@ -253,7 +288,8 @@ def analyze(
     count
         Column with the number of trials per row [default: count, if present].
     factors
-        Columns with the factors [default: the factors of the definition or of the terms].
+        Columns with the factors [default: the factors of the definition or of the terms]. A dict gives the order of
+        their levels, of which the first is the baseline: ``{"dose": ["none", "little", "lots"]}``.
     direction
         Factors that are directions, which are circular [default: stimulus parameters that are directions].
     exclude
@@ -296,11 +332,13 @@ def analyze(
         studies would not change a conclusion.
     seed
         Seed of the simulated studies.
+    on_error
+        What to do with rows that are wrong, such as a rating that is not on the scale: ``raise`` a `DataError`, whose
+        `rows` are their positions, or ``drop`` them with a warning, if they are at most 2 % of the rows.
 
     Returns
     -------
-    The results. Problems in the data are Python warnings, and `errors` and `warnings` of the results list them; the rest
-    is analyzed.
+    The results. What a reader should know about the data is a `DataWarning`; the results list it too.
 
     Examples
     --------
@@ -308,23 +346,38 @@ def analyze(
     >>> analyze(ratings, draws=99).tables["by_width"]["width"].tolist()
     [0.02, 0.1, 0.4, 0.8]
     """
-    columns = _columns(data)
-    if columns is not None and categories is None and wide is None and (response or "rating") in list(columns):
-        dtype: Any = getattr(columns[response or "rating"], "dtype", None)
-        ordered = list(dtype.categories) if getattr(dtype, "ordered", False) else None
-        # Our own scale needs no name.
-        categories = ordered if response is not None or (ordered and not set(ordered) <= {0, 1, 2, 3}) else None
+    if on_error not in ("raise", "drop"):
+        raise _machband.Error(f"on_error is {on_error!r}; expected 'raise' or 'drop'")
+    orders: dict[str, Sequence[Any]] = {}
+    given_columns = columns(data)
+    if given_columns is None:
+        cells: list[str] | list[tuple[str, Any]] = list(_paths(data))
+        if not cells:
+            raise _machband.Error("there are no paths; expected at least one")
+    else:
+        found = {name: encoded(name, column) for name, column in given_columns.items()}
+        if not found:
+            raise _machband.Error("the table has no columns; expected at least a participant, a rating and a factor")
+        orders = {name: cells.levels for name, cells in found.items() if isinstance(cells, Levels) and cells.is_ordered}
+        scale = orders.pop(response or "rating", None)
+        if categories is None and wide is None:
+            categories = scale
+        if getattr(data, "attrs", {}).get("simulated") and "simulated" not in found:
+            found["simulated"] = np.ones(len(data), np.int64)
+        cells = [(name, cell[:2] if isinstance(cell, Levels) else cell) for name, cell in found.items()]
     if categories is not None and response is None and wide is None:
         response = "rating"
-    given = options(analyze, locals())
-    ratings = _cells(columns) if columns is not None else list(_paths(data))
-    if not ratings:
-        raise _machband.Error("there are no paths; expected at least one")
+    given = options(analyze, locals(), "factors", "on_error")
+    if isinstance(factors, Mapping):
+        orders.update(factors)
+    if factors is not None:
+        given["factors"] = texts("factors", factors)
+    if orders:
+        given["levels"] = levels("factors", orders)
     with progress("simulated studies") as show:
-        analysis = Analysis(_machband.analyze(given, ratings, show))
-    analysis._is_simulated = bool(getattr(data, "attrs", {}).get("simulated"))
+        analysis = Analysis(_machband.analyze(given, cells, on_error == "drop", show))
     for problem in [*analysis.warnings, *analysis.errors]:
-        warnings.warn(problem, stacklevel=3)
+        warnings.warn(problem, DataWarning, stacklevel=3)
     return analysis
 
 

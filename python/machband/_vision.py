@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from . import _machband
 from ._common import options, path, suggests
-from ._stimulus import _parameters
+from ._stimulus import Stimulus, Transfer, _parameters
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,7 @@ class Prediction:
     at_deg: tuple[float, float] | None
 
 
+@suggests
 def predict(
     kind: str = "mach-band",
     *,
@@ -142,7 +143,7 @@ def compare(
     ppd: float | None = None,
     white: float | None = None,
     black: float | None = None,
-    transfer: str | None = None,
+    transfer: str | Transfer | None = None,
     display: str | PathLike[str] | None = None,
     mask: str | PathLike[str] | None = None,
     large: bool = False,
@@ -225,7 +226,7 @@ def steps(
     ppd: float | None = None,
     white: float | None = None,
     black: float | None = None,
-    transfer: str | None = None,
+    transfer: str | Transfer | None = None,
     display: str | PathLike[str] | None = None,
     large: bool = False,
 ) -> Steps:

@@ -66,6 +66,13 @@ pub struct Trial {
     pub draw: u32,
 }
 
+impl Trial {
+    /// Returns a pair of conditions as the trial shows them, left and right.
+    pub(super) fn placed(&self, [one, other]: [usize; 2]) -> [usize; 2] {
+        if self.place == 1 { [other, one] } else { [one, other] }
+    }
+}
+
 /// All trials of a session, in order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
