@@ -229,13 +229,13 @@ def table(
     return frame
 
 
-def named(names: list[str], values: np.ndarray[Any, Any]) -> Any:
-    """Return values with names: a `pandas.Series`, or a `DataFrame` for a square; without pandas, a dict of them."""
+def named(names: list[str], values: np.ndarray[Any, Any], columns: list[str] | None = None) -> Any:
+    """Return rows with names: a `pandas.Series`, or a `DataFrame` if rows have columns; without pandas, a dict of lists."""
     try:
         import pandas
     except ImportError:
         return dict(zip(names, values.tolist(), strict=True))
-    return pandas.Series(values, names) if values.ndim == 1 else pandas.DataFrame(values, names, names)
+    return pandas.Series(values, names) if values.ndim == 1 else pandas.DataFrame(values, names, columns)
 
 
 def plotted(png: bytes, ax: Any) -> Any:

@@ -10,13 +10,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
+from statistics import NormalDist
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Table, levels, named, options, plotted, progress, suggests, table, texts, words
+from ._common import Table, levels, named, options, plotted, progress, suggests, table, text, texts, words
 from ._tables import Levels, columns, encoded
 
 
@@ -160,7 +161,7 @@ class Analysis:
         """Return the covariance of the thresholds, the coefficients and the standard deviation of the random intercept."""
         names = [row["name"] for row in self._rows]
         names += [f"sd {i}" if i else "sd" for i in range(len(self._covariance) - len(names))]
-        return named(names, self._covariance)
+        return named(names, self._covariance, names)
 
     @property
     def llf(self) -> float:
@@ -183,14 +184,79 @@ class Analysis:
         return int(self.model["nobs"])
 
     @property
-    def coefficients(self) -> Table:
-        """The thresholds and the coefficients of the model: estimate, standard error, z and p (NaN for thresholds).
+    def pvalues(self) -> Any:
+        """Two-sided p of `params`, calibrated by simulated studies; NaN for thresholds and where no simulation tests one.
 
-        These are Wald's p. With few people they are too small; `pvalues` has p from simulated studies.
+        With few people, Wald's p would be too small; the table ``coefficients`` has it where it is not.
         """
-        keys = ("estimate", "se", "z", "p")
-        found = {key: np.array([np.nan if row.get(key) is None else row[key] for row in self._rows]) for key in keys}
-        return table({"name": np.array([row["name"] for row in self._rows], dtype=object), **found})
+        of_term = {test["term"]: test["p"] for test in self.model["likelihood_ratio"] if test["df"] == 1}
+        pairs = {(one["factor"], one["level"], one["other"]): one["p"] for one in self.model["comparisons"] if not one["at"]}
+        found = []
+        for row in self._rows:
+            parts, baseline = row.get("parts", []), {}
+            if len(parts) == 1:
+                factor = parts[0]["variable"]
+                shifted = {part["level"] for other in self.model["coefficients"] for part in other["parts"]}
+                baseline = {key[0]: p for key, p in pairs.items() if key[1] == parts[0]["level"] and key[2] not in shifted}
+                found.append(of_term.get(row["term"], baseline.get(factor)))
+            else:
+                found.append(of_term.get(row.get("term")))
+        return named([row["name"] for row in self._rows], np.array(found, np.float64))
+
+    def conf_int(self, alpha: float = 0.05) -> Table:
+        """Return a table with the ends of the 1 − `alpha` intervals of `params`, ``lower`` and ``upper``.
+
+        At 0.05, those of coefficients are profile-likelihood intervals; all others are Wald's.
+        """
+        if not 0 < alpha < 1:
+            raise _machband.Error(f"alpha is {alpha!r}; expected a number between 0 and 1")
+        quantile = NormalDist().inv_cdf(1 - alpha / 2)
+        ends = []
+        for row in self._rows:
+            profile = row.get("interval") if alpha == 0.05 else None
+            estimate, se = (np.nan if row[key] is None else row[key] for key in ("estimate", "se"))
+            wald = {"low": estimate - quantile * se, "high": estimate + quantile * se}
+            ends.append([(profile or wald)[end] for end in ("low", "high")])
+        return named([row["name"] for row in self._rows], np.array(ends, np.float64), ["lower", "upper"])
+
+    def predict(self, data: Any) -> Table:
+        """Return the probability of each category in the rows of a table, for a person in the middle of the population.
+
+        Parameters
+        ----------
+        data
+            A table as for `analyze`, with a column for each factor in the model. The levels must be among those analyzed;
+            terms with ``num:`` take any number. The table ``predictions`` averages over people instead.
+        """
+        given = columns(data)
+        if given is None:
+            raise TypeError(f"data is {type(data).__name__}; expected a table")
+        rows = max((len(column) for column in given.values()), default=0)
+        latent = np.zeros(rows)
+        for row in self.model["coefficients"]:
+            values = [self._values(part["variable"], part["level"], given) for part in row["parts"]]
+            latent += row["estimate"] * np.prod(values, axis=0)
+        cdf = np.vectorize(NormalDist().cdf) if self.model["link"] == "probit" else lambda at: 1 / (1 + np.exp(-at))
+        below = [cdf(row["estimate"] - latent) for row in self.model["thresholds"]]
+        shares = np.diff([np.zeros(rows), *below, np.ones(rows)], axis=0)
+        return table(dict(zip(self.model["categories"], shares, strict=True)))
+
+    def _values(self, variable: str, level: str | None, given: Mapping[str, Any]) -> npt.NDArray[np.float64]:
+        """Return a variable of the model in each row: a number, or whether a factor has this level."""
+        name = variable.removeprefix("num:")
+        inverse = name == "inv_n" and name not in given
+        name = "depth" if inverse else name
+        if name not in given:
+            raise _machband.Error(f"the column {name} is missing; expected a column for each factor in the model")
+        cells = encoded(name, given[name])
+        if level is None:
+            numbers = np.array(cells.levels, np.float64)[cells.codes] if isinstance(cells, Levels) else cells.astype(np.float64)
+            return 1 / numbers if inverse else numbers
+        texts = np.array(cells.levels)[cells.codes] if isinstance(cells, Levels) else np.array([text(name, one) for one in cells])
+        known = {one["level"] for one in self.model["margins"] if one["factor"] == name}
+        if unknown := set(texts.tolist()) - known:
+            raise _machband.Error(f"{name} has {min(unknown)}, which was not analyzed; expected one of {', '.join(sorted(known))}")
+        return (texts == level).astype(np.float64)
 
     def summary(self) -> str:
         """Return the sentences at the beginning of the report."""

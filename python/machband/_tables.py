@@ -44,7 +44,11 @@ def columns(data: Any) -> dict[str, Any] | None:
             if not isinstance(data, Mapping) and not hasattr(data, "get_column"):
                 raise TypeError(f"{type(data).__name__} needs pyarrow, which is not installed; expected a DataFrame") from None
         else:
-            arrow = pyarrow.table(data)
+            try:
+                arrow = pyarrow.table(data)
+            except pyarrow.ArrowInvalid:
+                # A single column.
+                return None
             return dict(zip(arrow.column_names, arrow.columns, strict=True))
     if isinstance(data, Mapping) or (hasattr(data, "columns") and hasattr(data, "__getitem__")):
         return {str(name): data[name] for name in (data if isinstance(data, Mapping) else data.columns)}
