@@ -28,6 +28,7 @@ command; data that cannot be analyzed raise `DataError`, an `Error`; an argument
 """
 
 from . import stimuli
+from ._analysis import Analysis, Figure
 from ._experiment import Definition, simulate
 from ._machband import DataError, Error, __version__
 from ._shading import Mesh, Shaded, mesh, shade
@@ -45,7 +46,7 @@ from ._stimulus import (
     transfer,
     visual_angle,
 )
-from ._study import Analysis, DataWarning, Exported, Figure, Verification, analyze, export, read_results, verify
+from ._study import DataWarning, Exported, Verification, analyze, export, read_results, verify
 from ._vision import Comparison, Place, Prediction, Steps, compare, predict, steps
 
 __all__ = [

@@ -33,11 +33,12 @@ def suggests(function: Callable[P, T]) -> Callable[P, T]:
     """
     signature = inspect.signature(function).parameters
     known = [name for name, one in signature.items() if name != "self" and one.kind is not one.VAR_KEYWORD]
+    called = function.__qualname__.removesuffix(".__init__").split(".")[-1]
     is_open = any(one.kind is one.VAR_KEYWORD for one in signature.values())
 
     def refused(name: str, near: list[str]) -> TypeError:
         question = f"; did you mean {near[0]!r}?" if near else ""
-        message = f"{function.__name__}() got an unexpected keyword argument {name!r}; expected one of {', '.join(known)}"
+        message = f"{called}() got an unexpected keyword argument {name!r}; expected one of {', '.join(known)}"
         return TypeError(message + question)
 
     @functools.wraps(function)
@@ -57,7 +58,6 @@ def suggests(function: Callable[P, T]) -> Callable[P, T]:
     return checked
 
 
-@functools.cache
 def _stimulus_parameters() -> set[str]:
     """Return the names of the parameters of all kinds of stimulus."""
     return {parameter[0] for kind, _ in _machband.kinds() for parameter in _machband.parameters(kind)}
@@ -113,6 +113,21 @@ def value(name: str, given: object) -> float | str:
         return float(given)  # type: ignore[arg-type]
     except (TypeError, ValueError):
         raise TypeError(f"{name} is {given!r}; expected a number or text") from None
+
+
+def number(name: str, given: object) -> float:
+    """Return a number."""
+    if isinstance(given, (int, float, np.number)) and not isinstance(given, bool):
+        return float(given)
+    raise TypeError(f"{name} is {given!r}; expected a number")
+
+
+def numbers(name: str, given: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Return an array of numbers."""
+    try:
+        return np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} is {given!r}; expected numbers") from None
 
 
 def text(name: str, given: object) -> str:

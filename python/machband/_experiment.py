@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 from . import _machband
-from ._common import Table, name_of, options, progress, suggests, table, whole
+from ._common import Table, name_of, options, path, progress, suggests, table, whole
 from ._study import read_results
 
 
@@ -51,7 +51,7 @@ class Definition:
         """Read a definition; the same as `load`."""
         if isinstance(name_or_path, Mapping):
             raise TypeError("Definition() got a dict; expected a name or a path, or Definition.from_dict")
-        self._native = _machband.Definition.load(os.fspath(name_or_path))
+        self._native = _machband.Definition.load(path("name_or_path", name_or_path))
 
     @classmethod
     def load(cls, name_or_path: str | PathLike[str]) -> Definition:
@@ -92,10 +92,10 @@ class Definition:
         """Hash the content."""
         return hash(self.sha256)
 
-    def save(self, path: str | PathLike[str]) -> None:
+    def save(self, file: str | PathLike[str]) -> None:
         """Write the definition to a new TOML file, which the window and the commands read."""
-        with open(path, "x", encoding="utf-8") as file:
-            file.write(self._native.to_toml())
+        with open(path("file", file), "x", encoding="utf-8") as out:
+            out.write(self._native.to_toml())
 
     def to_dict(self) -> dict[str, Any]:
         """Return all keys, with their defaults but without default texts; the form in the sidecars."""
@@ -185,7 +185,7 @@ def simulate(
     if not isinstance(definition, Definition):
         definition = Definition(definition)
     with tempfile.TemporaryDirectory(prefix="machband-") as temporary:
-        folder = temporary if results is None else os.fspath(results)
+        folder = temporary if results is None else path("results", results)
         given = {**options(simulate, locals(), "results"), "results": folder}
         with progress("trials") as show:
             _machband.simulate(definition._native, given, show)

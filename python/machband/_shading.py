@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Dither, Fields, flag, options, suggests, whole
+from ._common import Dither, Fields, flag, options, path, suggests, whole
 from ._stimulus import Codes, Transfer
 
 Triple = Sequence[float]
@@ -71,7 +71,7 @@ def mesh(
 
 
 def _named(name_or_path: str | PathLike[str], n_vertices: int) -> Fields:
-    return {"mesh": os.fspath(name_or_path), "vertices": str(whole("n_vertices", n_vertices))}
+    return {"mesh": path("name_or_path", name_or_path), "vertices": str(whole("n_vertices", n_vertices))}
 
 
 def _rows(name: str, given: npt.ArrayLike, dtype: type) -> npt.NDArray[Any]:
@@ -232,15 +232,15 @@ def shade(
     if truth:
         given["truth"] = truth if isinstance(truth, bool) else os.fspath(truth)
     if isinstance(vertices, (str, os.PathLike)):
-        path = os.fspath(vertices)
+        file = os.fspath(vertices)
         if triangles is not None:
-            raise TypeError(f"shade() got triangles for the mesh {path!r}; expected only arrays or only a name")
+            raise TypeError(f"shade() got triangles for the mesh {file!r}; expected only arrays or only a name")
         if normals is not None and estimated is None:
-            raise TypeError(f"shade() got normals for the mesh {path!r}; expected only arrays or only a name")
-        if path.endswith(".toml"):
+            raise TypeError(f"shade() got normals for the mesh {file!r}; expected only arrays or only a name")
+        if file.endswith(".toml"):
             image: Fields = {name: given[name] for name in ("size", "bits", "transfer", "display") if name in given}
-            return Shaded(_machband.shade({"scene": path, **image}, None, False)[0], None)
-        fields = {**given, **_named(path, n_vertices)}
+            return Shaded(_machband.shade({"scene": file, **image}, None, False)[0], None)
+        fields = {**given, **_named(file, n_vertices)}
         codes, measured = _machband.shade(fields, None, flag("metrics", metrics) and shader is not None)
     else:
         if triangles is None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from functools import cached_property, partial
 from os import PathLike
@@ -15,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Dither, Table, encoding, flag, name_of, options, path, suggests, table, text, value, whole, words
+from ._common import Dither, Table, encoding, flag, name_of, number, numbers, options, path, suggests, table, text, value, whole, words
 
 if TYPE_CHECKING:
     from ._vision import Prediction
@@ -125,7 +124,7 @@ class Transfer:
         return self._apply("encoded", encoded, True)
 
     def _apply(self, name: str, values: npt.ArrayLike, inverse: bool) -> float | Floats:
-        given, flat, scalar = _flat(values)
+        given, flat, scalar = _flat(name, values)
         if np.isnan(flat).any():
             raise _machband.Error(f"{name} contains NaN; expected 0 to 1")
         if flat.size and not (flat.min() >= 0 and flat.max() <= 1):
@@ -237,12 +236,13 @@ class Stimulus:
             The parameters of the kind, as in `stimulus`.
         """
         side = None if size is None else whole("size", size, 1)
-        given = {"ppd": ppd, "visual_size": visual_size}
-        for name, number in given.items():
-            if number is not None and not (isinstance(value(name, number), float) and 0 < number < np.inf):
-                raise _machband.Error(f"{name} is {number!r}; expected a number above 0")
+        for name, given in (("ppd", ppd), ("visual_size", visual_size)):
+            if given is not None and not 0 < number(name, given) < np.inf:
+                raise _machband.Error(f"{name} is {given!r}; expected a number above 0")
         if ppd is not None and visual_size is not None:
-            pixels = whole("ppd times visual_size", round(ppd * visual_size, 6), 1)
+            pixels = round(ppd * visual_size)
+            if abs(ppd * visual_size - pixels) > 1e-6 or pixels < 1:
+                raise _machband.Error(f"ppd times visual_size is {ppd * visual_size:g}; expected whole pixels")
             if side not in (None, pixels):
                 raise _machband.Error(f"size is {side}; expected {pixels}, which is ppd times visual_size, or no size")
             side = pixels
@@ -300,7 +300,7 @@ class Stimulus:
     @suggests
     def save(
         self,
-        path: str | PathLike[str],
+        file: str | PathLike[str],
         *,
         bits: Literal[8, 16] = 8,
         transfer: str | Transfer | None = None,
@@ -310,7 +310,7 @@ class Stimulus:
     ) -> None:
         """Write the image that ``machband stimulus --out`` writes, a PNG with its recipe; with `force`, replace a file."""
         fields = {**options(Stimulus.save, locals(), "force"), "size": str(self.shape[0])}
-        _machband.save_stimulus(self.kind, _parameters(self._own), fields, os.fspath(path), flag("force", force))
+        _machband.save_stimulus(self.kind, _parameters(self._own), fields, path("file", file), flag("force", force))
 
     def plot(self, ax: Any = None) -> Any:
         """Draw it on axes of matplotlib, by default new ones, in degrees of visual angle; return them."""
@@ -417,8 +417,8 @@ def _like(given: Floats, found: Floats, scalar: bool) -> float | Floats:
     return float(found[0]) if scalar else found.reshape(given.shape)
 
 
-def _flat(values: npt.ArrayLike) -> tuple[Floats, Floats, bool]:
-    given = np.asarray(values, dtype=np.float64)
+def _flat(name: str, values: npt.ArrayLike) -> tuple[Floats, Floats, bool]:
+    given = numbers(name, values)
     return given, np.ascontiguousarray(given).ravel(), given.ndim == 0
 
 
@@ -442,7 +442,7 @@ def interpolate(u: npt.ArrayLike, depth: float | str = 1) -> float | Floats:
     >>> interpolate([0.25, 0.5, 0.75], depth=2).tolist()
     [0.15625, 0.5, 0.84375]
     """
-    given, flat, scalar = _flat(u)
+    given, flat, scalar = _flat("u", u)
     return _like(given, _machband.interpolate(flat, value("depth", depth)), scalar)
 
 
@@ -507,9 +507,10 @@ def visual_angle(
     if len(chosen) != 1:
         raise TypeError(f"visual_angle() got {len(chosen)} lengths; expected exactly one of px, cm and deg")
     [(unit, length)] = chosen
-    given, flat, scalar = _flat(length)
+    given, flat, scalar = _flat(unit, length)
     if unit == "deg" and flat.size and not (np.abs(flat).max() < 180):
         raise _machband.Error(f"deg goes up to {np.abs(flat).max()}; expected less than 180")
-    found, ppd = _machband.visual_angle(flat, unit, (whole("screen_px", screen_px), screen_cm), distance_cm)
+    screen = (whole("screen_px", screen_px), number("screen_cm", screen_cm))
+    found, ppd = _machband.visual_angle(flat, unit, screen, number("distance_cm", distance_cm))
     in_deg, in_cm, in_px = (_like(given, one, scalar) for one in found)
     return VisualAngle(in_deg, in_cm, in_px, ppd)

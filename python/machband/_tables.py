@@ -61,7 +61,7 @@ def encoded(name: str, column: Any) -> Whole | npt.NDArray[np.float64] | Levels:
         column = _of_arrow(column)
         if isinstance(column, Levels):
             return column
-    dtype = getattr(column, "dtype", None)
+    dtype: Any = getattr(column, "dtype", None)
     if (categories := getattr(dtype, "categories", None)) is not None:
         if hasattr(column, "to_physical"):
             categories, is_ordered = column.cat.get_categories(), str(dtype).startswith("Enum")
@@ -71,7 +71,7 @@ def encoded(name: str, column: Any) -> Whole | npt.NDArray[np.float64] | Levels:
         return Levels([_text(name, level) for level in categories], np.asarray(codes, np.int64), is_ordered)
     if getattr(dtype, "tz", None) is not None:
         column = column.dt.tz_convert(None)
-    masked = np.ma.getmaskarray(column) if isinstance(column, np.ma.MaskedArray) else None
+    masked: Any = np.broadcast_to(column.mask, column.shape) if isinstance(column, np.ma.MaskedArray) else None
     array = np.asarray(column)
     if array.ndim != 1:
         raise Error(f"column {name!r} has shape {array.shape}; expected one dimension")
@@ -82,7 +82,9 @@ def encoded(name: str, column: Any) -> Whole | npt.NDArray[np.float64] | Levels:
         numbers = np.ascontiguousarray(array, np.float64)
         return numbers if masked is None else np.where(masked, np.nan, numbers)
     if array.dtype.kind == "M":
-        array = np.where(np.isnat(array), None, np.char.add(np.datetime_as_string(array, "ms"), "Z").astype(object))
+        times = np.char.add(np.datetime_as_string(array, "ms"), "Z").astype(object)
+        times[np.isnat(array)] = None
+        array = times
     codes, found = _factorized(array)
     if masked is not None:
         codes = np.where(masked, -1, codes)

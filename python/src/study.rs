@@ -20,11 +20,12 @@ use machband::{
         ratings::{self, Listed, SIMULATED},
         results,
         sidecar::Sidecar,
+        table::List,
     },
     system::now,
     text::{Cell, Table},
     work::{
-        Analyze, Export, changed,
+        Analyze, Export, Ratings, changed,
         verify::{Verified, Verify},
         words,
     },
@@ -174,8 +175,21 @@ fn command(asked: &Analyze) -> String {
 
 /// Returns the call that repeats the analysis of a table.
 fn call(asked: &Analyze) -> String {
-    let fields = changed(asked).into_iter().filter(|(name, _)| name != "paths");
-    let fields: Vec<String> = fields.map(|(name, value)| format!(", {name}={}", argument(&value))).collect();
+    let dict = |all: &mut dyn Iterator<Item = (&String, &[String])>| {
+        let all: Vec<String> = all.map(|(factor, levels)| format!("{factor:?}: {levels:?}")).collect();
+        format!("{{{}}}", all.join(", "))
+    };
+    let Ratings { only, levels, factors, .. } = &asked.ratings;
+    let order = |name: &String| levels.iter().find(|one| one.factor == *name).map_or(&[][..], |one| &one.levels);
+    let field = |(name, value): (String, Value)| match (name.as_str(), factors) {
+        ("paths" | "levels", _) => String::new(),
+        ("only", _) => format!(", only={}", dict(&mut only.iter().map(|one| (&one.factor, &one.levels[..])))),
+        ("factors", Some(List(names))) if !levels.is_empty() => {
+            format!(", factors={}", dict(&mut names.iter().map(|name| (name, order(name)))))
+        }
+        _ => format!(", {name}={}", argument(&value)),
+    };
+    let fields: Vec<String> = changed(asked).into_iter().map(field).collect();
     format!("# The data came as a table from Python.\nmachband.analyze({TABLE}{})", fields.concat())
 }
 
