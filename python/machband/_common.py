@@ -8,7 +8,6 @@ import inspect
 import io
 import operator
 import os
-import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -51,16 +50,15 @@ def suggests(function: Callable[P, T]) -> Callable[P, T]:
         except Error:
             for name in further:
                 near = difflib.get_close_matches(name, known, 1)
-                if near and difflib.get_close_matches(name, {*known, *_stimulus_parameters()}, 1) == near:
+                if near and difflib.get_close_matches(name, {*known, *_STIMULUS_PARAMETERS}, 1) == near:
                     raise refused(name, near) from None
             raise
 
     return checked
 
 
-def _stimulus_parameters() -> set[str]:
-    """Return the names of the parameters of all kinds of stimulus."""
-    return {parameter[0] for kind, _ in _machband.kinds() for parameter in _machband.parameters(kind)}
+#: The names of the parameters of all kinds of stimulus.
+_STIMULUS_PARAMETERS = {parameter[0] for kind, _ in _machband.kinds() for parameter in _machband.parameters(kind)}
 
 
 def whole(name: str, given: object, least: int = 0, most: int = 2**64 - 1) -> int:
@@ -101,10 +99,6 @@ def flag(name: str, given: object) -> bool:
 
 def value(name: str, given: object) -> float | str:
     """Return a parameter in the form that files use: a number, or text such as ``1,0.5,0``."""
-    if isinstance(given, str) and re.fullmatch("#[0-9a-fA-F]{6}", given):
-        # A color of sRGB; files have weights of linear light.
-        encoded = np.frombuffer(bytes.fromhex(given[1:]), np.uint8) / 255
-        given = _machband.encode(encoded, 3, {"transfer": "srgb"}, True)
     if isinstance(given, (str, bool)):
         return str(given)
     if isinstance(given, (list, tuple, np.ndarray)) and np.ndim(given) == 1:

@@ -58,8 +58,8 @@ def mach_band(
         not below low.
     color
         Weights of red, green and blue in linear light. Expected: yellow, gray, red, green, blue, cyan, magenta,
-        three numbers R,G,B from 0 to 1, not all 0, linear in light, or hsv:H,S,V, hls:H,L,S, cmy:C,M,Y,
-        cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
+        three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
+        cmy:C,M,Y, cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
     color_high
         Color of the brighter plateau; same means the color of the darker one. Expected: same, or any color that
         the darker plateau can have, such as red, 1,0.5,0 or hsv:30,1,1.
@@ -112,8 +112,8 @@ def chevreul(
         below low.
     color
         Weights of red, green and blue in linear light. Expected: yellow, gray, red, green, blue, cyan, magenta,
-        three numbers R,G,B from 0 to 1, not all 0, linear in light, or hsv:H,S,V, hls:H,L,S, cmy:C,M,Y,
-        cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
+        three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
+        cmy:C,M,Y, cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
     size
         Side in pixels [default: `ppd` times `visual_size`, or 1024].
     ppd
@@ -159,8 +159,8 @@ def cornsweet(
         not below low.
     color
         Weights of red, green and blue in linear light. Expected: yellow, gray, red, green, blue, cyan, magenta,
-        three numbers R,G,B from 0 to 1, not all 0, linear in light, or hsv:H,S,V, hls:H,L,S, cmy:C,M,Y,
-        cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
+        three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
+        cmy:C,M,Y, cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
     size
         Side in pixels [default: `ppd` times `visual_size`, or 1024].
     ppd
@@ -199,8 +199,8 @@ def vasarely(
         not below low.
     color
         Weights of red, green and blue in linear light. Expected: yellow, gray, red, green, blue, cyan, magenta,
-        three numbers R,G,B from 0 to 1, not all 0, linear in light, or hsv:H,S,V, hls:H,L,S, cmy:C,M,Y,
-        cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
+        three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
+        cmy:C,M,Y, cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
     size
         Side in pixels [default: `ppd` times `visual_size`, or 1024].
     ppd
@@ -243,8 +243,8 @@ def kanizsa(
         Relative luminance of the background. Expected: the relative luminance of the background, not below low.
     color
         Weights of red, green and blue in linear light. Expected: yellow, gray, red, green, blue, cyan, magenta,
-        three numbers R,G,B from 0 to 1, not all 0, linear in light, or hsv:H,S,V, hls:H,L,S, cmy:C,M,Y,
-        cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
+        three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
+        cmy:C,M,Y, cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
     size
         Side in pixels [default: `ppd` times `visual_size`, or 1024].
     ppd
@@ -320,8 +320,8 @@ def shaded_mesh(
         below low.
     color
         Weights of red, green and blue in linear light. Expected: yellow, gray, red, green, blue, cyan, magenta,
-        three numbers R,G,B from 0 to 1, not all 0, linear in light, or hsv:H,S,V, hls:H,L,S, cmy:C,M,Y,
-        cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
+        three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
+        cmy:C,M,Y, cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
     size
         Side in pixels [default: `ppd` times `visual_size`, or 1024].
     ppd
@@ -364,8 +364,8 @@ def shaded_cylinder(
         Relative luminance of the middle. Expected: the relative luminance of the middle, not below low.
     color
         Weights of red, green and blue in linear light. Expected: yellow, gray, red, green, blue, cyan, magenta,
-        three numbers R,G,B from 0 to 1, not all 0, linear in light, or hsv:H,S,V, hls:H,L,S, cmy:C,M,Y,
-        cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
+        three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
+        cmy:C,M,Y, cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
     size
         Side in pixels [default: `ppd` times `visual_size`, or 1024].
     ppd

@@ -82,13 +82,15 @@ def test_a_stimulus_is_an_object(command, image, tmp_path):
     assert np.unique(steps).tolist() == list(range(1, steps.max() + 1)) and steps.max() > 2
 
 
-def test_stimupy_and_matplotlib_draw_it():
+def test_stimupy_and_matplotlib_draw_it(monkeypatch):
     needs("stimupy"), needs("matplotlib")
     import matplotlib
 
     matplotlib.use("Agg")
+    from matplotlib import pyplot
     from stimupy.utils import plot_stim
 
+    monkeypatch.setattr(pyplot, "show", lambda: None)
     made = machband.stimuli.cornsweet(color="yellow", size=64)
     given = made.to_stimupy()
     assert given["img"].shape == given["mask"].shape == (64, 64) and given["img"].dtype == float and given["img"].max() <= 1
