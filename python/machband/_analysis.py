@@ -48,8 +48,8 @@ class Figure(NamedTuple):
 class Analysis:
     """An analysis of ratings or of the answers to a task, from `analyze`.
 
-    It can be pickled and copied. A notebook shows its summary and figures. The attributes of the model have the names that
-    they have in statsmodels; the analysis of a task has no such model, only `tables`.
+    It can be pickled and copied. A notebook shows its summary and figures. The attributes of the model are named as in
+    statsmodels; the analysis of a task has no such model, only `tables`.
 
     Attributes
     ----------
@@ -127,7 +127,7 @@ class Analysis:
         return self._named([row["se"] for row in self._rows])
 
     def cov_params(self) -> Table:
-        """Return the covariance of the thresholds, the coefficients and the standard deviation of the random intercept."""
+        """Return the covariance of thresholds, coefficients and the standard deviation of the random intercept."""
         names = [row["name"] for row in self._rows]
         names += [f"sd {i}" if i else "sd" for i in range(len(self._covariance) - len(names))]
         return named(names, self._covariance, names)
@@ -203,7 +203,9 @@ class Analysis:
         for row, estimate in zip(self.model["coefficients"], estimates[len(thresholds) :], strict=True):
             latent += estimate * np.prod([self._variable(part, given) for part in row["parts"]], axis=0)
         logistic = self.model["link"] == "logit"
-        below = 1 / (1 + np.exp(latent - thresholds)) if logistic else np.vectorize(NormalDist().cdf)(thresholds - latent)
+        below = (
+            1 / (1 + np.exp(latent - thresholds)) if logistic else np.vectorize(NormalDist().cdf)(thresholds - latent)
+        )
         shares = np.diff(below, axis=0, prepend=0, append=1)
         return table(dict(zip(self.model["categories"], shares, strict=True)))
 
@@ -224,7 +226,9 @@ class Analysis:
             return np.reciprocal(numbers) if inverse else numbers
         known = {one["level"] for one in self.model["margins"] if one["factor"] == name}
         if unknown := set(texts) - known:
-            raise _machband.Error(f"{name} is {min(unknown)}, which was not analyzed; expected one of {', '.join(sorted(known))}")
+            raise _machband.Error(
+                f"{name} is {min(unknown)}, which was not analyzed; expected one of {', '.join(sorted(known))}"
+            )
         return np.array([cell == level for cell in texts], np.float64)[codes]
 
     def summary(self) -> str:
@@ -254,5 +258,8 @@ class Analysis:
 
     def _repr_html_(self) -> str:
         drawings = (figure.svg[figure.svg.find("<svg") + 4 :] for figure in self.figures.values())
-        figures = "".join(f'<div style="flex: 1 1 26em; max-width: 40em"><svg style="width: 100%; height: auto"{drawing}</div>' for drawing in drawings)
+        figures = "".join(
+            f'<div style="flex: 1 1 26em; max-width: 40em"><svg style="width: 100%; height: auto"{drawing}</div>'
+            for drawing in drawings
+        )
         return f'{self._summaries[1]}<div style="display: flex; flex-wrap: wrap">{figures}</div>'

@@ -11,7 +11,7 @@ import os
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, Literal, ParamSpec, TypeVar
+from typing import Any, Literal, ParamSpec, TypeVar, Union
 
 import numpy as np
 
@@ -72,6 +72,15 @@ def whole(name: str, given: object, least: int = 0, most: int = 2**64 - 1) -> in
     if not least <= number <= most:
         raise Error(f"{name} {number} is outside {least}…{most}; expected a whole number in this range")
     return number
+
+
+def seed_of(name: str, given: object) -> int:
+    """Return a seed, from 0 to 2^64 − 1: a number, or one that a generator of NumPy draws."""
+    if isinstance(given, np.random.Generator):
+        return int(given.integers(2**64, dtype=np.uint64))
+    if isinstance(given, np.random.SeedSequence):
+        return int(given.generate_state(1, np.uint64)[0])
+    return whole(name, given)
 
 
 def words(name: str, given: object) -> str | None:
@@ -172,10 +181,21 @@ def path(name: str, given: object) -> str:
 
 Fields = dict[str, "str | bool | list[str]"]
 
+#: A seed, from 0 to 2^64 − 1, or a generator that draws one.
+Seed = Union[int, np.random.Generator, np.random.SeedSequence]
+
 #: How a value between two codes is assigned to one of them.
 Dither = Literal[
-    "none", "random", "blue-noise", "ordered", "ordered:bayer2", "ordered:bayer4", "ordered:bayer8", "ordered:bayer16",
-    "ordered:clustered2", "ordered:clustered3",
+    "none",
+    "random",
+    "blue-noise",
+    "ordered",
+    "ordered:bayer2",
+    "ordered:bayer4",
+    "ordered:bayer8",
+    "ordered:bayer16",
+    "ordered:clustered2",
+    "ordered:clustered3",
 ]
 
 
@@ -187,10 +207,12 @@ def encoding(given: Any) -> Fields:
     function = words("transfer", getattr(given, "function", given))
     return {} if function is None else {"transfer": function}
 
+
 #: What makes a field of an argument with this type in the signature; any other becomes text.
 _CONVERSIONS: dict[str, Callable[[str, Any], str | bool | int | list[str] | None]] = {
     "bool": flag,
     "int": whole,
+    "Seed": seed_of,
     "str": words,
     "Dither": words,
     "str | PathLike[str]": path,
@@ -239,7 +261,7 @@ def table(
 
 
 def named(names: list[str], values: np.ndarray[Any, Any], columns: list[str] | None = None) -> Any:
-    """Return rows with names: a `pandas.Series`, or a `DataFrame` if rows have columns; without pandas, a dict of lists."""
+    """Return named rows: a `pandas.Series`, or a `DataFrame` if rows have columns; without pandas, a dict."""
     try:
         import pandas
     except ImportError:

@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 from . import _machband
-from ._common import Table, name_of, options, path, progress, suggests, table, whole
+from ._common import Seed, Table, name_of, options, path, progress, seed_of, suggests, table
 from ._study import read_results
 
 
@@ -127,14 +127,14 @@ class Definition:
         return table(self._native.conditions())
 
     @suggests
-    def schedule(self, participant: str | int = "S001", session: str | int = "1", seed: int = 1) -> Table:
+    def schedule(self, participant: str | int = "S001", session: str | int = "1", seed: Seed = 1) -> Table:
         """Return a table of the trials of a session: phase, block, trial, repetition, condition, and the factors.
 
         ``condition`` is the row of the table that `conditions` returns, counted from 0. The order is the one that the
         window and the commands use for this participant, session and seed.
         """
         participant, session = name_of("participant", participant), name_of("session", session)
-        return table(self._native.schedule(participant, session, whole("seed", seed)))
+        return table(self._native.schedule(participant, session, seed_of("seed", seed)))
 
     def __repr__(self) -> str:
         """Name the definition."""
@@ -146,7 +146,7 @@ def simulate(
     definition: Definition | Mapping[str, Any] | str | PathLike[str],
     *,
     participants: int = 1,
-    seed: int = 1,
+    seed: Seed = 1,
     observer: Literal["paper", "random", "vision"] = "paper",
     observer_file: str | PathLike[str] | None = None,
     resume: bool = False,

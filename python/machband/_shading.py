@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Dither, Fields, flag, options, path, suggests, whole
+from ._common import Dither, Fields, Seed, flag, options, path, suggests, whole
 from ._stimulus import Codes, Transfer
 
 Triple = Sequence[float]
@@ -118,7 +118,7 @@ def shade(
     display: str | PathLike[str] | None = None,
     bits: Literal[8, 16] = 8,
     dither: Dither = "none",
-    seed: int = 1,
+    seed: Seed = 1,
     white: float | None = None,
     black: float | None = None,
     shader: str | None = "c1-phong",
@@ -253,5 +253,7 @@ def shade(
         codes, measured = _machband.shade({**given, "mesh": "arrays"}, arrays, metrics and shader is not None)
     found = None if measured is None else json.loads(measured)
     if found and found["mesh"] == "arrays":
-        found.update(vertices=len(np.asarray(vertices)), normals=estimated or ("averaged" if normals is None else "given"))
+        found.update(
+            vertices=len(np.asarray(vertices)), normals=estimated or ("averaged" if normals is None else "given")
+        )
     return Shaded(codes, found)

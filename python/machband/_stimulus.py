@@ -14,7 +14,24 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Dither, Table, encoding, flag, name_of, number, numbers, options, path, suggests, table, text, value, whole, words
+from ._common import (
+    Dither,
+    Seed,
+    Table,
+    encoding,
+    flag,
+    name_of,
+    number,
+    numbers,
+    options,
+    path,
+    suggests,
+    table,
+    text,
+    value,
+    whole,
+    words,
+)
 
 if TYPE_CHECKING:
     from ._vision import Prediction
@@ -116,7 +133,7 @@ class Transfer:
         return cls(None, path("profile", profile))
 
     def encode(self, light: npt.ArrayLike) -> float | Floats:
-        """Encode linear light, 0 to 1, relative to the maximum; any shape, or (…, 3) if the channels of a profile differ."""
+        """Encode linear light, 0 to 1, relative to the maximum; any shape, (…, 3) if the channels differ."""
         return self._apply("light", light, False)
 
     def decode(self, encoded: npt.ArrayLike) -> float | Floats:
@@ -128,7 +145,9 @@ class Transfer:
         if np.isnan(flat).any():
             raise _machband.Error(f"{name} contains NaN; expected 0 to 1")
         if flat.size and not (flat.min() >= 0 and flat.max() <= 1):
-            raise _machband.Error(f"{name} goes from {flat.min()} to {flat.max()}; expected 0 to 1, such as codes / 255")
+            raise _machband.Error(
+                f"{name} goes from {flat.min()} to {flat.max()}; expected 0 to 1, such as codes / 255"
+            )
         width = given.shape[-1] if given.ndim else 1
         return _like(given, _machband.encode(flat, width, encoding(self), inverse), scalar)
 
@@ -142,13 +161,13 @@ def stimulus(
     display: str | PathLike[str] | None = None,
     bits: Literal[8, 16] = 8,
     dither: Dither = "none",
-    seed: int = 1,
+    seed: Seed = 1,
     **parameters: Any,
 ) -> Codes:
     """Return a stimulus as codes, the same as in the image that ``machband stimulus`` writes.
 
-    By default, it is the one of the built-in experiments: a yellow ramp on an sRGB display. `machband.stimuli` has a function
-    for each kind, whose result also knows its light and its visual size; this one is for loops over kinds.
+    By default, it is the one of the built-in experiments: a yellow ramp on an sRGB display. `machband.stimuli` has a
+    function for each kind, whose result also knows its light and its visual size; this one is for loops over kinds.
 
     Parameters
     ----------
@@ -276,7 +295,7 @@ class Stimulus:
         bits: Literal[8, 16] = 8,
         transfer: str | Transfer | None = None,
         dither: Dither = "none",
-        seed: int = 1,
+        seed: Seed = 1,
     ) -> Codes:
         """Return the codes for a display, as `stimulus` does; shape (height, width, 3)."""
         size = self.shape[0]
@@ -305,7 +324,7 @@ class Stimulus:
         bits: Literal[8, 16] = 8,
         transfer: str | Transfer | None = None,
         dither: Dither = "none",
-        seed: int = 1,
+        seed: Seed = 1,
         force: bool = False,
     ) -> None:
         """Write the image that ``machband stimulus --out`` writes, a PNG with its recipe; with `force`, replace a file."""
@@ -393,7 +412,7 @@ def profile(
     display: str | PathLike[str] | None = None,
     bits: Literal[8, 16] = 8,
     dither: Dither = "none",
-    seed: int = 1,
+    seed: Seed = 1,
     **parameters: Any,
 ) -> Table:
     """Return the luminance profile through the center of a stimulus, along its orientation.

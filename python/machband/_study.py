@@ -14,7 +14,7 @@ import numpy as np
 
 from . import _machband
 from ._analysis import Analysis
-from ._common import Table, levels, options, path, progress, suggests, table, texts, words
+from ._common import Seed, Table, levels, options, path, progress, suggests, table, texts, words
 from ._tables import Levels, columns, encoded
 
 
@@ -83,7 +83,7 @@ def analyze(
     covariate: str | Sequence[str] | None = None,
     items: str | None = None,
     draws: int = 999,
-    seed: int = 1,
+    seed: Seed = 1,
     on_error: Literal["raise", "drop"] = "raise",
 ) -> Analysis:
     """Analyze ratings, as ``machband analyze`` does: descriptive statistics, ordinal mixed model, tests, figures.

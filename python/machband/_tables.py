@@ -1,4 +1,4 @@
-"""Tables that come in: from pandas, polars, pyarrow, DuckDB, structured arrays and dicts of columns, without a copy as text."""
+"""Tables that come in: from pandas, polars, pyarrow, DuckDB, structured arrays and dicts of columns."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Levels(NamedTuple):
 
 
 def columns(data: Any) -> dict[str, Any] | None:
-    """Return the columns of a table, or `None` if `data` is not a table. Named index levels of pandas are columns too."""
+    """Return the columns of a table, and named index levels of pandas; or `None` if `data` is not a table."""
     if hasattr(data, "reset_index") and hasattr(data, "columns"):
         if data.columns.nlevels > 1:
             raise Error(f"the columns have {data.columns.nlevels} levels; expected one, such as after droplevel")
@@ -42,7 +42,9 @@ def columns(data: Any) -> dict[str, Any] | None:
             import pyarrow
         except ImportError:
             if not isinstance(data, Mapping) and not hasattr(data, "get_column"):
-                raise TypeError(f"{type(data).__name__} needs pyarrow, which is not installed; expected a DataFrame") from None
+                raise TypeError(
+                    f"{type(data).__name__} needs pyarrow, which is not installed; expected a DataFrame"
+                ) from None
         else:
             try:
                 arrow = pyarrow.table(data)
@@ -99,7 +101,9 @@ def _of_arrow(column: Any) -> Any:
     if pyarrow.types.is_null(kind):
         return np.full(len(column), np.nan)
     if not pyarrow.types.is_dictionary(kind):
-        if not (pyarrow.types.is_string(kind) or pyarrow.types.is_large_string(kind) or pyarrow.types.is_string_view(kind)):
+        if not (
+            pyarrow.types.is_string(kind) or pyarrow.types.is_large_string(kind) or pyarrow.types.is_string_view(kind)
+        ):
             return column.to_numpy()
         column = column.cast(pyarrow.large_string()).dictionary_encode()
     chunks = column.unify_dictionaries().chunks

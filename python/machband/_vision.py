@@ -291,5 +291,7 @@ def _pixels(name: str, given: Any) -> tuple[npt.NDArray[Any], tuple[int, int]]:
     if image.dtype.kind != "f":
         raise TypeError(f"{name} has dtype {image.dtype}; expected uint8, uint16 or floats")
     if not np.all(image <= 1):
-        raise _machband.Error(f"{name} has light up to {image.max()}; expected 0 to 1, such as codes / 255 decoded by transfer")
+        raise _machband.Error(
+            f"{name} has light up to {image.max()}; expected 0 to 1, such as codes / 255 decoded by transfer"
+        )
     return np.ascontiguousarray(image, dtype=np.float32).ravel(), (height, width)

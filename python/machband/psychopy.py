@@ -13,7 +13,7 @@ from psychopy.visual import ImageStim
 from psychopy.visual.basevisual import MinimalStim
 
 from . import _machband
-from ._common import Dither
+from ._common import Dither, Seed
 from ._stimulus import Codes, Stimulus, Transfer, stimulus
 
 __all__ = ["MachBandStim"]
@@ -32,15 +32,15 @@ class _Aligned(ImageStim):  # type: ignore[misc]
 
 
 class MachBandStim(MinimalStim):  # type: ignore[misc]
-    """A stimulus whose parameters can change from trial to trial: ``stim.width = 0.2``, or ``stim.set(low=0.1, high=0.2)``.
+    """A stimulus whose parameters can change from trial to trial: ``stim.width = 0.2``, ``stim.set(low=0.1, high=0.2)``.
 
     It is drawn at one texel per pixel, without interpolation if `ori` is a multiple of 90.
 
     Parameters
     ----------
     win
-        The PsychoPy window. If PsychoPy linearizes the display (its monitor has a gamma calibration, or the window a gamma),
-        the stimulus is drawn in linear light, and any other `transfer` is refused: it would be encoded twice.
+        The PsychoPy window. If PsychoPy linearizes the display (the monitor or the window has a gamma), the stimulus is
+        drawn in linear light, and any other `transfer` is refused: it would be encoded twice.
     kind
         One of `machband.kinds`.
     size
@@ -69,7 +69,7 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
         opacity: float = 1,
         transfer: str | Transfer | None = None,
         dither: Dither = "none",
-        seed: int = 1,
+        seed: Seed = 1,
         name: str | None = None,
         autoLog: bool | None = None,
         **parameters: Any,
@@ -103,7 +103,9 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
         transfer, gamma = self.transfer, self.win.gamma
         if gamma is not None:
             if transfer not in (None, "linear", Transfer("linear")):
-                raise _machband.Error(f"transfer is {transfer!r}, and the window linearizes the display (gamma {gamma}); expected 'linear'")
+                raise _machband.Error(
+                    f"transfer is {transfer!r}, and the window linearizes the display (gamma {gamma}); expected 'linear'"
+                )
             transfer = "linear"
         return stimulus(
             self.kind, size=self.size_px, transfer=transfer, dither=self.dither, seed=self.seed, **self.parameters
@@ -126,7 +128,9 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
             return getattr(self._image, name)
         parameters = self.__dict__.get("parameters", {})
         if name not in parameters:
-            raise AttributeError(f"{name!r} is not known; expected one of {', '.join([*self._own, *self._images, *parameters])}")
+            raise AttributeError(
+                f"{name!r} is not known; expected one of {', '.join([*self._own, *self._images, *parameters])}"
+            )
         return parameters[name]
 
     def __setattr__(self, name: str, value: Any) -> None:

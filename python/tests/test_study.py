@@ -252,6 +252,12 @@ def test_large_seeds_are_exact(seed):
     assert definition.schedule("S001", 1, seed).width.tolist() == rows.width.tolist()
 
 
+def test_generators_of_numpy_are_seeds():
+    for make in [np.random.default_rng, np.random.SeedSequence]:
+        rows, again = (machband.simulate("quick", seed=make(3)) for _ in range(2))
+        assert rows.seed[0] == again.seed[0] > 2**32 and rows.width.tolist() == again.width.tolist()
+
+
 @pytest.mark.parametrize(
     ("data", "given", "error", "words"),
     [
