@@ -9,7 +9,7 @@ whole program, as the command ``machband``, and its parts as functions on NumPy 
 `profile`
 `kinds`, `parameters`     what can be shown, and what can be varied
 `interpolate`,            the functions behind the stimuli
-`transfer`, `Transfer`,
+`Transfer`,
 `visual_angle`
 `predict`                 how visible the bands of a stimulus are
 `compare`, `steps`        how visible the difference between pictures is, and the steps of a picture's codes
@@ -43,7 +43,6 @@ from ._stimulus import (
     parameters,
     profile,
     stimulus,
-    transfer,
     visual_angle,
 )
 from ._study import DataWarning, Exported, Verification, analyze, export, read_results, verify
@@ -85,7 +84,6 @@ __all__ = [
     "steps",
     "stimuli",
     "stimulus",
-    "transfer",
     "verify",
     "visual_angle",
 ]

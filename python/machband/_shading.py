@@ -182,24 +182,10 @@ def shade(
         Interpolate encoded values, like a renderer that ignores gamma.
     window_deg
         Width of the image in degrees of visual angle, for the difference from the smooth surface, 0.5 to 170.
-    size
-        Side of the image in pixels.
-    transfer
-        Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; for separate functions for
-        red, green and blue, join three with /.
-    display
-        Display profile written by `machband calibrate`.
-    bits
-        Bits per channel.
-    dither
-        Dither: none, ordered, blue-noise or random; for a specific matrix, ordered:bayer2, 4, 8 or 16, or
-        ordered:clustered2 or 3.
-    seed
-        Seed of the random dither.
-    white
-        Luminance of white in cd/m², without that of black [default: the display profile's, or 100].
-    black
-        Luminance of black in cd/m², with what the screen reflects [default: the display profile's, or 0.2].
+    size, transfer, display, bits, dither, seed
+        As in `stimulus`.
+    white, black
+        As in `compare`.
     shader
         A shader that ``machband shade --help`` lists, such as ``gouraud`` or ``patch``; `None`, with `truth`, for the
         smooth surface alone.

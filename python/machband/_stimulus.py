@@ -30,7 +30,6 @@ from ._common import (
     text,
     value,
     whole,
-    words,
 )
 
 if TYPE_CHECKING:
@@ -176,8 +175,7 @@ def stimulus(
     size
         Side of the image in pixels.
     transfer
-        Transfer function of the display: a `Transfer`, srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; for separate
-        functions for red, green and blue, join three with /.
+        A `Transfer` of the display, or the text of one, such as ``gamma:2.2`` [default: srgb].
     display
         Display profile written by `machband calibrate`.
     bits
@@ -463,33 +461,6 @@ def interpolate(u: npt.ArrayLike, depth: float | str = 1) -> float | Floats:
     """
     given, flat, scalar = _flat("u", u)
     return _like(given, _machband.interpolate(flat, value("depth", depth)), scalar)
-
-
-@suggests
-def transfer(values: npt.ArrayLike, function: str | Transfer = "srgb", *, inverse: bool = False) -> float | Floats:
-    """Encode light for a display, or decode encoded values.
-
-    Parameters
-    ----------
-    values
-        Linear light relative to the maximum, 0 to 1; with `inverse`, encoded values from 0 to 1, such as ``codes / 255``.
-        Any shape.
-    function
-        A `Transfer`, or the text of one.
-    inverse
-        Decode.
-
-    Returns
-    -------
-    Encoded values, or light, in the shape of `values`.
-
-    Examples
-    --------
-    >>> round(transfer(0.5), 4)
-    0.7354
-    """
-    coding = function if isinstance(function, Transfer) else Transfer(words("function", function))
-    return coding._apply("values", values, flag("inverse", inverse))
 
 
 @suggests
