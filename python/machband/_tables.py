@@ -64,13 +64,12 @@ def encoded(name: str, column: Any) -> Whole | npt.NDArray[np.float64] | Levels:
         if isinstance(column, Levels):
             return column
     dtype: Any = getattr(column, "dtype", None)
-    if (categories := getattr(dtype, "categories", None)) is not None:
-        if hasattr(column, "to_physical"):
-            categories, is_ordered = column.cat.get_categories(), str(dtype).startswith("Enum")
-            codes = column.to_physical().cast(int).fill_null(-1)
-        else:
-            codes, is_ordered = getattr(column, "cat", column).codes, bool(dtype.ordered)
-        return Levels([_text(name, level) for level in categories], np.asarray(codes, np.int64), is_ordered)
+    if str(dtype).startswith("Enum(") and hasattr(column, "to_physical"):
+        codes = column.to_physical().cast(int).fill_null(-1)
+        return Levels(list(dtype.categories), np.asarray(codes, np.int64), True)
+    if hasattr(dtype, "categories") and hasattr(dtype, "ordered"):
+        codes = np.asarray(getattr(column, "cat", column).codes, np.int64)
+        return Levels([_text(name, level) for level in dtype.categories], codes, bool(dtype.ordered))
     if getattr(dtype, "tz", None) is not None:
         column = column.dt.tz_convert(None)
     masked: Any = np.broadcast_to(column.mask, column.shape) if isinstance(column, np.ma.MaskedArray) else None

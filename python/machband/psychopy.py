@@ -31,6 +31,17 @@ class _Aligned(ImageStim):  # type: ignore[misc]
             self.__dict__["verticesPix"] = corners + np.round(shown) - shown
 
 
+class _Drawer(MinimalStim):  # type: ignore[misc]
+    """Draws a stimulus on every flip. To PsychoPy, ``depth`` is a place in the order of drawing, and not that of a ramp."""
+
+    def __init__(self, stim: MachBandStim) -> None:
+        super().__init__(autoLog=False)
+        self.stim, self.win, self.depth = stim, stim.win, 0
+
+    def draw(self, win: Any = None) -> None:
+        self.stim.draw(win)
+
+
 class MachBandStim(MinimalStim):  # type: ignore[misc]
     """A stimulus whose parameters can change from trial to trial: ``stim.width = 0.2``, ``stim.set(low=0.1, high=0.2)``.
 
@@ -77,6 +88,7 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
         """Make a stimulus for a window."""
         super().__init__(name=name, autoLog=False)
         self.win, self.kind = win, kind
+        self._drawer = _Drawer(self)
         units = units or win.units
         self.__dict__.update(size=size, transfer=transfer, dither=dither, seed=seed)
         self.__dict__["parameters"] = {}
@@ -89,6 +101,15 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
         found = Stimulus(self.kind, **{**self.parameters, **parameters})
         self.__dict__["parameters"] = {name: found.parameters[name] for name in found.parameters if name not in _VIEW}
         self.__dict__["_drawn"] = None
+
+    @property
+    def autoDraw(self) -> bool:
+        """Whether it is drawn on every flip."""
+        return bool(self._drawer.autoDraw)
+
+    @autoDraw.setter
+    def autoDraw(self, value: bool) -> None:
+        self._drawer.autoDraw = value
 
     @property
     def size_px(self) -> int:

@@ -212,6 +212,12 @@ def test_psychopy_shows_the_codes(window_size):
         stim.ori, stim.opacity, stim.pos = 45, 0.5, (3, 4)
         stim.draw()
         assert (stim.ori, stim.opacity, stim.width, tuple(stim.pos)) == (45, 0.5, 0.4, (3, 4))
+        stim.set(depth="inf", high=0.85)
+        visual.Rect(window, autoDraw=True)
+        stim.autoDraw = True
+        window.flip()
+        assert stim._drawn == (201, True) and stim.depth == "inf"
+        stim.setAutoDraw(False)
         with pytest.raises(AttributeError, match="did you mean 'width'"):
             stim.widht = 0.2
         with pytest.raises(machband.Error, match="below low"):
