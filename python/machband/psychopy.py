@@ -148,6 +148,10 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
         if name in type(self)._images:
             return getattr(self._image, name)
         parameters = self.__dict__.get("parameters", {})
+        # PsychoPy's experiments call setters, too.
+        setters = {f"set{known[0].upper()}{known[1:]}": known for known in [*self._own, *self._images, *parameters]}
+        if name in setters:
+            return lambda value, *_, **__: setattr(self, setters[name], value)
         if name not in parameters:
             raise AttributeError(
                 f"{name!r} is not known; expected one of {', '.join([*self._own, *self._images, *parameters])}"

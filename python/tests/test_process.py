@@ -218,6 +218,8 @@ def test_psychopy_shows_the_codes(window_size):
         window.flip()
         assert stim._drawn == (201, True) and stim.depth == "inf"
         stim.setAutoDraw(False)
+        stim.setOri(90, log=False)
+        assert stim.ori == 90
         with pytest.raises(AttributeError, match="did you mean 'width'"):
             stim.widht = 0.2
         with pytest.raises(machband.Error, match="below low"):
