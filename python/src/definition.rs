@@ -115,7 +115,7 @@ impl Definition {
         ];
         let (mut first, mut second) = (Vec::new(), Vec::new());
         for trial in &schedule.trials {
-            match (self.0.planned_pair(trial), self.0.pairs()) {
+            match (trial.planned_pair(&self.0), self.0.pairs()) {
                 (Some([left, right]), _) => {
                     first.push(left);
                     second.push(right);

@@ -1,6 +1,7 @@
 """Data enter from any table without detours, wrong ones are refused with their positions, and nothing is forgotten."""
 
 import io
+import time
 import warnings
 
 import numpy as np
@@ -146,8 +147,6 @@ def test_simulated_stays_simulated(sessions, tmp_path):
 
 
 def test_a_million_rows_are_as_fast_as_their_csv(tmp_path):
-    import time
-
     chosen = np.random.default_rng(1)
     frame = pandas.DataFrame({
         "who": np.array([f"p{i}" for i in range(300)], object)[chosen.integers(0, 300, 1_000_000)],
@@ -156,10 +155,10 @@ def test_a_million_rows_are_as_fast_as_their_csv(tmp_path):
     csv = io.StringIO()
     frame.to_csv(csv, index=False)
     (tmp_path / "big.csv").write_text(csv.getvalue())
-    seconds = {}
-    for name, data in [("csv", tmp_path / "big.csv"), ("frame", frame)]:
-        start = time.perf_counter()
-        machband.analyze(data, slopes="none", **GIVEN)
-        seconds[name] = time.perf_counter() - start
-    print(seconds)
-    assert seconds["frame"] < 1.3 * seconds["csv"]
+    seconds = {"csv": [], "frame": []}
+    for _ in range(3):
+        for name, data in [("csv", tmp_path / "big.csv"), ("frame", frame)]:
+            start = time.process_time()
+            machband.analyze(data, slopes="none", **GIVEN)
+            seconds[name].append(time.process_time() - start)
+    assert min(seconds["frame"]) < 1.1 * min(seconds["csv"])

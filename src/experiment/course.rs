@@ -81,7 +81,7 @@ impl Course {
         let (planned, conditions) = (&self.schedule.trials[trial], &self.schedule.conditions);
         let pair = match pick {
             Pick::Pair(pair) => Some(planned.placed(pair)),
-            _ => self.protocol.planned_pair(planned),
+            _ => planned.planned_pair(&self.protocol),
         };
         let [one, other] = pair.unwrap_or([planned.condition; 2]);
         let mut names = self.protocol.adaptive.iter().flat_map(Adaptive::parameters);

@@ -14,7 +14,6 @@ use super::{
     definition::{Definition, Order},
     faults::{DefinitionError, DefinitionErrors},
     scale::CATEGORIES,
-    schedule::Trial,
     task::{Adaptive, Given, Layout, Turn},
 };
 use crate::stimulus::{ParameterValue, Stimulus};
@@ -102,12 +101,6 @@ impl Protocol {
     /// so far may decide which of them a trial shows.
     pub fn pairs(&self) -> Option<&[[usize; 2]]> {
         self.pairs.as_deref()
-    }
-
-    /// Returns the conditions that a trial compares, left and right, if the schedule plans them.
-    pub fn planned_pair(&self, trial: &Trial) -> Option<[usize; 2]> {
-        let pairs = self.pairs().filter(|_| self.task.ranking().is_none())?;
-        Some(trial.placed(pairs[trial.condition]))
     }
 
     /// Returns the number of different things that the schedule repeats: conditions or pairs, or one if the answers
