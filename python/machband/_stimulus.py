@@ -175,7 +175,8 @@ def stimulus(
     size
         Side of the image in pixels.
     transfer
-        A `Transfer` of the display, or the text of one, such as ``gamma:2.2`` [default: srgb].
+        Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; for separate functions for
+        red, green and blue, join three with /.
     display
         Display profile written by `machband calibrate`.
     bits

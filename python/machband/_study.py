@@ -66,7 +66,6 @@ def analyze(
     missing: str | Sequence[str] | None = None,
     categories: str | Sequence[str] | None = None,
     count: str | None = None,
-    factors: str | Sequence[str] | Mapping[str, Sequence[Any]] | None = None,
     direction: str | Sequence[str] | None = None,
     exclude: str | Sequence[str] | None = None,
     only: Mapping[str, Sequence[Any]] | None = None,
@@ -84,6 +83,7 @@ def analyze(
     items: str | None = None,
     draws: int = 999,
     seed: Seed = 1,
+    factors: str | Sequence[str] | Mapping[str, Sequence[Any]] | None = None,
     on_error: Literal["raise", "drop"] = "raise",
 ) -> Analysis:
     """Analyze ratings, as ``machband analyze`` does: descriptive statistics, ordinal mixed model, tests, figures.
@@ -94,12 +94,13 @@ def analyze(
         A table: a DataFrame of pandas, whose named index levels count as columns, or of polars; a table of pyarrow or a
         relation of DuckDB, through the Arrow C stream, which needs pyarrow; a structured array, or a dict of columns. Or
         result files, folders, tables of counts, or any CSV files. Answers to a task are read from their folder. Ordered
-        categories (`Categorical`, `Enum`) say which values a column has, and their order. A masked value is missing.
+        categories (`Categorical`, `Enum`) say which values a column has, and their order. A masked value is missing. The
+        scale of a table that is not from `read_results` is the one that its responses show.
     subject
         Column with the participant ID [default: subject_id, or the only column participant, participant_id, subject or
         subject_nr].
     response
-        Column with the ordered response [default: rating; 0–3 in result files].
+        Column with the ordered response [default: rating, 0–3].
     wide
         Columns with the ordered responses at each level of a factor, which is named condition unless NAME= says
         otherwise.
@@ -110,9 +111,6 @@ def analyze(
         CSV: 'low,"medium, mostly",high'.
     count
         Column with the number of trials per row [default: count, if present].
-    factors
-        Columns with the factors [default: the factors of the definition or of the terms]. A dict gives the order of
-        their levels, of which the first is the baseline: ``{"dose": ["none", "little", "lots"]}``.
     direction
         Factors that are directions, which are circular [default: stimulus parameters that are directions].
     exclude
@@ -155,6 +153,9 @@ def analyze(
         studies would not change a conclusion.
     seed
         Seed of the simulated studies.
+    factors
+        Columns with the factors [default: the factors of the definition or of the terms]. A dict gives the order of
+        their levels, of which the first is the baseline: ``{"dose": ["none", "little", "lots"]}``.
     on_error
         What to do with rows that are wrong, such as a rating that is not on the scale: ``raise`` a `DataError`, whose
         `rows` are their positions, or ``drop`` them with a warning, if they are at most 2 % of the rows.

@@ -74,11 +74,11 @@ def predict(
     window_deg
         Width of the stimulus in degrees of visual angle [default: the width in the rated sessions, otherwise in the
         definition, otherwise 10].
-    ppd, white, black
-        As in `compare`.
     criterion
         File with the thresholds between ratings, fitted to people; written if the prediction is compared with ratings,
         otherwise read to predict ratings.
+    ppd, white, black
+        As in `compare`.
     **parameters
         The parameters of the stimulus, as in `stimulus`.
 
@@ -160,7 +160,8 @@ def compare(
     black
         Luminance of black in cd/m², with what the screen reflects [default: the display profile's, or 0.2].
     transfer
-        A `Transfer` of the display, or the text of one, such as ``gamma:2.2`` [default: srgb].
+        Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; for separate functions for
+        red, green and blue, join three with /.
     display
         Display profile written by `machband calibrate`.
     mask
