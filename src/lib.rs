@@ -13,7 +13,7 @@
 //! | floor | module | contents |
 //! |---|---|---|
 //! | −1 | [`text`] | values as words, "did you mean …?", and tables of typed values |
-//! | 0 | [`system`] | the clock, threads, signals, folders and fonts of the operating system |
+//! | −1 | [`system`] | the clock, threads, signals, folders and fonts of the operating system |
 //! | 0 | [`statistics`] | intervals, quantiles, tail probabilities, correction for multiple testing, random orders |
 //! | 0 | [`light`] | interpolation I_n, transfer functions, conversion of light to codes, images |
 //! | 1 | [`display`] | visual angle, cm and pixels; the properties of a screen |

@@ -18,7 +18,7 @@ type Module = Vec<String>;
 /// `src/lib.rs`, is divided into several floors here.
 const FLOORS: &[(&str, i32)] = &[
     ("text", -1),
-    ("system", 0),
+    ("system", -1),
     ("light", 0),
     ("statistics", 0),
     ("display", 1),

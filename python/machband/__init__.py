@@ -4,11 +4,12 @@ Mach bands are the bright and dark lines that people see where the slope of lumi
 whole program, as the command ``machband``, and its parts as functions on NumPy arrays:
 
 ========================  ==========================================================================================
-`stimulus`, `light`,      exact stimuli as codes or as light
+`stimuli`                 a function for each kind of stimulus, which returns a `Stimulus`
+`stimulus`, `light`,      codes, light, and the profile through the center, for loops over kinds
 `profile`
 `kinds`, `parameters`     what can be shown, and what can be varied
 `interpolate`,            the functions behind the stimuli
-`transfer`,
+`Transfer`,
 `visual_angle`
 `predict`                 how visible the bands of a stimulus are
 `compare`, `steps`        how visible the difference between pictures is, and the steps of a picture's codes
@@ -23,14 +24,18 @@ whole program, as the command ``machband``, and its parts as functions on NumPy 
 Light is linear and relative to the screen's maximum, 0 to 1. Angles are in degrees, times in seconds. Tables are
 `pandas.DataFrame` objects if pandas is installed, and otherwise dicts of arrays. Long work shows its progress if tqdm is
 installed, and stops on Ctrl+C. An invalid value, file or data set raises `Error`, a `ValueError`, in the words of the
-command; an argument of the wrong type raises `TypeError`.
+command; data that cannot be analyzed raise `DataError`, an `Error`; an argument of the wrong type raises `TypeError`.
 """
 
+from . import stimuli
+from ._analysis import Analysis, Figure
 from ._experiment import Definition, simulate
-from ._machband import Error, __version__
+from ._machband import DataError, Error, __version__
 from ._shading import Mesh, Shaded, mesh, shade
 from ._stimulus import (
     Parameter,
+    Stimulus,
+    Transfer,
     VisualAngle,
     interpolate,
     kinds,
@@ -38,15 +43,16 @@ from ._stimulus import (
     parameters,
     profile,
     stimulus,
-    transfer,
     visual_angle,
 )
-from ._study import Analysis, Exported, Figure, Verification, analyze, export, read_results, verify
+from ._study import DataWarning, Exported, Verification, analyze, export, read_results, verify
 from ._vision import Comparison, Place, Prediction, Steps, compare, predict, steps
 
 __all__ = [
     "Analysis",
     "Comparison",
+    "DataError",
+    "DataWarning",
     "Definition",
     "Error",
     "Exported",
@@ -57,6 +63,8 @@ __all__ = [
     "Prediction",
     "Shaded",
     "Steps",
+    "Stimulus",
+    "Transfer",
     "Verification",
     "VisualAngle",
     "__version__",
@@ -74,8 +82,8 @@ __all__ = [
     "shade",
     "simulate",
     "steps",
+    "stimuli",
     "stimulus",
-    "transfer",
     "verify",
     "visual_angle",
 ]

@@ -5,15 +5,17 @@ from __future__ import annotations
 import difflib
 import functools
 import inspect
+import io
 import operator
 import os
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, Literal, ParamSpec, TypeVar, Union
 
 import numpy as np
 
+from . import _machband
 from ._machband import Error
 
 P = ParamSpec("P")
@@ -24,21 +26,39 @@ Table = Any
 
 
 def suggests(function: Callable[P, T]) -> Callable[P, T]:
-    """Make a function name the nearest keyword if it is called with an unknown one."""
-    known = [name for name in inspect.signature(function).parameters if name != "self"]
+    """Make a function name the nearest keyword if it is called with an unknown one.
+
+    The parameters of the stimulus in ``**parameters`` are known too; the library itself names the nearest of them.
+    """
+    signature = inspect.signature(function).parameters
+    known = [name for name, one in signature.items() if name != "self" and one.kind is not one.VAR_KEYWORD]
+    called = function.__qualname__.removesuffix(".__init__").split(".")[-1]
+    is_open = any(one.kind is one.VAR_KEYWORD for one in signature.values())
+
+    def refused(name: str, near: list[str]) -> TypeError:
+        question = f"; did you mean {near[0]!r}?" if near else ""
+        message = f"{called}() got an unexpected keyword argument {name!r}; expected one of {', '.join(known)}"
+        return TypeError(message + question)
 
     @functools.wraps(function)
     def checked(*args: P.args, **kwargs: P.kwargs) -> T:
-        for name in kwargs:
-            if name not in known:
+        further = [name for name in kwargs if name not in known]
+        if further and not is_open:
+            raise refused(further[0], difflib.get_close_matches(further[0], known, 1))
+        try:
+            return function(*args, **kwargs)
+        except Error:
+            for name in further:
                 near = difflib.get_close_matches(name, known, 1)
-                question = f"; did you mean {near[0]!r}?" if near else ""
-                names = ", ".join(known)
-                message = f"{function.__name__}() got an unexpected keyword argument {name!r}"
-                raise TypeError(f"{message}; expected one of {names}{question}")
-        return function(*args, **kwargs)
+                if near and difflib.get_close_matches(name, {*known, *_STIMULUS_PARAMETERS}, 1) == near:
+                    raise refused(name, near) from None
+            raise
 
     return checked
+
+
+#: The names of the parameters of all kinds of stimulus.
+_STIMULUS_PARAMETERS = {parameter[0] for kind, _ in _machband.kinds() for parameter in _machband.parameters(kind)}
 
 
 def whole(name: str, given: object, least: int = 0, most: int = 2**64 - 1) -> int:
@@ -52,6 +72,15 @@ def whole(name: str, given: object, least: int = 0, most: int = 2**64 - 1) -> in
     if not least <= number <= most:
         raise Error(f"{name} {number} is outside {least}…{most}; expected a whole number in this range")
     return number
+
+
+def seed_of(name: str, given: object) -> int:
+    """Return a seed, from 0 to 2^64 − 1: a number, or one that a generator of NumPy draws."""
+    if isinstance(given, np.random.Generator):
+        return int(given.integers(2**64, dtype=np.uint64))
+    if isinstance(given, np.random.SeedSequence):
+        return int(given.generate_state(1, np.uint64)[0])
+    return whole(name, given)
 
 
 def words(name: str, given: object) -> str | None:
@@ -87,6 +116,21 @@ def value(name: str, given: object) -> float | str:
         return float(given)  # type: ignore[arg-type]
     except (TypeError, ValueError):
         raise TypeError(f"{name} is {given!r}; expected a number or text") from None
+
+
+def number(name: str, given: object) -> float:
+    """Return a number."""
+    if isinstance(given, (int, float, np.number)) and not isinstance(given, bool):
+        return float(given)
+    raise TypeError(f"{name} is {given!r}; expected a number")
+
+
+def numbers(name: str, given: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Return an array of numbers."""
+    try:
+        return np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} is {given!r}; expected numbers") from None
 
 
 def text(name: str, given: object) -> str:
@@ -137,11 +181,40 @@ def path(name: str, given: object) -> str:
 
 Fields = dict[str, "str | bool | list[str]"]
 
+#: A seed, from 0 to 2^64 − 1, or a generator that draws one.
+Seed = Union[int, np.random.Generator, np.random.SeedSequence]
+
+#: How a value between two codes is assigned to one of them.
+Dither = Literal[
+    "none",
+    "random",
+    "blue-noise",
+    "ordered",
+    "ordered:bayer2",
+    "ordered:bayer4",
+    "ordered:bayer8",
+    "ordered:bayer16",
+    "ordered:clustered2",
+    "ordered:clustered3",
+]
+
+
+def encoding(given: Any) -> Fields:
+    """Return the fields of a request that say how codes become light: a `Transfer`, or the text of one."""
+    display: str | None = getattr(given, "display", None)
+    if display is not None:
+        return {"display": display}
+    function = words("transfer", getattr(given, "function", given))
+    return {} if function is None else {"transfer": function}
+
+
 #: What makes a field of an argument with this type in the signature; any other becomes text.
 _CONVERSIONS: dict[str, Callable[[str, Any], str | bool | int | list[str] | None]] = {
     "bool": flag,
     "int": whole,
+    "Seed": seed_of,
     "str": words,
+    "Dither": words,
     "str | PathLike[str]": path,
     "str | Sequence[str]": texts,
     "Mapping[str, Sequence[Any]]": levels,
@@ -157,7 +230,12 @@ def options(function: Callable[..., Any], given: Mapping[str, Any], *but: str) -
     for name, parameter in inspect.signature(function).parameters.items():
         if parameter.kind is parameter.KEYWORD_ONLY and name not in but and given[name] is not None:
             kind = parameter.annotation.removesuffix(" | None")
-            convert = words if kind.startswith("Literal") else _CONVERSIONS.get(kind, text)
+            if kind == "str | Transfer":
+                if "display" in (coding := encoding(given[name])) and given.get("display") is not None:
+                    raise Error("transfer and display are both a display profile; expected one of them")
+                fields.update(coding)
+                continue
+            convert = words if kind.startswith('Literal["') else _CONVERSIONS.get(kind, text)
             field = convert(name, given[name])
             fields[name] = str(field) if isinstance(field, int) and not isinstance(field, bool) else field  # type: ignore[assignment]
     return fields
@@ -166,7 +244,6 @@ def options(function: Callable[..., Any], given: Mapping[str, Any], *but: str) -
 def table(
     columns: Mapping[str, np.ndarray[Any, Any]],
     described: list[tuple[str, str, str]] | None = None,
-    simulated: bool | None = None,
 ) -> Table:
     """Return columns as a table. What is known about them goes into `DataFrame.attrs`."""
     try:
@@ -180,9 +257,26 @@ def table(
     if described is not None:
         frame.attrs["units"] = {name: unit for name, unit, _ in described if unit}
         frame.attrs["descriptions"] = {name: description for name, _, description in described if description}
-    if simulated is not None:
-        frame.attrs["simulated"] = simulated
     return frame
+
+
+def named(names: list[str], values: np.ndarray[Any, Any], columns: list[str] | None = None) -> Any:
+    """Return named rows: a `pandas.Series`, or a `DataFrame` if rows have columns; without pandas, a dict."""
+    try:
+        import pandas
+    except ImportError:
+        return dict(zip(names, values.tolist(), strict=True))
+    return pandas.Series(values, names) if values.ndim == 1 else pandas.DataFrame(values, names, columns)
+
+
+def plotted(png: bytes, ax: Any) -> Any:
+    """Draw an image on axes of matplotlib, by default new ones, and return them."""
+    from matplotlib import image, pyplot
+
+    ax = pyplot.subplots()[1] if ax is None else ax
+    ax.imshow(image.imread(io.BytesIO(png), format="png"))
+    ax.set_axis_off()
+    return ax
 
 
 @contextmanager

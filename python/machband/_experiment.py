@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 from . import _machband
-from ._common import Table, name_of, options, progress, suggests, table, whole
+from ._common import Seed, Table, name_of, options, path, progress, seed_of, suggests, table
 from ._study import read_results
 
 
@@ -51,7 +51,7 @@ class Definition:
         """Read a definition; the same as `load`."""
         if isinstance(name_or_path, Mapping):
             raise TypeError("Definition() got a dict; expected a name or a path, or Definition.from_dict")
-        self._native = _machband.Definition.load(os.fspath(name_or_path))
+        self._native = _machband.Definition.load(path("name_or_path", name_or_path))
 
     @classmethod
     def load(cls, name_or_path: str | PathLike[str]) -> Definition:
@@ -92,10 +92,10 @@ class Definition:
         """Hash the content."""
         return hash(self.sha256)
 
-    def save(self, path: str | PathLike[str]) -> None:
+    def save(self, file: str | PathLike[str]) -> None:
         """Write the definition to a new TOML file, which the window and the commands read."""
-        with open(path, "x", encoding="utf-8") as file:
-            file.write(self._native.to_toml())
+        with open(path("file", file), "x", encoding="utf-8") as out:
+            out.write(self._native.to_toml())
 
     def to_dict(self) -> dict[str, Any]:
         """Return all keys, with their defaults but without default texts; the form in the sidecars."""
@@ -127,14 +127,14 @@ class Definition:
         return table(self._native.conditions())
 
     @suggests
-    def schedule(self, participant: str | int = "S001", session: str | int = "1", seed: int = 1) -> Table:
+    def schedule(self, participant: str | int = "S001", session: str | int = "1", seed: Seed = 1) -> Table:
         """Return a table of the trials of a session: phase, block, trial, repetition, condition, and the factors.
 
         ``condition`` is the row of the table that `conditions` returns, counted from 0. The order is the one that the
         window and the commands use for this participant, session and seed.
         """
         participant, session = name_of("participant", participant), name_of("session", session)
-        return table(self._native.schedule(participant, session, whole("seed", seed)))
+        return table(self._native.schedule(participant, session, seed_of("seed", seed)))
 
     def __repr__(self) -> str:
         """Name the definition."""
@@ -146,7 +146,7 @@ def simulate(
     definition: Definition | Mapping[str, Any] | str | PathLike[str],
     *,
     participants: int = 1,
-    seed: int = 1,
+    seed: Seed = 1,
     observer: Literal["paper", "random", "vision"] = "paper",
     observer_file: str | PathLike[str] | None = None,
     resume: bool = False,
@@ -185,7 +185,7 @@ def simulate(
     if not isinstance(definition, Definition):
         definition = Definition(definition)
     with tempfile.TemporaryDirectory(prefix="machband-") as temporary:
-        folder = temporary if results is None else os.fspath(results)
+        folder = temporary if results is None else path("results", results)
         given = {**options(simulate, locals(), "results"), "results": folder}
         with progress("trials") as show:
             _machband.simulate(definition._native, given, show)

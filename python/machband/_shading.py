@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Fields, flag, options, suggests, whole
-from ._stimulus import Codes
+from ._common import Dither, Fields, Seed, flag, options, path, suggests, whole
+from ._stimulus import Codes, Transfer
 
 Triple = Sequence[float]
 
@@ -71,7 +71,7 @@ def mesh(
 
 
 def _named(name_or_path: str | PathLike[str], n_vertices: int) -> Fields:
-    return {"mesh": os.fspath(name_or_path), "vertices": str(whole("n_vertices", n_vertices))}
+    return {"mesh": path("name_or_path", name_or_path), "vertices": str(whole("n_vertices", n_vertices))}
 
 
 def _rows(name: str, given: npt.ArrayLike, dtype: type) -> npt.NDArray[Any]:
@@ -114,11 +114,11 @@ def shade(
     naive: bool = False,
     window_deg: float = 10,
     size: int = 1024,
-    transfer: str | None = None,
+    transfer: str | Transfer | None = None,
     display: str | PathLike[str] | None = None,
-    bits: int = 8,
-    dither: str = "none",
-    seed: int = 1,
+    bits: Literal[8, 16] = 8,
+    dither: Dither = "none",
+    seed: Seed = 1,
     white: float | None = None,
     black: float | None = None,
     shader: str | None = "c1-phong",
@@ -182,24 +182,10 @@ def shade(
         Interpolate encoded values, like a renderer that ignores gamma.
     window_deg
         Width of the image in degrees of visual angle, for the difference from the smooth surface, 0.5 to 170.
-    size
-        Side of the image in pixels.
-    transfer
-        Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; for separate functions for
-        red, green and blue, join three with /.
-    display
-        Display profile written by `machband calibrate`.
-    bits
-        Bits per channel.
-    dither
-        Dither: none, ordered, blue-noise or random; for a specific matrix, ordered:bayer2, 4, 8 or 16, or
-        ordered:clustered2 or 3.
-    seed
-        Seed of the random dither.
-    white
-        Luminance of white in cd/m², without that of black [default: the display profile's, or 100].
-    black
-        Luminance of black in cd/m², with what the screen reflects [default: the display profile's, or 0.2].
+    size, transfer, display, bits, dither, seed
+        As in `stimulus`.
+    white, black
+        As in `compare`.
     shader
         A shader that ``machband shade --help`` lists, such as ``gouraud`` or ``patch``; `None`, with `truth`, for the
         smooth surface alone.
@@ -232,15 +218,15 @@ def shade(
     if truth:
         given["truth"] = truth if isinstance(truth, bool) else os.fspath(truth)
     if isinstance(vertices, (str, os.PathLike)):
-        path = os.fspath(vertices)
+        file = os.fspath(vertices)
         if triangles is not None:
-            raise TypeError(f"shade() got triangles for the mesh {path!r}; expected only arrays or only a name")
+            raise TypeError(f"shade() got triangles for the mesh {file!r}; expected only arrays or only a name")
         if normals is not None and estimated is None:
-            raise TypeError(f"shade() got normals for the mesh {path!r}; expected only arrays or only a name")
-        if path.endswith(".toml"):
+            raise TypeError(f"shade() got normals for the mesh {file!r}; expected only arrays or only a name")
+        if file.endswith(".toml"):
             image: Fields = {name: given[name] for name in ("size", "bits", "transfer", "display") if name in given}
-            return Shaded(_machband.shade({"scene": path, **image}, None, False)[0], None)
-        fields = {**given, **_named(path, n_vertices)}
+            return Shaded(_machband.shade({"scene": file, **image}, None, False)[0], None)
+        fields = {**given, **_named(file, n_vertices)}
         codes, measured = _machband.shade(fields, None, flag("metrics", metrics) and shader is not None)
     else:
         if triangles is None:
@@ -253,5 +239,7 @@ def shade(
         codes, measured = _machband.shade({**given, "mesh": "arrays"}, arrays, metrics and shader is not None)
     found = None if measured is None else json.loads(measured)
     if found and found["mesh"] == "arrays":
-        found.update(vertices=len(np.asarray(vertices)), normals=estimated or ("averaged" if normals is None else "given"))
+        found.update(
+            vertices=len(np.asarray(vertices)), normals=estimated or ("averaged" if normals is None else "given")
+        )
     return Shaded(codes, found)

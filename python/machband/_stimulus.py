@@ -2,14 +2,38 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property, partial
 from os import PathLike
-from typing import Any, Literal, NamedTuple, overload
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Table, flag, name_of, options, suggests, table, value, whole
+from ._common import (
+    Dither,
+    Seed,
+    Table,
+    encoding,
+    flag,
+    name_of,
+    number,
+    numbers,
+    options,
+    path,
+    suggests,
+    table,
+    text,
+    value,
+    whole,
+)
+
+if TYPE_CHECKING:
+    from ._vision import Prediction
 
 Codes = npt.NDArray[np.uint8] | npt.NDArray[np.uint16]
 Floats = npt.NDArray[np.float64]
@@ -19,7 +43,7 @@ class Parameter(NamedTuple):
     """A parameter of a kind of stimulus.
 
     `default` is its value if it is not given; `unit` is ``1`` for a plain number, and empty if it is not a number;
-    `expected` says which values it can have.
+    `expected` says which values it can have, and `choices` has all of them if they are a few names.
     """
 
     name: str
@@ -27,6 +51,7 @@ class Parameter(NamedTuple):
     unit: str
     description: str
     expected: str
+    choices: list[str]
 
 
 class VisualAngle(NamedTuple):
@@ -64,54 +89,84 @@ def parameters(kind: str = "mach-band") -> dict[str, Parameter]:
     return {found[0]: Parameter(*found) for found in _machband.parameters(name_of("kind", kind))}
 
 
-@overload
+@dataclass(frozen=True)
+class Transfer:
+    """How a display turns encoded values into light. The argument `transfer` of any function takes one.
+
+    Attributes
+    ----------
+    function
+        ``srgb`` (IEC 61966-2-1), ``linear``, ``gamma:G`` or ``gog:GAMMA,GAIN,OFFSET``; for separate functions for red,
+        green and blue, join three with ``/``.
+    display
+        In place of a function: a display profile written by ``machband calibrate``.
+
+    Examples
+    --------
+    >>> round(Transfer.gamma(2.2).encode(0.5), 4)
+    0.7297
+    """
+
+    function: str | None = "srgb"
+    display: str | None = None
+
+    @classmethod
+    def srgb(cls) -> Transfer:
+        """Return the function of sRGB."""
+        return cls()
+
+    @classmethod
+    def gamma(cls, gamma: float) -> Transfer:
+        """Return a power function: light is encoded ** `gamma`."""
+        return cls(f"gamma:{text('gamma', gamma)}")
+
+    @classmethod
+    def gog(cls, gamma: float, gain: float, offset: float) -> Transfer:
+        """Return the gain-offset-gamma model of a display."""
+        given = {"gamma": gamma, "gain": gain, "offset": offset}
+        return cls("gog:" + ",".join(text(name, number) for name, number in given.items()))
+
+    @classmethod
+    def from_display(cls, profile: str | PathLike[str]) -> Transfer:
+        """Return the functions in a display profile."""
+        return cls(None, path("profile", profile))
+
+    def encode(self, light: npt.ArrayLike) -> float | Floats:
+        """Encode linear light, 0 to 1, relative to the maximum; any shape, (…, 3) if the channels differ."""
+        return self._apply("light", light, False)
+
+    def decode(self, encoded: npt.ArrayLike) -> float | Floats:
+        """Return the light of encoded values from 0 to 1, such as ``codes / 255``."""
+        return self._apply("encoded", encoded, True)
+
+    def _apply(self, name: str, values: npt.ArrayLike, inverse: bool) -> float | Floats:
+        given, flat, scalar = _flat(name, values)
+        if np.isnan(flat).any():
+            raise _machband.Error(f"{name} contains NaN; expected 0 to 1")
+        if flat.size and not (flat.min() >= 0 and flat.max() <= 1):
+            raise _machband.Error(
+                f"{name} goes from {flat.min()} to {flat.max()}; expected 0 to 1, such as codes / 255"
+            )
+        width = given.shape[-1] if given.ndim else 1
+        return _like(given, _machband.encode(flat, width, encoding(self), inverse), scalar)
+
+
+@suggests
 def stimulus(
     kind: str = "mach-band",
     *,
     size: int = 1024,
-    transfer: str | None = None,
+    transfer: str | Transfer | None = None,
     display: str | PathLike[str] | None = None,
-    bits: int = 8,
-    dither: str = "none",
-    seed: int = 1,
-    as_dict: Literal[False] = False,
-    window_deg: float = 10.0,
+    bits: Literal[8, 16] = 8,
+    dither: Dither = "none",
+    seed: Seed = 1,
     **parameters: Any,
-) -> Codes: ...
-
-
-@overload
-def stimulus(
-    kind: str = "mach-band",
-    *,
-    size: int = 1024,
-    transfer: str | None = None,
-    display: str | PathLike[str] | None = None,
-    bits: int = 8,
-    dither: str = "none",
-    seed: int = 1,
-    as_dict: Literal[True],
-    window_deg: float = 10.0,
-    **parameters: Any,
-) -> dict[str, Any]: ...
-
-
-def stimulus(
-    kind: str = "mach-band",
-    *,
-    size: int = 1024,
-    transfer: str | None = None,
-    display: str | PathLike[str] | None = None,
-    bits: int = 8,
-    dither: str = "none",
-    seed: int = 1,
-    as_dict: bool = False,
-    window_deg: float = 10.0,
-    **parameters: Any,
-) -> Codes | dict[str, Any]:
+) -> Codes:
     """Return a stimulus as codes, the same as in the image that ``machband stimulus`` writes.
 
-    By default, it is the one of the built-in experiments: a yellow ramp on an sRGB display.
+    By default, it is the one of the built-in experiments: a yellow ramp on an sRGB display. `machband.stimuli` has a
+    function for each kind, whose result also knows its light and its visual size; this one is for loops over kinds.
 
     Parameters
     ----------
@@ -131,21 +186,15 @@ def stimulus(
         ordered:clustered2 or 3.
     seed
         Seed of the random dither.
-    as_dict
-        Return a dict with stimupy's keys: ``img``, the codes of three channels, where stimupy has one channel of floats;
-        ``light``, as from `light`; ``mask``; ``visual_size``, height and width in degrees; ``ppd``, pixels per degree,
-        vertical and horizontal; ``shape``; ``kind``; and every parameter. The mask numbers the regions of uniform light
-        from the darkest (1) to the brightest; where the light varies, it is 0.
-    window_deg
-        Width of the image in degrees of visual angle; used only with `as_dict`.
     **parameters
         The parameters of the kind, such as ``width``, ``depth``, ``orientation_deg``, ``low``, ``high`` and ``color``;
-        see `parameters`. A color is a name such as ``gray`` or ``yellow``, weights of red, green and blue such as
-        ``(1, 1, 0)``, or text such as ``hsv:60,1,1`` or ``xyY:0.3,0.3,0.5``.
+        see `parameters`. A color is a name such as ``gray`` or ``yellow``, weights of red, green and blue in linear light
+        such as ``(1, 1, 0)``, a color of sRGB such as ``"#ffff00"``, or text such as ``hsv:60,1,1`` or
+        ``xyY:0.3,0.3,0.5``.
 
     Returns
     -------
-    Codes of shape (size, size, 3), uint8 or uint16; or a dict.
+    Codes of shape (size, size, 3), uint8 or uint16.
 
     Notes
     -----
@@ -157,26 +206,162 @@ def stimulus(
     >>> stimulus(size=4, color="gray")[0, :, 0].tolist()
     [137, 158, 212, 225]
     """
-    given = _parameters(parameters)
-    if not (0 < window_deg < np.inf):
-        raise _machband.Error(f"window_deg is {window_deg!r}; expected degrees above 0")
-    coding = options(stimulus, locals(), "as_dict", "window_deg")
-    codes: Codes = _machband.stimulus(name_of("kind", kind), given, coding)
-    if not flag("as_dict", as_dict):
-        return codes
-    shown = light(kind, size=size, **parameters)
-    described = {name: found.default for name, found in _known(kind).items()}
-    return {
-        "img": codes,
-        "light": shown,
-        "mask": _mask(shown),
-        "visual_size": (window_deg, window_deg),
-        "ppd": (size / window_deg, size / window_deg),
-        "shape": (size, size),
-        "kind": kind,
-        **described,
-        **parameters,
-    }
+    coding = options(stimulus, locals())
+    codes: Codes = _machband.stimulus(name_of("kind", kind), _parameters(parameters), coding)
+    return codes
+
+
+class Stimulus:
+    """A stimulus: its light, its size, and what reproduces it. `machband.stimuli` makes one for each kind.
+
+    NumPy takes it as its light; a notebook shows it.
+
+    Attributes
+    ----------
+    kind
+        One of `kinds`.
+    parameters
+        All arguments that make it again: ``Stimulus(kind, **parameters)``.
+    shape
+        Height and width in pixels.
+    ppd, visual_size
+        Pixels per degree, and degrees of visual angle, each vertical and horizontal.
+    """
+
+    @suggests
+    def __init__(
+        self,
+        kind: str = "mach-band",
+        *,
+        size: int | None = None,
+        ppd: float | None = None,
+        visual_size: float | None = None,
+        **parameters: Any,
+    ) -> None:
+        """Describe a stimulus.
+
+        Parameters
+        ----------
+        kind
+            One of `kinds`.
+        size
+            Side in pixels [default: `ppd` times `visual_size`, or 1024].
+        ppd
+            Pixels per degree of visual angle.
+        visual_size
+            Side in degrees of visual angle [default: `size` / `ppd`, or 10].
+        **parameters
+            The parameters of the kind, as in `stimulus`.
+        """
+        side = None if size is None else whole("size", size, 1)
+        for name, given in (("ppd", ppd), ("visual_size", visual_size)):
+            if given is not None and not 0 < number(name, given) < np.inf:
+                raise _machband.Error(f"{name} is {given!r}; expected a number above 0")
+        if ppd is not None and visual_size is not None:
+            pixels = round(ppd * visual_size)
+            if abs(ppd * visual_size - pixels) > 1e-6 or pixels < 1:
+                raise _machband.Error(f"ppd times visual_size is {ppd * visual_size:g}; expected whole pixels")
+            if side not in (None, pixels):
+                raise _machband.Error(f"size is {side}; expected {pixels}, which is ppd times visual_size, or no size")
+            side = pixels
+        side = 1024 if side is None else side
+        degrees = float(visual_size if visual_size is not None else side / ppd if ppd is not None else 10)
+        defaults = {name: found.default for name, found in _known(kind).items()}
+        self.kind = kind
+        self.shape = (side, side)
+        self.visual_size = (degrees, degrees)
+        self.ppd = (side / degrees, side / degrees)
+        self._own = {**defaults, **parameters}
+        self.parameters = MappingProxyType({**self._own, "size": side, "visual_size": degrees})
+        _machband.check_stimulus(name_of("kind", kind), _parameters(parameters))
+
+    @cached_property
+    def light(self) -> npt.NDArray[np.float32]:
+        """Light of red, green and blue relative to the screen's maximum, 0 to 1; shape (height, width, 3), read-only."""
+        shown = light(self.kind, size=self.shape[0], **self._own)
+        shown.flags.writeable = False
+        return shown
+
+    @cached_property
+    def mask(self) -> npt.NDArray[np.intp]:
+        """Number of the region of uniform light, from the darkest (1) to the brightest; 0 where the light varies."""
+        return _mask(self.light)
+
+    @suggests
+    def codes(
+        self,
+        *,
+        bits: Literal[8, 16] = 8,
+        transfer: str | Transfer | None = None,
+        dither: Dither = "none",
+        seed: Seed = 1,
+    ) -> Codes:
+        """Return the codes for a display, as `stimulus` does; shape (height, width, 3)."""
+        size = self.shape[0]
+        return stimulus(self.kind, size=size, bits=bits, transfer=transfer, dither=dither, seed=seed, **self._own)
+
+    def profile(self, **coding: Any) -> Table:
+        """Return the luminance profile through the center, as the function `profile` does."""
+        return profile(self.kind, size=self.shape[0], **coding, **self._own)
+
+    def predict(self, **viewing: Any) -> Prediction:
+        """Predict how visible its bands are, with the arguments of the function `predict` except its size."""
+        from ._vision import predict
+
+        return predict(self.kind, size=self.shape[0], window_deg=self.visual_size[0], **viewing, **self._own)
+
+    def to_stimupy(self) -> dict[str, Any]:
+        """Return a dict with the keys of stimupy: ``img`` has the light of the strongest channel, 0 to 1."""
+        fields = {"img": self.light.max(axis=2).astype(np.float64), "mask": self.mask, "shape": self.shape}
+        return {**self._own, **fields, "visual_size": self.visual_size, "ppd": self.ppd, "kind": self.kind}
+
+    @suggests
+    def save(
+        self,
+        file: str | PathLike[str],
+        *,
+        bits: Literal[8, 16] = 8,
+        transfer: str | Transfer | None = None,
+        dither: Dither = "none",
+        seed: Seed = 1,
+        force: bool = False,
+    ) -> None:
+        """Write the image that ``machband stimulus --out`` writes, a PNG with its recipe; with `force`, replace a file."""
+        fields = {**options(Stimulus.save, locals(), "force"), "size": str(self.shape[0])}
+        _machband.save_stimulus(self.kind, _parameters(self._own), fields, path("file", file), flag("force", force))
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw it on axes of matplotlib, by default new ones, in degrees of visual angle; return them."""
+        from matplotlib import pyplot
+
+        ax = pyplot.subplots()[1] if ax is None else ax
+        half = self.visual_size[0] / 2
+        ax.imshow(self.codes(), extent=(-half, half, -half, half), interpolation="nearest")
+        ax.set(xlabel="degrees", ylabel="degrees")
+        return ax
+
+    def __array__(self, dtype: npt.DTypeLike = None, copy: bool | None = None) -> npt.NDArray[Any]:
+        """Return the light."""
+        return np.array(self.light, dtype) if copy else np.asarray(self.light, dtype)
+
+    def __eq__(self, other: object) -> bool:
+        """Compare what reproduces them."""
+        return isinstance(other, Stimulus) and (self.kind, self.parameters) == (other.kind, other.parameters)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle what reproduces it."""
+        return partial(Stimulus, self.kind, **self.parameters), ()
+
+    def __repr__(self) -> str:
+        """Return the call that makes it."""
+        given = "".join(f", {name}={value!r}" for name, value in self.parameters.items())
+        return f"Stimulus({self.kind!r}{given})"
+
+    def _repr_png_(self) -> bytes:
+        with TemporaryDirectory() as folder:
+            file = Path(folder, "stimulus.png")
+            self.save(file)
+            return file.read_bytes()
 
 
 _known = parameters
@@ -196,6 +381,7 @@ def _mask(shown: npt.NDArray[np.float32]) -> npt.NDArray[np.intp]:
     return np.where(levels[found] == level, found + 1, 0)
 
 
+@suggests
 def light(kind: str = "mach-band", *, size: int = 1024, **parameters: Any) -> npt.NDArray[np.float32]:
     """Return the linear light of a stimulus, before it is converted to codes.
 
@@ -216,15 +402,16 @@ def light(kind: str = "mach-band", *, size: int = 1024, **parameters: Any) -> np
     return _machband.light(name_of("kind", kind), _parameters(parameters), {"size": str(whole("size", size))})
 
 
+@suggests
 def profile(
     kind: str = "mach-band",
     *,
     size: int = 1024,
-    transfer: str | None = None,
+    transfer: str | Transfer | None = None,
     display: str | PathLike[str] | None = None,
-    bits: int = 8,
-    dither: str = "none",
-    seed: int = 1,
+    bits: Literal[8, 16] = 8,
+    dither: Dither = "none",
+    seed: Seed = 1,
     **parameters: Any,
 ) -> Table:
     """Return the luminance profile through the center of a stimulus, along its orientation.
@@ -248,8 +435,8 @@ def _like(given: Floats, found: Floats, scalar: bool) -> float | Floats:
     return float(found[0]) if scalar else found.reshape(given.shape)
 
 
-def _flat(values: npt.ArrayLike) -> tuple[Floats, Floats, bool]:
-    given = np.asarray(values, dtype=np.float64)
+def _flat(name: str, values: npt.ArrayLike) -> tuple[Floats, Floats, bool]:
+    given = numbers(name, values)
     return given, np.ascontiguousarray(given).ravel(), given.ndim == 0
 
 
@@ -273,39 +460,8 @@ def interpolate(u: npt.ArrayLike, depth: float | str = 1) -> float | Floats:
     >>> interpolate([0.25, 0.5, 0.75], depth=2).tolist()
     [0.15625, 0.5, 0.84375]
     """
-    given, flat, scalar = _flat(u)
+    given, flat, scalar = _flat("u", u)
     return _like(given, _machband.interpolate(flat, value("depth", depth)), scalar)
-
-
-@suggests
-def transfer(values: npt.ArrayLike, function: str = "srgb", *, inverse: bool = False) -> float | Floats:
-    """Encode light for a display, or decode encoded values.
-
-    Parameters
-    ----------
-    values
-        Linear light relative to the maximum, 0 to 1; with `inverse`, encoded values from 0 to 1, such as ``codes / 255``.
-        Any shape.
-    function
-        ``srgb`` (IEC 61966-2-1), ``linear``, ``gamma:G`` or ``gog:GAMMA,GAIN,OFFSET``.
-    inverse
-        Decode.
-
-    Returns
-    -------
-    Encoded values, or light, in the shape of `values`.
-
-    Examples
-    --------
-    >>> round(transfer(0.5), 4)
-    0.7354
-    """
-    given, flat, scalar = _flat(values)
-    if np.isnan(flat).any():
-        raise _machband.Error("values contains NaN; expected 0 to 1")
-    if flat.size and not (flat.min() >= 0 and flat.max() <= 1):
-        raise _machband.Error(f"values go from {flat.min()} to {flat.max()}; expected 0 to 1, such as codes / 255")
-    return _like(given, _machband.encode(flat, function, inverse), scalar)
 
 
 @suggests
@@ -342,9 +498,10 @@ def visual_angle(
     if len(chosen) != 1:
         raise TypeError(f"visual_angle() got {len(chosen)} lengths; expected exactly one of px, cm and deg")
     [(unit, length)] = chosen
-    given, flat, scalar = _flat(length)
+    given, flat, scalar = _flat(unit, length)
     if unit == "deg" and flat.size and not (np.abs(flat).max() < 180):
         raise _machband.Error(f"deg goes up to {np.abs(flat).max()}; expected less than 180")
-    found, ppd = _machband.visual_angle(flat, unit, (whole("screen_px", screen_px), screen_cm), distance_cm)
+    screen = (whole("screen_px", screen_px), number("screen_cm", screen_cm))
+    found, ppd = _machband.visual_angle(flat, unit, screen, number("distance_cm", distance_cm))
     in_deg, in_cm, in_px = (_like(given, one, scalar) for one in found)
     return VisualAngle(in_deg, in_cm, in_px, ppd)

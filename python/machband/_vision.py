@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from . import _machband
 from ._common import options, path, suggests
-from ._stimulus import _parameters
+from ._stimulus import Transfer, _parameters
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,7 @@ class Prediction:
     at_deg: tuple[float, float] | None
 
 
+@suggests
 def predict(
     kind: str = "mach-band",
     *,
@@ -73,15 +74,11 @@ def predict(
     window_deg
         Width of the stimulus in degrees of visual angle [default: the width in the rated sessions, otherwise in the
         definition, otherwise 10].
-    ppd
-        Pixels per degree of visual angle, in place of the width.
-    white
-        Luminance of white in cd/m², without that of black [default: the display profile's, or 100].
-    black
-        Luminance of black in cd/m², with what the screen reflects [default: the display profile's, or 0.2].
     criterion
         File with the thresholds between ratings, fitted to people; written if the prediction is compared with ratings,
         otherwise read to predict ratings.
+    ppd, white, black
+        As in `compare`.
     **parameters
         The parameters of the stimulus, as in `stimulus`.
 
@@ -142,7 +139,7 @@ def compare(
     ppd: float | None = None,
     white: float | None = None,
     black: float | None = None,
-    transfer: str | None = None,
+    transfer: str | Transfer | None = None,
     display: str | PathLike[str] | None = None,
     mask: str | PathLike[str] | None = None,
     large: bool = False,
@@ -225,7 +222,7 @@ def steps(
     ppd: float | None = None,
     white: float | None = None,
     black: float | None = None,
-    transfer: str | None = None,
+    transfer: str | Transfer | None = None,
     display: str | PathLike[str] | None = None,
     large: bool = False,
 ) -> Steps:
@@ -235,21 +232,8 @@ def steps(
     ----------
     picture
         The path of an opaque PNG file, or an array of codes as in `compare`.
-    window_deg
-        Width of the picture in degrees of visual angle.
-    ppd
-        Pixels per degree of visual angle, in place of the width.
-    white
-        Luminance of white in cd/m², without that of black [default: the display profile's, or 100].
-    black
-        Luminance of black in cd/m², with what the screen reflects [default: the display profile's, or 0.2].
-    transfer
-        Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; for separate functions for
-        red, green and blue, join three with /.
-    display
-        Display profile written by `machband calibrate`.
-    large
-        Also accept pictures of more than 4096 × 4096 pixels. This needs more time and memory.
+    window_deg, ppd, white, black, transfer, display, large
+        As in `compare`.
 
     Examples
     --------
@@ -290,5 +274,7 @@ def _pixels(name: str, given: Any) -> tuple[npt.NDArray[Any], tuple[int, int]]:
     if image.dtype.kind != "f":
         raise TypeError(f"{name} has dtype {image.dtype}; expected uint8, uint16 or floats")
     if not np.all(image <= 1):
-        raise _machband.Error(f"{name} has light up to {image.max()}; expected 0 to 1, such as codes / 255 decoded by transfer")
+        raise _machband.Error(
+            f"{name} has light up to {image.max()}; expected 0 to 1, such as codes / 255 decoded by a Transfer"
+        )
     return np.ascontiguousarray(image, dtype=np.float32).ravel(), (height, width)

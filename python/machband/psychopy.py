@@ -2,53 +2,175 @@
 
 from __future__ import annotations
 
-from os import PathLike
+import difflib
+from collections.abc import Sequence
 from typing import Any
 
-from ._stimulus import stimulus
+import numpy as np
+from PIL import Image
+from psychopy.tools.monitorunittools import convertToPix
+from psychopy.visual import ImageStim
+from psychopy.visual.basevisual import MinimalStim
 
-__all__ = ["stim"]
+from . import _machband
+from ._common import Dither, Seed
+from ._stimulus import Codes, Stimulus, Transfer, stimulus
+
+__all__ = ["MachBandStim"]
 
 
-def stim(
-    win: Any,
-    kind: str = "mach-band",
-    *,
-    size: int = 512,
-    transfer: str | None = None,
-    display: str | PathLike[str] | None = None,
-    dither: str = "none",
-    seed: int = 1,
-    pos: tuple[float, float] = (0, 0),
-    name: str | None = None,
-    **parameters: Any,
-) -> Any:
-    """Return an `ImageStim` of a stimulus, one texel for each pixel.
+class _Aligned(ImageStim):  # type: ignore[misc]
+    """An image whose texels are whole pixels of the window, unless it is turned by a fraction of a right angle."""
+
+    def _updateVertices(self) -> None:
+        super()._updateVertices()
+        if self.ori % 90 == 0:
+            corners = self.__dict__["verticesPix"]
+            # The origin is the middle of the window, between two pixels only if its size is even.
+            shown = corners.min(axis=0) + np.asarray(self.win.size) / 2
+            self.__dict__["verticesPix"] = corners + np.round(shown) - shown
+
+
+class _Drawer(MinimalStim):  # type: ignore[misc]
+    """Draws a stimulus on every flip. To PsychoPy, ``depth`` is a place in the order of drawing, and not that of a ramp."""
+
+    def __init__(self, stim: MachBandStim) -> None:
+        super().__init__(autoLog=False)
+        self.stim, self.win, self.depth = stim, stim.win, 0
+
+    def draw(self, win: Any = None) -> None:
+        self.stim.draw(win)
+
+
+class MachBandStim(MinimalStim):  # type: ignore[misc]
+    """A stimulus whose parameters can change from trial to trial: ``stim.width = 0.2``, ``stim.set(low=0.1, high=0.2)``.
+
+    It is drawn at one texel per pixel, without interpolation if `ori` is a multiple of 90.
 
     Parameters
     ----------
     win
-        The PsychoPy window. Its monitor must have no gamma calibration, because the codes are already for the display.
-        If PsychoPy linearizes the display, pass ``transfer="linear"``.
-    kind, size, transfer, display, dither, seed, **parameters
-        As in `machband.stimulus`. `size` is in physical pixels.
-    pos
-        Position of the center in pixels. If the window's or the stimulus's size is odd and the other's is even, shift it
-        by half a pixel to keep the pixels aligned.
-    name
-        Name of the stimulus in PsychoPy's log.
-
-    Returns
-    -------
-    A `psychopy.visual.ImageStim` in units of pixels, not interpolated.
+        The PsychoPy window. If PsychoPy linearizes the display (the monitor or the window has a gamma), the stimulus is
+        drawn in linear light, and any other `transfer` is refused: it would be encoded twice.
+    kind
+        One of `machband.kinds`.
+    size
+        Side in `units` [default: 512 pixels].
+    units
+        Units of PsychoPy for `size` and `pos` [default: the window's].
+    pos, ori, opacity, name, autoLog
+        As for any stimulus of PsychoPy: center, clockwise rotation in degrees, 0 to 1, name in the log, whether changes are
+        logged. They can be set, too.
+    transfer, dither, seed, **parameters
+        As in `machband.stimulus`.
     """
-    from PIL import Image
-    from psychopy.visual import ImageStim
 
-    codes = stimulus(
-        kind, size=size, transfer=transfer, display=display, dither=dither, seed=seed, **parameters
-    )
-    # An image keeps its codes. An array of floats would be scaled twice.
-    return ImageStim(
-        win, image=Image.fromarray(codes), units="pix", size=(size, size), pos=pos, interpolate=False, name=name
-    )
+    _own = ("size", "transfer", "dither", "seed")
+    _images = ("pos", "ori", "opacity", "units")
+
+    def __init__(
+        self,
+        win: Any,
+        kind: str = "mach-band",
+        *,
+        size: float | None = None,
+        units: str = "",
+        pos: Sequence[float] = (0, 0),
+        ori: float = 0,
+        opacity: float = 1,
+        transfer: str | Transfer | None = None,
+        dither: Dither = "none",
+        seed: Seed = 1,
+        name: str | None = None,
+        autoLog: bool | None = None,
+        **parameters: Any,
+    ) -> None:
+        """Make a stimulus for a window."""
+        super().__init__(name=name, autoLog=False)
+        self.win, self.kind = win, kind
+        self._drawer = _Drawer(self)
+        units = units or win.units
+        self.__dict__.update(size=size, transfer=transfer, dither=dither, seed=seed)
+        self.__dict__["parameters"] = {}
+        self.set(**parameters)
+        self._image = _Aligned(win, units=units, pos=pos, ori=ori, opacity=opacity, name=name, autoLog=autoLog)
+        self.codes()
+
+    def set(self, **parameters: Any) -> None:
+        """Change parameters of the stimulus, several at once if one depends on another."""
+        found = Stimulus(self.kind, **{**self.parameters, **parameters})
+        self.__dict__["parameters"] = {name: found.parameters[name] for name in found.parameters if name not in _VIEW}
+        self.__dict__["_drawn"] = None
+
+    @property
+    def autoDraw(self) -> bool:
+        """Whether it is drawn on every flip."""
+        return bool(self._drawer.autoDraw)
+
+    @autoDraw.setter
+    def autoDraw(self, value: bool) -> None:
+        self._drawer.autoDraw = value
+
+    @property
+    def size_px(self) -> int:
+        """Side in whole pixels."""
+        if self.size is None:
+            return 512
+        [[side, _]] = convertToPix(np.array([[self.size, self.size]]), (0, 0), self._image.units, self.win)
+        return max(1, round(float(side)))
+
+    def codes(self) -> Codes:
+        """Return the codes that are drawn, shape (size, size, 3), uint8."""
+        transfer, gamma = self.transfer, self.win.gamma
+        if gamma is not None:
+            if transfer not in (None, "linear", Transfer("linear")):
+                raise _machband.Error(
+                    f"transfer is {transfer!r}, and the window linearizes the display (gamma {gamma}); expected 'linear'"
+                )
+            transfer = "linear"
+        return stimulus(
+            self.kind, size=self.size_px, transfer=transfer, dither=self.dither, seed=self.seed, **self.parameters
+        )
+
+    def draw(self, win: Any = None) -> None:
+        """Draw the stimulus into the back buffer of its window, or of another one."""
+        state = (self.size_px, self.win.gamma is None)
+        if self._drawn != state:
+            # An image keeps its codes. An array of floats would be scaled twice.
+            self._image.image = Image.fromarray(self.codes())
+            self._image.setSize((state[0], state[0]), units="pix")
+            self.__dict__["_drawn"] = state
+        self._image.interpolate = self.ori % 90 != 0
+        self._image.draw(win)
+
+    def __getattr__(self, name: str) -> Any:
+        """Return a parameter of the stimulus, or an attribute of the image."""
+        if name in type(self)._images:
+            return getattr(self._image, name)
+        parameters = self.__dict__.get("parameters", {})
+        # PsychoPy's experiments call setters, too.
+        setters = {f"set{known[0].upper()}{known[1:]}": known for known in [*self._own, *self._images, *parameters]}
+        if name in setters:
+            return lambda value, *_, **__: setattr(self, setters[name], value)
+        if name not in parameters:
+            raise AttributeError(
+                f"{name!r} is not known; expected one of {', '.join([*self._own, *self._images, *parameters])}"
+            )
+        return parameters[name]
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Set a parameter of the stimulus, or an attribute of the image."""
+        if name in self.__dict__.get("parameters", {}):
+            self.set(**{name: value})
+        elif name in type(self)._images:
+            setattr(self._image, name, value)
+        else:
+            near = difflib.get_close_matches(name, self.__dict__.get("parameters", {}), 1, 0.75)
+            if near and not hasattr(self, name):
+                raise AttributeError(f"{name!r} is not known; did you mean {near[0]!r}?")
+            super().__setattr__(name, value)
+            if name in type(self)._own:
+                self.__dict__["_drawn"] = None
+
+
+_VIEW = ("size", "visual_size")

@@ -3,7 +3,7 @@
 use std::{path::PathBuf, sync::Arc};
 
 use machband::{
-    experiment::{Condition, Identity, Protocol, Schedule},
+    experiment::{Condition, Identity, Protocol, SECOND, Schedule},
     stimulus::ParameterValue,
     store::definition,
     text::Cell,
@@ -112,12 +112,28 @@ impl Definition {
             ("block", whole(|trial| trial.block.into())),
             ("trial", whole(|trial| trial.number.into())),
             ("repetition", whole(|trial| trial.repetition.into())),
-            ("condition", whole(|trial| trial.condition as i64)),
         ];
-        let shown: Vec<Condition> =
-            schedule.trials.iter().map(|trial| schedule.conditions[trial.condition].clone()).collect();
-        let factors = self.0.factors.iter().map(|factor| (factor.name.clone(), parameter(&shown, &factor.name)));
-        table::columns(py, fixed.map(|(name, column)| (name.to_owned(), column)).into_iter().chain(factors))
+        let (mut first, mut second) = (Vec::new(), Vec::new());
+        for trial in &schedule.trials {
+            match (trial.planned_pair(&self.0), self.0.pairs()) {
+                (Some([left, right]), _) => {
+                    first.push(left);
+                    second.push(right);
+                }
+                (None, None) => first.push(trial.condition),
+                // The answers decide which conditions are compared.
+                (None, Some(_)) => {}
+            }
+        }
+        let planned = [("", first), (SECOND, second)].into_iter().filter(|(_, places)| !places.is_empty());
+        let shown = planned.flat_map(|(suffix, places)| {
+            let conditions: Vec<Condition> = places.iter().map(|place| schedule.conditions[*place].clone()).collect();
+            let place = Column::Whole(places.iter().map(|place| *place as i64).collect());
+            let factor = |name: &str| (format!("{name}{suffix}"), parameter(&conditions, name));
+            let factors: Vec<_> = self.0.factors.iter().map(|of| factor(&of.name)).collect();
+            std::iter::once((format!("condition{suffix}"), place)).chain(factors)
+        });
+        table::columns(py, fixed.map(|(name, column)| (name.to_owned(), column)).into_iter().chain(shown))
     }
 }
 

@@ -14,7 +14,7 @@ use std::{
 
 use machband::{
     system::{checkpoint, stop_with},
-    work::{Watcher, told},
+    work::Watcher,
 };
 use pyo3::{exceptions::PyRuntimeError, prelude::*};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -157,7 +157,7 @@ pub fn run<T: Send + 'static>(
     }
     IDLE.lock().unwrap_or_else(PoisonError::into_inner).push(threads);
     let result = match result {
-        Ok(Ok(result)) => result.map_err(|error| crate::error(told(&error, str::to_owned))),
+        Ok(Ok(result)) => result.map_err(|error| crate::raised(py, &error)),
         Ok(Err(panic)) => Err(PyRuntimeError::new_err(panic_text(&*panic))),
         Err(_) => Err(PyRuntimeError::new_err("the computation ended without a result")),
     }?;

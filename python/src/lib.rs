@@ -11,16 +11,41 @@ mod study;
 mod table;
 mod vision;
 
-use std::{collections::HashMap, ffi::OsString, io::Write as _};
+use std::{
+    collections::{BTreeSet, HashMap},
+    ffi::OsString,
+    io::Write as _,
+};
 
-use machband::work::{Request, from_names};
+use machband::{
+    report::StudyError,
+    store::FileErrors,
+    work::{Request, from_names, told},
+};
+use numpy::IntoPyArray as _;
 use pyo3::{create_exception, exceptions::PyValueError, prelude::*};
 
 create_exception!(machband, Error, PyValueError, "A value, file or data set is not as machband expects it.");
+create_exception!(
+    machband,
+    DataError,
+    Error,
+    "Data that cannot be analyzed. The attribute `rows` has the rows of the table that are wrong, counted from 0."
+);
 
 /// Turns any error of the library into a Python exception with the same words.
 fn error(error: impl std::fmt::Display) -> PyErr {
     Error::new_err(error.to_string())
+}
+
+/// Turns an error of an operation into a Python exception; one about data knows the rows of their table.
+fn raised(py: Python<'_>, failed: &anyhow::Error) -> PyErr {
+    let message = told(failed, str::to_owned);
+    let Some(StudyError::Files(FileErrors(errors))) = failed.downcast_ref() else { return error(message) };
+    let rows: BTreeSet<usize> = errors.iter().flat_map(|error| error.rows.iter().copied()).collect();
+    let found = DataError::new_err(message);
+    let rows: Vec<i64> = rows.into_iter().map(|row| row as i64).collect();
+    found.value(py).setattr("rows", rows.into_pyarray(py)).err().unwrap_or(found)
 }
 
 /// A value of a request's field.
@@ -61,12 +86,15 @@ mod _machband {
 
     #[pymodule_export]
     use super::{
-        Error,
+        DataError, Error,
         definition::{Definition, simulate},
-        light::{encode, interpolate, kinds, light, parameters, profile, stimulus, visual_angle},
+        light::{
+            check_stimulus, encode, interpolate, kinds, light, parameters, profile, save_stimulus, stimulus,
+            visual_angle,
+        },
         main,
         mesh::{mesh, shade},
-        study::{Analysis, analyze, export, read_results, verify},
+        study::{Analysis, analyze, export, read_results, verify, write_analysis},
         vision::{compare, predict, steps},
     };
 

@@ -1,13 +1,16 @@
 //! Stimuli as arrays, and the functions that turn light into codes.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::{
+    path::PathBuf,
+    sync::{Arc, Mutex, PoisonError},
+};
 
 use machband::{
     display::{Screen, Viewing},
     light::{Bits, CodeImage, Depth, Dither, Interpolation, LinearImage, Quantizer, Samples, Transfer},
     stimulus::{ParameterValue, Stimulus, catalog, recipe::Recipe},
-    store::curve,
-    work::{Image, Pixels},
+    store::{self, Writer, curve},
+    work::{Encoding, Image, Pixels},
 };
 use numpy::{IntoPyArray as _, PyArray1, PyArrayMethods as _, PyReadonlyArray1};
 use pyo3::{prelude::*, types::PyDict};
@@ -77,6 +80,12 @@ fn recipe(py: Python<'_>, kind: &str, parameters: Given, image: Fields) -> PyRes
     Ok(recipe)
 }
 
+/// Checks the parameters of a stimulus.
+#[pyfunction]
+pub fn check_stimulus(kind: &str, parameters: Given) -> PyResult<()> {
+    stimulus_of(kind, parameters).map(drop)
+}
+
 /// Returns the codes of a stimulus.
 #[pyfunction]
 pub fn stimulus<'py>(py: Python<'py>, kind: &str, parameters: Given, image: Fields) -> PyResult<Bound<'py, PyAny>> {
@@ -109,14 +118,30 @@ pub fn profile<'py>(py: Python<'py>, kind: &str, parameters: Given, image: Field
     table::columns(py, columns.map(|column| (column.name, Column::of(&column.cells))))
 }
 
+/// Writes the image that the command `stimulus` writes.
+#[pyfunction]
+pub fn save_stimulus(
+    py: Python<'_>,
+    kind: &str,
+    parameters: Given,
+    image: Fields,
+    path: PathBuf,
+    force: bool,
+) -> PyResult<()> {
+    let recipe = recipe(py, kind, parameters, image)?;
+    job::run(py, None, true, move |_, _| {
+        Ok(store::image::write_recipe(&Writer::new([], force), &path, &recipe, &quantizer(&recipe))?)
+    })
+}
+
 /// Returns the kinds of stimulus, and a sentence about each.
 #[pyfunction]
 pub fn kinds() -> Vec<(&'static str, &'static str)> {
     catalog::all().iter().map(|entry| (entry.kind, entry.about)).collect()
 }
 
-/// A parameter: its name, default, unit, meaning and range.
-type Described = (&'static str, Option<Value>, &'static str, &'static str, &'static str);
+/// A parameter: its name, default, unit, meaning and range, and all its values if they are a few names.
+type Described = (&'static str, Option<Value>, &'static str, &'static str, &'static str, &'static [&'static str]);
 
 /// Returns the parameters of a kind.
 #[pyfunction]
@@ -129,7 +154,7 @@ pub fn parameters(kind: &str) -> PyResult<Vec<Described>> {
         })
     };
     let all = stimulus.parameters().iter();
-    Ok(all.map(|p| (p.name, value(p.name), p.unit, p.description, p.expected)).collect())
+    Ok(all.map(|p| (p.name, value(p.name), p.unit, p.description, p.expected, p.choices)).collect())
 }
 
 /// Applies `f` to every element.
@@ -153,22 +178,27 @@ pub fn interpolate<'py>(
     map(py, &u, |u| if u.is_nan() { u } else { interpolation.value(u) })
 }
 
-/// Encodes light, or decodes encoded values.
+/// Encodes light, or decodes encoded values, in rows of this width. If the channels of the display differ, each row has red,
+/// green and blue.
 #[pyfunction]
 pub fn encode<'py>(
     py: Python<'py>,
     values: PyReadonlyArray1<'py, f64>,
-    transfer: &str,
+    width: usize,
+    encoding: Fields,
     inverse: bool,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let transfer: Transfer = transfer.parse().map_err(error)?;
-    map(
-        py,
-        &values,
-        |value| {
-            if inverse { transfer.linear_from_encoded(value) } else { transfer.encoded_from_linear(value) }
-        },
-    )
+    let warnings = Warnings::default();
+    let transfers = request::<Encoding>(encoding)?.read(&warnings).map_err(error)?.transfers;
+    warnings.issue(py)?;
+    if transfers.uniform().is_none() && width != 3 {
+        return Err(error("the channels of the display differ; expected values of shape (…, 3)"));
+    }
+    let code = |transfer: &Transfer, value: f64| {
+        if inverse { transfer.linear_from_encoded(value) } else { transfer.encoded_from_linear(value) }
+    };
+    let values = values.as_slice()?.iter().zip(transfers.channels().iter().cycle());
+    Ok(values.map(|(value, transfer)| code(transfer, *value)).collect::<Vec<_>>().into_pyarray(py))
 }
 
 /// Returns the visual angle, the size and the number of pixels of lengths that are given in one of these units, and the

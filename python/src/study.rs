@@ -8,22 +8,29 @@ use std::{
 use machband::{
     analysis::{Note, Results},
     experiment,
-    report::{self, Provenance, Study, document::Section, study::shell_command},
+    report::{
+        self, Contents, Provenance, Study, StudyError,
+        document::Section,
+        study::shell_command,
+        tasks::{self, TaskResults, TaskStudy},
+    },
     stimulus::Stimulus,
     store::{
-        Writer,
-        ratings::{self, Listed},
+        FileError, FileErrors, Writer,
+        ratings::{self, Listed, SIMULATED},
         results,
         sidecar::Sidecar,
+        table::List,
     },
     system::now,
     text::{Cell, Table},
     work::{
-        Analyze, Export, changed,
+        Analyze, Export, Ratings, changed,
         verify::{Verified, Verify},
         words,
     },
 };
+use numpy::{IntoPyArray as _, PyArrayMethods as _};
 use pyo3::{
     prelude::*,
     types::{PyBytes, PyDict},
@@ -37,32 +44,34 @@ use crate::{
     table::{self, Column, Given},
 };
 
-/// Columns; for each its unit and its description; and whether an observer was simulated.
-type Described = (Vec<(String, Column)>, Vec<(String, String, String)>, bool);
+/// Columns; and for each its unit and its description.
+type Described = (Vec<(String, Column)>, Vec<(String, String, String)>);
 
-/// Returns the rows of all sessions in a folder as columns; the unit and the description of each column; and whether an
-/// observer was simulated.
+/// Returns the rows of all sessions in a folder as columns, the last of which says whether a program answered; and the unit
+/// and the description of each column.
 #[pyfunction]
 #[allow(clippy::type_complexity)]
 pub fn read_results(
     py: Python<'_>,
     folder: PathBuf,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(Bound<'_, PyDict>, Vec<(String, String, String)>, bool)> {
-    let (columns, described, simulated) = job::run(py, progress, false, move |job, _| read(&folder, job))?;
-    Ok((table::columns(py, columns)?, described, simulated))
+) -> PyResult<(Bound<'_, PyDict>, Vec<(String, String, String)>)> {
+    let (columns, described) = job::run(py, progress, false, move |job, _| read(&folder, job))?;
+    Ok((table::columns(py, columns)?, described))
 }
 
 fn read(folder: &Path, job: &Job) -> anyhow::Result<Described> {
     let files = Listed::sessions(folder).complete(folder)?.files;
-    let (mut described, mut sessions, mut simulated) = (Vec::new(), Vec::new(), false);
+    let (mut described, mut sessions, mut simulated) = (Vec::new(), Vec::new(), Vec::new());
     for (i, csv) in files.iter().enumerate() {
         job.set(i, files.len());
         let header = ratings::column_names(csv)?;
         let columns = experiment::columns_by_header(header.iter().map(String::as_str));
         let rows = results::read(csv, &columns)?.rows;
         let sidecar = Sidecar::read(&csv.with_extension("json"))?;
-        simulated |= sidecar.is_some_and(|sidecar| sidecar.sittings.iter().any(|sitting| sitting.observer.is_some()));
+        let of_program = |sidecar: Sidecar| sidecar.sittings.iter().any(|sitting| sitting.observer.is_some());
+        let of_program = sidecar.is_some_and(of_program);
+        simulated.extend(rows.iter().map(|_| i64::from(of_program)));
         let kind = rows.first().and_then(|row| Stimulus::default_of(&row.stimulus));
         for mut column in columns.iter().cloned() {
             let known = kind.iter().flat_map(|kind| kind.parameters()).find(|known| known.name == column.name);
@@ -87,23 +96,30 @@ fn read(folder: &Path, job: &Job) -> anyhow::Result<Described> {
             }
         }
     }
-    let columns =
-        described.iter().zip(&values).map(|(known, values)| (known.name.clone(), Column::of(values))).collect();
-    let described = described.into_iter().map(|column| (column.name, column.unit, column.description)).collect();
-    Ok((columns, described, simulated))
+    let columns = described.iter().zip(&values).map(|(known, values)| (known.name.clone(), Column::of(values)));
+    let columns = columns.chain([(SIMULATED.to_owned(), Column::Whole(simulated))]).collect();
+    let described = described.into_iter().map(|column| (column.name, column.unit, column.description));
+    let about = (SIMULATED.to_owned(), String::new(), "Whether a program answered instead of a person.".to_owned());
+    Ok((columns, described.chain([about]).collect()))
 }
 
-/// An analysis: the ratings, and the results.
+/// The answers of a study and their analysis.
+#[derive(Clone)]
+enum Found {
+    Ratings(Arc<Study>, Arc<Results>),
+    Task(Arc<TaskStudy>, Arc<TaskResults>),
+}
+
+/// An analysis.
 #[pyclass(frozen, module = "machband._machband")]
 pub struct Analysis {
-    study: Arc<Study>,
-    results: Arc<Results>,
+    found: Found,
     command: String,
 }
 
-/// Where ratings come from.
+/// Where the data come from.
 #[derive(FromPyObject)]
-pub enum Ratings<'py> {
+pub enum Data<'py> {
     Paths(Vec<String>),
     /// A table: the names of its columns, and their cells.
     Columns(Vec<(String, Given<'py>)>),
@@ -112,30 +128,44 @@ pub enum Ratings<'py> {
 /// The name of a table in messages.
 const TABLE: &str = "table";
 
-/// Analyzes ratings with the command's options. Progress counts the simulated studies.
+/// Analyzes ratings or the answers to a task with the command's options. Rows with errors are an error unless they are to
+/// be dropped. Progress counts the simulated studies.
 #[pyfunction]
 pub fn analyze(
     py: Python<'_>,
     mut fields: Fields,
-    ratings: Ratings<'_>,
+    data: Data<'_>,
+    drop_errors: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Analysis> {
-    let (paths, columns) = match ratings {
-        Ratings::Paths(paths) => (paths, None),
-        Ratings::Columns(columns) => (vec![TABLE.to_owned()], Some(table::given(&columns)?)),
+    let (paths, columns) = match data {
+        Data::Paths(paths) => (paths, None),
+        Data::Columns(columns) => (vec![TABLE.to_owned()], Some(table::given(&columns)?)),
     };
     fields.insert("paths".to_owned(), Field::List(paths));
     let asked: Analyze = request(fields)?;
     let command = if columns.is_some() { call(&asked) } else { command(&asked) };
-    let (study, results) = job::run(py, progress, false, move |job, _| {
+    let found = job::run(py, progress, false, move |job, _| {
+        let refused = |errors: &[FileError]| match errors {
+            [_, ..] if !drop_errors => Err(StudyError::Files(FileErrors(errors.to_vec()))),
+            _ => Ok(()),
+        };
         let study = match columns {
             Some(columns) => asked.read_columns(TABLE, columns)?,
-            None => asked.read()?,
+            None => {
+                if let Some(study) = asked.read_task()? {
+                    refused(&study.errors)?;
+                    let results = TaskResults::of(&study, asked.resampling.seed);
+                    return Ok(Found::Task(Arc::new(study), Arc::new(results)));
+                }
+                asked.read()?
+            }
         };
+        refused(&study.source.errors)?;
         let results = asked.analyze(&study, job)?;
-        Ok((Arc::new(study), Arc::new(results)))
+        Ok(Found::Ratings(Arc::new(study), Arc::new(results)))
     })?;
-    Ok(Analysis { study, results, command })
+    Ok(Analysis { found, command })
 }
 
 /// Returns the command that repeats an analysis of files.
@@ -145,8 +175,21 @@ fn command(asked: &Analyze) -> String {
 
 /// Returns the call that repeats the analysis of a table.
 fn call(asked: &Analyze) -> String {
-    let fields = changed(asked).into_iter().filter(|(name, _)| name != "paths");
-    let fields: Vec<String> = fields.map(|(name, value)| format!(", {name}={}", argument(&value))).collect();
+    let dict = |all: &mut dyn Iterator<Item = (&String, &[String])>| {
+        let all: Vec<String> = all.map(|(factor, levels)| format!("{factor:?}: {levels:?}")).collect();
+        format!("{{{}}}", all.join(", "))
+    };
+    let Ratings { only, levels, factors, .. } = &asked.ratings;
+    let order = |name: &String| levels.iter().find(|one| one.factor == *name).map_or(&[][..], |one| &one.levels);
+    let field = |(name, value): (String, Value)| match (name.as_str(), factors) {
+        ("paths" | "levels", _) => String::new(),
+        ("only", _) => format!(", only={}", dict(&mut only.iter().map(|one| (&one.factor, &one.levels[..])))),
+        ("factors", Some(List(names))) if !levels.is_empty() => {
+            format!(", factors={}", dict(&mut names.iter().map(|name| (name, order(name)))))
+        }
+        _ => format!(", {name}={}", argument(&value)),
+    };
+    let fields: Vec<String> = changed(asked).into_iter().map(field).collect();
     format!("# The data came as a table from Python.\nmachband.analyze({TABLE}{})", fields.concat())
 }
 
@@ -164,19 +207,35 @@ type DescribedTable<'py> = (String, Bound<'py, PyDict>, Vec<(String, String, Str
 /// Files: their names and contents.
 type Files<'py> = Vec<(String, Bound<'py, PyBytes>)>;
 
+fn files<'py>(py: Python<'py>, contents: Contents) -> Files<'py> {
+    contents.into_iter().map(|(name, content)| (name, PyBytes::new(py, &content))).collect()
+}
+
 #[pymethods]
 impl Analysis {
     /// Returns the tables, the model and the script as the command writes them.
-    fn table_files<'py>(&self, py: Python<'py>) -> Files<'py> {
-        let files = report::table_files(&self.study, &self.results).into_iter();
-        files.map(|(name, content)| (name, PyBytes::new(py, &content))).collect()
+    fn table_files<'py>(&self, py: Python<'py>) -> PyResult<Files<'py>> {
+        let contents = match &self.found {
+            Found::Ratings(study, results) => report::table_files(study, results),
+            Found::Task(study, results) => {
+                let tables = tasks::tables(study, results).into_iter();
+                tables.map(|(name, table)| (format!("{name}.csv"), table.csv())).collect()
+            }
+        };
+        Ok(files(py, contents))
     }
 
     /// Returns the tables as columns, with the name, unit and description of each column.
     fn tables<'py>(&self, py: Python<'py>) -> PyResult<Vec<DescribedTable<'py>>> {
-        let counts = report::tables::counts(self.results.modeled(), &self.study.source.shape);
-        let mut tables = report::tables::all(&self.results);
-        tables.push(("counts".to_owned(), counts));
+        let tables: Vec<(String, Table)> = match &self.found {
+            Found::Ratings(study, results) => {
+                let counts = report::tables::counts(results.modeled(), &study.source.shape);
+                report::tables::all(results).into_iter().chain([("counts".to_owned(), counts)]).collect()
+            }
+            Found::Task(study, results) => {
+                tasks::tables(study, results).into_iter().map(|(name, table)| (name.to_owned(), table)).collect()
+            }
+        };
         let described = |(name, table): (String, Table)| {
             let columns = table.columns.iter().map(|column| (column.name.clone(), Column::of(&column.cells)));
             let columns = table::columns(py, columns)?;
@@ -189,21 +248,36 @@ impl Analysis {
 
     /// Returns the report and the figures.
     fn report_files<'py>(&self, py: Python<'py>) -> PyResult<Files<'py>> {
-        let (study, results, provenance) = (Arc::clone(&self.study), Arc::clone(&self.results), self.provenance());
-        let files = job::run(py, None, false, move |_, _| {
-            Ok(report::report_files(&study, &results, &provenance, Path::new("."))?.0)
+        let (found, provenance) = (self.found.clone(), Provenance::new(self.command.clone(), now()));
+        let here = Path::new(".");
+        let contents = job::run(py, None, false, move |_, _| match found {
+            Found::Ratings(study, results) => Ok(report::report_files(&study, &results, &provenance, here)?.0),
+            Found::Task(study, results) => {
+                let mut contents = report::task_files(&study, &results, &provenance, here, false)?;
+                contents.drain(..tasks::tables(&study, &results).len());
+                Ok(contents)
+            }
         })?;
-        Ok(files.into_iter().map(|(name, content)| (name, PyBytes::new(py, &content))).collect())
+        Ok(files(py, contents))
     }
 
-    /// Writes all files into a folder.
-    fn save(&self, py: Python<'_>, folder: PathBuf, tables_only: bool, force: bool) -> PyResult<Vec<PathBuf>> {
-        let (study, results, provenance) = (Arc::clone(&self.study), Arc::clone(&self.results), self.provenance());
-        job::run(py, None, true, move |_, _| {
-            let read: Vec<PathBuf> = study.source.files.iter().map(|file| file.path.clone()).collect();
-            let writer = Writer::new(read, force);
-            Ok(report::write_all(&writer, &study, &results, &provenance, &folder, tables_only)?.files)
-        })
+    /// Returns the paths of the files that were read.
+    fn inputs(&self) -> Vec<PathBuf> {
+        match &self.found {
+            Found::Ratings(study, _) => study.source.files.iter().map(|file| file.path.clone()).collect(),
+            Found::Task(study, _) => study.files.iter().map(|(path, _)| path.clone()).collect(),
+        }
+    }
+
+    /// Returns the covariance of the model's parameters, row by row: thresholds, coefficients and standard deviations.
+    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let model = match &self.found {
+            Found::Ratings(_, results) => results.model.as_ref().ok().map(|report| &report.model),
+            Found::Task(..) => None,
+        };
+        let size = model.map_or(0, |model| model.covariance.nrows());
+        let cells: Vec<f64> = model.iter().flat_map(|model| model.covariance.iter().copied()).collect();
+        Ok(cells.into_pyarray(py).reshape([size, size])?.into_any())
     }
 
     /// Returns the sentences of the summary.
@@ -218,25 +292,50 @@ impl Analysis {
 
     /// Returns the warnings about the input, and its errors. Ratings that the model cannot use are a warning.
     fn problems(&self) -> (Vec<String>, Vec<String>) {
-        let texts = |errors: &[machband::store::FileError]| errors.iter().map(ToString::to_string).collect();
-        let mut warnings: Vec<String> = texts(&self.study.source.warnings);
-        let notes = self.results.model.iter().flat_map(|report| &report.model.notes);
+        let texts = |errors: &[FileError]| errors.iter().map(ToString::to_string).collect();
+        let (study, results) = match &self.found {
+            Found::Ratings(study, results) => (study, results),
+            Found::Task(study, _) => return (Vec::new(), texts(&study.errors)),
+        };
+        let mut warnings: Vec<String> = texts(&study.source.warnings);
+        let notes = results.model.iter().flat_map(|report| &report.model.notes);
         let lost = notes.filter(|note| matches!(note, Note::MissingValues { .. }));
         warnings.extend(lost.map(|note| format!("the model: {note}")));
-        (warnings, texts(&self.study.source.errors))
+        (warnings, texts(&study.source.errors))
     }
 }
 
 impl Analysis {
     /// Shows the summary with a skin.
     fn first_section<T: Default>(&self, skin: impl Fn(&Section) -> T) -> T {
-        let document = report::study::document(&self.study.source, &self.results, report::study::Parts::default());
+        let document = match &self.found {
+            Found::Ratings(study, results) => {
+                report::study::document(&study.source, results, report::study::Parts::default())
+            }
+            Found::Task(study, results) => tasks::document(study, results, &[], None),
+        };
         document.sections.first().map(skin).unwrap_or_default()
     }
+}
 
-    fn provenance(&self) -> Provenance {
-        Provenance::new(self.command.clone(), now())
-    }
+/// Writes the files of an analysis into a folder, which none of the `inputs` may be in; `force` replaces an earlier
+/// analysis. Returns their paths.
+#[pyfunction]
+pub fn write_analysis(
+    py: Python<'_>,
+    folder: PathBuf,
+    files: Vec<(String, Vec<u8>)>,
+    inputs: Vec<PathBuf>,
+    force: bool,
+) -> PyResult<Vec<PathBuf>> {
+    job::run(py, None, true, move |_, _| {
+        let writer = Writer::new(inputs, force);
+        report::check_folder(&writer, &folder)?;
+        writer.make_folder(&folder)?;
+        let files: Vec<_> = files.into_iter().map(|(name, content)| (folder.join(name), content)).collect();
+        writer.write_all(&files)?;
+        Ok(files.into_iter().map(|(path, _)| path).collect())
+    })
 }
 
 /// Verifies the sessions in a folder. Returns the path of each with a sentence about it, and all errors.

@@ -84,16 +84,17 @@ pub fn columns<'py>(
 pub enum Given<'py> {
     Whole(PyReadonlyArray1<'py, i64>),
     Number(PyReadonlyArray1<'py, f64>),
-    Text(Vec<String>),
+    /// The different texts, and for each row the index of its text, or −1 if it is missing.
+    Levels(Vec<String>, PyReadonlyArray1<'py, i64>),
 }
 
 /// Returns columns as a table of the library.
 pub fn given(columns: &[(String, Given<'_>)]) -> PyResult<Columns> {
     columns.iter().try_fold(Columns::default(), |table, (name, column)| {
         Ok(match column {
-            Given::Whole(numbers) => table.with_texts(name, numbers.as_slice()?.iter().map(i64::to_string)),
+            Given::Whole(numbers) => table.with_whole(name, numbers.as_slice()?),
             Given::Number(numbers) => table.with_numbers(name, numbers.as_slice()?.iter().copied()),
-            Given::Text(texts) => table.with_texts(name, texts),
+            Given::Levels(levels, cells) => table.with_levels(name, levels, cells.as_slice()?),
         })
     })
 }

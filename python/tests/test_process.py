@@ -71,6 +71,23 @@ def test_a_forked_process_works():
 
 
 @on_linux
+@pytest.mark.parametrize("delay", [0.4, 1.2, 2.4])
+def test_ctrl_c_stops_a_large_picture_at_once(delay):
+    code = (
+        "import machband, time\nprint('ready', flush=True)\n"
+        "try:\n    [machband.shade('torus', size=8192, metrics=False) for _ in range(9)]\n"
+        "except KeyboardInterrupt:\n    print(time.monotonic())"
+    )
+    process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "ready\n"
+    time.sleep(delay)
+    start = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    # On a busy machine, this takes longer than the 0.2 s that it takes alone.
+    assert float(process.communicate(timeout=60)[0]) - start < 1
+
+
+@on_linux
 @pytest.mark.parametrize(
     "work",
     [
@@ -170,17 +187,48 @@ def test_the_command_ends_on_ctrl_c(tmp_path):
 
 # Its own warnings do not matter here.
 @pytest.mark.filterwarnings("ignore")
-def test_psychopy_shows_the_codes():
+@pytest.mark.parametrize("window_size", [(300, 300), (301, 299)])
+def test_psychopy_shows_the_codes(window_size):
     needs("psychopy")
     from psychopy import visual
 
-    import machband.psychopy
+    from machband.psychopy import MachBandStim
 
-    window = visual.Window((300, 300), units="pix", fullscr=False, allowGUI=False, checkTiming=False)
+    window = visual.Window(window_size, units="pix", fullscr=False, allowGUI=False, checkTiming=False)
     try:
-        for given in [{"color": "gray"}, {"orientation_deg": 90, "dither": "random"}, {"kind": "kanizsa"}]:
-            machband.psychopy.stim(window, size=256, **given).draw()
-            shown = np.asarray(window.getMovieFrame(buffer="back"))[22:278, 22:278]
-            assert np.array_equal(shown, machband.stimulus(size=256, **given))
+        for size in [128, 201]:
+            stim = MachBandStim(window, size=size, color="gray", units="pix")
+            for width in [0.1, 0.4]:
+                stim.width = width
+                stim.set(low=0.8, high=0.9, orientation_deg=30)
+                expected = machband.stimulus(size=size, width=width, low=0.8, high=0.9, orientation_deg=30, color="gray")
+                stim.draw()
+                frame = np.asarray(window.getMovieFrame(buffer="back"))
+                top, left = ((frame.shape[axis] - size) // 2 for axis in (0, 1))
+                near = [frame[y : y + size, x : x + size] for y in (top, top + 1) for x in (left, left + 1)]
+                assert any(np.array_equal(shown, expected) for shown in near)
+                assert min(machband.compare(shown, stim.codes(), ppd=20).times_threshold for shown in near) == 0
+                window.flip()
+        stim.ori, stim.opacity, stim.pos = 45, 0.5, (3, 4)
+        stim.draw()
+        assert (stim.ori, stim.opacity, stim.width, tuple(stim.pos)) == (45, 0.5, 0.4, (3, 4))
+        stim.set(depth="inf", high=0.85)
+        visual.Rect(window, autoDraw=True)
+        stim.autoDraw = True
+        window.flip()
+        assert stim._drawn == (201, True) and stim.depth == "inf"
+        stim.setAutoDraw(False)
+        stim.setOri(90, log=False)
+        assert stim.ori == 90
+        with pytest.raises(AttributeError, match="did you mean 'width'"):
+            stim.widht = 0.2
+        with pytest.raises(machband.Error, match="below low"):
+            stim.low = 0.95
+        # PsychoPy linearizes the display.
+        window.__dict__["gamma"] = [2.2, 2.2, 2.2]
+        assert np.array_equal(stim.codes(), machband.stimulus(size=201, transfer="linear", **stim.parameters))
+        stim.transfer = "srgb"
+        with pytest.raises(machband.Error, match="the window linearizes the display"):
+            stim.draw()
     finally:
         window.close()

@@ -3,11 +3,13 @@
 import csv
 import io
 import math
+import pickle
 
 import numpy as np
 import pytest
 
 import machband
+from conftest import needs
 
 
 @pytest.mark.parametrize(
@@ -43,7 +45,7 @@ def test_a_profile_equals_the_commands_table(command, tmp_path):
 def test_light_and_codes_agree():
     light = machband.light(size=64, width=0.5, depth=2)
     assert light.dtype == np.float32 and light.shape == (64, 64, 3)
-    encoded = machband.transfer(light)
+    encoded = machband.Transfer().encode(light)
     assert np.abs(machband.stimulus(size=64, width=0.5, depth=2) / 255 - encoded).max() <= 0.5 / 255 + 1e-6
 
 
@@ -56,17 +58,85 @@ def test_every_kind_and_parameter_is_described():
             machband.light(kind, size=32, **{name: parameter.default})
 
 
-def test_the_dict_is_like_stimupys():
-    found = machband.stimulus(size=200, color="gray", width=0.5, as_dict=True, window_deg=8)
-    assert found["visual_size"] == (8, 8) and found["ppd"] == (25, 25) and found["shape"] == (200, 200)
-    assert np.array_equal(found["img"], machband.stimulus(size=200, color="gray", width=0.5))
-    assert found["width"] == 0.5 and found["low"] == 0.25
+def test_a_stimulus_is_an_object(command, image, tmp_path):
+    made = machband.stimuli.mach_band(width=0.5, color="gray", ppd=25, visual_size=8)
+    assert (made.shape, made.ppd, made.visual_size) == ((200, 200), (25, 25), (8, 8))
+    assert np.array_equal(np.asarray(made), machband.light(size=200, width=0.5, color="gray"))
+    assert np.asarray(made, np.float64).dtype == np.float64 and not made.light.flags.writeable
+    for again in [machband.stimuli.mach_band(**made.parameters), pickle.loads(pickle.dumps(made)), eval(repr(made), vars(machband))]:
+        assert again == made != machband.stimuli.mach_band(size=200)
+    coding = {"bits": 16, "dither": "random", "seed": 9, "transfer": machband.Transfer.gamma(2.2)}
+    command("stimulus", "--size", 200, "--width", 0.5, "--color", "gray", "--bits", 16, "--dither", "random", "--seed", 9,
+            "--transfer", "gamma:2.2", "--out", "told.png")
+    made.save(tmp_path / "ours.png", **coding)
+    assert (tmp_path / "ours.png").read_bytes() == (tmp_path / "told.png").read_bytes()
+    assert np.array_equal(made.codes(**coding), image("told.png"))
+    with pytest.raises(machband.Error, match="ours.png: already exists"):
+        made.save(tmp_path / "ours.png")
+    assert made.profile()["linear"].equals(machband.profile(size=200, width=0.5, color="gray")["linear"])
+    assert made.predict() == machband.predict(size=200, width=0.5, color="gray", window_deg=8)
     # A dark plateau, a ramp, and a bright plateau.
-    row = found["mask"][100]
-    assert row[0] == 1 and row[100] == 0 and row[-1] == 2
-    assert (found["mask"] == row).all()
-    steps = machband.stimulus("chevreul", size=200, as_dict=True)["mask"]
+    row = made.mask[100]
+    assert row[0] == 1 and row[100] == 0 and row[-1] == 2 and (made.mask == row).all()
+    steps = machband.stimuli.chevreul(size=200).mask
     assert np.unique(steps).tolist() == list(range(1, steps.max() + 1)) and steps.max() > 2
+
+
+def test_stimupy_and_matplotlib_draw_it(monkeypatch):
+    needs("stimupy"), needs("matplotlib")
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+    from stimupy.utils import plot_stim
+
+    monkeypatch.setattr(pyplot, "show", lambda: None)
+    made = machband.stimuli.cornsweet(color="yellow", size=64)
+    given = made.to_stimupy()
+    assert given["img"].shape == given["mask"].shape == (64, 64) and given["img"].dtype == float and given["img"].max() <= 1
+    plot_stim(given, mask=True)
+    axes = made.plot()
+    assert axes.images[0].get_extent() == [-5, 5, -5, 5] and made._repr_png_().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"ppd": 3, "visual_size": 2.1}, "whole pixels"), ({"ppd": -3}, "ppd is -3; expected a number above 0"),
+        ({"size": 10, "ppd": 3, "visual_size": 3}, "expected 9, which is ppd times visual_size"),
+    ],
+)
+def test_wrong_sizes_are_named(given, words):
+    with pytest.raises(machband.Error, match=words):
+        machband.Stimulus(**given)
+
+
+def test_a_transfer_is_one_object(tmp_path):
+    light = np.linspace(0, 1, 30).reshape(10, 3)
+    for transfer, text in [
+        (machband.Transfer.srgb(), "srgb"), (machband.Transfer.gamma(2.2), "gamma:2.2"),
+        (machband.Transfer.gog(2, 0.9, 0.1), "gog:2,0.9,0.1"),
+    ]:
+        assert transfer == machband.Transfer(text) and np.allclose(transfer.decode(transfer.encode(light)), light)
+        assert np.array_equal(machband.stimulus(size=16, transfer=transfer), machband.stimulus(size=16, transfer=text))
+    channels = machband.Transfer("gamma:2/gamma:2.2/linear")
+    assert np.allclose(channels.encode(light)[:, 2], light[:, 2]) and np.allclose(channels.encode(light)[:, 0], light[:, 0] ** 0.5)
+    with pytest.raises(machband.Error, match=r"expected values of shape \(…, 3\)"):
+        channels.encode(light[:, 0])
+    profile = machband.Transfer.from_display(tmp_path / "missing.toml")
+    for call in [lambda: profile.encode(0.5), lambda: machband.stimulus(transfer=profile)]:
+        with pytest.raises(machband.Error, match="missing.toml"):
+            call()
+    with pytest.raises(machband.Error, match="both a display profile"):
+        machband.stimulus(transfer=profile, display="other.toml")
+
+
+def test_a_color_of_the_web_is_one():
+    [found] = machband.light(size=1, low=1, high=1, color="#ff8000")
+    assert found[0] == pytest.approx(machband.Transfer().decode([1, 128 / 255, 0]))
+    assert machband.Definition.from_dict(
+        {"schema": 1, "name": "a", "stimulus": {"kind": "cornsweet", "color": "#FFFFFF"}}
+    ).conditions()["color"].tolist() == ["gray"]
 
 
 def test_interpolation_is_monotone_and_symmetric():
@@ -87,7 +157,7 @@ def test_scalars_shapes_and_strides():
     for view in [grid[::2, ::-3], grid.T, np.asfortranarray(grid), grid.astype(np.float32), grid.tolist()]:
         expected = np.asarray(view, float)
         assert np.allclose(machband.interpolate(view, 1), expected)
-        assert np.allclose(machband.transfer(machband.transfer(view), inverse=True), expected)
+        assert np.allclose(machband.Transfer().decode(machband.Transfer().encode(view)), expected)
     assert math.isnan(machband.interpolate(math.nan))
     assert machband.interpolate([]).shape == (0,)
 
@@ -96,7 +166,7 @@ def test_srgb_is_the_standards():
     light = np.linspace(0, 1, 257)
     # IEC 61966-2-1.
     expected = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-    assert np.abs(machband.transfer(light) - expected).max() < 1e-6
+    assert np.abs(machband.Transfer().encode(light) - expected).max() < 1e-6
 
 
 def test_visual_angle_is_trigonometry():
@@ -122,7 +192,6 @@ def test_visual_angle_is_trigonometry():
         ({"bits": 12}, "expected one of 8, 16"),
         ({"width": math.nan}, "not a finite number"),
         ({"seed": -1}, "seed -1"),
-        ({"as_dict": True, "window_deg": 0}, "window_deg"),
         ({"depth": 2.5}, "whole number"),
         ({"low": 0.9, "high": 0.1}, "below low"),
         ({"color": "bleu"}, "bleu"),
@@ -137,7 +206,7 @@ def test_wrong_values_are_named(given, words):
     assert isinstance(caught.value, ValueError) and "expected" in str(caught.value)
 
 
-@pytest.mark.parametrize("given", [{"size": "big"}, {"size": 3.5}, {"width": None}, {"width": [[1]]}, {"kind": None}, {"size": True}, {"as_dict": "no"}, {"transfer": 2.2}])
+@pytest.mark.parametrize("given", [{"size": "big"}, {"size": 3.5}, {"width": None}, {"width": [[1]]}, {"kind": None}, {"size": True}, {"transfer": 2.2}])
 def test_wrong_types_are_refused(given):
     with pytest.raises(TypeError, match="expected"):
         machband.stimulus(**{"size": 32, **given})
@@ -146,11 +215,31 @@ def test_wrong_types_are_refused(given):
 def test_encoded_values_and_angles_have_limits():
     for values in [[-0.1], [1.1], np.uint8([0, 128]), [math.nan]]:
         with pytest.raises(machband.Error, match="expected 0 to 1"):
-            machband.transfer(values)
+            machband.Transfer().encode(values)
     with pytest.raises(machband.Error, match="less than 180"):
         machband.visual_angle(deg=180, screen_px=2560, screen_cm=60, distance_cm=70)
 
 
 def test_wrong_keywords_are_named():
-    with pytest.raises(TypeError, match="did you mean 'depth'"):
-        machband.interpolate(0.5, dpeth=2)
+    for call, near in [
+        (lambda: machband.interpolate(0.5, dpeth=2), "depth"), (lambda: machband.stimulus(sise=2), "size"),
+        (lambda: machband.predict(windw_deg=2), "window_deg"), (lambda: machband.Stimulus(vsual_size=2), "visual_size"),
+        (lambda: machband.stimuli.mach_band(wdith=2), "width"), (lambda: machband.light(kid="kanizsa"), "kind"),
+    ]:
+        with pytest.raises(TypeError, match=f"did you mean '{near}'"):
+            call()
+
+
+def test_wrong_arguments_are_named():
+    screen = {"px": 1, "screen_px": 1920, "screen_cm": 50, "distance_cm": 57}
+    for call, words in [
+        (lambda: machband.stimulus(display=3), "display is 3; expected a path"),
+        (lambda: machband.visual_angle(**{**screen, "screen_cm": "50"}), "screen_cm is '50'; expected a number"),
+        (lambda: machband.visual_angle(**{**screen, "px": "x"}), "px is 'x'; expected numbers"),
+        (lambda: machband.interpolate("x"), "u is 'x'; expected numbers"),
+        (lambda: machband.read_results(3), "folder is 3; expected a path"),
+        (lambda: machband.Definition(3), "name_or_path is 3; expected a path"),
+        (lambda: machband.Transfer(3).encode(0.5), "transfer is 3; expected text"),
+    ]:
+        with pytest.raises(TypeError, match=words):
+            call()

@@ -12,6 +12,7 @@ import pandas
 import pytest
 
 import machband
+from conftest import needs
 
 
 def test_a_definition_from_a_dict_is_the_files(tmp_path):
@@ -98,8 +99,8 @@ def test_reading_loses_nothing(sessions):
     texts = []
     for file in sorted((folder / "quick" / "data").glob("*_data.csv")):
         texts += list(csv.DictReader(io.StringIO(file.read_text())))
-    assert len(rows) == len(texts) and list(rows) == list(texts[0])
-    for name in rows:
+    assert len(rows) == len(texts) and list(rows) == [*texts[0], "simulated"]
+    for name in texts[0]:
         for cell, text in zip(rows[name], [row[name] for row in texts], strict=True):
             if text == "":
                 assert pandas.isna(cell)
@@ -125,7 +126,7 @@ def test_factors_of_several_experiments_become_columns(tmp_path):
         assert rows[factor][rows.experiment != name].isna().all()
         assert rows.attrs["descriptions"][factor] == machband.parameters("chevreul" if name == "one" else "cornsweet")[factor].description
     # A session that has the name of a level stays text.
-    assert set(rows.session_id) == {"1"} and list(rows)[-4:-2] == ["sitting", "seed"]
+    assert set(rows.session_id) == {"1"} and list(rows)[-5:-3] == ["sitting", "seed"]
 
 
 @pytest.mark.parametrize(
@@ -163,9 +164,7 @@ def test_a_data_frame_has_the_results_of_its_files(sessions):
         assert files.tables[table].equals(frame.tables[table]), table
     assert columns.tables["cells"]["n"].sum() == len(rows) and files.tables["cells"]["n"].sum() == len(main)
     assert files.model["loglik"] == frame.model["loglik"]
-    assert "simulated" in files.summary and "simulated" in frame.summary
-    named = frame.coefficients.set_index("name").estimate
-    assert [named[c["name"]] for c in frame.model["coefficients"]] == [c["estimate"] for c in frame.model["coefficients"]]
+    assert "simulated" in files.summary() and "simulated" in frame.summary()
     by_width = main.groupby("width").rating.mean()
     assert np.allclose(files.tables["by_width"].set_index("width")["mean"], by_width)
 
@@ -178,7 +177,7 @@ def test_a_notebook_shows_the_results(sessions, tmp_path):
         assert xml.etree.ElementTree.fromstring(figure._repr_svg_()).tag.endswith("svg")
         figure.save(tmp_path / "figure.png")
         assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
-    assert found.report.startswith("<!DOCTYPE html>") and repr(found) == found.summary
+    assert found.report.startswith("<!DOCTYPE html>") and repr(found) == found.summary()
     of_frame = machband.analyze(sessions[1], draws=99).report
     assert "machband.analyze(table, draws=99)" in of_frame and "machband analyze" not in of_frame
     written = found.save(tmp_path / "analysis")
@@ -212,12 +211,10 @@ def test_ordered_texts_missing_values_and_counts():
         assert machband.analyze(frame, count="n", **given).files["cells.csv"] == found.files["cells.csv"]
 
 
-def test_a_scale_is_ours_or_named():
+def test_a_scale_is_that_of_the_data_or_named():
     frame = pandas.DataFrame({"subject_id": [*"abcd"] * 12, "width": [0.1] * 24 + [0.2] * 24, "rating": [1, 2, 3, 4] * 12})
     given = dict(factors=["width"], draws=99)
-    said = r"^table, row 3 \(counted from 0\): .*unless this column is named as the response(.|\n)*12 of 48 rows cannot be"
-    with pytest.raises(machband.Error, match=said):
-        machband.analyze(frame, **given)
+    assert machband.analyze(frame, **given).tables["by_width"]["n"].tolist() == [24, 24]
     expected = machband.analyze(frame, response="rating", **given)
     assert not expected.errors and expected.tables["by_width"]["n"].tolist() == [24, 24]
     # An ordered Categorical, and categories, say which scale it is.
@@ -255,6 +252,12 @@ def test_large_seeds_are_exact(seed):
     assert definition.schedule("S001", 1, seed).width.tolist() == rows.width.tolist()
 
 
+def test_generators_of_numpy_are_seeds():
+    for make in [np.random.default_rng, np.random.SeedSequence]:
+        rows, again = (machband.simulate("quick", seed=make(3)) for _ in range(2))
+        assert rows.seed[0] == again.seed[0] > 2**32 and rows.width.tolist() == again.width.tolist()
+
+
 @pytest.mark.parametrize(
     ("data", "given", "error", "words"),
     [
@@ -280,6 +283,92 @@ def test_large_seeds_are_exact(seed):
 def test_wrong_data_are_refused(data, given, error, words):
     with pytest.raises(error, match=words):
         machband.analyze(data, **given)
+
+
+def test_the_model_is_like_statsmodels(sessions):
+    found = machband.analyze(sessions[1], draws=99, slopes="none")
+    names = [row["name"] for row in [*found.model["thresholds"], *found.model["coefficients"]]]
+    assert found.params.index.tolist() == names == found.bse.index.tolist() == found.pvalues.index.tolist()
+    assert found.cov_params().shape == (len(names) + 1,) * 2 or found.cov_params().shape == (len(names),) * 2
+    assert np.allclose(np.sqrt(np.diag(found.cov_params()))[: len(names)], found.bse, rtol=1e-6)
+    # Calibrated: with one degree of freedom the likelihood-ratio test, otherwise the comparison with the baseline.
+    [test] = [test for test in found.model["likelihood_ratio"] if test["df"] == 1]
+    assert found.pvalues["orientation_deg90"] == test["p"] and found.pvalues[:3].isna().all()
+    compared = found.tables["tests"].query("test == 'comparison' and level == '0.8' and other == '0.02'")
+    assert found.pvalues["width0.8"] == pytest.approx(compared.p.item())
+    ends, wide = found.conf_int(), found.conf_int(0.01)
+    assert ((ends.lower < found.params) & (found.params < ends.upper)).all() and (wide.upper > ends.upper).all()
+    assert found.aic == pytest.approx(2 * found.model["parameters"] - 2 * found.llf) and found.bic > found.aic
+    table = found.tables["predictions"]
+    shares = found.predict(table)
+    assert np.allclose(shares.sum(axis=1), 1) and list(shares) == list("0123")
+    # With next to no differences between people, this is what is expected over people.
+    assert np.allclose(shares, table[["p0", "p1", "p2", "p3"]], atol=0.02)
+    with pytest.raises(machband.Error, match="width is 0.3, which was not analyzed; expected one of 0.02, 0.1"):
+        found.predict({"width": [0.3], "depth": [1], "orientation_deg": [0]})
+    numeric = machband.analyze(sessions[1], draws=99, terms="num:width", link="probit")
+    assert (np.diff(numeric.predict({"width": [0.1, 0.33, 0.8]})["3"]) < 0).all()
+
+
+def test_results_pickle_and_plot(sessions, tmp_path):
+    needs("matplotlib")
+    import matplotlib
+
+    matplotlib.use("Agg")
+    found = machband.analyze(sessions[1], draws=99)
+    for again in [pickle.loads(pickle.dumps(found)), copy.deepcopy(found)]:
+        assert (again.files, again.report, repr(again)) == (found.files, found.report, repr(found))
+        assert again.tables["cells"].equals(found.tables["cells"]) and again.params.equals(found.params)
+        assert again.cov_params().equals(found.cov_params()) and again.figures == found.figures
+    assert len(again.save(tmp_path / "again")) == len(found.save(tmp_path / "found"))
+    assert (tmp_path / "again" / "report.html").read_bytes() == (tmp_path / "found" / "report.html").read_bytes()
+    figure = found.figures["effects"]
+    assert repr(figure) == "<Figure 'effects'>" and len(figure.plot().images) == 1
+
+
+BASE = {"schema": 1, "name": "t", "stimulus": {"kind": "mach-band", "color": "gray"}}
+TASKS = {
+    "choice": {
+        "factors": {"orientation_deg": [0, 90]}, "task": {"kind": "choice", "reference": {"depth": "inf"}},
+        "adaptive": {"method": "quest-plus", "parameter": "width", "levels": [0.005, 0.01, 0.02, 0.04], "trials": 20},
+    },
+    "yes-no": {"factors": {"width": [0.05, 0.1, 0.2]}, "task": {"kind": "yes-no", "reference": {"depth": "inf"}}},
+    "pair": {"factors": {"width": [0.05, 0.1, 0.2]}, "task": {"kind": "pair"}},
+    "ranking": {"factors": {"width": [0.05, 0.1, 0.2]}, "task": {"kind": "pair", "pairs": "adaptive", "trials": 12}},
+    "adjust": {"factors": {"depth": [1, 2]}, "task": {"kind": "adjust", "parameter": "nulling"}},
+}
+
+
+@pytest.mark.parametrize(
+    ("task", "tables"),
+    [
+        ("choice", ["answers", "thresholds", "population"]), ("yes-no", ["detection"]), ("pair", ["comparisons", "scale"]),
+        ("ranking", ["comparisons", "scale"]), ("adjust", ["settings"]),
+    ],
+)
+def test_tasks_go_the_whole_way(command, tmp_path, task, tables):
+    definition = machband.Definition.from_dict({**BASE, **TASKS[task]})
+    definition.save(tmp_path / "t.toml")
+    assert machband.Definition(tmp_path / "t.toml") == definition
+    rows = machband.simulate(definition, participants=3, seed=2, results=tmp_path)
+    trials = definition.schedule("S002", "1", 2)
+    mine = rows[rows.subject_id == "S002"].reset_index(drop=True)
+    # A method that follows the answers plans neither the pair nor the number of trials.
+    assert mine.trial.tolist() == trials.trial[: len(mine)].tolist()
+    for name in {*trials} & {"orientation_deg", "width", "width_2", "depth"} - {"width" if task == "choice" else ""}:
+        assert mine[name].tolist() == trials[name][: len(mine)].tolist()
+    assert machband.read_results(tmp_path).equals(rows) and set(rows.task) == {TASKS[task]["task"]["kind"]}
+    found = machband.analyze(tmp_path / "t", draws=99)
+    assert list(found.tables) == tables and "Simulated" in repr(found) and "Simulated" in found.report
+    command("analyze", tmp_path / "t", "--draws", 99, "--out", "out")
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {path.name for path in found.save(tmp_path / "ours")}
+    for name, content in found.files.items():
+        assert content == (tmp_path / "out" / name).read_bytes()
+    assert repr(pickle.loads(pickle.dumps(found))) == repr(found)
+    with pytest.raises(machband.Error, match="a task has no ordinal model; expected one of the tables"):
+        found.params
+    with pytest.raises(machband.Error, match="expected the folder of their sessions"):
+        machband.analyze(rows)
 
 
 def test_changes_are_found(command, tmp_path):

@@ -58,7 +58,7 @@ def test_light_gray_and_strided_pictures():
     wide = np.zeros((128, 256, 3), np.uint16)
     wide[:, ::2] = codes
     assert machband.compare(wide[:, ::2], dim.astype(">u2"), window_deg=5).times_threshold == expected
-    light, other = (machband.transfer(image / 65535, inverse=True) for image in (codes, dim))
+    light, other = (machband.Transfer().decode(image / 65535) for image in (codes, dim))
     of_light = machband.compare(np.asfortranarray(light.astype(np.float32)), other, window_deg=5)
     assert of_light.times_threshold == pytest.approx(expected, rel=1e-4)
     assert machband.compare(codes, codes, window_deg=5).times_threshold == 0

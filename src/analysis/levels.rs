@@ -39,10 +39,19 @@ pub(super) fn sort<S: AsRef<str>>(levels: &mut [S]) {
 /// Returns the distinct levels of some strings, sorted, and the index of each string's level. A missing value stays
 /// `None`.
 pub(super) fn rank(texts: &[Option<&str>]) -> (Vec<String>, Vec<Option<u32>>) {
+    rank_from(&[], texts)
+}
+
+/// Does what [`rank`] does; levels in `declared` come first, in that order.
+pub(super) fn rank_from(declared: &[String], texts: &[Option<&str>]) -> (Vec<String>, Vec<Option<u32>>) {
     let mut present: Vec<&str> = texts.iter().flatten().copied().collect();
     present.sort_unstable();
     present.dedup();
     sort(&mut present);
+    // A number may be written in several ways.
+    let same = |level: &str, text: &str| level == text || number_of(level).is_some_and(|n| number_of(text) == Some(n));
+    let place = |text: &str| declared.iter().position(|level| same(level, text)).unwrap_or(declared.len());
+    present.sort_by_key(|text| place(text));
     let index_of: std::collections::HashMap<&str, u32> = present.iter().copied().zip(0..).collect();
     let indices = texts.iter().map(|text| text.and_then(|text| index_of.get(text).copied())).collect();
     (present.into_iter().map(str::to_owned).collect(), indices)

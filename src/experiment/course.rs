@@ -80,14 +80,10 @@ impl Course {
     fn present(&self, trial: usize, pick: Pick) -> Presentation {
         let (planned, conditions) = (&self.schedule.trials[trial], &self.schedule.conditions);
         let pair = match pick {
-            Pick::Pair(pair) => Some(pair),
-            _ => self.protocol.pairs().map(|pairs| pairs[planned.condition]),
+            Pick::Pair(pair) => Some(planned.placed(pair)),
+            _ => planned.planned_pair(&self.protocol),
         };
-        let [one, other] = match pair {
-            Some([i, j]) if planned.place == 1 => [j, i],
-            Some(pair) => pair,
-            None => [planned.condition; 2],
-        };
+        let [one, other] = pair.unwrap_or([planned.condition; 2]);
         let mut names = self.protocol.adaptive.iter().flat_map(Adaptive::parameters);
         let (x, y) = if let Pick::Level(x, y) = pick { (Some(x), y) } else { (None, None) };
         let turn = Turn {

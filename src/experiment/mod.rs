@@ -31,7 +31,9 @@ pub use identity::{Identity, IdentityError};
 pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, judged, simulate};
 pub use participant::{AnswerError, Answers, FieldKind, FieldSpec, MAX_ANSWER, ParticipantField, ParticipantFields};
 pub use protocol::{Protocol, name_error};
-pub use record::{Column, Rating, RatingRow, RowContext, Seconds, TaskAnswer, TrialRecord, columns, columns_by_header};
+pub use record::{
+    Column, Rating, RatingRow, RowContext, SECOND, Seconds, TaskAnswer, TrialRecord, columns, columns_by_header,
+};
 pub use replay::{Replay, Replayed};
 pub use scale::{CATEGORIES, Category, ResponseScale, default_key};
 pub use schedule::{GENERATOR, Phase, Schedule, ScheduleError, Trial, session_seed};

@@ -258,9 +258,10 @@ record! {
     }
 }
 
-/// The columns of a stimulus. A row of a pair has them again for the second one, with this suffix.
+/// The columns of a stimulus.
 const STIMULUS: [&str; 7] = ["stimulus", "width", "depth", "orientation_deg", "low", "high", "color"];
-const SECOND: &str = "_2";
+/// What follows the names of the columns of the second stimulus of a pair.
+pub const SECOND: &str = "_2";
 
 impl TrialRecord {
     /// Returns the cells of the row in the order of [`columns`].

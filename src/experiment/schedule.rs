@@ -66,6 +66,20 @@ pub struct Trial {
     pub draw: u32,
 }
 
+impl Trial {
+    /// Returns the conditions that the trial compares, left and right, if the schedule of this protocol plans them.
+    #[must_use]
+    pub fn planned_pair(&self, protocol: &Protocol) -> Option<[usize; 2]> {
+        let pairs = protocol.pairs().filter(|_| protocol.task.ranking().is_none())?;
+        Some(self.placed(pairs[self.condition]))
+    }
+
+    /// Returns a pair of conditions as the trial shows them, left and right.
+    pub(super) fn placed(&self, [one, other]: [usize; 2]) -> [usize; 2] {
+        if self.place == 1 { [other, one] } else { [one, other] }
+    }
+}
+
 /// All trials of a session, in order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::dither::{Dither, Levels, Thresholds};
 use super::image::{CodeImage, LinearImage, Samples};
 use super::transfer::{Transfer, Transfers};
-use crate::text::names::named;
+use crate::{system::checkpoint, text::names::named};
 
 named! {
     /// Number of bits in a code.
@@ -210,6 +210,7 @@ impl Quantizer {
         blocks.for_each_init(
             || Thresholds::new(dither, image.width),
             |thresholds, (block, (samples, light))| {
+                checkpoint();
                 for (row, (samples, light)) in samples.chunks_mut(width).zip(light.chunks(width)).enumerate() {
                     let pixels = samples.as_chunks_mut().0.iter_mut().zip(light.as_chunks().0);
                     match thresholds {

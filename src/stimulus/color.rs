@@ -8,7 +8,7 @@ use crate::light::color::{
     rgb_from_hls, rgb_from_hsv, rgb_from_xyz, wrapped_deg, xyy_from_xyz, xyz_from_lab, xyz_from_luv, xyz_from_rgb,
     xyz_from_xyy,
 };
-use crate::text::names::serde_as_text;
+use crate::{light::Transfer, text::names::serde_as_text};
 
 /// Weights of red, green and blue in linear light, each 0…1 and not all 0. A pixel of relative luminance L emits L
 /// times these weights.
@@ -18,6 +18,7 @@ use crate::text::names::serde_as_text;
 /// - a name: `yellow`, `gray` (also `white`), `red`, `green`, `blue`, `cyan` or `magenta`, the corners of the
 ///   screen's RGB cube;
 /// - `R,G,B`, the weights themselves;
+/// - `#RRGGBB`, a color of sRGB in hexadecimal codes, whose light is the weights;
 /// - `hsv:H,S,V`, `hls:H,L,S`, `cmy:C,M,Y` or `cmyk:C,M,Y,K`, the models of Shoaff §2.2.5–2.2.7, applied to these
 ///   *linear* weights and not to code values; H is in degrees, all others are 0…1;
 /// - `xyY:x,y,Y`, CIE chromaticity and luminance, or `lab:L,a,b` or `luv:L,u,v`, CIE 1976, all relative to the white
@@ -44,7 +45,7 @@ pub(super) const MEANING: &str = "Weights of red, green and blue in linear light
 
 /// The strings that are valid colors, for error messages.
 pub(super) const EXPECTED: &str = "yellow, gray, red, green, blue, cyan, magenta, three numbers R,G,B from 0 to 1, not \
-                                   all 0, linear in light, or hsv:H,S,V, hls:H,L,S, cmy:C,M,Y, cmyk:C,M,Y,K, \
+                                   all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S, cmy:C,M,Y, cmyk:C,M,Y,K, \
                                    xyY:x,y,Y, lab:L,a,b or luv:L,u,v";
 
 /// The error for a string that is not a color.
@@ -110,9 +111,19 @@ fn from_xyz(xyz: [f64; 3]) -> Result<StimulusColor, String> {
     from_rgb(rgb.map(|weight| if (weight - weight.round()).abs() < ROUNDING { weight.round() } else { weight }))
 }
 
+/// Returns the light of a color of sRGB, whose codes are six hexadecimal digits.
+fn from_hex(digits: &str) -> Option<[f64; 3]> {
+    let is_color = digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+    let codes = u32::from_str_radix(digits, 16).ok().filter(|_| is_color)?.to_be_bytes();
+    Some([codes[1], codes[2], codes[3]].map(|code| Transfer::Srgb.linear_from_encoded(f64::from(code) / 255.0)))
+}
+
 fn parsed(text: &str) -> Result<StimulusColor, String> {
     if let Some((_, rgb)) = NAMED.iter().find(|(name, _)| *name == text) {
         return Ok(StimulusColor { rgb: *rgb });
+    }
+    if let Some(hex) = text.strip_prefix('#') {
+        return from_rgb(from_hex(hex).ok_or_else(|| "is not known".to_owned())?);
     }
     let Some((model, list)) = text.split_once(':') else {
         return from_rgb(quantities(text, [("R", UNIT), ("G", UNIT), ("B", UNIT)])?);

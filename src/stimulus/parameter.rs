@@ -24,6 +24,8 @@ pub struct Parameter {
     pub description: &'static str,
     /// The values it can have, as worded in error messages.
     pub expected: &'static str,
+    /// All values, if the parameter is one of a few names.
+    pub choices: &'static [&'static str],
     /// True for a direction, whose levels are circular, so that they cannot increase or decrease.
     pub is_direction: bool,
     /// Values worth comparing in an experiment, each in the form that [`ParameterValue`] reads.
@@ -147,6 +149,8 @@ pub(super) enum Range {
 
 /// A type of field that can be read from a parameter's value and written as one.
 pub(super) trait ParameterType: Sized {
+    /// All values, if they are a few names.
+    const CHOICES: &'static [&'static str] = &[];
     fn read(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result<Self, ParameterError>;
     fn write(&self) -> ParameterValue;
 }
@@ -209,8 +213,13 @@ impl ParameterType for Depth {
 
 /// Implements [`ParameterType`] for types that are written as text.
 macro_rules! text_field {
-    ($($kind:ty),*) => {$(
+    ($($kind:ty),* $(; $($named:ty),*)?) => {
+        $($crate::stimulus::parameter::text_field! { @impl $kind, &[] })*
+        $($($crate::stimulus::parameter::text_field! { @impl $named, Self::NAMES })*)?
+    };
+    (@impl $kind:ty, $choices:expr) => {
         impl $crate::stimulus::parameter::ParameterType for $kind {
+            const CHOICES: &'static [&'static str] = $choices;
             fn read(
                 parameter: &$crate::stimulus::parameter::Parameter,
                 _: $crate::stimulus::parameter::Range,
@@ -223,7 +232,7 @@ macro_rules! text_field {
                 self.to_string().as_str().into()
             }
         }
-    )*};
+    };
 }
 pub(super) use text_field;
 
@@ -282,6 +291,7 @@ macro_rules! kind {
                 unit: $unit,
                 description: $meaning,
                 expected: $expected,
+                choices: <$type as $crate::stimulus::parameter::ParameterType>::CHOICES,
                 is_direction: matches!($range, $crate::stimulus::parameter::Range::Direction),
                 levels_hint: &[$($level),*],
             },)*];

@@ -164,6 +164,7 @@ impl Picture {
         unit: "",
         description: "File of the picture",
         expected: "one of the files of the definition",
+        choices: &[],
         is_direction: false,
         levels_hint: &[],
     }];

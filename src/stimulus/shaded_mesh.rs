@@ -45,7 +45,7 @@ impl FromStr for Triple {
     }
 }
 
-text_field!(Triple, Shape, Shader, Correction, Gradients);
+text_field!(Triple; Shape, Shader, Correction, Gradients);
 
 serde_as_text!(Triple);
 

@@ -24,6 +24,33 @@ impl Columns {
         self
     }
 
+    /// Adds a column of whole numbers.
+    #[must_use]
+    pub fn with_whole(self, name: &str, numbers: &[i64]) -> Self {
+        let (mut index, mut levels) = (HashMap::new(), Vec::new());
+        let mut cell = |number: &i64| {
+            *index.entry(*number).or_insert_with(|| {
+                levels.push(number.to_string());
+                levels.len() as i64 - 1
+            })
+        };
+        let cells: Vec<i64> = numbers.iter().map(&mut cell).collect();
+        self.with_levels(name, &levels, &cells)
+    }
+
+    /// Adds a column of text of which each different text is given once, with its index in each row; an index without a
+    /// text is a missing value.
+    #[must_use]
+    pub fn with_levels<S: AsRef<str>>(mut self, name: &str, levels: &[S], cells: &[i64]) -> Self {
+        let mut texts = Interner::default();
+        let index: Vec<u32> = levels.iter().map(|level| texts.index(level.as_ref().trim())).collect();
+        let missing = texts.index("");
+        let of = |cell: &i64| usize::try_from(*cell).ok().and_then(|cell| index.get(cell)).copied().unwrap_or(missing);
+        texts.cells = cells.iter().map(of).collect();
+        self.0.push((name.to_owned(), Column::Texts(texts.finish())));
+        self
+    }
+
     /// Adds a column of numbers, each written in the shortest form that reads back as the same number. NaN is a missing
     /// value.
     #[must_use]
@@ -157,12 +184,17 @@ pub(super) struct Interner {
 impl Interner {
     /// Adds the text of the next row.
     pub fn push(&mut self, text: &str) {
-        let cell = self.index.get(text).copied().unwrap_or_else(|| {
+        let cell = self.index(text);
+        self.cells.push(cell);
+    }
+
+    /// Returns the index of a text.
+    fn index(&mut self, text: &str) -> u32 {
+        self.index.get(text).copied().unwrap_or_else(|| {
             let new = self.index.len() as u32;
             self.index.insert(text.into(), new);
             new
-        });
-        self.cells.push(cell);
+        })
     }
 
     /// Returns the column.

@@ -17,6 +17,8 @@ pub struct FileError {
     pub key: String,
     /// What is wrong; what is expected.
     pub message: String,
+    /// The rows of a table in memory that it is about, counted from 0.
+    pub rows: Vec<usize>,
 }
 
 /// Maximum length of a message that is shown whole, bytes. A single value of a file may have megabytes.
@@ -46,7 +48,8 @@ impl FileError {
 
     /// Creates an error about a whole file.
     pub fn whole(file: impl AsRef<Path>, message: impl Into<String>) -> Self {
-        Self { file: file.as_ref().display().to_string(), position: None, key: String::new(), message: message.into() }
+        let file = file.as_ref().display().to_string();
+        Self { file, position: None, key: String::new(), message: message.into(), rows: Vec::new() }
     }
 }
 
@@ -90,21 +93,21 @@ const MAX_KEPT: usize = 5;
 #[derive(Clone, Debug, Default)]
 pub(super) struct RowErrors {
     kept: Vec<FileError>,
-    /// The number of errors in each column, kept or not; `None` stands for the row as a whole.
-    counts: BTreeMap<Option<usize>, usize>,
+    /// For each error in a column, kept or not, its row in a table in memory; `None` stands for the row as a whole.
+    rows: BTreeMap<Option<usize>, Vec<Option<usize>>>,
 }
 
 impl RowErrors {
     /// Adds an error; its line and column are computed only if it is kept.
     pub fn add(&mut self, file: &str, cell: Option<usize>, message: String, place: impl FnOnce() -> (usize, usize)) {
-        self.add_with(cell, || FileError::at(file, place(), message));
+        self.add_with(None, cell, || FileError::at(file, place(), message));
     }
 
-    /// Adds the error that `make` returns; it is called only if the error is kept.
-    pub fn add_with(&mut self, cell: Option<usize>, make: impl FnOnce() -> FileError) {
-        let count = self.counts.entry(cell).or_default();
-        *count += 1;
-        if *count <= MAX_KEPT {
+    /// Adds the error that `make` returns, with its row in a table in memory; it is called only if the error is kept.
+    pub fn add_with(&mut self, row: Option<usize>, cell: Option<usize>, make: impl FnOnce() -> FileError) {
+        let rows = self.rows.entry(cell).or_default();
+        rows.push(row);
+        if rows.len() <= MAX_KEPT {
             self.kept.push(make());
         }
     }
@@ -114,11 +117,14 @@ impl RowErrors {
     pub fn finish(self, file: &str, columns: &[impl AsRef<str>]) -> Vec<FileError> {
         let mut errors = self.kept;
         errors.sort_by_key(|error| error.position);
-        for (cell, count) in self.counts.into_iter().filter(|(_, count)| *count > MAX_KEPT) {
+        for (cell, rows) in self.rows.into_iter().filter(|(_, rows)| rows.len() > MAX_KEPT) {
             let column = cell.and_then(|cell| columns.get(cell));
             let column = column.map_or(String::new(), |name| format!(" in {}", name.as_ref()));
-            let message = format!("further rows with errors{column}: {}; expected none", count - MAX_KEPT);
-            errors.push(FileError::whole(file, message));
+            let message = format!("further rows with errors{column}: {}; expected none", rows.len() - MAX_KEPT);
+            errors.push(FileError {
+                rows: rows[MAX_KEPT..].iter().flatten().copied().collect(),
+                ..FileError::whole(file, message)
+            });
         }
         errors
     }

@@ -1,5 +1,5 @@
-//! Floor 0: the clock, threads, signals, folders and fonts of the operating system. Any of them can fail, but these functions
-//! never panic.
+//! Floor −1, the basement: the clock, threads, signals, folders and fonts of the operating system. Any of them can fail, but
+//! these functions never panic.
 
 mod clock;
 mod folders;

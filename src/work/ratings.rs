@@ -49,6 +49,10 @@ pub struct Ratings {
     /// Columns with the factors [default: the factors of the definition or of the terms].
     #[arg(long, value_name = "COL,…")]
     pub factors: Option<List>,
+    /// Order of the levels of a factor, of which the first is the baseline; levels that are not named follow. Several
+    /// factors can be given [default: numbers in ascending order, other levels in natural order].
+    #[arg(long, value_name = "FACTOR=LEVEL,…")]
+    pub levels: Vec<Only>,
     /// Factors that are directions, which are circular [default: stimulus parameters that are directions].
     #[arg(long, value_name = "COL,…")]
     pub direction: Option<List>,
@@ -77,7 +81,7 @@ pub struct Ratings {
     pub max_time: Option<f64>,
 }
 
-/// A factor and the levels of it that are analyzed.
+/// A factor and some of its levels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Only {
     /// Name of the factor.
@@ -124,13 +128,14 @@ fn categories(text: &str) -> Result<List, String> {
     }
 }
 
+fn pairs(all: &[Only]) -> Vec<(String, Vec<String>)> {
+    all.iter().map(|only| (only.factor.clone(), only.levels.clone())).collect()
+}
+
 impl Ratings {
     /// Returns what is to be excluded.
     pub fn exclusions(&self) -> Exclusions {
-        Exclusions {
-            exclude: self.exclude.clone().unwrap_or_default().0,
-            only: self.only.iter().map(|only| (only.factor.clone(), only.levels.clone())).collect(),
-        }
+        Exclusions { exclude: self.exclude.clone().unwrap_or_default().0, only: pairs(&self.only) }
     }
 
     /// Returns the same ratings without what is to be excluded.
@@ -171,6 +176,7 @@ impl Ratings {
             factors: self.factors.clone().map(|list| list.0),
             also,
             roles,
+            levels: pairs(&self.levels),
             direction: self.direction.clone().unwrap_or_default().0,
             exclude,
             only,

@@ -6,6 +6,7 @@ use std::{
 };
 
 use glam::DVec3;
+use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -26,7 +27,7 @@ use crate::{
         describe_scene,
     },
     store::{self, scene::SceneFile},
-    system::found,
+    system::{checkpoint, found},
     vision::VisionError,
 };
 
@@ -417,7 +418,12 @@ impl Drawing<'_> {
 
 /// Says how many pixels are brighter than white, if any.
 fn clipped(image: &LinearImage) -> Option<String> {
-    let clipped = image.data.chunks_exact(3).filter(|pixel| pixel.iter().any(|light| *light > 1.0)).count();
+    let is_clipped = |pixel: &&[f32]| pixel.iter().any(|light| *light > 1.0);
+    let of_rows = |rows: &[f32]| {
+        checkpoint();
+        rows.chunks_exact(3).filter(is_clipped).count()
+    };
+    let clipped: usize = image.data.par_chunks(3 << 16).map(of_rows).sum();
     let pixels = count(clipped as u64, "pixel");
     (clipped > 0).then(|| format!("light above white is clipped, which creates edges ({pixels})"))
 }

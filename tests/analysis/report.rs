@@ -44,6 +44,7 @@ pub fn source(factors: &[&str]) -> Source {
         definition_sha256: None,
         files: Vec::new(),
         sessions: Vec::new(),
+        simulated: Default::default(),
         errors: Vec::new(),
         warnings: Vec::new(),
     }
@@ -253,8 +254,13 @@ fn problems_with_the_data_are_reported() {
     };
     source.sessions[1] = SessionRead { rated: 60, dropped: Some(7), ..session(&protocol, "S002", other) };
     let message = "rating 4; expected 0…3".to_owned();
-    source.errors =
-        vec![FileError { file: "S002.csv".to_owned(), position: Some((3, 9)), key: String::new(), message }];
+    source.errors = vec![FileError {
+        file: "S002.csv".to_owned(),
+        position: Some((3, 9)),
+        key: String::new(),
+        message,
+        rows: Vec::new(),
+    }];
     let hash = "ab".repeat(32);
     source.files = vec![FileRead {
         path: PathBuf::from("S002.csv"),

@@ -5,6 +5,7 @@ use std::{any::TypeId, collections::BTreeMap, fmt::Write as _};
 
 use clap::{Arg, ArgAction, Args, Command};
 use machband::{
+    light::{Dither, Transfers},
     stimulus::StimulusColor,
     work::{Analyze, Export, Image, compare::Compare, predict::Predict, shade::Shade, simulate::Simulate},
 };
@@ -40,7 +41,7 @@ fn functions() -> Vec<Function> {
         function::<Shade>("_shading.py", "shade", &["mesh", "vertices", "normals", "shader", "truth"]),
         function::<Image>("_stimulus.py", "stimulus", &[]),
         function::<Image>("_stimulus.py", "profile", &[]),
-        function::<Analyze>("_study.py", "analyze", &[]),
+        function::<Analyze>("_study.py", "analyze", &["factors", "levels"]),
         function::<Export>("_study.py", "export", &["format", "out"]),
         function::<Predict>("_vision.py", "predict", &parameters),
         function::<Compare>("_vision.py", "compare", &["steps", "max"]),
@@ -101,7 +102,7 @@ fn documented(function: &str, options: &[Arg]) -> String {
         }
     }
     let keywords = before.find("    *,\n").unwrap_or_default();
-    let is_option = |name: &str| name.split(", ").all(|name| options.iter().any(|option| option.get_id() == name));
+    let is_option = |name: &str| options.iter().any(|option| option.get_id() == name);
     let is_first =
         |name: &str| before[..keywords].contains(&format!("    {}:", name.split(", ").next().unwrap_or_default()));
     let block = |(name, text): &(String, String)| format!("    {name}\n{text}");
@@ -109,7 +110,7 @@ fn documented(function: &str, options: &[Arg]) -> String {
         let kept = blocks.iter().filter(|(name, _)| !is_option(name) && is_first(name) == first);
         kept.map(block).collect::<String>()
     };
-    // "kind, size" with a reference to another function describes these options.
+    // "size, bits" with a reference to another function describes these options.
     let listed: Vec<&str> =
         blocks.iter().filter(|(name, _)| name.contains(", ")).flat_map(|(name, _)| name.split(", ")).collect();
     let is_new = |option: &&Arg| !listed.contains(&option.get_id().as_str());
@@ -138,6 +139,9 @@ fn description(option: &Arg) -> String {
 enum Type {
     Flag,
     Whole,
+    Seed,
+    /// One of these whole numbers.
+    Sizes(Vec<String>),
     Number,
     /// A number or a word, such as a depth.
     Value,
@@ -146,6 +150,8 @@ enum Type {
     /// The name of a color, or its three weights.
     Color,
     Text,
+    Transfer,
+    Dither,
     /// One of these texts.
     Choice(Vec<String>),
     Path,
@@ -168,7 +174,11 @@ impl Type {
             _ if name == "X,Y,Z" => Self::Triple,
             _ if is(&[TypeId::of::<StimulusColor>()]) => Self::Color,
             _ if name.starts_with("FILE") || name == "DIR" => Self::Path,
-            _ if is(&[TypeId::of::<u32>(), TypeId::of::<u64>(), TypeId::of::<usize>()]) => Self::Whole,
+            _ if is(&[TypeId::of::<Transfers>()]) => Self::Transfer,
+            _ if is(&[TypeId::of::<Dither>()]) => Self::Dither,
+            // Other numbers have no need of 64 bits.
+            _ if is(&[TypeId::of::<u64>()]) => Self::Seed,
+            _ if is(&[TypeId::of::<u32>(), TypeId::of::<usize>()]) => Self::Whole,
             _ if is(&[TypeId::of::<f64>()]) => Self::Number,
             _ => {
                 let choices = option.get_possible_values();
@@ -176,7 +186,7 @@ impl Type {
                 match choices.iter().all(|choice| choice.parse::<u32>().is_ok()) {
                     true if choices.is_empty() && name == "N" => Self::Value,
                     true if choices.is_empty() => Self::Text,
-                    true => Self::Whole,
+                    true => Self::Sizes(choices),
                     false => Self::Choice(choices),
                 }
             }
@@ -188,6 +198,10 @@ impl Type {
         let kind = match self {
             Self::Flag => return "bool = False".to_owned(),
             Self::Whole => "int".to_owned(),
+            Self::Seed => "Seed".to_owned(),
+            Self::Sizes(numbers) => format!("Literal[{}]", numbers.join(", ")),
+            Self::Transfer => "str | Transfer".to_owned(),
+            Self::Dither => "Dither".to_owned(),
             Self::Number => "float".to_owned(),
             Self::Value => "float | str".to_owned(),
             Self::Triple => "Triple".to_owned(),
@@ -202,7 +216,9 @@ impl Type {
         let default = default.to_string_lossy();
         let default = match self {
             Self::Triple => format!("({})", default.replace(',', ", ")),
-            Self::Whole | Self::Number | Self::Value if default.parse::<f64>().is_ok_and(f64::is_finite) => {
+            Self::Whole | Self::Seed | Self::Sizes(_) | Self::Number | Self::Value
+                if default.parse::<f64>().is_ok_and(f64::is_finite) =>
+            {
                 default.into()
             }
             Self::Number => format!("float(\"{default}\")"),

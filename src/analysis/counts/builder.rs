@@ -15,6 +15,8 @@ pub struct MeasuredBuilder {
     declared: Option<Vec<String>>,
     /// Names of the factors that are directions.
     directions: Vec<String>,
+    /// Factors with the order of their levels.
+    levels: Vec<(String, Vec<String>)>,
     /// Whether to drop factors that have only one level.
     only_varied: bool,
     /// Texts of the ratings, in the order of their first appearance.
@@ -61,6 +63,7 @@ impl MeasuredBuilder {
             factors: factors.iter().map(|name| name.as_ref().to_owned()).collect(),
             declared: None,
             directions: Vec::new(),
+            levels: Vec::new(),
             only_varied: false,
             ratings: Vec::new(),
             index: HashMap::new(),
@@ -83,6 +86,13 @@ impl MeasuredBuilder {
     #[must_use]
     pub fn with_directions<S: AsRef<str>>(mut self, names: &[S]) -> Self {
         self.directions = names.iter().map(|name| name.as_ref().to_owned()).collect();
+        self
+    }
+
+    /// Declares the order of the levels of factors. Levels that are not declared follow, in their own order.
+    #[must_use]
+    pub fn with_levels(mut self, levels: &[(String, Vec<String>)]) -> Self {
+        self.levels = levels.to_vec();
         self
     }
 
@@ -212,7 +222,8 @@ impl MeasuredBuilder {
             // An empty text is a missing value.
             let texts: Vec<Option<&str>> =
                 values.iter().map(|values| Some(values[index]).filter(|text| !text.is_empty())).collect();
-            let (levels, level_of) = levels::rank(&texts);
+            let declared = self.levels.iter().find(|(factor, _)| factor == name).map_or(&[][..], |(_, levels)| levels);
+            let (levels, level_of) = levels::rank_from(declared, &texts);
             if self.only_varied && level_of.windows(2).all(|pair| pair[0] == pair[1]) {
                 continue;
             }

@@ -13,9 +13,9 @@ pub struct Factor {
     /// Name of the column.
     pub name: String,
     /// Names of the levels, as written: in ascending order, with `inf` last, if all of them are numbers, or else in
-    /// natural order.
+    /// natural order, unless their order was declared.
     pub levels: Vec<String>,
-    /// The levels as numbers, if all of them are numbers; `inf` is infinite.
+    /// The levels as numbers, if all of them are numbers in ascending order; `inf` is infinite.
     pub numbers: Option<Vec<f64>>,
     /// What the levels mean.
     pub role: Role,
@@ -35,7 +35,8 @@ pub enum Role {
 impl Factor {
     /// Creates a factor with these levels, in this order.
     pub fn new(name: impl Into<String>, levels: Vec<String>, is_direction: bool) -> Self {
-        let numbers = levels::numbers_of(&levels);
+        // Numbers in another order were declared so, and are names.
+        let numbers = levels::numbers_of(&levels).filter(|numbers| numbers.is_sorted());
         let role = match numbers {
             _ if is_direction => Role::Direction,
             Some(_) => Role::Number,

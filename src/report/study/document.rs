@@ -139,7 +139,8 @@ impl Study {
 }
 
 fn builder(shape: &Shape) -> MeasuredBuilder {
-    let mut builder = MeasuredBuilder::new(&shape.factors).with_directions(&shape.directions);
+    let mut builder =
+        MeasuredBuilder::new(&shape.factors).with_directions(&shape.directions).with_levels(&shape.levels);
     if let Some(categories) = &shape.categories {
         builder = builder.with_categories(categories);
     }

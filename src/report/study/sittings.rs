@@ -30,9 +30,8 @@ pub(super) fn is_simulated(session: &SessionRead) -> bool {
 /// Returns the analyzed participants who have any ratings from a program.
 pub(super) fn simulated<'a>(source: &'a Source, results: &Results) -> BTreeSet<&'a str> {
     let subjects = &results.measured.counts.subjects;
-    let sessions =
-        source.sessions.iter().filter(|session| is_simulated(session) && subjects.contains(&session.subject));
-    sessions.map(|session| session.subject.as_str()).collect()
+    let sessions = source.sessions.iter().filter(|session| is_simulated(session)).map(|session| &session.subject);
+    sessions.chain(&source.simulated).filter(|subject| subjects.contains(subject)).map(String::as_str).collect()
 }
 
 /// Returns the first and the last day on which a sitting began, such as `2026-11-21`.

@@ -18,4 +18,5 @@ mod workbook;
 pub(super) use files::Header;
 pub use files::{Listed, column_names, with_files};
 pub use reader::{read, read_columns};
+pub use selection::SIMULATED;
 pub use source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source, TimeLimits};

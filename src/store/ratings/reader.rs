@@ -2,7 +2,7 @@
 //! determine which rows count, and pass those rows to the caller.
 
 use std::{
-    collections::{BTreeMap, HashMap},
+    collections::{BTreeMap, BTreeSet, HashMap},
     path::{Path, PathBuf},
 };
 
@@ -111,6 +111,7 @@ fn read_inputs<T>(
     let mut notes = about_participants(&selection, options, &tables);
     notes.extend(selection.inputs.iter().zip(&tables).flat_map(|(input, rows)| how_read(input, rows)));
     let mut sessions = sessions(&selection, &mut tables);
+    let simulated = selection.inputs.iter().zip(&tables).flat_map(|(input, rows)| simulated(input, rows)).collect();
     let unfinished: Vec<bool> =
         sessions.iter().map(|session| options.complete_only && session.is_unfinished()).collect();
     let known = Known { numbers: AreNumbers::new(&selection, &tables), missing: &options.missing, unfinished };
@@ -131,7 +132,8 @@ fn read_inputs<T>(
     warnings.extend(measurements.into_iter().chain(notes).chain(missing(&reports, &options.missing)));
     sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;
-    Ok((Source { shape, protocol, definition_sha256, files: reports, sessions, errors, warnings }, all))
+    let files = reports;
+    Ok((Source { shape, protocol, definition_sha256, files, sessions, simulated, errors, warnings }, all))
 }
 
 /// Says which column has the participants, if it was not named, and which IDs look alike.
@@ -291,6 +293,15 @@ fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
         }
     }
     sessions
+}
+
+/// Returns the participants with a simulated rating in a table in memory.
+fn simulated(input: &Input, rows: &Rows) -> BTreeSet<String> {
+    let Some(column) = input.columns.simulated else { return BTreeSet::new() };
+    let marks = rows.columns[column].map(|text| text == "1" || text.eq_ignore_ascii_case("true"));
+    let subjects = rows.columns[input.columns.subject].map(|text| text);
+    let found: BTreeSet<&str> = marks.iter().zip(subjects.iter()).filter_map(|(is, who)| is.then_some(*who)).collect();
+    found.into_iter().map(str::to_owned).collect()
 }
 
 fn session_read(subject: &str, session: &str, input: &Input) -> SessionRead {

@@ -177,7 +177,8 @@ impl Rows {
         {
             error = RowError { cell: None, what: What::Said(message), ..error };
         }
-        errors.add_with(error.cell, || self.placed(&error, input, inputs));
+        let row = input.in_memory().then_some(error.row);
+        errors.add_with(row, error.cell, || self.placed(&error, input, inputs));
     }
 
     /// Returns all errors in the file.
@@ -189,7 +190,8 @@ impl Rows {
     fn placed(&self, error: &RowError, input: &Input, inputs: &[Input]) -> FileError {
         if let Some(columns) = &input.header.columns {
             let message = error.message(input, inputs, |column| columns.cell(error.row, column));
-            return FileError::whole(format!("{}, row {} (counted from 0)", input.name, error.row), message);
+            let place = format!("{}, row {} (counted from 0)", input.name, error.row);
+            return FileError { rows: vec![error.row], ..FileError::whole(place, message) };
         }
         let found = self.again(input, error.row, |row| {
             let written = |column| row.record.get(column).map(decoded).unwrap_or_default().into_owned();

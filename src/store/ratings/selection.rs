@@ -33,6 +33,9 @@ pub(super) const SUBJECT: &str = "subject_id";
 /// for a trial or a stimulus.
 const SUBJECTS: [&str; 4] = ["participant", "participant_id", "subject", "subject_nr"];
 
+/// The column of a table in memory that says whether a rating is simulated, as the sidecars of files do.
+pub const SIMULATED: &str = "simulated";
+
 /// A file to read.
 #[derive(Debug)]
 pub(super) struct Input {
@@ -66,6 +69,8 @@ pub(super) struct Columns {
     pub time: Option<usize>,
     /// The place of a row in its session.
     pub order: Option<usize>,
+    /// Whether the response comes from a program.
+    pub simulated: Option<usize>,
     /// The columns that only a result file has.
     pub record: Option<RecordColumns>,
 }
@@ -124,7 +129,10 @@ impl Selection {
         errors.extend(others.iter().map(|file| file.left_out(&inputs)));
         let Some(first) = inputs.first() else { return (None, errors) };
         let protocol = inputs.iter().find_map(|file| file.protocol.clone()).map(Arc::unwrap_or_clone);
-        let shape = shape(&inputs, first, protocol.as_ref(), options);
+        // A table from elsewhere may have any scale.
+        let is_ours = protocol.is_some() || first.is_results() || !first.in_memory();
+        let own_scale = (is_ours && options.own_scale()).then(|| highest(protocol.as_ref()));
+        let shape = shape(&inputs, (first, own_scale), protocol.as_ref(), options);
         let experiment = inputs.iter().find_map(|file| file.experiment().map(str::to_owned));
         let definition_sha256 = inputs.iter().find_map(|file| Some(file.sidecar.as_ref()?.definition_sha256.clone()));
         inputs.retain_mut(|file| match columns(file, &shape.factors, options) {
@@ -139,14 +147,19 @@ impl Selection {
                 false
             }
         });
-        for name in options.direction.iter().filter(|name| !shape.factors.contains(name)) {
-            let message = format!("the direction {name} is not a factor; {}", expected_one_of(name, &shape.factors));
-            errors.extend(inputs.first().map(|file| FileError::whole(&file.path, message)));
-        }
+        let mut named = |name: &String, what: &str, known: &[String]| {
+            let message = format!("the {what} {name} is not a factor; {}", expected_one_of(name, known));
+            let file = inputs.first().filter(|_| !known.contains(name));
+            errors.extend(file.map(|file| FileError::whole(&file.path, message)));
+        };
+        options.direction.iter().for_each(|name| named(name, "direction", &shape.factors));
+        // The column of an ordered factor may be there without being analyzed.
+        let columns: Vec<String> =
+            inputs.iter().flat_map(|file| &file.header.names).chain(&shape.factors).cloned().collect();
+        options.levels.iter().for_each(|(name, _)| named(name, "ordered factor", &columns));
         let levels =
             (shape.factors.iter()).map(|name| protocol.as_ref().map_or_else(Vec::new, |all| levels(all, name)));
         let levels = levels.collect();
-        let own_scale = options.own_scale().then(|| highest(protocol.as_ref()));
         let wide = options.wide.clone().unwrap_or_default().1;
         let is_empty = inputs.is_empty();
         let is_guess = options.factors.is_none() && protocol.is_none();
@@ -190,7 +203,15 @@ impl Columns {
         let mut all = BTreeSet::from([self.subject]);
         all.extend(&self.responses);
         all.extend(
-            self.factors.iter().copied().chain(self.count).chain(self.session).chain(self.repetition).chain(self.order),
+            (self
+                .factors
+                .iter()
+                .copied()
+                .chain(self.count)
+                .chain(self.session)
+                .chain(self.repetition)
+                .chain(self.order))
+            .chain(self.simulated),
         );
         if let Some(own) = self.record {
             all.extend([own.session, own.phase, own.trial, own.attempt]);
@@ -305,6 +326,11 @@ impl Input {
         self.layout == Layout::Results
     }
 
+    /// True for a table in memory.
+    pub fn in_memory(&self) -> bool {
+        self.header.columns.is_some()
+    }
+
     /// Creates an error in the header.
     pub fn error(&self, column: usize, message: String) -> FileError {
         if self.header.columns.is_some() {
@@ -327,6 +353,7 @@ impl Input {
         let fixed = columns_by_header(std::iter::empty());
         (self.header.names.iter())
             .filter(|name| !name.is_empty() && *name != response && !fixed.iter().any(|fixed| fixed.name == **name))
+            .filter(|name| !(self.in_memory() && *name == SIMULATED))
             .cloned()
             .collect()
     }
@@ -336,7 +363,10 @@ impl Input {
     fn factors(&self, options: &ReadOptions) -> Vec<String> {
         let known = [self.subject(options), options.response(), options.count()];
         let is_response = |name: &String| options.wide.as_ref().is_some_and(|(_, columns)| columns.contains(name));
-        let is_known = |name: &String| name.is_empty() || known.contains(&name.as_str()) || is_response(name);
+        let is_known = |name: &String| {
+            let is_mark = self.in_memory() && name == SIMULATED;
+            name.is_empty() || is_mark || known.contains(&name.as_str()) || is_response(name)
+        };
         self.header.names.iter().filter(|name| !is_known(name)).cloned().collect()
     }
 
@@ -483,7 +513,12 @@ fn directions(factors: &[String], protocol: Option<&Protocol>, options: &ReadOpt
     factors.iter().filter(|name| options.direction.contains(name) || of_stimulus(name)).cloned().collect()
 }
 
-fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &ReadOptions) -> Shape {
+fn shape(
+    files: &[Input],
+    (first, own_scale): (&Input, Option<u8>),
+    protocol: Option<&Protocol>,
+    options: &ReadOptions,
+) -> Shape {
     let has = |name: &str| files.iter().any(|file| file.header.position(name).is_some());
     let mut guessed = false;
     let mut factors: Vec<String> = match (&options.factors, protocol, first.layout) {
@@ -507,13 +542,14 @@ fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &
     let mut known = HashSet::new();
     factors.retain(|name| known.insert(name.clone()) && Some(name) != options.wide_factor());
     factors.extend(options.wide_factor().cloned());
-    let scale = (0..=highest(protocol)).map(|rating| rating.to_string()).collect();
+    let scale = |highest: u8| (0..=highest).map(|rating| rating.to_string()).collect();
     Shape {
         directions: directions(&factors, protocol, options),
+        levels: options.levels.clone(),
         factors,
         subject: first.subject(options).to_owned(),
         response: options.response().to_owned(),
-        categories: if options.own_scale() { Some(scale) } else { options.categories.clone() },
+        categories: own_scale.map(scale).or_else(|| options.categories.clone()),
         guessed,
         time_limits: options.time_limits,
     }
@@ -581,6 +617,7 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
         repetition,
         time,
         order,
+        simulated: file.in_memory().then(|| header.position(SIMULATED)).flatten(),
     };
     let mut taken = HashSet::new();
     let places = [Some(columns.subject), columns.count].into_iter().flatten();

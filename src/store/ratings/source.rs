@@ -47,6 +47,8 @@ pub struct ReadOptions {
     pub complete_only: bool,
     /// True if the session, repetition and response time of each row are also read.
     pub details: bool,
+    /// Factors, each with the order of its levels; those that are not named follow.
+    pub levels: Vec<(String, Vec<String>)>,
     /// Factors that are directions, in addition to stimulus parameters that are.
     pub direction: Vec<String>,
     /// Participants to leave out after reading.
@@ -99,6 +101,8 @@ pub struct Shape {
     pub factors: Vec<String>,
     /// The factors that are directions.
     pub directions: Vec<String>,
+    /// Factors, each with the order of its levels.
+    pub levels: Vec<(String, Vec<String>)>,
     /// Name of the column with the participant ID.
     pub subject: String,
     /// Name of the column with the response.
@@ -124,6 +128,8 @@ pub struct Source {
     pub files: Vec<FileRead>,
     /// Every session in result files, sorted by participant and session.
     pub sessions: Vec<SessionRead>,
+    /// The participants with simulated ratings in a table in memory, which has no sidecars.
+    pub simulated: BTreeSet<String>,
     /// All errors, in the order of the files. If a file has many similar errors, only the first ones are listed,
     /// followed by the number of others.
     pub errors: Vec<FileError>,

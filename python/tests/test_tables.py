@@ -1,0 +1,164 @@
+"""Data enter from any table without detours, wrong ones are refused with their positions, and nothing is forgotten."""
+
+import io
+import time
+import warnings
+
+import numpy as np
+import pandas
+import pytest
+
+import machband
+from conftest import needs
+
+GIVEN = dict(subject="who", response="answer", factors=["dose"], draws=99)
+
+
+def study(**changes):
+    """Return a table of 48 answers by four people on a scale of three words, at two doses."""
+    columns = {
+        "who": ["007", "8", "=c", "@d"] * 12,
+        "answer": ["low", "mid, or so", "high", "low", "high", "high"] * 8,
+        "dose": ["none"] * 24 + ["a lot"] * 24,
+    }
+    frame = pandas.DataFrame({**columns, **changes})
+    frame["answer"] = pandas.Categorical(frame.answer, ["low", "mid, or so", "high"], ordered=True)
+    return frame
+
+
+def test_every_kind_of_table_is_the_same():
+    needs("polars"), needs("pyarrow"), needs("duckdb")
+    import duckdb
+    import polars
+    import pyarrow
+
+    frame = study(answer=["low", "mid, or so", "high", None, "high", "high"] * 8, n=np.int8([1, 2, 3, 4] * 12))
+    expected = None
+    enum = polars.Enum(list(frame.answer.cat.categories))
+    pl = polars.from_pandas(frame.astype({"answer": object})).with_columns(polars.col("answer").cast(enum))
+    words = dict(zip(frame, [frame.who.to_numpy(), frame.answer.astype(object).to_numpy(), frame.dose, frame.n], strict=True))
+    relation = duckdb.from_arrow(pyarrow.table(pl))
+    scale = {"categories": ["low", "mid, or so", "high"]}
+    for table, further in [
+        (frame, {}), (frame.set_index("who"), {}), (pl, {}), (pyarrow.table(pl), {}), (pyarrow.table(pl).to_reader(), {}),
+        (relation, scale), (words, scale), (frame.astype({"who": object, "answer": object}), scale),
+        (np.array(list(zip(*words.values(), strict=True)), [(name, "O") for name in words]), scale),
+    ]:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", machband.DataWarning)
+            found = machband.analyze(table, count="n", **GIVEN, **further)
+        assert any("8 of 48 rows have no response" in warning for warning in found.warnings)
+        expected = expected or found.files
+        assert found.files == expected
+    assert found.tables["subjects"]["subject_id"].tolist() == ["007", "8", "=c", "@d"]
+    assert found.tables["cells"]["n"].tolist() == [48, 48]
+
+
+def test_a_frame_is_its_csv(command, tmp_path):
+    frame = study().astype({"who": object})
+    frame["who"] = frame.who.str.replace("[=@]", "x", regex=True)
+    frame.to_csv(tmp_path / "ratings.csv", index=False)
+    words = ["--subject", "who", "--response", "answer", "--factors", "dose", "--draws", 99, "--levels", "dose=none,a lot"]
+    command("analyze", "ratings.csv", *words, "--categories", 'low,"mid, or so",high', "--out", "out")
+    found = machband.analyze(frame, **{**GIVEN, "factors": {"dose": ["none", "a lot"]}})
+    for name, content in found.files.items():
+        assert content == (tmp_path / "out" / name).read_bytes(), name
+
+
+def test_wrong_rows_raise_with_their_positions():
+    frame = pandas.DataFrame({"who": [*"abcd"] * 150, "rating": np.tile([1.0, 2, 3, 4, 5, 6], 100), "dose": [1, 2] * 300})
+    given = dict(subject="who", factors=["dose"], draws=99)
+    # No scale is assumed: all seven categories that occur count.
+    assert machband.analyze(frame, **given).tables["by_dose"]["n"].tolist() == [300, 300]
+    with pytest.raises(machband.DataError, match="rating is \"6\".*row|row.*6") as caught:
+        machband.analyze(frame, categories=[1, 2, 3, 4, 5], **given)
+    assert caught.value.rows.tolist() == list(range(5, 600, 6)) and isinstance(caught.value, machband.Error)
+    few = frame.assign(rating=frame.rating.where(frame.index != 7, 9).replace(6, 5))
+    with pytest.raises(machband.DataError) as caught:
+        machband.analyze(few, categories=[1, 2, 3, 4, 5], **given)
+    assert caught.value.rows.tolist() == [7]
+    with pytest.warns(machband.DataWarning, match="row 7"):
+        found = machband.analyze(few, categories=[1, 2, 3, 4, 5], on_error="drop", **given)
+    assert len(found.errors) == 1 and found.tables["by_dose"]["n"].sum() == 599
+    continuous = frame.assign(rating=np.random.default_rng(1).random(600))
+    with pytest.raises(machband.Error, match="categories"):
+        machband.analyze(continuous, **given)
+    with pytest.raises(machband.Error, match="-99"):
+        machband.analyze(frame.replace({"rating": {6: -99}}), **given)
+    with pytest.raises(machband.Error, match="on_error is 'ignore'"):
+        machband.analyze(frame, on_error="ignore", **given)
+
+
+def test_masks_are_missing_values():
+    mask = np.arange(48) % 4 == 1
+    table = {"who": [*"abcdef"] * 8, "dose": [1, 2] * 24}
+    for values in [np.arange(48) % 3, (np.arange(48) % 3).astype(float), np.array([str(i % 3) for i in range(48)])]:
+        with pytest.warns(machband.DataWarning, match="12 of 48 rows have no response"):
+            masked = machband.analyze({**table, "answer": np.ma.masked_array(values, mask)}, **GIVEN)
+        with pytest.warns(machband.DataWarning):
+            blank = machband.analyze({**table, "answer": np.where(mask, np.nan, np.arange(48) % 3)}, **GIVEN)
+        assert masked.files == blank.files
+
+
+def test_warnings_about_data_are_a_category():
+    table = study(answer=["low", None, "high", "low"] * 12)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", machband.DataWarning)
+        machband.analyze(table, **GIVEN)
+
+
+@pytest.mark.parametrize("how", ["categorical", "dict"])
+def test_order_and_baseline_are_as_given(how):
+    order = ["none", "little", "lots", "max"]
+    frame = study(dose=np.tile(order[::-1], 12))
+    if how == "categorical":
+        frame["dose"] = pandas.Categorical(frame.dose, order, ordered=True)
+    found = machband.analyze(frame, **{**GIVEN, "factors": ["dose"] if how == "categorical" else {"dose": order}})
+    assert found.tables["by_dose"]["dose"].tolist() == order
+    assert list(found.params.index[-3:]) == ["doselittle", "doselots", "dosemax"]
+    natural = machband.analyze(study(dose=frame.dose.astype(object)), **GIVEN)
+    assert natural.tables["by_dose"]["dose"].tolist() == sorted(order) and natural.llf == pytest.approx(found.llf, abs=1e-6)
+    # Numbers out of their order are names.
+    numbers = machband.analyze(study(dose=[3, 1] * 24), **{**GIVEN, "factors": {"dose": [3, 1]}})
+    assert numbers.tables["by_dose"]["dose"].tolist() == ["3", "1"]
+    with pytest.raises(machband.Error, match="dos.*did you mean dose"):
+        machband.analyze(frame, **{**GIVEN, "factors": {"dos": order}})
+
+
+def test_simulated_stays_simulated(sessions, tmp_path):
+    folder, rows = sessions
+    said = "These data are simulated: all ratings come from a program"
+    groups = pandas.DataFrame({"subject_id": rows.subject_id.unique(), "group": [*"ababab"]})
+    merged = rows.merge(groups, on="subject_id")
+    assert rows.simulated.all() and merged.simulated.all()
+    real = rows.assign(simulated=rows.subject_id == "S001")
+    old = rows.drop(columns="simulated")
+    old.attrs["simulated"] = True
+    plain = {name: merged[name].to_numpy() for name in ["subject_id", "width", "rating", "simulated"]}
+    for table, sentence in [
+        (rows, said), (merged, said), (old, said), (plain, said),
+        (real, "Some of these data are simulated: the ratings of 1 of 6 participants (S001) come from a program"),
+    ]:
+        found = machband.analyze(table, factors=["width"], draws=99)
+        for text in [repr(found), found._repr_html_(), found.report]:
+            assert sentence in text.replace("\n", " ")
+    assert said in machband.analyze(folder, draws=99).report
+    assert "simulated:" not in repr(machband.analyze(rows.assign(simulated=False), factors=["width"], draws=99))
+
+
+def test_a_million_rows_are_as_fast_as_their_csv(tmp_path):
+    chosen = np.random.default_rng(1)
+    frame = pandas.DataFrame({
+        "who": np.array([f"p{i}" for i in range(300)], object)[chosen.integers(0, 300, 1_000_000)],
+        "answer": chosen.integers(1, 5, 1_000_000), "dose": chosen.choice(["a", "b"], 1_000_000),
+    })
+    csv = io.StringIO()
+    frame.to_csv(csv, index=False)
+    (tmp_path / "big.csv").write_text(csv.getvalue())
+    seconds = {"csv": [], "frame": []}
+    for _ in range(3):
+        for name, data in [("csv", tmp_path / "big.csv"), ("frame", frame)]:
+            start = time.process_time()
+            machband.analyze(data, slopes="none", **GIVEN)
+            seconds[name].append(time.process_time() - start)
+    assert min(seconds["frame"]) < 1.1 * min(seconds["csv"])

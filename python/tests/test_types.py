@@ -1,0 +1,49 @@
+"""What type checkers and completion know about the package."""
+
+import subprocess
+import sys
+
+import pytest
+
+import machband
+from conftest import ROOT, needs
+
+MISTAKES = [
+    "stimuli.mach_band(wdith=0.2)",
+    'stimuli.mach_band(width="0.2")',
+    'stimuli.mach_band(space="hvs")',
+    'stimuli.shaded_mesh(shader="phnog")',
+    "stimuli.chevreul().codes(bits=12)",
+    'machband.stimulus(dither="blue_noise")',
+    'machband.analyze({}, link="probt")',
+    'machband.shade("blob", highlight="fong")',
+]
+
+
+@pytest.mark.parametrize("checker", ["mypy", "pyright"])
+def test_typical_mistakes_are_found(checker, tmp_path):
+    needs(checker)
+    file = tmp_path / "mistakes.py"
+    right = ["stimuli.mach_band(width=0.2, depth='inf')", "machband.stimulus('kanizsa', size=64, side=0.5)"]
+    file.write_text("\n".join(["import machband", "from machband import stimuli", *MISTAKES, *right, ""]))
+    words = ["--pythonpath", sys.executable] if checker == "pyright" else []
+    done = subprocess.run([sys.executable, "-m", checker, *words, str(file)], cwd=tmp_path, capture_output=True, text=True)
+    lines = {int(line.split(".py:")[1].split(":")[0]) for line in done.stdout.splitlines() if "error:" in line or "- error" in line}
+    assert lines == set(range(3, 3 + len(MISTAKES))), done.stdout + done.stderr
+
+
+def test_completion_offers_the_parameters():
+    needs("jedi")
+    import jedi
+
+    code = "import machband\nmachband.stimuli.mach_band(wi"
+    assert [found.name for found in jedi.Script(code).complete(2, 29)] == ["width="]
+
+
+def test_the_stimuli_are_those_of_the_library():
+    script = ROOT.parent / "scripts" / "generate_stimuli.py"
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=True)
+    assert done.stdout == (ROOT / "machband" / "stimuli.py").read_text(), "run scripts/generate_stimuli.py"
+    for kind in machband.kinds():
+        made = getattr(machband.stimuli, kind.replace("-", "_"))(size=32)
+        assert made == machband.Stimulus(kind, size=32)

@@ -1,0 +1,73 @@
+"""Prints python/machband/stimuli.py, a typed function for each kind of stimulus, from what the installed package says."""
+
+import textwrap
+
+import machband
+
+HEAD = '''"""A function for each kind of stimulus, which returns a `machband.Stimulus`.
+
+Written by scripts/generate_stimuli.py; do not edit.
+"""
+
+# ruff: noqa: E501
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+from ._common import suggests
+from ._stimulus import Stimulus
+
+__all__ = {names!r}
+'''
+
+VIEW = {
+    "size": ("int | None", "Side in pixels [default: `ppd` times `visual_size`, or 1024]."),
+    "ppd": ("float | None", "Pixels per degree of visual angle."),
+    "visual_size": ("float | None", "Side in degrees of visual angle [default: `size` / `ppd`, or 10]."),
+}
+
+
+def type_of(kind, parameter):
+    """Return the type of a parameter of a kind of stimulus."""
+    if parameter.choices:
+        return f"Literal[{', '.join(map(repr, parameter.choices))}]".replace("'", '"')
+    if isinstance(parameter.default, str):
+        return "str | Sequence[float]"
+    try:
+        machband.Stimulus(kind, size=1, **{parameter.name: "inf"})
+    except machband.Error:
+        return "float"
+    return 'float | Literal["inf"]'
+
+
+def default_of(parameter):
+    """Return a default as Python writes it."""
+    default = parameter.default
+    whole = isinstance(default, float) and default.is_integer()
+    return repr(int(default) if whole else default).replace("'", '"')
+
+
+def function(kind, about):
+    """Return the source of a function."""
+    known = machband.parameters(kind)
+    arguments = [f"    {name}: {type_of(kind, one)} = {default_of(one)}," for name, one in known.items()]
+    arguments += [f"    {name}: {type} = None," for name, (type, _) in VIEW.items()]
+    texts = {name: f"{one.description}. Expected: {one.expected}." for name, one in known.items()}
+    texts |= {name: said for name, (_, said) in VIEW.items()}
+    described = []
+    for name, said in texts.items():
+        described += [f"    {name}", *textwrap.wrap(said, 112, initial_indent=" " * 8, subsequent_indent=" " * 8)]
+    given = ", ".join(f"{name}={name}" for name in texts)
+    return "\n".join([
+        "", "", "@suggests", f"def {kind.replace('-', '_')}(", "    *,", *arguments, ") -> Stimulus:",
+        *textwrap.wrap(f'"""{about.rstrip(".")}.', 116, initial_indent="    ", subsequent_indent="    "),
+        "", "    Parameters", "    ----------", *described, '    """',
+        *textwrap.wrap(f'return Stimulus("{kind}", {given})', 116, initial_indent="    ", subsequent_indent=" " * 8),
+    ])
+
+
+kinds = machband.kinds()
+print(HEAD.format(names=sorted(kind.replace("-", "_") for kind in kinds)).replace("'", '"'), end="")
+print("\n".join(function(kind, about) for kind, about in kinds.items()))
