@@ -83,6 +83,13 @@ def analyze(
     items: str | None = None,
     draws: int = 999,
     seed: Seed = 1,
+    level: str | None = None,
+    correct: str | None = None,
+    total: str | None = None,
+    guess: str | None = None,
+    function: Literal["weibull", "logistic", "normal"] | None = None,
+    easier: Literal["high", "low"] | None = None,
+    log: bool = False,
     factors: str | Sequence[str] | Mapping[str, Sequence[Any]] | None = None,
     on_error: Literal["raise", "drop"] = "raise",
 ) -> Analysis:
@@ -153,6 +160,21 @@ def analyze(
         studies would not change a conclusion.
     seed
         Seed of the simulated studies.
+    level
+        Column with the levels of a psychometric function: the table has answers at levels instead of ratings.
+    correct
+        Column with the number of right answers, or of answers yes; without --total, 1 or 0.
+    total
+        Column with the number of trials [default: each row is one trial].
+    guess
+        Probability of a right answer by guessing, such as 0.5 of two alternatives; free if it is estimated, as of
+        answers yes.
+    function
+        Shape of the psychometric function [default: normal].
+    easier
+        The end of the levels that is easier to see [default: high].
+    log
+        Fit the function to the decadic logarithms of the levels.
     factors
         Columns with the factors [default: the factors of the definition or of the terms]. A dict gives the order of
         their levels, of which the first is the baseline: ``{"dose": ["none", "little", "lots"]}``.
