@@ -86,7 +86,7 @@ def analyze(
     level: str | None = None,
     correct: str | None = None,
     total: str | None = None,
-    guess: str | None = None,
+    guess: float | str | None = None,
     function: Literal["weibull", "logistic", "normal"] | None = None,
     easier: Literal["high", "low"] | None = None,
     log: bool = False,

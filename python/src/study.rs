@@ -150,16 +150,20 @@ pub fn analyze(
             [_, ..] if !drop_errors => Err(StudyError::Files(FileErrors(errors.to_vec()))),
             _ => Ok(()),
         };
+        let of_task = |study: TaskStudy| {
+            refused(&study.errors)?;
+            let results = TaskResults::of(&study, asked.resampling.seed);
+            Ok(Found::Task(Arc::new(study), Arc::new(results)))
+        };
         let study = match columns {
-            Some(columns) => asked.read_columns(TABLE, columns)?,
-            None => {
-                if let Some(study) = asked.read_task()? {
-                    refused(&study.errors)?;
-                    let results = TaskResults::of(&study, asked.resampling.seed);
-                    return Ok(Found::Task(Arc::new(study), Arc::new(results)));
-                }
-                asked.read()?
-            }
+            Some(columns) => match asked.answers_in(TABLE, &columns)? {
+                Some(study) => return of_task(study),
+                None => asked.read_columns(TABLE, columns)?,
+            },
+            None => match asked.read_task()? {
+                Some(study) => return of_task(study),
+                None => asked.read()?,
+            },
         };
         refused(&study.source.errors)?;
         let results = asked.analyze(&study, job)?;

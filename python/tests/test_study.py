@@ -408,3 +408,19 @@ def test_an_interrupted_simulation_resumes(tmp_path):
     assert len(machband.simulate("quick", participants=2, results=tmp_path, resume=True)) == 56
     with pytest.raises(machband.Error, match="vision"):
         machband.simulate("quick", observer="visoin")
+
+
+def test_answers_at_levels():
+    """A table of answers gives the same thresholds as a dict and as a file, and psignifit's."""
+    right = [45, 50, 44, 44, 52, 53, 62, 64, 76, 79, 88, 90, 90]
+    table = {
+        "level": [0.001, 0.0015, 0.002, 0.0025, 0.003, 0.0035, 0.004, 0.0045, 0.005, 0.006, 0.007, 0.008, 0.01],
+        "right": right,
+        "n": [90] * 13,
+    }
+    found = machband.analyze(table, level="level", correct="right", total="n", guess=0.5)
+    assert abs(found.tables["thresholds"]["threshold"].iloc[0] / 0.00464644 - 1) < 0.01
+    with pytest.raises(machband.Error, match="row 3 .counted from 0.*is \"99\"; expected no more right answers"):
+        machband.analyze({**table, "right": [*right[:3], 99, *right[4:]]}, level="level", correct="right", total="n", guess=0.5)
+    with pytest.raises(machband.Error, match="guess"):
+        machband.analyze(table, level="level", correct="right", total="n")

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use super::{
-    FileError, FileErrors, StoreError,
+    Columns, FileError, FileErrors, StoreError,
     error::RowErrors,
     ratings::Header,
-    table::{Row, decoded, rows_from},
+    table::{decoded, rows_from},
 };
 use crate::text::names::expected_one_of;
 
@@ -49,64 +49,110 @@ const MAX_ROWS: usize = 10_000_000;
 /// The file cannot be read, a column is missing, or a row has an unexpected value. Every row with an error is told.
 pub fn read(path: &Path, columns: &AnswerColumns) -> Result<Vec<AnswerRow>, StoreError> {
     let header = Header::read(path)?;
-    let place = |name: &String| {
-        header.position(name).ok_or_else(|| {
-            let message = format!("has no column {name:?}; {}", expected_one_of(name, &header.names));
-            FileErrors(vec![FileError::at(path, (header.line, 1), message)])
-        })
-    };
-    let (level, correct) = (place(&columns.level)?, place(&columns.correct)?);
-    let (total, subject) =
-        (columns.total.as_ref().map(place).transpose()?, columns.subject.as_ref().map(place).transpose()?);
-    let factors = columns.factors.iter().map(place).collect::<Result<Vec<usize>, _>>()?;
-    let read = |row: &Row<'_>| -> Result<AnswerRow, (usize, &'static str)> {
-        let text = |cell: usize| row.record.get(cell).map(decoded).unwrap_or_default().trim().to_owned();
-        // In a table with semicolons, numbers may have decimal commas.
-        let point = |cell: usize| if header.separator == b';' { text(cell).replace(',', ".") } else { text(cell) };
-        let count = |cell: usize, expected| {
-            let number =
-                point(cell).parse().ok().filter(|number: &f64| number.fract() == 0.0 && (0.0..=1e9).contains(number));
-            number.map(|number| number as u32).ok_or((cell, expected))
-        };
-        let x = point(level).parse().ok().filter(|level: &f64| level.is_finite());
-        let trials = match total {
-            Some(cell) => count(cell, "a number of trials")?,
-            None => 1,
-        };
-        let expected = if total.is_some() { "a number of right answers" } else { "1 for a right answer, or 0" };
-        let right = count(correct, expected)?;
-        if right > trials {
-            return Err((correct, "no more right answers than trials"));
-        }
-        let named = |cell: usize, expected| Some(text(cell)).filter(|name| !name.is_empty()).ok_or((cell, expected));
-        Ok(AnswerRow {
-            subject: subject.map_or(Ok("all".to_owned()), |cell| named(cell, "a participant"))?,
-            factors: factors.iter().map(|cell| named(*cell, "a level")).collect::<Result<_, _>>()?,
-            level: x.ok_or((level, "a level, which is a number"))?,
-            correct: right,
-            total: trials,
-        })
-    };
     let name = path.display().to_string();
+    let places = Places::new(&name, &header, columns)?;
     let (mut rows, mut errors, mut is_header) = (Vec::new(), RowErrors::default(), true);
     let outcome = rows_from(header.content(path), header.separator, header.start.as_ref(), |row| {
         if !std::mem::take(&mut is_header) {
-            match read(row) {
+            let text = |cell: usize| row.record.get(cell).map(decoded).unwrap_or_default().trim().to_owned();
+            match places.row(text, header.separator) {
                 Ok(row) => rows.push(row),
-                Err((cell, expected)) => {
-                    let given = row.record.get(cell).map(decoded).unwrap_or_default().into_owned();
-                    let message = format!("is {given:?}; expected {expected}");
-                    errors.add(&name, Some(cell), message, || row.place(cell));
-                }
+                Err((cell, message)) => errors.add(&name, Some(cell), message, || row.place(cell)),
             }
         }
         rows.len() <= MAX_ROWS
     });
     outcome.map_err(|error| StoreError::io(path, "read", error))?;
-    FileErrors::none(errors.finish(&name, &header.names))?;
+    finish(rows, errors.finish(&name, &header.names), &name)
+}
+
+/// Takes the rows of a table in memory; `name` stands for it in messages.
+///
+/// # Errors
+/// As for [`read`].
+pub fn of_columns(name: &str, table: &Columns, columns: &AnswerColumns) -> Result<Vec<AnswerRow>, StoreError> {
+    table.check(name)?;
+    let header = Header::of(table.clone());
+    let places = Places::new(name, &header, columns)?;
+    let (mut rows, mut errors) = (Vec::new(), RowErrors::default());
+    for row in 0..table.rows() {
+        match places.row(|cell| table.cell(row, cell).trim().to_owned(), header.separator) {
+            Ok(row) => rows.push(row),
+            Err((cell, message)) => {
+                let file = format!("{name}, row {row} (counted from 0)");
+                errors.add_with(Some(row), Some(cell), || {
+                    FileError::whole(file, format!("{}: {message}", header.names[cell]))
+                });
+            }
+        }
+    }
+    finish(rows, errors.finish(name, &header.names), name)
+}
+
+fn finish(rows: Vec<AnswerRow>, errors: Vec<FileError>, name: &str) -> Result<Vec<AnswerRow>, StoreError> {
+    FileErrors::none(errors)?;
     if rows.is_empty() || rows.len() > MAX_ROWS {
         let message = format!("has {} rows; expected 1 to {MAX_ROWS}", rows.len());
-        return Err(FileErrors::whole(path, message).into());
+        return Err(FileErrors::whole(name, message).into());
     }
     Ok(rows)
+}
+
+/// Where the columns are.
+struct Places {
+    level: usize,
+    correct: usize,
+    total: Option<usize>,
+    subject: Option<usize>,
+    factors: Vec<usize>,
+}
+
+impl Places {
+    fn new(name: &str, header: &Header, columns: &AnswerColumns) -> Result<Self, FileErrors> {
+        let place = |column: &String| {
+            header.position(column).ok_or_else(|| {
+                let message = format!("has no column {column:?}; {}", expected_one_of(column, &header.names));
+                FileErrors::whole(name, message)
+            })
+        };
+        Ok(Self {
+            level: place(&columns.level)?,
+            correct: place(&columns.correct)?,
+            total: columns.total.as_ref().map(place).transpose()?,
+            subject: columns.subject.as_ref().map(place).transpose()?,
+            factors: columns.factors.iter().map(place).collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// Reads a row; an error has its cell.
+    fn row(&self, text: impl Fn(usize) -> String, separator: u8) -> Result<AnswerRow, (usize, String)> {
+        let wrong = |cell: usize, expected: &str| (cell, format!("is {:?}; expected {expected}", text(cell)));
+        // In a table with semicolons, numbers may have decimal commas.
+        let point = |cell: usize| if separator == b';' { text(cell).replace(',', ".") } else { text(cell) };
+        let count = |cell: usize, expected: &str| {
+            let number = point(cell).parse().ok();
+            let number = number.filter(|number: &f64| number.fract() == 0.0 && (0.0..=1e9).contains(number));
+            number.map(|number| number as u32).ok_or_else(|| wrong(cell, expected))
+        };
+        let named = |cell: usize, expected: &str| {
+            Some(text(cell)).filter(|name| !name.is_empty()).ok_or_else(|| wrong(cell, expected))
+        };
+        let (total, expected) = match self.total {
+            Some(cell) => (count(cell, "a number of trials")?, "a number of right answers"),
+            None => (1, "1 for a right answer, or 0"),
+        };
+        let correct = count(self.correct, expected)?;
+        if correct > total {
+            let expected = if self.total.is_some() { "no more right answers than trials" } else { expected };
+            return Err(wrong(self.correct, expected));
+        }
+        let level = point(self.level).parse().ok().filter(|level: &f64| level.is_finite());
+        Ok(AnswerRow {
+            subject: self.subject.map_or(Ok("all".to_owned()), |cell| named(cell, "a participant"))?,
+            factors: self.factors.iter().map(|cell| named(*cell, "a level")).collect::<Result<_, _>>()?,
+            level: level.ok_or_else(|| wrong(self.level, "a level, which is a number"))?,
+            correct,
+            total,
+        })
+    }
 }

@@ -1,6 +1,6 @@
 //! The analysis of ratings.
 
-use std::{collections::HashSet, fmt, str::FromStr};
+use std::{collections::HashSet, fmt, path::Path, str::FromStr};
 
 use serde::Serialize;
 
@@ -17,8 +17,8 @@ use crate::{
         tasks::{Levels, TaskStudy},
     },
     store::{
-        Columns,
-        answers::{self, AnswerColumns},
+        Columns, StoreError,
+        answers::{self, AnswerColumns, AnswerRow},
         ratings::Source,
         table::{List, list},
     },
@@ -28,9 +28,9 @@ use crate::{
 /// The fields that apply to every task; the others are about ratings.
 const OF_TASKS: [&str; 4] = ["paths", "exclude", "seed", "draws"];
 /// Those that apply to a table of answers at levels.
-const OF_LEVELS: [&str; 12] = [
+const OF_LEVELS: [&str; 13] = [
     "paths", "exclude", "seed", "draws", "subject", "factors", "level", "correct", "total", "guess", "function",
-    "easier",
+    "easier", "log",
 ];
 
 /// What to analyze, and how.
@@ -74,7 +74,7 @@ pub struct AnswersAtLevels {
     #[arg(long, value_name = "COL", requires = "level")]
     pub total: Option<String>,
     /// Probability of a right answer by guessing, such as 0.5 of two alternatives; free if it is estimated, as of answers yes.
-    #[arg(long, value_name = "P|free", requires = "level")]
+    #[arg(long, value_name = "N|free", requires = "level")]
     pub guess: Option<GuessRate>,
     /// Shape of the psychometric function [default: normal].
     #[arg(long, requires = "level", value_parser = named::<Curve>(Curve::NAMES))]
@@ -176,7 +176,10 @@ impl Analyze {
     pub fn read_task(&self) -> anyhow::Result<Option<TaskStudy>> {
         let paths = &self.ratings.paths;
         if self.levels.level.is_some() {
-            return self.read_levels().map(Some);
+            let [path] = &paths[..] else {
+                return Err(RequestError::whole("several files have answers at levels; expected one table").into());
+            };
+            return Ok(Some(self.answers(path, |columns| answers::read(path, columns))?));
         }
         let Some(task) = paths.first().and_then(|path| TaskStudy::task_at(path)) else {
             return Ok(None);
@@ -190,17 +193,27 @@ impl Analyze {
         Ok(Some(TaskStudy::read(paths, &exclude)?))
     }
 
-    /// Reads a table of answers at levels.
-    fn read_levels(&self) -> anyhow::Result<TaskStudy> {
-        let other = changed(self).into_iter().find(|(field, _)| field != "log" && !OF_LEVELS.contains(&field.as_str()));
+    /// Takes answers at levels from a table in memory, if the fields say that it has them; `name` stands for it in messages.
+    ///
+    /// # Errors
+    /// A column is missing, a row has an unexpected value, or an option applies to ratings only.
+    pub fn answers_in(&self, name: &str, table: &Columns) -> anyhow::Result<Option<TaskStudy>> {
+        let read = |columns: &AnswerColumns| answers::of_columns(name, table, columns);
+        self.levels.level.is_some().then(|| self.answers(Path::new(name), read)).transpose()
+    }
+
+    /// Analyzes the rows that `read` returns for the columns of answers.
+    fn answers(
+        &self,
+        path: &Path,
+        read: impl FnOnce(&AnswerColumns) -> Result<Vec<AnswerRow>, StoreError>,
+    ) -> anyhow::Result<TaskStudy> {
+        let other = changed(self).into_iter().find(|(field, _)| !OF_LEVELS.contains(&field.as_str()));
         if let Some((option, _)) = other {
             let message =
                 "does not apply to answers at levels; expected only --subject, --factors, --exclude and --seed";
             return Err(RequestError::new(&option, message).into());
         }
-        let [path] = &self.ratings.paths[..] else {
-            return Err(RequestError::whole("several files have answers at levels; expected one table").into());
-        };
         let given = self.levels.clone();
         let factors = self.ratings.factors.clone().unwrap_or_default().0;
         let columns = AnswerColumns {
@@ -210,7 +223,7 @@ impl Analyze {
             subject: self.ratings.subject.clone(),
             factors: factors.clone(),
         };
-        let mut rows = answers::read(path, &columns)?;
+        let mut rows = read(&columns)?;
         let exclude = self.ratings.exclude.clone().unwrap_or_default().0;
         if let Some(unknown) = exclude.iter().find(|id| !rows.iter().any(|row| row.subject == **id)) {
             return Err(RequestError::value("exclude", format!("{unknown}: no row has this participant")).into());

@@ -184,7 +184,7 @@ impl Type {
                 let choices = option.get_possible_values();
                 let choices: Vec<String> = choices.iter().map(|choice| choice.get_name().to_owned()).collect();
                 match choices.iter().all(|choice| choice.parse::<u32>().is_ok()) {
-                    true if choices.is_empty() && name == "N" => Self::Value,
+                    true if choices.is_empty() && (name == "N" || name.starts_with("N|")) => Self::Value,
                     true if choices.is_empty() => Self::Text,
                     true => Self::Sizes(choices),
                     false => Self::Choice(choices),
