@@ -8,6 +8,7 @@ import inspect
 import io
 import operator
 import os
+import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -120,6 +121,8 @@ def value(name: str, given: object) -> float | str:
 
 def number(name: str, given: object) -> float:
     """Return a number."""
+    if isinstance(given, np.ndarray) and given.ndim == 0:
+        given = given[()]
     if isinstance(given, (int, float, np.number)) and not isinstance(given, bool):
         return float(given)
     raise TypeError(f"{name} is {given!r}; expected a number")
@@ -212,6 +215,7 @@ def encoding(given: Any) -> Fields:
 _CONVERSIONS: dict[str, Callable[[str, Any], str | bool | int | list[str] | None]] = {
     "bool": flag,
     "int": whole,
+    "float": lambda name, given: text(name, number(name, given)),
     "Seed": seed_of,
     "str": words,
     "Dither": words,
@@ -228,14 +232,19 @@ def options(function: Callable[..., Any], given: Mapping[str, Any], *but: str) -
     """
     fields: Fields = {}
     for name, parameter in inspect.signature(function).parameters.items():
-        if parameter.kind is parameter.KEYWORD_ONLY and name not in but and given[name] is not None:
+        if parameter.kind is parameter.KEYWORD_ONLY and name not in but:
+            if given[name] is None:
+                if not parameter.annotation.endswith("None"):
+                    raise TypeError(f"{name} is None; expected a value, such as {parameter.default!r}")
+                continue
             kind = parameter.annotation.removesuffix(" | None")
             if kind == "str | Transfer":
                 if "display" in (coding := encoding(given[name])) and given.get("display") is not None:
                     raise Error("transfer and display are both a display profile; expected one of them")
                 fields.update(coding)
                 continue
-            convert = words if kind.startswith('Literal["') else _CONVERSIONS.get(kind, text)
+            # Annotations are texts; those of choices have either words or numbers.
+            convert = whole if re.match(r"Literal\[\d", kind) else words if "Literal[" in kind else _CONVERSIONS.get(kind, text)
             field = convert(name, given[name])
             fields[name] = str(field) if isinstance(field, int) and not isinstance(field, bool) else field  # type: ignore[assignment]
     return fields

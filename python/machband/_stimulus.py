@@ -110,6 +110,10 @@ class Transfer:
     function: str | None = "srgb"
     display: str | None = None
 
+    def __post_init__(self) -> None:
+        """Check the function, or read the profile."""
+        _machband.encode(np.zeros(3), 3, encoding(self), False)
+
     @classmethod
     def srgb(cls) -> Transfer:
         """Return the function of sRGB."""
@@ -118,13 +122,13 @@ class Transfer:
     @classmethod
     def gamma(cls, gamma: float) -> Transfer:
         """Return a power function: light is encoded ** `gamma`."""
-        return cls(f"gamma:{text('gamma', gamma)}")
+        return cls(f"gamma:{text('gamma', number('gamma', gamma))}")
 
     @classmethod
     def gog(cls, gamma: float, gain: float, offset: float) -> Transfer:
         """Return the gain-offset-gamma model of a display."""
         given = {"gamma": gamma, "gain": gain, "offset": offset}
-        return cls("gog:" + ",".join(text(name, number) for name, number in given.items()))
+        return cls("gog:" + ",".join(text(name, number(name, one)) for name, one in given.items()))
 
     @classmethod
     def from_display(cls, profile: str | PathLike[str]) -> Transfer:

@@ -123,10 +123,16 @@ def test_a_transfer_is_one_object(tmp_path):
     assert np.allclose(channels.encode(light)[:, 2], light[:, 2]) and np.allclose(channels.encode(light)[:, 0], light[:, 0] ** 0.5)
     with pytest.raises(machband.Error, match=r"expected values of shape \(…, 3\)"):
         channels.encode(light[:, 0])
-    profile = machband.Transfer.from_display(tmp_path / "missing.toml")
-    for call in [lambda: profile.encode(0.5), lambda: machband.stimulus(transfer=profile)]:
-        with pytest.raises(machband.Error, match="missing.toml"):
-            call()
+    # A wrong one is refused where it is made.
+    with pytest.raises(machband.Error, match="missing.toml"):
+        machband.Transfer.from_display(tmp_path / "missing.toml")
+    with pytest.raises(machband.Error, match="gamma 0 is outside"):
+        machband.Transfer.gamma(0)
+    with pytest.raises(TypeError, match="gamma is '2.2'; expected a number"):
+        machband.Transfer.gamma("2.2")
+    (tmp_path / "screen.toml").write_text('schema = 1\nname = "screen"\ntransfer = "gamma:2.2"\n')
+    profile = machband.Transfer.from_display(tmp_path / "screen.toml")
+    assert np.array_equal(machband.stimulus(size=16, transfer=profile), machband.stimulus(size=16, transfer="gamma:2.2"))
     with pytest.raises(machband.Error, match="both a display profile"):
         machband.stimulus(transfer=profile, display="other.toml")
 

@@ -112,7 +112,7 @@ def test_wrong_pictures_are_refused(image, given, error, words):
         ({"size": 4}, machband.Error, "size 4"),
         ({"ppd": 1, "window_deg": 1}, TypeError, "one of them"),
         ({"ppd": np.inf}, machband.Error, "ppd inf"),
-        ({"ppd": (32, 32)}, machband.Error, "ppd"),
+        ({"ppd": (32, 32)}, TypeError, "ppd"),
         ({"criterion": "missing.toml"}, machband.Error, "missing.toml"),
     ],
 )

@@ -50,10 +50,7 @@ fn estimated(mut run: Run, levels: &[f64], trials: usize, rng: &mut ChaCha8Rng) 
             Run::Stairs(stairs, staircase, common) => stairs.answer(seen, staircase, common),
             Run::Constant(_) => {}
         }
-        match points.iter_mut().find(|point| point.x == x) {
-            Some(point) => (point.correct, point.total) = (point.correct + u32::from(seen), point.total + 1),
-            None => points.push(Point { x, correct: seen.into(), total: 1 }),
-        }
+        Point::add(&mut points, x, seen.into(), 1);
     }
     let range = Some([levels[0], levels[levels.len() - 1]]);
     let model = Model { curve: Curve::Weibull, guess: Guess::Fixed(0.5), falls: false, overdispersed: false, range };

@@ -281,7 +281,7 @@ impl ThresholdPlan {
                 < if is_target { self.chance(x, thresholds[condition]) } else { self.observer.false_alarms };
             course.answer(trial, &self.answer(&shown, seen));
             if is_target {
-                add(&mut points[condition], x, seen);
+                Point::add(&mut points[condition], x, seen.into(), 1);
             }
         }
         Answered { points, thresholds }
@@ -309,13 +309,4 @@ impl ThresholdPlan {
 struct Answered {
     points: Vec<Vec<Point>>,
     thresholds: Vec<f64>,
-}
-
-fn add(points: &mut Vec<Point>, x: f64, seen: bool) {
-    let known = points.iter().position(|point| point.x == x).unwrap_or_else(|| {
-        points.push(Point { x, correct: 0, total: 0 });
-        points.len() - 1
-    });
-    points[known].total += 1;
-    points[known].correct += u32::from(seen);
 }

@@ -23,6 +23,16 @@ pub struct Point {
     pub total: u32,
 }
 
+impl Point {
+    /// Adds answers at a level to the points.
+    pub fn add(points: &mut Vec<Self>, x: f64, correct: u32, total: u32) {
+        match points.iter_mut().find(|point| point.x == x) {
+            Some(point) => (point.correct, point.total) = (point.correct + correct, point.total + total),
+            None => points.push(Self { x, correct, total }),
+        }
+    }
+}
+
 /// γ, the probability of a correct answer, or of yes, at a level that cannot be seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Guess {

@@ -2,7 +2,7 @@
 
 use super::{asked::Levels, further::over_people, results::TaskResults, study::TaskStudy};
 use crate::{
-    analysis::tasks::psychometric::Estimate,
+    analysis::tasks::psychometric::{Estimate, Point},
     report::{
         document::numbers::{count, list},
         figures::{
@@ -30,12 +30,9 @@ fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         .collect();
     let curve = |&condition: &usize| {
         let own = results.functions.iter().filter(|function| function.condition == condition);
-        let mut tallies: Vec<(f64, u32, u32)> = Vec::new();
+        let mut all: Vec<Point> = Vec::new();
         for point in own.clone().flat_map(|function| &function.points) {
-            match tallies.iter_mut().find(|tally| tally.0 == point.x) {
-                Some(tally) => (tally.1, tally.2) = (tally.1 + point.correct, tally.2 + point.total),
-                None => tallies.push((point.x, point.correct, point.total)),
-            }
+            Point::add(&mut all, point.x, point.correct, point.total);
         }
         let of_people = results.populations.iter().find(|(of, _)| *of == condition).map(|(_, population)| Estimate {
             threshold: population.mean,
@@ -51,7 +48,7 @@ fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
             parameters.map(|parameters| (0..DRAWN).map(|i| model.curve.probability(at(i), &parameters)).collect());
         Curve {
             name: study.levels(condition).join(", "),
-            points: tallies.into_iter().map(|(x, seen, n)| (x, f64::from(seen) / f64::from(n), n)).collect(),
+            points: all.iter().map(|at| (at.x, f64::from(at.correct) / f64::from(at.total), at.total)).collect(),
             line: line.unwrap_or_default(),
         }
     };

@@ -259,13 +259,8 @@ fn points(study: &TaskStudy, common: &Common) -> BTreeMap<(usize, usize), Vec<Po
             TaskAnswered::Counted { level, seen, total } => (level, seen, total),
             _ => continue,
         };
-        let (points, x) = (all.entry((trial.condition, trial.person)).or_default(), common.scaled(level));
-        let known = points.iter().position(|point| point.x == x).unwrap_or_else(|| {
-            points.push(Point { x, correct: 0, total: 0 });
-            points.len() - 1
-        });
-        points[known].total += total;
-        points[known].correct += seen;
+        let points = all.entry((trial.condition, trial.person)).or_default();
+        Point::add(points, common.scaled(level), seen, total);
     }
     all.values_mut().for_each(|points| points.sort_by(|a, b| a.x.total_cmp(&b.x)));
     all
