@@ -4,7 +4,7 @@ use std::{collections::BTreeSet, fs, path::Path};
 
 use machband::{
     stimulus::catalog,
-    store::definition::BUILT_IN,
+    store::definition::{self, BUILT_IN, BuiltIn},
     text::{Cell, Column, Table, inert},
 };
 use proptest::prelude::*;
@@ -51,7 +51,9 @@ fn same_output(folder: &Path, arguments: &[&str]) -> Vec<Map<String, Value>> {
 #[test]
 fn every_cell_is_the_same_in_csv_and_in_json() {
     let folder = tempfile::tempdir().unwrap();
-    for built_in in BUILT_IN {
+    // Where the answers decide what is shown, there is nothing to predict.
+    let is_planned = |built_in: &&BuiltIn| definition::open(built_in.name).unwrap().adaptive.is_none();
+    for built_in in BUILT_IN.iter().filter(is_planned) {
         let rows = same_output(folder.path(), &["predict", built_in.name, "--size", "32", "--large"]);
         let level = |row: &Map<String, Value>, name: &str, level: Value| row.get(name) == Some(&level);
         if built_in.name == "bangay2003" {

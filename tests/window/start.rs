@@ -90,6 +90,21 @@ impl Desk {
         self.harness.xdotool(&["mousemove", "--window", &self.window, &x, &y, "click", "1"]);
     }
 
+    /// Moves the focus with Tab until a control has it; the page scrolls to where it is.
+    fn tab_to(&mut self, label: &str) {
+        let has_focus =
+            |copy: &pane::Window| copy.query_all_by_label(label).any(|node| node.accesskit_node().is_focused());
+        let mut presses = 0;
+        while !has_focus(&self.copy) {
+            self.copy.key_press(Key::Tab);
+            self.copy.run_steps(3);
+            presses += 1;
+            assert!(presses < 200, "Tab does not reach {label:?}; there is {:?}", pane::texts(&self.copy));
+        }
+        self.harness.xdotool(&["key", "--repeat", &presses.to_string(), "--delay", "60", "Tab"]);
+        std::thread::sleep(Duration::from_millis(300));
+    }
+
     /// Goes to a place by its number.
     fn go(&mut self, place: usize) {
         self.harness.press(&format!("ctrl+{place}"));
@@ -209,11 +224,13 @@ fn an_experiment_is_duplicated_run_and_analyzed() {
     desk.click("A short session for tests");
     desk.click("Duplicate as…");
     desk.type_into("Name", "own");
-    desk.type_into("Levels of width", "0.3, 0.6, 0.9");
+    desk.tab_to("Levels of width");
+    desk.harness.xdotool(&["key", "ctrl+a"]);
+    desk.harness.xdotool(&["type", "--delay", "30", "0.3, 0.6, 0.9"]);
+    pane::type_into(&mut desk.copy, "Levels of width", "0.3, 0.6, 0.9");
+    desk.tab_to("Remove depth");
+    desk.harness.press("space");
     let path = desk.harness.dir.path().join("own.toml");
-    // Where the first factor is, in view.
-    desk.click("Move width down");
-    desk.click("Remove depth");
     desk.harness.press("ctrl+s");
     desk.harness.until("the definition", |_| path.exists());
     let text = fs::read_to_string(&path).unwrap();
