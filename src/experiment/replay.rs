@@ -12,7 +12,7 @@ use super::{
 /// What a row records.
 #[derive(Clone, Debug)]
 pub struct Replayed {
-    /// Index into [`Schedule::trials`].
+    /// Index into the trials of the schedule.
     pub trial: usize,
     /// What the trial showed.
     pub shown: Presentation,
