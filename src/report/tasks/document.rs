@@ -284,11 +284,14 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
             _ => String::new(),
         }
     ));
-    section.text(
-        "Over people, each has a threshold of their own from a normal distribution, and the width and the lapse rate are common: a \
-         mixed model whose likelihood is integrated by adaptive Gauss–Hermite quadrature. The interval of the mean uses the t \
-         distribution. Conditions are compared by the differences between the thresholds of the same people.",
-    );
+    if !results.populations.is_empty() {
+        section.text(
+            "Over people, each has a threshold of their own from a normal distribution, and the width and the lapse rate are common: \
+             a mixed model whose likelihood is integrated numerically about the peak of each person. The interval of the mean is the t \
+             interval of what each person contributes to it (Liang & Zeger 1986, Biometrika 73, 13). Conditions are compared by the \
+             differences between the contributions of the same people.",
+        );
+    }
     section
 }
 
