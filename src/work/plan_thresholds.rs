@@ -1,15 +1,19 @@
 //! How many participants a study needs, whatever its task, and how precise thresholds are after so many trials.
 
 use super::{
-    RequestError, Watcher,
+    RequestError, Watcher, changed,
     plan::{Assignment, Plan, Planned, in_order, once, progress},
 };
 use crate::{
     analysis::power::{Precision, Quantity, Sampling, Shift, Slope, ThresholdObserver, ThresholdPlan},
-    experiment::{Definition, Protocol},
+    experiment::{Definition, Identity, Protocol, Schedule},
     store::definition,
     text::{Cell, Column, Table, names::expected_one_of},
 };
+
+/// The fields that apply to thresholds; the others are about ratings.
+const OF_THRESHOLDS: [&str; 9] =
+    ["experiment", "participants", "effects", "deviations", "studies", "alpha", "target", "seed", "trials"];
 
 /// The simulated precision of a plan, and the settings on which it depends.
 #[derive(Clone, Debug)]
@@ -70,12 +74,13 @@ impl Plan {
 
     /// Simulates studies of a definition with `[adaptive]`.
     fn thresholds(&self, protocol: Protocol, watcher: &dyn Watcher) -> anyhow::Result<PlannedThresholds> {
-        for (field, given) in [("observer_file", self.observer_file.is_some()), ("terms", self.model.terms.is_some())] {
-            if given {
-                let message = "does not apply to thresholds; expected a definition of ratings";
-                return Err(RequestError::new(field, message).into());
-            }
+        if let Some((field, _)) = changed(self).into_iter().find(|(field, _)| !OF_THRESHOLDS.contains(&field.as_str()))
+        {
+            let message = "does not apply to thresholds; expected a definition of ratings";
+            return Err(RequestError::new(&field, message).into());
         }
+        // What prevents one schedule prevents all.
+        Schedule::new(&protocol, &Identity::new("S00000", "1")?, self.seed)?;
         let sampling = Sampling { studies: self.studies, alpha: self.alpha, seed: self.seed };
         if sampling.alpha != Sampling::default().alpha {
             let message =

@@ -100,6 +100,7 @@ fn studies_of_thresholds_are_planned() {
         (&["--effect=slop=3"], "the observer has no such parameter; expected one of threshold"),
         (&["--effect=lapse=0.9"], "expected 0…0.5"),
         (&["--terms=width"], "does not apply to thresholds"),
+        (&["--link=probit"], "does not apply to thresholds"),
         (&["--alpha=0.01"], "expected 0.05, because a difference is found by its 95 % interval"),
     ] {
         let told = fails(folder.path(), &[&["plan", "threshold-width", "--participants=4"], words].concat(), 2);
