@@ -9,7 +9,6 @@ use crate::{
     report::document::Shown,
     store::Writer,
     work::{
-        RequestError,
         plan::{Plan, Planned},
         plan_thresholds::{Found, PlannedThresholds},
     },
@@ -56,23 +55,19 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let planned = arguments.request.plan(&bar);
     bar.clear();
     let found = planned?;
-    let (lines, preregistration) = match &found {
-        Found::Ratings(planned) => (lines(planned), Some(arguments.request.preregistration(planned))),
-        Found::Thresholds(planned) => (thresholds(planned), None),
+    let lines = match &found {
+        Found::Ratings(planned) => lines(planned),
+        Found::Thresholds(planned) => thresholds(planned),
     };
     lines.iter().try_for_each(|line| print_line(line))?;
     // Written last, so that no result is lost if the path cannot be written.
     if let Some(path) = &arguments.out {
         writer.write(path, &found.table().csv())?;
     }
-    match (&arguments.preregistration, preregistration) {
-        (Some(path), Some(text)) => Ok(writer.write(path, text.as_bytes())?),
-        (Some(_), None) => {
-            let message = "has no text for a study of thresholds; expected a definition of ratings";
-            Err(RequestError::new("preregistration", message).into())
-        }
-        (None, _) => Ok(()),
+    if let Some(path) = &arguments.preregistration {
+        writer.write(path, arguments.request.preregistration(&found).as_bytes())?;
     }
+    Ok(())
 }
 
 /// Returns the lines about a study of thresholds.

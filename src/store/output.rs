@@ -122,6 +122,11 @@ impl Writer {
 
     /// Returns the file that a path leads to, with all links resolved, if it can be written.
     fn target(&self, path: &Path) -> Result<PathBuf, StoreError> {
+        if let Some(ending) = path.extension().and_then(|ending| ending.to_str()).filter(|ending| is_foreign(ending)) {
+            let what =
+                format!("ends in .{ending}, but all pictures are written as PNG; expected a name ending in .png");
+            return Err(protected(path, what));
+        }
         let target = full_path(path).map_err(io(path, "write"))?;
         fs::metadata(folder_of(&target)).map_err(io(path, "write"))?;
         let found = match fs::symlink_metadata(&target) {
@@ -165,6 +170,12 @@ impl Writer {
         }
         Ok(false)
     }
+}
+
+/// Returns whether a name with this ending promises a picture in a format that nothing here writes.
+fn is_foreign(ending: &str) -> bool {
+    const FOREIGN: [&str; 8] = ["jpg", "jpeg", "gif", "bmp", "tif", "tiff", "webp", "exr"];
+    FOREIGN.iter().any(|foreign| ending.eq_ignore_ascii_case(foreign))
 }
 
 fn protected(path: &Path, what: impl Into<String>) -> StoreError {

@@ -3,63 +3,122 @@
 
 use std::fmt::Write;
 
-use super::plan::{Plan, Planned};
+use super::{
+    plan::{Plan, Planned, in_order},
+    plan_thresholds::{Found, PlannedThresholds},
+    words,
+};
 use crate::{
     analysis::{
         FEW_FOR_LIKELIHOOD_RATIOS, Resampling, Slopes,
-        power::{Effect, Hypothesis, Power, Test},
+        power::{Effect, Hypothesis, Power, Precision, Quantity, Test},
+        tasks::psychometric::Model,
     },
-    report::document::numbers::{count, list},
-    work::words,
+    experiment::{Factor, Protocol},
+    report::{
+        document::numbers::{count, list},
+        tasks::{MODEL_OVER_PEOPLE, model_of_a_person},
+    },
 };
+
+/// Practice trials and corrected trials, whatever the task.
+const EXCLUSIONS: &str = "Practice trials are not analyzed, and only the last attempt of each trial counts. Unanswered trials \
+    are missing; they are not replaced. No other trial and no participant is excluded.";
 
 impl Plan {
     /// Writes the preregistration of a study that was planned with this request, in Markdown.
     #[must_use]
-    pub fn preregistration(&self, planned: &Planned) -> String {
-        let protocol = &planned.protocol;
+    pub fn preregistration(&self, found: &Found) -> String {
+        let (protocol, of_task, options) = match found {
+            Found::Ratings(planned) => {
+                let spec = planned.plan.spec();
+                let options = format!(" --terms {} --link {} --slopes {}", spec.terms, spec.link, spec.slopes);
+                (&planned.protocol, planned.sections(), options)
+            }
+            Found::Thresholds(planned) => (&planned.protocol, planned.sections(), String::new()),
+        };
         let title = if protocol.title.is_empty() { &protocol.name } else { &protocol.title };
+        let collected = "[State whether data have been collected, and who has seen them.]".to_owned();
+        let programs = format!(
+            "The study is run and analyzed with machband {}. Its definition has the SHA-256 {}. The power was computed with\n\n    \
+             machband plan {}\n\nand the analysis will be\n\n    machband analyze results/{}{options} --out analysis",
+            env!("CARGO_PKG_VERSION"),
+            crate::store::definition::hash(protocol),
+            words(self).join(" "),
+            protocol.name,
+        );
         let mut text = format!("# Preregistration: {title}\n");
-        let mut section = |heading: &str, body: String| {
+        for (heading, body) in
+            [("Data collection", collected)].into_iter().chain(of_task).chain([("Programs", programs)])
+        {
             // Writing to a string cannot fail.
             let _ = write!(text, "\n## {heading}\n\n{body}\n");
-        };
-        section("Data collection", "[State whether data have been collected, and who has seen them.]".to_owned());
-        section("Hypotheses", bullets(planned.effects().map(|(_, one)| hypothesis(one)).collect()));
-        section("Design", planned.design());
-        section("Sample size", planned.sample_size());
-        section(
-            "Exclusions",
-            "Practice trials are not analyzed, and only the last attempt of each trial counts. Unrated trials are missing; they \
-             are not replaced. No other trial and no participant is excluded. [Or name each reason, with its limit, such as \
-             --min-time 0.2, and whether excluded participants are replaced.]"
-                .to_owned(),
-        );
-        section("Analysis", planned.analysis());
-        section(
-            "What each result would mean",
-            bullets(planned.effects().map(|(_, one)| meaning(planned, one)).collect()),
-        );
-        let shell = |command: &str, words: Vec<String>| format!("    machband {command} {}", words.join(" "));
-        section(
-            "Programs",
-            format!(
-                "The study is run and analyzed with machband {}. Its definition has the SHA-256 {}. The power was computed with\n\n\
-                 {}\n\nand the analysis will be\n\n    machband analyze results/{} --terms {} --link {} --slopes {} --out analysis",
-                env!("CARGO_PKG_VERSION"),
-                crate::store::definition::hash(protocol),
-                shell("plan", words(self)),
-                protocol.name,
-                planned.plan.spec().terms,
-                planned.plan.spec().link,
-                planned.plan.spec().slopes
-            ),
-        );
+        }
         text
     }
 }
 
+/// Returns how a session begins and what is shown between trials, whatever the task.
+fn course(protocol: &Protocol) -> String {
+    format!(
+        "{} come first. A uniform field of relative luminance {} is shown for {} s before each trial.",
+        count(protocol.design.practice.into(), "practice trial"),
+        protocol.recovery.level,
+        protocol.recovery.duration_s,
+    )
+}
+
+fn viewing(protocol: &Protocol) -> String {
+    format!(
+        "The viewing distance is {} cm, and the stimulus is {}° wide. The remaining parameters of the stimulus are in the definition.",
+        protocol.viewing.distance_cm, protocol.viewing.window_deg
+    )
+}
+
+/// Lists the factors with their levels.
+fn factors(protocol: &Protocol) -> String {
+    let levels = |factor: &Factor| factor.levels.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+    let named = protocol.factors.iter().map(|factor| format!("{} ({})", factor.name, levels(factor)));
+    list(&named.collect::<Vec<_>>())
+}
+
+/// Says how many people are tested, if some number tried is enough for all effects.
+fn decision(tried: &[u32], enough: impl Fn(u32) -> bool, target: f64) -> String {
+    // More people can only help, so a number is enough if all larger ones are.
+    let least = tried.iter().rev().take_while(|people| enough(**people)).last();
+    let target = format!("{:.0} %", 100.0 * target);
+    let numbers = list(&tried.iter().map(ToString::to_string).collect::<Vec<_>>());
+    match least {
+        Some(people) => format!(
+            "{} will be tested: the smallest number tried ({numbers}) with a power of at least {target} for every effect above.",
+            count((*people).into(), "participant")
+        ),
+        None => format!(
+            "[N] participants will be tested. No number tried ({numbers}) has a power of at least {target} for every effect above."
+        ),
+    }
+}
+
+const UNDECIDED: &str = "Otherwise, the study does not decide; this will not be called evidence of no effect.";
+
 impl Planned {
+    fn sections(&self) -> Vec<(&'static str, String)> {
+        vec![
+            ("Hypotheses", bullets(self.effects().map(|(_, one)| hypothesis(one)).collect())),
+            ("Design", self.design()),
+            ("Sample size", self.sample_size()),
+            (
+                "Exclusions",
+                format!(
+                    "{EXCLUSIONS} [Or name each reason, with its limit, such as --min-time 0.2, and whether excluded participants are \
+                     replaced.]"
+                ),
+            ),
+            ("Analysis", self.analysis()),
+            ("What each result would mean", bullets(self.effects().map(|(_, one)| meaning(self, one)).collect())),
+        ]
+    }
+
     /// Returns the hypotheses about the terms of the model.
     fn effects(&self) -> impl Iterator<Item = (usize, &Hypothesis)> {
         let all = self.plan.hypotheses().iter().enumerate();
@@ -68,19 +127,13 @@ impl Planned {
 
     fn design(&self) -> String {
         let protocol = &self.protocol;
-        let levels = |factor: &crate::experiment::Factor| {
-            factor.levels.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
-        };
-        let factors: Vec<String> =
-            protocol.factors.iter().map(|factor| format!("{} ({})", factor.name, levels(factor))).collect();
         let categories = protocol.response.categories.iter().enumerate();
         let categories: Vec<String> =
             categories.map(|(rating, category)| format!("{rating} ({})", category.label)).collect();
         format!(
-            "Every participant rates every combination of {}: {}, each {}, which makes {} in a session of about {}. {} come first. \
-             A uniform field of relative luminance {} is shown for {} s before each stimulus. The answers are {}. The viewing \
-             distance is {} cm, and the stimulus is {}° wide. The remaining parameters of the stimulus are in the definition.",
-            list(&factors),
+            "Every participant rates every combination of {}: {}, each {}, which makes {} in a session of about {}. {} The answers are \
+             {}. {}",
+            factors(protocol),
             count(protocol.conditions().len() as u64, "condition"),
             match protocol.design.repetitions {
                 1 => "once".to_owned(),
@@ -89,12 +142,9 @@ impl Planned {
             },
             count(protocol.main_trials() as u64, "rating"),
             count(protocol.minutes(), "minute"),
-            count(protocol.design.practice.into(), "practice trial"),
-            protocol.recovery.level,
-            protocol.recovery.duration_s,
+            course(protocol),
             list(&categories),
-            protocol.viewing.distance_cm,
-            protocol.viewing.window_deg
+            viewing(protocol)
         )
     }
 
@@ -107,19 +157,7 @@ impl Planned {
         };
         let mut tried: Vec<u32> = self.powers.iter().map(|power| power.participants).collect();
         tried.dedup();
-        // More people can only help, so a number is enough if all larger ones are.
-        let least = tried.iter().rev().take_while(|people| enough(**people)).last();
-        let target = 100.0 * self.target;
-        let numbers = list(&tried.iter().map(ToString::to_string).collect::<Vec<_>>());
-        let decision = match least {
-            Some(people) => format!(
-                "{} will be tested: the smallest number tried ({numbers}) with a power of at least {target} % for every effect above.",
-                count((*people).into(), "participant")
-            ),
-            None => format!(
-                "[N] participants will be tested. No number tried ({numbers}) has a power of at least {target} % for every effect above."
-            ),
-        };
+        let decision = decision(&tried, enough, self.target);
         format!(
             "{decision} The data are not analyzed before all have been tested. [Say why effects of this size are of interest.] The \
              simulation found:\n\n{}",
@@ -156,6 +194,128 @@ impl Planned {
     }
 }
 
+impl PlannedThresholds {
+    fn sections(&self) -> Vec<(&'static str, String)> {
+        let mut sections = vec![
+            ("Hypotheses", bullets(self.differences().map(|(found, truth)| self.hypothesis(found, truth)).collect())),
+            ("Design", self.design()),
+            ("Sample size", self.sample_size()),
+            (
+                "Exclusions",
+                format!("{EXCLUSIONS} [Or name each reason, and whether excluded participants are replaced.]"),
+            ),
+            ("Analysis", self.analysis()),
+        ];
+        let meanings = self.differences().map(|(found, truth)| self.meaning(found, truth)).collect();
+        sections.push(("What each result would mean", bullets(meanings)));
+        sections
+    }
+
+    /// Returns the differences between levels, each with its planned size.
+    fn differences(&self) -> impl Iterator<Item = (&Precision, f64)> {
+        let first =
+            |one: &&Precision| one.participants == self.found[0].participants && one.trials == self.found[0].trials;
+        self.found.iter().filter(first).filter_map(|one| match one.quantity {
+            Quantity::Difference { truth, .. } => Some((one, truth)),
+            Quantity::Person | Quantity::Mean => None,
+        })
+    }
+
+    fn hypothesis(&self, found: &Precision, truth: f64) -> String {
+        let name = self.name(&found.quantity);
+        if truth == 0.0 {
+            return format!("{name}: no difference of thresholds is predicted, and none is planned for.");
+        }
+        let order = if truth > 0.0 { "higher" } else { "lower" };
+        format!(
+            "{name}: the threshold at the first of these levels is {order}. The difference planned for is {truth} {}.",
+            self.unit()
+        )
+    }
+
+    fn design(&self) -> String {
+        let protocol = &self.protocol;
+        let levels = protocol.adaptive.as_ref().map_or_else(String::new, |adaptive| {
+            let [low, high] = adaptive.range();
+            let (method, parameter) = (adaptive.method.name(), &adaptive.common.parameter);
+            format!("The level, {parameter} from {low} to {high}, is chosen by the method {method}. ")
+        });
+        let conditions = match protocol.conditions().len() as u64 {
+            1 => "There is one condition.".to_owned(),
+            n => format!(
+                "Every participant answers in {}, the combinations of {}.",
+                count(n, "condition"),
+                factors(protocol)
+            ),
+        };
+        format!(
+            "The task is {} and asks “{}” {levels}{conditions} {} {}",
+            protocol.task.name(),
+            protocol.response.question,
+            course(protocol),
+            viewing(protocol)
+        )
+    }
+
+    fn sample_size(&self) -> String {
+        let sorted = |number: fn(&Precision) -> u32| in_order(&self.found.iter().map(number).collect::<Vec<_>>());
+        let (people, trials) = (sorted(|one| one.participants), sorted(|one| one.trials));
+        let most = trials.last().copied().unwrap_or_default();
+        let enough = |people: u32| {
+            let own = self.found.iter().filter(|one| one.participants == people && one.trials == most);
+            let mut effects =
+                own.filter(|one| matches!(one.quantity, Quantity::Difference { truth, .. } if truth != 0.0));
+            effects.clone().count() > 0 && effects.all(|one| one.share().0 >= self.target)
+        };
+        let row = |one: &Precision| {
+            let number =
+                |what: &str, value: Option<f64>| value.map_or_else(String::new, |value| format!(", {what} {value:.3}"));
+            let share = match one.quantity {
+                Quantity::Difference { truth, .. } if truth != 0.0 => format!(", power {:.0} %", 100.0 * one.share().0),
+                Quantity::Difference { .. } => format!(", false alarms {:.0} %", 100.0 * one.share().0),
+                Quantity::Person | Quantity::Mean => String::new(),
+            };
+            format!(
+                "{} with {} of each condition: {}{}{}{share}",
+                count(one.participants.into(), "participant"),
+                count(one.trials.into(), "trial"),
+                self.name(&one.quantity),
+                number("half-width of the 95 % interval", one.half_width),
+                number("root mean square error", one.error),
+            )
+        };
+        format!(
+            "{} Each answers {} of each condition. The data are not analyzed before all have been tested. [Say why differences of \
+             this size are of interest.] {} simulated studies of each size found, in {}:\n\n{}",
+            decision(&people, enough, self.target),
+            count(most.into(), "trial"),
+            self.sampling.studies,
+            self.unit(),
+            bullets(self.found.iter().map(row).collect())
+        )
+    }
+
+    fn analysis(&self) -> String {
+        let model = Model::of(&self.protocol).map_or_else(String::new, |model| model_of_a_person(&model));
+        format!(
+            "{model}\n\n{MODEL_OVER_PEOPLE}\n\nA difference is found if its 95 % interval excludes 0. The intervals of different \
+             comparisons are not corrected for their number. Everything else is exploratory and will be called so."
+        )
+    }
+
+    fn meaning(&self, found: &Precision, truth: f64) -> String {
+        let name = self.name(&found.quantity);
+        if truth == 0.0 {
+            return format!("{name}: a 95 % interval without 0 is a difference that was not predicted. {UNDECIDED}");
+        }
+        let [supports, contradicts] = if truth > 0.0 { ["above", "below"] } else { ["below", "above"] };
+        format!(
+            "{name}: a 95 % interval that lies {supports} 0 supports the hypothesis, and one that lies {contradicts} 0 contradicts it. \
+             {UNDECIDED}"
+        )
+    }
+}
+
 fn bullets(items: Vec<String>) -> String {
     items.iter().map(|item| format!("- {item}")).collect::<Vec<_>>().join("\n")
 }
@@ -175,12 +335,11 @@ fn hypothesis(hypothesis: &Hypothesis) -> String {
 /// Says what would count as which result.
 fn meaning(planned: &Planned, hypothesis: &Hypothesis) -> String {
     let (term, alpha) = (&hypothesis.term, planned.sampling.alpha);
-    let otherwise = "Otherwise, the study does not decide; this will not be called evidence of no effect.";
     match &hypothesis.effect {
         Some(Effect { above, below, .. }) => format!(
             "{term}: p below {alpha} with a higher estimate at {above} than at {below} supports the hypothesis, and p below {alpha} \
-             with the opposite order contradicts it. {otherwise}"
+             with the opposite order contradicts it. {UNDECIDED}"
         ),
-        None => format!("{term}: p below {alpha} is an effect that was not predicted. {otherwise}"),
+        None => format!("{term}: p below {alpha} is an effect that was not predicted. {UNDECIDED}"),
     }
 }

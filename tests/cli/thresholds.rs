@@ -91,6 +91,28 @@ fn studies_of_thresholds_are_planned() {
     assert!(error[6] < 0.8 * error[0], "{error:?}");
     assert!(width[4] < width[1] && width[7] < width[1] && width[10] < width[4], "{width:?}");
 
+    let text = {
+        plan(&["--participants=4,10", "--studies=16", "--effect=orientation_deg:90=0.4", "--preregistration=p.md"]);
+        fs::read_to_string(folder.path().join("p.md")).unwrap()
+    };
+    for expected in [
+        "orientation_deg 90 − 0: the threshold at the first of these levels is higher. The difference planned for is 0.4",
+        "The level, width from 0.005 to 0.8, is chosen by the method quest-plus.",
+        "Every participant answers in 2 conditions, the combinations of orientation_deg (0, 90).",
+        "4 participants with 40 trials of each condition: orientation_deg 90 − 0, half-width",
+        "the guess rate γ is .50",
+        "machband analyze results/threshold-width --out analysis",
+    ] {
+        assert!(text.contains(expected), "{expected}: {text}");
+    }
+    // Trials that no session could order are no reason to simulate.
+    let definition = fs::read_to_string("experiments/threshold-width.toml").unwrap();
+    let two = definition.replace("high = 0.75\n", "").replace("[0, 90]", "[0, 90]\nhigh = [0.7, 0.75]");
+    let definition = two.replace("[design]", "[design]\nmax_run = 1");
+    fs::write(folder.path().join("run.toml"), definition).unwrap();
+    let told = fails(folder.path(), &["plan", "run.toml", "--participants=4"], 1);
+    assert!(told.contains("max_run = 1"), "{told}");
+
     for (words, expected) in [
         (
             &["--effect=orientation:90=0.3"][..],

@@ -7,7 +7,10 @@ use super::{
     study::TaskStudy,
 };
 use crate::{
-    analysis::tasks::{population::Population, psychometric::Guess},
+    analysis::tasks::{
+        population::Population,
+        psychometric::{Guess, Model},
+    },
     experiment::task::{Common, Curve, Measures},
     report::{
         document::{
@@ -264,6 +267,22 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
     }
     let levels = study.asked.levels.as_ref().filter(|_| !results.functions.is_empty());
     let Some(Levels { model, .. }) = levels else { return section };
+    section.text(model_of_a_person(model));
+    if !results.populations.is_empty() {
+        section.text(MODEL_OVER_PEOPLE);
+    }
+    section
+}
+
+/// How the answers of all people are modeled.
+pub const MODEL_OVER_PEOPLE: &str = "Over people, each has a threshold of their own from a normal distribution, and the width and the lapse rate are common: \
+     a mixed model whose likelihood is integrated numerically about the peak of each person. The interval of the mean is the t \
+     interval of what each person contributes to it (Liang & Zeger 1986, Biometrika 73, 13). Conditions are compared by the \
+     differences between the contributions of the same people.";
+
+/// Says how the answers of one person in one condition are modeled.
+#[must_use]
+pub fn model_of_a_person(model: &Model) -> String {
     let curve = match model.curve {
         Curve::Weibull => "Weibull",
         Curve::Logistic => "logistic",
@@ -273,26 +292,18 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
         Guess::Fixed(guess) => format!("the guess rate γ is {}", unit(guess)),
         Guess::Free => "the guess rate γ is estimated".to_owned(),
     };
-    section.text(format!(
+    format!(
         "The psychometric function is ψ(x) = γ + (1 − γ − λ)·F(x) with a {curve} F; {guess}, and the lapse rate λ is \
          estimated. The threshold is the level with F = ½, so that guesses and lapses do not move it{}. It is the most probable one \
          under the priors of Schütt, Harmeling, Macke & Wichmann (2016, Vision Res. 122, 105), over the range of levels that could be \
          shown; its 95\u{a0}% interval lies between quantiles of its marginal posterior distribution. The goodness of fit compares the \
          deviance with those of 1,000 simulated studies (Wichmann & Hill 2001, Percept. Psychophys. 63, 1293).",
         match model.guess {
-            Guess::Fixed(guess) if guess > 0.0 => format!(" ({} right answers without lapses)", unit((1.0 + guess) / 2.0)),
+            Guess::Fixed(guess) if guess > 0.0 =>
+                format!(" ({} right answers without lapses)", unit((1.0 + guess) / 2.0)),
             _ => String::new(),
         }
-    ));
-    if !results.populations.is_empty() {
-        section.text(
-            "Over people, each has a threshold of their own from a normal distribution, and the width and the lapse rate are common: \
-             a mixed model whose likelihood is integrated numerically about the peak of each person. The interval of the mean is the t \
-             interval of what each person contributes to it (Liang & Zeger 1986, Biometrika 73, 13). Conditions are compared by the \
-             differences between the contributions of the same people.",
-        );
-    }
-    section
+    )
 }
 
 fn repeat(study: &TaskStudy, results: &TaskResults, provenance: &Provenance) -> Section {

@@ -9,7 +9,7 @@ mod study;
 mod tables;
 
 pub use asked::{Asked, Levels};
-pub use document::document;
+pub use document::{MODEL_OVER_PEOPLE, document, model_of_a_person};
 pub use figures::figures;
 pub use results::{Comparisons, PersonAnswers, PersonFunction, PersonSettings, PersonShare, Side, TaskResults};
 pub use study::{TaskAnswered, TaskStudy, TaskTrial};
