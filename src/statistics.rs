@@ -29,6 +29,12 @@ impl Interval {
         Some(Self { low: estimate - reach, high: estimate + reach })
     }
 
+    /// Returns whether a value lies in the interval.
+    #[must_use]
+    pub fn contains(&self, value: f64) -> bool {
+        (self.low..=self.high).contains(&value)
+    }
+
     /// Returns the interval of the negative estimate.
     #[must_use]
     pub fn negative(self) -> Self {

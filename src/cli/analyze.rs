@@ -95,6 +95,7 @@ fn run_task(arguments: &Arguments, writer: &Writer, study: &TaskStudy, progress:
         super::print_line(&line)?;
     }
     super::print_line(&format!("{} files written; see {}", files.len(), arguments.out.join("report.html").display()))?;
+    study.warnings.iter().for_each(|warning| super::message("warning", &warning.to_string()));
     FileErrors::none(study.errors.clone()).map_err(Into::into)
 }
 

@@ -22,7 +22,9 @@ impl DefinitionErrors {
     /// Adds an error unless `value` is finite and within `low…high`.
     pub(super) fn check_range(&mut self, path: &str, value: f64, low: f64, high: f64, meaning: &str) {
         if !(low..=high).contains(&value) {
-            let key = path.rsplit('.').next().unwrap_or(path);
+            // Not the number of a value in a list.
+            let is_name = |part: &&str| part.parse::<usize>().is_err();
+            let key = path.rsplit('.').find(is_name).unwrap_or(path);
             self.add(path, format!("{key} {value} is outside {low}…{high}; expected {meaning}"));
         }
     }

@@ -33,6 +33,7 @@ pub use participant::{AnswerError, Answers, FieldKind, FieldSpec, MAX_ANSWER, Pa
 pub use protocol::{Protocol, name_error};
 pub use record::{
     Column, Rating, RatingRow, RowContext, SECOND, Seconds, TaskAnswer, TrialRecord, columns, columns_by_header,
+    is_reserved,
 };
 pub use replay::{Replay, Replayed};
 pub use scale::{CATEGORIES, Category, ResponseScale, default_key};

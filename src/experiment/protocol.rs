@@ -14,7 +14,7 @@ use super::{
     definition::{Definition, Order},
     faults::{DefinitionError, DefinitionErrors},
     scale::CATEGORIES,
-    task::{Adaptive, Given, Layout, Turn},
+    task::{Adaptive, Given, Layout, Measures, Turn},
 };
 use crate::stimulus::{ParameterValue, Stimulus};
 
@@ -214,7 +214,9 @@ impl Definition {
         let before = errors.0.len();
         for (i, factor) in self.factors.iter().enumerate() {
             let path = format!("factors.{}", factor.name);
-            if factor.levels.is_empty() {
+            // Why there are no pictures was told when they were read.
+            let has_no_pictures = matches!(&self.stimulus, Stimulus::Image(shown) if shown.gallery.pictures.is_empty());
+            if factor.levels.is_empty() && !has_no_pictures {
                 errors.add(&path, format!("factor {} is empty; expected at least one level", factor.name));
             }
             if self.factors[..i].iter().any(|other| other.name == factor.name) {
@@ -306,20 +308,26 @@ impl Definition {
         }
         let name = self.adaptive.as_ref().map(|adaptive| adaptive.common.parameter.as_str());
         let ends = self.adaptive.as_ref().map_or([f64::NAN; 2], Adaptive::range);
-        let shown = conditions.iter().flat_map(|condition| {
-            let places = self.task.places().into_iter().collect::<BTreeSet<_>>();
-            let turn = move |place, level| {
+        let places: BTreeSet<u32> = self.task.places().into_iter().collect();
+        let has_target = self.task.measures() == Measures::Proportions;
+        for condition in conditions {
+            let turn = |place: &u32, level: f64| {
                 let level = name.map(|name| (name, level));
-                Turn { condition, other: None, place, draw: 1.0, level, second: None }
+                Turn { condition, other: None, place: *place, draw: 1.0, level, second: None }
             };
-            places
-                .into_iter()
-                .flat_map(move |place| ends.map(|end| self.task.present(&turn(place, end)).stimuli))
-                .flatten()
-        });
-        let wrong = shown.filter_map(|stimulus| stimulus.validate().err()?.into_iter().next()).next();
-        if let Some(error) = wrong {
-            errors.add("task", error.to_string());
+            let turns = places.iter().flat_map(|place| ends.map(|end| turn(place, end)));
+            let shown: Vec<Vec<Stimulus>> = turns.map(|turn| self.task.present(&turn).stimuli).collect();
+            if has_target && shown.iter().all(|stimuli| stimuli.windows(2).all(|pair| pair[0] == pair[1])) {
+                let message = "all stimuli of a trial are the same; expected a reference that differs from the target";
+                errors.add("task.reference", message);
+                return;
+            }
+            if let Some(error) =
+                shown.iter().flatten().find_map(|stimulus| stimulus.validate().err()?.into_iter().next())
+            {
+                errors.add("task", error.to_string());
+                return;
+            }
         }
     }
 

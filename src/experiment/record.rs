@@ -340,12 +340,19 @@ fn column((name, unit, description): (&str, &str, &str)) -> Column {
     Column { name: name.to_owned(), description: description.to_owned(), unit: unit.to_owned(), ..Column::default() }
 }
 
+/// Returns the factors, and the second parameter of an adaptive method, for which other columns have no place.
 fn extra_factors(protocol: &Protocol) -> impl Iterator<Item = &str> {
-    protocol
-        .factors
-        .iter()
-        .map(|factor| factor.name.as_str())
-        .filter(|name| FIXED.iter().chain(TASK).all(|(fixed, ..)| fixed != name))
+    let second = protocol.adaptive.as_ref().and_then(|adaptive| Some(adaptive.second()?.parameter.as_str()));
+    let names = protocol.factors.iter().map(|factor| factor.name.as_str()).chain(second);
+    names.filter(|name| FIXED.iter().chain(TASK).all(|(fixed, ..)| fixed != name))
+}
+
+/// Returns whether a column of every file has this name and is no parameter of the stimulus, so that a factor cannot have
+/// it.
+#[must_use]
+pub fn is_reserved(name: &str) -> bool {
+    let is_parameter = name != STIMULUS[0] && STIMULUS.contains(&name);
+    !is_parameter && (name.ends_with(SECOND) || FIXED.iter().chain(TASK).any(|(fixed, ..)| *fixed == name))
 }
 
 fn levels(protocol: &Protocol, column: &str) -> serde_json::Map<String, serde_json::Value> {

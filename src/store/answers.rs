@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{
     Columns, FileError, FileErrors, StoreError,
     error::RowErrors,
-    ratings::Header,
+    ratings::{Header, is_missing},
     table::{decoded, rows_from},
 };
 use crate::text::names::expected_one_of;
@@ -40,6 +40,15 @@ pub struct AnswerRow {
     pub total: u32,
 }
 
+/// The rows of a table of answers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnswersRead {
+    /// The rows.
+    pub rows: Vec<AnswerRow>,
+    /// Number of rows without a level or an answer, which are left out.
+    pub missing: usize,
+}
+
 /// Maximum number of rows.
 const MAX_ROWS: usize = 10_000_000;
 
@@ -47,7 +56,7 @@ const MAX_ROWS: usize = 10_000_000;
 ///
 /// # Errors
 /// The file cannot be read, a column is missing, or a row has an unexpected value. Every row with an error is told.
-pub fn read(path: &Path, columns: &AnswerColumns) -> Result<Vec<AnswerRow>, StoreError> {
+pub fn read(path: &Path, columns: &AnswerColumns) -> Result<AnswersRead, StoreError> {
     let header = Header::read(path)?;
     let name = path.display().to_string();
     let places = Places::new(&name, &header, columns)?;
@@ -70,7 +79,7 @@ pub fn read(path: &Path, columns: &AnswerColumns) -> Result<Vec<AnswerRow>, Stor
 ///
 /// # Errors
 /// As for [`read`].
-pub fn of_columns(name: &str, table: &Columns, columns: &AnswerColumns) -> Result<Vec<AnswerRow>, StoreError> {
+pub fn of_columns(name: &str, table: &Columns, columns: &AnswerColumns) -> Result<AnswersRead, StoreError> {
     table.check(name)?;
     let header = Header::of(table.clone());
     let places = Places::new(name, &header, columns)?;
@@ -89,13 +98,15 @@ pub fn of_columns(name: &str, table: &Columns, columns: &AnswerColumns) -> Resul
     finish(rows, errors.finish(name, &header.names), name)
 }
 
-fn finish(rows: Vec<AnswerRow>, errors: Vec<FileError>, name: &str) -> Result<Vec<AnswerRow>, StoreError> {
+fn finish(rows: Vec<Option<AnswerRow>>, errors: Vec<FileError>, name: &str) -> Result<AnswersRead, StoreError> {
     FileErrors::none(errors)?;
+    let all = rows.len();
+    let rows: Vec<AnswerRow> = rows.into_iter().flatten().collect();
     if rows.is_empty() || rows.len() > MAX_ROWS {
         let message = format!("has {} rows; expected 1 to {MAX_ROWS}", rows.len());
         return Err(FileErrors::whole(name, message).into());
     }
-    Ok(rows)
+    Ok(AnswersRead { missing: all - rows.len(), rows })
 }
 
 /// Where the columns are.
@@ -115,6 +126,14 @@ impl Places {
                 FileErrors::whole(name, message)
             })
         };
+        let given = [&columns.level, &columns.correct];
+        let all = given.into_iter().chain(&columns.total).chain(&columns.subject).chain(&columns.factors);
+        let mut names: Vec<&String> = all.collect();
+        names.sort();
+        if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+            let message = format!("the column {} has two uses; expected one for each column", twice[0]);
+            return Err(FileErrors::whole(name, message));
+        }
         Ok(Self {
             level: place(&columns.level)?,
             correct: place(&columns.correct)?,
@@ -124,13 +143,24 @@ impl Places {
         })
     }
 
-    /// Reads a row; an error has its cell.
-    fn row(&self, text: impl Fn(usize) -> String, separator: u8) -> Result<AnswerRow, (usize, String)> {
+    /// Reads a row; `None` if it has no level or no answer. An error has its cell.
+    fn row(&self, text: impl Fn(usize) -> String, separator: u8) -> Result<Option<AnswerRow>, (usize, String)> {
+        if [Some(self.level), Some(self.correct), self.total]
+            .into_iter()
+            .flatten()
+            .any(|cell| is_missing(&text(cell), true))
+        {
+            return Ok(None);
+        }
         let wrong = |cell: usize, expected: &str| (cell, format!("is {:?}; expected {expected}", text(cell)));
         // In a table with semicolons, numbers may have decimal commas.
         let point = |cell: usize| if separator == b';' { text(cell).replace(',', ".") } else { text(cell) };
         let count = |cell: usize, expected: &str| {
-            let number = point(cell).parse().ok();
+            let number = match point(cell) {
+                truth if truth.eq_ignore_ascii_case("true") => Some(1.0),
+                truth if truth.eq_ignore_ascii_case("false") => Some(0.0),
+                number => number.parse().ok(),
+            };
             let number = number.filter(|number: &f64| number.fract() == 0.0 && (0.0..=1e9).contains(number));
             number.map(|number| number as u32).ok_or_else(|| wrong(cell, expected))
         };
@@ -147,12 +177,12 @@ impl Places {
             return Err(wrong(self.correct, expected));
         }
         let level = point(self.level).parse().ok().filter(|level: &f64| level.is_finite());
-        Ok(AnswerRow {
+        Ok(Some(AnswerRow {
             subject: self.subject.map_or(Ok("all".to_owned()), |cell| named(cell, "a participant"))?,
             factors: self.factors.iter().map(|cell| named(*cell, "a level")).collect::<Result<_, _>>()?,
             level: level.ok_or_else(|| wrong(self.level, "a level, which is a number"))?,
             correct,
             total,
-        })
+        }))
     }
 }

@@ -160,7 +160,9 @@ pub fn hash(protocol: &Protocol) -> String {
 /// Returns the content of a definition in a fixed order, without the values that are equal to their defaults.
 fn content(protocol: &Protocol) -> Value {
     let value = |definition: &Definition| serde_json::to_value(definition).unwrap_or_default();
-    let stimulus = Stimulus::default_of(protocol.stimulus.kind()).unwrap_or_else(|| protocol.stimulus.clone());
+    // A study's own pictures are part of what it says.
+    let pictures = || Stimulus::Image(Gallery::default().into());
+    let stimulus = Stimulus::default_of(protocol.stimulus.kind()).unwrap_or_else(pictures);
     let (mut content, mut default) = (value(protocol), value(&Definition::new(protocol.name.clone(), stimulus)));
     // Every definition says its name and its kind of stimulus.
     for (table, key) in [("", "name"), ("/stimulus", "kind")] {

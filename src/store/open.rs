@@ -1,8 +1,9 @@
 //! Opens files to read data from them. Only regular files are data.
 
 use std::{
+    borrow::Borrow,
     fs::{self, File},
-    io::{Error, Read},
+    io::{Error, ErrorKind, Read, Seek, SeekFrom},
     path::Path,
 };
 
@@ -40,16 +41,52 @@ pub(super) fn read_regular(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
 /// Reads a whole open file of at most `most` bytes.
 ///
 /// # Errors
-/// [`NotData::TooLarge`]; I/O errors.
+/// [`NotData::TooLarge`]; [`ErrorKind::UnexpectedEof`] if the file has more bytes than could be read; I/O errors.
 pub(super) fn read_at_most(file: &mut File, most: u64) -> std::io::Result<Vec<u8>> {
     let size = file.metadata()?.len();
     let mut bytes = Vec::new();
     if size <= most {
         // The limit also holds for a file that grows, and for a system file that reports no length.
-        file.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+        Complete::of(&*file)?.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
     }
     let size = size.max(bytes.len() as u64);
     if size > most { Err(Error::other(NotData::TooLarge { size, most })) } else { Ok(bytes) }
+}
+
+/// A file whose end is where its size says, or further: a failing disk or network share can end a file early, and nothing
+/// may follow from a part of it.
+pub(super) struct Complete<F> {
+    file: F,
+    size: u64,
+    at: u64,
+}
+
+impl<F: Borrow<File>> Complete<F> {
+    pub fn of(file: F) -> std::io::Result<Self> {
+        let size = file.borrow().metadata()?.len();
+        Ok(Self { file, size, at: 0 })
+    }
+}
+
+impl<F: Borrow<File>> Read for Complete<F> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let mut file = self.file.borrow();
+        let count = file.read(buffer)?;
+        self.at += count as u64;
+        // Another program may have made the file shorter.
+        if count == 0 && !buffer.is_empty() && self.at < self.size && self.at < file.metadata()?.len() {
+            let message = format!("the file ended after {} of {} bytes", self.at, self.size);
+            return Err(Error::new(ErrorKind::UnexpectedEof, message));
+        }
+        Ok(count)
+    }
+}
+
+impl<F: Borrow<File>> Seek for Complete<F> {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        self.at = self.file.borrow().seek(to)?;
+        Ok(self.at)
+    }
 }
 
 /// Maximum number of bytes of a packed file, and of what it unpacks to.

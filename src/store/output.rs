@@ -1,7 +1,5 @@
 //! Writes every file that the user named, in a command or on a page, without destroying anything.
 
-#[cfg(unix)]
-use std::os::unix::fs::MetadataExt as _;
 use std::{
     collections::BTreeSet,
     fs, io,
@@ -17,7 +15,7 @@ use super::{
     file::{exists, folder_of, full_path, make_folder, sync_folder, temporary},
     frames,
 };
-use crate::system::found;
+use crate::system::{found, identified};
 
 /// Writes the outputs of one command or page.
 ///
@@ -162,6 +160,7 @@ impl Writer {
 
     /// True if this file or folder is an input.
     fn reads(&self, target: &Path) -> Result<bool, StoreError> {
+        let identified = |path: &Path| identified(path).map_err(io(path, "access"));
         let Some(own) = identified(target)? else { return Ok(false) };
         for input in &self.inputs {
             if identified(input)?.as_ref() == Some(&own) {
@@ -217,21 +216,4 @@ fn session_of(target: &Path) -> Result<Option<PathBuf>, StoreError> {
         }
     }
     Ok(None)
-}
-
-/// Identifies a file or folder by its device and inode number, which are the same for all paths that lead to it,
-/// including links and hard links.
-#[cfg(unix)]
-type Identity = (u64, u64);
-/// The full path. Replacing one of several hard links does not change the content under the other names.
-#[cfg(not(unix))]
-type Identity = PathBuf;
-
-/// Returns the identity of a file or folder; `None` if it does not exist.
-fn identified(path: &Path) -> Result<Option<Identity>, StoreError> {
-    let metadata = found(path).map_err(io(path, "access"))?;
-    #[cfg(unix)]
-    return Ok(metadata.map(|found| (found.dev(), found.ino())));
-    #[cfg(not(unix))]
-    return metadata.map(|_| path.canonicalize()).transpose().map_err(io(path, "access"));
 }

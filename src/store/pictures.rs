@@ -10,17 +10,17 @@ use rayon::prelude::*;
 use serde_json::{Map, Value};
 
 use super::{
-    FileErrors, StoreError,
+    FileError, FileErrors, StoreError,
     file::{read_bytes, sha256},
     image::{self, parse_picture},
     toml::TableReader,
 };
 use crate::{
-    experiment::{DefinitionErrors, task::OptionReader as _},
+    experiment::{DefinitionErrors, is_reserved, task::OptionReader as _},
     light::{Bits, Dither, Quantizer, Transfer},
     stimulus::{
         ParameterValue,
-        picture::{Gallery, PictureContent, PictureFile},
+        picture::{Gallery, Picture, PictureContent, PictureFile},
     },
     system::found,
     text::names::natural,
@@ -164,7 +164,15 @@ fn levels(folder: &Path, pattern: &str) -> Result<Levels, StoreError> {
     };
     let mut levels = HashMap::new();
     for record in reader.records() {
-        let record = record.map_err(|error| fail(error.to_string()))?;
+        let position = record.as_ref().map_or_else(csv::Error::position, csv::StringRecord::position);
+        let line = position.map_or(1, |position| position.line() as usize);
+        let fail = |message: String| StoreError::from(FileErrors(vec![FileError::at(&path, (line, 1), message)]));
+        let record = record.map_err(|error| match error.kind() {
+            csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+                fail(format!("the row has {len} cells; expected {expected_len}"))
+            }
+            _ => fail(error.to_string()),
+        })?;
         let cells = others(&record).into_iter().map(|cell| cell.parse().unwrap_or_else(|never| match never {}));
         let name = record.get(file).unwrap_or_default().trim().to_owned();
         if levels.insert(name.clone(), cells.collect()).is_some() {
@@ -172,6 +180,9 @@ fn levels(folder: &Path, pattern: &str) -> Result<Levels, StoreError> {
         }
     }
     let names = others(&header);
+    if let Some(name) = names.iter().find(|name| *name == Picture::PICTURE || is_reserved(name)) {
+        return Err(fail(format!("the column {name} has the name of a column of the data; expected another name")));
+    }
     let reserved = |name: &&String| name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if let Some(name) = names.iter().find(reserved) {
         return Err(fail(format!("the column {name:?} is not the name of a factor; expected letters, digits and _")));

@@ -9,7 +9,11 @@ use std::{
 
 use csv::{ByteRecord, Position};
 
-use super::{FileError, FileErrors, error::RowErrors, open::open_regular};
+use super::{
+    FileError, FileErrors,
+    error::RowErrors,
+    open::{Complete, open_regular},
+};
 
 /// Maximum number of bytes in a row. A row of a real study has a few hundred; one with more than this has an unclosed
 /// quote or is not a row.
@@ -36,7 +40,7 @@ impl<T: Read + Seek> Source for T {}
 impl<'a> Content<'a> {
     fn open(self) -> io::Result<Box<dyn Source + 'a>> {
         Ok(match self {
-            Self::File(path) => Box::new(open_regular(path)?),
+            Self::File(path) => Box::new(Complete::of(open_regular(path)?)?),
             Self::Memory(content) => Box::new(Cursor::new(content)),
         })
     }

@@ -18,6 +18,29 @@ pub fn found(path: &Path) -> io::Result<Option<Metadata>> {
     unless_missing(fs::metadata(path))
 }
 
+/// Identifies a file or folder by its device and inode number, which are the same for all paths that lead to it,
+/// including links and hard links.
+#[cfg(unix)]
+type FileId = (u64, u64);
+/// The full path. Replacing one of several hard links does not change the content under the other names.
+#[cfg(not(unix))]
+type FileId = PathBuf;
+
+/// Returns the identity of a file or folder; `None` if it does not exist.
+///
+/// # Errors
+/// I/O errors other than a missing file or folder.
+pub fn identified(path: &Path) -> io::Result<Option<FileId>> {
+    let metadata = found(path)?;
+    #[cfg(unix)]
+    return Ok(metadata.map(|found| {
+        use std::os::unix::fs::MetadataExt as _;
+        (found.dev(), found.ino())
+    }));
+    #[cfg(not(unix))]
+    return metadata.map(|_| path.canonicalize()).transpose();
+}
+
 /// Returns where a link leads; `None` if there is no link with this name.
 ///
 /// # Errors

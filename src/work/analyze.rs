@@ -17,8 +17,8 @@ use crate::{
         tasks::{Levels, TaskStudy},
     },
     store::{
-        Columns, StoreError,
-        answers::{self, AnswerColumns, AnswerRow},
+        Columns, FileError, StoreError,
+        answers::{self, AnswerColumns, AnswersRead},
         ratings::Source,
         table::{List, list},
     },
@@ -181,9 +181,7 @@ impl Analyze {
             };
             return Ok(Some(self.answers(path, |columns| answers::read(path, columns))?));
         }
-        let Some(task) = paths.first().and_then(|path| TaskStudy::task_at(path)) else {
-            return Ok(None);
-        };
+        let Some((_, task)) = TaskStudy::task_at(paths)? else { return Ok(None) };
         let other = changed(self).into_iter().find(|(option, _)| !OF_TASKS.contains(&option.as_str()));
         if let Some((option, _)) = other {
             let message = format!("does not apply to the task {}; expected only --exclude and --seed", task.name());
@@ -206,12 +204,12 @@ impl Analyze {
     fn answers(
         &self,
         path: &Path,
-        read: impl FnOnce(&AnswerColumns) -> Result<Vec<AnswerRow>, StoreError>,
+        read: impl FnOnce(&AnswerColumns) -> Result<AnswersRead, StoreError>,
     ) -> anyhow::Result<TaskStudy> {
         let other = changed(self).into_iter().find(|(field, _)| !OF_LEVELS.contains(&field.as_str()));
         if let Some((option, _)) = other {
-            let message =
-                "does not apply to answers at levels; expected only --subject, --factors, --exclude and --seed";
+            let message = "does not apply to answers at levels; expected only --subject, --factors, --exclude, --seed and the \
+                           options of answers, such as --guess";
             return Err(RequestError::new(&option, message).into());
         }
         let given = self.levels.clone();
@@ -223,7 +221,8 @@ impl Analyze {
             subject: self.ratings.subject.clone(),
             factors: factors.clone(),
         };
-        let mut rows = read(&columns)?;
+        let AnswersRead { mut rows, missing } = read(&columns)?;
+        let all = rows.len() + missing;
         let exclude = self.ratings.exclude.clone().unwrap_or_default().0;
         if let Some(unknown) = exclude.iter().find(|id| !rows.iter().any(|row| row.subject == **id)) {
             return Err(RequestError::value("exclude", format!("{unknown}: no row has this participant")).into());
@@ -246,10 +245,15 @@ impl Analyze {
             falls: common.easier == Easier::Low,
             // Blocks can vary more than binomially; single trials say nothing about it.
             overdispersed: columns.total.is_some(),
-            range: Some(range.map(|level| common.scaled(level))),
+            // Each person's levels in a condition say in which range the priors place a threshold, as in psignifit.
+            range: None,
         };
         let mut study = TaskStudy::of_answers(path, &rows, &factors, Levels { common, range, model, chosen_by: "" });
         study.excluded = exclude;
+        if missing > 0 {
+            let message = format!("{missing} of {all} rows have no level or no answer, and were left out");
+            study.warnings.push(FileError::whole(path, message));
+        }
         Ok(study)
     }
 

@@ -153,12 +153,12 @@ impl Ratings {
     /// # Errors
     /// No file can be read, or an exclusion is not possible.
     pub fn read(&self, also: [Vec<String>; 2], details: bool, large: bool) -> Result<Study, StudyError> {
-        if let Some((path, task)) = self.paths.iter().find_map(|path| Some((path, TaskStudy::task_at(path)?))) {
+        if let Some((path, task)) = TaskStudy::task_at(&self.paths)? {
             let message = format!(
                 "has answers to the task {}, which are no ratings; expected ratings (machband analyze reads every task)",
                 task.name()
             );
-            return Err(FileErrors::whole(path, message).into());
+            return Err(FileErrors::whole(&path, message).into());
         }
         Study::read(&self.paths, &self.options(also, details, large))
     }

@@ -64,6 +64,7 @@ const READERS: &[Reader] = &[
     Reader("counts", "counts ./results/small-one --out ./counts.csv --force", 0, Again::Same),
     Reader("counts onto its input", "counts ./results/small-one --out CSV --force", 2, Again::Same),
     Reader("analyze", "analyze ./results/small-one --out ./analysis --tables-only --force", 0, Again::Same),
+    Reader("analyze a task", "analyze ./answers/adaptive --out ./analysis --tables-only --force", 0, Again::Same),
     Reader(
         "predict",
         "predict ./study.toml --fit ./results/small-one --criterion ./fit.toml --size 64 --out ./predicted.csv --force",
@@ -176,6 +177,7 @@ fn prepare(folder: &Path) {
     let machband = |line: &str| common::succeeds(folder, &common::split(line));
     fs::write(folder.join("study.toml"), DEFINITIONS[0]).unwrap();
     fs::write(folder.join("twice.toml"), DEFINITIONS[1]).unwrap();
+    fs::write(folder.join("adaptive.toml"), DEFINITIONS[3]).unwrap();
     fs::write(folder.join("observer.toml"), machband::store::observer::PAPER).unwrap();
     let csv = |results: &str| disk::paths(&folder.join(results), 0).csv;
     for results in ["results", "harmed", "broken"] {
@@ -185,6 +187,7 @@ fn prepare(folder: &Path) {
     for results in ["results", "harmed", "linked"] {
         machband(&format!("simulate twice.toml --results {results}"));
     }
+    machband("simulate adaptive.toml --participants 2 --results answers");
     let rows = fs::read_to_string(csv("harmed")).unwrap();
     fs::write(csv("harmed"), rows.trim_end().rsplit_once('\n').unwrap().0.to_owned() + "\n").unwrap();
     let rows = fs::read_to_string(csv("broken")).unwrap();
@@ -310,6 +313,7 @@ impl Readings {
                 for n in 1..=count {
                     let mut whats = vec!["kill-before"];
                     whats.extend(["read", "names", "write"].contains(&op).then_some("short"));
+                    whats.extend((op == "read").then_some("end"));
                     // A file that cannot be removed does no harm.
                     if op != "unlink" {
                         whats.extend([["EIO", "EACCES", "EMFILE"][n as usize % 3], "EINTR"]);

@@ -23,7 +23,7 @@ use crate::{
 /// How each call can fail. Frequent calls are listed twice, so that they are drawn more often.
 const KINDS: &[(&str, &[&str])] = &[
     ("open", &["EIO", "EMFILE", "EACCES", "EROFS", "EINTR", "kill-before", "kill-after"]),
-    ("read", &["EIO", "EINTR", "short"]),
+    ("read", &["EIO", "EINTR", "short", "end"]),
     ("write", &["EIO", "ENOSPC", "EINTR", "short", "lie", "torn", "kill-before", "kill-after", "kill-torn"]),
     ("write", &["EIO", "ENOSPC", "EROFS", "lie", "torn", "kill-before", "kill-after", "kill-torn"]),
     ("sync", &["EIO", "ENOSPC", "EINTR", "kill-before", "kill-after"]),
@@ -106,7 +106,7 @@ fn draw(rng: &mut ChaCha8Rng, calls: &[(String, u64)], binary: bool) -> Vec<Faul
             }
         };
         let what = pick(rng, whats);
-        let once = what.starts_with("kill") || ["EINTR", "short", "back", "ENOMEM"].contains(&what);
+        let once = what.starts_with("kill") || ["EINTR", "short", "end", "back", "ENOMEM"].contains(&what);
         Fault { op, n: 1 + rng.next_u64() % count, what, repeated: one_in(rng, 4) && !once }
     };
     (0..count).map(fault).collect()

@@ -29,6 +29,7 @@ fn kind(fault: &Fault) -> String {
         "kill-before" | "kill-after" | "kill-torn" => return format!("program killed at {}", fault.op),
         "EINTR" => "is interrupted by a signal",
         "short" => "is short",
+        "end" => "ends early",
         "torn" => "is short, then fails",
         "lie" => "is short but reports success",
         "back" => "goes back an hour",

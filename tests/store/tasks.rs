@@ -17,7 +17,7 @@ use machband::{
 };
 
 use crate::{
-    common::{edit, fails, golden_path, succeeds, table, verified},
+    common::{edit, fails, golden_path, machband, succeeds, table, text, verified},
     recording::sitting,
 };
 
@@ -357,10 +357,23 @@ fn bad_tasks_are_named_with_their_place() {
             "10:1",
             "method \"quest\" is not known; expected one of staircase, quest-plus, constant",
         ),
-        (format!("{CHOICE}{}", quest.replace("width", "wide")), "11:1", "parameter \"wide\" is not known"),
+        (format!("{CHOICE}{}", quest.replace("width", "wide")), "11:1", "wide is no parameter"),
+        (format!("{CHOICE}{}", quest.replace("0.02", "0.01")), "12:17", "level 0.01 appears twice"),
+        (format!("{CHOICE}{quest}guess = [0.1]\n"), "13:1", "expected no guess rates"),
+        (
+            format!("{CHOICE}{quest}second = {{ parameter = \"width\", levels = [1, 2], gradient = [0] }}\n"),
+            "13:12",
+            "width is varied already",
+        ),
+        (CHOICE.replace("\"inf\"", "1"), "8:1", "all stimuli of a trial are the same"),
+        (
+            "[task]\nkind = \"adjust\"\nparameter = \"width\"\nlow = 0.1\nhigh = 0.2\nstep = 5\n".to_owned(),
+            "11:1",
+            "step 5 goes from one end to the other",
+        ),
         (format!("{CHOICE}{}", quest.replace("0.01,", "-1,")), "12:1", "width -1"),
         (format!("{CHOICE}{}", quest.replace("0.01,", "0,")), "12:1", "level 0 is not above 0"),
-        (format!("{CHOICE}{quest}lapse = [0.9]\n"), "13:10", "0.9 is outside 0…0.5"),
+        (format!("{CHOICE}{quest}lapse = [0.9]\n"), "13:10", "lapse 0.9 is outside 0…0.5"),
         (format!("{CHOICE}{quest}function = \"cubic\"\n"), "13:1", "function"),
         (format!("{CHOICE}{quest}start = 1\n"), "13:1", "unknown key \"start\" in [adaptive]"),
         (
@@ -402,6 +415,72 @@ fn every_task_is_analyzed_and_none_is_taken_for_ratings() {
         let refused = fails(folder.path(), &["analyze", "results/tasks", "--out", "x", "--terms", "depth"], 2);
         assert!(refused.contains("does not apply to the task"), "{name}: {refused}");
     }
+}
+
+/// What the seals do not prove is told, no session counts twice, and a lost sidecar hides no other session.
+#[test]
+fn answers_are_analyzed_as_they_were_recorded() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(
+        at("tasks.toml"),
+        format!("{HEAD}{DEPTHS}repetitions = 8\n{}", YES_NO.replace("depth = \"inf\"", "width = 0")),
+    )
+    .unwrap();
+    succeeds(folder.path(), &["simulate", "tasks.toml", "--participants", "3", "--results", "results"]);
+    let analyze = |paths: &[&str]| {
+        machband(folder.path(), &[&["analyze", "--out=a", "--force", "--tables-only"], paths].concat())
+    };
+    let first = csv(&at("results"));
+    let path = first.to_string_lossy().into_owned();
+    let once = analyze(&["results/tasks"]);
+    assert!(once.stderr.is_empty(), "{}", text(&once.stderr));
+    assert_eq!(text(&analyze(&["results/tasks", &path]).stdout), text(&once.stdout));
+    succeeds(folder.path(), &["simulate", "tasks.toml", "--participants", "3", "--results", "copy"]);
+    let twice = text(&analyze(&["results/tasks", "copy/tasks"]).stderr);
+    assert!(twice.contains("has the same participant and session as"), "{twice}");
+
+    edit(&first, |rows| {
+        let mut lines: Vec<String> = rows.lines().map(str::to_owned).collect();
+        let time = lines[0].split(',').position(|name| name == "response_time_s").unwrap();
+        let mut cells: Vec<&str> = lines[3].split(',').collect();
+        let later = format!("{:.4}", cells[time].parse::<f64>().unwrap() + 0.001);
+        cells[time] = &later;
+        lines[3] = cells.join(",");
+        lines.join("\n") + "\n"
+    });
+    let changed = analyze(&["results/tasks"]);
+    assert!(text(&changed.stderr).contains("was changed since the session ended"), "{}", text(&changed.stderr));
+    let report = succeeds(folder.path(), &["analyze", "results/tasks", "--out=b"]);
+    assert!(report.contains("3 participants"), "{report}");
+    assert!(fs::read_to_string(at("b/report.html")).unwrap().contains("was changed since the session ended"));
+
+    fs::remove_file(first.with_extension("json")).unwrap();
+    let lost = analyze(&["results/tasks"]);
+    assert!(text(&lost.stdout).starts_with("2 participants"), "{}", text(&lost.stdout));
+    assert_eq!((lost.status.code(), text(&lost.stderr).contains("rating")), (Some(1), false), "{}", text(&lost.stderr));
+    fs::remove_file(&first).unwrap();
+    fs::remove_file(at("copy/tasks/data").join(first.file_name().unwrap())).unwrap();
+    let orphan = analyze(&["copy/tasks"]);
+    assert!(text(&orphan.stderr).contains("has no data file next to it"), "{}", text(&orphan.stderr));
+}
+
+/// Two parameters that vary are two columns, and each level of the second has its own threshold.
+#[test]
+fn a_second_level_is_recorded_and_analyzed() {
+    let folder = tempfile::tempdir().unwrap();
+    let body = "[task]\nkind = \"choice\"\nreference = { depth = \"inf\" }\n[adaptive]\nmethod = \"quest-plus\"\ntrials = 40\n\
+        parameter = \"width\"\nlevels = [0.01, 0.02, 0.04, 0.08, 0.16]\n\
+        second = { parameter = \"tanh_k\", levels = [2, 10], gradient = [-1, 0, 1] }\n";
+    fs::write(folder.path().join("tasks.toml"), format!("{HEAD}{body}")).unwrap();
+    succeeds(folder.path(), &["simulate", "tasks.toml", "--participants", "2", "--results", "results"]);
+    let (header, rows) = table(&csv(&folder.path().join("results")));
+    let column = header.iter().position(|name| name == "tanh_k").unwrap();
+    let levels: BTreeSet<&str> = rows.iter().map(|row| &*row[column]).collect();
+    assert_eq!(levels, BTreeSet::from(["10", "2"]));
+    succeeds(folder.path(), &["analyze", "results/tasks", "--out", "a", "--tables-only"]);
+    let (header, rows) = table(&folder.path().join("a/thresholds.csv"));
+    assert_eq!((&*header[1], rows.len()), ("tanh_k", 4), "{rows:?}");
 }
 
 /// Where every answer is right, however hard the level, there is a threshold somewhere below, and no number for it.

@@ -22,6 +22,14 @@ impl Mean {
         Self { mean: mean_and_sd(values).0, interval: Interval::of_mean(values), people: values.len() }
     }
 
+    /// Returns the mean of one value of each person, none of which can be outside these ends, and neither can its interval.
+    #[must_use]
+    pub fn bounded(values: &[f64], ends: [f64; 2]) -> Self {
+        let (mean, sd) = mean_and_sd(values);
+        let interval = Interval::of_bounded_mean(values.len() as f64, mean, sd, ends);
+        Self { interval, ..Self::new(values) }
+    }
+
     /// Returns the mean difference of the same people's values in two conditions, the first minus the second. Each pair
     /// is one person.
     #[must_use]

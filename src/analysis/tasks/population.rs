@@ -38,6 +38,8 @@ pub struct Population {
     pub lapse: f64,
     /// The common γ.
     pub guess: f64,
+    /// The lowest and the highest level: those of the model, or of all people's points.
+    pub range: [f64; 2],
     /// The people, in the order of their answers.
     pub people: Vec<Person>,
     /// The logarithm of the likelihood, without binomial coefficients.
@@ -88,6 +90,7 @@ pub fn fit(people: &[Vec<Point>], model: &Model) -> Result<Population, FitError>
         width: at.width,
         lapse: at.lapse,
         guess: at.guess,
+        range: priors.range,
         people,
         log_likelihood: answers.ln_density(&x) - priors.ln_density(&at),
     })

@@ -30,6 +30,8 @@ pub struct Fit {
     pub slope: f64,
     /// Its 95 % interval.
     pub slope_interval: Interval,
+    /// The lowest and the highest level: those of the model, or of the points.
+    pub range: [f64; 2],
     /// Whether the interval of the threshold reaches beyond the range of levels. There, the prior limits it, not the
     /// answers.
     pub is_extrapolated: bool,
@@ -77,8 +79,24 @@ pub fn fit(points: &[Point], model: &Model) -> Result<Fit, FitError> {
         width: exp(masses.interval(WIDTH)),
         slope: model.slope_at_threshold(estimate.width, estimate.lapse, estimate.guess),
         slope_interval: if model.falls { slope.negative() } else { slope },
+        range: [low, high],
         is_extrapolated: threshold.low < low || threshold.high > high,
     })
+}
+
+impl Fit {
+    /// Returns the most probable threshold; `None` if it lies outside its interval, so that the answers do not determine
+    /// it: where the density falls to one side only, its highest place is at an end.
+    #[must_use]
+    pub fn determined_threshold(&self) -> Option<f64> {
+        Some(self.estimate.threshold).filter(|threshold| self.threshold.contains(*threshold))
+    }
+
+    /// Returns the most probable slope; `None` if it lies outside its interval.
+    #[must_use]
+    pub fn determined_slope(&self) -> Option<f64> {
+        Some(self.slope).filter(|slope| self.slope_interval.contains(*slope))
+    }
 }
 
 /// Tests whether the answers vary about the best psychometric function as the binomial distribution says: the deviance

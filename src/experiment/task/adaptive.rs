@@ -9,7 +9,7 @@ use super::{
     kind::Kind,
     kinds::kinds,
     options::{OptionValue, TaskOption},
-    quest::QuestPlus,
+    quest::{QuestPlus, Second},
     staircase::Staircase,
 };
 use crate::{
@@ -64,27 +64,45 @@ impl Adaptive {
     /// Returns the lowest and the highest level.
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
-        let of = |levels: &[f64]| [f64::min, f64::max].map(|end| levels.iter().copied().fold(f64::NAN, end));
         match &self.method {
             Method::Staircase(stairs) => [stairs.low, stairs.high],
-            Method::QuestPlus(quest) => of(&quest.levels),
-            Method::Constant(constant) => of(&constant.levels),
+            _ => [f64::min, f64::max].map(|end| self.levels().iter().copied().fold(f64::NAN, end)),
         }
     }
 
     /// Returns the parameters that the method varies.
     pub fn parameters(&self) -> impl Iterator<Item = &str> {
-        let second = if let Method::QuestPlus(quest) = &self.method { quest.second.as_ref() } else { None };
-        [self.common.parameter.as_str()].into_iter().chain(second.map(|second| second.parameter.as_str()))
+        [self.common.parameter.as_str()].into_iter().chain(self.second().map(|second| second.parameter.as_str()))
+    }
+
+    /// Returns the second parameter that the method varies.
+    #[must_use]
+    pub fn second(&self) -> Option<&Second> {
+        if let Method::QuestPlus(quest) = &self.method { quest.second.as_ref() } else { None }
+    }
+
+    /// Returns the levels from which the method chooses; none if it finds its own.
+    fn levels(&self) -> &[f64] {
+        match &self.method {
+            Method::Staircase(_) => &[],
+            Method::QuestPlus(quest) => &quest.levels,
+            Method::Constant(constant) => &constant.levels,
+        }
     }
 
     /// Adds every error.
     pub fn check(&self, stimulus: &Stimulus, factors: &[Factor], task: &dyn Kind, errors: &mut DefinitionErrors) {
-        for name in self.parameters() {
-            let path = if name == self.common.parameter { "adaptive.parameter" } else { "adaptive.second.parameter" };
+        for (place, name) in self.parameters().enumerate() {
+            let path = ["adaptive.parameter", "adaptive.second.parameter"][place];
+            if place == 1 && name == self.common.parameter {
+                errors.add(path, format!("{name} is varied already; expected another parameter"));
+                continue;
+            }
             if name.is_empty() || stimulus.get(name).is_none() {
                 let names: Vec<&str> = stimulus.parameters().iter().map(|parameter| parameter.name).collect();
-                errors.add(path, format!("parameter {name:?} is not known; expected one of {}", names.join(", ")));
+                let is =
+                    if name.is_empty() { "parameter is missing".to_owned() } else { format!("{name} is no parameter") };
+                errors.add(path, format!("{is}; expected one of {}", names.join(", ")));
             } else if factors.iter().any(|factor| factor.name == name) {
                 errors.add(path, format!("{name} is a factor; expected a parameter that no factor varies"));
             }
@@ -109,8 +127,22 @@ impl Adaptive {
         }
     }
 
-    /// Adds an error if a level is not positive on a logarithmic scale, or the stimulus cannot have it.
+    /// Adds an error if a level appears twice or is not positive on a logarithmic scale, or the stimulus cannot have it.
     fn check_levels(&self, stimulus: &Stimulus, errors: &mut DefinitionErrors) {
+        let second = self.second().map_or(&[][..], |second| &second.levels);
+        for (path, levels) in [("adaptive.levels", self.levels()), ("adaptive.second.levels", second)] {
+            let twice = levels.iter().enumerate().find(|(i, level)| levels[..*i].contains(level));
+            if let Some((i, level)) = twice {
+                errors.add(format!("{path}.{i}"), format!("level {level} appears twice; expected each level once"));
+            }
+        }
+        if let Some(Second { parameter, levels, .. }) = self.second() {
+            for (i, level) in levels.iter().enumerate() {
+                if let Err(error) = stimulus.clone().set(parameter, &(*level).into()) {
+                    errors.add(format!("adaptive.second.levels.{i}"), error.to_string());
+                }
+            }
+        }
         let name = &self.common.parameter;
         if stimulus.get(name).is_none() {
             return;

@@ -273,6 +273,9 @@ impl Given<'_> {
         }
         if !(dial.step > 0.0 && dial.step.is_finite()) {
             errors.add("task.step", format!("step {} is not above 0; expected a positive number", dial.step));
+        } else if dial.at(0.0) < dial.at(1.0) && dial.turned(dial.range[0], 1.0) >= dial.range[1] {
+            let message = format!("step {} goes from one end to the other; expected a smaller number", dial.step);
+            errors.add("task.step", message);
         }
     }
 }

@@ -123,7 +123,8 @@ impl Kind for Pair {
         let levels = given.factors.iter().map(|factor| factor.levels.len());
         let conditions = levels.fold(1, usize::saturating_mul);
         let most = if self.pairs == Pairs::Adaptive { MAX_RANKED } else { MAX_COMPARED };
-        if conditions < 2 {
+        // Why there are no pictures was told when they were read.
+        if conditions == 1 || conditions == 0 && !given.is_listed() {
             errors.add("factors", "there is nothing to compare; expected factors with at least two conditions");
         } else if conditions > most && !given.is_listed() {
             errors.add(

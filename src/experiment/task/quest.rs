@@ -152,6 +152,10 @@ impl QuestPlus {
                 errors.check_range(&format!("adaptive.{key}.{i}"), *value, least, most, "a number in this range");
             }
         }
+        if let (Some(of_task), false) = (guess, self.guess.is_empty()) {
+            let message = format!("guessing is right in a share of {of_task} of this task; expected no guess rates");
+            errors.add("adaptive.guess", message);
+        }
         if self.lapse.is_empty() {
             errors.add("adaptive.lapse", "lapse is empty; expected at least one rate, such as [0.02]");
         }

@@ -4,8 +4,9 @@ use crate::{
     analysis::tasks::psychometric::Model,
     experiment::{
         Factor, Protocol,
-        task::{Common, Dial, Measures},
+        task::{Adaptive, Common, Dial, Measures},
     },
+    stimulus::ParameterValue,
 };
 
 /// What was asked.
@@ -21,7 +22,7 @@ pub struct Asked {
     pub question: String,
     /// What the answers are analyzed as.
     pub measures: Measures,
-    /// The factors.
+    /// The factors; the last one is the second parameter of an adaptive method, if it has one.
     pub factors: Vec<Factor>,
     /// Each condition's level of each factor.
     pub conditions: Vec<Vec<usize>>,
@@ -57,14 +58,25 @@ impl From<&Protocol> for Asked {
             model,
             chosen_by: adaptive.method.name(),
         });
+        let mut factors = protocol.factors.clone();
+        let mut conditions: Vec<Vec<usize>> =
+            protocol.conditions().iter().map(|condition| condition.levels.clone()).collect();
+        if let Some(second) = protocol.adaptive.as_ref().and_then(Adaptive::second) {
+            let levels: Vec<ParameterValue> = second.levels.iter().map(|level| (*level).into()).collect();
+            let with = |condition: &Vec<usize>| -> Vec<Vec<usize>> {
+                (0..levels.len()).map(|level| [&condition[..], &[level]].concat()).collect()
+            };
+            conditions = conditions.iter().flat_map(with).collect();
+            factors.push(Factor { name: second.parameter.clone(), levels });
+        }
         Self {
             title: title.clone(),
             name: protocol.name.clone(),
             task: protocol.task.name().to_owned(),
             question: protocol.response.question.clone(),
             measures: protocol.task.measures(),
-            factors: protocol.factors.clone(),
-            conditions: protocol.conditions().iter().map(|condition| condition.levels.clone()).collect(),
+            factors,
+            conditions,
             levels,
             dial: protocol.task.dial(),
             guess: protocol.task.guess(),

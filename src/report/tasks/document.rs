@@ -1,15 +1,17 @@
 //! Describes the answers to a task in a document.
 
+use statrs::distribution::{Binomial, DiscreteCDF as _};
+
 use super::{
     asked::{Asked, Levels},
     further,
-    results::{PersonFunction, Side, TaskResults},
+    results::{Beyond, Misfit, PersonFunction, TaskResults},
     study::TaskStudy,
 };
 use crate::{
     analysis::tasks::{
         population::Population,
-        psychometric::{Guess, Model},
+        psychometric::{Fit, Guess, Model},
     },
     experiment::task::{Common, Curve, Measures},
     report::{
@@ -66,36 +68,30 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         section.text(format!("Left out on request: {}.", list(&study.excluded)));
     }
     section.list(further::summary(study, results));
-    let Some(Levels { common, range, .. }) = &study.asked.levels else { return section };
-    let (name, range) = (&common.parameter, *range);
+    let Some(Levels { common, .. }) = &study.asked.levels else { return section };
+    let name = &common.parameter;
     let sentence = |(condition, population): &(usize, Population)| {
         let of = study.at(*condition);
         let interval = told(common, population.interval);
         format!("The threshold of {name}{of} is {} on average over people{interval}.", level(common, population.mean))
     };
     section.list(results.populations.iter().map(sentence).collect());
-    let beyond = |(condition, side): &(usize, Side)| {
-        let (place, answers) = ends(*side, range);
-        format!(
-            "The threshold of {name}{} was not measured: that of at least half of the people lies {place}, where {answers}.",
-            study.at(*condition)
-        )
+    let beyond = |(condition, place): &(usize, Beyond)| {
+        let (of, place) = (study.at(*condition), end(common, *place));
+        format!("The threshold of {name}{of} was not measured: that of at least half of the people lies {place}.")
     };
     results.beyond.iter().map(beyond).for_each(|sentence| section.warning(sentence));
     if results.populations.is_empty() && results.beyond.is_empty() {
         let of_person = |function: &PersonFunction| {
             let fit = function.fit.as_ref().ok()?;
-            if let Some(side) = function.beyond {
-                let (who, of) = (&study.people[function.person], study.at(function.condition));
-                let (place, answers) = ends(side, range);
-                return Some(format!(
-                    "{who}: the threshold of {name}{of} was not measured: it lies {place}, where {answers}."
-                ));
-            }
-            let who = &study.people[function.person];
-            let of = study.at(function.condition);
+            let (who, of) = (&study.people[function.person], study.at(function.condition));
             let interval = told(common, Some(fit.threshold));
-            Some(format!("{who}: the threshold of {name}{of} is {}{interval}.", level(common, fit.estimate.threshold)))
+            let what = match (function.beyond, fit.determined_threshold()) {
+                (Some(place), _) => format!("was not measured: it lies {}", end(common, place)),
+                (None, Some(threshold)) => format!("is {}{interval}", level(common, threshold)),
+                (None, None) => format!("is not determined by the answers{interval}"),
+            };
+            Some(format!("{who}: the threshold of {name}{of} {what}."))
         };
         section.list(results.functions.iter().filter_map(of_person).collect());
     }
@@ -115,13 +111,12 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
     section
 }
 
-/// Says where beyond the levels a threshold lies, and what is known there.
-fn ends(side: Side, [low, high]: [f64; 2]) -> (String, &'static str) {
-    let place = match side {
-        Side::Below => format!("below the lowest level, {low}"),
-        Side::Above => format!("above the highest level, {high}"),
-    };
-    (place, "no trial could be shown")
+/// Says where beyond the levels a threshold lies.
+fn end(common: &Common, place: Beyond) -> String {
+    match place {
+        Beyond::Below(low) => format!("below the lowest level, {}", common.level(low)),
+        Beyond::Above(high) => format!("above the highest level, {}", common.level(high)),
+    }
 }
 
 fn told(common: &Common, interval: Option<Interval>) -> String {
@@ -148,6 +143,10 @@ fn data(study: &TaskStudy) -> Section {
     if study.unfinished > 0 {
         section.note(format!("Not complete: {}.", count(study.unfinished as u64, "session")));
     }
+    if !study.warnings.is_empty() {
+        section.warning("Files were read in spite of these warnings:");
+        section.list(study.warnings.iter().take(20).map(ToString::to_string).collect());
+    }
     if !study.errors.is_empty() {
         let errors: Vec<String> = study.errors.iter().take(20).map(ToString::to_string).collect();
         section.warning("Sessions with errors were left out:");
@@ -157,7 +156,7 @@ fn data(study: &TaskStudy) -> Section {
 }
 
 fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Option<Section> {
-    let Levels { common, range: shown, .. } = study.asked.levels.as_ref()?;
+    let Levels { common, .. } = study.asked.levels.as_ref()?;
     if results.functions.is_empty() {
         return None;
     }
@@ -190,12 +189,14 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
             whole(function.trials()),
             match (fit, function.beyond) {
                 (None, _) => fixed(None, 0),
-                (Some(fit), None) => level(common, fit.estimate.threshold),
-                (Some(fit), Some(Side::Below)) => Shown::new(fit.estimate.threshold, format!("below {}", shown[0])),
-                (Some(fit), Some(Side::Above)) => Shown::new(fit.estimate.threshold, format!("above {}", shown[1])),
+                (Some(fit), None) => {
+                    fit.determined_threshold().map_or_else(|| fixed(None, 0), |threshold| level(common, threshold))
+                }
+                (Some(_), Some(Beyond::Below(low))) => Shown::new(low, format!("below {}", common.level(low))),
+                (Some(_), Some(Beyond::Above(high))) => Shown::new(high, format!("above {}", common.level(high))),
             },
             range(fit.map(|fit| fit.threshold), |end| level(common, end)),
-            fixed(fit.map(|fit| fit.slope), 2),
+            fixed(fit.and_then(Fit::determined_slope), 2),
             range(fit.map(|fit| fit.slope_interval), |end| fixed(end, 2)),
             unit(fit.map(|fit| fit.estimate.guess)),
             unit(fit.map(|fit| fit.estimate.lapse)),
@@ -230,9 +231,31 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
             ));
         }
     }
+    let undetermined = |function: &PersonFunction| {
+        let is_missing = |fit: &Fit| fit.determined_threshold().is_none() || fit.determined_slope().is_none();
+        function.beyond.is_none() && function.fit.as_ref().is_ok_and(is_missing)
+    };
+    if results.functions.iter().any(undetermined) {
+        section.note(
+            "A threshold or slope is left out if its most probable value lies outside its interval: the answers do not determine it.",
+        );
+    }
+    for (misfit, what) in [
+        (
+            Misfit::Reversed,
+            "The answers say that the other end of the levels is easier, so these functions mean nothing (easier = \"low\" in a \
+             definition, or --easier low, says that low levels are easier)",
+        ),
+        (Misfit::BelowGuessing, "Fewer answers are right than by guessing, so these functions mean nothing"),
+    ] {
+        let odd = told(&|function| function.misfit == Some(misfit));
+        if !odd.is_empty() {
+            section.warning(format!("{what}: {}.", short_list(&odd, 12)));
+        }
+    }
     let poor = told(&|function| function.goodness.is_some_and(|goodness| goodness.p < POOR_FIT));
     let expected = POOR_FIT * results.functions.len() as f64;
-    if poor.len() as f64 > expected.max(1.0) {
+    if at_least(poor.len(), results.functions.len(), POOR_FIT) <= 0.05 {
         section.warning(format!(
             "The answers vary more than a psychometric function allows (p below .05): {}. About {} of {} would by chance.",
             short_list(&poor, 12),
@@ -251,6 +274,14 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
         without.map(|(condition, error)| format!("No mean over people{}: {error}.", study.at(*condition))).collect(),
     );
     Some(section)
+}
+
+/// Returns the probability of at least `found` of `all` independent events with this probability.
+fn at_least(found: usize, all: usize, probability: f64) -> f64 {
+    let below = found.checked_sub(1).map_or(0.0, |most| {
+        Binomial::new(probability, all as u64).map_or(0.0, |distribution| distribution.cdf(most as u64))
+    });
+    1.0 - below
 }
 
 fn methods(study: &TaskStudy, results: &TaskResults) -> Section {

@@ -1,6 +1,11 @@
 //! The charts of a task.
 
-use super::{asked::Levels, further::over_people, results::TaskResults, study::TaskStudy};
+use super::{
+    asked::Levels,
+    further::{over_people, scaled_ends},
+    results::TaskResults,
+    study::TaskStudy,
+};
 use crate::{
     analysis::tasks::psychometric::{Estimate, Point},
     report::{
@@ -41,7 +46,9 @@ fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
             guess: population.guess,
             overdispersion: 0.0,
         });
-        let of_one = own.clone().find_map(|function| function.fit.as_ref().ok()).map(|fit| fit.estimate);
+        // A line of one person would not be that of the others' answers.
+        let of_one = own.clone().next().filter(|_| own.clone().count() == 1);
+        let of_one = of_one.and_then(|function| function.fit.as_ref().ok()).map(|fit| fit.estimate);
         let parameters = of_people.or(of_one).map(|estimate| model.parameters(&estimate));
         let at = |index: usize| range[0] + (range[1] - range[0]) * index as f64 / (DRAWN - 1) as f64;
         let line =
@@ -58,7 +65,11 @@ fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     let caption = format!(
         "Share of right answers, or of answers yes, by level; the area of a marker stands for the number of trials. \
          Lines are the functions {}; {}, {}.{}",
-        if results.populations.is_empty() { "of the participant" } else { "at the mean threshold of people" },
+        if study.people.len() == 1 {
+            "of the participant"
+        } else {
+            "at the mean threshold of people, where it was measured"
+        },
         count(study.people.len() as u64, "participant"),
         count(study.answers(), "answer"),
         symbols(study)
@@ -76,7 +87,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
             let mut all = results.functions.iter();
             let function = all.find(|function| function.condition == condition && function.person == person)?;
             let fit = function.fit.as_ref().ok().filter(|_| function.beyond.is_none())?;
-            Some((fit.estimate.threshold, Some(fit.threshold)))
+            Some((fit.determined_threshold()?, Some(fit.threshold)))
         };
         let mut all: Vec<_> = (0..study.people.len()).map(own).collect();
         let of_people = results.populations.iter().find(|(of, _)| *of == condition);
@@ -104,12 +115,12 @@ fn symbols(study: &TaskStudy) -> String {
 }
 
 /// Returns the estimates of each condition, one for each person and at last their mean.
-fn by_person(study: &TaskStudy, value: impl Fn(usize, usize) -> Option<f64>) -> Vec<Estimates> {
+fn by_person(study: &TaskStudy, ends: Option<[f64; 2]>, value: impl Fn(usize, usize) -> Option<f64>) -> Vec<Estimates> {
     let condition = |condition: usize| {
         let own: Vec<Option<f64>> = (0..study.people.len()).map(|person| value(condition, person)).collect();
         let known: Vec<f64> = own.iter().flatten().copied().collect();
         let mut all: Vec<_> = own.into_iter().map(|own| Some((own?, None))).collect();
-        all.push(over_people(&known).map(|mean| (mean.mean, mean.interval)));
+        all.push(over_people(&known, ends).map(|mean| (mean.mean, mean.interval)));
         (study.levels(condition).join(", "), all)
     };
     (0..study.asked.conditions.len()).map(condition).collect()
@@ -132,7 +143,7 @@ fn shares(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     estimates(
         "shares",
         &people_and_mean(study),
-        &by_person(study, value),
+        &by_person(study, Some([0.0, 1.0]), value),
         ("Right answers", "Share of right answers", caption),
     )
 }
@@ -141,10 +152,10 @@ fn detection(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     let value = |condition: usize, person: usize| {
         let mut all = results.detection.iter();
         let own = all.find(|answers| answers.condition == condition && answers.person == person)?;
-        Some(own.answers.detection()?.d_prime)
+        Some(own.detection()?.d_prime)
     };
     let series: Vec<_> =
-        by_person(study, value).into_iter().filter(|(_, all)| all.iter().any(Option::is_some)).collect();
+        by_person(study, None, value).into_iter().filter(|(_, all)| all.iter().any(Option::is_some)).collect();
     let caption = format!(
         "d′ of each participant, and the mean of people with its 95\u{a0}% interval; {}.{}",
         count(study.answers(), "answer"),
@@ -159,7 +170,7 @@ fn scale(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     order.sort_by(|a, b| comparisons.scales[0].values[*a].total_cmp(&comparisons.scales[0].values[*b]));
     let interval = |item: usize| comparisons.intervals.as_ref().map(|intervals| intervals[item]);
     let values = order.iter().map(|item| Some((comparisons.scales[0].values[*item], interval(*item)))).collect();
-    let places: Vec<String> = order.iter().map(|item| study.levels(*item).join(", ")).collect();
+    let places: Vec<String> = order.iter().map(|item| study.item(*item)).collect();
     let caption = format!(
         "Scale values of Thurstone\u{2019}s Case V, lowest first; two conditions one JND apart are told apart in 75\u{a0}% of comparisons. Bars are 95\u{a0}% intervals over people; {}, {}.",
         count(study.people.len() as u64, "participant"),
@@ -181,5 +192,10 @@ fn settings(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         count(study.trials.len() as u64, "setting"),
         symbols(study)
     );
-    estimates("settings", &people_and_mean(study), &by_person(study, value), ("Settings", &axis, caption))
+    estimates(
+        "settings",
+        &people_and_mean(study),
+        &by_person(study, Some(scaled_ends(dial)), value),
+        ("Settings", &axis, caption),
+    )
 }

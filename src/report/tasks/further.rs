@@ -30,9 +30,14 @@ pub(super) fn summary(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
     all
 }
 
-/// Averages one value of each person; `None` if there are none.
-pub(super) fn over_people(values: &[f64]) -> Option<Mean> {
-    (!values.is_empty()).then(|| Mean::new(values))
+/// Averages one value of each person; `None` if there are none. No value can be outside `ends`, if there are any.
+pub(super) fn over_people(values: &[f64], ends: Option<[f64; 2]>) -> Option<Mean> {
+    (!values.is_empty()).then(|| ends.map_or_else(|| Mean::new(values), |ends| Mean::bounded(values, ends)))
+}
+
+/// Returns the ends of a dial, on the scale on which it counts.
+pub(super) fn scaled_ends(dial: &Dial) -> [f64; 2] {
+    dial.range.map(|end| if dial.log { end.log10() } else { end })
 }
 
 fn with_interval(value: &Shown, interval: Option<Interval>, format: impl Fn(f64) -> Shown) -> String {
@@ -42,7 +47,7 @@ fn with_interval(value: &Shown, interval: Option<Interval>, format: impl Fn(f64)
 
 fn right(study: &TaskStudy, results: &TaskResults, condition: usize) -> Option<String> {
     let own = results.shares.iter().filter(|own| own.condition == condition);
-    let found = over_people(&own.map(PersonShare::share).collect::<Vec<_>>())?;
+    let found = over_people(&own.map(PersonShare::share).collect::<Vec<_>>(), Some([0.0, 1.0]))?;
     let value = with_interval(&unit(found.mean), found.interval, unit);
     let guess = unit(study.asked.guess);
     Some(format!(
@@ -53,7 +58,7 @@ fn right(study: &TaskStudy, results: &TaskResults, condition: usize) -> Option<S
 
 fn sensitivity(study: &TaskStudy, results: &TaskResults, condition: usize) -> Option<String> {
     let own = results.detection.iter().filter(|own| own.condition == condition);
-    let found = over_people(&own.filter_map(|own| Some(own.answers.detection()?.d_prime)).collect::<Vec<_>>())?;
+    let found = over_people(&own.filter_map(|own| Some(own.detection()?.d_prime)).collect::<Vec<_>>(), None)?;
     let two = |value: f64| fixed(value, 2);
     let value = with_interval(&two(found.mean), found.interval, two);
     Some(format!("The sensitivity d′{} is {value} on average over people.", study.at(condition)))
@@ -64,11 +69,10 @@ fn order(study: &TaskStudy, found: &Comparisons) -> Vec<String> {
     let values = &found.scales[0].values;
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
-    let name = |item: &usize| study.levels(*item).join(", ");
-    let names: Vec<String> = order.iter().map(name).collect();
+    let names: Vec<String> = order.iter().map(|item| study.item(*item)).collect();
     let span = values[order[0]] - values[order[order.len() - 1]];
     let mut all = vec![format!(
-        "From the most to the least often chosen: {}. The ends are {} JND apart; conditions one JND apart are told apart in 75\u{a0}% of \
+        "From the highest to the lowest on the scale: {}. The ends are {} JND apart; conditions one JND apart are told apart in 75\u{a0}% of \
          comparisons.",
         list(&names),
         fixed(span, 1)
@@ -92,7 +96,7 @@ fn shown(dial: &Dial, value: f64) -> Shown {
 
 fn setting(study: &TaskStudy, results: &TaskResults, dial: &Dial, condition: usize) -> Option<String> {
     let own = results.settings.iter().filter(|own| own.condition == condition);
-    let found = over_people(&own.map(|own| own.settings.mean).collect::<Vec<_>>())?;
+    let found = over_people(&own.map(|own| own.settings.mean).collect::<Vec<_>>(), Some(scaled_ends(dial)))?;
     let value = with_interval(&shown(dial, found.mean), found.interval, |end| shown(dial, end));
     let what = dial.parameter.as_deref().unwrap_or("the rating");
     let mean = if dial.log { "geometric mean" } else { "mean" };
@@ -104,9 +108,9 @@ fn direction(results: &TaskResults, dial: &Dial) -> Option<String> {
     let people = results.settings.iter().map(|own| own.person).max()? + 1;
     let of_person = |person: usize| {
         let own = results.settings.iter().filter(|own| own.person == person);
-        over_people(&own.filter_map(|own| own.settings.direction).collect::<Vec<_>>()).map(|own| own.mean)
+        over_people(&own.filter_map(|own| own.settings.direction).collect::<Vec<_>>(), None).map(|own| own.mean)
     };
-    let found = over_people(&(0..people).filter_map(of_person).collect::<Vec<_>>())?;
+    let found = over_people(&(0..people).filter_map(of_person).collect::<Vec<_>>(), None)?;
     let interval = found.interval?;
     let format = |value: f64| if dial.log { fixed(f64::powf(10.0, value), 2) } else { fixed(value, 3) };
     let value = with_interval(&format(found.mean), Some(interval), format);
@@ -144,14 +148,17 @@ fn shares(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Secti
 
 fn detection(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Section {
     let mut section = Section::new("detection", "Detection");
-    section.text(
+    section.text(if results.detection.iter().any(|own| own.varied) {
+        "The levels of the targets differ, so there is no d′ and no criterion over all of them: they would describe how the levels were \
+         chosen, and no stimulus. The false alarms are those of catch trials."
+    } else {
         "d′ is the distance between targets and catch trials in standard deviations of the noise, c the criterion: above 0 if yes is said \
          less readily than by an unbiased observer. Half an answer is added to each count (Hautus 1995), so that shares of 0 and 1 stay finite; \
-         with few trials, this pulls d′ toward 0.",
-    );
+         with few trials, this pulls d′ toward 0."
+    });
     section.figures(figures, &["detection"]);
     let row = |own: &PersonAnswers| {
-        let found = own.answers.detection();
+        let found = own.detection();
         let counts = [own.answers.hits, own.answers.misses, own.answers.false_alarms, own.answers.correct_rejections];
         let mut row = vec![study.people[own.person].as_str().into(), study.name(own.condition).into()];
         row.extend(counts.map(|count| whole(count.into())));
@@ -179,7 +186,7 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
         let won: f64 = found.people.iter().map(|wins| wins.row(*item).sum()).sum();
         let all: f64 = won + found.people.iter().map(|wins| wins.column(*item).sum()).sum::<f64>();
         vec![
-            study.levels(*item).join(", ").into(),
+            study.item(*item).as_str().into(),
             whole(all as u64),
             whole(won as u64),
             fixed(thurstone.values[*item], 2),

@@ -11,6 +11,8 @@ mod tables;
 pub use asked::{Asked, Levels};
 pub use document::{MODEL_OVER_PEOPLE, document, model_of_a_person};
 pub use figures::figures;
-pub use results::{Comparisons, PersonAnswers, PersonFunction, PersonSettings, PersonShare, Side, TaskResults};
+pub use results::{
+    Beyond, Comparisons, Misfit, PersonAnswers, PersonFunction, PersonSettings, PersonShare, TaskResults,
+};
 pub use study::{TaskAnswered, TaskStudy, TaskTrial};
 pub use tables::tables;

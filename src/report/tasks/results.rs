@@ -12,12 +12,12 @@ use super::{
 use crate::{
     analysis::{
         comparisons::{Scale, Scaling, Triads, Wins},
-        detection::Answers,
+        detection::{Answers, Detection},
         settings::Settings,
         tasks::{
             means::Mean,
             population::{self, Population},
-            psychometric::{self, Fit, FitError, GoodnessOfFit, Model, Point},
+            psychometric::{self, Fit, FitError, GoodnessOfFit, Guess, Model, Point},
         },
     },
     experiment::task::{Common, Measures},
@@ -35,7 +35,7 @@ pub struct TaskResults {
     pub populations: Vec<(usize, Population)>,
     /// The conditions whose thresholds lie beyond the levels that could be shown, where only the prior places them, and on
     /// which side: at least half of the people's, or their mean.
-    pub beyond: Vec<(usize, Side)>,
+    pub beyond: Vec<(usize, Beyond)>,
     /// The conditions of which there is no mean over people, and why.
     pub without_mean: Vec<(usize, FitError)>,
     /// Differences between the thresholds of two conditions that the same people saw.
@@ -78,6 +78,17 @@ pub struct PersonAnswers {
     pub condition: usize,
     /// The answers.
     pub answers: Answers,
+    /// Whether the targets had different levels.
+    pub varied: bool,
+}
+
+impl PersonAnswers {
+    /// Returns sensitivity and criterion; `None` without targets or catch trials, and over different levels, where both
+    /// would describe how the levels were chosen and no stimulus.
+    #[must_use]
+    pub fn detection(&self) -> Option<Detection> {
+        self.answers.detection().filter(|_| !self.varied)
+    }
 }
 
 /// The settings of a person in a condition.
@@ -114,24 +125,33 @@ impl PersonFunction {
     }
 }
 
-/// A side of the levels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+/// Where beyond the levels a threshold lies, with the last level on that side, on the scale on which the method counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Beyond {
     /// Below the lowest level.
-    Below,
+    Below(f64),
     /// Above the highest level.
-    Above,
+    Above(f64),
 }
 
-impl Side {
+impl Beyond {
     /// Returns on which side of a range a value lies; `None` within it. A value at an end is beyond: the search ends there
     /// if the answers say only that the threshold is not in the range.
     #[must_use]
     pub fn of([low, high]: [f64; 2], value: f64) -> Option<Self> {
         let near = 1e-6 * (high - low);
-        let above = (value >= high - near).then_some(Self::Above);
-        if value <= low + near { Some(Self::Below) } else { above }
+        let above = (value >= high - near).then_some(Self::Above(high));
+        if value <= low + near { Some(Self::Below(low)) } else { above }
     }
+}
+
+/// Why no function of the assumed kind describes the answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Misfit {
+    /// There are more answers that count at the end of the levels that is said to be harder.
+    Reversed,
+    /// Fewer answers are right than by guessing.
+    BelowGuessing,
 }
 
 /// The psychometric function of a person in a condition.
@@ -147,8 +167,10 @@ pub struct PersonFunction {
     pub fit: Result<Fit, FitError>,
     /// How well it fits.
     pub goodness: Option<GoodnessOfFit>,
-    /// On which side of the levels the threshold lies; `None` within them.
-    pub beyond: Option<Side>,
+    /// Where the threshold lies, if beyond the levels.
+    pub beyond: Option<Beyond>,
+    /// Why the function cannot be what was assumed, if it cannot.
+    pub misfit: Option<Misfit>,
 }
 
 /// Number of simulated studies for the goodness of fit.
@@ -169,12 +191,11 @@ impl TaskResults {
         if let Some(Levels { common, model, .. }) = &study.asked.levels {
             results.functions = functions(study, common, model, seed);
             for (condition, population) in populations(study, &results.functions, model) {
-                let range = model.range.unwrap_or([f64::MIN, f64::MAX]);
-                let side = |population: &Population| {
-                    majority(&results.functions, condition).or(Side::of(range, population.mean))
+                let place = |population: &Population| {
+                    majority(&results.functions, condition).or(Beyond::of(population.range, population.mean))
                 };
-                match population.map(|population| (side(&population), population)) {
-                    Ok((Some(side), _)) => results.beyond.push((condition, side)),
+                match population.map(|population| (place(&population), population)) {
+                    Ok((Some(place), _)) => results.beyond.push((condition, place)),
                     Ok((None, population)) => results.populations.push((condition, population)),
                     Err(error) => results.without_mean.push((condition, error)),
                 }
@@ -213,7 +234,8 @@ fn detection(study: &TaskStudy) -> Vec<PersonAnswers> {
             (false, false) => &mut answers.correct_rejections,
         } += 1;
     }
-    let one = |((condition, person), answers)| PersonAnswers { person, condition, answers };
+    let varied = study.asked.levels.is_some();
+    let one = |((condition, person), answers)| PersonAnswers { person, condition, answers, varied };
     all.into_iter().map(one).collect()
 }
 
@@ -273,9 +295,9 @@ fn functions(study: &TaskStudy, common: &Common, model: &Model, seed: u64) -> Ve
         rng.set_stream(index as u64);
         let fit = psychometric::fit(&points, model);
         let goodness = psychometric::goodness_of_fit(&points, model, SIMULATIONS, &mut rng).ok();
-        let range = model.range.unwrap_or([f64::MIN, f64::MAX]);
-        let beyond = fit.as_ref().ok().and_then(|fit| Side::of(range, fit.estimate.threshold));
-        PersonFunction { person, condition, points, fit, goodness, beyond }
+        let beyond = fit.as_ref().ok().and_then(|fit| Beyond::of(fit.range, fit.estimate.threshold));
+        let misfit = misfit(&points, model);
+        PersonFunction { person, condition, points, fit, goodness, beyond, misfit }
     };
     all.into_par_iter().enumerate().map(function).collect()
 }
@@ -295,11 +317,33 @@ fn populations(
     conditions.into_par_iter().filter_map(fit).collect()
 }
 
-/// Returns the side of the levels on which the thresholds of at least half of the people lie, if they do.
-fn majority(functions: &[PersonFunction], condition: usize) -> Option<Side> {
+/// Standard errors beyond which answers are no chance.
+const CLEAR: f64 = 3.0;
+
+/// Returns why no function of the assumed kind describes the answers: their share falls where it should rise (the test of
+/// Armitage 1955, Biometrics 11, 375), or it is below that of guessing.
+fn misfit(points: &[Point], model: &Model) -> Option<Misfit> {
+    let sum = |of: &dyn Fn(&Point) -> f64| points.iter().map(of).sum::<f64>();
+    let n = sum(&|point| point.total.into());
+    let [share, middle] =
+        [sum(&|point| point.correct.into()), sum(&|point| f64::from(point.total) * point.x)].map(|sum| sum / n);
+    let trend = sum(&|point| f64::from(point.correct) * (point.x - middle));
+    let spread = sum(&|point| f64::from(point.total) * (point.x - middle).powi(2));
+    let z = trend / (share * (1.0 - share) * spread).sqrt();
+    if (if model.falls { -z } else { z }) < -CLEAR {
+        return Some(Misfit::Reversed);
+    }
+    let Guess::Fixed(guess) = model.guess else { return None };
+    ((share - guess) / (guess * (1.0 - guess) / n).sqrt() < -CLEAR).then_some(Misfit::BelowGuessing)
+}
+
+/// Returns the side of the levels on which the thresholds of at least half of the people lie, if they do, with the last
+/// level of the first of them.
+fn majority(functions: &[PersonFunction], condition: usize) -> Option<Beyond> {
     let own = || functions.iter().filter(|function| function.condition == condition);
-    let on = |side: &Side| 2 * own().filter(|function| function.beyond == Some(*side)).count() >= own().count();
-    [Side::Below, Side::Above].into_iter().find(on)
+    let below = |place: &Beyond| matches!(place, Beyond::Below(_));
+    let on = |side: bool| own().filter_map(|function| function.beyond).filter(move |place| below(place) == side);
+    [true, false].into_iter().find_map(|side| on(side).next().filter(|_| 2 * on(side).count() >= own().count()))
 }
 
 /// Compares the conditions whose people are the same.

@@ -1,7 +1,7 @@
 //! Reads the answers to a task from the sessions of a data set.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
 };
 
@@ -10,11 +10,17 @@ use crate::{
     analysis::tasks::psychometric::Guess,
     experiment::{
         Factor, Phase, Replayed,
-        task::{Answer, Measures, Task},
+        task::{Adaptive, Answer, Measures, Task},
     },
     stimulus::{ParameterValue, Stimulus},
     store::{
-        FileError, FileErrors, answers::AnswerRow, definition, ratings::Listed, recorded::Recorded, sidecar::Sidecar,
+        FileError, FileErrors, StoreError,
+        answers::AnswerRow,
+        dataset, definition,
+        ratings::{self, Listed},
+        recorded::Recorded,
+        sidecar::Sidecar,
+        verify,
     },
     text::Cell,
 };
@@ -36,6 +42,9 @@ pub struct TaskStudy {
     pub trials: Vec<TaskTrial>,
     /// What is wrong with the files.
     pub errors: Vec<FileError>,
+    /// Warnings about files that were read anyway: files that were changed after their session ended, links that lead out
+    /// of a data set, and folders that were not read.
+    pub warnings: Vec<FileError>,
     /// The participants that were left out.
     pub excluded: Vec<String>,
 }
@@ -89,36 +98,42 @@ pub enum TaskAnswered {
 }
 
 impl TaskStudy {
-    /// Returns the task of the first session at a path if it is no rating on a scale of categories.
-    #[must_use]
-    pub fn task_at(path: &Path) -> Option<Task> {
-        let listed = Listed::sessions(path);
-        let path = listed.files.first()?.with_extension("json");
-        // What is wrong with a sidecar, or that the file beside the data is none, is told when the data are read.
-        let sidecar = Sidecar::read(&path).ok().flatten()?;
-        let protocol = definition::from_json(&path.display().to_string(), &sidecar.definition).ok()?;
-        Some(protocol.task.clone()).filter(|task| !task.is_default())
+    /// Returns the task of the first session with a sidecar at these paths, and the path, if it is no rating on a scale of
+    /// categories.
+    ///
+    /// # Errors
+    /// A sidecar cannot be read.
+    pub fn task_at(paths: &[PathBuf]) -> Result<Option<(PathBuf, Task)>, FileErrors> {
+        for path in paths {
+            for csv in Listed::sessions(path).files {
+                let sidecar = csv.with_extension("json");
+                match Sidecar::read(&sidecar) {
+                    Ok(Some(found)) => {
+                        let Ok(protocol) = definition::from_json("", &found.definition) else { continue };
+                        return Ok(Some((path.clone(), protocol.task.clone())).filter(|(_, task)| !task.is_default()));
+                    }
+                    // That a session has none, or that a file beside the data is none, is told when the data are read.
+                    Ok(None) | Err(StoreError::FileErrors(_)) => {}
+                    Err(error) => return Err(FileErrors(error.errors(&sidecar))),
+                }
+            }
+        }
+        Ok(None)
     }
 
     /// Reads the sessions at these paths, without the participants in `exclude`. Sessions with errors are left out and
     /// told.
     ///
     /// # Errors
-    /// There are no sessions, or they have different definitions.
+    /// There are no sessions, a folder cannot be read, or they have different definitions.
     pub fn read(paths: &[PathBuf], exclude: &[String]) -> Result<Self, FileErrors> {
+        let (files, mut warnings) = ratings::files(paths)?;
         let (mut errors, mut sessions) = (Vec::new(), Vec::<Recorded>::new());
-        for path in paths {
-            let listed = Listed::sessions(path);
-            errors.extend(listed.errors.clone());
-            if listed.files.is_empty() {
-                return Err(listed.nothing(path));
-            }
-            for csv in listed.files {
-                match Recorded::open(&csv) {
-                    Ok(session) if session.row_errors().is_empty() => sessions.push(session),
-                    Ok(session) => errors.extend(session.row_errors()),
-                    Err(error) => errors.extend(error.errors(&csv)),
-                }
+        for csv in files {
+            match Recorded::open(&csv) {
+                Ok(session) if session.row_errors().is_empty() => sessions.push(session),
+                Ok(session) => errors.extend(session.row_errors()),
+                Err(error) => errors.extend(error.errors(&csv)),
             }
         }
         let Some(first) = sessions.first() else { return Err(FileErrors(errors)) };
@@ -129,10 +144,18 @@ impl TaskStudy {
             unfinished: 0,
             trials: Vec::new(),
             errors,
+            warnings: Vec::new(),
             excluded: Vec::new(),
             asked: Asked::from(&first.protocol),
         };
+        let mut known = BTreeMap::new();
         for session in &sessions {
+            if let Some(other) = known.insert((session.identity.subject(), session.identity.session()), &session.csv) {
+                let message =
+                    format!("has the same participant and session as {}; expected each once", other.display());
+                return Err(FileErrors::whole(&session.csv, message));
+            }
+            warnings.extend(session.changed.iter().cloned());
             if session.protocol != first.protocol {
                 let message =
                     "has another definition than the sessions before it; expected the sessions of one definition";
@@ -140,6 +163,14 @@ impl TaskStudy {
             }
             study.add(session, exclude);
         }
+        let folders = sessions.iter().filter_map(|session| Some((&*session.csv, dataset::of(&session.csv)?)));
+        let folders: Vec<(&Path, &Path)> = folders.collect();
+        warnings.extend(dataset::links_out(folders.iter().copied())?);
+        for folder in folders.into_iter().map(|(_, folder)| folder).collect::<BTreeSet<_>>() {
+            let unexpected = verify::unexpected_files(folder);
+            study.errors.extend(unexpected.unwrap_or_else(|error| error.errors(folder)));
+        }
+        study.warnings = warnings;
         let unknown = exclude.iter().find(|id| !study.excluded.contains(id));
         if let Some(unknown) = unknown {
             return Err(FileErrors::whole(
@@ -186,7 +217,17 @@ impl TaskStudy {
             protocol: None,
         };
         let files = vec![(path.to_owned(), rows.len())];
-        Self { asked, files, people, simulated: 0, unfinished: 0, trials, errors: Vec::new(), excluded: Vec::new() }
+        Self {
+            asked,
+            files,
+            people,
+            simulated: 0,
+            unfinished: 0,
+            trials,
+            errors: Vec::new(),
+            warnings: Vec::new(),
+            excluded: Vec::new(),
+        }
     }
 
     /// Returns the number of answers.
@@ -226,6 +267,12 @@ impl TaskStudy {
     pub fn name(&self, condition: usize) -> String {
         let named = self.asked.factors.iter().zip(self.levels(condition));
         named.map(|(factor, level)| format!("{} {level}", factor.name)).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Returns the name of a condition that was compared with others: its levels, with a slash between several.
+    #[must_use]
+    pub fn item(&self, condition: usize) -> String {
+        self.levels(condition).join("/")
     }
 
     /// Returns ` at CONDITION`, or nothing if there is only one.
@@ -279,6 +326,13 @@ fn answered(session: &Recorded, index: usize, person: usize) -> Option<TaskTrial
         (Measures::Settings | Measures::Ratings, Answer::Key(_)) => return None,
         (Measures::Proportions | Measures::Detection, _) => {
             let is_target = shown.target != Some(0);
+            let second = protocol.adaptive.as_ref().and_then(Adaptive::second);
+            let condition = second.map_or(condition, |second| {
+                let shown = shown.described().get(&second.parameter);
+                let is_shown = |level: &f64| shown.as_ref() == Some(&(*level).into());
+                // A catch trial has none of these levels, and says nothing about a function.
+                condition * second.levels.len() + second.levels.iter().position(is_shown).unwrap_or_default()
+            });
             (condition, TaskAnswered::Seen { level: shown.level, is_target, seen })
         }
     };

@@ -6,6 +6,7 @@ use super::{
     study::TaskStudy,
 };
 use crate::{
+    analysis::tasks::psychometric::Fit,
     experiment::task::Common,
     statistics::Interval,
     text::{Cell, Column, Table},
@@ -72,10 +73,14 @@ fn ends(common: &Common, interval: Option<Interval>) -> [Cell; 2] {
 fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
     let last = [
         ("trials", "", "Number of trials with a target."),
-        ("threshold", "", "Level with F = 1/2."),
+        ("threshold", "", "Level with F = 1/2; empty if the most probable one lies outside the interval."),
         ("threshold_low", "", "Lower end of its 95 % interval."),
         ("threshold_high", "", "Upper end of its 95 % interval."),
-        ("slope", "per unit of the scale of the levels", "Slope of the psychometric function at the threshold."),
+        (
+            "slope",
+            "per unit of the scale of the levels",
+            "Slope of the psychometric function at the threshold; empty if the most probable one lies outside the interval.",
+        ),
         ("slope_low", "", "Lower end of its 95 % interval."),
         ("slope_high", "", "Upper end of its 95 % interval."),
         ("guess", "", "Guess rate."),
@@ -93,11 +98,12 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
         let mut row = vec![Cell::from(study.people[function.person].as_str())];
         row.extend(study.cells(function.condition));
         row.push(function.trials().into());
-        row.push(fit.map(|fit| common.level(fit.estimate.threshold)).into());
+        row.push(fit.and_then(Fit::determined_threshold).map(|threshold| common.level(threshold)).into());
         row.extend(ends(common, fit.map(|fit| fit.threshold)));
         let slope = fit.map(|fit| fit.slope_interval);
         row.extend(
-            [fit.map(|fit| fit.slope), slope.map(|slope| slope.low), slope.map(|slope| slope.high)].map(Cell::from),
+            [fit.and_then(Fit::determined_slope), slope.map(|slope| slope.low), slope.map(|slope| slope.high)]
+                .map(Cell::from),
         );
         row.extend([fit.map(|fit| fit.estimate.guess), fit.map(|fit| fit.estimate.lapse)].map(Cell::from));
         row.push(u64::from(function.beyond.is_some()).into());
@@ -153,7 +159,7 @@ fn detection(study: &TaskStudy, results: &TaskResults) -> Table {
         row.extend(study.cells(own.condition));
         let counts = [own.answers.hits, own.answers.misses, own.answers.false_alarms, own.answers.correct_rejections];
         row.extend(counts.map(|count| Cell::from(u64::from(count))));
-        let found = own.answers.detection();
+        let found = own.detection();
         row.extend([found.map(|f| f.d_prime), found.map(|f| f.d_prime_se)].map(Cell::from));
         row.extend([found.map(|f| f.criterion), found.map(|f| f.criterion_se)].map(Cell::from));
         row

@@ -19,7 +19,7 @@ use crate::{
         open::open_regular,
         table::{BYTE_ORDER_MARK, Content, MAX_ROW, decoded, rows_from},
     },
-    system::{entries, found, is_of_another_user},
+    system::{entries, found, identified, is_of_another_user},
     text::names::natural,
 };
 
@@ -28,7 +28,7 @@ use crate::{
 ///
 /// # Errors
 /// A file or folder does not exist or cannot be read; a folder contains no CSV files.
-pub(super) fn files(paths: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<FileError>), FileErrors> {
+pub fn files(paths: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<FileError>), FileErrors> {
     let (mut all, mut errors, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
     for path in paths {
         match found(path).map_err(io(path, "access")) {
@@ -132,9 +132,9 @@ impl Listed {
         let mut entered = HashSet::new();
         let mut open = vec![root.to_owned()];
         while let Some(folder) = open.pop() {
-            let inside = folder.canonicalize().and_then(|full| {
+            let inside = identified(&folder).and_then(|folder_id| {
                 // Without this check, a link to a parent folder would be followed forever.
-                if entered.insert(full) { listed.enter(&folder) } else { Ok(Vec::new()) }
+                if entered.insert(folder_id) { listed.enter(&folder) } else { Ok(Vec::new()) }
             });
             match inside {
                 Ok(folders) => open.extend(folders),
@@ -169,10 +169,22 @@ impl Listed {
                         "is a hidden data set and was not read; expected a name without a dot at its beginning";
                     self.warnings.push(FileError::whole(&path, message));
                 }
-            } else if found(&path)?.is_some_and(|metadata| metadata.is_dir()) {
-                folders.push(path);
-            } else if [".csv", ".csv.gz"].iter().any(|suffix| has_suffix(&path, suffix)) {
-                self.files.push(path);
+                continue;
+            }
+            match found(&path) {
+                Err(error) => {
+                    let message = format!("cannot be examined: {error}; expected a file or folder");
+                    self.errors.push(FileError::whole(&path, message));
+                }
+                Ok(Some(metadata)) if metadata.is_dir() && has_suffix(&path, DATA_FILE) => {
+                    let message = "is a folder; expected the data file of a session";
+                    self.errors.push(FileError::whole(&path, message));
+                }
+                Ok(Some(metadata)) if metadata.is_dir() => folders.push(path),
+                Ok(_) if [".csv", ".csv.gz"].iter().any(|suffix| has_suffix(&path, suffix)) => {
+                    self.files.push(path);
+                }
+                Ok(_) => {}
             }
         }
         Ok(folders)

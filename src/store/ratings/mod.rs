@@ -16,7 +16,8 @@ mod values;
 mod workbook;
 
 pub(super) use files::Header;
-pub use files::{Listed, column_names, with_files};
+pub use files::{Listed, column_names, files, with_files};
 pub use reader::{read, read_columns};
 pub use selection::SIMULATED;
 pub use source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source, TimeLimits};
+pub(super) use values::is_missing;

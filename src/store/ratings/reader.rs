@@ -2,7 +2,7 @@
 //! determine which rows count, and pass those rows to the caller.
 
 use std::{
-    collections::{BTreeMap, BTreeSet, HashMap},
+    collections::{BTreeSet, HashMap},
     path::{Path, PathBuf},
 };
 
@@ -26,7 +26,6 @@ use crate::{
         file,
         table::Content,
     },
-    system::found,
     text::names::natural,
 };
 
@@ -208,23 +207,8 @@ fn warnings(inputs: &[Input]) -> Result<Vec<FileError>, FileErrors> {
             warnings.push(FileError::whole(&input.path, message));
         }
     }
-    // One warning for each data set, because a version control system may replace every file with a link.
-    let mut links: BTreeMap<&Path, Vec<PathBuf>> = BTreeMap::new();
-    for (input, folder) in inputs.iter().zip(described) {
-        if let Some(folder) = folder {
-            let found = links_out(folder, &input.path)
-                .map_err(|error| FileErrors(io(folder, "access")(error).errors(folder)))?;
-            links.entry(folder).or_default().extend(found);
-        }
-    }
-    warnings.extend(links.into_iter().filter(|(_, paths)| !paths.is_empty()).map(|(folder, paths)| {
-        let (first, all) = (paths[0].display(), paths.len());
-        let message = format!(
-            "some of its files are links to files outside (in total {all}, such as {first}); expected regular files (the \
-             links were followed)"
-        );
-        FileError::whole(folder, message)
-    }));
+    let of_datasets = inputs.iter().zip(described).filter_map(|(input, folder)| Some((&*input.path, folder?)));
+    warnings.extend(dataset::links_out(of_datasets)?);
     warnings.extend(counts_warning(inputs));
     Ok(warnings)
 }
@@ -241,21 +225,6 @@ fn counts_warning(inputs: &[Input]) -> Option<FileError> {
          model"
     );
     Some(FileError::whole(&first.path, message))
-}
-
-/// Returns those of a data file and its sidecar that are outside the data set once links are resolved.
-///
-/// # Errors
-/// I/O errors.
-fn links_out(dataset: &Path, csv: &Path) -> std::io::Result<Vec<PathBuf>> {
-    let inside = dataset.canonicalize()?;
-    let mut outside = Vec::new();
-    for path in [csv.to_owned(), csv.with_extension("json")] {
-        if found(&path)?.is_some() && !path.canonicalize()?.starts_with(&inside) {
-            outside.push(path);
-        }
-    }
-    Ok(outside)
 }
 
 /// Returns the sessions of all result files, and determines how the rows of these files are used.

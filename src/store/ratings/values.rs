@@ -16,7 +16,7 @@ const MAX_UNIQUE: usize = 20;
 
 /// True if a cell has no value. Words that are only sometimes written for a missing value may name a level, so they are
 /// missing only if all other values of the column are numbers (`among_numbers`).
-pub(super) fn is_missing(text: &str, among_numbers: bool) -> bool {
+pub(in crate::store) fn is_missing(text: &str, among_numbers: bool) -> bool {
     matches!(text, "" | "NA" | "NaN" | "nan" | "NULL" | "#N/A" | "N/A" | "n/a")
         || (among_numbers && matches!(text, "." | "None" | "null"))
 }

@@ -2,7 +2,7 @@
 //! programs: `dataset_description.json`, `README.md`, `CHANGES.md` and the list of files that are not data.
 
 use std::{
-    collections::HashSet,
+    collections::{BTreeMap, HashSet},
     path::{Path, PathBuf},
     time::Duration,
 };
@@ -13,12 +13,12 @@ use super::{frames, lock};
 use crate::{
     experiment::{Column, Definition, Identity, Protocol, columns},
     store::{
-        StoreError,
+        FileError, FileErrors, StoreError,
         error::io,
         file::{exists, make_folder, remove_temporary, write_json, write_missing},
         open::read_regular,
     },
-    system::{entries, link_target, unless_missing},
+    system::{entries, found, link_target, unless_missing},
 };
 
 /// Suffix of a data file in a Psych-DS data set; our result files have it too.
@@ -125,6 +125,40 @@ pub(crate) fn of(csv: &Path) -> Option<&Path> {
 pub(crate) fn described(csv: &Path) -> Result<Option<&Path>, StoreError> {
     let Some(folder) = of(csv) else { return Ok(None) };
     Ok(exists(&folder.join(DESCRIPTION))?.then_some(folder))
+}
+
+/// Returns a warning for each data set of which data files or sidecars are outside once links are resolved. The data files
+/// are given with the folders of their data sets.
+///
+/// # Errors
+/// A file or folder cannot be accessed.
+pub(crate) fn links_out<'a>(
+    files: impl IntoIterator<Item = (&'a Path, &'a Path)>,
+) -> Result<Vec<FileError>, FileErrors> {
+    // One warning for each data set, because a version control system may replace every file with a link.
+    let mut links: BTreeMap<&Path, Vec<PathBuf>> = BTreeMap::new();
+    for (csv, folder) in files {
+        let outside = || -> std::io::Result<Vec<PathBuf>> {
+            let (inside, mut outside) = (folder.canonicalize()?, Vec::new());
+            for path in [csv.to_owned(), csv.with_extension("json")] {
+                if found(&path)?.is_some() && !path.canonicalize()?.starts_with(&inside) {
+                    outside.push(path);
+                }
+            }
+            Ok(outside)
+        };
+        let outside = outside().map_err(|error| FileErrors(io(folder, "access")(error).errors(folder)))?;
+        links.entry(folder).or_default().extend(outside);
+    }
+    let warning = |(folder, paths): (&Path, Vec<PathBuf>)| {
+        let (first, all) = (paths.first()?.display(), paths.len());
+        let message = format!(
+            "some of its files are links to files outside (in total {all}, such as {first}); expected regular files (the \
+             links were followed)"
+        );
+        Some(FileError::whole(folder, message))
+    };
+    Ok(links.into_iter().filter_map(warning).collect())
 }
 
 /// Returns the part of a data file's name before `_data.csv`, and the participant and session that it names.

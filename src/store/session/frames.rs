@@ -14,7 +14,7 @@ use crate::{
     store::{
         FileErrors, StoreError,
         file::{AppendFile, exists},
-        open::open_regular,
+        open::{Complete, open_regular},
         table::{self, CellError, shortened},
     },
 };
@@ -163,7 +163,7 @@ pub fn read(path: &Path) -> Result<Vec<FrameRow>, FileErrors> {
 /// # Errors
 /// Reports every error, with its line and column, including those that `take` returns.
 pub(crate) fn each(path: &Path, take: impl FnMut(FrameRow) -> Result<(), CellError>) -> Result<(), FileErrors> {
-    let file = open_regular(path).map_err(|error| {
+    let file = open_regular(path).and_then(Complete::of).map_err(|error| {
         FileErrors::whole(path, format!("cannot be opened: {error}; expected the frames file of a session"))
     })?;
     each_of(&path.display().to_string(), BufReader::new(file), take)

@@ -92,6 +92,11 @@ fn sort(
     let mismatch = |what: String| StoreError::Mismatch { path: csv.to_owned(), what };
     let schedule = Schedule::new(protocol, identity, seed).map_err(|error| mismatch(error.to_string()))?;
     let mut replay = Replay::new(identity, Course::new(protocol.clone(), schedule), true);
+    let count = content.iter().filter(|byte| **byte == b'\n').count();
+    let empty = content.windows(2).filter(|pair| *pair == b"\n\n").count();
+    if 2 * empty > count {
+        return Err(mismatch(format!("{empty} of {count} lines are empty; expected the rows of a session")));
+    }
     let mut lines: Vec<&[u8]> = content.split_inclusive(|byte| *byte == b'\n').collect();
     let mut number = 1;
     let header = match lines.first() {

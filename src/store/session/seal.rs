@@ -15,7 +15,12 @@ use super::{
     frames,
     sidecar::Sidecar,
 };
-use crate::store::{FileError, StoreError, error::NotData, file::hexadecimal, open::open_regular};
+use crate::store::{
+    FileError, StoreError,
+    error::NotData,
+    file::hexadecimal,
+    open::{Complete, open_regular},
+};
 
 /// Maximum size of a file that is compared with a seal, in bytes. Frames of 8 hours at 480 Hz have a quarter of it.
 const MAX_HASHED: u64 = 4 << 30;
@@ -145,10 +150,14 @@ fn beside(csv: &Path, suffix: &str) -> PathBuf {
 }
 
 /// Opens a file that is compared with a seal.
-fn open(path: &Path) -> io::Result<File> {
+fn open(path: &Path) -> io::Result<Complete<File>> {
     let file = open_regular(path)?;
     let size = file.metadata()?.len();
-    if size > MAX_HASHED { Err(io::Error::other(NotData::TooLarge { size, most: MAX_HASHED })) } else { Ok(file) }
+    if size > MAX_HASHED {
+        Err(io::Error::other(NotData::TooLarge { size, most: MAX_HASHED }))
+    } else {
+        Complete::of(file)
+    }
 }
 
 /// The hashes of the beginnings of a file.
