@@ -299,7 +299,7 @@ impl Analysis {
         let texts = |errors: &[FileError]| errors.iter().map(ToString::to_string).collect();
         let (study, results) = match &self.found {
             Found::Ratings(study, results) => (study, results),
-            Found::Task(study, _) => return (Vec::new(), texts(&study.errors)),
+            Found::Task(study, _) => return (texts(&study.warnings), texts(&study.errors)),
         };
         let mut warnings: Vec<String> = texts(&study.source.warnings);
         let notes = results.model.iter().flat_map(|report| &report.model.notes);

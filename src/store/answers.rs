@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{
     Columns, FileError, FileErrors, StoreError,
     error::RowErrors,
-    ratings::{Header, is_missing},
+    ratings::{Header, SIMULATED, is_missing},
     table::{decoded, rows_from},
 };
 use crate::text::names::expected_one_of;
@@ -38,6 +38,8 @@ pub struct AnswerRow {
     pub correct: u32,
     /// Number of trials.
     pub total: u32,
+    /// Whether a program answered, as the column `simulated` says, if there is one.
+    pub is_simulated: bool,
 }
 
 /// The rows of a table of answers.
@@ -116,6 +118,7 @@ struct Places {
     total: Option<usize>,
     subject: Option<usize>,
     factors: Vec<usize>,
+    simulated: Option<usize>,
 }
 
 impl Places {
@@ -140,6 +143,7 @@ impl Places {
             total: columns.total.as_ref().map(place).transpose()?,
             subject: columns.subject.as_ref().map(place).transpose()?,
             factors: columns.factors.iter().map(place).collect::<Result<_, _>>()?,
+            simulated: header.position(SIMULATED),
         })
     }
 
@@ -183,6 +187,7 @@ impl Places {
             level: level.ok_or_else(|| wrong(self.level, "a level, which is a number"))?,
             correct,
             total,
+            is_simulated: self.simulated.is_some_and(|cell| matches!(&*text(cell).to_ascii_lowercase(), "1" | "true")),
         }))
     }
 }

@@ -61,8 +61,12 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
     let what = count(study.answers(), "answer");
     section.text(format!("{who} gave {what}."));
     if study.simulated > 0 {
-        let simulated = count(study.simulated as u64, "session");
-        section.warning(format!("Simulated: a program answered in {simulated}. These are not answers of people."));
+        let simulated = |what: &str| count(study.simulated as u64, what);
+        let place = match study.asked.protocol {
+            Some(_) => format!("in {}", simulated("session")),
+            None => format!("for {}", simulated("participant")),
+        };
+        section.warning(format!("Simulated: a program answered {place}. These are not answers of people."));
     }
     if !study.excluded.is_empty() {
         section.text(format!("Left out on request: {}.", list(&study.excluded)));

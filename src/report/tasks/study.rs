@@ -34,7 +34,7 @@ pub struct TaskStudy {
     pub files: Vec<(PathBuf, usize)>,
     /// The participants' IDs, in natural order of the files.
     pub people: Vec<String>,
-    /// How many sessions a program answered.
+    /// In how many sessions a program answered; in a table, for how many participants.
     pub simulated: usize,
     /// How many sessions are not complete.
     pub unfinished: usize,
@@ -216,12 +216,13 @@ impl TaskStudy {
             guess,
             protocol: None,
         };
+        let simulated: BTreeSet<&String> = rows.iter().filter(|row| row.is_simulated).map(|row| &row.subject).collect();
         let files = vec![(path.to_owned(), rows.len())];
         Self {
             asked,
             files,
             people,
-            simulated: 0,
+            simulated: simulated.len(),
             unfinished: 0,
             trials,
             errors: Vec::new(),
