@@ -138,9 +138,13 @@ pub fn analyze(
     drop_errors: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Analysis> {
-    let (paths, columns) = match data {
-        Data::Paths(paths) => (paths, None),
-        Data::Columns(columns) => (vec![TABLE.to_owned()], Some(table::given(&columns)?)),
+    let (paths, columns, simulated) = match data {
+        Data::Paths(paths) => (paths, None, 0),
+        Data::Columns(columns) => {
+            let is_mark = |cells: &Given<'_>| matches!(cells, Given::Whole(marks) if marks.as_slice().is_ok_and(|marks| marks.contains(&1)));
+            let simulated = columns.iter().any(|(name, cells)| name == SIMULATED && is_mark(cells));
+            (vec![TABLE.to_owned()], Some(table::given(&columns)?), usize::from(simulated))
+        }
     };
     fields.insert("paths".to_owned(), Field::List(paths));
     let asked: Analyze = request(fields)?;
@@ -157,7 +161,7 @@ pub fn analyze(
         };
         let study = match columns {
             Some(columns) => match asked.answers_in(TABLE, &columns)? {
-                Some(study) => return of_task(study),
+                Some(study) => return of_task(TaskStudy { simulated, ..study }),
                 None => asked.read_columns(TABLE, columns)?,
             },
             None => match asked.read_task()? {

@@ -162,6 +162,8 @@ def test_without_pandas_tables_are_dicts():
         "assert type(rows) is dict and rows['width'].dtype == float and rows['started_at'].dtype == 'datetime64[ms]'\n"
         "found = machband.analyze(rows, draws=99)\n"
         "assert type(found.tables['cells']) is dict and 'pandas' not in repr(sys.modules.get('machband'))\n"
+        "try: machband.simulate('quick', observer='x')\n"
+        "except machband.Error as error: assert error.__context__ is None\n"
         "print(len(rows['rating']))"
     )
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "56\n"
