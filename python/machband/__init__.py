@@ -32,8 +32,8 @@ from ._analysis import Analysis, Figure
 from ._experiment import Definition, simulate
 from ._machband import DataError, Error, __version__
 from ._shading import Mesh, Shaded, mesh, shade
-from ._stimulus import Parameter, Stimulus, Transfer, VisualAngle, interpolate, kinds, light, parameters, profile, stimulus
-from ._stimulus import visual_angle
+from ._stimulus import Parameter, Stimulus, Transfer, VisualAngle, interpolate, kinds, light, parameters, profile
+from ._stimulus import stimulus, visual_angle
 from ._study import DataWarning, Exported, Verification, analyze, export, read_results, verify
 from ._vision import Comparison, Place, Prediction, Steps, compare, predict, steps
 

@@ -18,7 +18,8 @@ from ._stimulus import Codes, Transfer
 Triple = Sequence[float]
 Shader = Literal["flat", "gouraud", "phong", "quadratic", "fixed", "gradient", "gradient-repaired", "patch", "c1-phong"]
 Shape = Literal[
-    "cube", "pyramid", "sphere", "uv-sphere", "torus", "jittered-torus", "blob", "terrain", "cylinder", "filleted-cylinder"
+    "cube", "pyramid", "sphere", "uv-sphere", "torus", "jittered-torus", "blob", "terrain", "cylinder",
+    "filleted-cylinder",
 ]
 
 
@@ -52,7 +53,7 @@ class Shaded(NamedTuple):
     def __repr__(self) -> str:
         """Tell the size."""
         height, width = self.image.shape[:2]
-        return f"<Shaded: {height} × {width} pixels of {self.image.dtype}, {'not ' if self.metrics is None else ''}measured>"
+        return f"<Shaded: {width} × {height} pixels, {self.image.dtype}{'' if self.metrics is None else ', measured'}>"
 
     def _repr_png_(self) -> bytes:
         return png(self.image)

@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Dither, Seed, Table, encoding, flag, name_of, number, numbers, options, path, png, suggests, table, text
-from ._common import value, whole
+from ._common import Dither, Seed, Table, encoding, flag, name_of, number, numbers, options, path, png, suggests, table
+from ._common import text, value, whole
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

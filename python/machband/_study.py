@@ -40,7 +40,8 @@ def read_results(folder: str | PathLike[str]) -> Table:
     A table with one row for each recorded trial: practice trials, and ratings that were corrected later, are included.
     IDs are text; times of day are UTC; depth is a number and can be infinite. The column ``simulated`` says whether a
     program answered; reports of these rows say so too. In a DataFrame, ``attrs["units"]`` and ``attrs["descriptions"]``
-    say what the columns mean. `analyze` uses the rows whose phase is ``main``, and only the last attempt of each trial::
+    say what the columns mean, ``attrs["categories"]`` what the scale is, and ``attrs["simulated"]`` whether a program
+    answered all rows. `analyze` uses the rows whose phase is ``main``, and only the last attempt of each trial::
 
         main = rows[rows.phase == "main"]
         last = main.sort_values("attempt").drop_duplicates(["subject_id", "session_id", "trial"], keep="last")
@@ -53,7 +54,7 @@ def read_results(folder: str | PathLike[str]) -> Table:
         root = Path(folder)
         sidecars = [root.with_suffix(".json")] if root.is_file() else root.rglob("*_data.json")
         definitions = [json.loads(file.read_bytes())["definition"] for file in sidecars if file.is_file()]
-        scales = {len(definition["response"]["labels"]) for definition in definitions}
+        scales = {len(one["response"]["labels"]) for one in definitions if not one.get("task")}
         rows.attrs["simulated"] = bool(found["simulated"].all())
         if len(scales) == 1:
             rows.attrs["categories"] = list(range(*scales))
@@ -106,14 +107,12 @@ def _scale(found: dict[str, Cells], orders: dict[str, Any], names: list[str], re
     return finite if np.isinf(different).any() and 0 < len(finite) <= 20 else None
 
 
-def _answered(
-    found: dict[str, Cells], used: list[str], is_dropping: bool
-) -> tuple[dict[str, Cells], list[str], list[str]]:
-    """Return the rows that have an answer, and what to warn of: rows without one, and rows that are wrong."""
+def _answered(found: dict[str, Cells], used: list[str], is_dropping: bool) -> tuple[list[str], list[str]]:
+    """Keep the rows that have an answer; return what to warn of: rows without one, and rows that are wrong."""
     given = [found.get(name) for name in used]
     if not all(isinstance(one, np.ndarray) for one in given):
         # The library says what is wrong.
-        return found, [], []
+        return [], []
     numbers = np.array(given, np.float64)
     right, trials = numbers[1], numbers[2] if len(used) > 2 else np.ones_like(numbers[1])
     is_there = ~np.isnan(numbers).any(axis=0)
@@ -123,9 +122,10 @@ def _answered(
     if len(rows) and (not is_dropping or 50 * len(rows) > len(right)):
         raise _wrong(rows, said[0])
     keep = is_there & ~is_wrong
-    kept = {name: one._replace(codes=one.codes[keep]) if isinstance(one, Levels) else one[keep] for name, one in found.items()}
-    warned = [f"table: rows without a level or an answer are left out ({lost} of {len(right)}); expected both in every row"] * (lost > 0)
-    return kept, warned, [f"table, row {row} (counted from 0): {one}" for row, one in zip(rows, said, strict=True)]
+    for name, one in found.items():
+        found[name] = one._replace(codes=one.codes[keep]) if isinstance(one, Levels) else one[keep]
+    missing = f"table: rows without a level or an answer are left out ({lost} of {len(right)}); expected both in all rows"
+    return [missing] * bool(lost), [f"table, row {row} (counted from 0): {one}" for row, one in zip(rows, said, strict=True)]
 
 
 @suggests
@@ -152,18 +152,19 @@ def analyze(
         A table: a DataFrame of pandas, whose named index levels count as columns, or of polars; a table of pyarrow or a
         relation of DuckDB, through the Arrow C stream, which needs pyarrow; a structured array, or a dict of columns. Or
         result files, folders, tables of counts, or any CSV files. Answers to a task are read from their folder. Ordered
-        categories (`Categorical`, `Enum`) say which values a column has, and their order. A masked value is missing. The
-        scale of a table that is not from `read_results` is the one that its responses show.
+        categories (`Categorical`, `Enum`) say which values a column has, and their order. A masked value is missing;
+        True is 1, and False 0. A DataFrame from `read_results` or `simulate` knows its scale by its attributes, which a
+        selection keeps and a merge may lose; any other table has the scale that its responses show.
     subject
         Column with the participant ID [default: subject_id, or the only column participant, participant_id, subject or
         subject_nr].
     response
-        Column with the ordered response [default: rating, 0–3].
+        Column with the ordered response [default: rating].
     wide
         Columns with the ordered responses at each level of a factor, which is named condition unless NAME= says
         otherwise.
     missing
-        Texts that mean a missing response, such as -99, in addition to an empty cell, NA and similar words.
+        Numbers or texts that mean a missing response, such as -99, in addition to an empty cell, NA and similar words.
     categories
         Categories of the response, lowest first, if they are not numbers. Quote a category that contains a comma, as in
         CSV: 'low,"medium, mostly",high'.
@@ -207,12 +208,13 @@ def analyze(
         Column that names the stimuli of which the study shows a sample, such as pictures: each has a random intercept,
         beside those of the participants, so that conclusions hold for other stimuli.
     draws
-        Maximum number of simulated studies that calibrate tests and intervals, 99 to 1,000,000. Simulation ends earlier when more
-        studies would not change a conclusion.
+        Maximum number of simulated studies that calibrate tests and intervals, 99 to 1,000,000. Simulation ends earlier
+        when more studies would not change a conclusion.
     seed
         Seed of the simulated studies.
     level
-        Column with the levels of a psychometric function: the table has answers at levels instead of ratings.
+        Column with the levels of a psychometric function: the table has answers at levels instead of ratings. In a file,
+        `subject` then has no default.
     correct
         Column with the number of right answers, or of answers yes; without `total`, 1 or 0.
     total
@@ -228,7 +230,7 @@ def analyze(
         Fit the function to the decadic logarithms of the levels.
     factors
         Columns with the factors [default: the factors of the definition or of the terms]. A dict gives the order of
-        their levels, of which the first is the baseline: ``{"dose": ["none", "little", "lots"]}``.
+        all their levels, of which the first is the baseline: ``{"dose": ["none", "little", "lots"]}``.
     on_error
         What to do with rows that are wrong, such as a rating that is not on the scale: ``raise`` a `DataError`, whose
         `rows` are their positions, or ``drop`` them with a warning, if they are at most 2 % of the rows.
@@ -247,17 +249,17 @@ def analyze(
         raise Error(f"on_error is {on_error!r}; expected 'raise' or 'drop'")
     if response is not None and wide is not None:
         raise TypeError("analyze() got response and wide; expected one of them")
-    of_levels = {"correct": correct, "guess": guess, "total": total, "function": function, "easier": easier, "log": log or None}
+    of_levels = dict(correct=correct, guess=guess, total=total, function=function, easier=easier, log=log or None)
     asked = [name for name, one in of_levels.items() if one is not None]
     if level is None and asked:
         raise TypeError(f"analyze() got {asked[0]} without level; expected both")
     if level is not None and (lacking := [name for name in ("correct", "guess") if name not in asked]):
         raise TypeError(f"analyze() got level without {' and '.join(lacking)}; expected level, correct and guess")
-    if isinstance(missing, (int, float)) and not isinstance(missing, bool):
+    if isinstance(missing, (int, float, np.number)) and not isinstance(missing, bool):
         missing = [missing]
     found: dict[str, Cells] = {}
     orders: dict[str, Any] = {}
-    lost: list[list[str]] = [[], []]
+    lost: tuple[list[str], list[str]] = [], []
     given_columns = columns(data)
     if given_columns is None:
         cells: list[str] | list[tuple[str, Any]] = list(_paths(data))
@@ -276,17 +278,17 @@ def analyze(
             usual = [name for name in found if name.lower() in _SUBJECTS]
             subject = subject or ("subject_id" if "subject_id" in found else usual[0] if len(usual) == 1 else None)
             used = [level, str(correct), *([] if total is None else [total])]
-            found, *lost = _answered(found, used, on_error == "drop")
+            lost = _answered(found, used, on_error == "drop")
         else:
             ratings = found.get("rating")
             if response is None and "task" in found and isinstance(ratings, np.ndarray) and np.isnan(ratings).all():
                 raise Error("the rows answer a task and have no rating; expected the folder of their sessions")
             orders = {name: cell.levels for name, cell in found.items() if isinstance(cell, Levels) and cell.is_ordered}
-            if categories is None:
-                names = [response or "rating"] if wide is None else next(csv.reader([texts("wide", wide).split("=", 1)[-1]]))
-                is_recorded = response is None and wide is None
-                categories = _scale(found, orders, names, known.get("categories") if is_recorded else None)
-            if response is None and wide is None and "phase" in found:
+            names = next(csv.reader([texts("wide", [response or "rating"] if wide is None else wide).split("=", 1)[-1]]))
+            is_ours = response is None and wide is None
+            scale = _scale(found, orders, names, known.get("categories") if is_ours else None)
+            categories = scale if categories is None else categories
+            if is_ours and "phase" in found:
                 # The library would assume a scale from 0 to 3.
                 response = "rating"
         cells = [(name, cell[:2] if isinstance(cell, Levels) else cell) for name, cell in found.items()]

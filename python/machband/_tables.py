@@ -154,7 +154,7 @@ def ordered(factor: str, listed: Any, cells: Cells | None, is_complete: bool) ->
     problems = [f"{level!r}, which is no level of it" for level in wrong]
     problems += [f"{level!r} twice" for place, level in enumerate(texts) if keys[place] in keys[:place]]
     problems += [f"no {level!r}" for its, level in known.items() if is_complete and its not in keys]
-    if keys and problems:
+    if keys and known and problems:
         expected = f"expected {', '.join([*known.values()][:20])}, each once"
         raise Error(f"factors[{factor!r}] has {problems[0]}; {expected}{nearest(*wrong[:1], among=known.values())}")
     return texts
@@ -206,9 +206,9 @@ def _factorized(name: str, array: npt.NDArray[Any]) -> tuple[Whole, Any]:
 
 
 def _times(moments: Any) -> list[str]:
-    """Return times of day in UTC as texts: dates if all are at midnight, otherwise as precise as they are, from 1 ms on."""
-    plain = [one.astimezone(timezone.utc).replace(tzinfo=None) if getattr(one, "tzinfo", None) else one for one in moments]
-    times = np.array([getattr(one, "to_datetime64", lambda one=one: np.datetime64(one))() for one in plain])
+    """Return times in UTC as texts: dates if all are at midnight, otherwise as precise as they are, from 1 ms on."""
+    utc = [one.astimezone(timezone.utc).replace(tzinfo=None) if getattr(one, "tzinfo", None) else one for one in moments]
+    times = np.array([getattr(one, "to_datetime64", lambda one=one: np.datetime64(one))() for one in utc])
     unit = next(unit for unit in ("D", "ms", "us", "ns", "as") if (times == times.astype(f"M8[{unit}]")).all())
     return [one if unit == "D" else f"{one}Z" for one in times.astype(f"M8[{unit}]").astype(str).tolist()]
 

@@ -168,8 +168,7 @@ def compare(
     0.0
     """
     fields = options(compare, locals())
-    if (window_deg is None) == (ppd is None):
-        raise TypeError(f"compare() got {'neither' if ppd is None else 'both'} of window_deg and ppd; expected one of them")
+    _viewed("compare", window_deg, ppd)
     given = None
     if _is_path(picture) and _is_path(reference):
         fields.update(picture=path("picture", picture), reference=path("reference", reference))
@@ -224,12 +223,18 @@ def steps(
     True
     """
     fields = {**options(steps, locals()), "steps": True}
-    if (window_deg is None) == (ppd is None):
-        raise TypeError(f"steps() got {'neither' if ppd is None else 'both'} of window_deg and ppd; expected one of them")
+    _viewed("steps", window_deg, ppd)
     if _is_path(picture):
         return Steps(**_machband.steps({**fields, "picture": path("picture", picture)}, None))
     found = _machband.steps({**fields, "picture": "picture"}, _pixels("picture", picture))
     return Steps(**{**found, "light": "as asked" if {"transfer", "display"} & {*fields} else "sRGB is assumed"})
+
+
+def _viewed(name: str, window_deg: float | None, ppd: float | None) -> None:
+    """Check that there is one visual size."""
+    if (window_deg is None) == (ppd is None):
+        which = "neither" if ppd is None else "both"
+        raise TypeError(f"{name}() got {which} of window_deg and ppd; expected one of them")
 
 
 def _is_path(given: object) -> bool:

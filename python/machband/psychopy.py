@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Sequence
 from typing import Any
 
@@ -76,7 +75,8 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
     ) -> None:
         """Make a stimulus for a window."""
         super().__init__(name=name, autoLog=False)
-        self.win, self.kind = win, kind
+        self.win = win
+        self.kind: Kind = kind
         self._drawer = _Drawer(self)
         units = units or win.units
         self.__dict__.update(size=_side(size), transfer=transfer, dither=dither, seed=seed)
@@ -154,11 +154,12 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
         elif name in type(self)._images:
             setattr(self._image, name, value)
         else:
-            near = difflib.get_close_matches(name, self.__dict__.get("parameters", {}), 1, 0.75)
+            near = nearest(name, among=self.__dict__.get("parameters", {}), cutoff=0.75)
             if near and not hasattr(self, name):
-                raise AttributeError(f"{name!r} is not known; did you mean {near[0]!r}?")
+                raise AttributeError(f"{name!r} is not known{near}")
             if name in ("contrast", "mask", "image", "tex"):
-                raise AttributeError(f"{name!r} cannot be set; expected one of {', '.join([*self._own, *self._images, *self.parameters])}")
+                settable = ", ".join([*self._own, *self._images, *self.parameters])
+                raise AttributeError(f"{name!r} cannot be set; expected one of {settable}")
             super().__setattr__(name, _side(value) if name == "size" else value)
             if name in type(self)._own:
                 self.__dict__["_drawn"] = None

@@ -243,8 +243,8 @@ def test_wrong_keywords_are_named():
 
 def test_wrong_words_are_named():
     for call, near in [
-        (lambda: machband.stimuli.mach_band(color="grey"), "gray"), (lambda: machband.stimulus(dither="bluenoise"), "blue-noise"),
-        (lambda: machband.stimulus(transfer="sRGB"), "srgb"), (lambda: machband.stimuli.mach_band(space="hvs"), "hsv"),
+        (lambda: machband.stimulus(color="grey"), "gray"), (lambda: machband.stimulus(dither="bluenoise"), "blue-noise"),
+        (lambda: machband.stimulus(transfer="sRGB"), "srgb"), (lambda: machband.stimulus(space="hvs"), "hsv"),
     ]:
         with pytest.raises(machband.Error, match=f"did you mean '{near}'"):
             call()
@@ -254,7 +254,8 @@ def test_a_stimulus_does_not_change():
     color = np.array([1, 0, 0])
     made = machband.stimuli.mach_band(color=color, depth=np.inf, size=8)
     color[:] = 1
-    assert made.light[0, 0].tolist() == [0.25, 0, 0] and made == machband.stimuli.mach_band(color=[1, 0, 0], depth="inf", size=8)
+    assert made.light[0, 0].tolist() == [0.25, 0, 0]
+    assert made == machband.stimuli.mach_band(color=[1, 0, 0], depth="inf", size=8)
     assert eval(repr(made), {"Stimulus": machband.Stimulus}) == made
     with pytest.raises(AttributeError, match="width of a stimulus cannot be set; expected another"):
         made.width = 0.1

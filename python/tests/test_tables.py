@@ -39,9 +39,10 @@ def test_every_kind_of_table_is_the_same():
     words = dict(zip(frame, [frame.who.to_numpy(), frame.answer.astype(object).to_numpy(), frame.dose, frame.n], strict=True))
     relation = duckdb.from_arrow(pyarrow.table(pl))
     scale = {"categories": ["low", "mid, or so", "high"]}
+    enums = relation.project(f"* REPLACE (answer::ENUM{(*scale['categories'],)} AS answer)")
     for table, further in [
         (frame, {}), (frame.set_index("who"), {}), (pl, {}), (pyarrow.table(pl), {}), (pyarrow.table(pl).to_reader(), {}),
-        (relation, scale), (relation.project(f"* REPLACE (answer::ENUM{(*scale['categories'],)} AS answer)"), {}), (words, scale), (frame.astype({"who": object, "answer": object}), scale),
+        (relation, scale), (enums, {}), (words, scale), (frame.astype({"who": object, "answer": object}), scale),
         (np.array(list(zip(*words.values(), strict=True)), [(name, "O") for name in words]), scale),
     ]:
         with warnings.catch_warnings():
@@ -130,7 +131,8 @@ def test_order_and_baseline_are_as_given(how):
     days = pandas.to_datetime(["2024-01-02", "2024-01-01"] * 24)
     for dose, order, baseline in [
         ([True, False] * 24, [True, False], "1"), (pandas.array([True, None, False] * 16, "boolean"), [True, False], "1"),
-        (days, [*days[:2]], "2024-01-02"), (days, ["2024-01-02", "2024-01-01"], "2024-01-02"), ([0.5, 2] * 24, ["2.0", 0.5], "2"),
+        (days, [*days[:2]], "2024-01-02"), (days, ["2024-01-02", "2024-01-01"], "2024-01-02"),
+        ([0.5, 2] * 24, ["2.0", 0.5], "2"),
     ]:
         found = machband.analyze(study(dose=dose).dropna(), **{**GIVEN, "factors": {"dose": order}})
         assert found.tables["by_dose"]["dose"].astype(str).tolist()[0] == baseline
@@ -158,7 +160,8 @@ def test_times_and_bytes_are_the_same_texts():
     for written in [["2024-01-01", "2024-01-02"], ["2024-01-01T00:00:00.000100Z", "2024-01-01T00:00:00.000200Z"]]:
         times = np.array([text.rstrip("Z") for text in written], "M8[us]")
         frame = study(dose=np.tile(times, 24))
-        of_polars = polars.from_pandas(frame.astype({"answer": object})).with_columns(polars.col("answer").cast(polars.Enum(list(frame.answer.cat.categories))))
+        enum = polars.col("answer").cast(polars.Enum([*frame.answer.cat.categories]))
+        of_polars = polars.from_pandas(frame.astype({"answer": object})).with_columns(enum)
         for table in [frame, of_polars, frame.assign(dose=[time.item() for time in np.tile(times, 24)])]:
             assert machband.analyze(table, **GIVEN).tables["by_dose"]["dose"].tolist() == written
     frame = study(who=[b"a", b"b", b"c", b"d"] * 12)
@@ -169,7 +172,8 @@ def test_times_and_bytes_are_the_same_texts():
     ("dose", "error", "words"),
     [
         ([[1]] * 48, TypeError, "column 'dose' has cells of list"), ([{}] * 48, TypeError, "cells of dict"),
-        (pandas.Series(["\ud800", "a"] * 24, dtype=object), machband.Error, "expected text in Unicode"), ([b"\xff", b"a"] * 24, machband.Error, "UTF-8"),
+        (pandas.Series(["\ud800", "a"] * 24, dtype=object), machband.Error, "expected text in Unicode"),
+        ([b"\xff", b"a"] * 24, machband.Error, "UTF-8"),
     ],
 )
 def test_wrong_cells_are_refused(dose, error, words):
@@ -194,15 +198,17 @@ def test_wrong_tables_of_others_are_refused():
 
 def test_wide_columns_have_their_scale():
     names = ["no", "some", "lots"]
-    frame = pandas.DataFrame({"who": [*"abcd"], **{name: pandas.Categorical(["lots", "no", "some", "no"], names, ordered=True) for name in "xy"}})
+    answers = pandas.Categorical(["lots", "no", "some", "no"], names, ordered=True)
+    frame = pandas.DataFrame({"who": [*"abcd"], "x": answers, "y": answers})
     for wide in [["x", "y"], "x,y", "place=x,y"]:
         assert machband.analyze(frame, subject="who", wide=wide, draws=99).model["categories"] == names
 
 
 @pytest.mark.parametrize("labels", [["no", "some", "lots"], ["no", "few", "some", "lots", "all"]])
 def test_a_table_keeps_the_scale_of_its_definition(labels, tmp_path):
-    keys = {"schema": 1, "name": "t", "stimulus": {"kind": "mach-band"}, "factors": {"width": [0.05, 0.4]}, "response": {"labels": labels}}
-    rows = machband.simulate({**keys, "design": {"repetitions": 6}}, participants=3, seed=1, results=tmp_path)
+    keys = {"schema": 1, "name": "t", "stimulus": {"kind": "mach-band"}, "factors": {"width": [0.05, 0.4]}}
+    keys |= {"response": {"labels": labels}, "design": {"repetitions": 6}}
+    rows = machband.simulate(keys, participants=3, seed=1, results=tmp_path)
     assert rows.attrs["categories"] == [*range(len(labels))] and machband.read_results(tmp_path).attrs == rows.attrs
     expected = machband.analyze(tmp_path, draws=99)
     assert machband.analyze(rows, draws=99).files == expected.files

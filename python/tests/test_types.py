@@ -55,7 +55,8 @@ def test_the_stimuli_are_those_of_the_library():
     assert done.stdout == (ROOT / "machband" / "stimuli.py").read_text(), "run scripts/generate_stimuli.py"
     assert set(typing.get_args(_stimulus.Kind)) == set(machband.kinds())
     mesh = machband.parameters("shaded-mesh")
-    assert [*typing.get_args(_shading.Shader)] == mesh["shader"].choices and [*typing.get_args(_shading.Shape)] == mesh["mesh"].choices
+    assert [*typing.get_args(_shading.Shader)] == mesh["shader"].choices
+    assert [*typing.get_args(_shading.Shape)] == mesh["mesh"].choices
     for kind in machband.kinds():
         made = getattr(machband.stimuli, kind.replace("-", "_"))(size=32)
         assert made == machband.Stimulus(kind, size=32)
