@@ -287,10 +287,7 @@ def options(function: Callable[..., Any], given: Mapping[str, Any], *but: str) -
     return fields
 
 
-def table(
-    columns: Mapping[str, np.ndarray[Any, Any]],
-    described: list[tuple[str, str, str]] | None = None,
-) -> Table:
+def table(columns: Mapping[str, np.ndarray[Any, Any]], described: list[tuple[str, str, str]] | None = None) -> Table:
     """Return columns as a table. What is known about them goes into `DataFrame.attrs`."""
     try:
         import pandas

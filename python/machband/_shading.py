@@ -60,9 +60,7 @@ class Shaded(NamedTuple):
 
 
 @suggests
-def mesh(
-    name_or_path: Shape | str | PathLike[str] = "blob", *, n_vertices: int = 313, crease: float = 180.0,
-) -> Mesh:
+def mesh(name_or_path: Shape | str | PathLike[str] = "blob", *, n_vertices: int = 313, crease: float = 180.0) -> Mesh:
     """Return a built-in shape, or a mesh from an OBJ, PLY, glTF or GLB file.
 
     Parameters
@@ -178,8 +176,8 @@ def shade(
     white, black
         As in `compare`.
     shader
-        A shader that ``machband shade --help`` lists, such as ``gouraud`` or ``patch``; `None`, with `truth`, for the
-        smooth surface alone.
+        ``flat``, ``gouraud``, ``phong``, ``quadratic``, ``fixed``, ``gradient``, ``gradient-repaired``, ``patch`` or
+        ``c1-phong``; `None`, with `truth`, for the smooth surface alone.
     truth
         `True`, with ``shader=None``, draws the smooth surface behind a built-in shape. The path of a finer mesh: the
         surface to compare with, or, with ``shader=None``, to draw.

@@ -51,7 +51,7 @@ class Prediction:
 
 @suggests
 def predict(
-    kind: Kind = "mach-band", *, large: bool = False, display: str | PathLike[str] | None = None,
+    kind: Kind = "mach-band", *, display: str | PathLike[str] | None = None,
     size: int | None = None, window_deg: float | None = None, ppd: float | None = None,
     white: float | None = None, black: float | None = None, criterion: str | PathLike[str] | None = None,
     **parameters: Unpack[Parameters],
@@ -62,8 +62,6 @@ def predict(
     ----------
     kind
         One of `kinds`.
-    large
-        Also accept a criterion from ratings beyond the limits of `analyze`. This needs more time and memory.
     display
         Display profile written by `machband calibrate`.
     size
