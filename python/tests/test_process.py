@@ -224,6 +224,10 @@ def test_psychopy_shows_the_codes(window_size):
         assert stim.ori == 90
         with pytest.raises(AttributeError, match="did you mean 'width'"):
             stim.widht = 0.2
+        with pytest.raises(AttributeError, match="'contrast' cannot be set"):
+            stim.contrast = 0.5
+        with pytest.raises(machband.Error, match="size is -5"):
+            stim.size = -5
         with pytest.raises(machband.Error, match="below low"):
             stim.low = 0.95
         # PsychoPy linearizes the display.
