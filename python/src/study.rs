@@ -141,9 +141,8 @@ pub fn analyze(
     let (paths, columns, simulated) = match data {
         Data::Paths(paths) => (paths, None, 0),
         Data::Columns(columns) => {
-            let is_mark = |cells: &Given<'_>| {
-                matches!(cells, Given::Whole(marks) if marks.as_slice().is_ok_and(|marks| marks.contains(&1)))
-            };
+            let is_true = |marks: &[i64]| marks.contains(&1);
+            let is_mark = |cells: &Given<'_>| matches!(cells, Given::Whole(all) if all.as_slice().is_ok_and(is_true));
             let simulated = columns.iter().any(|(name, cells)| name == SIMULATED && is_mark(cells));
             (vec![TABLE.to_owned()], Some(table::given(&columns)?), usize::from(simulated))
         }
